@@ -1,0 +1,1 @@
+//! Experiments: a file, its plan, its run.

@@ -1,0 +1,1 @@
+//! The g-buffer: what the camera sees, one texel a pixel.

@@ -1,0 +1,43 @@
+//! Every number that Rust and GLSL share. The build script writes `generated/constants.glsl` from [`ALL`].
+
+/// A shared number as GLSL text needs it.
+#[derive(Clone, Copy, Debug)]
+pub enum Value {
+    Float(f32),
+    Uint(u32),
+}
+
+macro_rules! constants {
+    ($($(#[$doc:meta])* $name:ident: $ty:tt = $value:expr;)*) => {
+        $($(#[$doc])* pub const $name: $ty = $value;)*
+        /// Every shared constant by name, in the order of this file.
+        pub const ALL: &[(&str, Value)] = &[$((stringify!($name), constants!(@value $ty $name))),*];
+    };
+    (@value f32 $name:ident) => { Value::Float($name) };
+    (@value u32 $name:ident) => { Value::Uint($name) };
+}
+
+constants! {
+    /// π in f32.
+    PI: f32 = std::f32::consts::PI;
+    /// Smallest microfacet width that is shaded as a lobe; below it `alpha²` underflows the distributions in f32.
+    ALPHA_MIN: f32 = 1e-3;
+    /// Floor of a clamped cosine. 0 would divide by zero in `1/(4 n_dot_v)`; a larger floor darkens the rim visibly.
+    COSINE_MIN: f32 = 1e-6;
+    /// Side of the square work group of image passes.
+    GROUP_SIDE: u32 = 8;
+    /// Invocations of a linear work group (reductions, probes).
+    GROUP_LINEAR: u32 = 64;
+    /// Number of real spherical harmonics up to degree 2.
+    SH9_COUNT: u32 = 9;
+    /// Masking-shadowing variants; the order is that of `brdf::MaskingShadowing`.
+    MASKING_SEPARABLE: u32 = 0;
+    /// Height-correlated Smith.
+    MASKING_CORRELATED: u32 = 1;
+    /// Karis' Schlick-Smith with k = alpha/2.
+    MASKING_SCHLICK: u32 = 2;
+    /// Light kinds; the order is that of `scene::LightKind`.
+    LIGHT_DIRECTIONAL: u32 = 0;
+    /// A point light.
+    LIGHT_POINT: u32 = 1;
+}

@@ -1,0 +1,165 @@
+//! Every struct that Rust and GLSL both read. The build script writes `generated/layout.glsl` from [`ALL`].
+//!
+//! Members: 16-byte vectors first, then 4-byte scalars; no vec3, arrays or bool, so that std430, scalar and Rust order agree.
+
+/// A member as GLSL text needs it.
+pub struct Member {
+    pub ty: &'static str,
+    pub name: &'static str,
+}
+
+/// A shared struct as GLSL text needs it.
+pub struct Struct {
+    pub name: &'static str,
+    pub members: &'static [Member],
+}
+
+/// A shared struct that can be handed to a shader.
+pub trait SharedStruct {
+    /// Size in bytes, with no padding in or after it.
+    const SIZE: usize;
+    /// The bytes as the shader reads them.
+    fn to_bytes(&self) -> Vec<u8>;
+}
+
+macro_rules! shared_structs {
+    ($($(#[$doc:meta])* $name:ident { $($(#[$mdoc:meta])* $member:ident: $ty:ident,)* })*) => {
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Copy, Debug, Default, PartialEq)]
+            pub struct $name { $($(#[$mdoc])* pub $member: shared_structs!(@rust $ty),)* }
+            impl SharedStruct for $name {
+                const SIZE: usize = 0 $(+ shared_structs!(@size $ty))*;
+                fn to_bytes(&self) -> Vec<u8> {
+                    let mut bytes = Vec::with_capacity(Self::SIZE);
+                    $(shared_structs!(@push $ty bytes self.$member);)*
+                    bytes
+                }
+            }
+        )*
+        /// Every shared struct, in the order of this file.
+        pub const ALL: &[Struct] = &[$(Struct {
+            name: stringify!($name),
+            members: &[$(Member { ty: stringify!($ty), name: stringify!($member) }),*],
+        }),*];
+    };
+    (@rust vec4) => { [f32; 4] };
+    (@rust uvec4) => { [u32; 4] };
+    (@rust float) => { f32 };
+    (@rust uint) => { u32 };
+    (@size vec4) => { 16 };
+    (@size uvec4) => { 16 };
+    (@size float) => { 4 };
+    (@size uint) => { 4 };
+    (@push vec4 $bytes:ident $value:expr) => { for x in $value { $bytes.extend_from_slice(&x.to_ne_bytes()); } };
+    (@push uvec4 $bytes:ident $value:expr) => { for x in $value { $bytes.extend_from_slice(&x.to_ne_bytes()); } };
+    (@push float $bytes:ident $value:expr) => { $bytes.extend_from_slice(&$value.to_ne_bytes()); };
+    (@push uint $bytes:ident $value:expr) => { $bytes.extend_from_slice(&$value.to_ne_bytes()); };
+}
+
+shared_structs! {
+    /// Push constants of the mip downsample: one level from the level above it.
+    MipsParams {
+        source_width: uint,
+        source_height: uint,
+        width: uint,
+        height: uint,
+    }
+    /// Push constants of the SH9 projection.
+    Sh9Params {
+        width: uint,
+        height: uint,
+        group_count: uint,
+        pad: uint,
+    }
+    /// Push constants of both irradiance-map passes.
+    IrradianceParams {
+        width: uint,
+        height: uint,
+        /// Samples in azimuth of the numerical integration.
+        phi_count: uint,
+        /// Samples in polar angle of the numerical integration.
+        theta_count: uint,
+        source_width: uint,
+        source_height: uint,
+        pad0: uint,
+        pad1: uint,
+    }
+    /// Push constants of one prefiltered level.
+    PrefilterParams {
+        width: uint,
+        height: uint,
+        source_width: uint,
+        source_height: uint,
+        sample_count: uint,
+        alpha: float,
+        lod_bias: float,
+        /// First row of this dispatch, so that long levels split over several submissions.
+        first_row: uint,
+    }
+    /// Push constants of the DFG table.
+    DfgParams {
+        width: uint,
+        height: uint,
+        sample_count: uint,
+        first_row: uint,
+    }
+    /// Push constants of the g-buffer pass: `clip_from_world` by columns, then the eye (w = 1) or the direction to the viewer (w = 0).
+    GbufferParams {
+        clip_from_world_0: vec4,
+        clip_from_world_1: vec4,
+        clip_from_world_2: vec4,
+        clip_from_world_3: vec4,
+        eye: vec4,
+        /// x, y of the lower left and upper right corner of the sphere's bounds in clip space; unused for meshes.
+        bounds: vec4,
+        width: uint,
+        height: uint,
+        instance: uint,
+        pad: uint,
+    }
+    /// A material as the g-buffer pass reads it. `f0` is the dielectric reflectance; metals take `albedo` instead.
+    MaterialData {
+        albedo_metallic: vec4,
+        f0_alpha: vec4,
+    }
+    /// A sphere as the g-buffer pass reads it: centre and radius, then the index of its material in x.
+    SphereData {
+        center_radius: vec4,
+        material: uvec4,
+    }
+    /// Push constants of every shading pass. The rows of the rotation turn a world direction into the environment's frame.
+    ShadeParams {
+        environment_from_world_0: vec4,
+        environment_from_world_1: vec4,
+        environment_from_world_2: vec4,
+        /// Eye position (w = 1) or direction to the viewer (w = 0).
+        eye: vec4,
+        width: uint,
+        height: uint,
+        environment_width: uint,
+        environment_height: uint,
+        sample_count: uint,
+        /// Index of the first sample of this dispatch and which independent scramble it belongs to (reference only).
+        scramble: uint,
+        first_row: uint,
+        prefilter_level_count: uint,
+        environment_scale: float,
+        lod_bias: float,
+        light_count: uint,
+        /// Bit flags: see SHADE_FLAG_* in the pass.
+        flags: uint,
+    }
+    /// An analytic light: position (point) or direction to the light (directional), then its colour (W/sr or irradiance) and kind in w.
+    LightData {
+        position_or_direction: vec4,
+        color_kind: vec4,
+    }
+    /// Push constants of the tone curve.
+    TonemapParams {
+        width: uint,
+        height: uint,
+        exposure: float,
+        contrast: float,
+    }
+}

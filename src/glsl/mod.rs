@@ -1,0 +1,3 @@
+//! What Rust and GLSL agree on. No dependencies: the build script includes these files and writes the GLSL text from them.
+pub mod constants;
+pub mod layout;

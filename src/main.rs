@@ -1,0 +1,2 @@
+//! Argument parsing and exit code only.
+fn main() {}

@@ -1,0 +1,28 @@
+//! The equirectangular mapping of the project: y up, the image's centre is +z, u = 0.25 is +x, row 0 is +y.
+//!
+//! `u = 0.5 - atan2(x, z) / 2π`, `v = acos(y) / π`; inverse `φ = 2π (0.5 - u)`, `θ = π v`,
+//! `d = (sin φ sin θ, cos θ, cos φ sin θ)`. Texel centres lie at `((i + 0.5)/W, (j + 0.5)/H)`; u wraps, v clamps.
+
+use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
+
+/// Direction (any length but 0) to texture coordinates, u in [0, 1), v in [0, 1].
+pub fn uv_from_direction(d: DVec3) -> DVec2 {
+    let u = 0.5 - d.x.atan2(d.z) / TAU;
+    // atan2 keeps full precision near the poles, where acos loses half of the digits.
+    let v = d.x.hypot(d.z).atan2(d.y) / PI;
+    DVec2::new(u - u.floor(), v)
+}
+
+/// Texture coordinates to the unit direction.
+pub fn direction_from_uv(uv: DVec2) -> DVec3 {
+    let (sin_phi, cos_phi) = (TAU * (0.5 - uv.x)).sin_cos();
+    let (sin_theta, cos_theta) = (PI * uv.y).sin_cos();
+    DVec3::new(sin_phi * sin_theta, cos_theta, cos_phi * sin_theta)
+}
+
+/// Exact solid angle (sr) of each texel of row `row` in a `width` x `height` map.
+pub fn texel_solid_angle(row: u32, width: u32, height: u32) -> f64 {
+    let theta = |j: u32| PI * f64::from(j) / f64::from(height);
+    TAU / f64::from(width) * (theta(row).cos() - theta(row + 1).cos())
+}

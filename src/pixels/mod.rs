@@ -1,0 +1,45 @@
+//! Float images in memory and their files.
+
+/// Row-major image; row 0 is the top row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pixels<T> {
+    pub width: u32,
+    pub height: u32,
+    pub data: Vec<T>,
+}
+
+/// Linear RGB, Rec.709 primaries.
+pub type RgbImage = Pixels<[f32; 3]>;
+/// One float a pixel (masks hold 0 or 1).
+pub type GrayImage = Pixels<f32>;
+/// Display-referred 8-bit RGB.
+pub type Rgb8Image = Pixels<[u8; 3]>;
+
+impl<T: Copy> Pixels<T> {
+    /// An image over `data`, which must hold `width * height` pixels.
+    pub fn new(width: u32, height: u32, data: Vec<T>) -> Self {
+        assert_eq!(data.len(), width as usize * height as usize, "pixel count of a {width}x{height} image");
+        Self { width, height, data }
+    }
+
+    /// An image of one value.
+    pub fn filled(width: u32, height: u32, value: T) -> Self {
+        Self { width, height, data: vec![value; width as usize * height as usize] }
+    }
+
+    /// An image computed from (column, row).
+    pub fn from_fn(width: u32, height: u32, mut pixel: impl FnMut(u32, u32) -> T) -> Self {
+        let data = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect();
+        Self { width, height, data }
+    }
+
+    /// The pixel at column `x`, row `y`.
+    pub fn get(&self, x: u32, y: u32) -> T {
+        self.data[y as usize * self.width as usize + x as usize]
+    }
+
+    /// The same image with every pixel mapped.
+    pub fn map<U>(&self, f: impl FnMut(T) -> U) -> Pixels<U> {
+        Pixels { width: self.width, height: self.height, data: self.data.iter().copied().map(f).collect() }
+    }
+}

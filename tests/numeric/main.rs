@@ -1,0 +1,13 @@
+//! numeric tests
+mod brdf;
+mod environment;
+mod experiment;
+mod layering;
+mod math;
+mod metrics;
+mod oracle;
+mod pixels;
+mod precompute;
+mod scene;
+mod table;
+mod tonemap;
