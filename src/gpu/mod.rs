@@ -1,1 +1,24 @@
-//! The only unsafe code: Vulkan.
+//! Vulkan: device, memory, pipelines, recording, timestamps. The only unsafe code; knows nothing of light.
+//!
+//! Every resource is a cheap handle that shares its Vulkan object and frees it with the last clone. A [`Recorder`] keeps what it
+//! records alive, derives each barrier and layout from the tracked access of each buffer and each mip level, and `submit` waits.
+#![allow(unsafe_code)] // Vulkan is a C interface; each block says why its call is sound
+
+mod buffer;
+mod device;
+mod error;
+mod image;
+mod instance;
+mod pipeline;
+mod recorder;
+mod shader;
+mod sync;
+
+pub use buffer::Buffer;
+pub use device::Gpu;
+pub use error::GpuError;
+pub use image::{Filter, Format, Image, Sampler, Wrap};
+pub use instance::{DeviceChoice, DeviceInfo, Options, devices};
+pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline, Slot};
+pub use recorder::{Bind, DrawCall, PassTime, Recorder, Report};
+pub use shader::{BRDF_STEMS, DIFFUSE_STEMS, METHOD_STEMS, build_hash};

@@ -1,0 +1,137 @@
+//! Buffers on the device and in host-visible memory.
+
+use super::device::Shared;
+use super::sync::State;
+use super::{Gpu, GpuError};
+use ash::vk;
+use bytemuck::Pod;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::Allocation;
+use std::sync::{Arc, Mutex};
+
+/// A storage buffer. Clones share it.
+#[derive(Clone)]
+pub struct Buffer {
+    pub(super) inner: Arc<Inner>,
+}
+
+pub(super) struct Inner {
+    pub(super) raw: vk::Buffer,
+    pub(super) size: u64,
+    pub(super) state: Mutex<State>,
+    name: String,
+    allocation: Mutex<Option<Allocation>>,
+    device: Arc<Shared>,
+}
+
+impl Buffer {
+    /// Size in bytes.
+    pub fn size(&self) -> u64 {
+        self.inner.size
+    }
+}
+
+impl Gpu {
+    /// A device-local storage buffer of `size` bytes with undefined contents.
+    pub fn buffer(&self, name: &str, size: u64) -> Result<Buffer, GpuError> {
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::VERTEX_BUFFER
+            | vk::BufferUsageFlags::INDEX_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        self.create_buffer(name, size, usage, MemoryLocation::GpuOnly)
+    }
+
+    /// A storage buffer that holds `data`.
+    pub fn buffer_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        let buffer = self.buffer(name, bytes.len() as u64)?;
+        let staging = self.staging_from(name, bytes)?;
+        let mut recorder = self.record(name)?;
+        recorder.copy_buffer(&staging, &buffer)?;
+        recorder.submit()?;
+        Ok(buffer)
+    }
+
+    /// The contents of `buffer`, whose size must be a multiple of `T`'s.
+    pub fn read_buffer<T: Pod>(&self, buffer: &Buffer) -> Result<Vec<T>, GpuError> {
+        let staging = self.readback(&buffer.inner.name, buffer.size())?;
+        let mut recorder = self.record(&buffer.inner.name)?;
+        recorder.copy_buffer(buffer, &staging)?;
+        recorder.submit()?;
+        Ok(staging.host_copy())
+    }
+
+    /// A host-visible buffer to copy from.
+    pub(super) fn staging_from(&self, name: &str, bytes: &[u8]) -> Result<Buffer, GpuError> {
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC;
+        let buffer = self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::CpuToGpu)?;
+        let mut allocation = buffer.inner.allocation.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mapped = allocation.as_mut().and_then(|allocation| allocation.mapped_slice_mut());
+        mapped.expect("CpuToGpu memory is mapped")[..bytes.len()].copy_from_slice(bytes);
+        drop(allocation);
+        Ok(buffer)
+    }
+
+    /// A host-visible buffer to copy to.
+    pub(super) fn readback(&self, name: &str, size: u64) -> Result<Buffer, GpuError> {
+        self.create_buffer(name, size, vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu)
+    }
+
+    fn create_buffer(
+        &self,
+        name: &str,
+        size: u64,
+        usage: vk::BufferUsageFlags,
+        location: MemoryLocation,
+    ) -> Result<Buffer, GpuError> {
+        let device = &self.shared;
+        // Vulkan has no empty buffers; four bytes keep callers free of a special case.
+        let size = size.max(4);
+        let limit = u64::from(device.limits.max_storage_buffer_range);
+        if usage.contains(vk::BufferUsageFlags::STORAGE_BUFFER) && size > limit {
+            return Err(GpuError::Limit { what: "storage buffer", name: name.into(), needed: size, limit });
+        }
+        let info = vk::BufferCreateInfo::default().size(size).usage(usage);
+        // SAFETY: the device is alive and the description is complete.
+        let raw = unsafe { device.raw.create_buffer(&info, None) }.map_err(GpuError::call("vkCreateBuffer", name))?;
+        device.set_name(raw, name);
+        let inner = Inner {
+            raw,
+            size,
+            state: Mutex::new(State::NEW),
+            name: name.into(),
+            allocation: Mutex::new(None),
+            device: device.clone(),
+        };
+        // SAFETY: the buffer was just made.
+        let requirements = unsafe { device.raw.get_buffer_memory_requirements(raw) };
+        let allocation = device.allocate(name, requirements, location, true)?;
+        // SAFETY: the allocation fits the requirements and nothing else uses its range.
+        let bound = unsafe { device.raw.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) };
+        *inner.allocation.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(allocation);
+        bound.map_err(GpuError::call("vkBindBufferMemory", name))?;
+        Ok(Buffer { inner: Arc::new(inner) })
+    }
+}
+
+impl Buffer {
+    /// A copy of host-visible contents.
+    pub(super) fn host_copy<T: Pod>(&self) -> Vec<T> {
+        let allocation = self.inner.allocation.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mapped = allocation.as_ref().and_then(|allocation| allocation.mapped_slice());
+        let bytes = &mapped.expect("GpuToCpu memory is mapped")[..self.inner.size as usize];
+        bytemuck::pod_collect_to_vec(bytes)
+    }
+}
+
+impl Drop for Inner {
+    fn drop(&mut self) {
+        // SAFETY: no pending command uses the buffer, because `submit` waits and recorders hold what they record.
+        unsafe { self.device.raw.destroy_buffer(self.raw, None) };
+        let allocation = self.allocation.get_mut().unwrap_or_else(|poisoned| poisoned.into_inner()).take();
+        if let Some(allocation) = allocation {
+            self.device.free(allocation);
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! The device with its one queue, and the memory allocator.
+
+use super::instance::Instance;
+use super::{DeviceInfo, GpuError, Options};
+use ash::{ext, vk};
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
+use std::ffi::CString;
+use std::sync::{Arc, Mutex, MutexGuard};
+
+/// An open device. Clones share it.
+#[derive(Clone)]
+pub struct Gpu {
+    pub(super) shared: Arc<Shared>,
+}
+
+pub(super) struct Shared {
+    pub(super) raw: ash::Device,
+    pub(super) queue: vk::Queue,
+    pub(super) queue_family: u32,
+    /// One submission at a time: the queue is externally synchronised.
+    pub(super) submission: Mutex<()>,
+    pub(super) limits: vk::PhysicalDeviceLimits,
+    pub(super) timestamp_mask: u64,
+    pub(super) info: DeviceInfo,
+    allocator: Mutex<Option<Allocator>>,
+    debug: Option<ext::debug_utils::Device>,
+    /// Dropped last.
+    instance: Instance,
+}
+
+impl Gpu {
+    /// Opens a device; the error names what is missing.
+    pub fn new(options: Options) -> Result<Self, GpuError> {
+        let instance = Instance::new(options.validation)?;
+        let (physical, info) = instance.choose(options.device)?;
+        let family = queue_family(&instance, physical, &info)?;
+        let raw = create_device(&instance, physical, &info, family.index)?;
+        // SAFETY: the queue was asked for in `create_device`.
+        let queue = unsafe { raw.get_device_queue(family.index, 0) };
+        let debug = instance.has_debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &raw));
+        // SAFETY: the physical device belongs to the instance.
+        let limits = unsafe { instance.raw.get_physical_device_properties(physical) }.limits;
+
+        // From here on the device is owned by `Shared`, whose drop frees it if a later step fails.
+        let mut shared = Shared {
+            raw,
+            queue,
+            queue_family: family.index,
+            submission: Mutex::new(()),
+            limits,
+            timestamp_mask: family.timestamp_mask,
+            info,
+            allocator: Mutex::new(None),
+            debug,
+            instance,
+        };
+        let allocator = Allocator::new(&AllocatorCreateDesc {
+            instance: shared.instance.raw.clone(),
+            device: shared.raw.clone(),
+            physical_device: physical,
+            debug_settings: Default::default(),
+            buffer_device_address: false,
+            allocation_sizes: Default::default(),
+        })
+        .map_err(|source| GpuError::Memory { name: "allocator".into(), source })?;
+        shared.allocator = Mutex::new(Some(allocator));
+        Ok(Self { shared: Arc::new(shared) })
+    }
+
+    /// What is known of the device.
+    pub fn info(&self) -> &DeviceInfo {
+        &self.shared.info
+    }
+
+    /// Messages of the validation layer since the device was opened; empty without validation.
+    pub fn validation_messages(&self) -> Vec<String> {
+        self.shared.instance.messages.lock().map(|messages| messages.clone()).unwrap_or_default()
+    }
+
+    /// Largest width and height of an image.
+    pub fn max_image_side(&self) -> u32 {
+        self.shared.limits.max_image_dimension2_d
+    }
+}
+
+impl Shared {
+    pub(super) fn set_name<T: vk::Handle>(&self, handle: T, name: &str) {
+        if let (Some(debug), Ok(name)) = (&self.debug, CString::new(name)) {
+            let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
+            // SAFETY: the handle is alive. A failure costs only the name.
+            let _ = unsafe { debug.set_debug_utils_object_name(&info) };
+        }
+    }
+
+    pub(super) fn debug(&self) -> Option<&ext::debug_utils::Device> {
+        self.debug.as_ref()
+    }
+
+    fn allocator(&self) -> MutexGuard<'_, Option<Allocator>> {
+        // A panic elsewhere cannot leave the allocator half-way through a call into it.
+        self.allocator.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+
+    /// Memory for one resource, freed by [`Shared::free`].
+    pub(super) fn allocate(
+        &self,
+        name: &str,
+        requirements: vk::MemoryRequirements,
+        location: MemoryLocation,
+        linear: bool,
+    ) -> Result<Allocation, GpuError> {
+        if requirements.size > self.info.memory_bytes {
+            return Err(GpuError::OutOfMemory { name: name.into(), bytes: requirements.size });
+        }
+        let mut allocator = self.allocator();
+        let allocator = allocator.as_mut().expect("the allocator lives as long as the device");
+        let description = AllocationCreateDesc {
+            name,
+            requirements,
+            location,
+            linear,
+            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+        };
+        allocator.allocate(&description).map_err(|source| match source {
+            gpu_allocator::AllocationError::OutOfMemory => {
+                GpuError::OutOfMemory { name: name.into(), bytes: requirements.size }
+            }
+            source => GpuError::Memory { name: name.into(), source },
+        })
+    }
+
+    pub(super) fn free(&self, allocation: Allocation) {
+        if let Some(allocator) = self.allocator().as_mut() {
+            // An error here would mean a foreign allocation, which `allocate` rules out.
+            let _ = allocator.free(allocation);
+        }
+    }
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        // SAFETY: every submission has been waited for; waiting again covers a submission that failed half-way.
+        let _ = unsafe { self.raw.device_wait_idle() };
+        drop(self.allocator().take());
+        // SAFETY: every resource holds this struct, so none is left.
+        unsafe { self.raw.destroy_device(None) };
+    }
+}
+
+struct Family {
+    index: u32,
+    timestamp_mask: u64,
+}
+
+/// The first family that can rasterise and compute and write timestamps.
+fn queue_family(instance: &Instance, physical: vk::PhysicalDevice, info: &DeviceInfo) -> Result<Family, GpuError> {
+    // SAFETY: the physical device belongs to the instance.
+    let families = unsafe { instance.raw.get_physical_device_queue_family_properties(physical) };
+    let wanted = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
+    let (index, family) = families
+        .iter()
+        .enumerate()
+        .find(|(_, family)| family.queue_flags.contains(wanted) && family.timestamp_valid_bits > 0)
+        .ok_or_else(|| GpuError::MissingFeature {
+            device: info.name.clone(),
+            feature: "a queue with graphics, compute and timestamps".into(),
+        })?;
+    let timestamp_mask = u64::MAX >> (64 - family.timestamp_valid_bits);
+    Ok(Family { index: index as u32, timestamp_mask })
+}
+
+fn create_device(
+    instance: &Instance,
+    physical: vk::PhysicalDevice,
+    info: &DeviceInfo,
+    family: u32,
+) -> Result<ash::Device, GpuError> {
+    let missing = |feature: &str| GpuError::MissingFeature { device: info.name.clone(), feature: feature.into() };
+    // SAFETY: the physical device belongs to the instance.
+    let version = unsafe { instance.raw.get_physical_device_properties(physical) }.api_version;
+    if version < vk::API_VERSION_1_3 {
+        return Err(missing(&format!("Vulkan 1.3 (it offers {})", info.api_version)));
+    }
+    let mut offered = vk::PhysicalDeviceVulkan13Features::default();
+    let mut query = vk::PhysicalDeviceFeatures2::default().push_next(&mut offered);
+    // SAFETY: as above; the chain outlives the call.
+    unsafe { instance.raw.get_physical_device_features2(physical, &mut query) };
+    for (has, feature) in [
+        (offered.dynamic_rendering, "dynamicRendering"),
+        (offered.synchronization2, "synchronization2"),
+        (offered.maintenance4, "maintenance4"),
+    ] {
+        if has == vk::FALSE {
+            return Err(missing(feature));
+        }
+    }
+    let needed = vk::FormatFeatureFlags::SAMPLED_IMAGE
+        | vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR
+        | vk::FormatFeatureFlags::STORAGE_IMAGE
+        | vk::FormatFeatureFlags::COLOR_ATTACHMENT;
+    // SAFETY: as above.
+    let format =
+        unsafe { instance.raw.get_physical_device_format_properties(physical, vk::Format::R32G32B32A32_SFLOAT) };
+    if !format.optimal_tiling_features.contains(needed) {
+        return Err(missing("linearly filtered, storable and renderable R32G32B32A32_SFLOAT images"));
+    }
+
+    let priorities = [1.0];
+    let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
+    let mut features =
+        vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true);
+    let create = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features);
+    // SAFETY: every pointer outlives the call, and every feature was checked above.
+    unsafe { instance.raw.create_device(physical, &create, None) }.map_err(GpuError::call("vkCreateDevice", &info.name))
+}

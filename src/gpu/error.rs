@@ -1,0 +1,50 @@
+use ash::vk;
+
+/// What can go wrong between this program and the device.
+#[derive(Debug, thiserror::Error)]
+pub enum GpuError {
+    #[error(
+        "no Vulkan loader: {0}; install it (Debian: apt-get install libvulkan1 mesa-vulkan-drivers) or put libvulkan.so.1 on the library path"
+    )]
+    NoLoader(String),
+    #[error(
+        "the Vulkan loader found no device; install a driver (Debian, without a GPU: apt-get install mesa-vulkan-drivers) or check VK_ICD_FILENAMES"
+    )]
+    NoDevice,
+    #[error("device {index} does not exist: there are {count}; `splitsum devices` lists them")]
+    NoSuchDevice { index: usize, count: usize },
+    #[error("device '{device}' lacks {feature}, which splitsum needs")]
+    MissingFeature { device: String, feature: String },
+    #[error(
+        "the validation layer VK_LAYER_KHRONOS_validation is not installed (Debian: apt-get install vulkan-validationlayers)"
+    )]
+    NoValidationLayer,
+    #[error("{what} '{name}' needs {needed}, the device's limit is {limit}")]
+    Limit { what: &'static str, name: String, needed: u64, limit: u64 },
+    #[error("out of device memory: '{name}' needs {bytes} bytes")]
+    OutOfMemory { name: String, bytes: u64 },
+    #[error("the device was lost during '{during}'; a retry may succeed")]
+    DeviceLost { during: String },
+    #[error("no shader named '{0}' was built")]
+    NoShader(String),
+    #[error("{call} failed with {result:?} ('{name}')")]
+    Call { call: &'static str, name: String, result: vk::Result },
+    #[error("memory for '{name}': {source}")]
+    Memory { name: String, source: gpu_allocator::AllocationError },
+}
+
+impl GpuError {
+    /// A failed call on an object named `name`.
+    pub(super) fn call(call: &'static str, name: &str) -> impl FnOnce(vk::Result) -> Self {
+        let name = name.to_string();
+        move |result| match result {
+            vk::Result::ERROR_DEVICE_LOST => Self::DeviceLost { during: name },
+            result => Self::Call { call, name, result },
+        }
+    }
+
+    /// Whether a retry on a fresh device may succeed.
+    pub fn is_transient(&self) -> bool {
+        matches!(self, Self::DeviceLost { .. })
+    }
+}

@@ -1,0 +1,243 @@
+//! Images with mip levels, and samplers.
+
+use super::device::Shared;
+use super::sync::State;
+use super::{Gpu, GpuError};
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::Allocation;
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::{Arc, Mutex};
+
+/// Texel format of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Four f32; sampled, stored, rendered to.
+    Rgba32Float,
+    /// Depth in f32; rendered to only.
+    Depth32Float,
+}
+
+impl Format {
+    pub(super) fn raw(self) -> vk::Format {
+        match self {
+            Self::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
+            Self::Depth32Float => vk::Format::D32_SFLOAT,
+        }
+    }
+
+    pub(super) fn aspect(self) -> vk::ImageAspectFlags {
+        match self {
+            Self::Rgba32Float => vk::ImageAspectFlags::COLOR,
+            Self::Depth32Float => vk::ImageAspectFlags::DEPTH,
+        }
+    }
+
+    fn usage(self) -> vk::ImageUsageFlags {
+        match self {
+            Self::Rgba32Float => {
+                vk::ImageUsageFlags::SAMPLED
+                    | vk::ImageUsageFlags::STORAGE
+                    | vk::ImageUsageFlags::COLOR_ATTACHMENT
+                    | vk::ImageUsageFlags::TRANSFER_SRC
+                    | vk::ImageUsageFlags::TRANSFER_DST
+            }
+            Self::Depth32Float => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+        }
+    }
+}
+
+/// A two-dimensional image. Clones share it.
+#[derive(Clone)]
+pub struct Image {
+    pub(super) inner: Arc<Inner>,
+}
+
+pub(super) struct Inner {
+    pub(super) raw: vk::Image,
+    pub(super) format: Format,
+    pub(super) size: [u32; 2],
+    pub(super) states: Mutex<Vec<State>>,
+    name: String,
+    views: Mutex<HashMap<(u32, u32), vk::ImageView>>,
+    allocation: Mutex<Option<Allocation>>,
+    device: Arc<Shared>,
+}
+
+impl Image {
+    /// Width and height of level `mip`.
+    pub fn mip_size(&self, mip: u32) -> [u32; 2] {
+        self.inner.size.map(|side| (side >> mip).max(1))
+    }
+
+    /// Number of levels.
+    pub fn mip_count(&self) -> u32 {
+        self.inner.states.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).len() as u32
+    }
+}
+
+impl Inner {
+    /// A view of the levels `mips`, made once.
+    pub(super) fn view(&self, mips: Range<u32>) -> Result<vk::ImageView, GpuError> {
+        let mut views = self.views.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if let Some(&view) = views.get(&(mips.start, mips.end)) {
+            return Ok(view);
+        }
+        let info = vk::ImageViewCreateInfo::default()
+            .image(self.raw)
+            .view_type(vk::ImageViewType::TYPE_2D)
+            .format(self.format.raw())
+            .subresource_range(vk::ImageSubresourceRange {
+                aspect_mask: self.format.aspect(),
+                base_mip_level: mips.start,
+                level_count: mips.end - mips.start,
+                base_array_layer: 0,
+                layer_count: 1,
+            });
+        // SAFETY: the image is alive and has these levels.
+        let view = unsafe { self.device.raw.create_image_view(&info, None) }
+            .map_err(GpuError::call("vkCreateImageView", &self.name))?;
+        self.device.set_name(view, &format!("{} {mips:?}", self.name));
+        views.insert((mips.start, mips.end), view);
+        Ok(view)
+    }
+}
+
+impl Drop for Inner {
+    fn drop(&mut self) {
+        for view in self.views.get_mut().unwrap_or_else(|poisoned| poisoned.into_inner()).values() {
+            // SAFETY: no pending command uses the view, as for buffers.
+            unsafe { self.device.raw.destroy_image_view(*view, None) };
+        }
+        // SAFETY: likewise.
+        unsafe { self.device.raw.destroy_image(self.raw, None) };
+        let allocation = self.allocation.get_mut().unwrap_or_else(|poisoned| poisoned.into_inner()).take();
+        if let Some(allocation) = allocation {
+            self.device.free(allocation);
+        }
+    }
+}
+
+impl Gpu {
+    /// An image with undefined contents.
+    pub fn image(&self, name: &str, size: [u32; 2], mip_count: u32, format: Format) -> Result<Image, GpuError> {
+        let device = &self.shared;
+        let limit = self.max_image_side();
+        if let Some(&side) = size.iter().find(|&&side| side == 0 || side > limit) {
+            let name = name.into();
+            return Err(GpuError::Limit { what: "image side of", name, needed: side.into(), limit: limit.into() });
+        }
+        assert!(
+            mip_count >= 1 && mip_count <= 32 - size[0].max(size[1]).leading_zeros(),
+            "'{name}': {mip_count} levels of a {size:?} image"
+        );
+        let info = vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(format.raw())
+            .extent(vk::Extent3D { width: size[0], height: size[1], depth: 1 })
+            .mip_levels(mip_count)
+            .array_layers(1)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .usage(format.usage());
+        // SAFETY: the device is alive and the description is complete.
+        let raw = unsafe { device.raw.create_image(&info, None) }.map_err(GpuError::call("vkCreateImage", name))?;
+        device.set_name(raw, name);
+        let inner = Inner {
+            raw,
+            format,
+            size,
+            states: Mutex::new(vec![State::NEW; mip_count as usize]),
+            name: name.into(),
+            views: Mutex::new(HashMap::new()),
+            allocation: Mutex::new(None),
+            device: device.clone(),
+        };
+        // SAFETY: the image was just made.
+        let requirements = unsafe { device.raw.get_image_memory_requirements(raw) };
+        let allocation = device.allocate(name, requirements, MemoryLocation::GpuOnly, false)?;
+        // SAFETY: the allocation fits the requirements and nothing else uses its range.
+        let bound = unsafe { device.raw.bind_image_memory(raw, allocation.memory(), allocation.offset()) };
+        *inner.allocation.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(allocation);
+        bound.map_err(GpuError::call("vkBindImageMemory", name))?;
+        Ok(Image { inner: Arc::new(inner) })
+    }
+
+    /// Fills level `mip` of an [`Format::Rgba32Float`] image.
+    pub fn write_image(&self, image: &Image, mip: u32, texels: &[[f32; 4]]) -> Result<(), GpuError> {
+        let [width, height] = image.mip_size(mip);
+        assert_eq!(texels.len(), width as usize * height as usize, "texels of '{}'", image.inner.name);
+        let staging = self.staging_from(&image.inner.name, bytemuck::cast_slice(texels))?;
+        let mut recorder = self.record(&image.inner.name)?;
+        recorder.copy_buffer_to_image(&staging, image, mip);
+        recorder.submit().map(|_| ())
+    }
+
+    /// The texels of level `mip` of an [`Format::Rgba32Float`] image, row by row.
+    pub fn read_image(&self, image: &Image, mip: u32) -> Result<Vec<[f32; 4]>, GpuError> {
+        let [width, height] = image.mip_size(mip);
+        let staging = self.readback(&image.inner.name, 16 * u64::from(width) * u64::from(height))?;
+        let mut recorder = self.record(&image.inner.name)?;
+        recorder.copy_image_to_buffer(image, mip, &staging);
+        recorder.submit()?;
+        Ok(staging.host_copy())
+    }
+}
+
+/// Interpolation within and between levels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filter {
+    Nearest,
+    Linear,
+}
+
+/// What lies beyond the edge in u; v always clamps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    Repeat,
+    Clamp,
+}
+
+/// A sampler. Anisotropy stays off: it breaks `textureLod` on Mesa 22.3.6.
+#[derive(Clone)]
+pub struct Sampler {
+    pub(super) inner: Arc<SamplerInner>,
+}
+
+pub(super) struct SamplerInner {
+    pub(super) raw: vk::Sampler,
+    device: Arc<Shared>,
+}
+
+impl Drop for SamplerInner {
+    fn drop(&mut self) {
+        // SAFETY: no pending command uses the sampler, as for buffers.
+        unsafe { self.device.raw.destroy_sampler(self.raw, None) };
+    }
+}
+
+impl Gpu {
+    /// A sampler over every level, `filter` within and between levels.
+    pub fn sampler(&self, filter: Filter, u: Wrap) -> Result<Sampler, GpuError> {
+        let (within, between) = match filter {
+            Filter::Nearest => (vk::Filter::NEAREST, vk::SamplerMipmapMode::NEAREST),
+            Filter::Linear => (vk::Filter::LINEAR, vk::SamplerMipmapMode::LINEAR),
+        };
+        let address = match u {
+            Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
+            Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+        };
+        let info = vk::SamplerCreateInfo::default()
+            .mag_filter(within)
+            .min_filter(within)
+            .mipmap_mode(between)
+            .address_mode_u(address)
+            .address_mode_v(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+            .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+            .max_lod(vk::LOD_CLAMP_NONE);
+        // SAFETY: the device is alive and the description is complete.
+        let raw = unsafe { self.shared.raw.create_sampler(&info, None) }
+            .map_err(GpuError::call("vkCreateSampler", "sampler"))?;
+        Ok(Sampler { inner: Arc::new(SamplerInner { raw, device: self.shared.clone() }) })
+    }
+}

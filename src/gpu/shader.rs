@@ -1,0 +1,21 @@
+//! The SPIR-V that the build script made, by permutation name.
+
+use super::GpuError;
+
+include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
+
+/// SPIR-V words of the permutation `name` (see `shaders/build.rs`).
+pub(super) fn spirv(name: &str) -> Result<Vec<u32>, GpuError> {
+    let (_, bytes) = SHADERS.iter().find(|(known, _)| *known == name).ok_or_else(|| GpuError::NoShader(name.into()))?;
+    Ok(bytes.chunks_exact(4).map(|word| u32::from_ne_bytes([word[0], word[1], word[2], word[3]])).collect())
+}
+
+/// One hash of all shaders: changes whenever any of them does.
+pub fn build_hash() -> String {
+    let mut hasher = blake3::Hasher::new();
+    for (name, bytes) in SHADERS {
+        hasher.update(name.as_bytes());
+        hasher.update(bytes);
+    }
+    hasher.finalize().to_hex().to_string()
+}
