@@ -1,1 +1,98 @@
-//! The g-buffer: what the camera sees, one texel a pixel.
+//! The g-buffer: what the camera sees, one texel a pixel, through the pixel's centre.
+//!
+//! Four attachments of four f32, all 0 where nothing is hit; row 0 is the top row:
+//!
+//! | # | rgb | a |
+//! |---|---|---|
+//! | 0 | position, world | mask: 1 hit, 0 not |
+//! | 1 | unit normal, world | alpha |
+//! | 2 | albedo, linear, before `1 - metallic` | metallic |
+//! | 3 | f0: `mix(dielectric f0, albedo, metallic)` | index of the material |
+//!
+//! Spheres are exact: with c the centre relative to the ray's origin, d the ray's direction and x = d x c, a ray hits where
+//! `r² d·d - x·x >= 0`, at `(d x x - sqrt(r² d·d - x·x) d) / d·d` from the centre.
+//!
+//! Meshes have interpolated positions and normals and are shaded on both sides: where a triangle is seen from the back, the normal is
+//! negated. An interpolated normal may still lean away from the viewer near a silhouette; shading clamps its `n_dot_v`. The albedo map is
+//! read bilinearly at level 0 with repeating coordinates, v up. The device snaps vertices to its sub-pixel grid (1/256 pixel is common), so
+//! mesh texels agree with the twin to about that much of a pixel; spheres do not depend on it.
+//!
+//! Draw state: no culling, front faces counter-clockwise, depth test `<` on 1. Spheres: `sphere.vert/frag`, a strip of 4 vertices, one
+//! instance a sphere, depth written by the shader. Meshes: `mesh.vert/frag`, indexed triangle lists with position, normal and uv at
+//! locations 0, 1, 2. Set 0: binding 0 spheres, 1 materials, 2 albedo map.
+
+pub mod reference;
+
+use crate::glsl::layout::{GbufferParams, MaterialData, SphereData};
+use crate::pixels::{GrayImage, Pixels};
+use crate::scene::{Camera, Material, Projection, Scene, Sphere};
+use glam::DVec3;
+
+/// Names of the attachments, in order.
+pub const ATTACHMENT_NAMES: [&str; 4] = ["position-mask", "normal-alpha", "albedo-metallic", "f0-material"];
+
+/// The four attachments: f32 as the device writes them, f64 from the twin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gbuffer<T> {
+    pub position_mask: Pixels<[T; 4]>,
+    pub normal_alpha: Pixels<[T; 4]>,
+    pub albedo_metallic: Pixels<[T; 4]>,
+    pub f0_material: Pixels<[T; 4]>,
+}
+
+impl<T: Copy + Into<f64>> Gbuffer<T> {
+    /// 1 where a surface is hit.
+    pub fn mask(&self) -> GrayImage {
+        self.position_mask.map(|texel| texel[3].into() as f32)
+    }
+
+    /// Cosine between normal and view, not clamped; 0 where nothing is hit.
+    pub fn n_dot_v(&self, camera: &Camera) -> GrayImage {
+        let xyz = |texel: [T; 4]| DVec3::new(texel[0].into(), texel[1].into(), texel[2].into());
+        let [width, height] = [self.position_mask.width, self.position_mask.height];
+        Pixels::from_fn(width, height, |x, y| {
+            let position = self.position_mask.get(x, y);
+            if position[3].into() == 0.0 {
+                return 0.0;
+            }
+            xyz(self.normal_alpha.get(x, y)).dot(camera.v_at(xyz(position))) as f32
+        })
+    }
+}
+
+/// The push constants for an image of `size` pixels; `material` is the index of the mesh's material (unused by spheres).
+pub fn params(camera: &Camera, size: [u32; 2], material: usize) -> GbufferParams {
+    let [extent_x, extent_y] = camera.extent(f64::from(size[0]) / f64::from(size[1]));
+    let [depth_scale, depth_offset] = camera.depth_scale_offset();
+    let vec4 = |xyz: DVec3, w: f64| xyz.extend(w).as_vec4().to_array();
+    let perspective = matches!(camera.projection, Projection::Perspective { .. });
+    GbufferParams {
+        right: vec4(camera.right, extent_x),
+        up: vec4(camera.up, extent_y),
+        forward: vec4(camera.forward, depth_scale),
+        eye: vec4(camera.eye, if perspective { 1.0 } else { 0.0 }),
+        depth_offset: depth_offset as f32,
+        width: size[0],
+        height: size[1],
+        material: material as u32,
+    }
+}
+
+/// The spheres as the pass reads them.
+pub fn sphere_data(scene: &Scene) -> Vec<SphereData> {
+    let data = |sphere: &Sphere| SphereData {
+        center_radius: sphere.center.extend(sphere.radius).as_vec4().to_array(),
+        material: [sphere.material as u32, 0, 0, 0],
+    };
+    scene.spheres.iter().map(data).collect()
+}
+
+/// The materials as the pass reads them.
+pub fn material_data(scene: &Scene) -> Vec<MaterialData> {
+    let with = |[r, g, b]: [f32; 3], a: f32| [r, g, b, a];
+    let data = |material: &Material| MaterialData {
+        albedo_metallic: with(material.albedo, material.metallic),
+        f0_alpha: with(material.f0, material.alpha),
+    };
+    scene.materials.iter().map(data).collect()
+}

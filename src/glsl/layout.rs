@@ -104,19 +104,21 @@ shared_structs! {
         sample_count: uint,
         first_row: uint,
     }
-    /// Push constants of the g-buffer pass: `clip_from_world` by columns, then the eye (w = 1) or the direction to the viewer (w = 0).
+    /// Push constants of the g-buffer pass: the camera (see `gbuffer::params`).
     GbufferParams {
-        clip_from_world_0: vec4,
-        clip_from_world_1: vec4,
-        clip_from_world_2: vec4,
-        clip_from_world_3: vec4,
+        /// Unit vector to the image's right; w = half width of the image plane.
+        right: vec4,
+        /// Unit vector to the image's top; w = half height of the image plane.
+        up: vec4,
+        /// Unit viewing direction; w = scale of the depth.
+        forward: vec4,
+        /// Position of the camera; w = 1 for a perspective camera, 0 for an orthographic one.
         eye: vec4,
-        /// x, y of the lower left and upper right corner of the sphere's bounds in clip space; unused for meshes.
-        bounds: vec4,
+        depth_offset: float,
         width: uint,
         height: uint,
-        instance: uint,
-        pad: uint,
+        /// Index of the mesh's material; spheres carry their own.
+        material: uint,
     }
     /// A material as the g-buffer pass reads it. `f0` is the dielectric reflectance; metals take `albedo` instead.
     MaterialData {

@@ -1,6 +1,50 @@
 //! Cameras: orthographic and perspective; rays through pixel centres.
+//!
+//! The image plane is spanned by `right` and `up`. A pixel (x, y) of a `w` by `h` image has its centre at the plane coordinates
+//!
+//! ```text
+//! s = (2 (x + 0.5) / w - 1) extent_x        t = (1 - 2 (y + 0.5) / h) extent_y
+//! ```
+//!
+//! and its ray is `eye + s right + t up` along `forward` (orthographic), or from `eye` along `forward + s right + t up`
+//! (perspective). [`Camera::clip_from_world`] is the inverse of exactly this mapping, so a rasterised point whose clip coordinates
+//! fall on a pixel's centre lies on that pixel's ray. `shaders/gbuffer` uses the same numbers (see `gbuffer::params`).
 
-use glam::DVec3;
+use crate::scene::{Mesh, Scene, Sphere};
+use glam::{DMat4, DVec3, DVec4};
+
+/// Vertical field of view of the perspective camera in degrees.
+pub const PERSPECTIVE_FOV_DEG: f64 = 32.0;
+/// Distance of the perspective camera from the centre of a unit sphere.
+pub const PERSPECTIVE_SPHERE_DISTANCE: f64 = 4.0;
+/// Half of the square that the orthographic camera shows of a unit sphere; other scenes get the same 5 % of margin.
+pub const FRAME_MARGIN: f64 = 1.05;
+
+/// Which of the two automatic cameras.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum CameraKind {
+    #[default]
+    Ortho,
+    Perspective,
+}
+
+impl CameraKind {
+    /// Every kind with its name.
+    pub const ALL: &[(&str, Self)] = &[("ortho", Self::Ortho), ("perspective", Self::Perspective)];
+
+    /// Name in configs and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ortho => "ortho",
+            Self::Perspective => "perspective",
+        }
+    }
+
+    /// The kind of that name.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(known, _)| *known == name).map(|&(_, kind)| kind)
+    }
+}
 
 /// How a camera maps the view volume to the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +55,7 @@ pub enum Projection {
     Perspective { fov_deg: f64 },
 }
 
-/// A camera frame: `right`, `up` and `forward` are orthonormal.
+/// A camera frame: `right`, `up` and `forward` are orthonormal and `right = forward x up`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     pub eye: DVec3,
@@ -22,4 +66,163 @@ pub struct Camera {
     /// Distances along `forward` that bound everything visible.
     pub near: f64,
     pub far: f64,
+}
+
+impl Camera {
+    /// The camera that shows the whole scene in an image of `size` (width, height) pixels.
+    ///
+    /// One sphere of radius r is seen from +z: the square of half side 1.05 r (orthographic), or from 4 r away under 32 degrees
+    /// (perspective). Any other scene is seen from `scene.toward_viewer` and fills the image but for 5 %. Pixels are square: a wide image
+    /// sees more to the sides, a tall one more above and below.
+    pub fn for_scene(kind: CameraKind, scene: &Scene, size: [u32; 2]) -> Self {
+        let aspect = f64::from(size[0]) / f64::from(size[1]);
+        match (scene.spheres.as_slice(), scene.meshes.as_slice()) {
+            ([sphere], []) => Self::for_sphere(kind, sphere, aspect),
+            _ => Self::fitting(kind, scene, aspect),
+        }
+    }
+
+    fn for_sphere(kind: CameraKind, sphere: &Sphere, aspect: f64) -> Self {
+        // A tall image fits the width, so its vertical extent grows by 1 / aspect.
+        let stretch = (1.0 / aspect).max(1.0);
+        let projection = match kind {
+            CameraKind::Ortho => Projection::Ortho { half_height: FRAME_MARGIN * sphere.radius * stretch },
+            CameraKind::Perspective => perspective(perspective_extent() * stretch),
+        };
+        Self {
+            eye: sphere.center + DVec3::Z * (PERSPECTIVE_SPHERE_DISTANCE * sphere.radius),
+            right: DVec3::X,
+            up: DVec3::Y,
+            forward: DVec3::NEG_Z,
+            projection,
+            near: (PERSPECTIVE_SPHERE_DISTANCE - 2.0) * sphere.radius,
+            far: (PERSPECTIVE_SPHERE_DISTANCE + 2.0) * sphere.radius,
+        }
+    }
+
+    /// The nearest camera of the direction `scene.toward_viewer` whose four side planes enclose the scene.
+    fn fitting(kind: CameraKind, scene: &Scene, aspect: f64) -> Self {
+        let backward = scene.toward_viewer;
+        let right = DVec3::Y.cross(backward).normalize();
+        let up = backward.cross(right);
+        // The support of the scene in a direction: how far it reaches along it.
+        let reach = |direction: DVec3| support(scene, direction);
+        let [left_most, right_most] = [-reach(-right), reach(right)];
+        let [bottom, top] = [-reach(-up), reach(up)];
+        let [back, front] = [-reach(-backward), reach(backward)];
+        // 0 only for a scene without geometry, which loading refuses; the floor keeps the frame finite all the same.
+        let size = (right_most - left_most).max(top - bottom).max(front - back).max(f64::MIN_POSITIVE);
+        match kind {
+            CameraKind::Ortho => {
+                let half_width = 0.5 * FRAME_MARGIN * (right_most - left_most);
+                let half_height = (0.5 * FRAME_MARGIN * (top - bottom)).max(half_width / aspect);
+                let distance = front + size;
+                Self {
+                    eye: right * (0.5 * (left_most + right_most)) + up * (0.5 * (bottom + top)) + backward * distance,
+                    right,
+                    up,
+                    forward: -backward,
+                    projection: Projection::Ortho { half_height },
+                    near: 0.5 * size,
+                    far: distance - back + 0.5 * size,
+                }
+            }
+            CameraKind::Perspective => {
+                let extent_y = perspective_extent() * (1.0 / aspect).max(1.0);
+                // The plane through the eye with slope e is `x - eye_x <= e (eye_z - z)`. It touches the scene where the support of
+                // (1, 0, e) is attained, so the sum of both sides gives eye_z and their difference eye_x.
+                let (slope_x, slope_y) = (extent_y * aspect / FRAME_MARGIN, extent_y / FRAME_MARGIN);
+                let [to_right, to_left] = [reach(right + backward * slope_x), reach(backward * slope_x - right)];
+                let [to_top, to_bottom] = [reach(up + backward * slope_y), reach(backward * slope_y - up)];
+                let distance = ((to_right + to_left) / (2.0 * slope_x)).max((to_top + to_bottom) / (2.0 * slope_y));
+                // A long scene seen end on may reach up to the eye itself: half of the gap stays free in front of the near plane.
+                let near = (0.5 * (distance - front)).max(1e-4 * size);
+                Self {
+                    eye: right * (0.5 * (to_right - to_left)) + up * (0.5 * (to_top - to_bottom)) + backward * distance,
+                    right,
+                    up,
+                    forward: -backward,
+                    projection: perspective(extent_y),
+                    near,
+                    far: distance - back + 0.5 * size,
+                }
+            }
+        }
+    }
+
+    /// Half width and half height of the image plane: world units (orthographic), or at distance 1 from the eye (perspective).
+    pub fn extent(&self, aspect: f64) -> [f64; 2] {
+        let extent_y = match self.projection {
+            Projection::Ortho { half_height } => half_height,
+            Projection::Perspective { fov_deg } => (0.5 * fov_deg).to_radians().tan(),
+        };
+        [extent_y * aspect, extent_y]
+    }
+
+    /// Origin and unit direction of the ray through the centre of pixel (`x`, `y`); row 0 is the top row.
+    pub fn ray(&self, x: u32, y: u32, size: [u32; 2]) -> (DVec3, DVec3) {
+        let [width, height] = size.map(f64::from);
+        let [extent_x, extent_y] = self.extent(width / height);
+        let s = (2.0 * (f64::from(x) + 0.5) / width - 1.0) * extent_x;
+        let t = (1.0 - 2.0 * (f64::from(y) + 0.5) / height) * extent_y;
+        let offset = self.right * s + self.up * t;
+        match self.projection {
+            Projection::Ortho { .. } => (self.eye + offset, self.forward),
+            Projection::Perspective { .. } => (self.eye, (self.forward + offset).normalize()),
+        }
+    }
+
+    /// Unit vector from `position` to the viewer.
+    pub fn v_at(&self, position: DVec3) -> DVec3 {
+        match self.projection {
+            Projection::Ortho { .. } => -self.forward,
+            Projection::Perspective { .. } => (self.eye - position).normalize(),
+        }
+    }
+
+    /// `scale` and `offset` of the depth: `clip.z = scale z + offset` for the distance `z` along `forward`, before the division by `clip.w`
+    /// (1 for the orthographic camera, `z` for the perspective one). Depth is 0 at `near` and 1 at `far`.
+    pub fn depth_scale_offset(&self) -> [f64; 2] {
+        let range = self.far - self.near;
+        match self.projection {
+            Projection::Ortho { .. } => [1.0 / range, -self.near / range],
+            Projection::Perspective { .. } => [self.far / range, -self.far * self.near / range],
+        }
+    }
+
+    /// World to Vulkan clip space: x to the right, y down, depth 0 to 1. `aspect` is width / height of the image.
+    pub fn clip_from_world(&self, aspect: f64) -> DMat4 {
+        let [extent_x, extent_y] = self.extent(aspect);
+        let [depth_scale, depth_offset] = self.depth_scale_offset();
+        let row = |axis: DVec3, offset: f64| axis.extend(offset - axis.dot(self.eye));
+        let x = row(self.right / extent_x, 0.0);
+        let y = row(-self.up / extent_y, 0.0);
+        let z = row(self.forward * depth_scale, depth_offset);
+        let w = match self.projection {
+            Projection::Ortho { .. } => DVec4::W,
+            Projection::Perspective { .. } => row(self.forward, 0.0),
+        };
+        DMat4::from_cols(x, y, z, w).transpose()
+    }
+}
+
+/// Half height of the image plane at distance 1 under [`PERSPECTIVE_FOV_DEG`].
+fn perspective_extent() -> f64 {
+    (0.5 * PERSPECTIVE_FOV_DEG).to_radians().tan()
+}
+
+/// The perspective projection with half height `extent_y` at distance 1.
+fn perspective(extent_y: f64) -> Projection {
+    if extent_y == perspective_extent() {
+        return Projection::Perspective { fov_deg: PERSPECTIVE_FOV_DEG };
+    }
+    Projection::Perspective { fov_deg: 2.0 * extent_y.atan().to_degrees() }
+}
+
+/// The largest `dot(p, direction)` over all points p of the scene; `direction` need not be a unit vector.
+fn support(scene: &Scene, direction: DVec3) -> f64 {
+    let sphere = |s: &Sphere| s.center.dot(direction) + s.radius * direction.length();
+    let mesh = |m: &Mesh| m.corners().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
+    let spheres = scene.spheres.iter().map(sphere);
+    spheres.chain(scene.meshes.iter().map(mesh)).fold(f64::NEG_INFINITY, f64::max)
 }

@@ -1,17 +1,21 @@
 //! What is looked at: cameras, spheres, meshes, materials, lights.
 
+pub mod builtin;
 pub mod camera;
 pub mod light;
 pub mod material;
 pub mod mesh;
+mod obj;
 
-pub use camera::{Camera, Projection};
+pub use builtin::{SCENES, SceneEntry};
+pub use camera::{Camera, CameraKind, Projection};
 pub use light::{Light, LightKind};
 pub use material::{Material, MaterialOverride};
 pub use mesh::Mesh;
 
 use crate::pixels::RgbImage;
 use glam::DVec3;
+use std::path::{Path, PathBuf};
 
 /// An exact (never tessellated) sphere.
 #[derive(Clone, Copy, Debug)]
@@ -32,8 +36,121 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Albedo textures, linear RGB; [`Material::albedo_map`] indexes them.
     pub textures: Vec<RgbImage>,
-    /// blake3 (hex) of everything that determines the geometry, materials and textures.
+    /// Unit vector from the scene to its automatic cameras: +z for spheres, 30 degrees to the right of it and 20 degrees above for OBJ files.
+    pub toward_viewer: DVec3,
+    /// blake3 (hex) of everything that determines the geometry, materials, textures and automatic cameras. Names are left out.
     pub hash: String,
     /// Odd but usable facts about the input, one sentence each.
     pub warnings: Vec<String>,
+}
+
+/// Why a scene could not be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// Neither a built-in name nor an OBJ path.
+    #[error("scene \"{name}\": neither a built-in scene ({known}) nor the path of an .obj file{suggestion}", known = known_names())]
+    Unknown { name: String, suggestion: String },
+    /// A file that is no OBJ file by its name.
+    #[error("{}: scene files must be Wavefront OBJ (.obj)", path.display())]
+    Format { path: PathBuf },
+    /// The file cannot be read.
+    #[error("{}: cannot read the scene: {source}", path.display())]
+    Read { path: PathBuf, source: std::io::Error },
+    /// One line of the file is wrong.
+    #[error("{}:{line}: {message}", path.display())]
+    Line { path: PathBuf, line: usize, message: String },
+    /// The file as a whole is wrong.
+    #[error("{}: {message}", path.display())]
+    File { path: PathBuf, message: String },
+}
+
+fn known_names() -> String {
+    SCENES.iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ")
+}
+
+/// The built-in name nearest to what was written, as the end of a message; empty when none is near.
+fn suggestion(name: &str) -> String {
+    let distance = |entry: &&SceneEntry| strsim::damerau_levenshtein(&name.to_lowercase(), entry.name);
+    let nearest = SCENES.iter().min_by_key(distance).filter(|entry| distance(entry) <= 1 + entry.name.len() / 3);
+    nearest.map(|entry| format!("; did you mean \"{}\"?", entry.name)).unwrap_or_default()
+}
+
+impl Scene {
+    /// The scene that `spec` names: an entry of [`SCENES`] or the path of an OBJ file, which is relative to `base_dir` unless absolute.
+    pub fn load(spec: &str, base_dir: &Path) -> Result<Self, SceneError> {
+        if let Some(entry) = SCENES.iter().find(|entry| entry.name == spec) {
+            return Ok((entry.build)());
+        }
+        let path = base_dir.join(spec);
+        let extension = Path::new(spec).extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("obj") => obj::load(spec, &path),
+            Some(_) if path.exists() => Err(SceneError::Format { path }),
+            _ => Err(SceneError::Unknown { name: spec.to_owned(), suggestion: suggestion(spec) }),
+        }
+    }
+
+    /// The same scene with the override's values in every material.
+    pub fn apply(&self, values: &MaterialOverride) -> Self {
+        let materials = self.materials.iter().map(|material| values.apply(material)).collect();
+        Self { materials, ..self.clone() }.hashed()
+    }
+
+    /// The corners (smallest, largest) of the axis-aligned box around everything.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let spheres = self.spheres.iter().flat_map(|s| [s.center - s.radius, s.center + s.radius]);
+        let points = spheres.chain(self.meshes.iter().flat_map(Mesh::corners));
+        points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
+    }
+
+    /// A scene without textures or warnings that is looked at from +z.
+    fn assemble(name: &str, spheres: Vec<Sphere>, meshes: Vec<Mesh>, materials: Vec<Material>) -> Self {
+        let unhashed = Self {
+            name: name.to_owned(),
+            spheres,
+            meshes,
+            materials,
+            textures: Vec::new(),
+            toward_viewer: DVec3::Z,
+            hash: String::new(),
+            warnings: Vec::new(),
+        };
+        unhashed.hashed()
+    }
+
+    /// The same scene with `hash` computed anew.
+    fn hashed(mut self) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        // Every list is preceded by its length, so that no two scenes feed the same bytes.
+        fn list<T: bytemuck::NoUninit>(hasher: &mut blake3::Hasher, values: &[T]) {
+            hasher.update(&(values.len() as u64).to_ne_bytes());
+            hasher.update(bytemuck::cast_slice(values));
+        }
+        list(&mut hasher, &self.toward_viewer.to_array());
+        for sphere in &self.spheres {
+            list(&mut hasher, &sphere.center.extend(sphere.radius).to_array());
+            list(&mut hasher, &[sphere.material as u64]);
+        }
+        list(&mut hasher, &[self.spheres.len() as u64, self.meshes.len() as u64]);
+        for mesh in &self.meshes {
+            list(&mut hasher, &mesh.positions);
+            list(&mut hasher, &mesh.normals);
+            list(&mut hasher, &mesh.uvs);
+            list(&mut hasher, &mesh.indices);
+            list(&mut hasher, &[mesh.material as u64]);
+        }
+        list(&mut hasher, &[self.materials.len() as u64]);
+        for material in &self.materials {
+            list(&mut hasher, &material.albedo);
+            list(&mut hasher, &[material.metallic, material.alpha]);
+            list(&mut hasher, &material.f0);
+            list(&mut hasher, &[material.albedo_map.map_or(0, |map| map as u64 + 1)]);
+        }
+        for texture in &self.textures {
+            list(&mut hasher, &[texture.width]);
+            list(&mut hasher, &texture.data);
+        }
+        self.hash = hasher.finalize().to_hex().to_string();
+        self
+    }
 }

@@ -1,0 +1,21 @@
+#version 460
+// One vertex of a mesh. Push constants: GbufferParams. Draw: an indexed triangle list.
+#extension GL_GOOGLE_include_directive : require
+#include "gbuffer/camera.glsl"
+
+layout(push_constant) uniform Params { GbufferParams camera; };
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec2 uv;
+
+layout(location = 0) out vec3 position_world;
+layout(location = 1) out vec3 normal_world;
+layout(location = 2) out vec2 uv_up;
+
+void main() {
+    position_world = position;
+    normal_world = normal;
+    uv_up = uv;
+    gl_Position = clip_from_camera(camera, camera_from_world(camera, position));
+}

@@ -1,0 +1,21 @@
+#ifndef GBUFFER_SURFACE_GLSL
+#define GBUFFER_SURFACE_GLSL
+// The four texels of the g-buffer; the layout is that of src/gbuffer/mod.rs.
+#include "generated/layout.glsl"
+
+struct GbufferTexels {
+    vec4 position_mask;
+    vec4 normal_alpha;
+    vec4 albedo_metallic;
+    vec4 f0_material;
+};
+
+// Packs a surface. `albedo_map` is the texture's value (1 without a texture).
+GbufferTexels gbuffer_texels(vec3 position, vec3 n, MaterialData material, vec3 albedo_map, uint material_index) {
+    vec3 albedo = material.albedo_metallic.rgb * albedo_map;
+    float metallic = material.albedo_metallic.a;
+    vec3 f0 = mix(material.f0_alpha.rgb, albedo, metallic);
+    return GbufferTexels(vec4(position, 1.0), vec4(n, material.f0_alpha.a), vec4(albedo, metallic), vec4(f0, float(material_index)));
+}
+
+#endif

@@ -1,0 +1,155 @@
+//! The f64 twin: one ray through each pixel's centre against exact spheres and every triangle of every mesh.
+//!
+//! Triangles are tried one after another within the bounds of their mesh; that is meant for the small meshes of tests.
+
+use super::Gbuffer;
+use crate::pixels::{Pixels, RgbImage};
+use crate::scene::{Camera, Material, Mesh, Scene, Sphere};
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use rayon::prelude::*;
+
+/// What a ray hits first.
+struct Hit {
+    /// Distance along the ray.
+    t: f64,
+    position: DVec3,
+    n: DVec3,
+    /// Texture coordinate, v up.
+    uv: DVec2,
+    material: usize,
+}
+
+/// The g-buffer of `scene` in f64.
+pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
+    let [width, height] = size;
+    let boxes: Vec<Box3> = scene.meshes.iter().map(Box3::around).collect();
+    let texels: Vec<[[f64; 4]; 4]> = (0..width * height)
+        .into_par_iter()
+        .map(|i| {
+            let (origin, direction) = camera.ray(i % width, i / width, size);
+            let spheres = scene.spheres.iter().filter_map(|sphere| hit_sphere(sphere, origin, direction));
+            let meshes =
+                scene.meshes.iter().zip(&boxes).filter_map(|(mesh, bounds)| hit_mesh(mesh, bounds, origin, direction));
+            let nearest = spheres.chain(meshes).min_by(|a, b| a.t.total_cmp(&b.t));
+            nearest.map_or([[0.0; 4]; 4], |hit| texels(scene, &hit))
+        })
+        .collect();
+    let attachment = |k: usize| Pixels::new(width, height, texels.iter().map(|texel| texel[k]).collect());
+    Gbuffer {
+        position_mask: attachment(0),
+        normal_alpha: attachment(1),
+        albedo_metallic: attachment(2),
+        f0_material: attachment(3),
+    }
+}
+
+fn texels(scene: &Scene, hit: &Hit) -> [[f64; 4]; 4] {
+    let material: &Material = &scene.materials[hit.material];
+    let rgb = |values: [f32; 3]| Vec3::from_array(values).as_dvec3();
+    let map = material.albedo_map.map_or(DVec3::ONE, |map| bilinear(&scene.textures[map], hit.uv));
+    let albedo = rgb(material.albedo) * map;
+    let metallic = f64::from(material.metallic);
+    let f0 = rgb(material.f0).lerp(albedo, metallic);
+    let with = |xyz: DVec3, w: f64| xyz.extend(w).to_array();
+    [
+        with(hit.position, 1.0),
+        with(hit.n, f64::from(material.alpha)),
+        with(albedo, metallic),
+        with(f0, hit.material as f64),
+    ]
+}
+
+/// Bilinear lookup between texel centres at `uv` (v up) with repeating coordinates.
+fn bilinear(texture: &RgbImage, uv: DVec2) -> DVec3 {
+    let size = DVec2::new(f64::from(texture.width), f64::from(texture.height));
+    let at = DVec2::new(uv.x, 1.0 - uv.y) * size - 0.5;
+    let (low, weight) = (at.floor(), at - at.floor());
+    let texel = |dx: f64, dy: f64| {
+        let (x, y) = ((low.x + dx).rem_euclid(size.x), (low.y + dy).rem_euclid(size.y));
+        Vec3::from_array(texture.get(x as u32, y as u32)).as_dvec3()
+    };
+    let row = |dy: f64| texel(0.0, dy).lerp(texel(1.0, dy), weight.x);
+    row(0.0).lerp(row(1.0), weight.y)
+}
+
+/// `|origin + t direction - center|² = r²`, nearer root, unit `direction`.
+fn hit_sphere(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<Hit> {
+    let from_center = origin - sphere.center;
+    let half_b = direction.dot(from_center);
+    let discriminant = half_b * half_b - from_center.length_squared() + sphere.radius * sphere.radius;
+    let t = -half_b - discriminant.max(0.0).sqrt();
+    if discriminant < 0.0 || t <= 0.0 {
+        return None;
+    }
+    let position = origin + direction * t;
+    let n = (position - sphere.center).normalize();
+    Some(Hit { t, position, n, uv: DVec2::ZERO, material: sphere.material })
+}
+
+fn hit_mesh(mesh: &Mesh, bounds: &Box3, origin: DVec3, direction: DVec3) -> Option<Hit> {
+    if !bounds.is_crossed(origin, direction) {
+        return None;
+    }
+    mesh.triangles()
+        .filter_map(|triangle| hit_triangle(mesh, triangle, origin, direction))
+        .min_by(|a, b| a.t.total_cmp(&b.t))
+}
+
+/// Solves `origin + t direction = a + beta (b - a) + gamma (c - a)` by Cramer's rule [Moeller97].
+fn hit_triangle(mesh: &Mesh, triangle: [u32; 3], origin: DVec3, direction: DVec3) -> Option<Hit> {
+    let [a, b, c] = triangle.map(|index| Vec3::from_array(mesh.positions[index as usize]).as_dvec3());
+    let (ab, ac) = (b - a, c - a);
+    // Positive where the front (counter-clockwise) side faces the ray.
+    let determinant = ab.cross(ac).dot(-direction);
+    if determinant == 0.0 {
+        return None;
+    }
+    let from_a = origin - a;
+    let moment = from_a.cross(-direction);
+    let beta = ac.dot(-moment) / determinant;
+    let gamma = ab.dot(moment) / determinant;
+    let t = ab.cross(ac).dot(from_a) / determinant;
+    if beta < 0.0 || gamma < 0.0 || beta + gamma > 1.0 || t <= 0.0 {
+        return None;
+    }
+    let weights = [1.0 - beta - gamma, beta, gamma];
+    let corners = triangle.map(|index| index as usize).into_iter().zip(weights);
+    let normal: DVec3 = corners.clone().map(|(i, w)| Vec3::from_array(mesh.normals[i]).as_dvec3() * w).sum();
+    let uv: DVec2 = corners.map(|(i, w)| Vec2::from_array(mesh.uvs[i]).as_dvec2() * w).sum();
+    let n = normal.normalize() * determinant.signum();
+    Some(Hit { t, position: origin + direction * t, n, uv, material: mesh.material })
+}
+
+/// An axis-aligned box around a mesh.
+struct Box3 {
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Box3 {
+    /// A little larger than the mesh, so that rounding in [`Box3::is_crossed`] never loses a ray that grazes a face.
+    fn around(mesh: &Mesh) -> Self {
+        let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = mesh.corners().fold(empty, |(low, high), p| (low.min(p), high.max(p)));
+        let margin = DVec3::splat(1e-9 * (high.abs().max(low.abs())).max_element());
+        Self { low: low - margin, high: high + margin }
+    }
+
+    /// Whether the line through `origin` crosses the box: the intervals between each pair of faces overlap.
+    fn is_crossed(&self, origin: DVec3, direction: DVec3) -> bool {
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            if direction[axis] == 0.0 {
+                if origin[axis] < self.low[axis] || origin[axis] > self.high[axis] {
+                    return false;
+                }
+                continue;
+            }
+            let (a, b) =
+                ((self.low[axis] - origin[axis]) / direction[axis], (self.high[axis] - origin[axis]) / direction[axis]);
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+        enter <= leave
+    }
+}

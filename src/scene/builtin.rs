@@ -1,0 +1,87 @@
+//! Scenes that need no file.
+
+use super::{Material, Mesh, Scene, Sphere};
+use glam::DVec3;
+
+/// A scene that needs no file.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneEntry {
+    /// Name in configs and tables.
+    pub name: &'static str,
+    /// One line for `splitsum list scenes`.
+    pub description: &'static str,
+    pub(super) build: fn() -> Scene,
+}
+
+/// Every scene that needs no file.
+pub static SCENES: &[SceneEntry] = &[
+    SceneEntry {
+        name: "sphere",
+        description: "the exact unit sphere at the origin, one grey dielectric (f0 0.04, albedo 0.8, alpha 0.25)",
+        build: sphere,
+    },
+    SceneEntry {
+        name: "spheres",
+        description: "a grid of exact spheres: alpha 1, 0.5, 0.25, 0.1, 0.05 from left to right, metallic 0, 0.5, 1 from bottom to top; \
+                      the top right one reflects everything",
+        build: spheres,
+    },
+    SceneEntry {
+        name: "plane",
+        description: "a horizontal rectangle seen at a grazing angle: n_dot_v falls from front to back under the perspective camera",
+        build: plane,
+    },
+];
+
+/// Microfacet widths of the columns of `spheres`, left to right.
+pub const SPHERES_ALPHA: [f32; 5] = [1.0, 0.5, 0.25, 0.1, 0.05];
+/// Metallic of the rows of `spheres`, bottom to top.
+pub const SPHERES_METALLIC: [f32; 3] = [0.0, 0.5, 1.0];
+/// Distance between the centres of neighbours in `spheres`, in radii: a fifth of a radius stays free between two spheres.
+const SPHERES_PITCH: f64 = 2.2;
+
+fn sphere() -> Scene {
+    let sphere = Sphere { center: DVec3::ZERO, radius: 1.0, material: 0 };
+    Scene::assemble("sphere", vec![sphere], Vec::new(), vec![Material::default()])
+}
+
+/// The grid of source document 0: unit spheres in the plane z = 0, centred about the origin, smoother to the right and more metallic to the
+/// top. The one in the top right corner is fully reflective (albedo 1, metallic 1, the smallest alpha).
+fn spheres() -> Scene {
+    let (columns, rows) = (SPHERES_ALPHA.len(), SPHERES_METALLIC.len());
+    let centred = |i: usize, count: usize| (i as f64 - 0.5 * (count as f64 - 1.0)) * SPHERES_PITCH;
+    let mut spheres = Vec::new();
+    let mut materials = Vec::new();
+    for (row, &metallic) in SPHERES_METALLIC.iter().enumerate() {
+        for (column, &alpha) in SPHERES_ALPHA.iter().enumerate() {
+            let center = DVec3::new(centred(column, columns), centred(row, rows), 0.0);
+            spheres.push(Sphere { center, radius: 1.0, material: materials.len() });
+            let mut material =
+                Material { name: format!("alpha {alpha} metallic {metallic}"), metallic, alpha, ..Material::default() };
+            if (column, row) == (columns - 1, rows - 1) {
+                material.name = "fully reflective".to_owned();
+                material.albedo = [1.0; 3];
+            }
+            materials.push(material);
+        }
+    }
+    Scene::assemble("spheres", spheres, Vec::new(), materials)
+}
+
+/// The rectangle [-1, 1] x [-2, 2] of the plane y = 0, normal +y, seen from 20 degrees above the horizon.
+fn plane() -> Scene {
+    let (half_width, half_depth) = (1.0, 2.0);
+    let corner = |u: f32, v: f32| [(2.0 * u - 1.0) * half_width, 0.0, (1.0 - 2.0 * v) * half_depth];
+    let uvs = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let mesh = Mesh {
+        positions: uvs.iter().map(|&[u, v]| corner(u, v)).collect(),
+        normals: vec![[0.0, 1.0, 0.0]; 4],
+        uvs,
+        indices: vec![0, 1, 2, 0, 2, 3],
+        material: 0,
+    };
+    let mut scene = Scene::assemble("plane", Vec::new(), vec![mesh], vec![Material::default()]);
+    let elevation = 20f64.to_radians();
+    scene.toward_viewer = DVec3::new(0.0, elevation.sin(), elevation.cos());
+    scene.hashed()
+}
