@@ -191,10 +191,13 @@ pub enum Filter {
     Linear,
 }
 
-/// What lies beyond the edge in u; v always clamps.
+/// What lies beyond the edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrap {
-    Repeat,
+    /// An equirectangular map: u repeats, v clamps.
+    Equirect,
+    /// A tiling texture.
+    RepeatBoth,
     Clamp,
 }
 
@@ -218,21 +221,23 @@ impl Drop for SamplerInner {
 
 impl Gpu {
     /// A sampler over every level, `filter` within and between levels.
-    pub fn sampler(&self, filter: Filter, u: Wrap) -> Result<Sampler, GpuError> {
+    pub fn sampler(&self, filter: Filter, wrap: Wrap) -> Result<Sampler, GpuError> {
         let (within, between) = match filter {
             Filter::Nearest => (vk::Filter::NEAREST, vk::SamplerMipmapMode::NEAREST),
             Filter::Linear => (vk::Filter::LINEAR, vk::SamplerMipmapMode::LINEAR),
         };
-        let address = match u {
-            Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
-            Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+        let (repeat, clamp) = (vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE);
+        let (u, v) = match wrap {
+            Wrap::Equirect => (repeat, clamp),
+            Wrap::RepeatBoth => (repeat, repeat),
+            Wrap::Clamp => (clamp, clamp),
         };
         let info = vk::SamplerCreateInfo::default()
             .mag_filter(within)
             .min_filter(within)
             .mipmap_mode(between)
-            .address_mode_u(address)
-            .address_mode_v(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+            .address_mode_u(u)
+            .address_mode_v(v)
             .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE)
             .max_lod(vk::LOD_CLAMP_NONE);
         // SAFETY: the device is alive and the description is complete.

@@ -51,7 +51,8 @@ pub struct GraphicsPipeline {
     pub(super) inner: Arc<Inner>,
 }
 
-/// What a graphics pipeline draws: opaque triangles with depth test (less) and no culling, viewport and scissor of the targets.
+/// What a graphics pipeline draws: opaque triangles, counter-clockwise in front, depth test (less), no culling, viewport and scissor of
+/// the targets.
 #[derive(Clone, Copy, Debug)]
 pub struct GraphicsDescription<'a> {
     pub vertex_shader: &'a str,
@@ -61,6 +62,8 @@ pub struct GraphicsDescription<'a> {
     /// Floats of each vertex attribute, one tightly packed buffer an attribute.
     pub attributes: &'a [u32],
     pub color_count: usize,
+    /// Triangle strip instead of a list.
+    pub strip: bool,
 }
 
 impl Inner {
@@ -215,10 +218,15 @@ impl Gpu {
         let vertex_input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(&bindings)
             .vertex_attribute_descriptions(&attributes);
-        let assembly =
-            vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let topology = match description.strip {
+            true => vk::PrimitiveTopology::TRIANGLE_STRIP,
+            false => vk::PrimitiveTopology::TRIANGLE_LIST,
+        };
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(topology);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-        let raster = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
+        let raster = vk::PipelineRasterizationStateCreateInfo::default()
+            .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+            .line_width(1.0);
         let samples =
             vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()

@@ -1,0 +1,173 @@
+//! The device pass: draws a scene into the four attachments.
+
+use super::{ATTACHMENT_NAMES, Gbuffer, material_data, params, sphere_data};
+use crate::glsl::layout::{GbufferParams, SharedStruct};
+use crate::gpu::{
+    Bind, Buffer, DrawCall, Filter, Format, Gpu, GpuError, GraphicsDescription, GraphicsPipeline, Image, Recorder,
+    Sampler, Slot, Wrap,
+};
+use crate::pixels::{Pixels, RgbImage};
+use crate::scene::{Camera, Mesh, Scene};
+
+/// The pipelines of the pass.
+pub struct GbufferPass {
+    spheres: GraphicsPipeline,
+    meshes: GraphicsPipeline,
+    texture_sampler: Sampler,
+}
+
+/// A scene on the device.
+pub struct SceneData {
+    spheres: Buffer,
+    sphere_count: u32,
+    materials: Buffer,
+    meshes: Vec<MeshData>,
+    textures: Vec<Image>,
+    /// Stands for a missing albedo map.
+    white: Image,
+}
+
+struct MeshData {
+    attributes: [Buffer; 3],
+    indices: Buffer,
+    index_count: u32,
+    material: usize,
+    texture: Option<usize>,
+}
+
+/// The attachments on the device.
+#[derive(Clone)]
+pub struct GbufferImages {
+    /// In the order of [`ATTACHMENT_NAMES`].
+    pub attachments: [Image; 4],
+    depth: Image,
+    pub size: [u32; 2],
+}
+
+impl GbufferPass {
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        let slots = [Slot::Buffer, Slot::Buffer, Slot::Sampled];
+        let push_size = GbufferParams::SIZE;
+        let spheres = gpu.graphics_pipeline(GraphicsDescription {
+            vertex_shader: "gbuffer/sphere.vert",
+            fragment_shader: "gbuffer/sphere.frag",
+            slots: &slots,
+            push_size,
+            attributes: &[],
+            color_count: ATTACHMENT_NAMES.len(),
+            strip: true,
+        })?;
+        let meshes = gpu.graphics_pipeline(GraphicsDescription {
+            vertex_shader: "gbuffer/mesh.vert",
+            fragment_shader: "gbuffer/mesh.frag",
+            slots: &slots,
+            push_size,
+            attributes: &[3, 3, 2],
+            color_count: ATTACHMENT_NAMES.len(),
+            strip: false,
+        })?;
+        Ok(Self { spheres, meshes, texture_sampler: gpu.sampler(Filter::Linear, Wrap::RepeatBoth)? })
+    }
+
+    /// Draws `scene` as `camera` sees it.
+    pub fn record(
+        &self,
+        recorder: &mut Recorder,
+        scene: &SceneData,
+        camera: &Camera,
+        target: &GbufferImages,
+    ) -> Result<(), GpuError> {
+        let colors: Vec<&Image> = target.attachments.iter().collect();
+        let mut clear = true;
+        if scene.sphere_count > 0 {
+            let push = params(camera, target.size, 0).to_bytes();
+            let binds = scene.binds(&self.texture_sampler, None);
+            let call =
+                DrawCall { vertex_buffers: &[], index_buffer: None, count: 4, instance_count: scene.sphere_count };
+            recorder.draw(&self.spheres, &binds, &push, &colors, &target.depth, clear, call)?;
+            clear = false;
+        }
+        for mesh in &scene.meshes {
+            let push = params(camera, target.size, mesh.material).to_bytes();
+            let binds = scene.binds(&self.texture_sampler, mesh.texture);
+            let [positions, normals, uvs] = &mesh.attributes;
+            let call = DrawCall {
+                vertex_buffers: &[positions, normals, uvs],
+                index_buffer: Some(&mesh.indices),
+                count: mesh.index_count,
+                instance_count: 1,
+            };
+            recorder.draw(&self.meshes, &binds, &push, &colors, &target.depth, clear, call)?;
+            clear = false;
+        }
+        assert!(!clear, "a scene has at least one sphere or mesh");
+        Ok(())
+    }
+}
+
+impl SceneData {
+    /// Uploads a scene.
+    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, GpuError> {
+        let bytes = |name: &str, bytes: Vec<u8>| gpu.buffer_from(name, &bytes);
+        let spheres = sphere_data(scene).iter().flat_map(SharedStruct::to_bytes).collect();
+        let materials = material_data(scene).iter().flat_map(SharedStruct::to_bytes).collect();
+        let mesh = |mesh: &Mesh| {
+            Ok(MeshData {
+                attributes: [
+                    gpu.buffer_from("positions", &mesh.positions)?,
+                    gpu.buffer_from("normals", &mesh.normals)?,
+                    gpu.buffer_from("uvs", &mesh.uvs)?,
+                ],
+                indices: gpu.buffer_from("indices", &mesh.indices)?,
+                index_count: mesh.indices.len() as u32,
+                material: mesh.material,
+                texture: scene.materials[mesh.material].albedo_map,
+            })
+        };
+        Ok(Self {
+            spheres: bytes("spheres", spheres)?,
+            sphere_count: scene.spheres.len() as u32,
+            materials: bytes("materials", materials)?,
+            meshes: scene.meshes.iter().map(mesh).collect::<Result<_, GpuError>>()?,
+            textures: scene.textures.iter().map(|image| texture(gpu, image)).collect::<Result<_, _>>()?,
+            white: texture(gpu, &Pixels::filled(1, 1, [1.0; 3]))?,
+        })
+    }
+
+    fn binds<'a>(&'a self, sampler: &'a Sampler, map: Option<usize>) -> [Bind<'a>; 3] {
+        let map = map.map_or(&self.white, |index| &self.textures[index]);
+        [Bind::Read(&self.spheres), Bind::Read(&self.materials), Bind::Sample(map, sampler)]
+    }
+}
+
+fn texture(gpu: &Gpu, pixels: &RgbImage) -> Result<Image, GpuError> {
+    let image = gpu.image("albedo map", [pixels.width, pixels.height], 1, Format::Rgba32Float)?;
+    let texels: Vec<[f32; 4]> = pixels.data.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+    gpu.write_image(&image, 0, &texels)?;
+    Ok(image)
+}
+
+impl GbufferImages {
+    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
+        let [a, b, c, d] = ATTACHMENT_NAMES;
+        let attachment = |name| gpu.image(name, size, 1, Format::Rgba32Float);
+        Ok(Self {
+            attachments: [attachment(a)?, attachment(b)?, attachment(c)?, attachment(d)?],
+            depth: gpu.image("depth", size, 1, Format::Depth32Float)?,
+            size,
+        })
+    }
+
+    /// The attachments' texels.
+    pub fn read(&self, gpu: &Gpu) -> Result<Gbuffer<f32>, GpuError> {
+        let [width, height] = self.size;
+        let read = |image| Ok(Pixels::new(width, height, gpu.read_image(image, 0)?));
+        let [position_mask, normal_alpha, albedo_metallic, f0_material] = &self.attachments;
+        Ok(Gbuffer {
+            position_mask: read(position_mask)?,
+            normal_alpha: read(normal_alpha)?,
+            albedo_metallic: read(albedo_metallic)?,
+            f0_material: read(f0_material)?,
+        })
+    }
+}
