@@ -1,0 +1,60 @@
+// GGX (Trowbridge-Reitz) distribution with its exact Smith masking. Every file in brdf/ defines the same functions.
+// Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
+#ifndef BRDF_GGX_GLSL
+#define BRDF_GGX_GLSL
+
+#include "lib/sampling.glsl"
+
+// D(h), 1/sr. The sine comes from h.xy: 1 - h.z^2 has no digits left at small alpha. [Walter07 eq. 33]
+float d_brdf(vec3 h_local, float alpha) {
+    float alpha2 = alpha * alpha;
+    float k = dot(h_local.xy, h_local.xy) + alpha2 * h_local.z * h_local.z;
+    return h_local.z > 0.0 ? alpha2 / (PI * k * k) : 0.0;
+}
+
+// G1(w) over n_dot_w: finite where the cosine is 0. [Walter07 eq. 34]
+float g1_over_cosine_ggx(float n_dot_w, float alpha) {
+    float alpha2 = alpha * alpha;
+    return 2.0 / (n_dot_w + sqrt(alpha2 + (1.0 - alpha2) * n_dot_w * n_dot_w));
+}
+
+// Smith masking G1 of a direction with cosine n_dot_w. [Walter07 eq. 34]
+float g1_brdf(float n_dot_w, float alpha) {
+    return n_dot_w > 0.0 ? n_dot_w * g1_over_cosine_ggx(n_dot_w, alpha) : 0.0;
+}
+
+// Half vector with density D(h) n_dot_h: cos^2 = (1 - u) / (1 + (alpha^2 - 1) u). [Walter07 eq. 35, 36]
+LobeSample sample_lobe_brdf(vec4 point, float alpha) {
+    float alpha2 = alpha * alpha;
+    float k = 1.0 + (alpha2 - 1.0) * point.x;
+    float inv_k = 1.0 / k;
+    float cos_theta = sqrt((1.0 - point.x) * inv_k);
+    float sin_theta = alpha * sqrt(point.x * inv_k);
+    return LobeSample(vec3(sin_theta * point.yz, cos_theta), k * k * cos_theta / (PI * alpha2));
+}
+
+// Half vector with density D(h) n_dot_h.
+vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
+    return sample_lobe_brdf(vec4(u, cos_sin_phi, 0.0), alpha).h_local;
+}
+
+// Half vector among the normals visible from v: a spherical cap about the stretched v. [Dupuy23 listing 3]
+vec3 sample_visible_point_brdf(vec4 point, vec3 v_local, float alpha) {
+    vec3 v_standard = normalize(vec3(alpha * v_local.xy, v_local.z));
+    float one_minus_z = point.x * (1.0 + v_standard.z);
+    float sin_theta = sqrt(max(one_minus_z * (2.0 - one_minus_z), 0.0));
+    vec3 h_standard = vec3(sin_theta * point.yz, 1.0 - one_minus_z) + v_standard;
+    return normalize(vec3(alpha * h_standard.xy, max(h_standard.z, 0.0)));
+}
+
+// As sample_visible_point_brdf, from xi in the unit square.
+vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
+    return sample_visible_point_brdf(vec4(xi.x, sin_cos_turns(xi.y).yx, 0.0), v_local, alpha);
+}
+
+// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D G1(v) / (4 n_dot_v). [Heitz18 eq. 17]
+float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
+    return v_local.z > 0.0 ? 0.25 * d_brdf(h_local, alpha) * g1_over_cosine_ggx(v_local.z, alpha) : 0.0;
+}
+
+#endif

@@ -1,0 +1,56 @@
+// Phong distribution, exponent = 2 / alpha^2 - 2, with Walter's rational Smith masking. Every file in brdf/ defines the same functions.
+// Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
+#ifndef BRDF_PHONG_GLSL
+#define BRDF_PHONG_GLSL
+
+#include "lib/sampling.glsl"
+#include "lib/smith_rational.glsl"
+
+// D(h), 1/sr: (exponent + 2) / 2 pi cos^exponent, written with alpha and ln(1 - sin^2). [Walter07 eq. 30]
+float d_brdf(vec3 h_local, float alpha) {
+    if (h_local.z <= 0.0) {
+        return 0.0;
+    }
+    float inv_alpha2 = 1.0 / (alpha * alpha);
+    float sin2 = dot(h_local.xy, h_local.xy);
+    // cos^2 directly where sin^2 has rounded to 1.
+    float log_cos2 = sin2 < 0.75 ? log_one_minus(sin2) : log(h_local.z * h_local.z);
+    return inv_alpha2 / PI * exp((inv_alpha2 - 1.0) * log_cos2);
+}
+
+// Smith masking G1 of a direction with cosine n_dot_w: sqrt(exponent / 2 + 1) is 1 / alpha. [Walter07 eq. 27, section 5.2]
+float g1_brdf(float n_dot_w, float alpha) {
+    return g1_smith_rational(n_dot_w, alpha);
+}
+
+// Half vector with density D(h) n_dot_h: cos = (1 - u)^(1 / (exponent + 2)) = exp(-alpha^2 w / 2). [Walter07 eq. 31, 32]
+LobeSample sample_lobe_brdf(vec4 point, float alpha) {
+    float alpha2 = alpha * alpha;
+    float x = alpha2 * point.w;
+    float cos_theta = exp(-0.5 * x);
+    float sin_theta = sqrt(one_minus_exp(x));
+    return LobeSample(vec3(sin_theta * point.yz, cos_theta), (1.0 - point.x) / (PI * alpha2 * cos_theta));
+}
+
+// Half vector with density D(h) n_dot_h.
+vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
+    return sample_lobe_brdf(sample_point_from_polar(u, cos_sin_phi), alpha).h_local;
+}
+
+// Half vector with density D(h) n_dot_h: no sampler of visible normals is known for this model.
+vec3 sample_visible_point_brdf(vec4 point, vec3 v_local, float alpha) {
+    return sample_lobe_brdf(point, alpha).h_local;
+}
+
+// As sample_visible_point_brdf, from xi in the unit square.
+vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
+    return sample_visible_point_brdf(sample_point_from_xi(xi), v_local, alpha);
+}
+
+// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D n_dot_h / (4 v_dot_h). [Walter07 eq. 24, 38]
+float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
+    float v_dot_h = dot(v_local, h_local);
+    return v_dot_h > 0.0 ? d_brdf(h_local, alpha) * h_local.z / (4.0 * v_dot_h) : 0.0;
+}
+
+#endif

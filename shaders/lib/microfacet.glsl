@@ -1,0 +1,59 @@
+// What every microfacet model shares: Fresnel, masking-shadowing, evaluation. `masking` is one of MASKING_*.
+// Vectors are local (n is +z) and point away from the surface; eval never includes the cosine.
+#ifndef MICROFACET_GLSL
+#define MICROFACET_GLSL
+
+#include "generated/constants.glsl"
+#include "selected/brdf.glsl"
+
+// (1 - v_dot_h)^5, the weight of f90 = 1. [Schlick94 eq. 15]
+float schlick_weight(float v_dot_h) {
+    float x = clamp(1.0 - v_dot_h, 0.0, 1.0);
+    float x2 = x * x;
+    return x2 * x2 * x;
+}
+
+// Fresnel reflectance from f0 with f90 = 1. [Schlick94 eq. 15]
+vec3 f_schlick(float v_dot_h, vec3 f0) {
+    return f0 + (1.0 - f0) * schlick_weight(v_dot_h);
+}
+
+// Masking of one direction: the model's own G1, or Karis' fit with k = alpha / 2. [Karis13 eq. 4]
+float g1(float n_dot_w, float alpha, uint masking) {
+    if (masking == MASKING_SCHLICK) {
+        float k = 0.5 * alpha;
+        return n_dot_w > 0.0 ? n_dot_w / (n_dot_w * (1.0 - k) + k) : 0.0;
+    }
+    return g1_brdf(n_dot_w, alpha);
+}
+
+// Masking-shadowing of v and l from their G1: product [Walter07 eq. 23], or 1 / (1 + Lambda(v) + Lambda(l)) with Lambda = 1 / G1 - 1 [Heitz14 eq. 99].
+float g2_from_g1(float g1_v, float g1_l, uint masking) {
+    float product = g1_v * g1_l;
+    if (masking == MASKING_CORRELATED) {
+        // Both at once 0 only where the product is: the floor keeps 0 / 0 away.
+        return product / max(g1_v + g1_l - product, 1e-30);
+    }
+    return product;
+}
+
+// Masking-shadowing of v and l.
+float g2(float n_dot_v, float n_dot_l, float alpha, uint masking) {
+    return g2_from_g1(g1(n_dot_v, alpha, masking), g1(n_dot_l, alpha, masking), masking);
+}
+
+// D G / (4 n_dot_v n_dot_l): the specular BRDF without Fresnel, 1/sr; 0 below the horizon. [Walter07 eq. 20]
+float eval_without_fresnel(vec3 v_local, vec3 l_local, vec3 h_local, float alpha, uint masking) {
+    if (v_local.z <= 0.0 || l_local.z <= 0.0) {
+        return 0.0;
+    }
+    return d_brdf(h_local, alpha) * g2(v_local.z, l_local.z, alpha, masking) / (4.0 * v_local.z * l_local.z);
+}
+
+// The specular BRDF, 1/sr. [Walter07 eq. 20]
+vec3 eval_specular(vec3 v_local, vec3 l_local, vec3 f0, float alpha, uint masking) {
+    vec3 h_local = normalize(v_local + l_local);
+    return eval_without_fresnel(v_local, l_local, h_local, alpha, masking) * f_schlick(dot(v_local, h_local), f0);
+}
+
+#endif

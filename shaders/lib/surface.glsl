@@ -1,0 +1,47 @@
+// A shaded point as the g-buffer holds it.
+#ifndef SURFACE_GLSL
+#define SURFACE_GLSL
+
+#include "generated/constants.glsl"
+#include "generated/layout.glsl"
+
+struct Surface {
+    // Unit vectors away from the surface.
+    vec3 n;
+    vec3 v;
+    vec3 albedo;
+    vec3 f0;
+    // Microfacet width in [ALPHA_MIN, 1]; the floor stands for a mirror.
+    float alpha;
+    float metallic;
+    // Cosine between n and v, at least COSINE_MIN.
+    float n_dot_v;
+};
+
+// The surface of four g-buffer texels: position and mask, normal and alpha, albedo and metallic, f0 and material index; in world axes.
+Surface surface_from_texels(vec4 position, vec4 normal, vec4 albedo, vec4 f0, vec4 eye) {
+    Surface s;
+    s.n = normalize(normal.xyz);
+    s.v = eye.w == 0.0 ? eye.xyz : normalize(eye.xyz - position.xyz);
+    s.albedo = albedo.rgb;
+    s.f0 = f0.rgb;
+    s.alpha = max(normal.w, ALPHA_MIN);
+    s.metallic = albedo.w;
+    s.n_dot_v = max(dot(s.n, s.v), COSINE_MIN);
+    return s;
+}
+
+// A world direction in the environment's frame.
+vec3 environment_from_world(vec3 d, ShadeParams params) {
+    return vec3(dot(params.environment_from_world_0.xyz, d), dot(params.environment_from_world_1.xyz, d),
+                dot(params.environment_from_world_2.xyz, d));
+}
+
+// The surface with n and v in the environment's frame.
+Surface surface_in_environment(Surface s, ShadeParams params) {
+    s.n = environment_from_world(s.n, params);
+    s.v = environment_from_world(s.v, params);
+    return s;
+}
+
+#endif

@@ -1,0 +1,52 @@
+// One invocation adds the specular image-based radiance of one pixel; pixels with mask 0 are left alone.
+// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 environment with its mips;
+// 5 prefiltered map with its levels; 6 DFG table; 7 sample points (lib/sampling.glsl); 8 radiance, a vec4 a pixel, row-major.
+// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "generated/constants.glsl"
+#include "generated/layout.glsl"
+#include "lib/surface.glsl"
+#include "selected/method.glsl"
+
+layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
+
+layout(push_constant) uniform Push {
+    ShadeParams params;
+};
+
+layout(set = 0, binding = 0) uniform sampler2D gbuffer_position;
+layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
+layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
+layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
+layout(set = 0, binding = 4) uniform sampler2D environment;
+layout(set = 0, binding = 5) uniform sampler2D prefiltered;
+layout(set = 0, binding = 6) uniform sampler2D dfg;
+layout(std430, set = 0, binding = 7) readonly buffer Points {
+    vec4 points[];
+};
+layout(std430, set = 0, binding = 8) buffer Radiance {
+    vec4 radiance[];
+};
+
+vec4 sample_point(uint i) {
+    return points[i];
+}
+
+void main() {
+    uvec2 pixel = gl_GlobalInvocationID.xy + uvec2(0u, params.first_row);
+    if (pixel.x >= params.width || pixel.y >= params.height) {
+        return;
+    }
+    ivec2 texel = ivec2(pixel);
+    vec4 position = texelFetch(gbuffer_position, texel, 0);
+    if (position.w == 0.0) {
+        return;
+    }
+    Surface world = surface_from_texels(position, texelFetch(gbuffer_normal, texel, 0), texelFetch(gbuffer_albedo, texel, 0),
+                                        texelFetch(gbuffer_f0, texel, 0), params.eye);
+    Surface s = surface_in_environment(world, params);
+    vec3 specular = params.environment_scale * specular_radiance(s, environment, prefiltered, dfg, params);
+    radiance[pixel.y * params.width + pixel.x] += vec4(specular, 0.0);
+}
