@@ -3,14 +3,14 @@
 //! An entry point is a `.comp`, `.vert` or `.frag` file. `#include "path"` is relative to `shaders/`. Two folders are virtual:
 //! `generated/` holds the text of `src/glsl`, and `selected/` stands for a choice that makes one permutation per candidate:
 //!
-//! | include | candidates |
+//! | include | candidates: every file of |
 //! |---|---|
-//! | `selected/brdf.glsl` | every file of `brdf/` |
-//! | `selected/method.glsl` | every file of `shade/method/` |
-//! | `selected/diffuse.glsl` | every file of `shade/diffuse/` |
-//! | `selected/lobe.glsl` | `lib/specular_lobe.glsl` with every file of `brdf/`, and `lib/lambert.glsl` |
+//! | `selected/brdf.glsl` | `brdf/` |
+//! | `selected/method.glsl` | `shade/method/` |
+//! | `selected/diffuse.glsl` | `shade/diffuse/` |
+//! | `selected/lobe.glsl` | `shade/lobe/` |
 //!
-//! A permutation is named `<entry>[:<method>][:<diffuse>][:<brdf or lambert>]`, stems with `-` for `_`.
+//! A permutation is named `<entry>[:<candidate>]...`, candidates in the order in which their includes are met, stems with `-` for `_`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -23,7 +23,13 @@ mod constants;
 #[allow(dead_code)] // the structs themselves are for the crate; only their description is read here
 mod layout;
 
-const LAMBERT: &str = "lambert";
+/// Where the candidates of each `selected/` include live.
+const SELECTIONS: [(&str, &str); 4] = [
+    ("selected/brdf.glsl", "brdf"),
+    ("selected/method.glsl", "shade/method"),
+    ("selected/diffuse.glsl", "shade/diffuse"),
+    ("selected/lobe.glsl", "shade/lobe"),
+];
 
 fn main() {
     println!("cargo::rerun-if-changed=shaders");
@@ -44,15 +50,10 @@ fn build() -> Result<(), String> {
     sources.texts.insert("generated/constants.glsl".into(), constants_text());
     sources.texts.insert("generated/layout.glsl".into(), layout_text());
 
-    let candidates = Candidates {
-        brdf: stems(&root.join("brdf"))?,
-        method: stems(&root.join("shade/method"))?,
-        diffuse: stems(&root.join("shade/diffuse"))?,
-    };
     let compiler = glslang::Compiler::acquire().ok_or("glslang does not initialise")?;
     let mut table = String::from("pub static SHADERS: &[(&str, &[u8])] = &[\n");
     for entry in entries(&root)? {
-        for (name, choice) in candidates.permutations(&entry, &sources.selections(&entry)?) {
+        for (name, choice) in sources.permutations(&entry)? {
             let text = sources.expand(&entry, &choice)?;
             let spirv = compile(compiler, &entry, &text).map_err(|log| format!("{name}: {log}"))?;
             let file = out.join(format!("{}.spv", name.replace(['/', ':', '.'], "_")));
@@ -63,74 +64,17 @@ fn build() -> Result<(), String> {
         }
     }
     table.push_str("];\n");
-    for (list, stems) in
-        [("BRDF_STEMS", &candidates.brdf), ("METHOD_STEMS", &candidates.method), ("DIFFUSE_STEMS", &candidates.diffuse)]
+    for (list, folder) in [("BRDF_STEMS", "brdf"), ("METHOD_STEMS", "shade/method"), ("DIFFUSE_STEMS", "shade/diffuse")]
     {
-        let names: Vec<String> = stems.iter().map(|stem| stem.replace('_', "-")).collect();
-        writeln!(
-            table,
-            "/// Shader files that stand behind a list of names.\npub static {list}: &[&str] = &{names:?};"
-        )
-        .expect("a String takes all");
+        let names: Vec<String> = stems(&root.join(folder))?.iter().map(|stem| stem.replace('_', "-")).collect();
+        writeln!(table, "/// Names of the files of shaders/{folder}.\npub static {list}: &[&str] = &{names:?};")
+            .expect("a String takes all");
     }
     fs::write(out.join("shaders.rs"), table).map_err(|e| format!("shaders.rs: {e}"))
 }
 
-/// What stands behind each `selected/` include in one permutation.
-#[derive(Clone, Default)]
-struct Choice {
-    files: BTreeMap<&'static str, String>,
-}
-
-struct Candidates {
-    brdf: Vec<String>,
-    method: Vec<String>,
-    diffuse: Vec<String>,
-}
-
-impl Candidates {
-    fn permutations(&self, entry: &str, selections: &BTreeSet<String>) -> Vec<(String, Choice)> {
-        let mut all = vec![(entry.to_string(), Choice::default())];
-        let mut cross = |key: &'static str, options: Vec<(String, Vec<(&'static str, String)>)>| {
-            if selections.contains(key) {
-                all = all
-                    .iter()
-                    .flat_map(|(name, choice)| {
-                        options.iter().map(move |(stem, files)| {
-                            let mut choice = choice.clone();
-                            choice.files.extend(files.iter().cloned());
-                            (format!("{name}:{}", stem.replace('_', "-")), choice)
-                        })
-                    })
-                    .collect();
-            }
-        };
-        let brdf = |stem: &String| ("selected/brdf.glsl", format!("brdf/{stem}.glsl"));
-        cross(
-            "selected/method.glsl",
-            self.method
-                .iter()
-                .map(|s| (s.clone(), vec![("selected/method.glsl", format!("shade/method/{s}.glsl"))]))
-                .collect(),
-        );
-        cross(
-            "selected/diffuse.glsl",
-            self.diffuse
-                .iter()
-                .map(|s| (s.clone(), vec![("selected/diffuse.glsl", format!("shade/diffuse/{s}.glsl"))]))
-                .collect(),
-        );
-        if selections.contains("selected/lobe.glsl") {
-            let specular =
-                |s: &String| (s.clone(), vec![("selected/lobe.glsl", "lib/specular_lobe.glsl".to_string()), brdf(s)]);
-            let lambert = (LAMBERT.to_string(), vec![("selected/lobe.glsl", "lib/lambert.glsl".to_string())]);
-            cross("selected/lobe.glsl", self.brdf.iter().map(specular).chain([lambert]).collect());
-        } else {
-            cross("selected/brdf.glsl", self.brdf.iter().map(|s| (s.clone(), vec![brdf(s)])).collect());
-        }
-        all
-    }
-}
+/// The file that stands behind each `selected/` include in one permutation.
+type Choice = BTreeMap<String, String>;
 
 /// Shader texts by path, read once.
 struct Sources {
@@ -148,18 +92,42 @@ impl Sources {
         Ok(text)
     }
 
-    /// Every `selected/` include reached without passing through another one.
-    fn selections(&mut self, entry: &str) -> Result<BTreeSet<String>, String> {
-        let mut found = BTreeSet::new();
-        let (mut seen, mut open) = (BTreeSet::new(), vec![entry.to_string()]);
-        while let Some(path) = open.pop() {
-            if path.starts_with("selected/") {
-                found.insert(path);
-            } else if seen.insert(path.clone()) {
-                open.extend(self.text(&path)?.lines().filter_map(included).map(str::to_string));
+    /// Every permutation of an entry point.
+    fn permutations(&mut self, entry: &str) -> Result<Vec<(String, Choice)>, String> {
+        let (mut done, mut open) = (Vec::new(), vec![(entry.to_string(), Choice::new())]);
+        while let Some((name, choice)) = open.pop() {
+            let Some(include) = self.first_unresolved(entry, &choice)? else {
+                done.push((name, choice));
+                continue;
+            };
+            let (_, folder) = SELECTIONS
+                .iter()
+                .find(|(known, _)| *known == include)
+                .ok_or_else(|| format!("shaders/{entry}: {include} is not one of {SELECTIONS:?}"))?;
+            for stem in stems(&self.root.join(folder))? {
+                let mut choice = choice.clone();
+                choice.insert(include.clone(), format!("{folder}/{stem}.glsl"));
+                open.push((format!("{name}:{}", stem.replace('_', "-")), choice));
             }
         }
-        Ok(found)
+        done.sort();
+        Ok(done)
+    }
+
+    /// The first `selected/` include that is reached from `entry` and that `choice` leaves open.
+    fn first_unresolved(&mut self, entry: &str, choice: &Choice) -> Result<Option<String>, String> {
+        let (mut seen, mut open) = (BTreeSet::new(), vec![entry.to_string()]);
+        while let Some(path) = open.pop() {
+            let path = choice.get(&path).cloned().unwrap_or(path);
+            if path.starts_with("selected/") {
+                return Ok(Some(path));
+            }
+            if seen.insert(path.clone()) {
+                let text = self.text(&path)?;
+                open.extend(text.lines().rev().filter_map(included).map(str::to_string));
+            }
+        }
+        Ok(None)
     }
 
     /// One text with every include in place, line numbers kept by `#line`.
@@ -177,10 +145,7 @@ impl Sources {
         done: &mut BTreeSet<String>,
         text: &mut String,
     ) -> Result<(), String> {
-        let path = choice.files.get(path).map_or(path, String::as_str).to_string();
-        if path.starts_with("selected/") {
-            return Err(format!("{path} is not a known selection"));
-        }
+        let path = choice.get(path).map_or(path, String::as_str).to_string();
         if !done.insert(path.clone()) {
             return Ok(()); // each file once, as its include guard says
         }

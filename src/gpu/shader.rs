@@ -10,6 +10,11 @@ pub(super) fn spirv(name: &str) -> Result<Vec<u32>, GpuError> {
     Ok(bytes.chunks_exact(4).map(|word| u32::from_ne_bytes([word[0], word[1], word[2], word[3]])).collect())
 }
 
+/// Whether the build made this permutation; a method that does not use the BRDF has none for each model.
+pub fn has_shader(name: &str) -> bool {
+    SHADERS.iter().any(|(known, _)| *known == name)
+}
+
 /// One hash of all shaders: changes whenever any of them does.
 pub fn build_hash() -> String {
     let mut hasher = blake3::Hasher::new();
