@@ -42,18 +42,13 @@ float g2(float n_dot_v, float n_dot_l, float alpha, uint masking) {
     return g2_from_g1(g1(n_dot_v, alpha, masking), g1(n_dot_l, alpha, masking), masking);
 }
 
-// D G / (4 n_dot_v n_dot_l): the specular BRDF without Fresnel, 1/sr; 0 below the horizon. [Walter07 eq. 20]
-float eval_without_fresnel(vec3 v_local, vec3 l_local, vec3 h_local, float alpha, uint masking) {
+// The specular BRDF D G F / (4 n_dot_v n_dot_l), 1/sr; 0 below the horizon. h_local must be the half vector of v and l. [Walter07 eq. 20]
+vec3 eval_brdf(vec3 v_local, vec3 l_local, vec3 h_local, float alpha, vec3 f0, uint masking) {
     if (v_local.z <= 0.0 || l_local.z <= 0.0) {
-        return 0.0;
+        return vec3(0.0);
     }
-    return d_brdf(h_local, alpha) * g2(v_local.z, l_local.z, alpha, masking) / (4.0 * v_local.z * l_local.z);
-}
-
-// The specular BRDF, 1/sr. [Walter07 eq. 20]
-vec3 eval_specular(vec3 v_local, vec3 l_local, vec3 f0, float alpha, uint masking) {
-    vec3 h_local = normalize(v_local + l_local);
-    return eval_without_fresnel(v_local, l_local, h_local, alpha, masking) * f_schlick(dot(v_local, h_local), f0);
+    float dg = d_brdf(h_local, alpha) * g2(v_local.z, l_local.z, alpha, masking);
+    return dg / (4.0 * v_local.z * l_local.z) * f_schlick(dot(v_local, h_local), f0);
 }
 
 #endif

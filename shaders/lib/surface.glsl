@@ -18,9 +18,12 @@ struct Surface {
     float n_dot_v;
 };
 
-// The surface of four g-buffer texels: position and mask, normal and alpha, albedo and metallic, f0 and material index; in world axes.
-Surface surface_from_texels(vec4 position, vec4 normal, vec4 albedo, vec4 f0, vec4 eye) {
-    Surface s;
+// The surface of four g-buffer texels: position and mask, normal and alpha, albedo and metallic, f0 and material index; in world
+// axes. False where nothing is hit; `s` is then not set.
+bool surface_from_gbuffer(vec4 position, vec4 normal, vec4 albedo, vec4 f0, vec4 eye, out Surface s) {
+    if (position.w == 0.0) {
+        return false;
+    }
     s.n = normalize(normal.xyz);
     s.v = eye.w == 0.0 ? eye.xyz : normalize(eye.xyz - position.xyz);
     s.albedo = albedo.rgb;
@@ -28,7 +31,7 @@ Surface surface_from_texels(vec4 position, vec4 normal, vec4 albedo, vec4 f0, ve
     s.alpha = max(normal.w, ALPHA_MIN);
     s.metallic = albedo.w;
     s.n_dot_v = max(dot(s.n, s.v), COSINE_MIN);
-    return s;
+    return true;
 }
 
 // A world direction in the environment's frame.

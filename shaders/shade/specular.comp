@@ -40,12 +40,11 @@ void main() {
         return;
     }
     ivec2 texel = ivec2(pixel);
-    vec4 position = texelFetch(gbuffer_position, texel, 0);
-    if (position.w == 0.0) {
+    Surface world;
+    if (!surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
+                              texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, world)) {
         return;
     }
-    Surface world = surface_from_texels(position, texelFetch(gbuffer_normal, texel, 0), texelFetch(gbuffer_albedo, texel, 0),
-                                        texelFetch(gbuffer_f0, texel, 0), params.eye);
     Surface s = surface_in_environment(world, params);
     vec3 specular = params.environment_scale * specular_radiance(s, environment, prefiltered, dfg, params);
     radiance[pixel.y * params.width + pixel.x] += vec4(specular, 0.0);

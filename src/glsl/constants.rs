@@ -40,4 +40,6 @@ constants! {
     LIGHT_DIRECTIONAL: u32 = 0;
     /// A point light.
     LIGHT_POINT: u32 = 1;
+    /// Bit of `ShadeParams::flags`: the image has no specular term, so the diffuse one loses nothing to it.
+    SHADE_FLAG_NO_SPECULAR: u32 = 1;
 }

@@ -149,13 +149,31 @@ shared_structs! {
         environment_scale: float,
         lod_bias: float,
         light_count: uint,
-        /// Bit flags: see SHADE_FLAG_* in the pass.
+        /// Bit flags: `constants::SHADE_FLAG_*`.
         flags: uint,
     }
     /// An analytic light: position (point) or direction to the light (directional), then its colour (W/sr or irradiance) and kind in w.
     LightData {
         position_or_direction: vec4,
         color_kind: vec4,
+    }
+    /// Push constants of the background pass. `right` and `up` reach from the image's centre to its edges at distance 1 along
+    /// `forward` (0 for an orthographic camera); all three are in the environment's frame.
+    BackgroundParams {
+        right: vec4,
+        up: vec4,
+        forward: vec4,
+        width: uint,
+        height: uint,
+        first_row: uint,
+        environment_scale: float,
+    }
+    /// Push constants of every probe.
+    ProbeParams {
+        count: uint,
+        pad0: uint,
+        pad1: uint,
+        pad2: uint,
     }
     /// Push constants of the tone curve.
     TonemapParams {

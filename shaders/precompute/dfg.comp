@@ -1,0 +1,38 @@
+// One invocation computes one texel (A, B, 0, 1) of the DFG table: the albedo of the specular lobe is f0 A + B, at
+// x = n_dot_v, y = perceptual_roughness of the texel's centre. [Karis13 eq. 8]
+// Set 0: 0 the table to write (rgba32f); 1 sample points (lib/sampling.glsl).
+// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "generated/constants.glsl"
+#include "generated/layout.glsl"
+#include "lib/directional_albedo.glsl"
+#include "lib/masking.glsl"
+#include "lib/prefilter_mapping.glsl"
+
+layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
+
+layout(push_constant) uniform Push {
+    DfgParams params;
+};
+
+layout(rgba32f, set = 0, binding = 0) uniform writeonly image2D table;
+layout(std430, set = 0, binding = 1) readonly buffer Points {
+    vec4 points[];
+};
+
+vec4 sample_point(uint i) {
+    return points[i];
+}
+
+void main() {
+    uvec2 texel = gl_GlobalInvocationID.xy + uvec2(0u, params.first_row);
+    uvec2 size = uvec2(params.width, params.height);
+    if (texel.x >= size.x || texel.y >= size.y) {
+        return;
+    }
+    vec2 axes = dfg_axes_from_texel(texel, size);
+    float alpha = max(alpha_from_perceptual_roughness(axes.y), ALPHA_MIN);
+    imageStore(table, ivec2(texel), vec4(directional_albedo(axes.x, alpha, params.sample_count, MASKING), 0.0, 1.0));
+}

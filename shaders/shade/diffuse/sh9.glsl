@@ -1,0 +1,13 @@
+// Diffuse method `sh9`: nine spherical-harmonic coefficients evaluated per pixel.
+// Degree 2 can fall below 0 opposite to a strong light (to -4 % of its peak): floored at 0.
+#ifndef DIFFUSE_SH9_GLSL
+#define DIFFUSE_SH9_GLSL
+
+#include "lib/sh.glsl"
+
+// [Ramamoorthi01 eq. 5, over pi]
+vec3 irradiance_over_pi(vec3 n, sampler2D irradiance_map, vec4 radiance_coefficients[SH9_COUNT]) {
+    return max(sh9_irradiance_over_pi(radiance_coefficients, n), 0.0);
+}
+
+#endif
