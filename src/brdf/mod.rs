@@ -140,7 +140,9 @@ pub fn reflect(v: DVec3, h: DVec3) -> DVec3 {
 /// A normal that faces away from `v` (`v·h < 0`) yields an `l` whose half vector is `-h`, so the pair ±h stands for one density.
 pub fn pdf_d_l(model: &dyn Brdf, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
     let h = if h_local.z < 0.0 { -h_local } else { h_local };
-    model.d(h, alpha) * h.z / (4.0 * v_local.dot(h).abs())
+    let pdf_h = model.d(h, alpha) * h.z;
+    // 0 also where l = -v, whose half vector is undefined.
+    if pdf_h == 0.0 { 0.0 } else { pdf_h / (4.0 * v_local.dot(h).abs()) }
 }
 
 /// Microfacet width of an authored perceptual roughness in [0, 1]. Inverse: [`perceptual_roughness_from_alpha`].
