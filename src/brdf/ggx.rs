@@ -1,26 +1,67 @@
-use super::Brdf;
-use glam::{DVec2, DVec3};
+//! GGX (Trowbridge-Reitz): `D = alpha² / (π (alpha² cos² θ_h + sin² θ_h)²)` [Walter07, eq. 33],
+//! `G1 = 2 / (1 + √(1 + alpha² tan² θ))` [Walter07, eq. 34]. Source document 0 prints `alpha² + tan²` in G1: a slip.
 
+use super::{Brdf, sin2_cos2};
+use crate::math::sampling::direction_from_polar;
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+
+/// The GGX model with its exact Smith masking.
 #[derive(Debug)]
 pub struct Ggx;
+
+/// Area of the visible microfacets seen along `v`, per area of surface: `n_dot_v / G1(v)`, regular down to `n_dot_v = 0`.
+fn projected_area(v_local: DVec3, alpha: f64) -> f64 {
+    let (sin2, cos2) = sin2_cos2(v_local);
+    0.5 * (v_local.z + (cos2 + alpha * alpha * sin2).sqrt())
+}
 
 impl Brdf for Ggx {
     fn name(&self) -> &'static str {
         "ggx"
     }
-    fn d(&self, _h_local: DVec3, _alpha: f64) -> f64 {
-        todo!()
+
+    fn d(&self, h_local: DVec3, alpha: f64) -> f64 {
+        if h_local.z <= 0.0 {
+            return 0.0;
+        }
+        let alpha2 = alpha * alpha;
+        let (sin2, cos2) = sin2_cos2(h_local);
+        let t = alpha2 * cos2 + sin2;
+        alpha2 / (PI * t * t)
     }
-    fn g1(&self, _n_dot_w: f64, _alpha: f64) -> f64 {
-        todo!()
+
+    fn g1(&self, n_dot_w: f64, alpha: f64) -> f64 {
+        if n_dot_w <= 0.0 {
+            return 0.0;
+        }
+        // Multiplied by cos θ, so that a grazing direction has no infinite tangent.
+        let cos2 = n_dot_w * n_dot_w;
+        2.0 * n_dot_w / (n_dot_w + (cos2 + alpha * alpha * (1.0 - cos2).max(0.0)).sqrt())
     }
-    fn sample_d(&self, _xi: DVec2, _alpha: f64) -> DVec3 {
-        todo!()
+
+    /// `tan² θ = alpha² u / (1 - u)` [Walter07, eq. 35].
+    fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3 {
+        let alpha2 = alpha * alpha;
+        let denominator = (1.0 - xi.x) + alpha2 * xi.x;
+        direction_from_polar((alpha2 * xi.x / denominator).sqrt(), ((1.0 - xi.x) / denominator).sqrt(), xi.y)
     }
-    fn sample_visible(&self, _xi: DVec2, _v_local: DVec3, _alpha: f64) -> DVec3 {
-        todo!()
+
+    /// Visible normals by spherical caps: the visible half sphere's normals are the half vectors of the cap that `v` reflects into
+    /// [Dupuy23, listing 3]. `xi.x = 0` is the cap's centre.
+    fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
+        let v_hemisphere = DVec3::new(alpha * v_local.x, alpha * v_local.y, v_local.z).normalize();
+        let z = (1.0 - xi.x) * (1.0 + v_hemisphere.z) - v_hemisphere.z;
+        let cap = direction_from_polar((1.0 - z * z).max(0.0).sqrt(), z, xi.y);
+        let h = cap + v_hemisphere;
+        DVec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0)).normalize()
     }
-    fn pdf_visible_l(&self, _v_local: DVec3, _h_local: DVec3, _alpha: f64) -> f64 {
-        todo!()
+
+    /// `G1(v) D / (4 n_dot_v)`.
+    fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
+        if v_local.dot(h_local) <= 0.0 {
+            return 0.0;
+        }
+        self.d(h_local, alpha) / (4.0 * projected_area(v_local, alpha))
     }
 }

@@ -1,1 +1,35 @@
-//!
+//! Orthonormal frames about a normal, without branches and without a singular direction [Duff17].
+
+use glam::DVec3;
+
+/// A right-handed orthonormal frame; `n` is the local +z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    pub tangent: DVec3,
+    pub bitangent: DVec3,
+    pub n: DVec3,
+}
+
+impl Frame {
+    /// The frame of the unit vector `n` [Duff17, listing 3]. It jumps where `n.z` changes its sign, not elsewhere.
+    pub fn from_normal(n: DVec3) -> Self {
+        let sign = 1f64.copysign(n.z);
+        let a = -1.0 / (sign + n.z);
+        let b = n.x * n.y * a;
+        Self {
+            tangent: DVec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
+            bitangent: DVec3::new(b, sign + n.y * n.y * a, -n.y),
+            n,
+        }
+    }
+
+    /// Local to world coordinates.
+    pub fn to_world(&self, local: DVec3) -> DVec3 {
+        self.tangent * local.x + self.bitangent * local.y + self.n * local.z
+    }
+
+    /// World to local coordinates.
+    pub fn to_local(&self, world: DVec3) -> DVec3 {
+        DVec3::new(self.tangent.dot(world), self.bitangent.dot(world), self.n.dot(world))
+    }
+}

@@ -1,1 +1,297 @@
-//!
+//! Integration in f64: Gauss-Legendre nodes and adaptive cubature with an error estimate.
+
+use glam::{DVec2, DVec3};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::f64::consts::PI;
+
+/// Nodes in (-1, 1), ascending, and weights of the `N`-point Gauss-Legendre rule; exact for polynomials of degree `2N - 1`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GaussLegendre<const N: usize> {
+    pub nodes: [f64; N],
+    pub weights: [f64; N],
+}
+
+impl<const N: usize> GaussLegendre<N> {
+    /// The rule, by Newton's method on the Legendre polynomial.
+    pub fn new() -> Self {
+        const NEWTON_STEPS: u32 = 8;
+        let mut rule = Self { nodes: [0.0; N], weights: [0.0; N] };
+        for k in 0..N {
+            // Classical first guess (descending), close enough for quadratic convergence.
+            let mut x = (PI * (k as f64 + 0.75) / (N as f64 + 0.5)).cos();
+            let mut slope = 0.0;
+            for _ in 0..NEWTON_STEPS {
+                let (p, p_previous) = legendre_pair(N, x);
+                slope = N as f64 * (x * p - p_previous) / (x * x - 1.0);
+                x -= p / slope;
+            }
+            rule.nodes[N - 1 - k] = x;
+            rule.weights[N - 1 - k] = 2.0 / ((1.0 - x * x) * slope * slope);
+        }
+        rule
+    }
+
+    /// `∫ f` over `[low, high]`.
+    pub fn integrate(&self, low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
+        let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
+        half * (0..N).map(|k| self.weights[k] * f(center + half * self.nodes[k])).sum::<f64>()
+    }
+
+    /// Values at `x` of the `N` polynomials that are 1 at one node and 0 at the others.
+    pub fn lagrange(&self, x: f64) -> [f64; N] {
+        std::array::from_fn(|k| {
+            (0..N).filter(|&j| j != k).map(|j| (x - self.nodes[j]) / (self.nodes[k] - self.nodes[j])).product()
+        })
+    }
+}
+
+impl<const N: usize> Default for GaussLegendre<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// `P_degree(x)` and `P_(degree - 1)(x)`.
+fn legendre_pair(degree: usize, x: f64) -> (f64, f64) {
+    let (mut p, mut previous) = (x, 1.0);
+    for k in 2..=degree {
+        let k = k as f64;
+        (p, previous) = (((2.0 * k - 1.0) * x * p - (k - 1.0) * previous) / k, p);
+    }
+    (p, previous)
+}
+
+/// `K` integrals of three channels each, and an estimate of the absolute error of each number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate<const K: usize> {
+    pub value: [DVec3; K],
+    pub error: [DVec3; K],
+}
+
+/// When an adaptive integration stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Error of each number relative to it; numbers below [`SCALE_FLOOR`] of the largest are held to the accuracy of that floor.
+    pub relative: f64,
+    /// Cap on the number of parts, against integrands that never converge. The estimate tells what was reached.
+    pub max_part_count: usize,
+}
+
+/// See [`Tolerance::relative`].
+pub const SCALE_FLOOR: f64 = 0.01;
+
+impl<const K: usize> Estimate<K> {
+    const ZERO: Self = Self { value: [DVec3::ZERO; K], error: [DVec3::ZERO; K] };
+
+    fn add(&mut self, other: &Self) {
+        for k in 0..K {
+            self.value[k] += other.value[k];
+            self.error[k] += other.error[k];
+        }
+    }
+
+    fn subtract(&mut self, other: &Self) {
+        for k in 0..K {
+            self.value[k] -= other.value[k];
+            self.error[k] -= other.error[k];
+        }
+    }
+
+    /// What each error is relative to.
+    fn scale(&self) -> [DVec3; K] {
+        let largest = self.value.iter().map(|value| value.abs().max_element()).fold(0.0, f64::max);
+        self.value.map(|value| value.abs().max(DVec3::splat(SCALE_FLOOR * largest)))
+    }
+
+    /// The largest error in units of `scale`; 0/0 counts as no error.
+    fn relative_error(&self, scale: &[DVec3; K]) -> f64 {
+        let channel = |error: f64, scale: f64| if error > 0.0 { error / scale } else { 0.0 };
+        let largest = |k: usize| (0..3).map(|c| channel(self.error[k][c], scale[k][c])).fold(0.0, f64::max);
+        (0..K).map(largest).fold(0.0, f64::max)
+    }
+}
+
+/// A part of the domain waiting to be split, ordered by its error.
+struct Part<R, const K: usize> {
+    priority: f64,
+    region: R,
+    estimate: Estimate<K>,
+}
+
+impl<R, const K: usize> PartialEq for Part<R, K> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl<R, const K: usize> Eq for Part<R, K> {}
+
+impl<R, const K: usize> PartialOrd for Part<R, K> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl<R, const K: usize> Ord for Part<R, K> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.priority.total_cmp(&other.priority)
+    }
+}
+
+/// Global adaptive cubature: splits the region with the largest error until the summed errors meet `tolerance`.
+///
+/// The sum of the regions' errors is an upper estimate of the total error if each region's is.
+pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
+    roots: impl IntoIterator<Item = R>,
+    estimate: impl Fn(&R) -> Estimate<K>,
+    split: impl Fn(&R) -> I,
+    tolerance: Tolerance,
+) -> Estimate<K> {
+    let roots: Vec<(R, Estimate<K>)> = roots
+        .into_iter()
+        .map(|region| {
+            let estimate = estimate(&region);
+            (region, estimate)
+        })
+        .collect();
+    let mut total = Estimate::ZERO;
+    roots.iter().for_each(|(_, estimate)| total.add(estimate));
+    let mut scale = total.scale();
+    let mut parts: BinaryHeap<Part<R, K>> = roots
+        .into_iter()
+        .map(|(region, estimate)| Part { priority: estimate.relative_error(&scale), region, estimate })
+        .collect();
+    while total.relative_error(&scale) > tolerance.relative && parts.len() < tolerance.max_part_count {
+        let Some(worst) = parts.pop() else { break };
+        total.subtract(&worst.estimate);
+        for region in split(&worst.region) {
+            let estimate = estimate(&region);
+            total.add(&estimate);
+            parts.push(Part { priority: estimate.relative_error(&scale), region, estimate });
+        }
+        scale = total.scale();
+    }
+    // Summed afresh: the running total carries the rounding of every part that came and went.
+    let mut sum = Estimate::ZERO;
+    parts.iter().for_each(|part| sum.add(&part.estimate));
+    sum
+}
+
+/// Number of Gauss-Legendre nodes along each side of a region.
+pub const NODE_COUNT: usize = 6;
+/// Where a region's interpolant is checked, along each side. The ends are outside the nodes, where an interpolant is worst.
+const CHECKS: [f64; 3] = [-1.0, 0.0, 1.0];
+
+/// Interpolation of a function on a rectangle by its values at the tensor Gauss-Legendre nodes, with a check of the interpolant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TensorRule {
+    pub gauss: GaussLegendre<NODE_COUNT>,
+    lagrange_at_checks: [[f64; NODE_COUNT]; CHECKS.len()],
+}
+
+impl Default for TensorRule {
+    fn default() -> Self {
+        let gauss = GaussLegendre::new();
+        Self { lagrange_at_checks: CHECKS.map(|x| gauss.lagrange(x)), gauss }
+    }
+}
+
+impl TensorRule {
+    /// Coordinates in [-1, 1] at which [`TensorRule::evaluate`] calls its function: the nodes, then the checks.
+    pub fn coordinates(&self) -> [f64; NODE_COUNT + CHECKS.len()] {
+        std::array::from_fn(|k| if k < NODE_COUNT { self.gauss.nodes[k] } else { CHECKS[k - NODE_COUNT] })
+    }
+
+    /// Values of `f` at the nodes, and the largest difference of `f` from its interpolant at the checks.
+    ///
+    /// `f(i, j)` is the function at coordinate i along the first and j along the second side (see [`TensorRule::coordinates`]).
+    pub fn evaluate<V: Sample>(&self, f: impl Fn(usize, usize) -> V) -> ([[V; NODE_COUNT]; NODE_COUNT], V) {
+        let values: [[V; NODE_COUNT]; NODE_COUNT] = std::array::from_fn(|i| std::array::from_fn(|j| f(i, j)));
+        let mut residual = V::ZERO;
+        for (b, along_second) in self.lagrange_at_checks.iter().enumerate() {
+            let column: [V; NODE_COUNT] = std::array::from_fn(|i| V::combine(along_second, &values[i]));
+            for (a, along_first) in self.lagrange_at_checks.iter().enumerate() {
+                let interpolated = V::combine(along_first, &column);
+                residual = residual.max_difference(f(NODE_COUNT + a, NODE_COUNT + b), interpolated);
+            }
+        }
+        (values, residual)
+    }
+}
+
+/// What [`TensorRule`] interpolates.
+pub trait Sample: Copy {
+    const ZERO: Self;
+    /// `Σ weights[k] values[k]`.
+    fn combine(weights: &[f64; NODE_COUNT], values: &[Self; NODE_COUNT]) -> Self;
+    /// The larger of `self` and `|a - b|`, by component.
+    fn max_difference(self, a: Self, b: Self) -> Self;
+}
+
+impl Sample for DVec3 {
+    const ZERO: Self = DVec3::ZERO;
+    fn combine(weights: &[f64; NODE_COUNT], values: &[Self; NODE_COUNT]) -> Self {
+        weights.iter().zip(values).map(|(&weight, &value)| weight * value).sum()
+    }
+    fn max_difference(self, a: Self, b: Self) -> Self {
+        self.max((a - b).abs())
+    }
+}
+
+impl<const K: usize> Sample for [f64; K] {
+    const ZERO: Self = [0.0; K];
+    fn combine(weights: &[f64; NODE_COUNT], values: &[Self; NODE_COUNT]) -> Self {
+        std::array::from_fn(|k| weights.iter().zip(values).map(|(weight, value)| weight * value[k]).sum())
+    }
+    fn max_difference(self, a: Self, b: Self) -> Self {
+        std::array::from_fn(|k| self[k].max((a[k] - b[k]).abs()))
+    }
+}
+
+/// An axis-parallel rectangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rectangle {
+    pub low: DVec2,
+    pub high: DVec2,
+}
+
+impl Rectangle {
+    /// The four quarters about `middle`.
+    pub fn split_at(&self, middle: DVec2) -> [Self; 4] {
+        let Self { low, high } = *self;
+        [
+            Self { low, high: middle },
+            Self { low: DVec2::new(middle.x, low.y), high: DVec2::new(high.x, middle.y) },
+            Self { low: DVec2::new(low.x, middle.y), high: DVec2::new(middle.x, high.y) },
+            Self { low: middle, high },
+        ]
+    }
+
+    /// The middle.
+    pub fn center(&self) -> DVec2 {
+        0.5 * (self.low + self.high)
+    }
+}
+
+/// `∫∫ f` over a rectangle, for three integrands at once. Kinks and cliffs cost time, not accuracy.
+///
+/// The error of a part is its area times the largest residual of its interpolant: pessimistic for smooth parts.
+pub fn integrate_rectangle(rectangle: Rectangle, tolerance: Tolerance, f: impl Fn(DVec2) -> DVec3) -> (DVec3, DVec3) {
+    let rule = TensorRule::default();
+    let coordinates = rule.coordinates();
+    let estimate = |part: &Rectangle| {
+        let (center, half) = (part.center(), 0.5 * (part.high - part.low));
+        let at = |i: usize, j: usize| f(center + half * DVec2::new(coordinates[i], coordinates[j]));
+        let (values, residual) = rule.evaluate(at);
+        let weights = &rule.gauss.weights;
+        let mean = DVec3::combine(weights, &values.map(|column| DVec3::combine(weights, &column)));
+        let area = half.x * half.y;
+        Estimate { value: [area * mean], error: [4.0 * area * residual] }
+    };
+    // Sixteen roots: a single one could miss a feature that falls between its nodes.
+    let quarters = |part: &Rectangle| part.split_at(part.center());
+    let roots = quarters(&rectangle).into_iter().flat_map(|part| quarters(&part));
+    let Estimate { value: [value], error: [error] } = integrate_adaptively(roots, estimate, quarters, tolerance);
+    (value, error)
+}

@@ -1,1 +1,352 @@
+//! Microfacet models: normalisation, samplers against densities, reciprocity, furnace, published albedos.
 
+use glam::{DVec2, DVec3};
+use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing};
+use splitsum::math::erf::erfc;
+use splitsum::math::quadrature::{Rectangle, Tolerance, integrate_rectangle};
+use splitsum::math::sampling::{direction_from_polar, hammersley};
+use std::f64::consts::{PI, TAU};
+
+const ALPHAS: [f64; 6] = [0.001, 0.01, 0.1, 0.35, 0.7, 1.0];
+
+/// A unit view vector off every axis of the local frame's azimuth.
+fn view(n_dot_v: f64) -> DVec3 {
+    direction_from_polar((1.0 - n_dot_v * n_dot_v).sqrt(), n_dot_v, 0.15)
+}
+
+/// `∫ f dω` over the sphere in `(ln tan(θ/2), φ)`, where a lobe of any width about +z has the same size.
+fn integrate_sphere(relative: f64, f: impl Fn(DVec3) -> f64) -> f64 {
+    let domain = Rectangle { low: DVec2::new(-20.0, 0.0), high: DVec2::new(20.0, 1.0) };
+    let tolerance = Tolerance { relative, max_part_count: 100_000 };
+    let (value, _) = integrate_rectangle(domain, tolerance, |p| {
+        // sin θ = 1/cosh t, cos θ = -tanh t, dω = sin² θ dt dφ.
+        let sin_theta = 1.0 / p.x.cosh();
+        DVec3::splat(TAU * sin_theta * sin_theta * f(direction_from_polar(sin_theta, -p.x.tanh(), p.y)))
+    });
+    value.x
+}
+
+#[test]
+fn names_find_their_models() {
+    for model in MODELS {
+        assert_eq!(brdf::by_name(model.name()).map(|found| found.name()), Some(model.name()));
+    }
+    assert!(brdf::by_name("lambert").is_none());
+}
+
+#[test]
+fn projected_distribution_integrates_to_one() {
+    for model in MODELS {
+        for alpha in ALPHAS {
+            let one = integrate_sphere(1e-7, |h| model.d(h, alpha) * h.z.max(0.0));
+            assert!((one - 1.0).abs() < 1e-6, "{} alpha {alpha}: {one}", model.name());
+        }
+    }
+}
+
+/// Chi-square statistic's upper tail, by the Wilson-Hilferty transformation to a normal deviate.
+fn chi_square_tail(statistic: f64, degrees_of_freedom: f64) -> f64 {
+    let variance = 2.0 / (9.0 * degrees_of_freedom);
+    let deviate = ((statistic / degrees_of_freedom).cbrt() - (1.0 - variance)) / variance.sqrt();
+    0.5 * erfc(deviate / std::f64::consts::SQRT_2)
+}
+
+/// A small deterministic generator (SplitMix64): low-discrepancy points would pass a chi-square test too well.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        (z ^ (z >> 31)) as f64 / 2f64.powi(64)
+    }
+    fn xi(&mut self) -> DVec2 {
+        DVec2::new(self.next(), self.next())
+    }
+}
+
+/// Bins of half vectors: `ln tan(θ/2)` about the lobe's width, times azimuth.
+struct HalfVectorBins {
+    log_low: f64,
+    log_step: f64,
+}
+
+impl HalfVectorBins {
+    const RINGS: usize = 14;
+    const SECTORS: usize = 12;
+
+    fn new(alpha: f64) -> Self {
+        let (log_low, log_high) = ((0.5 * alpha).ln() - 2.5, ((0.5 * alpha).ln() + 2.5).min(0.0));
+        Self { log_low, log_step: (log_high - log_low) / Self::RINGS as f64 }
+    }
+
+    /// Bin of a half vector; the last holds all that lies outside the rings.
+    fn index(&self, h: DVec3) -> usize {
+        let sin_theta = h.x.hypot(h.y);
+        let ring = ((sin_theta / (1.0 + h.z)).ln() - self.log_low) / self.log_step;
+        let sector = (h.y.atan2(h.x) / TAU).rem_euclid(1.0) * Self::SECTORS as f64;
+        if ring >= 0.0 && ring < Self::RINGS as f64 {
+            ring as usize * Self::SECTORS + (sector as usize).min(Self::SECTORS - 1)
+        } else {
+            Self::RINGS * Self::SECTORS
+        }
+    }
+
+    /// Probability of each bin under the density `pdf_h` by the midpoint rule on 24 x 24 cells a bin; the last bin takes the rest.
+    fn probabilities(&self, pdf_h: impl Fn(DVec3) -> f64) -> Vec<f64> {
+        const CELLS: usize = 24;
+        let mut bins = vec![0.0; Self::RINGS * Self::SECTORS + 1];
+        let step = self.log_step / CELLS as f64;
+        for i in 0..Self::RINGS * CELLS {
+            let t = self.log_low + (i as f64 + 0.5) * step;
+            let sin_theta = 1.0 / t.cosh();
+            for j in 0..Self::SECTORS * CELLS {
+                let turn = (j as f64 + 0.5) / (Self::SECTORS * CELLS) as f64;
+                let area = sin_theta * sin_theta * step * TAU / (Self::SECTORS * CELLS) as f64;
+                bins[i / CELLS * Self::SECTORS + j / CELLS] +=
+                    area * pdf_h(direction_from_polar(sin_theta, -t.tanh(), turn));
+            }
+        }
+        let inside: f64 = bins.iter().sum();
+        bins[Self::RINGS * Self::SECTORS] = (1.0 - inside).max(0.0);
+        bins
+    }
+}
+
+/// Probability of so bad a fit of the samples to the density, by Pearson's test.
+fn goodness_of_fit(alpha: f64, seed: u64, pdf_h: impl Fn(DVec3) -> f64, sample: impl Fn(DVec2) -> DVec3) -> f64 {
+    const COUNT: u32 = 40_000;
+    /// Below it the statistic is not chi-square distributed; rarer bins are pooled.
+    const RARE: f64 = 10.0;
+    let bins = HalfVectorBins::new(alpha);
+    let expected = bins.probabilities(pdf_h);
+    let mut observed = vec![0.0; expected.len()];
+    let mut random = Random(seed);
+    (0..COUNT).for_each(|_| observed[bins.index(sample(random.xi()))] += 1.0);
+    let (mut statistic, mut degrees, mut pooled) = (0.0, -1.0, (0.0, 0.0));
+    for (probability, count) in expected.iter().zip(&observed) {
+        let mean = probability * f64::from(COUNT);
+        if mean < RARE {
+            pooled = (pooled.0 + mean, pooled.1 + count);
+        } else {
+            statistic += (count - mean) * (count - mean) / mean;
+            degrees += 1.0;
+        }
+    }
+    if pooled.0 > 0.0 {
+        statistic += (pooled.1 - pooled.0) * (pooled.1 - pooled.0) / pooled.0.max(1.0);
+        degrees += 1.0;
+    }
+    chi_square_tail(statistic, degrees)
+}
+
+const CHI_SQUARE_VIEWS: [f64; 4] = [0.03, 0.3, 0.8, 1.0];
+
+#[test]
+fn samplers_follow_their_densities() {
+    // Family-wise significance 1 %, shared by all cases (Bonferroni).
+    let cases = (MODELS.len() * ALPHAS.len() * (1 + CHI_SQUARE_VIEWS.len())) as f64;
+    let significance = 0.01 / cases;
+    for (m, model) in MODELS.iter().enumerate() {
+        for (a, alpha) in ALPHAS.into_iter().enumerate() {
+            let seed = (m * 100 + a * 10) as u64;
+            let p = goodness_of_fit(alpha, seed, |h| model.d(h, alpha) * h.z.max(0.0), |xi| model.sample_d(xi, alpha));
+            assert!(p > significance, "{} sample_d alpha {alpha}: p = {p}", model.name());
+            for (k, n_dot_v) in CHI_SQUARE_VIEWS.into_iter().enumerate() {
+                let v = view(n_dot_v);
+                // pdf_h = pdf_l 4 |v·h|: the Jacobian of the reflection, undone.
+                let pdf_h = |h: DVec3| model.pdf_visible_l(v, h, alpha) * 4.0 * v.dot(h).abs();
+                let p = goodness_of_fit(alpha, seed + 1 + k as u64, pdf_h, |xi| model.sample_visible(xi, v, alpha));
+                assert!(p > significance, "{} sample_visible alpha {alpha} n_dot_v {n_dot_v}: p = {p}", model.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn visible_density_integrates_to_one_over_all_directions() {
+    for model in MODELS {
+        for (alpha, n_dot_v) in [(0.05, 0.9), (0.1, 0.1), (0.3, 0.02), (0.5, 0.6), (1.0, 0.05), (1.0, 1.0)] {
+            let v = view(n_dot_v);
+            // Polar about the mirror direction: the lobe sits where the coordinates are fine.
+            let frame = splitsum::math::frame::Frame::from_normal(brdf::reflect(v, DVec3::Z));
+            let density = |l: DVec3| {
+                let h = v + frame.to_world(l);
+                if h.length() < 1e-6 { 0.0 } else { model.pdf_visible_l(v, h.normalize(), alpha) }
+            };
+            let one = integrate_sphere(2e-5, density);
+            assert!((one - 1.0).abs() < 1e-4, "{} alpha {alpha} n_dot_v {n_dot_v}: {one}", model.name());
+        }
+    }
+}
+
+#[test]
+fn visible_equals_plain_sampling_at_normal_incidence() {
+    for model in MODELS {
+        for alpha in ALPHAS {
+            for i in 0..32 {
+                let h = model.sample_d(hammersley(i, 32), alpha);
+                let (visible, plain) =
+                    (model.pdf_visible_l(DVec3::Z, h, alpha), brdf::pdf_d_l(*model, DVec3::Z, h, alpha));
+                assert!((visible / plain - 1.0).abs() < 1e-12, "{} {alpha}: {visible} {plain}", model.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn lobe_centre_is_at_xi_zero_and_azimuth_turns_with_xi_y() {
+    for model in MODELS {
+        for alpha in ALPHAS {
+            assert_eq!(model.sample_d(DVec2::new(0.0, 0.3), alpha), DVec3::Z);
+            let angles: Vec<f64> =
+                (0..8).map(|i| model.sample_d(DVec2::new(f64::from(i) / 8.0, 0.25), alpha).z).collect();
+            assert!(angles.windows(2).all(|pair| pair[0] > pair[1]), "{}: {angles:?}", model.name());
+            let h = model.sample_d(DVec2::new(0.5, 0.25), alpha);
+            assert!(h.y > 0.0 && h.x.abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn brdf_is_reciprocal_and_dark_below_the_horizon() {
+    let f0 = DVec3::new(0.04, 0.5, 1.0);
+    for model in MODELS {
+        for (_, masking) in MaskingShadowing::ALL {
+            for alpha in ALPHAS {
+                let (v, l) = (view(0.4), direction_from_polar(0.6, 0.8, 0.55));
+                let (forth, back) =
+                    (brdf::eval(*model, v, l, alpha, f0, *masking), brdf::eval(*model, l, v, alpha, f0, *masking));
+                assert!(forth.abs_diff_eq(back, 1e-12 * forth.max_element()), "{} {alpha} {masking:?}", model.name());
+                let below = DVec3::new(l.x, l.y, -l.z);
+                assert_eq!(brdf::eval(*model, v, below, alpha, f0, *masking), DVec3::ZERO);
+                assert_eq!(brdf::eval(*model, below, v, alpha, f0, *masking), DVec3::ZERO);
+            }
+        }
+    }
+}
+
+#[test]
+fn distributions_are_precise_in_narrow_lobes() {
+    // At tan θ = alpha the profiles have closed forms that need no cosine near 1.
+    for alpha in [0.001, 0.01, 0.3, 1.0] {
+        let h = DVec3::new(alpha, 0.0, 1.0).normalize();
+        let stretch = 1.0 + alpha * alpha;
+        let profiles = [
+            ("ggx", 0.25 * stretch * stretch / (PI * alpha * alpha)),
+            ("beckmann", (-1f64).exp() * stretch * stretch / (PI * alpha * alpha)),
+            ("phong", (-(1.0 / (alpha * alpha) - 1.0) * (alpha * alpha).ln_1p()).exp() / (PI * alpha * alpha)),
+        ];
+        for (name, expected) in profiles {
+            let d = brdf::by_name(name).unwrap().d(h, alpha);
+            assert!((d / expected - 1.0).abs() < 1e-9, "{name} {alpha}: {d} against {expected}");
+        }
+    }
+}
+
+#[test]
+fn masking_has_its_limits_and_order() {
+    for model in MODELS {
+        for alpha in ALPHAS {
+            assert_eq!(model.g1(1.0, alpha), 1.0);
+            assert_eq!((model.g1(0.0, alpha), model.g1(-0.5, alpha)), (0.0, 0.0));
+            for (n_dot_v, n_dot_l) in [(0.05, 0.1), (0.3, 0.9), (1.0, 0.2)] {
+                let g = |masking| brdf::g2(*model, n_dot_v, n_dot_l, alpha, masking);
+                let (separable, correlated) = (g(MaskingShadowing::Separable), g(MaskingShadowing::Correlated));
+                // Correlation lets more light through, never more than the darker of the two directions.
+                let smaller = model.g1(n_dot_v, alpha).min(model.g1(n_dot_l, alpha));
+                assert!(separable <= correlated * (1.0 + 1e-15) && correlated <= smaller * (1.0 + 1e-4));
+            }
+        }
+    }
+    // GGX at n_dot_v = alpha = 0.1: 2/(1 + √(1 + 0.01 · 99)); the printed 1 + alpha² + tan² would give 0.18.
+    assert!((brdf::Ggx.g1(0.1, 0.1) - 2.0 / (1.0 + 1.99f64.sqrt())).abs() < 1e-15);
+    // Walter's fit against the exact Smith G1 of Beckmann, within its stated 0.35 %.
+    for a in [0.1, 0.4, 0.8, 1.2, 1.5, 1.59, 1.7] {
+        let cosine = 1.0 / (1.0f64 + (1.0 / a) * (1.0 / a)).sqrt();
+        let exact = 2.0 / (2.0 - erfc(a) + (-a * a).exp() / (a * PI.sqrt()));
+        assert!((brdf::Beckmann.g1(cosine, 1.0) / exact - 1.0).abs() < 0.0035, "a = {a}");
+    }
+    // Karis' k = alpha/2: c/(c (1 - k) + k).
+    let schlick = brdf::g2(&brdf::Ggx, 0.5, 1.0, 0.5, MaskingShadowing::Schlick);
+    assert!((schlick - 0.5 / (0.5 * 0.75 + 0.25)).abs() < 1e-15);
+}
+
+#[test]
+fn sampler_weights_average_to_the_directional_albedo() {
+    const N_DOT_V: [f64; 5] = [0.1, 0.25, 0.5, 0.75, 1.0];
+    // Directional albedo for F = 1, separable masking, by an independent quadrature (three digits).
+    let tables = [
+        (
+            "ggx",
+            [
+                [0.873, 0.921, 0.969, 0.983, 0.988],
+                [0.854, 0.829, 0.855, 0.891, 0.916],
+                [0.772, 0.726, 0.686, 0.679, 0.688],
+                [0.558, 0.491, 0.409, 0.351, 0.307],
+            ],
+        ),
+        (
+            "beckmann",
+            [
+                [0.914, 0.972, 1.000, 1.000, 1.000],
+                [0.926, 0.906, 0.947, 0.991, 1.000],
+                [0.939, 0.900, 0.871, 0.881, 0.943],
+                [0.905, 0.856, 0.754, 0.624, 0.462],
+            ],
+        ),
+        (
+            "phong",
+            [
+                [0.915, 0.972, 1.000, 1.000, 1.000],
+                [0.939, 0.911, 0.946, 0.989, 1.000],
+                [1.013, 0.942, 0.882, 0.865, 0.890],
+                [1.141, 0.912, 0.662, 0.500, 0.379],
+            ],
+        ),
+    ];
+    const COUNT: u32 = 1 << 16;
+    // Rounding of the table plus the error of that many Hammersley points on a kinked integrand.
+    const TOLERANCE: f64 = 2e-3;
+    for (name, table) in tables {
+        let model = brdf::by_name(name).unwrap();
+        for (alpha, row) in [0.1, 0.25, 0.5, 1.0].into_iter().zip(table) {
+            for (n_dot_v, expected) in N_DOT_V.into_iter().zip(row) {
+                let v = view(n_dot_v);
+                let mean = |half_vector: &dyn Fn(DVec2) -> DVec3, pdf_l: &dyn Fn(DVec3) -> f64| {
+                    let weight = |i| {
+                        let h = half_vector(hammersley(i, COUNT));
+                        let l = brdf::reflect(v, h);
+                        let f = brdf::eval_without_fresnel(model, v, l, alpha, MaskingShadowing::Separable);
+                        if f > 0.0 { f * l.z / pdf_l(h) } else { 0.0 }
+                    };
+                    (0..COUNT).map(weight).sum::<f64>() / f64::from(COUNT)
+                };
+                let plain = mean(&|xi| model.sample_d(xi, alpha), &|h| brdf::pdf_d_l(model, v, h, alpha));
+                let visible = mean(&|xi| model.sample_visible(xi, v, alpha), &|h| model.pdf_visible_l(v, h, alpha));
+                assert!((plain - expected).abs() < TOLERANCE, "{name} plain {alpha} {n_dot_v}: {plain} {expected}");
+                assert!(
+                    (visible - expected).abs() < TOLERANCE,
+                    "{name} visible {alpha} {n_dot_v}: {visible} {expected}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn fresnel_and_parameter_mappings() {
+    let f0 = DVec3::new(0.04, 0.5, 1.0);
+    assert_eq!(brdf::f_schlick(f0, 1.0), f0);
+    assert_eq!(brdf::f_schlick(f0, 0.0), DVec3::ONE);
+    assert!((brdf::f_schlick(f0, 0.5).x - (0.04 + 0.96 / 32.0)).abs() < 1e-15);
+    assert!((brdf::f0_from_ior(1.5) - 0.04).abs() < 1e-16);
+    for alpha in ALPHAS {
+        let roughness = brdf::perceptual_roughness_from_alpha(alpha);
+        assert!((brdf::alpha_from_perceptual_roughness(roughness) / alpha - 1.0).abs() < 1e-15);
+        assert!((brdf::alpha_from_exponent(brdf::exponent_from_alpha(alpha)) / alpha - 1.0).abs() < 1e-15);
+    }
+    assert_eq!((brdf::exponent_from_alpha(1.0), brdf::exponent_from_alpha(0.25)), (0.0, 30.0));
+}
