@@ -4,6 +4,7 @@
 //! records alive, derives each barrier and layout from the tracked access of each buffer and each mip level, and `submit` waits.
 #![allow(unsafe_code)] // Vulkan is a C interface; each block says why its call is sound
 
+mod bounded;
 mod buffer;
 mod device;
 mod error;

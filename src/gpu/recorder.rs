@@ -69,6 +69,19 @@ pub struct Report {
     pub wall_ms: f64,
 }
 
+impl Report {
+    /// Adds another submission's times; passes of the same name become one.
+    pub fn add(&mut self, other: Report) {
+        for time in other.passes {
+            match self.passes.iter_mut().find(|known| known.pass == time.pass) {
+                Some(known) => known.ms += time.ms,
+                None => self.passes.push(time),
+            }
+        }
+        self.wall_ms += other.wall_ms;
+    }
+}
+
 /// Records one command buffer.
 pub struct Recorder {
     gpu: Gpu,

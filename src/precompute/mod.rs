@@ -2,6 +2,7 @@
 pub mod dfg;
 pub mod irradiance;
 pub mod mips;
+pub mod points;
 pub mod prefilter;
 pub mod sh9;
 

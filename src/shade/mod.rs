@@ -1,5 +1,7 @@
 //! Image-based lighting: the methods that turn a g-buffer and an environment into radiance.
 
+pub mod pass;
+
 /// How the specular term is computed. The names are the shader file stems (with `-` for `_`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Method {
@@ -50,3 +52,13 @@ pub static DIFFUSE: &[Diffuse] = &[
     Diffuse { name: "reference", about: "unbiased: cosine and environment sampling combined, many samples" },
     Diffuse { name: "none", about: "no diffuse term" },
 ];
+
+/// The method of that name.
+pub fn method_by_name(name: &str) -> Option<&'static Method> {
+    METHODS.iter().find(|method| method.name == name)
+}
+
+/// The diffuse method of that name.
+pub fn diffuse_by_name(name: &str) -> Option<&'static Diffuse> {
+    DIFFUSE.iter().find(|diffuse| diffuse.name == name)
+}

@@ -1,5 +1,7 @@
 //! The tone curve: `c = (e L / (e L + 1))^(contrast / 2.2)` per channel [source document 0, with the corrections of docs].
 
+pub mod pass;
+
 /// Parameters of the tone curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToneCurve {
