@@ -154,7 +154,8 @@ fn read_header(input: &mut Input) -> Result<Header, Fault> {
 
 /// `N` finite numbers above 0.
 fn factors<const N: usize>(name: &str, text: &str) -> Result<[f64; N], Fault> {
-    let fault = || Fault::new(format!("{name} is {:?}", shorten(text.trim())), format!("{N} numbers above 0"));
+    let expected = if N == 1 { "a number above 0".to_owned() } else { format!("{N} numbers above 0") };
+    let fault = || Fault::new(format!("{name} is {:?}", shorten(text.trim())), expected.as_str());
     let numbers = numbers(text).ok_or_else(fault)?;
     let numbers: [f64; N] = numbers.try_into().map_err(|_| fault())?;
     if numbers.iter().all(|number| number.is_finite() && *number > 0.0) { Ok(numbers) } else { Err(fault()) }
@@ -267,8 +268,9 @@ fn read_flat(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), Scanline
             shift = 0;
             continue;
         }
+        // 0 is a digit of a longer run.
         let length = usize::from(texel[3]) << shift;
-        if x == 0 || length == 0 || length > scanline.len() - x {
+        if x == 0 || length > scanline.len() - x {
             return Err(Some(format!("a run of length {length} at texel {x} repeats nothing or passes the end")));
         }
         let previous = scanline[x - 1];
