@@ -1,1 +1,82 @@
-//! Colour: luminance and the transfer functions. Linear RGB has Rec.709 primaries throughout.
+//! Colour: luminance, the sRGB transfer functions, conversions between primaries. Linear RGB has Rec.709 primaries throughout.
+
+use glam::{DMat3, DVec2, DVec3};
+
+/// Luminance weights of linear Rec.709 RGB [BT709] item 3.2.
+pub const REC709_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Luminance of a linear Rec.709 colour, in the unit of its channels.
+pub fn luminance(rgb: [f32; 3]) -> f64 {
+    rgb.iter().zip(REC709_LUMINANCE).map(|(&channel, weight)| f64::from(channel) * weight).sum()
+}
+
+/// Linear [0, 1] to the sRGB signal [0, 1] [sRGB99]. Values outside are clamped: an 8-bit file holds no others; NaN gives 0.
+pub fn srgb_encode(linear: f32) -> f32 {
+    let linear = linear.max(0.0).min(1.0);
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The sRGB signal [0, 1] to linear [0, 1]; inverse of [`srgb_encode`].
+pub fn srgb_decode(signal: f32) -> f32 {
+    if signal <= 0.040_45 { signal / 12.92 } else { ((signal + 0.055) / 1.055).powf(2.4) }
+}
+
+/// CIE xy positions of the primaries and the white of an RGB space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chromaticities {
+    pub red: DVec2,
+    pub green: DVec2,
+    pub blue: DVec2,
+    pub white: DVec2,
+}
+
+/// Rec.709 and sRGB: white D65.
+pub const REC709: Chromaticities = Chromaticities {
+    red: DVec2::new(0.64, 0.33),
+    green: DVec2::new(0.30, 0.60),
+    blue: DVec2::new(0.15, 0.06),
+    white: DVec2::new(0.3127, 0.3290),
+};
+
+/// The RGB space of the Radiance programs (`color.h`): nearly the primaries of Rec.709, but the equal-energy white.
+pub const RADIANCE: Chromaticities = Chromaticities {
+    red: DVec2::new(0.640, 0.330),
+    green: DVec2::new(0.290, 0.600),
+    blue: DVec2::new(0.150, 0.060),
+    white: DVec2::new(1.0 / 3.0, 1.0 / 3.0),
+};
+
+impl Chromaticities {
+    /// Matrix from linear RGB of this space to CIE XYZ; white has Y = 1. `None` when the primaries span no triangle
+    /// (zeros, as some writers leave) or the white is not inside it.
+    pub fn to_xyz(&self) -> Option<DMat3> {
+        let xyz = |xy: DVec2| DVec3::new(xy.x, xy.y, 1.0 - xy.x - xy.y);
+        let primaries = DMat3::from_cols(xyz(self.red), xyz(self.green), xyz(self.blue));
+        // A NaN fails both comparisons.
+        let usable = primaries.determinant().abs() > 1e-6 && self.white.y > 1e-6;
+        let amounts = usable.then(|| primaries.inverse() * (xyz(self.white) / self.white.y))?;
+        (amounts.min_element() > 0.0).then(|| primaries * DMat3::from_diagonal(amounts))
+    }
+
+    /// Matrix from linear RGB of this space to linear Rec.709, white to white (Bradford adaptation [Lam85]).
+    /// `None` as in [`Chromaticities::to_xyz`].
+    pub fn to_rec709(&self) -> Option<DMat3> {
+        let bradford = DMat3::from_cols_array_2d(&[
+            [0.8951, -0.7502, 0.0389],
+            [0.2664, 1.7135, -0.0685],
+            [-0.1614, 0.0367, 1.0296],
+        ]);
+        let to_xyz = self.to_xyz()?;
+        let rec709_to_xyz = REC709.to_xyz()?;
+        let cones = |to_xyz: DMat3| bradford * (to_xyz * DVec3::ONE);
+        let adapt = DMat3::from_diagonal(cones(rec709_to_xyz) / cones(to_xyz));
+        Some(rec709_to_xyz.inverse() * bradford.inverse() * adapt * bradford * to_xyz)
+    }
+
+    /// Whether no coordinate differs by more than 0.001, the rounding that files use.
+    pub fn is_close_to(&self, other: &Self) -> bool {
+        [(self.red, other.red), (self.green, other.green), (self.blue, other.blue), (self.white, other.white)]
+            .iter()
+            .all(|(a, b)| (*a - *b).abs().max_element() <= 1e-3)
+    }
+}

@@ -1,6 +1,14 @@
 //! Radiance by direction: environments from files and from formulas.
 
+mod builtin;
+mod load;
+
+pub use builtin::{BUILTINS, Builtin, Parameter};
+pub use load::{EnvironmentError, FORMATS, Format, LoadOptions};
+
+use crate::math::equirect;
 use crate::pixels::RgbImage;
+use glam::DVec3;
 
 /// A distant environment: an equirectangular map of linear radiance (see `math::equirect`), looked up bilinearly.
 #[derive(Clone, Debug)]
@@ -12,4 +20,38 @@ pub struct Environment {
     pub hash: String,
     /// Odd but usable facts about the input (aspect ratio not 2:1, clamped texels ...), one sentence each.
     pub warnings: Vec<String>,
+}
+
+impl Environment {
+    /// The environment of an image in memory, which must not be empty. Its texels are taken as they are.
+    pub fn from_image(name: impl Into<String>, image: RgbImage) -> Self {
+        assert!(!image.data.is_empty(), "an environment has texels");
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&image.width.to_le_bytes()).update(&image.height.to_le_bytes());
+        hasher.update(bytemuck::cast_slice(&image.data));
+        Self { name: name.into(), image, hash: hasher.finalize().to_hex().to_string(), warnings: Vec::new() }
+    }
+
+    /// Loads `builtin:NAME`, `builtin:NAME:PARAMETER=VALUE,...` or an image file; a relative path starts at `base_dir`.
+    pub fn load(spec: &str, base_dir: &std::path::Path, options: &LoadOptions) -> Result<Self, EnvironmentError> {
+        load::load(spec, base_dir, options)
+    }
+
+    /// Radiance from `direction` (any length but 0): bilinear between texel centres; u wraps, v clamps at the poles.
+    pub fn radiance(&self, direction: DVec3) -> DVec3 {
+        let uv = equirect::uv_from_direction(direction);
+        let (width, height) = (i64::from(self.image.width), i64::from(self.image.height));
+        let x = uv.x * width as f64 - 0.5;
+        let y = uv.y * height as f64 - 0.5;
+        let (column, row) = (x.floor() as i64, y.floor() as i64);
+        let texel = |dx: i64, dy: i64| {
+            let [r, g, b] =
+                self.image.get((column + dx).rem_euclid(width) as u32, (row + dy).clamp(0, height - 1) as u32);
+            DVec3::new(r.into(), g.into(), b.into())
+        };
+        let (tx, ty) = (x - x.floor(), y - y.floor());
+        let upper = texel(0, 0).lerp(texel(1, 0), tx);
+        let lower = texel(0, 1).lerp(texel(1, 1), tx);
+        upper.lerp(lower, ty)
+    }
 }

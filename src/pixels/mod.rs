@@ -1,4 +1,25 @@
 //! Float images in memory and their files.
+//!
+//! Readers take hostile bytes: they never panic, and allocate only what the size of the file makes plausible.
+//! Writers replace the target in one step, or leave it as it was.
+
+pub mod exr;
+mod file;
+pub mod png;
+pub mod radiance;
+
+pub use file::PixelsError;
+pub(crate) use file::{MAX_TEXELS, write_atomically};
+
+/// What a reader of float images returns.
+#[derive(Clone, Debug)]
+pub struct Decoded {
+    pub rgb: RgbImage,
+    /// The alpha channel, where the file has one.
+    pub alpha: Option<GrayImage>,
+    /// Odd but usable facts about the file, one sentence each.
+    pub warnings: Vec<String>,
+}
 
 /// Row-major image; row 0 is the top row.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,0 +1,122 @@
+//! Environments from formulas, so that everything works with no download.
+
+mod cap;
+mod checker;
+mod constant;
+mod gradient;
+mod raster;
+mod sky;
+mod studio;
+
+use super::EnvironmentError;
+use super::load::BUILTIN_PREFIX;
+use crate::pixels::{MAX_TEXELS, RgbImage};
+
+/// A number that shapes a builtin.
+#[derive(Debug)]
+pub struct Parameter {
+    pub name: &'static str,
+    /// What it is, with its unit.
+    pub about: &'static str,
+    pub default: f64,
+    /// Inclusive range.
+    pub min: f64,
+    pub max: f64,
+}
+
+/// An environment made by a formula.
+#[derive(Debug)]
+pub struct Builtin {
+    pub name: &'static str,
+    /// One sentence for `splitsum list`.
+    pub about: &'static str,
+    pub parameters: &'static [Parameter],
+    make: fn(&Values, [u32; 2]) -> RgbImage,
+}
+
+/// Every builtin. Adding one: its file here, one line here.
+pub static BUILTINS: &[&Builtin] =
+    &[&constant::CONSTANT, &gradient::GRADIENT, &sky::SKY, &studio::STUDIO, &checker::CHECKER, &cap::CAP];
+
+/// The parameters of one builtin with checked values.
+struct Values(Vec<(&'static str, f64)>);
+
+impl Values {
+    fn get(&self, name: &str) -> f64 {
+        let found = self.0.iter().find(|(known, _)| *known == name);
+        found.map(|&(_, value)| value).expect("a formula asks only for the parameters of its list")
+    }
+}
+
+/// Distance, as a share of equal letters, up to which a name counts as misspelt.
+const SIMILARITY_FLOOR: f64 = 0.6;
+
+fn nearest_of(word: &str, names: impl Iterator<Item = &'static str>) -> Option<&'static str> {
+    names
+        .map(|name| (strsim::jaro_winkler(&word.to_lowercase(), name), name))
+        .filter(|(similarity, _)| *similarity >= SIMILARITY_FLOOR)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}
+
+/// The builtin whose name resembles `word`.
+pub(super) fn nearest(word: &str) -> Option<&'static str> {
+    nearest_of(word, BUILTINS.iter().map(|builtin| builtin.name))
+}
+
+fn hint(word: &str, names: &[&'static str]) -> String {
+    match nearest_of(word, names.iter().copied()) {
+        Some(name) => format!("did you mean {name:?}? Known: {}", names.join(", ")),
+        None if names.is_empty() => "it takes none".to_owned(),
+        None => format!("known: {}", names.join(", ")),
+    }
+}
+
+/// Makes the map of `formula` (`NAME` or `NAME:PARAMETER=VALUE,...`), which is `spec` without its prefix.
+pub(super) fn make(spec: &str, formula: &str, size: [u32; 2]) -> Result<RgbImage, EnvironmentError> {
+    let spec = || spec.to_owned();
+    let (name, assignments) = formula.split_once(':').unwrap_or((formula, ""));
+    let builtin = BUILTINS.iter().find(|builtin| builtin.name == name).ok_or_else(|| {
+        let names: Vec<_> = BUILTINS.iter().map(|builtin| builtin.name).collect();
+        EnvironmentError::UnknownBuiltin { spec: spec(), name: name.to_owned(), hint: hint(name, &names) }
+    })?;
+    let texels = u64::from(size[0]) * u64::from(size[1]);
+    if texels == 0 || texels > MAX_TEXELS {
+        return Err(EnvironmentError::BadValue {
+            spec: spec(),
+            parameter: "the size of a builtin's map".to_owned(),
+            value: format!("{}x{}", size[0], size[1]),
+            expected: format!("1 to {MAX_TEXELS} texels"),
+        });
+    }
+    let mut values = Values(builtin.parameters.iter().map(|p| (p.name, p.default)).collect());
+    let mut given = Vec::new();
+    for assignment in assignments.split(',').filter(|text| !text.trim().is_empty()) {
+        let bad = |parameter: &str, value: &str, expected: String| EnvironmentError::BadValue {
+            spec: spec(),
+            parameter: parameter.to_owned(),
+            value: value.to_owned(),
+            expected,
+        };
+        let (key, text) = assignment.split_once('=').ok_or_else(|| {
+            let form = format!("PARAMETER=VALUE, as in {BUILTIN_PREFIX}cap:half_angle_deg=10,radiance=100");
+            bad("an assignment", assignment, form)
+        })?;
+        let (key, text) = (key.trim(), text.trim());
+        let parameter = builtin.parameters.iter().find(|p| p.name == key).ok_or_else(|| {
+            let names: Vec<_> = builtin.parameters.iter().map(|p| p.name).collect();
+            let hint = hint(key, &names);
+            EnvironmentError::UnknownParameter { spec: spec(), builtin: builtin.name, name: key.to_owned(), hint }
+        })?;
+        if given.contains(&key) {
+            return Err(bad(key, text, "one value for each parameter".to_owned()));
+        }
+        given.push(key);
+        let value = text.parse::<f64>().ok().filter(|value| (parameter.min..=parameter.max).contains(value));
+        let value =
+            value.ok_or_else(|| bad(key, text, format!("a number from {} to {}", parameter.min, parameter.max)))?;
+        let slot = values.0.iter_mut().find(|(known, _)| *known == parameter.name);
+        slot.expect("every parameter has a slot").1 = value;
+    }
+    Ok((builtin.make)(&values, size))
+}

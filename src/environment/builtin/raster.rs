@@ -1,0 +1,103 @@
+//! From radiance formulas to texels.
+
+use crate::math::equirect;
+use crate::pixels::RgbImage;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Latitudes a row over which a cap's coverage is integrated; the integrand is smooth, the midpoint error is about 1e-6.
+const CAP_LATITUDES: u32 = 256;
+
+/// Unit direction of an azimuth (from +z towards +x) and an elevation above the horizon, radians.
+pub fn direction(azimuth: f64, elevation: f64) -> DVec3 {
+    let (sin, cos) = azimuth.sin_cos();
+    DVec3::new(sin * elevation.cos(), elevation.sin(), cos * elevation.cos())
+}
+
+/// Evaluates a smooth formula at texel centres, where the bilinear lookup returns it exactly.
+pub fn at_centers(size: [u32; 2], radiance: impl Fn(DVec3) -> DVec3 + Sync) -> RgbImage {
+    by_texel(size, |x, y| {
+        let uv = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / DVec2::new(size[0].into(), size[1].into());
+        radiance(equirect::direction_from_uv(uv))
+    })
+}
+
+/// Averages a formula of (u, v) with edges over each texel: an `n` x `n` grid of samples of equal solid angle.
+pub fn supersampled(size: [u32; 2], n: u32, radiance: impl Fn(DVec2) -> DVec3 + Sync) -> RgbImage {
+    let [width, height] = size;
+    let offsets = || (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n));
+    by_texel(size, |x, y| {
+        let cos_theta = |row: u32| (PI * f64::from(row) / f64::from(height)).cos();
+        let (top, bottom) = (cos_theta(y), cos_theta(y + 1));
+        let mut sum = DVec3::ZERO;
+        for s in offsets() {
+            // Equal steps of cos θ are equal solid angles.
+            let v = (top + (bottom - top) * s).clamp(-1.0, 1.0).acos() / PI;
+            for t in offsets() {
+                sum += radiance(DVec2::new((f64::from(x) + t) / f64::from(width), v));
+            }
+        }
+        sum / f64::from(n * n)
+    })
+}
+
+fn by_texel([width, height]: [u32; 2], radiance: impl Fn(u32, u32) -> DVec3 + Sync) -> RgbImage {
+    let mut image = RgbImage::filled(width, height, [0.0; 3]);
+    image.data.par_chunks_mut(width as usize).enumerate().for_each(|(y, row)| {
+        for (x, texel) in row.iter_mut().enumerate() {
+            *texel = radiance(x as u32, y as u32).as_vec3().to_array();
+        }
+    });
+    image
+}
+
+/// Calls `cover(texel index, share of the texel's solid angle inside the cap)` for every texel that touches the cap about the
+/// unit vector `center`.
+///
+/// On the latitude θ the cap spans `|φ - φc| <= acos((cos a - cos θ cos θc) / (sin θ sin θc))` exactly; only θ is integrated
+/// numerically, over `θ = θc + a sin t`, which removes the square-root ends of the span. So the energy of a disc far smaller than
+/// a texel is as right as that of a large one.
+pub fn cover_cap([width, height]: [u32; 2], center: DVec3, half_angle: f64, mut cover: impl FnMut(usize, f64)) {
+    let (columns, rows) = (f64::from(width), f64::from(height));
+    let theta_center = center.x.hypot(center.z).atan2(center.y);
+    let u_center = equirect::uv_from_direction(center).x;
+    let in_cap = |theta: f64| ((theta - theta_center) / half_angle).clamp(-1.0, 1.0).asin();
+    let mut spans = vec![0.0; width as usize];
+    for y in 0..height {
+        let (top, bottom) = (PI * f64::from(y) / rows, PI * f64::from(y + 1) / rows);
+        let (t0, t1) = (in_cap(top), in_cap(bottom));
+        if t0 >= FRAC_PI_2 || t1 <= -FRAC_PI_2 {
+            continue;
+        }
+        spans.fill(0.0);
+        let step = (t1 - t0) / f64::from(CAP_LATITUDES);
+        let mut measure = 0.0;
+        for i in 0..CAP_LATITUDES {
+            let t = t0 + (f64::from(i) + 0.5) * step;
+            let theta = theta_center + half_angle * t.sin();
+            let weight = half_angle * t.cos() * theta.sin() * step;
+            measure += weight;
+            let cos_span = (half_angle.cos() - theta.cos() * theta_center.cos()) / (theta.sin() * theta_center.sin());
+            // Over a pole the quotient leaves [-1, 1] or is ±∞: the latitude is inside or outside as a whole.
+            let half_span_u = cos_span.clamp(-1.0, 1.0).acos() / TAU;
+            add_span(&mut spans, (u_center - half_span_u) * columns, (u_center + half_span_u) * columns, weight);
+        }
+        // The part of the row between the cap's first and last latitude is known exactly; this removes the midpoint error from
+        // texels that lie inside.
+        let exact = top.max(theta_center - half_angle).cos() - bottom.min(theta_center + half_angle).cos();
+        let row = top.cos() - bottom.cos();
+        for (x, &span) in spans.iter().enumerate().filter(|(_, span)| **span > 0.0) {
+            cover(y as usize * width as usize + x, (span * exact / (measure * row)).min(1.0));
+        }
+    }
+}
+
+/// Adds `weight` times the covered share to each column of `[from, to]`, in columns; the row wraps.
+fn add_span(spans: &mut [f64], from: f64, to: f64, weight: f64) {
+    let columns = spans.len() as i64;
+    for column in from.floor() as i64..to.ceil() as i64 {
+        let overlap = (to.min((column + 1) as f64) - from.max(column as f64)).max(0.0);
+        spans[column.rem_euclid(columns) as usize] += weight * overlap;
+    }
+}

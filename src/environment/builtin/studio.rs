@@ -1,0 +1,108 @@
+//! A dark room with softboxes and one bare lamp.
+//!
+//! `L(d) = room(d.y) + Σ box_i(d)`, plus the lamp. A softbox with centre `c`, right `r`, up `t` and half sizes `(a, b)` (radians) is
+//! `radiance edge(|d.r / d.c| / tan a) edge(|d.t / d.c| / tan b)` for `d.c > 0`, where `edge` falls from 1 to 0 by a smoothstep over
+//! `1 ± EDGE`. The lamp is a uniform cap.
+
+use super::{Builtin, Values, raster};
+use crate::math::equirect;
+use crate::pixels::RgbImage;
+use glam::DVec3;
+
+/// Half of the width of a softbox's edge, as a share of its half size.
+const EDGE: f64 = 0.06;
+
+/// The narrowest edge is about as wide as a texel of the default map.
+const SAMPLES_PER_SIDE: u32 = 3;
+
+/// Angles in degrees; azimuth from +z towards +x, elevation from the horizon.
+struct Softbox {
+    azimuth: f64,
+    elevation: f64,
+    half_width: f64,
+    half_height: f64,
+    radiance: DVec3,
+}
+
+/// Key, fill, two rims and a top light, as around a subject that is photographed from +z.
+const SOFTBOXES: [Softbox; 5] = [
+    Softbox {
+        azimuth: -50.0,
+        elevation: 32.0,
+        half_width: 26.0,
+        half_height: 19.0,
+        radiance: DVec3::new(9.0, 8.6, 8.0),
+    },
+    Softbox { azimuth: 72.0, elevation: 8.0, half_width: 15.0, half_height: 24.0, radiance: DVec3::new(1.5, 1.7, 2.0) },
+    Softbox {
+        azimuth: 148.0,
+        elevation: 12.0,
+        half_width: 4.0,
+        half_height: 32.0,
+        radiance: DVec3::new(20.0, 21.0, 23.0),
+    },
+    Softbox {
+        azimuth: -142.0,
+        elevation: 8.0,
+        half_width: 3.0,
+        half_height: 28.0,
+        radiance: DVec3::new(11.0, 9.0, 7.0),
+    },
+    Softbox { azimuth: 0.0, elevation: 84.0, half_width: 22.0, half_height: 14.0, radiance: DVec3::new(2.4, 2.4, 2.4) },
+];
+
+/// The lamp's azimuth, elevation and half angle, degrees.
+const LAMP: [f64; 3] = [24.0, 48.0, 1.5];
+const LAMP_RADIANCE: DVec3 = DVec3::new(1500.0, 1250.0, 950.0);
+
+pub static STUDIO: Builtin = Builtin {
+    name: "studio",
+    about: "A dark room with a large key softbox, a fill, two rim strips, a top light and a small hot lamp",
+    parameters: &[],
+    make,
+};
+
+fn make(_: &Values, size: [u32; 2]) -> RgbImage {
+    let boxes: Vec<_> = SOFTBOXES
+        .iter()
+        .map(|softbox| {
+            let center = raster::direction(softbox.azimuth.to_radians(), softbox.elevation.to_radians());
+            let right = DVec3::Y.cross(center).normalize() / softbox.half_width.to_radians().tan();
+            let up = center.cross(right).normalize() / softbox.half_height.to_radians().tan();
+            (center, right, up, softbox.radiance)
+        })
+        .collect();
+    let mut image = raster::supersampled(size, SAMPLES_PER_SIDE, |uv| {
+        let d = equirect::direction_from_uv(uv);
+        boxes.iter().fold(room(d.y), |sum, (center, right, up, radiance)| {
+            let depth = d.dot(*center);
+            let inside =
+                if depth > 0.0 { edge((d.dot(*right) / depth).abs()) * edge((d.dot(*up) / depth).abs()) } else { 0.0 };
+            sum + *radiance * inside
+        })
+    });
+    let [azimuth, elevation, half_angle] = LAMP.map(f64::to_radians);
+    raster::cover_cap(size, raster::direction(azimuth, elevation), half_angle, |texel, coverage| {
+        let behind = DVec3::from(image.data[texel].map(f64::from));
+        image.data[texel] = behind.lerp(LAMP_RADIANCE, coverage).as_vec3().to_array();
+    });
+    image
+}
+
+/// Radiance of the room: black walls, a grey floor that catches some light, a dim ceiling.
+fn room(y: f64) -> DVec3 {
+    let walls = DVec3::splat(0.015);
+    let floor = DVec3::new(0.085, 0.080, 0.075) * smoothstep(-0.15, -0.75, y);
+    let ceiling = DVec3::new(0.025, 0.025, 0.028) * smoothstep(0.3, 0.9, y);
+    walls + floor + ceiling
+}
+
+fn edge(x: f64) -> f64 {
+    smoothstep(1.0 + EDGE, 1.0 - EDGE, x)
+}
+
+/// 0 at and before `from`, 1 at and beyond `to`, cubic between; `from` may be the larger.
+fn smoothstep(from: f64, to: f64, x: f64) -> f64 {
+    let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}

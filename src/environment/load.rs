@@ -1,0 +1,161 @@
+//! From what the user wrote to a checked environment.
+
+use super::{Environment, builtin};
+use crate::color::luminance;
+use crate::pixels::{Decoded, PixelsError, RgbImage, exr, radiance};
+use std::path::{Path, PathBuf};
+
+/// An image format that an environment can be read from.
+#[derive(Debug)]
+pub struct Format {
+    pub name: &'static str,
+    /// Lower-case file name extension.
+    pub extension: &'static str,
+    /// One sentence for `splitsum list`.
+    pub about: &'static str,
+    read: fn(&Path) -> Result<Decoded, PixelsError>,
+}
+
+/// Every format; the extension of the file chooses.
+pub static FORMATS: &[Format] = &[
+    Format {
+        name: "radiance",
+        extension: "hdr",
+        about: "Radiance RGBE or XYZE, run-length coded or flat, any orientation; EXPOSURE is divided out",
+        read: radiance::read,
+    },
+    Format {
+        name: "openexr",
+        extension: "exr",
+        about: "OpenEXR, first part with colour: RGB or luminance-chroma, half, float or uint, scan lines or tiles",
+        read: exr::read,
+    },
+];
+
+/// How [`Environment::load`] treats what it finds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadOptions {
+    /// Sets NaN, infinite and negative channels to 0 with a warning; without it they are an error.
+    pub clamp_invalid: bool,
+    /// Width and height of a builtin's map.
+    pub builtin_size: [u32; 2],
+}
+
+impl Default for LoadOptions {
+    fn default() -> Self {
+        Self { clamp_invalid: false, builtin_size: [512, 256] }
+    }
+}
+
+/// An environment that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum EnvironmentError {
+    #[error("environment {spec}: no such file{}{hint}", path.as_ref().map(|p| format!(" {}", p.display())).unwrap_or_default())]
+    Missing { spec: String, path: Option<PathBuf>, hint: String },
+    #[error("environment {spec}: the extension is {extension:?}; expected one of {expected}")]
+    UnknownFormat { spec: String, extension: String, expected: String },
+    #[error("environment {0}")]
+    Unreadable(#[from] PixelsError),
+    #[error("environment {spec}: there is no builtin {name:?}; {hint}")]
+    UnknownBuiltin { spec: String, name: String, hint: String },
+    #[error("environment {spec}: builtin {builtin} has no parameter {name:?}; {hint}")]
+    UnknownParameter { spec: String, builtin: &'static str, name: String, hint: String },
+    #[error("environment {spec}: {parameter} is {value:?}; expected {expected}")]
+    BadValue { spec: String, parameter: String, value: String, expected: String },
+    #[error(
+        "environment {spec}: {found}; expected finite values of at least 0 (or ask for --clamp-invalid, which sets these to 0)"
+    )]
+    InvalidTexels { spec: String, found: String },
+}
+
+/// Marks a spec as the name of a formula.
+pub(super) const BUILTIN_PREFIX: &str = "builtin:";
+
+/// Relative departure from 2:1 that rounding of a size can explain.
+const ASPECT_TOLERANCE: f64 = 0.01;
+
+/// Above this the f32 square of a texel overflows, and sums over a map may too.
+const LARGEST_SAFE_RADIANCE: f32 = 1e18;
+
+pub(super) fn load(spec: &str, base_dir: &Path, options: &LoadOptions) -> Result<Environment, EnvironmentError> {
+    if let Some(formula) = spec.strip_prefix(BUILTIN_PREFIX) {
+        return Ok(Environment::from_image(spec, builtin::make(spec, formula, options.builtin_size)?));
+    }
+    let path = base_dir.join(spec);
+    if spec.is_empty() || !path.exists() {
+        let hint = match builtin::nearest(spec) {
+            Some(name) => format!("; did you mean {BUILTIN_PREFIX}{name}?"),
+            None => format!("; expected a file or {BUILTIN_PREFIX}NAME"),
+        };
+        let path = (path.as_os_str() != spec && !spec.is_empty()).then_some(path);
+        return Err(EnvironmentError::Missing { spec: spec.to_owned(), path, hint });
+    }
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let format = FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
+        let expected = FORMATS.iter().map(|format| format!(".{}", format.extension)).collect::<Vec<_>>().join(", ");
+        EnvironmentError::UnknownFormat { spec: spec.to_owned(), extension, expected }
+    })?;
+    let Decoded { rgb: mut image, mut warnings, .. } = (format.read)(&path)?;
+    if let Some(found) = invalid_texels(&image) {
+        if !options.clamp_invalid {
+            return Err(EnvironmentError::InvalidTexels { spec: spec.to_owned(), found });
+        }
+        clamp_invalid(&mut image);
+        warnings.push(format!("{found}; these channels were set to 0."));
+    }
+    warnings.extend(oddities(&image));
+    Ok(Environment { warnings, ..Environment::from_image(spec, image) })
+}
+
+/// Counts what no radiance can be and names the first place; `None` when every channel is finite and not negative.
+fn invalid_texels(image: &RgbImage) -> Option<String> {
+    let (mut nan, mut infinite, mut negative) = (0u64, 0u64, 0u64);
+    let mut first = None;
+    for (i, texel) in image.data.iter().enumerate() {
+        for (channel, &value) in ["R", "G", "B"].iter().zip(texel) {
+            let count = match value {
+                v if v.is_nan() => &mut nan,
+                v if v.is_infinite() => &mut infinite,
+                v if v < 0.0 => &mut negative,
+                _ => continue,
+            };
+            *count += 1;
+            first.get_or_insert((i % image.width as usize, i / image.width as usize, channel, value));
+        }
+    }
+    let (x, y, channel, value) = first?;
+    let counts: Vec<String> = [(nan, "NaN"), (infinite, "infinite"), (negative, "negative")]
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, kind)| format!("{count} {kind}"))
+        .collect();
+    Some(format!("{} channel values, the first at column {x}, row {y}: {channel} = {value}", counts.join(", ")))
+}
+
+fn clamp_invalid(image: &mut RgbImage) {
+    for value in image.data.as_flattened_mut() {
+        if !(value.is_finite() && *value >= 0.0) {
+            *value = 0.0;
+        }
+    }
+}
+
+/// Warnings about a map of valid texels.
+fn oddities(image: &RgbImage) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let aspect = f64::from(image.width) / f64::from(image.height);
+    if (aspect / 2.0 - 1.0).abs() > ASPECT_TOLERANCE {
+        warnings.push(format!(
+            "The map is {}x{} (aspect ratio {aspect:.3}); an equirectangular map is 2:1, so this may be another projection.",
+            image.width, image.height
+        ));
+    }
+    let peak = image.data.iter().flatten().fold(0f32, |peak, &value| peak.max(value));
+    if image.data.iter().all(|&texel| luminance(texel) == 0.0) {
+        warnings.push("Every texel is 0: the environment is black.".to_owned());
+    }
+    if peak > LARGEST_SAFE_RADIANCE {
+        warnings.push(format!("The largest value is {peak:e}: f32 sums over the map may overflow."));
+    }
+    warnings
+}

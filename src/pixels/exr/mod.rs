@@ -1,0 +1,9 @@
+//! OpenEXR: linear f32 images with layers.
+
+mod blocks;
+mod colour;
+mod read;
+mod write;
+
+pub use read::{read, read_layer};
+pub use write::{write_channels, write_rgba};

@@ -1,0 +1,98 @@
+//! Files as a whole: bounded reading, replacement in one step, the error that all image formats share.
+
+use std::fs::File;
+use std::io::{BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// Largest image that is read or made, texels (32768 x 4096): 1.5 GiB as RGB floats.
+pub(crate) const MAX_TEXELS: u64 = 1 << 27;
+/// Largest file that is read, bytes. Readers hold the file in memory.
+const MAX_FILE_BYTES: u64 = 1 << 32;
+
+/// An image file that cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {what}; expected {expected}", path.display())]
+pub struct PixelsError {
+    pub path: PathBuf,
+    /// What is wrong, with the place in the file and the value.
+    pub what: String,
+    pub expected: String,
+}
+
+/// A [`PixelsError`] before the path is known.
+#[derive(Debug)]
+pub(super) struct Fault {
+    pub what: String,
+    pub expected: String,
+}
+
+impl Fault {
+    pub fn new(what: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self { what: what.into(), expected: expected.into() }
+    }
+
+    pub fn at(self, path: &Path) -> PixelsError {
+        PixelsError { path: path.to_owned(), what: self.what, expected: self.expected }
+    }
+}
+
+/// The whole file. Refuses folders, pipes and devices (which may never end) and files over [`MAX_FILE_BYTES`].
+pub(super) fn read_bounded(path: &Path) -> Result<Vec<u8>, PixelsError> {
+    let expected = || "a readable image file".to_owned();
+    let io = |error: std::io::Error| Fault::new(format!("cannot be read ({error})"), expected()).at(path);
+    // The type is asked for first: opening a pipe blocks until somebody writes.
+    let metadata = std::fs::metadata(path).map_err(io)?;
+    if !metadata.is_file() {
+        return Err(Fault::new("is not a regular file", expected()).at(path));
+    }
+    let mut bytes = Vec::new();
+    File::open(path).map_err(io)?.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(io)?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(Fault::new("is larger than 4 GiB", "a smaller file").at(path));
+    }
+    Ok(bytes)
+}
+
+/// Checks a size that a header claims; `file_bytes * texels_per_byte` bounds what the file can plausibly hold.
+pub(super) fn check_claim(width: u64, height: u64, file_bytes: usize, texels_per_byte: u64) -> Result<(), Fault> {
+    if width == 0 || height == 0 {
+        return Err(Fault::new(format!("the header claims {width}x{height} pixels"), "at least one pixel"));
+    }
+    let texels = width.saturating_mul(height);
+    if texels > MAX_TEXELS {
+        return Err(Fault::new(
+            format!("the header claims {width}x{height} pixels"),
+            format!("at most {MAX_TEXELS} pixels"),
+        ));
+    }
+    if texels > (file_bytes as u64).saturating_mul(texels_per_byte) {
+        return Err(Fault::new(
+            format!("the header claims {width}x{height} pixels, but the file has {file_bytes} bytes"),
+            "pixels that fit in the file; it is probably truncated",
+        ));
+    }
+    Ok(())
+}
+
+/// Writes through `fill` into a temporary file beside `path`, then renames it: `path` holds the old or the whole new content,
+/// never a part, and nothing is left behind on failure.
+pub(crate) fn write_atomically(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
+) -> Result<(), PixelsError> {
+    let io = |error: std::io::Error| {
+        Fault::new(format!("cannot be written ({error})"), "a path in an existing, writable folder").at(path)
+    };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".splitsum-").suffix(".part");
+    // The default of temporary files is private to the user; the result should get the rights of any new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut temporary = builder.tempfile_in(folder).map_err(io)?;
+    let mut writer = BufWriter::new(temporary.as_file_mut());
+    fill(&mut writer).and_then(|()| writer.flush()).map_err(io)?;
+    drop(writer);
+    temporary.persist(path).map_err(|error| io(error.error))?;
+    Ok(())
+}

@@ -1,0 +1,39 @@
+//! 8-bit RGB PNG, sRGB-encoded: the display-referred pictures.
+
+use super::file::{Fault, check_claim, read_bounded};
+use super::{PixelsError, Rgb8Image, write_atomically};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageFormat, ImageReader};
+use std::io::{self, Cursor};
+use std::path::Path;
+
+/// Deflate expands at most 1032 times and a texel takes at least one bit.
+const MAX_TEXELS_PER_BYTE: u64 = 1 << 14;
+
+/// Writes `image` (already sRGB-encoded) to `path` in one step.
+pub fn write_rgb8(path: &Path, image: &Rgb8Image) -> Result<(), PixelsError> {
+    write_atomically(path, |writer| {
+        PngEncoder::new(writer)
+            .write_image(image.data.as_flattened(), image.width, image.height, ExtendedColorType::Rgb8)
+            .map_err(io::Error::other)
+    })
+}
+
+/// Reads any PNG as 8-bit RGB; alpha is dropped, 16-bit samples are rounded.
+pub fn read_rgb8(path: &Path) -> Result<Rgb8Image, PixelsError> {
+    let bytes = read_bounded(path)?;
+    decode(&bytes).map_err(|fault| fault.at(path))
+}
+
+fn decode(bytes: &[u8]) -> Result<Rgb8Image, Fault> {
+    let refuse = |error: image::ImageError| Fault::new(format!("cannot be decoded ({error})"), "a whole PNG file");
+    let (width, height) =
+        ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png).into_dimensions().map_err(refuse)?;
+    check_claim(width.into(), height.into(), bytes.len(), MAX_TEXELS_PER_BYTE)?;
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
+    // The size was checked above; the default limit of the crate would refuse images that we allow.
+    reader.no_limits();
+    let decoded = reader.decode().map_err(refuse)?.into_rgb8();
+    let data = decoded.as_raw().as_chunks::<3>().0.to_vec();
+    Ok(Rgb8Image::new(width, height, data))
+}

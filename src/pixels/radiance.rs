@@ -1,0 +1,283 @@
+//! Radiance pictures (`.hdr`, `.pic`) [Ward94].
+//!
+//! A texel is three mantissas and a shared exponent, `value = mantissa 2^(e - 136)`, 0 where `e = 0`. (Radiance itself adds 0.5 to the
+//! mantissa; most software does not, and a stored 0 should stay 0.) `EXPOSURE` and `COLORCORR` record factors that were applied to the
+//! pixels; several lines multiply. They are divided out: `radiance = value / (Π EXPOSURE · Π COLORCORR)`.
+//!
+//! FORMAT `32-bit_rle_rgbe` is taken as Rec.709 unless PRIMARIES says otherwise. FORMAT `32-bit_rle_xyze` is converted with the RGB
+//! space of the Radiance programs (white at equal energy), because that is the exact inverse of what `ra_xyze` wrote: grey comes back
+//! grey, which the D65 matrix would turn pink. XYZE is photometric, so the result is 179 (lm/W) times what RGBE of the same scene
+//! holds; it is left in the unit of the file, with a warning.
+
+use super::file::{Fault, check_claim, read_bounded};
+use super::{Decoded, PixelsError, RgbImage};
+use crate::color::{Chromaticities, RADIANCE, REC709};
+use glam::{DMat3, DVec2, DVec3};
+use std::path::Path;
+
+/// The old run-length form holds up to 32767 equal texels in 12 bytes.
+const MAX_TEXELS_PER_BYTE: u64 = 1 << 12;
+/// Scanlines of these lengths may use the newer run-length form, channel by channel.
+const NEW_RLE_LENGTHS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
+/// `value = mantissa 2^(e - EXPONENT_BIAS)`: 128 of the format and 8 that put the point before the mantissa.
+const EXPONENT_BIAS: i32 = 136;
+
+/// Reads a Radiance picture as linear Rec.709, row 0 at the top whatever the orientation in the file.
+pub fn read(path: &Path) -> Result<Decoded, PixelsError> {
+    let bytes = read_bounded(path)?;
+    decode(&bytes).map_err(|fault| fault.at(path))
+}
+
+/// Order of the texels in the file: the first axis of the resolution line is the slow one.
+#[derive(Clone, Copy)]
+struct Layout {
+    width: usize,
+    height: usize,
+    columns_first: bool,
+    flip_x: bool,
+    flip_y: bool,
+}
+
+struct Header {
+    xyz: bool,
+    /// What the pixels were multiplied with, per channel.
+    exposure: DVec3,
+    primaries: Option<Chromaticities>,
+    layout: Layout,
+}
+
+fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
+    let mut input = Input { rest: bytes };
+    let header = read_header(&mut input)?;
+    let Layout { width, height, columns_first, flip_x, flip_y } = header.layout;
+    check_claim(width as u64, height as u64, bytes.len(), MAX_TEXELS_PER_BYTE)?;
+
+    let mut warnings = Vec::new();
+    let to_rgb = conversion(&header, &mut warnings);
+    let mut out_of_gamut = 0u64;
+    let mut image = RgbImage::filled(width as u32, height as u32, [0.0; 3]);
+    let (slow, fast) = if columns_first { (width, height) } else { (height, width) };
+    let mut scanline = vec![[0u8; 4]; fast];
+    for s in 0..slow {
+        read_scanline(&mut input, &mut scanline).map_err(|problem| {
+            let what = match problem {
+                None => format!("the file ends within scanline {s} of {slow}"),
+                Some(problem) => format!("scanline {s} of {slow}: {problem}"),
+            };
+            Fault::new(what, format!("{slow} scanlines of {fast} texels, flat or run-length coded"))
+        })?;
+        for (f, &[r, g, b, e]) in scanline.iter().enumerate() {
+            let (x, y) = if columns_first { (s, f) } else { (f, s) };
+            let x = if flip_x { width - 1 - x } else { x };
+            let y = if flip_y { height - 1 - y } else { y };
+            if e == 0 {
+                continue;
+            }
+            let mantissas = DVec3::new(r.into(), g.into(), b.into());
+            let mut value = mantissas * 2f64.powi(i32::from(e) - EXPONENT_BIAS) / header.exposure;
+            if let Some(to_rgb) = to_rgb {
+                value = to_rgb * value;
+                out_of_gamut += u64::from(value.min_element() < 0.0);
+                // As Radiance does: a colour outside the gamut has a negative channel, which no radiance may have.
+                value = value.max(DVec3::ZERO);
+            }
+            image.data[y * width + x] = value.as_vec3().to_array();
+        }
+    }
+    if out_of_gamut > 0 {
+        warnings.push(format!("{out_of_gamut} texels lie outside Rec.709; their negative channels were set to 0."));
+    }
+    Ok(Decoded { rgb: image, alpha: None, warnings })
+}
+
+/// Matrix from the file's colours to Rec.709, if one is needed.
+fn conversion(header: &Header, warnings: &mut Vec<String>) -> Option<DMat3> {
+    if header.xyz {
+        warnings
+            .push("XYZE holds photometric values: they are 179 times those of an RGBE file of the same scene.".into());
+        return RADIANCE.to_xyz().map(|to_xyz| to_xyz.inverse());
+    }
+    let primaries = header.primaries.filter(|p| !p.is_close_to(&REC709) && !p.is_close_to(&RADIANCE))?;
+    let matrix = primaries.to_rec709();
+    warnings.push(match matrix {
+        Some(_) => "The colours were converted from the header's PRIMARIES to Rec.709.".into(),
+        None => "The header's PRIMARIES span no colour space; the colours were taken as Rec.709.".into(),
+    });
+    matrix
+}
+
+fn read_header(input: &mut Input) -> Result<Header, Fault> {
+    let magic = || "a Radiance picture, whose first line is #?RADIANCE or #?RGBE";
+    let first = input.line().ok_or_else(|| Fault::new("has no first line", magic()))?;
+    if !matches!(first.trim_end(), "#?RADIANCE" | "#?RGBE") {
+        return Err(Fault::new(format!("the first line is {:?}", shorten(&first)), magic()));
+    }
+    let (mut xyz, mut exposure, mut primaries) = (false, DVec3::ONE, None);
+    loop {
+        let end =
+            || Fault::new("the header has no end", "a blank line and then a resolution such as \"-Y 512 +X 1024\"");
+        let line = input.line().ok_or_else(end)?;
+        if line.trim().is_empty() {
+            break;
+        }
+        if parse_resolution(&line).is_some() {
+            let what = format!("the blank line before the resolution {:?} is missing", line.trim());
+            return Err(Fault::new(what, "a blank line that ends the header"));
+        }
+        // Lines that a program copied from its input are indented and do not count; neither do unknown variables.
+        if let Some(value) = line.strip_prefix("FORMAT=") {
+            xyz = match value.trim() {
+                "32-bit_rle_rgbe" => false,
+                "32-bit_rle_xyze" => true,
+                other => {
+                    let what = format!("FORMAT is {:?}", shorten(other));
+                    return Err(Fault::new(what, "32-bit_rle_rgbe or 32-bit_rle_xyze"));
+                }
+            };
+        } else if let Some(value) = line.strip_prefix("EXPOSURE=") {
+            exposure *= DVec3::splat(factors::<1>("EXPOSURE", value)?[0]);
+        } else if let Some(value) = line.strip_prefix("COLORCORR=") {
+            exposure *= DVec3::from(factors::<3>("COLORCORR", value)?);
+        } else if let Some(value) = line.strip_prefix("PRIMARIES=") {
+            primaries = parse_primaries(value)?;
+        }
+    }
+    if !(exposure.is_finite() && exposure.min_element() > 0.0) {
+        return Err(Fault::new(format!("EXPOSURE and COLORCORR multiply to {exposure}"), "finite products above 0"));
+    }
+    let resolution = "a resolution such as \"-Y 512 +X 1024\"";
+    let line = input.line().ok_or_else(|| Fault::new("the file ends after the header", resolution))?;
+    let layout = parse_resolution(&line)
+        .ok_or_else(|| Fault::new(format!("the resolution line is {:?}", shorten(&line)), resolution))?;
+    Ok(Header { xyz, exposure, primaries, layout })
+}
+
+/// `N` finite numbers above 0.
+fn factors<const N: usize>(name: &str, text: &str) -> Result<[f64; N], Fault> {
+    let expected = if N == 1 { "a number above 0".to_owned() } else { format!("{N} numbers above 0") };
+    let fault = || Fault::new(format!("{name} is {:?}", shorten(text.trim())), expected.as_str());
+    let numbers = numbers(text).ok_or_else(fault)?;
+    let numbers: [f64; N] = numbers.try_into().map_err(|_| fault())?;
+    if numbers.iter().all(|number| number.is_finite() && *number > 0.0) { Ok(numbers) } else { Err(fault()) }
+}
+
+/// Eight numbers: x and y of red, green, blue and white. All zeros (which some writers leave) mean none.
+fn parse_primaries(text: &str) -> Result<Option<Chromaticities>, Fault> {
+    let numbers: Option<[f64; 8]> = numbers(text).and_then(|numbers| numbers.try_into().ok());
+    let [rx, ry, gx, gy, bx, by, wx, wy] = numbers.ok_or_else(|| {
+        Fault::new(format!("PRIMARIES is {:?}", shorten(text.trim())), "eight chromaticity coordinates")
+    })?;
+    let [red, green, blue, white] = [DVec2::new(rx, ry), DVec2::new(gx, gy), DVec2::new(bx, by), DVec2::new(wx, wy)];
+    let given = [red, green, blue, white].iter().any(|xy| *xy != DVec2::ZERO);
+    Ok(given.then_some(Chromaticities { red, green, blue, white }))
+}
+
+fn numbers(text: &str) -> Option<Vec<f64>> {
+    text.split_whitespace().map(|word| word.parse().ok()).collect()
+}
+
+/// `-Y 512 +X 1024` and the seven other orders and signs. `-Y` counts downwards from the top, `+X` to the right.
+fn parse_resolution(line: &str) -> Option<Layout> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let &[axis_1, count_1, axis_2, count_2] = words.as_slice() else { return None };
+    let (count_1, count_2) = (count_1.parse::<u32>().ok()? as usize, count_2.parse::<u32>().ok()? as usize);
+    let (columns_first, x, y) = match (axis_1, axis_2) {
+        ("+Y" | "-Y", "+X" | "-X") => (false, axis_2, axis_1),
+        ("+X" | "-X", "+Y" | "-Y") => (true, axis_1, axis_2),
+        _ => return None,
+    };
+    let (width, height) = if columns_first { (count_1, count_2) } else { (count_2, count_1) };
+    Some(Layout { width, height, columns_first, flip_x: x == "-X", flip_y: y == "+Y" })
+}
+
+/// Enough of a line of unknown bytes for a message.
+fn shorten(text: &str) -> String {
+    const LONGEST: usize = 60;
+    text.chars().take(LONGEST).collect()
+}
+
+struct Input<'a> {
+    rest: &'a [u8],
+}
+
+impl Input<'_> {
+    /// The next line without its end (LF or CR LF); `None` at the end of the file or when the last line has no end.
+    fn line(&mut self) -> Option<String> {
+        let end = self.rest.iter().position(|&byte| byte == b'\n')?;
+        let line = String::from_utf8_lossy(&self.rest[..end]).trim_end_matches('\r').to_owned();
+        self.rest = &self.rest[end + 1..];
+        Some(line)
+    }
+
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (&head, rest) = self.rest.split_first_chunk()?;
+        self.rest = rest;
+        Some(head)
+    }
+}
+
+/// What is wrong with a scanline; `None` when the file ends in it.
+type ScanlineProblem = Option<String>;
+
+/// Fills `scanline` from either form; each scanline says which it is.
+fn read_scanline(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), ScanlineProblem> {
+    match input.rest {
+        // A texel of the old form has no (2, 2) with a blue mantissa below 128: normalised texels have one mantissa of 128 or more.
+        [2, 2, high, low, ..] if *high < 128 && NEW_RLE_LENGTHS.contains(&scanline.len()) => {
+            let length = usize::from(u16::from_be_bytes([*high, *low]));
+            if length != scanline.len() {
+                return Err(Some(format!("it claims {length} texels, not {}", scanline.len())));
+            }
+            input.rest = &input.rest[4..];
+            (0..4).try_for_each(|channel| read_channel(input, scanline, channel))
+        }
+        _ => read_flat(input, scanline),
+    }
+}
+
+/// One channel of the newer form: counts over 128 repeat the next byte `count - 128` times, others copy `count` bytes.
+fn read_channel(input: &mut Input, scanline: &mut [[u8; 4]], channel: usize) -> Result<(), ScanlineProblem> {
+    let mut x = 0;
+    while x < scanline.len() {
+        let [count] = input.take().ok_or(None)?;
+        let (run, length) = if count > 128 { (true, usize::from(count - 128)) } else { (false, usize::from(count)) };
+        if length == 0 {
+            return Err(Some(format!("a run of length 0 at texel {x}")));
+        }
+        if length > scanline.len() - x {
+            return Err(Some(format!("a run of length {length} at texel {x} passes the end")));
+        }
+        let repeated = if run { input.take::<1>().ok_or(None)?[0] } else { 0 };
+        for texel in &mut scanline[x..x + length] {
+            texel[channel] = if run { repeated } else { input.take::<1>().ok_or(None)?[0] };
+        }
+        x += length;
+    }
+    Ok(())
+}
+
+/// Flat texels; the texel (1, 1, 1, n) of the old run-length form repeats the one before it n times, and directly after another
+/// such texel n is worth 256 times more.
+fn read_flat(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), ScanlineProblem> {
+    let (mut x, mut shift) = (0, 0);
+    while x < scanline.len() {
+        let texel: [u8; 4] = input.take().ok_or(None)?;
+        if texel[..3] != [1, 1, 1] {
+            scanline[x] = texel;
+            x += 1;
+            shift = 0;
+            continue;
+        }
+        // 0 is a digit of a longer run.
+        let length = usize::from(texel[3]) << shift;
+        if x == 0 || length > scanline.len() - x {
+            return Err(Some(format!("a run of length {length} at texel {x} repeats nothing or passes the end")));
+        }
+        let previous = scanline[x - 1];
+        scanline[x..x + length].fill(previous);
+        x += length;
+        // A length over 2^24 passes the end of every scanline that is plausible.
+        shift = (shift + 8).min(24);
+    }
+    Ok(())
+}
