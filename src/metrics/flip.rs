@@ -9,8 +9,9 @@ use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
 use crate::pixels::{GrayImage, Rgb8Image};
 use nv_flip::FlipImageRgb8;
 
-/// Pixels per degree of visual angle.
-pub const PIXELS_PER_DEGREE: f32 = nv_flip::DEFAULT_PIXELS_PER_DEGREE;
+/// Pixels per degree of visual angle: distance · pixels / width · π / 180, here 3840 π / 180. The constant of nv-flip is rounded
+/// to 67, which would move scores away from those of the authors' tool.
+pub const PIXELS_PER_DEGREE: f32 = 67.020_645;
 
 /// Mean of the FLIP error map, in [0, 1]; 0 for equal images.
 pub struct Flip;
