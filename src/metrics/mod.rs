@@ -1,1 +1,125 @@
 //! Scores of an image against its reference. Metrics see images and a mask, never a method.
+//!
+//! Symbols: `t` test and `r` reference, linear radiance of one pixel and channel; `d = t - r`. Every mean is over the masked
+//! pixels and their three channels with equal weight, accumulated in f64. A pixel off the mask never counts: linear metrics
+//! skip it and display metrics see it black in both images.
+//!
+//! A name carries the constant that makes the number comparable: four tools call four formulas "relMSE".
+
+mod bias;
+mod bins;
+mod comparison;
+mod flip;
+mod mae;
+mod noise;
+mod psnr;
+mod relmse;
+mod rmse;
+mod smape;
+mod ssim;
+mod tail;
+
+pub use bins::{BinRow, N_DOT_V_BIN_EDGES};
+pub use comparison::{Comparison, MetricsError};
+pub use flip::PIXELS_PER_DEGREE;
+pub use noise::{ReferenceNoise, Verdict, noise_floor, verdict};
+
+/// ε of every relative metric, in squared radiance beside `r²` and in radiance beside `|r|`. It keeps dark pixels from
+/// deciding the score and assumes a mean radiance near 1; a much darker scene hides its error behind it.
+pub const EPSILON: f64 = 1e-2;
+
+/// The values a metric reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Space {
+    /// Linear radiance.
+    Linear,
+    /// 8-bit display values after the tone curve.
+    Display,
+}
+
+impl Space {
+    /// The name in tables: `linear` or `display`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Display => "display",
+        }
+    }
+}
+
+/// Which values of a metric are good.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Better {
+    Lower,
+    Higher,
+    /// Signed: the magnitude counts, the sign tells the direction of the error.
+    NearerZero,
+}
+
+impl Better {
+    /// The name in tables: `lower`, `higher` or `nearer-zero`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lower => "lower",
+            Self::Higher => "higher",
+            Self::NearerZero => "nearer-zero",
+        }
+    }
+}
+
+/// What is recorded about a metric beside its values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Description {
+    /// Column name and config value.
+    pub name: &'static str,
+    pub space: Space,
+    pub better: Better,
+    /// Counts up whenever a change of the code can move a value.
+    pub version: u32,
+    /// Constants of the formula, by name.
+    pub parameters: &'static [(&'static str, f64)],
+    /// One sentence for `splitsum list metrics`.
+    pub formula: &'static str,
+    /// Power of the difference that the score grows with: 2 for a mean square, 1 for its root. [`verdict`] compares scores
+    /// and noise floors in units of the difference.
+    pub power: f64,
+}
+
+/// A score of a test image against a reference.
+pub trait Metric: Sync {
+    /// Name, space, direction, parameters and formula.
+    fn description(&self) -> &'static Description;
+
+    /// The score over `pixels` (row-major indices of masked pixels; at least one).
+    fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64;
+
+    /// The score to expect over the masked pixels if the test were exact and only the reference were off, by its standard
+    /// error. `None` where that needs more than the standard error (display metrics).
+    fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64>;
+}
+
+/// Every metric, in the order of the columns.
+pub static METRICS: &[&dyn Metric] = &[
+    &rmse::Rmse,
+    &relmse::RelMse,
+    &relmse::TrimmedRelMse,
+    &mae::Mae,
+    &smape::Smape,
+    &bias::RelativeBias,
+    &tail::P95,
+    &tail::P99,
+    &tail::MAXIMUM,
+    &psnr::Psnr,
+    &ssim::Ssim,
+    &flip::Flip,
+];
+
+/// The metric of that name.
+pub fn metric(name: &str) -> Option<&'static dyn Metric> {
+    METRICS.iter().copied().find(|metric| metric.description().name == name)
+}
+
+/// The metrics that need no tone curve.
+pub fn linear_metrics() -> Vec<&'static dyn Metric> {
+    METRICS.iter().copied().filter(|metric| metric.description().space == Space::Linear).collect()
+}

@@ -1,1 +1,415 @@
+//! Every metric on images worked by hand, its invariants, its bins and its noise floor.
 
+use splitsum::metrics::{
+    Better, Comparison, EPSILON, METRICS, MetricsError, N_DOT_V_BIN_EDGES, PIXELS_PER_DEGREE, ReferenceNoise, Space,
+    Verdict, linear_metrics, metric, noise_floor, verdict,
+};
+use splitsum::pixels::{GrayImage, Rgb8Image, RgbImage};
+use splitsum::tonemap::ToneCurve;
+
+/// f32 storage of the images of a test.
+const F32_STORAGE: f64 = 1e-6;
+
+/// A linear curve of codes: radiance that displays as `code` exactly.
+const LINEAR_CURVE: ToneCurve = ToneCurve { exposure: 1.0, contrast: 2.2 };
+
+fn radiance_of_code(code: f64) -> f32 {
+    (code / (255.0 - code)) as f32
+}
+
+fn whole(image: &RgbImage) -> GrayImage {
+    GrayImage::filled(image.width, image.height, 1.0)
+}
+
+fn gray(width: u32, height: u32, values: &[f32]) -> RgbImage {
+    RgbImage::new(width, height, values.iter().map(|&value| [value; 3]).collect())
+}
+
+fn score(test: &RgbImage, reference: &RgbImage, mask: &GrayImage, name: &str) -> f64 {
+    let comparison = Comparison::new(test, reference, mask, LINEAR_CURVE).unwrap();
+    comparison.evaluate(&[metric(name).unwrap()])[0].1
+}
+
+fn assert_relative(found: f64, expected: f64, tolerance: f64, what: &str) {
+    let error = (found - expected).abs() / expected.abs().max(1e-12);
+    assert!(error <= tolerance, "{what}: {found} instead of {expected}, relative error {error:e}");
+}
+
+/// Uniform numbers in [0, 1) from a Weyl sequence hashed by splitmix64.
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}
+
+/// A noisy image over a noisy reference, both positive.
+fn noisy_pair(width: u32, height: u32) -> [RgbImage; 2] {
+    let mut random = Random(7);
+    let reference = RgbImage::from_fn(width, height, |_, _| std::array::from_fn(|_| (2.0 * random.uniform()) as f32));
+    let test = reference.map(|pixel| pixel.map(|value| value * (0.5 + random.uniform()) as f32));
+    [test, reference]
+}
+
+#[test]
+fn linear_metrics_of_two_by_two_pixels() {
+    // One pixel is off the mask and wildly wrong. The other three: exact; red too bright by 1; all channels too dark by 1/2.
+    let reference = RgbImage::new(2, 2, vec![[1.0; 3], [1.0, 2.0, 0.0], [0.5; 3], [1.0; 3]]);
+    let test = RgbImage::new(2, 2, vec![[1.0; 3], [2.0, 2.0, 0.0], [0.0; 3], [900.0; 3]]);
+    let mask = GrayImage::new(2, 2, vec![1.0, 1.0, 1.0, 0.0]);
+    let expected = [
+        ("rmse", ((1.0 + 3.0 * 0.25) / 9.0f64).sqrt()),
+        ("relmse_eps1e-2", (1.0 / 1.01 + 3.0 * 0.25 / 0.26) / 9.0),
+        ("relmse_eps1e-2_trim1e-3", (1.0 / 1.01 + 3.0 * 0.25 / 0.26) / 9.0),
+        ("mae", (1.0 + 1.5) / 9.0),
+        ("smape_eps1e-2", (1.0 / 3.01 + 3.0 * 0.5 / 0.51) / 9.0),
+        ("bias_rel", (1.0 - 1.5) / (3.0 + 3.0 + 1.5)),
+        ("err_p95", (0.25f64 / 0.26).sqrt()),
+        ("err_p99", (0.25f64 / 0.26).sqrt()),
+        ("err_max", (0.25f64 / 0.26).sqrt()),
+    ];
+    let comparison = Comparison::new(&test, &reference, &mask, ToneCurve::default()).unwrap();
+    let found = comparison.evaluate_linear();
+    assert_eq!(found.len(), expected.len(), "a linear metric without a value worked by hand");
+    for ((name, value), (expected_name, expected_value)) in found.into_iter().zip(expected) {
+        assert_eq!(name, expected_name);
+        assert_relative(value, expected_value, F32_STORAGE, name);
+    }
+    let map = comparison.relative_error_map();
+    assert_eq!([map.data[0], map.data[3]], [0.0, 0.0]);
+    assert_relative(f64::from(map.data[1]), (1.0 / 1.01 / 3.0f64).sqrt(), F32_STORAGE, "error map");
+    let signed = comparison.signed_error_map();
+    assert_relative(f64::from(signed.data[2]), -0.5 / 0.26f64.sqrt(), F32_STORAGE, "signed error map");
+    assert_eq!(signed.data[3], 0.0);
+}
+
+#[test]
+fn psnr_of_two_by_two_pixels() {
+    let reference = gray(2, 2, &[100.0, 50.0, 20.0, 0.0].map(radiance_of_code));
+    let test = gray(2, 2, &[103.0, 50.0, 16.0, 0.0].map(radiance_of_code));
+    let expected = 10.0 * (255.0 * 255.0 / ((9.0 + 16.0) / 4.0f64)).log10();
+    assert_relative(score(&test, &reference, &whole(&test), "psnr"), expected, 1e-12, "psnr");
+}
+
+#[test]
+fn equal_images_have_the_best_scores() {
+    let [_, image] = noisy_pair(24, 20);
+    for (name, value) in Comparison::new(&image, &image, &whole(&image), ToneCurve::default()).unwrap().evaluate_all() {
+        let best = match metric(name).unwrap().description().better {
+            Better::Lower | Better::NearerZero => 0.0,
+            Better::Higher if name == "psnr" => f64::INFINITY,
+            Better::Higher => 1.0,
+        };
+        assert_eq!(value, best, "{name}");
+    }
+    assert_eq!(f64::INFINITY.to_string(), "inf");
+}
+
+#[test]
+fn signs_and_bounds() {
+    let [test, reference] = noisy_pair(16, 16);
+    let brighter = reference.map(|pixel| pixel.map(|value| value * 1.25));
+    assert_relative(score(&brighter, &reference, &whole(&test), "bias_rel"), 0.25, F32_STORAGE, "gained energy");
+    assert_relative(score(&reference, &brighter, &whole(&test), "bias_rel"), -0.2, F32_STORAGE, "lost energy");
+    let black = RgbImage::filled(16, 16, [0.0; 3]);
+    assert_eq!(score(&black, &black, &whole(&test), "bias_rel"), 0.0);
+    assert_eq!(score(&test, &black, &whole(&test), "bias_rel"), f64::INFINITY);
+    let smape = score(&black, &reference.map(|pixel| pixel.map(|value| value + 1e6)), &whole(&test), "smape_eps1e-2");
+    assert!(smape < 1.0 && smape > 0.999_999, "{smape}");
+    let pair = |a, b| score(a, b, &whole(&test), "smape_eps1e-2");
+    assert_eq!(pair(&test, &reference), pair(&reference, &test));
+}
+
+#[test]
+fn trimming_removes_fireflies_up_to_one_in_a_thousand() {
+    let reference = RgbImage::filled(50, 40, [1.0; 3]);
+    let mut test = RgbImage::filled(50, 40, [1.1; 3]);
+    let clean = score(&test, &reference, &whole(&test), "relmse_eps1e-2");
+    test.data[123] = [1e4, 1.0, 1.0];
+    test.data[1999] = [0.0, 0.0, 1e6];
+    assert!(score(&test, &reference, &whole(&test), "relmse_eps1e-2") > 1e6);
+    let trimmed = |test: &RgbImage| score(test, &reference, &whole(test), "relmse_eps1e-2_trim1e-3");
+    assert_relative(trimmed(&test), clean, 1e-12, "two fireflies in 2000 pixels");
+    test.data[500] = [1e4; 3];
+    assert!(trimmed(&test) > 1e4, "a third firefly must show");
+}
+
+#[test]
+fn percentiles_are_nearest_ranks() {
+    // Black reference: the error is d / sqrt(eps), so pixel k has error k + 1 (in a shuffled order).
+    let width = 200;
+    let reference = RgbImage::filled(width, 1, [0.0; 3]);
+    let test = RgbImage::from_fn(width, 1, |x, _| [((x * 77) % width + 1) as f32 * EPSILON.sqrt() as f32; 3]);
+    for (name, rank) in [("err_p95", 190.0), ("err_p99", 198.0), ("err_max", 200.0)] {
+        assert_relative(score(&test, &reference, &whole(&test), name), rank, F32_STORAGE, name);
+    }
+    // Ranks round up: of 30 pixels, 95 % are 28.5 and need the 29th.
+    let mask = GrayImage::from_fn(width, 1, |x, _| if (x * 77) % width < 30 { 1.0 } else { 0.0 });
+    assert_relative(score(&test, &reference, &mask, "err_p95"), 29.0, F32_STORAGE, "rank of 30 pixels");
+}
+
+/// SSIM from its definition: a direct double sum over each window, Rec. 601 luma.
+fn mean_ssim(test: &Rgb8Image, reference: &Rgb8Image, mask: &GrayImage) -> f64 {
+    let luma = |[r, g, b]: [u8; 3]| 0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b);
+    let (c1, c2) = (6.5025, 58.5225);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (cx, cy) in (0..test.height as i32).flat_map(|y| (0..test.width as i32).map(move |x| (x, y))) {
+        if mask.get(cx as u32, cy as u32) == 0.0 {
+            continue;
+        }
+        let mut window = Vec::new();
+        for (x, y) in (cy - 5..=cy + 5).flat_map(|y| (cx - 5..=cx + 5).map(move |x| (x, y))) {
+            if x >= 0 && y >= 0 && x < test.width as i32 && y < test.height as i32 {
+                let weight = (-f64::from((x - cx).pow(2) + (y - cy).pow(2)) / (2.0 * 1.5 * 1.5)).exp();
+                let at = |image: &Rgb8Image| luma(image.get(x as u32, y as u32));
+                window.push((weight, at(test), at(reference)));
+            }
+        }
+        let total: f64 = window.iter().map(|sample| sample.0).sum();
+        let mean = |term: &dyn Fn(f64, f64) -> f64| window.iter().map(|&(w, t, r)| w * term(t, r)).sum::<f64>() / total;
+        let (mt, mr) = (mean(&|t, _| t), mean(&|_, r| r));
+        let (vt, vr) = (mean(&|t, _| (t - mt).powi(2)), mean(&|_, r| (r - mr).powi(2)));
+        let covariance = mean(&|t, r| (t - mt) * (r - mr));
+        sum += (2.0 * mt * mr + c1) * (2.0 * covariance + c2) / ((mt * mt + mr * mr + c1) * (vt + vr + c2));
+        count += 1.0;
+    }
+    sum / count
+}
+
+#[test]
+fn ssim_equals_its_definition() {
+    let [test, reference] = noisy_pair(17, 14);
+    // Every third pixel from elsewhere, so that structure is lost and the score is far from 1.
+    let test = RgbImage::from_fn(17, 14, |x, y| if (x + y) % 3 == 0 { test.get(16 - x, y) } else { test.get(x, y) });
+    let mask = GrayImage::from_fn(17, 14, |x, y| if (x + 2 * y) % 7 == 0 { 0.0 } else { 1.0 });
+    let black_outside = |image: &RgbImage| {
+        Rgb8Image::from_fn(17, 14, |x, y| {
+            if mask.get(x, y) == 1.0 { LINEAR_CURVE.apply_rgb8(image.get(x, y)) } else { [0; 3] }
+        })
+    };
+    let expected = mean_ssim(&black_outside(&test), &black_outside(&reference), &mask);
+    assert!((0.1..0.95).contains(&expected), "{expected} would not tell a wrong map from a right one");
+    assert_relative(score(&test, &reference, &mask, "ssim"), expected, 1e-10, "ssim");
+}
+
+#[test]
+fn ssim_of_constants_is_their_luminance_term() {
+    let [reference, test] = [100.0, 120.0].map(|code| RgbImage::filled(30, 30, [radiance_of_code(code); 3]));
+    let expected = (2.0 * 100.0 * 120.0 + 6.5025) / (100.0 * 100.0 + 120.0 * 120.0 + 6.5025);
+    assert_relative(score(&test, &reference, &whole(&test), "ssim"), expected, 1e-9, "ssim");
+}
+
+#[test]
+fn flip_equals_flip_evaluator() {
+    assert_relative(f64::from(PIXELS_PER_DEGREE), 3840f64.to_radians(), 1e-6, "0.7 m, 3840 pixels, 0.7 m");
+    // Means of flip-evaluator 1.7 (NVIDIA, PyPI), mode "LDR", default viewing distance, on the same images.
+    let reference = |x: u32, y: u32| [3 * x + 2 * y, 250 - 4 * x, 6 * y];
+    let test = |x: u32, y: u32| {
+        let [r, g, b] = reference(x, y);
+        let edge = if (x / 6 + y / 5) % 2 == 0 { 24 } else { 0 };
+        [(r + edge).min(250), g - g / 10, b + 5 * (x % 3)]
+    };
+    let image = |code: &dyn Fn(u32, u32) -> [u32; 3]| {
+        RgbImage::from_fn(48, 40, |x, y| code(x, y).map(|code| radiance_of_code(f64::from(code))))
+    };
+    let flip = |test: &RgbImage, reference: &RgbImage| score(test, reference, &whole(test), "flip");
+    // What NVIDIA allows between implementations.
+    let tolerance = 1e-3;
+    assert_relative(flip(&image(&test), &image(&reference)), 0.390_264_36, tolerance, "pattern");
+    for (code, expected) in [(101, 0.030_793_47), (105, 0.094_762_30), (125, 0.289_069_27), (200, 0.737_314_70)] {
+        let found = flip(&image(&|_, _| [code; 3]), &image(&|_, _| [100; 3]));
+        assert_relative(found, expected, tolerance, "flat images");
+    }
+    let white = RgbImage::filled(48, 40, [f32::MAX; 3]);
+    assert_relative(flip(&white, &image(&|_, _| [0; 3])), 0.967_399_42, tolerance, "black and white");
+}
+
+#[test]
+fn what_lies_off_the_mask_never_counts() {
+    let [test, reference] = noisy_pair(32, 32);
+    let mask = GrayImage::from_fn(32, 32, |x, y| if (8..24).contains(&x) && (8..24).contains(&y) { 1.0 } else { 0.0 });
+    let mut other = test.clone();
+    for (pixel, inside) in other.data.iter_mut().zip(&mask.data) {
+        if *inside == 0.0 {
+            *pixel = [f32::NAN, -3.0, 1e30];
+        }
+    }
+    let all = |test: &RgbImage| Comparison::new(test, &reference, &mask, LINEAR_CURVE).unwrap().evaluate_all();
+    assert_eq!(all(&test), all(&other));
+    let comparison = Comparison::new(&test, &reference, &mask, LINEAR_CURVE).unwrap();
+    for map in [comparison.flip_map(), comparison.relative_error_map(), comparison.signed_error_map()] {
+        let outside = map.data.iter().zip(&mask.data).filter(|(_, inside)| **inside == 0.0);
+        assert!(outside.into_iter().all(|(value, _)| *value == 0.0));
+    }
+    let map = comparison.flip_map();
+    let mean = map.data.iter().map(|&value| f64::from(value)).sum::<f64>() / 256.0;
+    assert_relative(score(&test, &reference, &mask, "flip"), mean, 1e-12, "mean of the map");
+}
+
+#[test]
+fn bins_add_up_to_the_whole() {
+    let [test, reference] = noisy_pair(40, 30);
+    let mask = GrayImage::from_fn(40, 30, |x, y| if x == y { 0.0 } else { 1.0 });
+    // From -0.05 to 1.05: both ends are clamped into the outer bins.
+    let n_dot_v = GrayImage::from_fn(40, 30, |x, y| (x + 40 * y) as f32 / 1200.0 * 1.1 - 0.05);
+    let comparison = Comparison::new(&test, &reference, &mask, LINEAR_CURVE).unwrap();
+    let rows = comparison.evaluate_bins(&n_dot_v, &N_DOT_V_BIN_EDGES, METRICS).unwrap();
+    assert_eq!(rows.iter().map(|row| row.pixel_count).sum::<usize>(), 1170);
+    assert_eq!((rows.len(), rows[0].lo, rows[9].hi), (10, 0.0, 1.0));
+    let value = |values: &[(&str, f64)], name: &str| values.iter().find(|entry| entry.0 == name).unwrap().1;
+    let whole = comparison.evaluate_all();
+    let pooled = |name: &str, mean_of: fn(f64) -> f64| {
+        let weighted = rows.iter().map(|row| row.pixel_count as f64 * mean_of(value(&row.values, name))).sum::<f64>();
+        assert_relative(weighted / 1170.0, mean_of(value(&whole, name)), 1e-12, name);
+    };
+    for name in ["mae", "relmse_eps1e-2", "smape_eps1e-2", "ssim", "flip"] {
+        pooled(name, |value| value);
+    }
+    pooled("rmse", |value| value * value);
+    pooled("psnr", |value| 10f64.powf(-value / 10.0));
+    let largest = rows.iter().map(|row| value(&row.values, "err_max")).fold(0.0, f64::max);
+    assert_eq!(largest, value(&whole, "err_max"));
+}
+
+#[test]
+fn bin_edges_and_empty_bins() {
+    let [test, reference] = noisy_pair(4, 1);
+    let comparison = Comparison::new(&test, &reference, &GrayImage::filled(4, 1, 1.0), LINEAR_CURVE).unwrap();
+    let n_dot_v = GrayImage::new(4, 1, vec![0.0, 0.25, 0.5, 1.0]);
+    let rows = comparison.evaluate_bins(&n_dot_v, &[0.0, 0.25, 0.4, 0.5, 1.0], &linear_metrics()).unwrap();
+    assert_eq!(rows.iter().map(|row| row.pixel_count).collect::<Vec<_>>(), [1, 1, 0, 2]);
+    assert!(rows[2].values.is_empty() && rows[3].values.len() == linear_metrics().len());
+    for edges in [&[0.0][..], &[0.0, 0.5, 0.5], &[0.0, f64::NAN], &[]] {
+        let result = comparison.evaluate_bins(&n_dot_v, edges, METRICS);
+        assert!(matches!(result, Err(MetricsError::BinEdges { .. })), "{edges:?}");
+    }
+    let broken = GrayImage::new(4, 1, vec![0.0, 0.25, f32::NAN, 1.0]);
+    let result = comparison.evaluate_bins(&broken, &N_DOT_V_BIN_EDGES, METRICS);
+    assert!(matches!(result, Err(MetricsError::Cosine { x: 2, y: 0, .. })));
+}
+
+#[test]
+fn bad_input_is_named() {
+    let [test, reference] = noisy_pair(3, 2);
+    let mask = whole(&reference);
+    let error = |test: &RgbImage, mask: &GrayImage| {
+        Comparison::new(test, &reference, mask, LINEAR_CURVE).err().expect("bad input must be refused").to_string()
+    };
+    let wide = RgbImage::filled(4, 2, [0.0; 3]);
+    assert_eq!(error(&wide, &mask), "the test image is 4x2 pixels, but the reference is 3x2");
+    assert_eq!(error(&test, &whole(&wide)), "the mask is 4x2 pixels, but the reference is 3x2");
+    assert!(error(&test, &GrayImage::filled(3, 2, 0.0)).contains("3x2 mask is 0 everywhere"));
+    let mut soft = mask.clone();
+    soft.data[4] = 0.5;
+    assert!(error(&test, &soft).contains("0.5 at column 1, row 1"));
+    for value in [f32::NAN, f32::INFINITY, -0.25] {
+        let mut broken = test.clone();
+        broken.data[2][1] = value;
+        broken.data[5][0] = value;
+        let message = error(&broken, &mask);
+        assert!(message.contains("test image has 2 masked pixels") && message.contains("column 2, row 0"), "{message}");
+    }
+}
+
+#[test]
+fn the_noise_floor_is_what_an_exact_test_scores() {
+    // A reference over two decades of radiance with errors of 0.1 to 4 %; as in a renderer, the channels of a pixel share the
+    // samples and so the deviate.
+    let (width, height) = (80, 60);
+    let mut random = Random(99);
+    let exact = RgbImage::from_fn(width, height, |x, y| {
+        let level = 10f32.powf(x as f32 / 40.0 - 1.0);
+        [level, 0.8 * level, 0.5 * level].map(|value| value * (1.0 + 0.3 * (y % 5) as f32))
+    });
+    let standard_error =
+        RgbImage::from_fn(width, height, |x, y| exact.get(x, y).map(|v| v * (0.001 + 0.0005 * y as f32)));
+    let mask = GrayImage::from_fn(width, height, |x, y| if (x + y) % 11 == 0 { 0.0 } else { 1.0 });
+    let floors = noise_floor(&exact, &standard_error, &mask).unwrap();
+    let rounds = 200;
+    let mut sums = vec![0.0; linear_metrics().len()];
+    for _ in 0..rounds {
+        let noisy = RgbImage::from_fn(width, height, |x, y| {
+            let deviate = random.normal() as f32;
+            std::array::from_fn(|c| exact.get(x, y)[c] + deviate * standard_error.get(x, y)[c])
+        });
+        let scores = Comparison::new(&exact, &noisy, &mask, LINEAR_CURVE).unwrap().evaluate_linear();
+        for (sum, (name, value)) in sums.iter_mut().zip(scores) {
+            *sum += if name == "bias_rel" { value * value } else { value };
+        }
+    }
+    for (sum, metric) in sums.into_iter().zip(linear_metrics()) {
+        let name = metric.description().name;
+        let mean = sum / f64::from(rounds);
+        // 200 rounds: 5 % for a standard deviation, 1 % for means over 4,000 pixels, 4 % median against mean of a maximum.
+        let (expected, tolerance) = match name {
+            "bias_rel" => (mean.sqrt(), 0.15),
+            "err_max" => (mean, 0.06),
+            // The floor drops the pixels of largest expected error, not those of largest error.
+            "relmse_eps1e-2_trim1e-3" => (mean, 0.03),
+            _ => (mean, 0.015),
+        };
+        let floor = floors.iter().find(|entry| entry.0 == name).unwrap().1.unwrap();
+        assert_relative(floor, expected, tolerance, name);
+    }
+}
+
+#[test]
+fn an_exact_reference_has_no_floor() {
+    let [_, reference] = noisy_pair(5, 5);
+    let zero = RgbImage::filled(5, 5, [0.0; 3]);
+    for (name, floor) in noise_floor(&reference, &zero, &whole(&zero)).unwrap() {
+        let is_linear = metric(name).unwrap().description().space == Space::Linear;
+        assert_eq!(floor, is_linear.then_some(0.0), "{name}");
+    }
+    let negative = RgbImage::filled(5, 5, [-1e-3; 3]);
+    assert!(ReferenceNoise::new(&reference, &negative, &whole(&zero)).is_err());
+}
+
+#[test]
+fn verdicts_compare_differences() {
+    let (rmse, relmse) = (metric("rmse").unwrap(), metric("relmse_eps1e-2").unwrap());
+    for (ratio, expected) in [
+        (0.0, Verdict::EqualWithinNoise),
+        (1.9, Verdict::EqualWithinNoise),
+        (2.1, Verdict::ReferenceLimited),
+        (9.9, Verdict::ReferenceLimited),
+        (10.1, Verdict::Resolved),
+    ] {
+        assert_eq!(verdict(rmse, ratio * 0.01, 0.01), expected);
+        assert_eq!(verdict(rmse, -ratio * 0.01, 0.01), expected);
+        assert_eq!(verdict(relmse, ratio * ratio * 1e-4, 1e-4), expected);
+    }
+    assert_eq!(verdict(rmse, 0.0, 0.0), Verdict::EqualWithinNoise);
+    assert_eq!(verdict(rmse, 1e-9, 0.0), Verdict::Resolved);
+}
+
+#[test]
+fn the_list_is_well_formed() {
+    for (i, metric) in METRICS.iter().enumerate() {
+        let description = metric.description();
+        assert!(METRICS[..i].iter().all(|other| other.description().name != description.name));
+        assert!(description.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "_-".contains(c)));
+        assert!(!description.formula.is_empty() && description.version > 0);
+    }
+}
+
+#[test]
+fn scores_do_not_depend_on_order_of_evaluation() {
+    let [test, reference] = noisy_pair(20, 20);
+    let mask = whole(&test);
+    let all = Comparison::new(&test, &reference, &mask, LINEAR_CURVE).unwrap().evaluate_all();
+    for metric in METRICS {
+        let alone = Comparison::new(&test, &reference, &mask, LINEAR_CURVE).unwrap().evaluate(&[*metric])[0];
+        assert!(all.contains(&alone), "{alone:?}");
+    }
+}

@@ -1,0 +1,46 @@
+//! Relative energy bias: how much light the test adds or loses in total.
+
+use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
+
+/// `sum d / sum r`; positive when the test is too bright. A black reference gives 0 for a black test, else infinity.
+pub struct RelativeBias;
+
+impl Metric for RelativeBias {
+    fn description(&self) -> &'static Description {
+        &Description {
+            name: "bias_rel",
+            space: Space::Linear,
+            better: Better::NearerZero,
+            version: 1,
+            parameters: &[],
+            formula: "sum d / sum r: energy gained (+) or lost (-)",
+            power: 1.0,
+        }
+    }
+
+    fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
+        let (mut difference, mut energy) = (0.0, 0.0);
+        for &pixel in pixels {
+            let [t, r] = comparison.radiance(pixel);
+            difference += (0..3).map(|c| t[c] - r[c]).sum::<f64>();
+            energy += r.iter().sum::<f64>();
+        }
+        ratio(difference, energy)
+    }
+
+    /// Standard error of the sum over the sum. Pixels are taken as independent; the channels of a pixel share their samples and
+    /// are taken as fully correlated, which can only raise the floor (by at most sqrt(3)).
+    fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
+        let (mut variance, mut energy) = (0.0, 0.0);
+        for [r, se] in noise.samples() {
+            variance += se.iter().sum::<f64>().powi(2);
+            energy += r.iter().sum::<f64>();
+        }
+        Some(ratio(variance.sqrt(), energy))
+    }
+}
+
+/// `numerator / denominator`, with 0/0 = 0.
+fn ratio(numerator: f64, denominator: f64) -> f64 {
+    if numerator == 0.0 { 0.0 } else { numerator / denominator }
+}

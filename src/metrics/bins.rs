@@ -1,0 +1,58 @@
+//! The metrics split by the cosine between normal and view: where on the object the error sits.
+
+use super::comparison::{check_size, column_and_row};
+use super::{Comparison, Metric, MetricsError};
+use crate::pixels::GrayImage;
+
+/// Ten bins of width 0.1, from grazing (0) to facing the viewer (1).
+pub const N_DOT_V_BIN_EDGES: [f64; 11] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
+
+/// Scores over the pixels with `n_dot_v` in [`lo`, `hi`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct BinRow {
+    pub lo: f64,
+    pub hi: f64,
+    pub pixel_count: usize,
+    /// By metric name; empty when no pixel fell into the bin.
+    pub values: Vec<(&'static str, f64)>,
+}
+
+impl Comparison<'_> {
+    /// The given metrics per bin of `n_dot_v`. Each masked pixel falls into exactly one bin: one below the first edge into the
+    /// first (interpolated normals may turn away from the viewer), one at or above the last edge into the last. Display
+    /// metrics are pooled from the maps of the whole image, not recomputed on a cut-out.
+    pub fn evaluate_bins(
+        &self,
+        n_dot_v: &GrayImage,
+        edges: &[f64],
+        metrics: &[&dyn Metric],
+    ) -> Result<Vec<BinRow>, MetricsError> {
+        let [width, height] = self.size();
+        check_size("n_dot_v image", n_dot_v, &GrayImage::filled(width, height, 0.0))?;
+        let increasing = edges.windows(2).all(|pair| pair[0] < pair[1]);
+        if edges.len() < 2 || !increasing || !edges.iter().all(|edge| edge.is_finite()) {
+            return Err(MetricsError::BinEdges { edges: edges.to_vec() });
+        }
+        let bin_count = edges.len() - 1;
+        let mut bins = vec![Vec::new(); bin_count];
+        for &pixel in self.pixels() {
+            let value = n_dot_v.data[pixel];
+            if !value.is_finite() {
+                let [x, y] = column_and_row(pixel, width);
+                return Err(MetricsError::Cosine { x, y, value });
+            }
+            let edges_passed = edges.partition_point(|&edge| edge <= f64::from(value));
+            bins[edges_passed.clamp(1, bin_count) - 1].push(pixel);
+        }
+        Ok(bins
+            .into_iter()
+            .zip(edges.windows(2))
+            .map(|(pixels, edge)| BinRow {
+                lo: edge[0],
+                hi: edge[1],
+                pixel_count: pixels.len(),
+                values: if pixels.is_empty() { Vec::new() } else { self.evaluate_pixels(metrics, &pixels) },
+            })
+            .collect())
+    }
+}

@@ -1,0 +1,214 @@
+//! A test image, its reference and a mask, checked once; what several metrics need is computed once.
+
+use super::{EPSILON, METRICS, Metric, flip, linear_metrics, ssim};
+use crate::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
+use crate::tonemap::ToneCurve;
+use std::sync::OnceLock;
+
+/// Why two images cannot be compared.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MetricsError {
+    #[error("the {image} is {}x{} pixels, but the reference is {}x{}", found[0], found[1], expected[0], expected[1])]
+    Size { image: &'static str, found: [u32; 2], expected: [u32; 2] },
+    #[error("the mask has value {value} at column {x}, row {y}; a mask holds only 0 and 1")]
+    MaskValue { x: u32, y: u32, value: f32 },
+    #[error("the {width}x{height} mask is 0 everywhere; at least one pixel must be 1")]
+    EmptyMask { width: u32, height: u32 },
+    #[error(
+        "the {image} has {count} masked pixels with a NaN, infinite or negative value, the first {value:?} at column {x}, \
+         row {y}; values must be finite and not negative"
+    )]
+    Value { image: &'static str, count: usize, x: u32, y: u32, value: [f32; 3] },
+    #[error("n_dot_v is {value} at column {x}, row {y}; a masked pixel needs a finite cosine")]
+    Cosine { x: u32, y: u32, value: f32 },
+    #[error("bin edges {edges:?}: at least two finite values in increasing order are needed")]
+    BinEdges { edges: Vec<f64> },
+}
+
+/// A test image against its reference over a mask. Borrowed images; nothing is computed before a score asks for it.
+pub struct Comparison<'a> {
+    test: &'a RgbImage,
+    reference: &'a RgbImage,
+    curve: ToneCurve,
+    pixels: Vec<usize>,
+    relative_squares: OnceLock<Vec<f64>>,
+    display: OnceLock<[Rgb8Image; 2]>,
+    ssim: OnceLock<Pixels<f64>>,
+    flip: OnceLock<GrayImage>,
+}
+
+impl<'a> Comparison<'a> {
+    /// Checks sizes, mask (0 or 1, not empty) and the masked values of both images (finite, not negative).
+    /// `curve` is used by display metrics only.
+    pub fn new(
+        test: &'a RgbImage,
+        reference: &'a RgbImage,
+        mask: &GrayImage,
+        curve: ToneCurve,
+    ) -> Result<Self, MetricsError> {
+        check_size("test image", test, reference)?;
+        let pixels = masked_pixels(mask, reference)?;
+        check_values("reference", reference, &pixels)?;
+        check_values("test image", test, &pixels)?;
+        Ok(Self {
+            test,
+            reference,
+            curve,
+            pixels,
+            relative_squares: OnceLock::new(),
+            display: OnceLock::new(),
+            ssim: OnceLock::new(),
+            flip: OnceLock::new(),
+        })
+    }
+
+    /// Every metric by name, in the order of [`METRICS`].
+    pub fn evaluate_all(&self) -> Vec<(&'static str, f64)> {
+        self.evaluate(METRICS)
+    }
+
+    /// The linear metrics only; no display image is made.
+    pub fn evaluate_linear(&self) -> Vec<(&'static str, f64)> {
+        self.evaluate(&linear_metrics())
+    }
+
+    /// The given metrics over all masked pixels.
+    pub fn evaluate(&self, metrics: &[&dyn Metric]) -> Vec<(&'static str, f64)> {
+        self.evaluate_pixels(metrics, &self.pixels)
+    }
+
+    pub(super) fn evaluate_pixels(&self, metrics: &[&dyn Metric], pixels: &[usize]) -> Vec<(&'static str, f64)> {
+        metrics.iter().map(|metric| (metric.description().name, metric.evaluate(self, pixels))).collect()
+    }
+
+    /// Row-major indices of the masked pixels, ascending.
+    pub fn pixels(&self) -> &[usize] {
+        &self.pixels
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> [u32; 2] {
+        [self.reference.width, self.reference.height]
+    }
+
+    /// Relative error per pixel, ≥ 0: the root of the RGB mean of `d² / (r² + ε)`; 0 off the mask. Its percentiles are
+    /// `err_p95`, `err_p99` and `err_max`; the mean of its square is `relmse_eps1e-2`.
+    pub fn relative_error_map(&self) -> GrayImage {
+        let [width, height] = self.size();
+        let mut map = GrayImage::filled(width, height, 0.0);
+        for &pixel in &self.pixels {
+            map.data[pixel] = self.relative_squares()[pixel].sqrt() as f32;
+        }
+        map
+    }
+
+    /// Signed relative error per pixel: the RGB mean of `d / sqrt(r² + ε)`, positive where the test is too bright; 0 off the
+    /// mask.
+    pub fn signed_error_map(&self) -> GrayImage {
+        let [width, height] = self.size();
+        let mut map = GrayImage::filled(width, height, 0.0);
+        for &pixel in &self.pixels {
+            let [t, r] = self.radiance(pixel);
+            map.data[pixel] = rgb_mean(|c| (t[c] - r[c]) / (r[c] * r[c] + EPSILON).sqrt()) as f32;
+        }
+        map
+    }
+
+    /// The FLIP error map in [0, 1]; 0 off the mask.
+    pub fn flip_map(&self) -> GrayImage {
+        let mut map = GrayImage::filled(self.size()[0], self.size()[1], 0.0);
+        let flip = self.flip();
+        for &pixel in &self.pixels {
+            map.data[pixel] = flip.data[pixel];
+        }
+        map
+    }
+
+    /// `[t, r]` of one pixel.
+    pub(super) fn radiance(&self, pixel: usize) -> [[f64; 3]; 2] {
+        [self.test, self.reference].map(|image| image.data[pixel].map(f64::from))
+    }
+
+    /// RGB mean of `d² / (r² + ε)` by pixel index; 0 off the mask.
+    pub(super) fn relative_squares(&self) -> &[f64] {
+        self.relative_squares.get_or_init(|| {
+            let mut squares = vec![0.0; self.reference.data.len()];
+            for &pixel in &self.pixels {
+                let [t, r] = self.radiance(pixel);
+                squares[pixel] = rgb_mean(|c| (t[c] - r[c]).powi(2) / (r[c] * r[c] + EPSILON));
+            }
+            squares
+        })
+    }
+
+    /// Test and reference after the tone curve, black off the mask: a background, equal or not, then adds no difference to
+    /// the windows of SSIM and FLIP that reach across the silhouette.
+    pub(super) fn display(&self) -> &[Rgb8Image; 2] {
+        self.display.get_or_init(|| {
+            [self.test, self.reference].map(|image| {
+                let mut display = Rgb8Image::filled(image.width, image.height, [0; 3]);
+                for &pixel in &self.pixels {
+                    display.data[pixel] = self.curve.apply_rgb8(image.data[pixel]);
+                }
+                display
+            })
+        })
+    }
+
+    pub(super) fn ssim(&self) -> &Pixels<f64> {
+        let [test, reference] = self.display();
+        self.ssim.get_or_init(|| ssim::ssim_map(test, reference))
+    }
+
+    pub(super) fn flip(&self) -> &GrayImage {
+        let [test, reference] = self.display();
+        self.flip.get_or_init(|| flip::flip_map(test, reference))
+    }
+}
+
+/// Mean of a term over the three channels.
+pub(super) fn rgb_mean(term: impl Fn(usize) -> f64) -> f64 {
+    (term(0) + term(1) + term(2)) / 3.0
+}
+
+/// Mean of a term over pixels.
+pub(super) fn pixel_mean(pixels: &[usize], term: impl Fn(usize) -> f64) -> f64 {
+    pixels.iter().map(|&pixel| term(pixel)).sum::<f64>() / pixels.len() as f64
+}
+
+pub(super) fn check_size<T, U>(
+    image: &'static str,
+    found: &Pixels<T>,
+    reference: &Pixels<U>,
+) -> Result<(), MetricsError> {
+    let (found, expected) = ([found.width, found.height], [reference.width, reference.height]);
+    if found == expected { Ok(()) } else { Err(MetricsError::Size { image, found, expected }) }
+}
+
+/// Indices of the pixels where the mask is 1.
+pub(super) fn masked_pixels(mask: &GrayImage, reference: &RgbImage) -> Result<Vec<usize>, MetricsError> {
+    check_size("mask", mask, reference)?;
+    if let Some(pixel) = mask.data.iter().position(|&value| value != 0.0 && value != 1.0) {
+        let [x, y] = column_and_row(pixel, mask.width);
+        return Err(MetricsError::MaskValue { x, y, value: mask.data[pixel] });
+    }
+    let pixels: Vec<usize> = (0..mask.data.len()).filter(|&pixel| mask.data[pixel] == 1.0).collect();
+    if pixels.is_empty() {
+        return Err(MetricsError::EmptyMask { width: mask.width, height: mask.height });
+    }
+    Ok(pixels)
+}
+
+/// Fails when a listed pixel holds a NaN, an infinity or a negative value.
+pub(super) fn check_values(image: &'static str, values: &RgbImage, pixels: &[usize]) -> Result<(), MetricsError> {
+    let is_bad = |&&pixel: &&usize| !values.data[pixel].iter().all(|v| v.is_finite() && *v >= 0.0);
+    let Some(&first) = pixels.iter().find(is_bad) else { return Ok(()) };
+    let [x, y] = column_and_row(first, values.width);
+    Err(MetricsError::Value { image, count: pixels.iter().filter(is_bad).count(), x, y, value: values.data[first] })
+}
+
+/// Place of a row-major index.
+pub(super) fn column_and_row(pixel: usize, width: u32) -> [u32; 2] {
+    let width = width as usize;
+    [(pixel % width) as u32, (pixel / width) as u32]
+}

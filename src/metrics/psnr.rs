@@ -1,0 +1,37 @@
+//! Peak signal-to-noise ratio of the 8-bit display images.
+
+use super::comparison::{pixel_mean, rgb_mean};
+use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
+
+/// Largest 8-bit code value: the peak.
+const PEAK: f64 = 255.0;
+
+/// `10 log10(255² / mean d²)` in dB, `d` in code values; infinite for equal images, written `inf`.
+pub struct Psnr;
+
+impl Metric for Psnr {
+    fn description(&self) -> &'static Description {
+        &Description {
+            name: "psnr",
+            space: Space::Display,
+            better: Better::Higher,
+            version: 1,
+            parameters: &[("peak", PEAK)],
+            formula: "10 log10(255^2 / mean d^2) in dB of the 8-bit display values; inf when equal",
+            power: 1.0,
+        }
+    }
+
+    fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
+        let [test, reference] = comparison.display();
+        let mse = pixel_mean(pixels, |pixel| {
+            let (t, r) = (test.data[pixel].map(f64::from), reference.data[pixel].map(f64::from));
+            rgb_mean(|c| (t[c] - r[c]).powi(2))
+        });
+        10.0 * (PEAK * PEAK / mse).log10()
+    }
+
+    fn noise_floor(&self, _: &ReferenceNoise) -> Option<f64> {
+        None
+    }
+}

@@ -1,0 +1,34 @@
+//! Symmetric mean absolute percentage error, as a fraction.
+
+use super::comparison::{pixel_mean, rgb_mean};
+use super::noise::MEAN_ABS_NORMAL;
+use super::{Better, Comparison, Description, EPSILON, Metric, ReferenceNoise, Space};
+
+/// `mean |d| / (|t| + |r| + ε)`, below 1. Bounded, so a firefly moves it by at most one pixel's worth.
+pub struct Smape;
+
+impl Metric for Smape {
+    fn description(&self) -> &'static Description {
+        &Description {
+            name: "smape_eps1e-2",
+            space: Space::Linear,
+            better: Better::Lower,
+            version: 1,
+            parameters: &[("epsilon", EPSILON)],
+            formula: "mean |d| / (|t| + |r| + 1e-2), below 1",
+            power: 1.0,
+        }
+    }
+
+    fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
+        pixel_mean(pixels, |pixel| {
+            let [t, r] = comparison.radiance(pixel);
+            rgb_mean(|c| (t[c] - r[c]).abs() / (t[c].abs() + r[c].abs() + EPSILON))
+        })
+    }
+
+    /// `mean se sqrt(2/π) / (2r + ε)`: first order in se / r, too high where se is comparable to r.
+    fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
+        Some(noise.mean(|r, se| se * MEAN_ABS_NORMAL / (2.0 * r + EPSILON)))
+    }
+}

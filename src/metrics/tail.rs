@@ -1,0 +1,91 @@
+//! The tail of the per-pixel relative error `sqrt(RGB mean of d² / (r² + ε))`.
+//!
+//! The percentile is by nearest rank: the smallest error that at least the named fraction of the pixels does not exceed. It is
+//! always the error of a real pixel.
+
+use super::noise::half_normal_tail;
+use super::{Better, Comparison, Description, EPSILON, Metric, ReferenceNoise, Space};
+
+/// A percentile of the per-pixel relative error.
+pub struct Percentile {
+    description: &'static Description,
+    /// In thousandths, so that the rank is exact.
+    thousandths: usize,
+}
+
+/// The error that 95 % of the pixels do not exceed.
+pub const P95: Percentile = Percentile { description: &P95_DESCRIPTION, thousandths: 950 };
+/// The error that 99 % of the pixels do not exceed.
+pub const P99: Percentile = Percentile { description: &P99_DESCRIPTION, thousandths: 990 };
+/// The largest error.
+pub const MAXIMUM: Percentile = Percentile { description: &MAXIMUM_DESCRIPTION, thousandths: 1000 };
+
+const P95_DESCRIPTION: Description = Description {
+    name: "err_p95",
+    space: Space::Linear,
+    better: Better::Lower,
+    version: 1,
+    parameters: &[("epsilon", EPSILON), ("fraction", 0.95)],
+    formula: "95th percentile (nearest rank) of the per-pixel error sqrt(RGB mean of d^2 / (r^2 + 1e-2))",
+    power: 1.0,
+};
+
+const P99_DESCRIPTION: Description = Description {
+    name: "err_p99",
+    parameters: &[("epsilon", EPSILON), ("fraction", 0.99)],
+    formula: "99th percentile (nearest rank) of the per-pixel error sqrt(RGB mean of d^2 / (r^2 + 1e-2))",
+    ..P95_DESCRIPTION
+};
+
+const MAXIMUM_DESCRIPTION: Description = Description {
+    name: "err_max",
+    parameters: &[("epsilon", EPSILON), ("fraction", 1.0)],
+    formula: "largest per-pixel error sqrt(RGB mean of d^2 / (r^2 + 1e-2))",
+    ..P95_DESCRIPTION
+};
+
+/// Halvings of the bracket when a quantile is solved for: 2^-20 of the largest scale is far below what a floor needs.
+const BISECTION_STEPS: usize = 20;
+
+/// No pixel of any image exceeds this many standard errors (probability 2e-15 each).
+const LARGEST_NORMAL: f64 = 8.0;
+
+impl Metric for Percentile {
+    fn description(&self) -> &'static Description {
+        self.description
+    }
+
+    fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
+        let squares = comparison.relative_squares();
+        let mut selected: Vec<f64> = pixels.iter().map(|&pixel| squares[pixel]).collect();
+        let rank = (selected.len() * self.thousandths).div_ceil(1000);
+        let (_, value, _) = selected.select_nth_unstable_by(rank - 1, f64::total_cmp);
+        value.sqrt()
+    }
+
+    /// The channels of a pixel share their samples, so its error is taken as `a |z|` with `z` normal and `a` the pixel's root of
+    /// the RGB mean of `se² / (r² + ε)`. The floor of a percentile is that percentile of the mixture over the pixels; the floor
+    /// of the maximum is the median of the distribution of the maximum.
+    fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
+        let scales: Vec<f64> = noise.relative_squares().iter().map(|square| square.sqrt()).collect();
+        let largest = scales.iter().copied().fold(0.0, f64::max);
+        if largest == 0.0 {
+            return Some(0.0);
+        }
+        let tail = |error: f64, scale: f64| if scale == 0.0 { 0.0 } else { half_normal_tail(error / scale) };
+        let fraction = self.thousandths as f64 / 1000.0;
+        let is_below = |error: f64| {
+            if self.thousandths < 1000 {
+                scales.iter().map(|&scale| tail(error, scale)).sum::<f64>() > (1.0 - fraction) * scales.len() as f64
+            } else {
+                scales.iter().map(|&scale| (-tail(error, scale)).ln_1p()).sum::<f64>() < 0.5f64.ln()
+            }
+        };
+        let (mut lo, mut hi) = (0.0, largest * LARGEST_NORMAL);
+        for _ in 0..BISECTION_STEPS {
+            let middle = 0.5 * (lo + hi);
+            if is_below(middle) { lo = middle } else { hi = middle }
+        }
+        Some(0.5 * (lo + hi))
+    }
+}

@@ -1,0 +1,129 @@
+//! Colours of error maps. Ranges are fixed, never fitted to an image: two methods then look as different as they are.
+
+use crate::pixels::{GrayImage, Rgb8Image};
+use std::sync::LazyLock;
+
+/// A run of colours over [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Palette {
+    /// Black over purple to pale yellow, perceptually uniform: `magma` of Smith and van der Walt (matplotlib, CC0), the table
+    /// that FLIP uses.
+    Magma,
+    /// Blue over near white to red: the eleven colours of `RdBu` of ColorBrewer 2.0 [Brewer03], from the blue end, interpolated
+    /// linearly in encoded RGB. Safe for the colour-blind.
+    BlueRed,
+}
+
+const BLUE_RED: [[u8; 3]; 11] = [
+    [5, 48, 97],
+    [33, 102, 172],
+    [67, 147, 195],
+    [146, 197, 222],
+    [209, 229, 240],
+    [247, 247, 247],
+    [253, 219, 199],
+    [244, 165, 130],
+    [214, 96, 77],
+    [178, 24, 43],
+    [103, 0, 31],
+];
+
+/// Drawn for a NaN; no palette holds this colour.
+pub const NAN_COLOR: [u8; 3] = [0, 255, 0];
+
+/// Drawn off the mask, where there is no error to show.
+pub const OFF_MASK_COLOR: [u8; 3] = [236, 236, 236];
+
+impl Palette {
+    /// The sRGB-encoded colour at `t`, which is clamped to [0, 1].
+    pub fn color(self, t: f64) -> [u8; 3] {
+        static MAGMA: LazyLock<Vec<[u8; 3]>> =
+            LazyLock::new(|| nv_flip::magma_lut().to_vec().as_chunks::<3>().0.to_vec());
+        if t.is_nan() {
+            return NAN_COLOR;
+        }
+        let colors: &[[u8; 3]] = match self {
+            Self::Magma => &MAGMA,
+            Self::BlueRed => &BLUE_RED,
+        };
+        let place = t.clamp(0.0, 1.0) * (colors.len() - 1) as f64;
+        let lower = (place as usize).min(colors.len() - 2);
+        let weight = place - lower as f64;
+        std::array::from_fn(|c| {
+            let [a, b] = [colors[lower][c], colors[lower + 1][c]].map(f64::from);
+            (a + weight * (b - a)).round() as u8
+        })
+    }
+}
+
+/// How values map to a palette.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Range {
+    Linear {
+        lo: f64,
+        hi: f64,
+    },
+    /// Logarithmic, 0 < lo < hi; what lies below `lo`, 0 included, has the first colour.
+    Log {
+        lo: f64,
+        hi: f64,
+    },
+}
+
+/// A palette over a fixed range of values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColorScale {
+    pub palette: Palette,
+    pub range: Range,
+}
+
+/// For relative error: three decades.
+pub const RELATIVE_ERROR: ColorScale = ColorScale { palette: Palette::Magma, range: Range::Log { lo: 1e-3, hi: 1.0 } };
+/// For signed relative error: blue where the test is too dark, red where it is too bright.
+pub const SIGNED_ERROR: ColorScale =
+    ColorScale { palette: Palette::BlueRed, range: Range::Linear { lo: -0.5, hi: 0.5 } };
+/// For FLIP maps.
+pub const FLIP_ERROR: ColorScale = ColorScale { palette: Palette::Magma, range: Range::Linear { lo: 0.0, hi: 1.0 } };
+
+/// Parts that the ticks cut a linear range into.
+const LINEAR_TICK_COUNT: u32 = 4;
+
+impl ColorScale {
+    /// The colour of a value; the ends of the range hold for what lies outside.
+    pub fn color(&self, value: f64) -> [u8; 3] {
+        self.palette.color(self.place(value))
+    }
+
+    /// Where a value lies on the palette: 0 at `lo`, 1 at `hi`.
+    pub fn place(&self, value: f64) -> f64 {
+        match self.range {
+            Range::Linear { lo, hi } => (value - lo) / (hi - lo),
+            // The maximum would turn a NaN into `lo`.
+            Range::Log { .. } if value.is_nan() => value,
+            Range::Log { lo, hi } => (value.max(lo) / lo).ln() / (hi / lo).ln(),
+        }
+    }
+
+    /// Values to mark on a legend, ascending: powers of ten of a logarithmic range, fifths of a linear one.
+    pub fn ticks(&self) -> Vec<f64> {
+        match self.range {
+            Range::Linear { lo, hi } => {
+                (0..=LINEAR_TICK_COUNT).map(|i| lo + (hi - lo) * f64::from(i) / f64::from(LINEAR_TICK_COUNT)).collect()
+            }
+            Range::Log { lo, hi } => {
+                // Parsed rather than raised: 10^-3 by powers is not the nearest f64.
+                let decade = |exponent: i32| format!("1e{exponent}").parse::<f64>().ok();
+                let [first, last] = [lo.log10().round() as i32, hi.log10().round() as i32];
+                (first..=last).filter_map(decade).filter(|tick| (lo..=hi).contains(tick)).collect()
+            }
+        }
+    }
+
+    /// The picture of a map over a mask.
+    pub fn image(&self, map: &GrayImage, mask: &GrayImage) -> Rgb8Image {
+        assert_eq!([map.width, map.height], [mask.width, mask.height], "size of the mask of an error map");
+        Rgb8Image::from_fn(map.width, map.height, |x, y| {
+            if mask.get(x, y) == 0.0 { OFF_MASK_COLOR } else { self.color(f64::from(map.get(x, y))) }
+        })
+    }
+}

@@ -1,0 +1,207 @@
+//! Tidy tables on disk (CSV, RFC 4180, UTF-8, `\n`): one header, one row a case, appended as each case finishes.
+//!
+//! Never torn: a row is handed to the system in one append of the whole line, so a killed program leaves whole rows. What a
+//! crash of the machine cuts off is found by [`TableWriter::resume`] and removed.
+//!
+//! Numbers are written with the fewest digits that read back to the same f64; infinities as `inf` and `-inf`, which pandas,
+//! R and DuckDB read. A missing value is an empty cell. Text that begins with `=`, `+`, `-` or `@` is written as it is: this is
+//! data for programs, the names are the user's own, and a protecting apostrophe would be a wrong name when read back.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+
+/// One value of a row.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    Text(String),
+    Number(f64),
+    Integer(u64),
+    /// No value: not computed, or not defined for this case.
+    Missing,
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(number: f64) -> Self {
+        Self::Number(number)
+    }
+}
+
+impl From<Option<f64>> for Cell {
+    fn from(number: Option<f64>) -> Self {
+        number.map_or(Self::Missing, Self::Number)
+    }
+}
+
+impl Cell {
+    fn field(&self) -> String {
+        match self {
+            Self::Text(text) => text.clone(),
+            Self::Number(number) => shortest(*number),
+            Self::Integer(integer) => integer.to_string(),
+            Self::Missing => String::new(),
+        }
+    }
+}
+
+/// Numbers from here on, and below its inverse, are written with an exponent.
+const EXPONENT_FROM: f64 = 1e16;
+/// Smallest magnitude that is written without an exponent.
+const EXPONENT_BELOW: f64 = 1e-5;
+
+/// The shortest text that reads back to the same number.
+fn shortest(number: f64) -> String {
+    let magnitude = number.abs();
+    if magnitude == 0.0 || !magnitude.is_finite() || (EXPONENT_BELOW..EXPONENT_FROM).contains(&magnitude) {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
+}
+
+/// Why a table could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum TableError {
+    #[error("{}: {source}", path.display())]
+    File { path: PathBuf, source: std::io::Error },
+    #[error("{}: {source}", path.display())]
+    Syntax { path: PathBuf, source: ::csv::Error },
+    #[error("{}: the columns are {found:?}, expected {expected:?}; the table belongs to another plan", path.display())]
+    Columns { path: PathBuf, found: Vec<String>, expected: Vec<String> },
+    #[error("{}: row {row}, column {column}: {value:?} is not a number", path.display())]
+    Number { path: PathBuf, row: usize, column: String, value: String },
+    #[error("{}: no column {column:?}; there are {columns:?}", path.display())]
+    NoColumn { path: PathBuf, column: String, columns: Vec<String> },
+}
+
+/// Appends rows to a table file.
+#[derive(Debug)]
+pub struct TableWriter {
+    path: PathBuf,
+    file: File,
+    column_count: usize,
+}
+
+impl TableWriter {
+    /// Starts a table: replaces the file and writes the header.
+    pub fn create(path: &Path, columns: &[&str]) -> Result<Self, TableError> {
+        let file = File::create(path).map_err(|source| file_error(path, source))?;
+        let mut writer = Self { path: path.to_owned(), file, column_count: columns.len() };
+        writer.write_line(columns)?;
+        Ok(writer)
+    }
+
+    /// Continues a table: removes a torn last line, checks the header and returns the rows that are there. A file that does not
+    /// exist, or ends inside its header, is started.
+    pub fn resume(path: &Path, columns: &[&str]) -> Result<(Self, Table), TableError> {
+        let mut file = OpenOptions::new()
+            .create(true)
+            .truncate(false)
+            .read(true)
+            .append(true)
+            .open(path)
+            .map_err(|source| file_error(path, source))?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(|source| file_error(path, source))?;
+        let whole = whole_lines(&bytes);
+        file.set_len(whole as u64).map_err(|source| file_error(path, source))?;
+        let mut writer = Self { path: path.to_owned(), file, column_count: columns.len() };
+        let names: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
+        if whole == 0 {
+            writer.write_line(columns)?;
+            return Ok((writer, Table { path: path.to_owned(), columns: names, rows: Vec::new() }));
+        }
+        let table = Table::parse(path, &bytes[..whole])?;
+        if table.columns != names {
+            return Err(TableError::Columns { path: path.to_owned(), found: table.columns, expected: names });
+        }
+        Ok((writer, table))
+    }
+
+    /// Appends one row. Panics when the number of cells is not that of the columns: the plan makes both.
+    pub fn append(&mut self, cells: &[Cell]) -> Result<(), TableError> {
+        assert_eq!(cells.len(), self.column_count, "cells of a row of {}", self.path.display());
+        let fields: Vec<String> = cells.iter().map(Cell::field).collect();
+        self.write_line(&fields)
+    }
+
+    fn write_line<T: AsRef<[u8]>>(&mut self, fields: &[T]) -> Result<(), TableError> {
+        let mut line = ::csv::Writer::from_writer(Vec::new());
+        line.write_record(fields).map_err(|source| TableError::Syntax { path: self.path.clone(), source })?;
+        let bytes = line.into_inner().map_err(|error| file_error(&self.path, error.into_error()))?;
+        self.file.write_all(&bytes).and_then(|()| self.file.flush()).map_err(|source| file_error(&self.path, source))
+    }
+}
+
+/// Length of the leading bytes that are whole lines. A line break inside quotes does not end a line.
+fn whole_lines(bytes: &[u8]) -> usize {
+    let (mut is_quoted, mut whole) = (false, 0);
+    for (i, byte) in bytes.iter().enumerate() {
+        match byte {
+            // A doubled quote inside quotes switches twice.
+            b'"' => is_quoted = !is_quoted,
+            b'\n' if !is_quoted => whole = i + 1,
+            _ => {}
+        }
+    }
+    whole
+}
+
+/// A table read back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    path: PathBuf,
+    pub columns: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Reads a whole table; every row must have as many cells as the header.
+    pub fn read(path: &Path) -> Result<Self, TableError> {
+        let bytes = std::fs::read(path).map_err(|source| file_error(path, source))?;
+        Self::parse(path, &bytes)
+    }
+
+    fn parse(path: &Path, bytes: &[u8]) -> Result<Self, TableError> {
+        let syntax_error = |source| TableError::Syntax { path: path.to_owned(), source };
+        let fields = |record: &::csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();
+        let mut reader = ::csv::Reader::from_reader(bytes);
+        let columns = fields(reader.headers().map_err(syntax_error)?);
+        let rows: Result<_, _> = reader.records().map(|record| record.map(|record| fields(&record))).collect();
+        Ok(Self { path: path.to_owned(), columns, rows: rows.map_err(syntax_error)? })
+    }
+
+    /// The place of a column.
+    pub fn column(&self, name: &str) -> Result<usize, TableError> {
+        self.columns.iter().position(|column| column == name).ok_or_else(|| TableError::NoColumn {
+            path: self.path.clone(),
+            column: name.to_owned(),
+            columns: self.columns.clone(),
+        })
+    }
+
+    /// The numbers of a column; an empty cell is `None`.
+    pub fn numbers(&self, name: &str) -> Result<Vec<Option<f64>>, TableError> {
+        let column = self.column(name)?;
+        let number = |(row, cells): (usize, &Vec<String>)| match cells[column].as_str() {
+            "" => Ok(None),
+            value => value.parse().map(Some).map_err(|_| TableError::Number {
+                path: self.path.clone(),
+                row: row + 1,
+                column: name.to_owned(),
+                value: value.to_owned(),
+            }),
+        };
+        self.rows.iter().enumerate().map(number).collect()
+    }
+}
+
+fn file_error(path: &Path, source: std::io::Error) -> TableError {
+    TableError::File { path: path.to_owned(), source }
+}

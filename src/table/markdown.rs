@@ -1,0 +1,91 @@
+//! Small tables for a terminal and for Markdown alike: the columns are aligned in the source text.
+
+use std::fmt;
+
+/// Side on which the cells of a column line up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Align {
+    /// Names.
+    Left,
+    /// Numbers.
+    Right,
+}
+
+/// A table of texts; its `Display` is Markdown.
+#[derive(Clone, Debug)]
+pub struct MarkdownTable {
+    columns: Vec<(String, Align)>,
+    rows: Vec<Vec<String>>,
+}
+
+impl MarkdownTable {
+    pub fn new(columns: &[(&str, Align)]) -> Self {
+        Self { columns: columns.iter().map(|&(name, align)| (escape(name), align)).collect(), rows: Vec::new() }
+    }
+
+    /// Appends a row. Panics when the number of cells is not that of the columns.
+    pub fn row<T: AsRef<str>>(&mut self, cells: &[T]) {
+        assert_eq!(cells.len(), self.columns.len(), "cells of a Markdown row");
+        self.rows.push(cells.iter().map(|cell| escape(cell.as_ref())).collect());
+    }
+}
+
+/// A cell is one line and holds no bare column separator.
+fn escape(cell: &str) -> String {
+    cell.replace('|', "\\|").replace("\r\n", " ").replace(['\n', '\r'], " ")
+}
+
+impl fmt::Display for MarkdownTable {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let length = |text: &str| text.chars().count();
+        let widths: Vec<usize> = (0..self.columns.len())
+            .map(|c| {
+                let cells = self.rows.iter().map(|row| length(&row[c]));
+                // Markdown needs three characters in the rule below the header.
+                cells.chain([length(&self.columns[c].0), 3]).max().unwrap_or(3)
+            })
+            .collect();
+        let line = |f: &mut fmt::Formatter, cells: &mut dyn Iterator<Item = &str>| -> fmt::Result {
+            for ((cell, width), (_, align)) in cells.zip(&widths).zip(&self.columns) {
+                match align {
+                    Align::Left => write!(f, "| {cell:<width$} ")?,
+                    Align::Right => write!(f, "| {cell:>width$} ")?,
+                }
+            }
+            writeln!(f, "|")
+        };
+        line(f, &mut self.columns.iter().map(|column| column.0.as_str()))?;
+        for (width, (_, align)) in widths.iter().zip(&self.columns) {
+            match align {
+                Align::Left => write!(f, "|{}", "-".repeat(width + 2))?,
+                Align::Right => write!(f, "|{}:", "-".repeat(width + 1))?,
+            }
+        }
+        writeln!(f, "|")?;
+        self.rows.iter().try_for_each(|row| line(f, &mut row.iter().map(String::as_str)))
+    }
+}
+
+/// Decimal exponents that are written out; outside, the number gets an exponent.
+const FIXED_EXPONENTS: std::ops::Range<i32> = -4..6;
+
+/// A number for reading, rounded to `digits` significant digits (at least 1): `0.0123`, `1.50`, `1234`, `1.23e-7`, `inf`.
+/// Digits before the decimal point are never replaced by zeros.
+pub fn significant(number: f64, digits: usize) -> String {
+    if number == 0.0 || !number.is_finite() {
+        return number.abs().to_string().replace("inf", if number < 0.0 { "-inf" } else { "inf" });
+    }
+    let decimals = digits.max(1) - 1;
+    // Rounded first: 0.9996 to three digits is 1.00, with the exponent of 1.
+    let scientific = format!("{number:.decimals$e}");
+    let exponent: i32 = scientific
+        .split_once('e')
+        .and_then(|(_, exponent)| exponent.parse().ok())
+        .expect("the exponent format of a finite number ends in e and an integer");
+    if FIXED_EXPONENTS.contains(&exponent) {
+        let decimals = (decimals as i32 - exponent).max(0) as usize;
+        format!("{number:.decimals$}")
+    } else {
+        scientific
+    }
+}
