@@ -1,84 +1,228 @@
 //! Runs environment, precompute, gbuffer, shade and tonemap in this order.
+//!
+//! Tables, scenes and g-buffers are kept by what determines them, so that a sweep makes each once.
 
-use crate::brdf::{Brdf, MaskingShadowing};
-use crate::environment::Environment;
-use crate::pixels::{GrayImage, Rgb8Image, RgbImage};
-use crate::precompute::PrecomputeSettings;
-use crate::scene::{Camera, Light, Scene};
-use crate::shade::{Diffuse, Method};
+mod cache;
+mod prepare;
+mod request;
+
+pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, devices};
+pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
+
+use crate::glsl::constants::GROUP_SIDE;
+use crate::gpu::{Buffer, Gpu, GpuError, Report};
+use crate::pixels::{Pixels, Rgb8Image, RgbImage};
+use crate::shade::pass::{ShadeSettings, light_data};
 use crate::tonemap::ToneCurve;
-use std::sync::Arc;
+use crate::tonemap::pass::TonemapPass;
+use prepare::{Prepared, Resources};
 
-/// Everything that determines one radiance image.
-#[derive(Clone, Debug)]
-pub struct RenderRequest {
-    pub environment: Arc<Environment>,
-    /// Turns the environment about +y.
-    pub environment_rotation_deg: f64,
-    /// Multiplies the environment's radiance.
-    pub environment_scale: f32,
-    pub scene: Arc<Scene>,
-    pub camera: Camera,
-    pub size: [u32; 2],
-    pub method: &'static Method,
-    pub diffuse: &'static Diffuse,
-    pub brdf: &'static dyn Brdf,
-    pub masking_shadowing: MaskingShadowing,
-    /// Samples a pixel of `method` (and of a `reference` diffuse term).
-    pub samples: u32,
-    pub lod_bias: f32,
-    pub lights: Vec<Light>,
-    /// Shows the environment where nothing is hit.
-    pub background: bool,
-    pub precompute: PrecomputeSettings,
-    /// Seeds the scrambles of the reference.
-    pub seed: u32,
+/// Why a frame could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum PipelineError {
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// A broken integrator must never pass as a dark or a clipped one.
+    #[error(
+        "{count} pixels of the {stage} radiance are not finite or are negative, the first at column {x}, row {y}: {value:?}"
+    )]
+    InvalidRadiance { stage: &'static str, count: usize, x: u32, y: u32, value: [f32; 3] },
+    #[error("{field}: {value} is outside {expected}")]
+    OutOfRange { field: &'static str, value: String, expected: String },
 }
 
-/// One rendered radiance image and what belongs to it.
-#[derive(Clone, Debug)]
-pub struct Frame {
-    /// Linear radiance; 0 where nothing is hit, unless the background was asked for.
-    pub radiance: RgbImage,
-    /// Standard error of the mean per pixel and channel; only the reference has one.
-    pub standard_error: Option<RgbImage>,
-    /// 1 where a surface is hit.
-    pub mask: GrayImage,
-    /// Cosine between normal and view; 0 where nothing is hit.
-    pub n_dot_v: GrayImage,
-    pub timings: FrameTimings,
+impl PipelineError {
+    /// Whether a retry on a fresh device may succeed.
+    pub fn is_transient(&self) -> bool {
+        matches!(self, Self::Gpu(error) if error.is_transient())
+    }
 }
 
-/// Time of one pass in one execution.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PassTime {
-    /// `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `gbuffer`, `shade-specular`, `shade-diffuse`, `shade-lights`, `tonemap`.
-    pub pass: &'static str,
-    pub ms: f64,
+/// An open device with every pass and what was made so far.
+pub struct Pipeline {
+    gpu: Gpu,
+    resources: Resources,
+    tonemap: TonemapPass,
 }
 
-/// Device times of one frame.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FrameTimings {
-    /// Precompute passes that ran for this frame (empty when all tables were cached).
-    pub precompute: Vec<PassTime>,
-    /// Per-frame passes.
-    pub frame: Vec<PassTime>,
-    /// Host wall time of the submissions that `frame` sums over, ms.
-    pub wall_ms: f64,
+impl Pipeline {
+    /// Opens a device.
+    pub fn new(options: Options) -> Result<Self, PipelineError> {
+        let gpu = Gpu::new(options)?;
+        Ok(Self { resources: Resources::new(&gpu)?, tonemap: TonemapPass::new(&gpu)?, gpu })
+    }
+
+    /// What is known of the device.
+    pub fn device(&self) -> &DeviceInfo {
+        self.gpu.info()
+    }
+
+    /// Messages of the validation layer so far; empty without validation.
+    pub fn validation_messages(&self) -> Vec<String> {
+        self.gpu.validation_messages()
+    }
+
+    /// Renders one radiance image.
+    pub fn render(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
+        let prepared = self.resources.prepare(&self.gpu, request)?;
+        let report = self.shade(request, &prepared)?;
+        let (radiance, standard_error) = read_radiance(&self.gpu, &prepared, request)?;
+        Ok(Frame {
+            radiance,
+            standard_error,
+            mask: prepared.target.mask.clone(),
+            n_dot_v: prepared.target.n_dot_v.clone(),
+            timings: FrameTimings {
+                precompute: prepared.precompute.passes,
+                frame: report.passes,
+                wall_ms: report.wall_ms,
+            },
+        })
+    }
+
+    /// Applies the tone curve on the device.
+    pub fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<(Rgb8Image, PassTime), PipelineError> {
+        let size = [radiance.width, radiance.height];
+        let texels: Vec<[f32; 4]> = radiance.data.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
+        let radiance = self.gpu.buffer_from("radiance", &texels)?;
+        let packed = TonemapPass::packed(&self.gpu, size)?;
+        let mut recorder = self.gpu.record("tonemap")?;
+        recorder.pass("tonemap", |r| self.tonemap.record(r, curve, &radiance, &packed, size))?;
+        let report = recorder.submit()?;
+        let time = report.passes.into_iter().next().unwrap_or(PassTime { pass: "tonemap", ms: 0.0 });
+        Ok((TonemapPass::read(&self.gpu, &packed, size)?, time))
+    }
+
+    /// Times the per-frame passes, tone curve included: `warmup` rounds that do not count, then `rounds`.
+    pub fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, PipelineError> {
+        let prepared = self.resources.prepare(&self.gpu, request)?;
+        let packed = TonemapPass::packed(&self.gpu, request.size)?;
+        let mut samples = TimingSamples::default();
+        for round in 0..warmup + rounds {
+            let mut report = self.shade(request, &prepared)?;
+            let mut recorder = self.gpu.record("tonemap")?;
+            let curve = ToneCurve::default();
+            recorder
+                .pass("tonemap", |r| self.tonemap.record(r, curve, &prepared.target.radiance, &packed, request.size))?;
+            report.add(recorder.submit()?);
+            if round >= warmup {
+                samples.push(&report.passes, report.wall_ms);
+            }
+        }
+        Ok(samples)
+    }
+
+    /// Times the precompute passes that `request` needs, each made anew in every round.
+    pub fn time_precompute(
+        &mut self,
+        request: &RenderRequest,
+        warmup: u32,
+        rounds: u32,
+    ) -> Result<TimingSamples, PipelineError> {
+        let mut samples = TimingSamples::default();
+        for round in 0..warmup + rounds {
+            self.resources.forget_tables();
+            let report = self.resources.prepare(&self.gpu, request)?.precompute;
+            if round >= warmup {
+                samples.push(&report.passes, report.wall_ms);
+            }
+        }
+        Ok(samples)
+    }
+
+    /// G-buffer and every shading pass; the radiance is left in the target.
+    fn shade(&mut self, request: &RenderRequest, prepared: &Prepared) -> Result<Report, PipelineError> {
+        let (resources, target) = (&self.resources, &prepared.target);
+        let settings = settings(request, prepared);
+        let mut recorder = self.gpu.record("gbuffer")?;
+        recorder.pass("gbuffer", |r| resources.gbuffer.record(r, &prepared.scene, &request.camera, &target.gbuffer))?;
+        recorder.fill(&target.radiance, 0);
+        let mut report = recorder.submit()?;
+
+        let shade = &resources.shade;
+        let tables = prepared.tables();
+        if prepared.has_specular_pass(request) {
+            let samples_per_row = u64::from(request.size[0]) * u64::from(prepared.samples_per_pixel);
+            for rows in self.gpu.row_bands(request.size[1], samples_per_row, GROUP_SIDE) {
+                let mut recorder = self.gpu.record("shade-specular")?;
+                recorder.pass("shade-specular", |r| {
+                    let (brdf, masking) = (request.brdf, request.masking_shadowing);
+                    shade.record_specular(
+                        r,
+                        request.method,
+                        brdf,
+                        masking,
+                        &settings,
+                        tables,
+                        &target.gbuffer,
+                        &target.radiance,
+                        rows,
+                    )
+                })?;
+                report.add(recorder.submit()?);
+            }
+        }
+        let mut recorder = self.gpu.record("shade")?;
+        if prepared.has_diffuse_pass(request) {
+            recorder.pass("shade-diffuse", |r| {
+                shade.record_diffuse(r, request.diffuse, &settings, tables, &target.gbuffer, &target.radiance)
+            })?;
+        }
+        if let Some(lights) = &prepared.lights {
+            recorder.pass("shade-lights", |r| {
+                let (brdf, masking) = (request.brdf, request.masking_shadowing);
+                shade.record_lights(r, brdf, masking, &settings, tables.dfg, lights, &target.gbuffer, &target.radiance)
+            })?;
+        }
+        if request.background {
+            recorder.pass("background", |r| {
+                shade.record_background(r, &settings, tables.environment, &target.gbuffer, &target.radiance)
+            })?;
+        }
+        report.add(recorder.submit()?);
+        Ok(report)
+    }
 }
 
-/// What is known of the device.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DeviceInfo {
-    pub name: String,
-    /// `cpu`, `discrete-gpu`, `integrated-gpu`, `virtual-gpu`, `other`.
-    pub device_type: &'static str,
-    pub driver: String,
-    pub api_version: String,
-    /// Nanoseconds a timestamp tick.
-    pub timestamp_period_ns: f32,
-    pub memory_bytes: u64,
+fn settings(request: &RenderRequest, prepared: &Prepared) -> ShadeSettings {
+    ShadeSettings {
+        camera: request.camera,
+        environment_rotation_deg: request.environment_rotation_deg,
+        environment_scale: request.environment_scale,
+        environment_size: prepared.environment.image.mip_size(0),
+        sample_count: request.samples,
+        lod_bias: request.lod_bias,
+        prefilter_level_count: prepared.prefiltered.mip_count(),
+        has_specular: request.method.name != "none",
+        light_count: request.lights.len() as u32,
+    }
 }
-#[allow(dead_code)]
-type _Unused = (Rgb8Image, ToneCurve);
+
+fn read_radiance(
+    gpu: &Gpu,
+    prepared: &Prepared,
+    request: &RenderRequest,
+) -> Result<(RgbImage, Option<RgbImage>), PipelineError> {
+    let [width, height] = request.size;
+    let read = |buffer: &Buffer| -> Result<RgbImage, PipelineError> {
+        let texels: Vec<[f32; 4]> = gpu.read_buffer(buffer)?;
+        Ok(Pixels::new(width, height, texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect()))
+    };
+    let radiance = read(&prepared.target.radiance)?;
+    let invalid = |texel: &[f32; 3]| texel.iter().any(|x| !x.is_finite() || *x < 0.0);
+    if let Some(index) = radiance.data.iter().position(|texel| invalid(texel)) {
+        return Err(PipelineError::InvalidRadiance {
+            stage: "shaded",
+            count: radiance.data.iter().filter(|texel| invalid(texel)).count(),
+            x: index as u32 % width,
+            y: index as u32 / width,
+            value: radiance.data[index],
+        });
+    }
+    Ok((radiance, None))
+}
+
+/// The lights' bytes; a light-free scene binds no such pass.
+fn light_bytes(request: &RenderRequest) -> Option<Vec<u8>> {
+    (!request.lights.is_empty()).then(|| light_data(&request.lights))
+}

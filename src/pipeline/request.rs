@@ -1,0 +1,86 @@
+//! What is asked of the pipeline and what it answers.
+
+use crate::brdf::{Brdf, MaskingShadowing};
+use crate::environment::Environment;
+use crate::gpu::PassTime;
+use crate::pixels::{GrayImage, RgbImage};
+use crate::precompute::PrecomputeSettings;
+use crate::scene::{Camera, Light, Scene};
+use crate::shade::{Diffuse, Method};
+use std::sync::Arc;
+
+/// Everything that determines one radiance image.
+#[derive(Clone, Debug)]
+pub struct RenderRequest {
+    pub environment: Arc<Environment>,
+    /// Turns the environment about +y.
+    pub environment_rotation_deg: f64,
+    /// Multiplies the environment's radiance.
+    pub environment_scale: f32,
+    pub scene: Arc<Scene>,
+    pub camera: Camera,
+    pub size: [u32; 2],
+    pub method: &'static Method,
+    pub diffuse: &'static Diffuse,
+    pub brdf: &'static dyn Brdf,
+    pub masking_shadowing: MaskingShadowing,
+    /// Samples a pixel of a sampled method.
+    pub samples: u32,
+    /// Samples a pixel of the reference, wherever it is the method or the diffuse term.
+    pub reference_samples: u32,
+    /// Levels added to the mip level of a filtered method.
+    pub lod_bias: f32,
+    pub lights: Vec<Light>,
+    /// Shows the environment where nothing is hit.
+    pub background: bool,
+    pub precompute: PrecomputeSettings,
+    /// Seeds the scrambles of the reference.
+    pub seed: u32,
+}
+
+/// One rendered radiance image and what belongs to it.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Linear radiance; 0 where nothing is hit, unless the background was asked for.
+    pub radiance: RgbImage,
+    /// Standard error of the mean per pixel and channel; only the reference has one.
+    pub standard_error: Option<RgbImage>,
+    /// 1 where a surface is hit.
+    pub mask: Arc<GrayImage>,
+    /// Cosine between normal and view; 0 where nothing is hit.
+    pub n_dot_v: Arc<GrayImage>,
+    pub timings: FrameTimings,
+}
+
+/// Device times of one frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameTimings {
+    /// Precompute passes that ran for this frame: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty when all tables were cached.
+    pub precompute: Vec<PassTime>,
+    /// Per-frame passes: `gbuffer`, `shade-specular`, `shade-diffuse`, `shade-lights`, `background`, `tonemap`.
+    pub frame: Vec<PassTime>,
+    /// Host time of the submissions that `frame` sums over, ms.
+    pub wall_ms: f64,
+}
+
+/// Repeated times of the passes of a frame, or of the precompute passes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TimingSamples {
+    /// Milliseconds of each round by pass.
+    pub passes: Vec<(&'static str, Vec<f64>)>,
+    /// Host time of each round's submissions, ms.
+    pub wall_ms: Vec<f64>,
+}
+
+impl TimingSamples {
+    /// Adds one round.
+    pub(super) fn push(&mut self, round: &[PassTime], wall_ms: f64) {
+        for time in round {
+            match self.passes.iter_mut().find(|(pass, _)| *pass == time.pass) {
+                Some((_, samples)) => samples.push(time.ms),
+                None => self.passes.push((time.pass, vec![time.ms])),
+            }
+        }
+        self.wall_ms.push(wall_ms);
+    }
+}
