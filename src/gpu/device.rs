@@ -190,6 +190,8 @@ fn create_device(
         (offered.dynamic_rendering, "dynamicRendering"),
         (offered.synchronization2, "synchronization2"),
         (offered.maintenance4, "maintenance4"),
+        // Fragment shaders that discard compile to demote in SPIR-V 1.6.
+        (offered.shader_demote_to_helper_invocation, "shaderDemoteToHelperInvocation"),
     ] {
         if has == vk::FALSE {
             return Err(missing(feature));
@@ -208,8 +210,11 @@ fn create_device(
 
     let priorities = [1.0];
     let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
-    let mut features =
-        vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true);
+    let mut features = vk::PhysicalDeviceVulkan13Features::default()
+        .dynamic_rendering(true)
+        .synchronization2(true)
+        .maintenance4(true)
+        .shader_demote_to_helper_invocation(true);
     let create = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features);
     // SAFETY: every pointer outlives the call, and every feature was checked above.
     unsafe { instance.raw.create_device(physical, &create, None) }.map_err(GpuError::call("vkCreateDevice", &info.name))
