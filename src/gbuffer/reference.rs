@@ -95,7 +95,7 @@ fn hit_mesh(mesh: &Mesh, bounds: &Box3, origin: DVec3, direction: DVec3) -> Opti
         .min_by(|a, b| a.t.total_cmp(&b.t))
 }
 
-/// Solves `origin + t direction = a + beta (b - a) + gamma (c - a)` by Cramer's rule [Moeller97].
+/// Solves `origin + t direction = a + beta (b - a) + gamma (c - a)` by Cramer's rule.
 fn hit_triangle(mesh: &Mesh, triangle: [u32; 3], origin: DVec3, direction: DVec3) -> Option<Hit> {
     let [a, b, c] = triangle.map(|index| Vec3::from_array(mesh.positions[index as usize]).as_dvec3());
     let (ab, ac) = (b - a, c - a);

@@ -1,0 +1,201 @@
+//! Wavefront OBJ files: polygons of any number of corners with materials; see [`mtl`] for the materials.
+//!
+//! Read: `v`, `vt`, `vn`, `f` (any corner form, negative indices), `usemtl`, `mtllib`. Points, lines, curves and vertex colours are
+//! left out. Missing normals are computed smooth (see [`normals`]), missing texture coordinates are (0, 0).
+
+mod lines;
+mod mtl;
+mod normals;
+mod triangulate;
+
+use super::mesh::{Mesh, position};
+use super::{Material, Scene, SceneError};
+use crate::color::srgb_decode;
+use crate::pixels::{Pixels, RgbImage};
+use glam::{DVec3, Vec3};
+use lines::ObjText;
+use std::collections::HashMap;
+use std::io;
+use std::path::Path;
+
+/// Automatic cameras look from this far to the right of +z and this far above the horizon: a front, a side and a top are seen.
+const VIEW_AZIMUTH_DEG: f64 = 30.0;
+const VIEW_ELEVATION_DEG: f64 = 20.0;
+
+/// A triangle is degenerate if its height is below this part of its longest edge: f64 rounding alone, its normal would be noise.
+const DEGENERATE_HEIGHT: f64 = 1e-12;
+
+/// Loads the file at `path`; `spec` is what the user wrote.
+pub(super) fn load(spec: &str, path: &Path) -> Result<Scene, SceneError> {
+    let bytes = read_regular(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
+    let file_error = |message: String| SceneError::File { path: path.to_owned(), message };
+    // Comments and names are the only places for other text; in Latin-1 they must not stop the geometry.
+    let obj = lines::read(&String::from_utf8_lossy(&bytes)).map_err(|error| SceneError::Line {
+        path: path.to_owned(),
+        line: error.line,
+        message: error.message,
+    })?;
+    if obj.face_count == 0 {
+        let what = if bytes.is_empty() {
+            "the file is empty".to_owned()
+        } else {
+            format!("{} positions and no face", obj.position_count)
+        };
+        return Err(file_error(format!("{what}, expected at least one face")));
+    }
+
+    let mut warnings = Vec::new();
+    if !obj.ignored.is_empty() {
+        let kinds: Vec<String> = obj.ignored.iter().map(|(kind, count)| format!("{count} x {kind}")).collect();
+        warnings.push(format!("{}: statements that are not read: {}", path.display(), kinds.join(", ")));
+    }
+    let libraries = read_libraries(&obj, path, &mut warnings)?;
+    let options = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
+    let load_libraries = |_: &Path| tobj::load_mtl_buf(&mut libraries.text.as_bytes());
+    let (models, file_materials) = tobj::load_obj_buf(&mut obj.text.as_bytes(), &options, load_libraries)
+        .map_err(|error| file_error(format!("cannot read the faces: {error}")))?;
+    let file_materials = file_materials.map_err(|error| file_error(format!("cannot read the materials: {error}")))?;
+    for name in &obj.materials {
+        if !file_materials.iter().any(|material| material.name == *name) {
+            warnings
+                .push(format!("{}: material \"{name}\" is not defined; the default material is used", path.display()));
+        }
+    }
+
+    let (meshes, used) = assemble(&models, path, &mut warnings)?;
+    let (textures, maps) = read_maps(&libraries, &mut warnings);
+    let material = |index: &Option<usize>| {
+        index.map_or_else(Material::default, |index| mtl::material(&file_materials[index], &maps))
+    };
+    let mut scene = Scene::assemble(spec, Vec::new(), meshes, used.iter().map(material).collect());
+    scene.textures = textures;
+    scene.warnings = warnings;
+    let (azimuth, elevation) = (VIEW_AZIMUTH_DEG.to_radians(), VIEW_ELEVATION_DEG.to_radians());
+    scene.toward_viewer = DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
+    Ok(scene.hashed())
+}
+
+/// The bytes of a regular file. A file may name others: a device or pipe among them would never end.
+fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(io::Error::other("not a regular file"));
+    }
+    std::fs::read(path)
+}
+
+/// Reads what the `mtllib` statements name: one file whose name may hold spaces, or else several.
+fn read_libraries(obj: &ObjText, path: &Path, warnings: &mut Vec<String>) -> Result<mtl::Libraries, SceneError> {
+    let mut libraries = mtl::Libraries::default();
+    for names in &obj.libraries {
+        let whole = mtl::existing(path, names);
+        if whole.is_file() || !names.contains(char::is_whitespace) {
+            libraries.add(&whole, warnings)?;
+            continue;
+        }
+        for name in names.split_whitespace() {
+            libraries.add(&mtl::existing(path, name), warnings)?;
+        }
+    }
+    Ok(libraries)
+}
+
+/// Decodes the albedo maps to linear RGB: the textures, and the texture of each map. A map that cannot be read adds a warning only.
+fn read_maps(libraries: &mtl::Libraries, warnings: &mut Vec<String>) -> (Vec<RgbImage>, Vec<Option<usize>>) {
+    let mut textures = Vec::new();
+    let mut texture_of = Vec::new();
+    for path in &libraries.maps {
+        let decoded = read_regular(path)
+            .map_err(|error| error.to_string())
+            .and_then(|bytes| image::load_from_memory(&bytes).map_err(|error| error.to_string()));
+        texture_of.push(match decoded {
+            Ok(image) => {
+                let rgb = image.into_rgb32f();
+                let texels = rgb.pixels().map(|texel| texel.0.map(srgb_decode)).collect();
+                textures.push(Pixels::new(rgb.width(), rgb.height(), texels));
+                Some(textures.len() - 1)
+            }
+            Err(error) => {
+                warnings.push(format!("{}: cannot read the albedo map: {error}; it is left out", path.display()));
+                None
+            }
+        });
+    }
+    (textures, texture_of)
+}
+
+/// One mesh a material in order of first use, and for each the material of the file (`None`: the default).
+fn assemble(
+    models: &[tobj::Model],
+    path: &Path,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<Mesh>, Vec<Option<usize>>), SceneError> {
+    let file_error = |message: String| SceneError::File { path: path.to_owned(), message };
+    let mut slots: HashMap<Option<usize>, usize> = HashMap::new();
+    let mut meshes: Vec<Mesh> = Vec::new();
+    let mut used = Vec::new();
+    let (mut degenerate_count, mut crossing_count) = (0, 0);
+    for source in models.iter().map(|model| &model.mesh).filter(|mesh| !mesh.indices.is_empty()) {
+        let slot = *slots.entry(source.material_id).or_insert_with(|| {
+            used.push(source.material_id);
+            meshes.push(empty_mesh(meshes.len()));
+            meshes.len() - 1
+        });
+        let mesh = &mut meshes[slot];
+        let base = mesh.positions.len() as u32;
+        mesh.positions.extend(source.positions.as_chunks::<3>().0);
+        mesh.uvs.extend(source.texcoords.as_chunks::<2>().0);
+        mesh.normals.extend(source.normals.as_chunks::<3>().0.iter().map(|&n| unit_or_zero(n)));
+
+        let mut corners = source.indices.as_slice();
+        let arities = source.face_arities.iter().map(|&arity| arity as usize).chain(std::iter::repeat(3));
+        for arity in arities {
+            let Some((face, rest)) = corners.split_at_checked(arity).filter(|(face, _)| !face.is_empty()) else {
+                break;
+            };
+            corners = rest;
+            let polygon: Vec<DVec3> = face.iter().map(|&index| position(&mesh.positions, base + index)).collect();
+            let split = triangulate::triangulate(&polygon).ok_or_else(|| {
+                let most = triangulate::MAX_CONCAVE_CORNERS;
+                file_error(format!("a face of {arity} corners that is not convex, expected at most {most} corners"))
+            })?;
+            crossing_count += usize::from(!split.is_simple);
+            for triangle in split.triangles {
+                if is_degenerate(triangle.map(|k| polygon[k])) {
+                    degenerate_count += 1;
+                } else {
+                    mesh.indices.extend(triangle.map(|k| base + face[k]));
+                }
+            }
+        }
+    }
+    meshes.retain(|mesh| !mesh.indices.is_empty());
+    if meshes.is_empty() {
+        return Err(file_error("every face is degenerate (no area), expected at least one triangle".to_owned()));
+    }
+    if degenerate_count > 0 {
+        warnings.push(format!("{}: triangles without area that are left out: {degenerate_count}", path.display()));
+    }
+    if crossing_count > 0 {
+        warnings.push(format!(
+            "{}: faces that cross themselves, whose triangles overlap: {crossing_count}",
+            path.display()
+        ));
+    }
+    normals::fill_missing(&mut meshes);
+    meshes.iter_mut().for_each(normals::wind_by_normals);
+    Ok((meshes, used))
+}
+
+fn empty_mesh(material: usize) -> Mesh {
+    Mesh { positions: Vec::new(), normals: Vec::new(), uvs: Vec::new(), indices: Vec::new(), material }
+}
+
+/// The unit vector along `n`; (0, 0, 0), which stands for "compute it", if `n` has no direction.
+fn unit_or_zero(n: [f32; 3]) -> [f32; 3] {
+    Vec3::from_array(n).as_dvec3().normalize_or_zero().as_vec3().to_array()
+}
+
+fn is_degenerate([a, b, c]: [DVec3; 3]) -> bool {
+    let longest_squared = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    (b - a).cross(c - a).length() <= DEGENERATE_HEIGHT * longest_squared
+}

@@ -1,0 +1,186 @@
+//! Cameras and built-in scenes.
+
+use glam::{DVec3, Vec3Swizzles, Vec4Swizzles};
+use splitsum::scene::{Camera, CameraKind, MaterialOverride, SCENES, Scene, SceneError};
+use std::collections::HashSet;
+use std::path::Path;
+
+/// f64 rounding of a few operations on numbers of order 10.
+const ROUNDING: f64 = 1e-12;
+
+const SIZES: [[u32; 2]; 4] = [[128, 128], [64, 48], [160, 90], [45, 80]];
+
+fn builtin(name: &str) -> Scene {
+    Scene::load(name, Path::new("")).expect("a built-in scene")
+}
+
+/// Every built-in scene, camera kind and size.
+fn for_each_camera(mut check: impl FnMut(&Scene, &Camera, [u32; 2])) {
+    for entry in SCENES {
+        let scene = builtin(entry.name);
+        for &(_, kind) in CameraKind::ALL {
+            for size in SIZES {
+                check(&scene, &Camera::for_scene(kind, &scene, size), size);
+            }
+        }
+    }
+}
+
+/// The points that decide whether a scene is framed: mesh corners, and points of the spheres' surfaces.
+fn points(scene: &Scene) -> Vec<DVec3> {
+    let mut points: Vec<DVec3> = scene.meshes.iter().flat_map(|mesh| mesh.corners()).collect();
+    for sphere in &scene.spheres {
+        for i in 0..180 {
+            for j in 0..360 {
+                let (theta, phi) = ((f64::from(i) + 0.5).to_radians(), f64::from(j).to_radians());
+                let n = DVec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
+                points.push(sphere.center + sphere.radius * n);
+            }
+        }
+    }
+    points
+}
+
+#[test]
+fn the_sphere_cameras_are_those_of_the_contract() {
+    let sphere = builtin("sphere");
+    let ortho = Camera::for_scene(CameraKind::Ortho, &sphere, [4, 4]);
+    let (origin, direction) = ortho.ray(0, 0, [4, 4]);
+    assert!(
+        (origin - DVec3::new(-1.05 * 0.75, 1.05 * 0.75, origin.z)).length() < ROUNDING,
+        "top left pixel at {origin}"
+    );
+    assert!(origin.z > 1.0);
+    assert_eq!(direction, DVec3::NEG_Z);
+    let (origin, _) = ortho.ray(3, 2, [4, 4]);
+    assert!((origin.xy() - glam::DVec2::new(1.05 * 0.75, -1.05 * 0.25)).length() < ROUNDING);
+    assert_eq!(ortho.v_at(DVec3::new(0.3, -0.2, 0.5)), DVec3::Z);
+
+    let perspective = Camera::for_scene(CameraKind::Perspective, &sphere, [4, 4]);
+    let (origin, direction) = perspective.ray(0, 3, [4, 4]);
+    assert_eq!(origin, DVec3::new(0.0, 0.0, 4.0));
+    let slope = 16f64.to_radians().tan() * 0.75;
+    assert!(
+        (direction - DVec3::new(-slope, -slope, -1.0).normalize()).length() < ROUNDING,
+        "bottom left ray {direction}"
+    );
+    let v = perspective.v_at(DVec3::new(0.0, 1.0, 0.0));
+    assert!((v - DVec3::new(0.0, -1.0, 4.0) / 17f64.sqrt()).length() < ROUNDING);
+}
+
+#[test]
+fn pixels_are_square_and_the_short_side_keeps_its_extent() {
+    let sphere = builtin("sphere");
+    for &(name, kind) in CameraKind::ALL {
+        let [_, contract] = Camera::for_scene(kind, &sphere, [100, 100]).extent(1.0);
+        for (size, [x, y]) in [([200, 100], [2.0, 1.0]), ([100, 300], [1.0, 3.0])] {
+            let extent = Camera::for_scene(kind, &sphere, size).extent(f64::from(size[0]) / f64::from(size[1]));
+            assert!(
+                (extent[0] - x * contract).abs() < ROUNDING && (extent[1] - y * contract).abs() < ROUNDING,
+                "{name} {size:?}: {extent:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn clip_space_and_rays_agree_at_every_pixel_centre() {
+    for_each_camera(|scene, camera, size| {
+        let aspect = f64::from(size[0]) / f64::from(size[1]);
+        let clip_from_world = camera.clip_from_world(aspect);
+        let world_from_clip = clip_from_world.inverse();
+        for (x, y) in [(0, 0), (size[0] - 1, 0), (7, 11), (size[0] / 2, size[1] / 2), (size[0] - 1, size[1] - 1)] {
+            let (origin, direction) = camera.ray(x, y, size);
+            let mut last_depth = 0.0;
+            for part in [0.01, 0.3, 0.6, 0.99] {
+                let along = camera.near + part * (camera.far - camera.near);
+                let p = origin + direction * (along / direction.dot(camera.forward));
+                let clip = clip_from_world * p.extend(1.0);
+                let ndc = clip.xyz() / clip.w;
+                let expected =
+                    [f64::from(2 * x + 1) / f64::from(size[0]) - 1.0, f64::from(2 * y + 1) / f64::from(size[1]) - 1.0];
+                assert!(
+                    (ndc.x - expected[0]).abs() < ROUNDING,
+                    "{} {size:?} x of ({x}, {y}): {} {}",
+                    scene.name,
+                    ndc.x,
+                    expected[0]
+                );
+                assert!(
+                    (ndc.y - expected[1]).abs() < ROUNDING,
+                    "{} {size:?} y of ({x}, {y}): {} {}",
+                    scene.name,
+                    ndc.y,
+                    expected[1]
+                );
+                assert!(ndc.z > last_depth && ndc.z < 1.0, "{}: depth {} after {last_depth}", scene.name, ndc.z);
+                last_depth = ndc.z;
+                let back = world_from_clip * clip;
+                assert!(
+                    (back.xyz() / back.w - p).length() < ROUNDING * p.length(),
+                    "{}: {back} is not {p}",
+                    scene.name
+                );
+            }
+        }
+    });
+}
+
+#[test]
+fn cameras_frame_their_scene_tightly() {
+    for_each_camera(|scene, camera, size| {
+        let aspect = f64::from(size[0]) / f64::from(size[1]);
+        let clip_from_world = camera.clip_from_world(aspect);
+        let mut largest = 0f64;
+        for p in points(scene) {
+            let clip = clip_from_world * p.extend(1.0);
+            let ndc = clip.xyz() / clip.w;
+            assert!(clip.w > 0.0 && ndc.z > 0.0 && ndc.z < 1.0, "{}: {p} is cut off by near or far", scene.name);
+            largest = largest.max(ndc.x.abs()).max(ndc.y.abs());
+        }
+        // The sphere under the perspective camera has the contract's margin, 1.10.
+        assert!(largest < 1.0 && largest > 0.9, "{} in {size:?} fills {largest}", scene.name);
+    });
+}
+
+#[test]
+fn the_grid_has_the_fully_reflective_sphere_at_the_top_right() {
+    let scene = builtin("spheres");
+    assert_eq!(scene.spheres.len(), 15);
+    let corner = scene.spheres.iter().max_by(|a, b| (a.center.x + a.center.y).total_cmp(&(b.center.x + b.center.y)));
+    let material = &scene.materials[corner.expect("fifteen spheres").material];
+    assert_eq!((material.albedo, material.metallic, material.alpha), ([1.0; 3], 1.0, 0.05));
+    for sphere in &scene.spheres {
+        for other in &scene.spheres {
+            let (a, b) = (&scene.materials[sphere.material], &scene.materials[other.material]);
+            // Further right is smoother, further up is more metallic.
+            assert_eq!(sphere.center.x < other.center.x, a.alpha > b.alpha);
+            assert_eq!(sphere.center.y < other.center.y, a.metallic < b.metallic);
+        }
+    }
+    let (low, high) = scene.bounds();
+    assert!((low + high).length() < ROUNDING, "the grid is centred: {low} {high}");
+}
+
+#[test]
+fn an_override_reaches_every_material_and_the_hash() {
+    let scene = builtin("spheres");
+    let values = MaterialOverride { alpha: Some(0.4), f0: Some([1.0, 0.5, 0.25]), ..MaterialOverride::default() };
+    let changed = scene.apply(&values);
+    assert!(changed.materials.iter().all(|material| material.alpha == 0.4 && material.f0 == [1.0, 0.5, 0.25]));
+    let metallic = |scene: &Scene| scene.materials.iter().map(|material| material.metallic).collect::<Vec<_>>();
+    assert_eq!(metallic(&changed), metallic(&scene));
+    assert_ne!(changed.hash, scene.hash);
+    assert_eq!(scene.apply(&MaterialOverride::default()).hash, scene.hash);
+    let hashes: HashSet<String> = SCENES.iter().map(|entry| builtin(entry.name).hash).collect();
+    assert_eq!(hashes.len(), SCENES.len());
+}
+
+#[test]
+fn an_unknown_scene_names_the_nearest() {
+    let message = |spec: &str| Scene::load(spec, Path::new("")).expect_err("no such scene").to_string();
+    assert!(message("sphrees").ends_with("did you mean \"spheres\"?"), "{}", message("sphrees"));
+    assert!(!message("cathedral").contains("did you mean"), "{}", message("cathedral"));
+    assert!(matches!(Scene::load("missing.obj", Path::new("/nowhere")), Err(SceneError::Read { .. })));
+    assert!(matches!(Scene::load("Cargo.toml", Path::new(env!("CARGO_MANIFEST_DIR"))), Err(SceneError::Format { .. })));
+}

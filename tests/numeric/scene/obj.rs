@@ -1,0 +1,361 @@
+//! OBJ files, written by the tests into a temporary folder.
+
+use glam::DVec3;
+use splitsum::gbuffer::reference::gbuffer;
+use splitsum::scene::{Camera, CameraKind, Mesh, Scene};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Rounding of f32 positions of order 1 in sums of areas.
+const F32_ROUNDING: f64 = 1e-6;
+
+/// Writes the files (name, bytes) into a new folder and loads `scene.obj`, the first.
+fn load(files: &[(&str, &[u8])]) -> Result<Scene, String> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (name, bytes) in files {
+        std::fs::write(folder.path().join(name), bytes).expect("a file in the temporary folder");
+    }
+    Scene::load(files[0].0, folder.path()).map_err(|error| error.to_string())
+}
+
+fn load_text(text: &str) -> Result<Scene, String> {
+    load(&[("scene.obj", text.as_bytes())])
+}
+
+fn loaded(text: &str) -> Scene {
+    load_text(text).expect("a readable file")
+}
+
+/// The area vector of every triangle.
+fn areas(mesh: &Mesh) -> Vec<DVec3> {
+    let corners: Vec<DVec3> = mesh.corners().collect();
+    corners.chunks_exact(3).map(|p| 0.5 * (p[1] - p[0]).cross(p[2] - p[0])).collect()
+}
+
+fn triangle_count(scene: &Scene) -> usize {
+    scene.meshes.iter().map(|mesh| mesh.triangles().count()).sum()
+}
+
+const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+#[test]
+fn every_form_of_a_face_gives_the_same_square() {
+    let expected = loaded(&format!("{QUAD}f 1 2 3 4\n"));
+    assert_eq!(triangle_count(&expected), 2);
+    let forms = [
+        format!("{QUAD}f 1 2 3 4"),
+        format!("{QUAD}f -4 -3 -2 -1\n"),
+        format!("{QUAD}vn 0 0 1\nf 1//1 2//1 3//1 4//1\n"),
+        format!("{QUAD}vn 0 0 1\nf 1//-1 2// 3 4//1\n"),
+        format!("{QUAD}vn 0 0 7\nf 1//1 2//1 3//1 4//1 # a square\n"),
+        format!("f 1 2 3 4\n{QUAD}"),
+        format!("{QUAD}f 1 2 \\\n 3 4\n"),
+        format!("\u{feff}# C:\\models\\\n{QUAD}o a\ng b c\ns 1\nf 1 2 3 4\n"),
+        format!("{QUAD}f 1 2 3 4\n").replace('\n', "\r\n"),
+        format!("{QUAD}f 1 2 3 4\n").replace('\n', "\r"),
+        format!("{QUAD}\tf\t1  2\t3 4  \n").replace("v ", "v\t"),
+        "v 0 0 0 1 0 0\nv 1. +0 0\nv 1e0 10E-1 .0 1\nv 0 1 0 0.5 0.5\nf 1 2 3 4\n".to_owned(),
+    ];
+    for text in forms {
+        let scene = loaded(&text);
+        assert_eq!(scene.hash, expected.hash, "{text:?}");
+        assert_eq!(scene.warnings, Vec::<String>::new(), "{text:?}");
+    }
+}
+
+#[test]
+fn wrong_files_give_one_error_with_the_line() {
+    let cases = [
+        ("", "scene.obj: the file is empty, expected at least one face"),
+        (QUAD, "scene.obj: 4 positions and no face, expected at least one face"),
+        ("v 0 0 nan\n", "scene.obj:1: v: \"nan\" is not a finite number"),
+        ("v 0 0 0\nv 1e39 0 0\n", "scene.obj:2: v: \"1e39\" is not a finite number"),
+        ("v 0 0 1e20\n", "scene.obj:1: v: 1e20 is outside -1e15 to 1e15"),
+        ("v 0 0\n", "scene.obj:1: v: 2 values, expected 3"),
+        ("\n\nv 0 0 zero\n", "scene.obj:3: v: \"zero\" is not a number"),
+        ("v 0 0 0\nvn 0 1\n", "scene.obj:2: vn: 2 values, expected 3"),
+        ("v 0 0 0\nf 1 1 2\n", "scene.obj:2: position index 2 is outside 1 to 1"),
+        ("v 0 0 0\nf 1 1 0\n", "scene.obj:2: position index 0 in \"0\", indices start at 1"),
+        ("v 0 0 0\nf 1 1 -2\n", "scene.obj:2: position index -2 reaches before the first of 1"),
+        ("v 0 0 0\nf 1/1 1/1 1/1\n", "scene.obj:2: texture coordinate index 1 is outside 1 to 0"),
+        ("v 0 0 0\nf 1//3 1 1\n", "scene.obj:2: normal index 3 is outside 1 to 0"),
+        (
+            "v 0 0 0\nf 99999999999999999999 1 1\n",
+            "scene.obj:2: face corner \"99999999999999999999\", expected v, v/vt, v//vn or v/vt/vn with integers",
+        ),
+        ("v 0 0 0\nf 9223372036854775807 1 1\n", "scene.obj:2: position index 9223372036854775807 is outside 1 to 1"),
+        (
+            "v 0 0 0\nf 1 -9223372036854775808 1\n",
+            "scene.obj:2: position index -9223372036854775808 reaches before the first of 1",
+        ),
+        (
+            "v 0 0 0\nvt 0 0\nvn 0 0 1\nf 1/1/1/1 1 1\n",
+            "scene.obj:4: face corner \"1/1/1/1\", expected v, v/vt, v//vn or v/vt/vn with integers",
+        ),
+        ("v 0 0 0\nf 1 \\\n1\n", "scene.obj:2: a face of 2 corners, expected at least 3"),
+        // The first wrong line is the one that is named.
+        ("v 0 0 0\nf 1 1 7\nf 1 1 0\n", "scene.obj:2: position index 7 is outside 1 to 1"),
+        ("usemtl\n", "scene.obj:1: usemtl: expected the name of a material"),
+        ("v 0 0 0\nf 1 1 1\n", "scene.obj: every face is degenerate (no area), expected at least one triangle"),
+    ];
+    for (text, expected) in cases {
+        let message = load_text(text).expect_err(text);
+        assert!(message.ends_with(expected), "{text:?} gives {message:?}, expected {expected:?}");
+    }
+}
+
+#[test]
+fn materials_and_groups_keep_their_faces() {
+    let text = format!(
+        "mtllib missing.mtl\nmtllib two words.mtl\nmtllib a.mtl b.mtl\n{QUAD}v 0 0 1\nusemtl red one\nf 1 2 3\no other\nusemtl gold\nf 1 3 4\n\
+         usemtl nowhere\nf 1 2 5\nusemtl red one\nf 2 3 5\nl 1 2\n"
+    );
+    let scene = load(&[
+        ("scene.obj", text.as_bytes()),
+        ("two words.mtl", b"newmtl red one\nKd 1 0 0\nNs 30\n"),
+        ("a.mtl", b"newmtl gold\nKd 1 2 0.5\nPr 0.5\nPm 1\nNi 1.5\n"),
+        ("b.mtl", b"newmtl unused\nKd 0.5\n"),
+    ])
+    .expect("a readable file");
+    let counts: Vec<(&str, usize)> = scene
+        .meshes
+        .iter()
+        .map(|mesh| (scene.materials[mesh.material].name.as_str(), mesh.triangles().count()))
+        .collect();
+    assert_eq!(counts, [("red one", 2), ("gold", 1), ("default", 1)]);
+    let [red, gold, default] = &scene.materials[..] else { panic!("{:?}", scene.materials) };
+    assert_eq!((red.albedo, red.alpha, red.metallic, red.f0), ([1.0, 0.0, 0.0], 0.25, 0.0, [0.04; 3]));
+    assert_eq!((gold.albedo, gold.alpha, gold.metallic), ([1.0, 1.0, 0.5], 0.25, 1.0));
+    assert!((gold.f0[0] - 0.04).abs() < 1e-7);
+    assert_eq!((default.albedo, default.alpha), ([0.8; 3], 0.25));
+    let expected =
+        ["1 x l", "missing.mtl: cannot read", "a.mtl:2: Kd 1 2 0.5 is outside", "material \"nowhere\" is not defined"];
+    assert_eq!(scene.warnings.len(), expected.len(), "{:?}", scene.warnings);
+    assert!(scene.warnings.iter().zip(expected).all(|(warning, part)| warning.contains(part)), "{:?}", scene.warnings);
+}
+
+#[test]
+fn material_parameters_become_alpha_and_f0() {
+    let material = |parameters: &str| {
+        let obj = format!("mtllib m.mtl\n{QUAD}usemtl m\nf 1 2 3 4\n");
+        let scene = load(&[("scene.obj", obj.as_bytes()), ("m.mtl", format!("newmtl m\n{parameters}\n").as_bytes())]);
+        scene.map(|scene| (scene.materials[0].clone(), scene.warnings.len()))
+    };
+    let near = |a: f32, b: f64| (f64::from(a) - b).abs() < 1e-6;
+    let cases = [
+        ("Ns 0", 1.0, 0.04, 0),
+        ("Ns 250", (2.0f64 / 252.0).sqrt(), 0.04, 0),
+        ("Ns 250\nPr 0.3", 0.09, 0.04, 0),
+        ("Pr 0\nKs 1 1 1", 1e-3, 0.04, 0),
+        ("Pr 2", 1.0, 0.04, 1),
+        ("Ns -5", 1.0, 0.04, 1),
+        ("Ni 1.0", 0.25, 0.04, 0),
+        ("Ni 2", 0.25, 1.0 / 9.0, 0),
+        ("Kd spectral a.rfl", 0.25, 0.04, 1),
+        ("map_Pr r.png\nnorm n.png", 0.25, 0.04, 1),
+        ("map_Kd missing.png", 0.25, 0.04, 1),
+        ("map_Kd -s 1 1 -o 0.5 -clamp on missing one.png", 0.25, 0.04, 2),
+    ];
+    for (parameters, alpha, f0, warning_count) in cases {
+        let (material, warnings) = material(parameters).expect(parameters);
+        assert!(near(material.alpha, alpha) && near(material.f0[0], f0), "{parameters}: {material:?}");
+        assert_eq!(warnings, warning_count, "{parameters}");
+    }
+    let cases = [
+        ("Kd 1 1", "m.mtl:2: Kd: 2 values, expected 3"),
+        ("Kd 1 1 x", "m.mtl:2: Kd: \"x\" is not a number"),
+        ("Ns inf", "m.mtl:2: Ns: \"inf\" is not a finite number"),
+        ("Pr", "m.mtl:2: Pr: no value"),
+        ("map_Kd -clamp on", "m.mtl:2: map_Kd: expected a file name"),
+        ("newmtl", "m.mtl:2: newmtl: expected a name"),
+    ];
+    for (parameters, expected) in cases {
+        let message = material(parameters).expect_err(parameters);
+        assert!(message.ends_with(expected), "{message}");
+    }
+}
+
+/// v counts up in OBJ and rows count down in images; texels are sRGB; Kd multiplies.
+#[test]
+fn an_albedo_map_is_linear_and_upright() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut texels = image::RgbImage::new(2, 2);
+    texels.put_pixel(0, 0, image::Rgb([255, 0, 0]));
+    texels.put_pixel(1, 0, image::Rgb([0, 255, 0]));
+    texels.put_pixel(0, 1, image::Rgb([0, 0, 255]));
+    texels.put_pixel(1, 1, image::Rgb([188, 188, 188]));
+    texels.save(folder.path().join("four.png")).expect("a texture");
+    std::fs::write(folder.path().join("m.mtl"), "newmtl m\nKd 0.5 0.5 0.5\nmap_Kd four.png\n").expect("a material");
+    let text = format!("mtllib m.mtl\n{QUAD}vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n");
+    std::fs::write(folder.path().join("scene.obj"), text).expect("a mesh");
+    let mut scene = Scene::load("scene.obj", folder.path()).expect("a readable file");
+    assert_eq!(scene.warnings, Vec::<String>::new());
+    scene.toward_viewer = DVec3::Z;
+    // Two by two pixels over the unit square: their centres are the texels' centres.
+    let size = [2, 2];
+    let mut camera = Camera::for_scene(CameraKind::Ortho, &scene, size);
+    camera.projection = splitsum::scene::Projection::Ortho { half_height: 0.5 };
+    let albedo = gbuffer(&scene, &camera, size).albedo_metallic;
+    // sRGB 188 is 0.50289 linear (IEC 61966-2-1).
+    let expected = [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5], [0.25144; 3]];
+    for (texel, expected) in albedo.data.iter().zip(expected) {
+        let error = DVec3::new(texel[0], texel[1], texel[2]) - DVec3::from_array(expected);
+        assert!(error.length() < 1e-4, "{texel:?}, expected {expected:?}");
+    }
+}
+
+/// A star-shaped polygon with `n` corners in the plane through `at` spanned by `a` and `b`; radii alternate, so it is far from convex.
+fn star(n: usize, at: DVec3, a: DVec3, b: DVec3) -> (String, f64) {
+    let radius = |i: usize| if i.is_multiple_of(2) { 1.0 } else { 0.35 + 0.1 * (i as f64).sin() };
+    let angle = |i: usize| i as f64 / n as f64 * std::f64::consts::TAU;
+    let mut text = String::new();
+    for i in 0..n {
+        let p = (at + (a * angle(i).cos() + b * angle(i).sin()) * radius(i)).as_vec3();
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    text.push('f');
+    (1..=n).for_each(|i| {
+        let _ = write!(text, " {i}");
+    });
+    let area = (0..n).map(|i| 0.5 * radius(i) * radius((i + 1) % n) * (angle(i + 1) - angle(i)).sin()).sum();
+    (text, area)
+}
+
+#[test]
+fn polygons_of_any_shape_keep_their_area() {
+    let planes = [
+        (DVec3::X, DVec3::Y),
+        (DVec3::Y, DVec3::X),
+        (DVec3::Z, DVec3::X),
+        (DVec3::Y, DVec3::Z),
+        (DVec3::new(1.0, 1.0, 0.0).normalize(), DVec3::new(1.0, -1.0, 2.0).normalize()),
+    ];
+    for n in [4, 5, 8, 31, 500] {
+        for (a, b) in planes {
+            let (text, area) = star(n, DVec3::new(1.0, 2.0, -1.0), a, b);
+            let scene = loaded(&text);
+            let areas = areas(&scene.meshes[0]);
+            // All triangles face one way and together have the area: none overlaps another and none is missing.
+            let total: f64 = areas.iter().map(|area| area.length()).sum();
+            assert!((total - area).abs() < F32_ROUNDING * n as f64, "{n} corners: {total}, expected {area}");
+            assert!(areas.iter().all(|area| area.dot(a.cross(b)) > 0.0), "{n} corners, {a} {b}");
+            assert_eq!(areas.len(), n - 2);
+            assert_eq!(scene.warnings, Vec::<String>::new());
+        }
+    }
+}
+
+#[test]
+fn polygons_with_odd_corners_keep_their_area() {
+    // A square with corners in the middle of its sides, a square ring cut open along a doubled edge, a repeated corner.
+    let ring = "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nv 1 1 0\nv 1 2 0\nv 2 2 0\nv 2 1 0\nf 1 2 3 4 1 5 6 7 8 5\n";
+    let cases = [
+        ("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 2 0\nv 1 2 0\nv 0 2 0\nv 0 1 0\nf 1 2 3 4 5 6 7\n", 4.0),
+        (ring, 8.0),
+        ("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 3 4\n", 1.0),
+        // Concave at the corner that a fan from the first corner would cross.
+        ("v 0 0 0\nv 4 4 0\nv 0 1 0\nv -4 4 0\nf 1 2 3 4\n", 4.0),
+    ];
+    for (text, expected) in cases {
+        let scene = loaded(text);
+        let total: f64 = areas(&scene.meshes[0]).iter().map(|area| area.length()).sum();
+        assert!((total - expected).abs() < F32_ROUNDING, "{text:?}: {total}, expected {expected}");
+    }
+    let bow_tie = loaded("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\nf 1 2 3 4\n");
+    assert!(bow_tie.warnings.iter().any(|warning| warning.contains("cross themselves")), "{:?}", bow_tie.warnings);
+    let (text, _) = star(5000, DVec3::ZERO, DVec3::X, DVec3::Y);
+    assert!(load_text(&text).expect_err("too many corners").contains("at most 4096 corners"));
+}
+
+/// A unit sphere of quads and triangles without normals, cut into two materials.
+fn sphere_text(rings: usize, normals: bool) -> String {
+    let segments = 2 * rings;
+    let mut text = "mtllib m.mtl\nv 0 1 0\n".to_owned();
+    for ring in 1..rings {
+        for segment in 0..segments {
+            let theta = std::f64::consts::PI * ring as f64 / rings as f64;
+            let phi = std::f64::consts::TAU * segment as f64 / segments as f64;
+            let _ = writeln!(text, "v {} {} {}", theta.sin() * phi.sin(), theta.cos(), theta.sin() * phi.cos());
+        }
+    }
+    text.push_str("v 0 -1 0\n");
+    if normals {
+        text.push_str(&text.replace("mtllib m.mtl\n", "").replace("v ", "vn "));
+    }
+    let corner = |i: usize| if normals { format!("{i}//{i}") } else { i.to_string() };
+    let index = |ring: usize, segment: usize| corner(2 + (ring - 1) * segments + segment % segments);
+    for segment in 0..segments {
+        let _ = writeln!(text, "f {} {} {}", corner(1), index(1, segment), index(1, segment + 1));
+        for ring in 1..rings - 1 {
+            let [a, b] = [index(ring, segment), index(ring + 1, segment)];
+            let _ = writeln!(text, "usemtl m{}", ring % 2);
+            let _ = writeln!(text, "f {a} {b} {} {}", index(ring + 1, segment + 1), index(ring, segment + 1));
+        }
+        let last = corner(2 + (rings - 1) * segments);
+        let _ = writeln!(text, "f {} {last} {}", index(rings - 1, segment), index(rings - 1, segment + 1));
+    }
+    text
+}
+
+#[test]
+fn computed_normals_of_a_sphere_point_along_its_radii() {
+    let materials = ("m.mtl", b"newmtl m0\nnewmtl m1\n".as_slice());
+    let scene = load(&[("scene.obj", sphere_text(24, false).as_bytes()), materials]).expect("a readable file");
+    // The normals are smooth across the seams of three meshes.
+    assert_eq!(scene.meshes.len(), 3);
+    let mut count = 0;
+    for mesh in &scene.meshes {
+        for (n, p) in mesh.normals.iter().zip(&mesh.positions) {
+            let [n, p] = [n, p].map(|v| glam::Vec3::from_array(*v).as_dvec3());
+            assert!((n.length() - 1.0).abs() < F32_ROUNDING);
+            // Of the order of the square of the half angle of a quad, 0.0043; flat normals would be 0.065 off.
+            assert!((n - p).length() < 0.003, "normal {n} at {p}");
+            count += 1;
+        }
+    }
+    assert!(count > 1000);
+}
+
+/// The order of corners decides nothing: triangles are wound to agree with the normals of the file.
+#[test]
+fn winding_follows_given_normals() {
+    let front = loaded(&format!("{QUAD}vn 0 0 1\nf 1//1 2//1 3//1 4//1\n"));
+    let back = loaded(&format!("{QUAD}vn 0 0 1\nf 4//1 3//1 2//1 1//1\n"));
+    for scene in [front, back] {
+        assert!(areas(&scene.meshes[0]).iter().all(|area| area.z > 0.0));
+    }
+}
+
+/// The g-buffer of a fine mesh of the sphere is that of the exact sphere, up to the mesh's own error.
+#[test]
+fn a_mesh_of_the_sphere_looks_like_the_sphere() {
+    let mut mesh = loaded(&sphere_text(48, true));
+    mesh.toward_viewer = DVec3::Z;
+    let exact = Scene::load("sphere", Path::new("")).expect("built in");
+    let size = [24, 24];
+    for &(name, kind) in CameraKind::ALL {
+        let camera = Camera::for_scene(kind, &exact, size);
+        let (a, b) = (gbuffer(&exact, &camera, size), gbuffer(&mesh, &camera, size));
+        let n_dot_v = a.n_dot_v(&camera);
+        let mut both = 0;
+        for i in 0..a.position_mask.data.len() {
+            let (p, q) = (a.position_mask.data[i], b.position_mask.data[i]);
+            // Nearer to the rim the chord's depth differs by more than its sag.
+            if p[3] == 0.0 || n_dot_v.data[i] < 0.3 {
+                continue;
+            }
+            assert_eq!(q[3], 1.0, "{name}: pixel {i} of the mesh");
+            // Of a chord over the diagonal of a quad.
+            let sag = 1.0 - (std::f64::consts::PI / 96.0).cos().powi(2);
+            for k in 0..3 {
+                assert!((p[k] - q[k]).abs() < sag / 0.3, "{name}: position {p:?} {q:?}");
+                assert!(
+                    (a.normal_alpha.data[i][k] - b.normal_alpha.data[i][k]).abs() < 2.0 * sag / 0.3,
+                    "{name}: normal of pixel {i}"
+                );
+            }
+            both += 1;
+        }
+        assert!(both > 300, "{name}: {both} pixels");
+    }
+}
