@@ -7,6 +7,7 @@ use splitsum::table::colormap::{
 use splitsum::table::contact_sheet::{ContactSheet, ContactSheetError, Legend, Tile};
 use splitsum::table::csv::{Cell, Table, TableError, TableWriter};
 use splitsum::table::markdown::{Align, MarkdownTable, significant};
+use std::io::Write;
 
 const COLUMNS: [&str; 3] = ["method", "rmse", "samples"];
 
@@ -84,11 +85,13 @@ fn table_errors_name_file_and_place() {
     let path = folder.path().join("errors.csv");
     let mut writer = TableWriter::create(&path, &COLUMNS).unwrap();
     rows().iter().for_each(|row| writer.append(row).unwrap());
+    // Torn, and of another plan: not ours to repair.
+    std::fs::OpenOptions::new().append(true).open(&path).unwrap().write_all(b"torn").unwrap();
     let before = std::fs::read(&path).unwrap();
     let error = TableWriter::resume(&path, &["method", "mae"]).unwrap_err();
     assert!(matches!(error, TableError::Columns { .. }) && error.to_string().contains("errors.csv"));
     assert_eq!(std::fs::read(&path).unwrap(), before, "a table of another plan must stay as it was");
-    let table = Table::read(&path).unwrap();
+    let (_, table) = TableWriter::resume(&path, &COLUMNS).unwrap();
     let message = table.numbers("method").unwrap_err().to_string();
     assert!(message.contains("row 1, column method: \"split-sum\" is not a number"), "{message}");
     assert!(table.column("rms").unwrap_err().to_string().contains("no column \"rms\""));
@@ -168,6 +171,7 @@ fn palettes_are_the_published_ones() {
 #[test]
 fn ranges_are_fixed() {
     assert!((RELATIVE_ERROR.place(10f64.powf(-1.5)) - 0.5).abs() < 1e-12);
+    assert_eq!([RELATIVE_ERROR.place(0.0), RELATIVE_ERROR.place(-1.0)], [0.0, 0.0]);
     assert_eq!([RELATIVE_ERROR.color(0.0), RELATIVE_ERROR.color(50.0)], [[0, 0, 4], [252, 253, 191]]);
     assert_eq!(RELATIVE_ERROR.color(f64::NAN), NAN_COLOR);
     assert_eq!(RELATIVE_ERROR.ticks(), [1e-3, 1e-2, 1e-1, 1.0]);
