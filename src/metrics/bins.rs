@@ -27,8 +27,7 @@ impl Comparison<'_> {
         edges: &[f64],
         metrics: &[&dyn Metric],
     ) -> Result<Vec<BinRow>, MetricsError> {
-        let [width, height] = self.size();
-        check_size("n_dot_v image", n_dot_v, &GrayImage::filled(width, height, 0.0))?;
+        check_size("n_dot_v image", n_dot_v, self.size())?;
         let increasing = edges.windows(2).all(|pair| pair[0] < pair[1]);
         if edges.len() < 2 || !increasing || !edges.iter().all(|edge| edge.is_finite()) {
             return Err(MetricsError::BinEdges { edges: edges.to_vec() });
@@ -38,7 +37,7 @@ impl Comparison<'_> {
         for &pixel in self.pixels() {
             let value = n_dot_v.data[pixel];
             if !value.is_finite() {
-                let [x, y] = column_and_row(pixel, width);
+                let [x, y] = column_and_row(pixel, n_dot_v.width);
                 return Err(MetricsError::Cosine { x, y, value });
             }
             let edges_passed = edges.partition_point(|&edge| edge <= f64::from(value));

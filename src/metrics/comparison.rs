@@ -46,8 +46,9 @@ impl<'a> Comparison<'a> {
         mask: &GrayImage,
         curve: ToneCurve,
     ) -> Result<Self, MetricsError> {
-        check_size("test image", test, reference)?;
-        let pixels = masked_pixels(mask, reference)?;
+        let size = [reference.width, reference.height];
+        check_size("test image", test, size)?;
+        let pixels = masked_pixels(mask, size)?;
         check_values("reference", reference, &pixels)?;
         check_values("test image", test, &pixels)?;
         Ok(Self {
@@ -176,18 +177,15 @@ pub(super) fn pixel_mean(pixels: &[usize], term: impl Fn(usize) -> f64) -> f64 {
     pixels.iter().map(|&pixel| term(pixel)).sum::<f64>() / pixels.len() as f64
 }
 
-pub(super) fn check_size<T, U>(
-    image: &'static str,
-    found: &Pixels<T>,
-    reference: &Pixels<U>,
-) -> Result<(), MetricsError> {
-    let (found, expected) = ([found.width, found.height], [reference.width, reference.height]);
+/// Fails when an image has not the size of the reference.
+pub(super) fn check_size<T>(image: &'static str, found: &Pixels<T>, expected: [u32; 2]) -> Result<(), MetricsError> {
+    let found = [found.width, found.height];
     if found == expected { Ok(()) } else { Err(MetricsError::Size { image, found, expected }) }
 }
 
 /// Indices of the pixels where the mask is 1.
-pub(super) fn masked_pixels(mask: &GrayImage, reference: &RgbImage) -> Result<Vec<usize>, MetricsError> {
-    check_size("mask", mask, reference)?;
+pub(super) fn masked_pixels(mask: &GrayImage, size: [u32; 2]) -> Result<Vec<usize>, MetricsError> {
+    check_size("mask", mask, size)?;
     if let Some(pixel) = mask.data.iter().position(|&value| value != 0.0 && value != 1.0) {
         let [x, y] = column_and_row(pixel, mask.width);
         return Err(MetricsError::MaskValue { x, y, value: mask.data[pixel] });

@@ -21,8 +21,9 @@ pub struct ReferenceNoise {
 impl ReferenceNoise {
     /// Checks sizes, the mask, and that both images are finite and not negative on it.
     pub fn new(reference: &RgbImage, standard_error: &RgbImage, mask: &GrayImage) -> Result<Self, MetricsError> {
-        check_size("standard error image", standard_error, reference)?;
-        let pixels = masked_pixels(mask, reference)?;
+        let size = [reference.width, reference.height];
+        check_size("standard error image", standard_error, size)?;
+        let pixels = masked_pixels(mask, size)?;
         check_values("reference", reference, &pixels)?;
         check_values("standard error image", standard_error, &pixels)?;
         let sample =

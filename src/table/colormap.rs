@@ -104,7 +104,7 @@ impl ColorScale {
         }
     }
 
-    /// Values to mark on a legend, ascending: powers of ten of a logarithmic range, fifths of a linear one.
+    /// Values to mark on a legend, ascending: powers of ten of a logarithmic range, the ends and quarters of a linear one.
     pub fn ticks(&self) -> Vec<f64> {
         match self.range {
             Range::Linear { lo, hi } => {

@@ -78,9 +78,11 @@ const EMPTY_SIDE: u32 = 96;
 /// Narrowest page between the margins: a title must have room.
 const CONTENT_MIN: u32 = 420;
 const ROW_LABEL_MAX: f32 = 170.0;
-const LABEL_LINES: usize = 3;
+const LABEL_LINES: usize = 4;
 const REASON_LINES: usize = 6;
 const LEGEND_BAR: [u32; 2] = [280, 14];
+/// Width of a bar with the half of its last tick's value that stands out.
+const LEGEND_BAR_ROOM: u32 = LEGEND_BAR[0] + LABEL_GAP;
 const TICK_LENGTH: u32 = 4;
 const TICK_DIGITS: usize = 2;
 
@@ -89,7 +91,7 @@ const LABEL: Style = Style { size: 15.0, color: INK, is_bold: false };
 const NOTE: Style = Style { size: 13.0, color: FAINT_INK, is_bold: false };
 const CAPTION: Style = Style { size: 14.0, color: INK, is_bold: false };
 /// Sizes that labels are shrunk through, all labels of a kind together.
-const LABEL_SIZES: [f32; 4] = [15.0, 14.0, 13.0, 12.0];
+const LABEL_SIZES: [f32; 5] = [15.0, 14.0, 13.0, 12.0, 11.0];
 const NOTE_SIZES: [f32; 3] = [13.0, 12.0, 11.0];
 
 impl ContactSheet {
@@ -107,7 +109,7 @@ impl ContactSheet {
         }
         let mut top = layout.grid_bottom + BLOCK_GAP;
         for legend in &self.legends {
-            draw_legend(&mut page, legend, layout.legend_left(legend), top);
+            draw_legend(&mut page, legend, layout.legend_bar_left(), top);
             top += legend_height() + GROUP_GAP;
         }
         draw_lines(&mut page, &layout.caption, Anchor::Left, MARGIN as f32, layout.caption_top as f32, CAPTION);
@@ -148,6 +150,7 @@ struct Layout {
     row_tops: Vec<u32>,
     grid_right: u32,
     grid_bottom: u32,
+    legend_label_width: u32,
     caption: Vec<String>,
     caption_top: u32,
 }
@@ -159,7 +162,7 @@ impl Layout {
             text::fit(&sheet.column_labels, LABEL, &LABEL_SIZES, tile[0] as f32 + GAP as f32, LABEL_LINES);
         let row_labels = text::fit(&sheet.row_labels, LABEL, &LABEL_SIZES, ROW_LABEL_MAX, LABEL_LINES);
         let label_width = row_labels.1.iter().flatten().map(|line| text::width(line, row_labels.0)).fold(0.0, f32::max);
-        let (note, note_height) = note_style(sheet, tile[0]);
+        let (note, note_heights) = note_style(sheet, tile[0]);
 
         let gaps = |count: usize, group_starts: &[usize]| -> Vec<u32> {
             (1..count).map(|i| if group_starts.contains(&i) { GROUP_GAP } else { GAP }).collect()
@@ -170,7 +173,9 @@ impl Layout {
             column_lefts.push(column_lefts[i] + tile[0] + gap);
         }
         let grid_right = column_lefts[column_lefts.len() - 1] + tile[0];
-        let legend_right = sheet.legends.iter().map(legend_width).max().unwrap_or(0) + MARGIN;
+        let legend_label = |legend: &Legend| text::width(&legend.label, LABEL).ceil() as u32 + LABEL_GAP;
+        let legend_label_width = sheet.legends.iter().map(legend_label).max().unwrap_or(0);
+        let legend_right = MARGIN + legend_label_width + LEGEND_BAR_ROOM;
         let content_right = grid_right.max(MARGIN + CONTENT_MIN).max(legend_right);
 
         let content_width = (content_right - MARGIN) as f32;
@@ -182,9 +187,10 @@ impl Layout {
         let title_gap = if title.is_empty() { 0 } else { BLOCK_GAP };
         let mut row_tops = vec![title_bottom + title_gap + lines_height(label_lines, column_labels.0) + LABEL_GAP];
         for (i, gap) in gaps(sheet.rows.len(), &sheet.row_group_starts).into_iter().enumerate() {
-            row_tops.push(row_tops[i] + tile[1] + note_height + gap);
+            row_tops.push(row_tops[i] + tile[1] + note_heights[i] + gap);
         }
-        let grid_bottom = row_tops[row_tops.len() - 1] + tile[1] + note_height;
+        let last = sheet.rows.len() - 1;
+        let grid_bottom = row_tops[last] + tile[1] + note_heights[last];
         let legend_count = sheet.legends.len() as u32;
         let legends_bottom = match legend_count {
             0 => grid_bottom,
@@ -203,16 +209,18 @@ impl Layout {
             row_tops,
             grid_right,
             grid_bottom,
+            legend_label_width,
             caption,
             caption_top,
         })
     }
 
-    /// Left edge of a legend that is centred below the grid, as far as the margins allow.
-    fn legend_left(&self, legend: &Legend) -> u32 {
+    /// Left edge of all colour bars: legends are centred below the grid, as far as the margins allow.
+    fn legend_bar_left(&self) -> u32 {
         let middle = (self.column_lefts[0] + self.grid_right) / 2;
-        let width = legend_width(legend);
-        middle.saturating_sub(width / 2).min(self.page[0] - MARGIN - width).max(MARGIN)
+        let width = self.legend_label_width + LEGEND_BAR_ROOM;
+        let left = middle.saturating_sub(width / 2).min(self.page[0] - MARGIN - width).max(MARGIN);
+        left + self.legend_label_width
     }
 }
 
@@ -243,18 +251,17 @@ fn tile_size(sheet: &ContactSheet) -> Result<[u32; 2], ContactSheetError> {
     Ok(size.unwrap_or([EMPTY_SIDE; 2]))
 }
 
-/// Style of the notes and the height they add to a row; 0 without notes.
-fn note_style(sheet: &ContactSheet, tile_width: u32) -> (Style, u32) {
+/// Style of the notes, and the height that each row needs for them.
+fn note_style(sheet: &ContactSheet, tile_width: u32) -> (Style, Vec<u32>) {
     let note = |tile: &Tile| match tile {
         Tile::Image { note, .. } if !note.is_empty() => Some(note.clone()),
         _ => None,
     };
     let notes: Vec<String> = sheet.rows.iter().flatten().filter_map(note).collect();
-    if notes.is_empty() {
-        return (NOTE, 0);
-    }
     let (style, _) = text::fit(&notes, NOTE, &NOTE_SIZES, tile_width as f32, 1);
-    (style, style.line_height() as u32 + GAP)
+    let height = style.line_height() as u32 + GAP;
+    let has_note = |tiles: &Vec<Tile>| tiles.iter().any(|tile| note(tile).is_some());
+    (style, sheet.rows.iter().map(|tiles| if has_note(tiles) { height } else { 0 }).collect())
 }
 
 fn draw_tile(page: &mut Rgb8Image, tile: &Tile, layout: &Layout, corner: [u32; 2], scale: u32) {
@@ -273,7 +280,7 @@ fn draw_tile(page: &mut Rgb8Image, tile: &Tile, layout: &Layout, corner: [u32; 2
         }
         Tile::Missing(reason) => {
             fill(page, [left, top], [width, height], FRAME_COLOR);
-            fill(page, [left + 1, top + 1], [width - 2, height - 2], EMPTY_TILE_COLOR);
+            fill(page, [left + 1, top + 1], [width.saturating_sub(2), height.saturating_sub(2)], EMPTY_TILE_COLOR);
             let room = width as f32 - 2.0 * GAP as f32;
             let (style, reasons) = text::fit(std::slice::from_ref(reason), NOTE, &NOTE_SIZES, room, REASON_LINES);
             for lines in reasons {
@@ -284,24 +291,15 @@ fn draw_tile(page: &mut Rgb8Image, tile: &Tile, layout: &Layout, corner: [u32; 2
     }
 }
 
-fn legend_label_width(legend: &Legend) -> u32 {
-    text::width(&legend.label, LABEL).ceil() as u32 + LABEL_GAP
-}
-
-fn legend_width(legend: &Legend) -> u32 {
-    legend_label_width(legend) + LEGEND_BAR[0] + LABEL_GAP
-}
-
 fn legend_height() -> u32 {
     LEGEND_BAR[1] + TICK_LENGTH + NOTE.line_height() as u32
 }
 
-/// Label, colour bar and ticks with their values.
-fn draw_legend(page: &mut Rgb8Image, legend: &Legend, left: u32, top: u32) {
+/// Label, colour bar and ticks with their values; the bar begins at `bar_left`.
+fn draw_legend(page: &mut Rgb8Image, legend: &Legend, bar_left: u32, top: u32) {
     let [width, height] = LEGEND_BAR;
-    let bar_left = left + legend_label_width(legend);
     let label_baseline = LABEL.baseline_at(top as f32 + 0.5 * height as f32);
-    text::draw(page, &legend.label, Anchor::Left, left as f32, label_baseline, LABEL);
+    text::draw(page, &legend.label, Anchor::Right, (bar_left - LABEL_GAP) as f32, label_baseline, LABEL);
     for x in 0..width {
         let color = legend.scale.palette.color(f64::from(x) / f64::from(width - 1));
         fill(page, [bar_left + x, top], [1, height], color);
@@ -310,10 +308,15 @@ fn draw_legend(page: &mut Rgb8Image, legend: &Legend, left: u32, top: u32) {
         let x = bar_left + (legend.scale.place(tick) * f64::from(width - 1)).round() as u32;
         fill(page, [x, top + height], [1, TICK_LENGTH], INK);
         let centre = (top + height + TICK_LENGTH) as f32 + 0.5 * NOTE.line_height();
-        let value = significant(tick, TICK_DIGITS);
-        let value = if value.contains(['.']) { value.trim_end_matches('0').trim_end_matches('.') } else { &value };
-        text::draw(page, value, Anchor::Center, x as f32, NOTE.baseline_at(centre), NOTE);
+        let value = tick_text(tick);
+        text::draw(page, &value, Anchor::Center, x as f32, NOTE.baseline_at(centre), NOTE);
     }
+}
+
+/// A number as figures print it: no trailing zeros, a true minus sign.
+fn tick_text(value: f64) -> String {
+    let text = significant(value, TICK_DIGITS).replace('-', "−");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 fn draw_lines(page: &mut Rgb8Image, lines: &[String], anchor: Anchor, x: f32, top: f32, style: Style) {

@@ -110,16 +110,19 @@ impl TableWriter {
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(|source| file_error(path, source))?;
         let whole = whole_lines(&bytes);
-        file.set_len(whole as u64).map_err(|source| file_error(path, source))?;
-        let mut writer = Self { path: path.to_owned(), file, column_count: columns.len() };
         let names: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
-        if whole == 0 {
-            writer.write_line(columns)?;
-            return Ok((writer, Table { path: path.to_owned(), columns: names, rows: Vec::new() }));
-        }
-        let table = Table::parse(path, &bytes[..whole])?;
+        let table = match whole {
+            0 => Table { path: path.to_owned(), columns: names.clone(), rows: Vec::new() },
+            _ => Table::parse(path, &bytes[..whole])?,
+        };
+        // Before anything is removed: the file may be someone else's.
         if table.columns != names {
             return Err(TableError::Columns { path: path.to_owned(), found: table.columns, expected: names });
+        }
+        file.set_len(whole as u64).map_err(|source| file_error(path, source))?;
+        let mut writer = Self { path: path.to_owned(), file, column_count: columns.len() };
+        if whole == 0 {
+            writer.write_line(columns)?;
         }
         Ok((writer, table))
     }

@@ -72,8 +72,11 @@ const FIXED_EXPONENTS: std::ops::Range<i32> = -4..6;
 /// A number for reading, rounded to `digits` significant digits (at least 1): `0.0123`, `1.50`, `1234`, `1.23e-7`, `inf`.
 /// Digits before the decimal point are never replaced by zeros.
 pub fn significant(number: f64, digits: usize) -> String {
-    if number == 0.0 || !number.is_finite() {
-        return number.abs().to_string().replace("inf", if number < 0.0 { "-inf" } else { "inf" });
+    if number == 0.0 {
+        return "0".to_owned();
+    }
+    if !number.is_finite() {
+        return number.to_string();
     }
     let decimals = digits.max(1) - 1;
     // Rounded first: 0.9996 to three digits is 1.00, with the exponent of 1.

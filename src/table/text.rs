@@ -54,7 +54,9 @@ pub(super) fn width(text: &str, style: Style) -> f32 {
 /// Glyphs from x = 0 on the baseline with the font of each, and the width.
 fn layout(text: &str, style: Style) -> (Vec<(usize, Glyph)>, f32) {
     let mut glyphs = Vec::new();
-    let mut x = if style.is_bold { style.size * BOLD_STROKE } else { 0.0 };
+    let mut x = 0.0;
+    // The second stroke eats into the gap to the next letter.
+    let letter_space = if style.is_bold { style.size * BOLD_STROKE } else { 0.0 };
     let mut previous: Option<(usize, GlyphId)> = None;
     for character in text.chars() {
         let face = FONTS.iter().position(|font| font.glyph_id(character).0 != 0).unwrap_or(0);
@@ -67,7 +69,7 @@ fn layout(text: &str, style: Style) -> (Vec<(usize, Glyph)>, f32) {
             x += scaled.kern(left, id);
         }
         glyphs.push((face, id.with_scale_and_position(scale, point(x, 0.0))));
-        x += scaled.h_advance(id);
+        x += scaled.h_advance(id) + letter_space;
         previous = Some((face, id));
     }
     (glyphs, x)

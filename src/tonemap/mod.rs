@@ -7,7 +7,7 @@
 //! 1/2.2 only approximates that encoding, and it is kept because the document prints it.
 //!
 //! The domain is finite radiance ≥ 0. A negative or non-finite value cannot come from a correct estimator of a non-negative
-//! integrand; the stage that made it must report it, with stage and texel. The f64 twin in [`reference`] asserts the domain.
+//! integrand; the stage that made it must report it, with stage and texel. The f64 twin in [`mod@reference`] asserts the domain.
 
 pub mod reference;
 

@@ -216,7 +216,7 @@ fn flip_equals_flip_evaluator() {
     let reference = |x: u32, y: u32| [3 * x + 2 * y, 250 - 4 * x, 6 * y];
     let test = |x: u32, y: u32| {
         let [r, g, b] = reference(x, y);
-        let edge = if (x / 6 + y / 5) % 2 == 0 { 24 } else { 0 };
+        let edge = if (x / 6 + y / 5).is_multiple_of(2) { 24 } else { 0 };
         [(r + edge).min(250), g - g / 10, b + 5 * (x % 3)]
     };
     let image = |code: &dyn Fn(u32, u32) -> [u32; 3]| {

@@ -1,97 +1,309 @@
-//! preview
-use splitsum::metrics::*;
-use splitsum::pixels::*;
-use splitsum::table::colormap::*;
-use splitsum::table::contact_sheet::*;
-use splitsum::table::markdown::significant;
-use splitsum::tonemap::ToneCurve;
+//! Tables on disk, in Markdown and as pictures.
 
-fn save(image: &Rgb8Image, path: &str) {
-    image::save_buffer(path, image.data.as_flattened(), image.width, image.height, image::ColorType::Rgb8).unwrap();
+use splitsum::pixels::{GrayImage, Rgb8Image};
+use splitsum::table::colormap::{
+    ColorScale, FLIP_ERROR, NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR,
+};
+use splitsum::table::contact_sheet::{ContactSheet, ContactSheetError, Legend, Tile};
+use splitsum::table::csv::{Cell, Table, TableError, TableWriter};
+use splitsum::table::markdown::{Align, MarkdownTable, significant};
+use std::io::Write;
+
+const COLUMNS: [&str; 3] = ["method", "rmse", "samples"];
+
+/// Rows with everything that CSV must protect.
+fn rows() -> Vec<[Cell; 3]> {
+    vec![
+        ["split-sum".into(), 0.1.into(), Cell::Integer(0)],
+        ["a,b \"quoted\"\nsecond line".into(), (1.0 / 3.0).into(), Cell::Integer(u64::MAX)],
+        ["=1+1".into(), f64::INFINITY.into(), Cell::Integer(4)],
+        ["".into(), None.into(), Cell::Missing],
+        ["ünïcödé α".into(), (-1.5e-300).into(), Cell::Integer(16)],
+    ]
 }
 
 #[test]
-fn preview() {
-    let side = 128;
-    let sphere = |x: u32, y: u32| {
-        let (x, y) = ((x as f32 + 0.5) / side as f32 * 2.1 - 1.05, 1.05 - (y as f32 + 0.5) / side as f32 * 2.1);
-        let r2 = x * x + y * y;
-        (r2 < 1.0).then(|| [x, y, (1.0 - r2).max(0.0).sqrt()])
-    };
-    let mask = GrayImage::from_fn(side, side, |x, y| if sphere(x, y).is_some() { 1.0 } else { 0.0 });
-    let alphas = [0.05f32, 0.1, 0.25, 0.5, 1.0];
-    let columns = [
-        "reference",
-        "sampled-unfiltered N = 4",
-        "sampled N = 16",
-        "sampled N = 40",
-        "split-sum",
-        "seed0-literal (documented slips)",
-    ];
-    let mut rows = Vec::new();
-    let mut labels = Vec::new();
-    for (k, alpha) in alphas.iter().enumerate() {
-        let shade = |noise: f32, seed: u32| {
-            RgbImage::from_fn(side, side, |x, y| {
-                let Some(n) = sphere(x, y) else { return [0.0; 3] };
-                let d = (n[0] * 0.4 + n[1] * 0.7 + n[2] * 0.6).max(0.0);
-                let spec = d.powf(4.0 / (alpha * alpha)) / (alpha * alpha) * 0.5;
-                let h = (x.wrapping_mul(73856093) ^ y.wrapping_mul(19349663) ^ seed.wrapping_mul(83492791))
-                    .wrapping_mul(2654435761);
-                let u = (h >> 8) as f32 / (1 << 24) as f32;
-                let sky = 0.3 + 0.5 * (n[1] * 0.5 + 0.5);
-                let f = (1.0 + noise * (u - 0.5)).max(0.0);
-                [(sky * 0.7 + spec) * f, (sky * 0.85 + spec) * f, (sky * 1.2 + spec) * f]
-            })
-        };
-        let reference = shade(0.0, 0);
-        let mut images = vec![Tile::Image { image: ToneCurve::default().apply_image(&reference), note: String::new() }];
-        let mut errors = vec![Tile::Missing(String::new())];
-        for (i, noise) in [1.2, 0.4, 0.2, 0.05, 0.9].into_iter().enumerate() {
-            let test = shade(noise, i as u32 + 1).map(|p| if i >= 3 { p.map(|v| v * 1.1) } else { p });
-            let c = Comparison::new(&test, &reference, &mask, ToneCurve::default()).unwrap();
-            if k == 3 && i == 1 {
-                images.push(Tile::Missing("failed: device lost after 3 attempts".into()));
-                errors.push(Tile::Missing("no image".into()));
-                continue;
-            }
-            let v = c.evaluate(&[metric("relmse_eps1e-2").unwrap()])[0].1;
-            images.push(Tile::Image { image: ToneCurve::default().apply_image(&test), note: String::new() });
-            let picture = if k == 4 {
-                SIGNED_ERROR.image(&c.signed_error_map(), &mask)
-            } else {
-                RELATIVE_ERROR.image(&c.relative_error_map(), &mask)
-            };
-            errors.push(Tile::Image { image: picture, note: format!("relMSE {}", significant(v, 3)) });
-        }
-        errors[0] = Tile::Missing("noise floor 2.1e-6".into());
-        rows.push(images);
-        labels.push(format!("α = {alpha}\nimage"));
-        rows.push(errors);
-        labels.push("relative error".to_string());
+fn csv_bytes_are_exact() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("errors.csv");
+    let mut writer = TableWriter::create(&path, &COLUMNS).unwrap();
+    for (i, row) in rows().iter().enumerate() {
+        writer.append(row).unwrap();
+        // Each row is in the file while the writer lives.
+        assert_eq!(Table::read(&path).unwrap().rows.len(), i + 1);
     }
-    let sheet = ContactSheet {
-        title: "samples-vs-split-sum: ggx, builtin:sky, 128×128".into(),
-        caption: "Error maps show sqrt(mean of d²/(r² + 0.01)) over RGB, the same range in every tile. The reference took 16384 samples a pixel; its own noise floor is relMSE 2.1e-6. Tone curve: exposure 1, contrast 1.".into(),
-        column_labels: columns.iter().map(|s| s.to_string()).collect(),
-        row_labels: labels,
-        rows,
+    let expected = "method,rmse,samples\nsplit-sum,0.1,0\n\"a,b \"\"quoted\"\"\nsecond line\",0.3333333333333333,\
+                    18446744073709551615\n=1+1,inf,4\n,,\nünïcödé α,-1.5e-300,16\n";
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), expected);
+    let table = Table::read(&path).unwrap();
+    assert_eq!(table.columns, COLUMNS);
+    assert_eq!(table.rows[1][0], "a,b \"quoted\"\nsecond line");
+    let numbers = [Some(0.1), Some(1.0 / 3.0), Some(f64::INFINITY), None, Some(-1.5e-300)];
+    assert_eq!(table.numbers("rmse").unwrap(), numbers);
+}
+
+#[test]
+fn csv_numbers_read_back_exactly() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("numbers.csv");
+    let mut writer = TableWriter::create(&path, &["x"]).unwrap();
+    let mut numbers = vec![f64::MIN_POSITIVE, 5e-324, f64::MAX, 1e16, 9.999e15, 1e-5, 9.9e-6, 0.1 + 0.2, -0.0, 1e23];
+    numbers.extend((1u64..200).map(|i| f64::from_bits(i.wrapping_mul(0x9e37_79b9_7f4a_7c15) & !(1 << 62))));
+    for number in &numbers {
+        writer.append(&[Cell::Number(*number)]).unwrap();
+    }
+    let read = Table::read(&path).unwrap().numbers("x").unwrap();
+    assert_eq!(read.len(), numbers.len());
+    for (read, number) in read.into_iter().zip(numbers) {
+        assert_eq!(read.unwrap().to_bits(), number.to_bits());
+    }
+    let longest = std::fs::read_to_string(&path).unwrap().lines().map(str::len).max().unwrap();
+    assert!(longest <= 24, "a number of {longest} characters");
+}
+
+#[test]
+fn a_table_that_was_cut_anywhere_resumes_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("errors.csv");
+    let mut writer = TableWriter::create(&path, &COLUMNS).unwrap();
+    rows().iter().for_each(|row| writer.append(row).unwrap());
+    let whole = std::fs::read(&path).unwrap();
+    for cut in 0..=whole.len() {
+        std::fs::write(&path, &whole[..cut]).unwrap();
+        let (mut writer, table) = TableWriter::resume(&path, &COLUMNS).unwrap();
+        assert!(table.rows.iter().all(|row| row.len() == COLUMNS.len()));
+        rows()[table.rows.len()..].iter().for_each(|row| writer.append(row).unwrap());
+        assert_eq!(std::fs::read(&path).unwrap(), whole, "cut after {cut} bytes");
+    }
+    std::fs::remove_file(&path).unwrap();
+    assert!(TableWriter::resume(&path, &COLUMNS).unwrap().1.rows.is_empty());
+}
+
+#[test]
+fn table_errors_name_file_and_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("errors.csv");
+    let mut writer = TableWriter::create(&path, &COLUMNS).unwrap();
+    rows().iter().for_each(|row| writer.append(row).unwrap());
+    // Torn, and of another plan: not ours to repair.
+    std::fs::OpenOptions::new().append(true).open(&path).unwrap().write_all(b"torn").unwrap();
+    let before = std::fs::read(&path).unwrap();
+    let error = TableWriter::resume(&path, &["method", "mae"]).unwrap_err();
+    assert!(matches!(error, TableError::Columns { .. }) && error.to_string().contains("errors.csv"));
+    assert_eq!(std::fs::read(&path).unwrap(), before, "a table of another plan must stay as it was");
+    let (_, table) = TableWriter::resume(&path, &COLUMNS).unwrap();
+    let message = table.numbers("method").unwrap_err().to_string();
+    assert!(message.contains("row 1, column method: \"split-sum\" is not a number"), "{message}");
+    assert!(table.column("rms").unwrap_err().to_string().contains("no column \"rms\""));
+    std::fs::write(&path, "a,b\n1,2\n3\n").unwrap();
+    let message = Table::read(&path).unwrap_err().to_string();
+    assert!(message.contains("line: 3"), "{message}");
+    let missing = TableWriter::create(&folder.path().join("no/such/folder.csv"), &COLUMNS).unwrap_err().to_string();
+    assert!(missing.contains("no/such/folder.csv"), "{missing}");
+}
+
+#[test]
+fn markdown_is_aligned_and_escaped() {
+    let mut table = MarkdownTable::new(&[("method", Align::Left), ("N", Align::Right), ("a|b", Align::Right)]);
+    table.row(&["split-sum", "", "0.0123"]);
+    table.row(&["α\nβ", "16", "1"]);
+    let expected = "\
+| method    |   N |   a\\|b |
+|-----------|----:|-------:|
+| split-sum |     | 0.0123 |
+| α β       |  16 |      1 |
+";
+    assert_eq!(table.to_string(), expected);
+}
+
+#[test]
+fn numbers_for_reading() {
+    for (number, digits, expected) in [
+        (0.012345, 3, "0.0123"),
+        (1.5, 3, "1.50"),
+        (0.9996, 3, "1.00"),
+        (-12.345, 3, "-12.3"),
+        (123456.7, 3, "123457"),
+        (1234567.0, 3, "1.23e6"),
+        (0.00012, 2, "0.00012"),
+        (0.000012, 2, "1.2e-5"),
+        (0.00009999, 2, "0.00010"),
+        (7.0, 0, "7"),
+        (0.0, 3, "0"),
+        (-0.0, 3, "0"),
+        (f64::INFINITY, 3, "inf"),
+        (f64::NEG_INFINITY, 3, "-inf"),
+        (f64::NAN, 3, "NaN"),
+    ] {
+        assert_eq!(significant(number, digits), expected);
+    }
+}
+
+/// Relative luminance of an sRGB colour.
+fn luminance(color: [u8; 3]) -> f64 {
+    let linear = color.map(|code| {
+        let c = f64::from(code) / 255.0;
+        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    });
+    0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+}
+
+#[test]
+fn palettes_are_the_published_ones() {
+    // matplotlib's magma at 0, 128/255 and 1: (0.001462, 0.000466, 0.013866), (0.716387, 0.214982, 0.475290),
+    // (0.987053, 0.991438, 0.749504).
+    let magma = |t| Palette::Magma.color(t);
+    assert_eq!([magma(0.0), magma(128.0 / 255.0), magma(1.0)], [[0, 0, 4], [183, 55, 121], [252, 253, 191]]);
+    let blue_red = |t| Palette::BlueRed.color(t);
+    assert_eq!([blue_red(0.0), blue_red(0.5), blue_red(1.0)], [[5, 48, 97], [247, 247, 247], [103, 0, 31]]);
+    assert_eq!(blue_red(0.05), [19, 75, 135]);
+    for palette in [Palette::Magma, Palette::BlueRed] {
+        assert_eq!([palette.color(-3.0), palette.color(7.0)], [palette.color(0.0), palette.color(1.0)]);
+        assert_eq!(palette.color(f64::NAN), NAN_COLOR);
+    }
+    // Order by lightness, so that a grey print still reads; one code of rounding is allowed.
+    let rises = |colors: Vec<f64>| colors.windows(2).all(|pair| pair[1] > pair[0] - 1e-3);
+    assert!(rises((0..=100).map(|i| luminance(magma(f64::from(i) / 100.0))).collect()));
+    assert!(rises((0..=50).map(|i| luminance(blue_red(f64::from(i) / 100.0))).collect()));
+    assert!(rises((0..=50).map(|i| luminance(blue_red(1.0 - f64::from(i) / 100.0))).collect()));
+}
+
+#[test]
+fn ranges_are_fixed() {
+    assert!((RELATIVE_ERROR.place(10f64.powf(-1.5)) - 0.5).abs() < 1e-12);
+    assert_eq!([RELATIVE_ERROR.place(0.0), RELATIVE_ERROR.place(-1.0)], [0.0, 0.0]);
+    assert_eq!([RELATIVE_ERROR.color(0.0), RELATIVE_ERROR.color(50.0)], [[0, 0, 4], [252, 253, 191]]);
+    assert_eq!(RELATIVE_ERROR.color(f64::NAN), NAN_COLOR);
+    assert_eq!(RELATIVE_ERROR.ticks(), [1e-3, 1e-2, 1e-1, 1.0]);
+    assert_eq!(SIGNED_ERROR.color(0.0), [247; 3]);
+    assert_eq!(SIGNED_ERROR.ticks(), [-0.5, -0.25, 0.0, 0.25, 0.5]);
+    assert_eq!((FLIP_ERROR.place(0.25), FLIP_ERROR.ticks().len()), (0.25, 5));
+    let narrow = ColorScale { palette: Palette::Magma, range: Range::Log { lo: 2e-3, hi: 0.5 } };
+    assert_eq!(narrow.ticks(), [1e-2, 1e-1]);
+    let map = GrayImage::new(3, 1, vec![0.0, 1.0, 1.0]);
+    let mask = GrayImage::new(3, 1, vec![1.0, 1.0, 0.0]);
+    let [first, last] = [0.0, 1.0].map(|t| Palette::Magma.color(t));
+    assert_eq!(RELATIVE_ERROR.image(&map, &mask).data, [first, last, OFF_MASK_COLOR]);
+}
+
+/// A sheet of 3 columns and 2 rows; the tile at (row, column) is flat in a colour of its own, but the last is missing.
+fn sheet() -> ContactSheet {
+    let tile = |row: u8, column: u8| match (row, column) {
+        (1, 2) => Tile::Missing("device lost".into()),
+        _ => Tile::Image { image: Rgb8Image::filled(30, 20, tile_color(row, column)), note: "relMSE 0.0123".into() },
+    };
+    ContactSheet {
+        title: "A title".into(),
+        caption: "A caption that is long enough to be broken over two lines at the width of this small sheet.".into(),
+        column_labels: ["reference", "sampled-unfiltered with a name that is far too long", "split-sum"]
+            .map(String::from)
+            .into(),
+        row_labels: vec!["α = 0.1".into(), "relative\nerror".into()],
+        rows: (0..2).map(|row| (0..3).map(|column| tile(row, column)).collect()).collect(),
         column_group_starts: vec![1],
-        row_group_starts: vec![2, 4, 6, 8],
-        scale: 1,
-        legends: vec![
-            Legend { label: "relative error".into(), scale: RELATIVE_ERROR },
-            Legend { label: "signed relative error".into(), scale: SIGNED_ERROR },
-        ],
+        row_group_starts: vec![],
+        scale: 3,
+        legends: vec![Legend { label: "relative error".into(), scale: RELATIVE_ERROR }],
+    }
+}
+
+fn tile_color(row: u8, column: u8) -> [u8; 3] {
+    [10 + 40 * row, 200, 20 + 60 * column]
+}
+
+/// Left, top, right, bottom (past the end) and pixel count of a colour.
+fn extent(page: &Rgb8Image, is_wanted: impl Fn([u8; 3]) -> bool) -> ([u32; 4], usize) {
+    let mut extent = [u32::MAX, u32::MAX, 0, 0];
+    let mut count = 0;
+    for (x, y) in (0..page.height).flat_map(|y| (0..page.width).map(move |x| (x, y))) {
+        if is_wanted(page.get(x, y)) {
+            extent = [extent[0].min(x), extent[1].min(y), extent[2].max(x + 1), extent[3].max(y + 1)];
+            count += 1;
+        }
+    }
+    (extent, count)
+}
+
+#[test]
+fn tiles_stand_in_a_grid_and_nothing_covers_them() {
+    let page = sheet().render().unwrap();
+    let place = |row, column| {
+        let (extent, count) = extent(&page, |color| color == tile_color(row, column));
+        assert_eq!(count, 90 * 60, "row {row}, column {column} is partly covered");
+        assert_eq!([extent[2] - extent[0], extent[3] - extent[1]], [90, 60]);
+        [extent[0], extent[1]]
     };
-    save(&sheet.render().unwrap(), "/tmp/sheet.png");
-    let small = ContactSheet {
-        title: "One long title that does not fit over a single narrow column of tiles".into(),
-        column_labels: vec!["sampled-unfiltered-with-a-very-long-name".into()],
-        row_labels: vec!["r".into()],
-        rows: vec![vec![Tile::Image { image: Rgb8Image::filled(32, 32, [90, 20, 60]), note: "0.0123".into() }]],
-        scale: 2,
-        ..sheet.clone()
+    let [a, b, c] = [0, 1, 2].map(|column| place(0, column));
+    let [d, e] = [0, 1].map(|column| place(1, column));
+    assert_eq!((a[1] == b[1] && b[1] == c[1], d[1] == e[1], a[0] == d[0], b[0] == e[0]), (true, true, true, true));
+    assert!(d[1] > a[1] + 60, "rows must not overlap");
+    let [group_gap, gap] = [b[0] - a[0] - 90, c[0] - b[0] - 90];
+    assert!(group_gap > gap && gap > 0, "gaps {group_gap} and {gap}");
+    let (ink, _) = extent(&page, |color| color != [255; 3]);
+    let margins = [ink[0], ink[1], page.width - ink[2], page.height - ink[3]];
+    assert!(margins.iter().all(|margin| *margin >= 20), "{margins:?}");
+}
+
+#[test]
+fn every_text_and_the_legend_are_drawn() {
+    let full = sheet().render().unwrap();
+    let ink = |page: &Rgb8Image| extent(page, |color| color != [255; 3]).1;
+    let cuts: [fn(&mut ContactSheet); 6] = [
+        |sheet| sheet.title.clear(),
+        |sheet| sheet.caption.clear(),
+        |sheet| sheet.column_labels[0].clear(),
+        |sheet| sheet.row_labels[1].clear(),
+        |sheet| sheet.legends.clear(),
+        |sheet| sheet.rows[0][0] = Tile::Image { image: Rgb8Image::filled(30, 20, [1; 3]), note: String::new() },
+    ];
+    for (i, cut) in cuts.iter().enumerate() {
+        let mut less = sheet();
+        cut(&mut less);
+        let lost = ink(&full) - ink(&less.render().unwrap());
+        assert!(lost > 40, "text {i} has {lost} pixels of ink");
+    }
+    let reason = |text: &str| {
+        let mut sheet = sheet();
+        sheet.rows[1][2] = Tile::Missing(text.into());
+        extent(&sheet.render().unwrap(), |color| color[0] == color[1] && color[1] == color[2] && color[0] < 160).1
     };
-    save(&small.render().unwrap(), "/tmp/small.png");
+    assert!(reason("device lost") > reason("") + 40, "the reason of a missing image must be readable");
+    for t in [0.0, 1.0] {
+        let (bar_end, _) = extent(&full, |color| color == Palette::Magma.color(t));
+        assert!(bar_end[3] > bar_end[1], "an end of the colour bar is missing");
+    }
+}
+
+#[test]
+fn sheets_that_cannot_be_drawn_say_why() {
+    let refused = |change: fn(&mut ContactSheet)| {
+        let mut sheet = sheet();
+        change(&mut sheet);
+        sheet.render().expect_err("a broken sheet must be refused")
+    };
+    assert_eq!(refused(|sheet| sheet.rows.clear()), ContactSheetError::Empty);
+    let message = refused(|sheet| drop(sheet.rows[1].pop())).to_string();
+    assert_eq!(message, "the sheet \"A title\" has 2 tiles in a row, expected 3");
+    let message = refused(|sheet| drop(sheet.row_labels.pop())).to_string();
+    assert_eq!(message, "the sheet \"A title\" has 1 row labels, expected 2");
+    let message = refused(|sheet| {
+        sheet.rows[1][0] = Tile::Image { image: Rgb8Image::filled(30, 21, [0; 3]), note: String::new() }
+    });
+    assert!(message.to_string().contains("row 1, column 0") && message.to_string().contains("30x21"), "{message}");
+}
+
+#[test]
+fn a_sheet_without_images_or_labels_is_drawn() {
+    let mut bare = sheet();
+    bare.title.clear();
+    bare.caption.clear();
+    bare.legends.clear();
+    bare.column_labels = vec![String::new()];
+    bare.row_labels = vec![String::new()];
+    bare.rows = vec![vec![Tile::Missing(String::new())]];
+    let page = bare.render().unwrap();
+    assert!(page.width > 0 && page.height > 0);
+    bare.rows = vec![vec![Tile::Image { image: Rgb8Image::filled(1, 1, [9; 3]), note: "long note".into() }]];
+    bare.scale = 1;
+    assert_eq!(extent(&bare.render().unwrap(), |color| color == [9; 3]).1, 1);
 }
