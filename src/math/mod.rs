@@ -1,5 +1,6 @@
 //! f64 mathematics that no renderer owns: frames, the equirectangular mapping, point sets, quadrature, spherical harmonics.
 pub mod equirect;
+pub mod equirect_quadrature;
 pub mod erf;
 pub mod frame;
 pub mod quadrature;

@@ -69,6 +69,13 @@ pub struct Estimate<const K: usize> {
     pub error: [DVec3; K],
 }
 
+/// Three numbers (linear RGB in most uses) and a bound of the absolute error of each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounded {
+    pub value: DVec3,
+    pub error: DVec3,
+}
+
 /// When an adaptive integration stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
@@ -96,6 +103,12 @@ impl<const K: usize> Estimate<K> {
             self.value[k] -= other.value[k];
             self.error[k] -= other.error[k];
         }
+    }
+
+    /// `Σ factors[k] value[k]`, with the bound that follows.
+    pub fn combine(&self, factors: [DVec3; K]) -> Bounded {
+        let sum = |numbers: &[DVec3; K], factor: &dyn Fn(usize) -> DVec3| (0..K).map(|k| numbers[k] * factor(k)).sum();
+        Bounded { value: sum(&self.value, &|k| factors[k]), error: sum(&self.error, &|k| factors[k].abs()) }
     }
 
     /// What each error is relative to.
@@ -277,7 +290,7 @@ impl Rectangle {
 /// `∫∫ f` over a rectangle, for three integrands at once. Kinks and cliffs cost time, not accuracy.
 ///
 /// The error of a part is its area times the largest residual of its interpolant: pessimistic for smooth parts.
-pub fn integrate_rectangle(rectangle: Rectangle, tolerance: Tolerance, f: impl Fn(DVec2) -> DVec3) -> (DVec3, DVec3) {
+pub fn integrate_rectangle(rectangle: Rectangle, tolerance: Tolerance, f: impl Fn(DVec2) -> DVec3) -> Bounded {
     let rule = TensorRule::default();
     let coordinates = rule.coordinates();
     let estimate = |part: &Rectangle| {
@@ -292,6 +305,5 @@ pub fn integrate_rectangle(rectangle: Rectangle, tolerance: Tolerance, f: impl F
     // Sixteen roots: a single one could miss a feature that falls between its nodes.
     let quarters = |part: &Rectangle| part.split_at(part.center());
     let roots = quarters(&rectangle).into_iter().flat_map(|part| quarters(&part));
-    let Estimate { value: [value], error: [error] } = integrate_adaptively(roots, estimate, quarters, tolerance);
-    (value, error)
+    integrate_adaptively(roots, estimate, quarters, tolerance).combine([DVec3::ONE])
 }

@@ -9,7 +9,7 @@ use crate::gpu::{Buffer, Format, Gpu, Image, Report};
 use crate::pixels::GrayImage;
 use crate::precompute::dfg::pass::DfgPass;
 use crate::precompute::irradiance::pass::IrradiancePass;
-use crate::precompute::mips::pass::MipsPass;
+use crate::precompute::mips::{level_count, pass::MipsPass};
 use crate::precompute::points;
 use crate::precompute::prefilter::pass::PrefilterPass;
 use crate::precompute::sh9::pass::Sh9Pass;
@@ -97,11 +97,6 @@ impl Prepared {
     pub(super) fn has_diffuse_pass(&self, request: &RenderRequest) -> bool {
         !matches!(request.diffuse.name, "none" | "reference")
     }
-}
-
-/// Levels of a full mip chain.
-fn full_mip_count([width, height]: [u32; 2]) -> u32 {
-    32 - width.max(height).leading_zeros()
 }
 
 impl Resources {
@@ -201,7 +196,7 @@ impl Resources {
         self.environments.get_or_make(environment.hash.clone(), || {
             let pixels = &environment.image;
             let size = [pixels.width, pixels.height];
-            let image = gpu.image("environment", size, full_mip_count(size), Format::Rgba32Float)?;
+            let image = gpu.image("environment", size, level_count(size), Format::Rgba32Float)?;
             let texels: Vec<[f32; 4]> = pixels.data.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
             gpu.write_image(&image, 0, &texels)?;
             let mut recorder = gpu.record("mips")?;

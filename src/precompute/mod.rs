@@ -6,6 +6,14 @@ pub mod points;
 pub mod prefilter;
 pub mod sh9;
 
+use crate::math::equirect_quadrature::EquirectQuadrature;
+use crate::pixels::RgbImage;
+
+/// Prepares an environment's map for the exact integrals of the f64 references.
+pub fn exact_quadrature(image: &RgbImage) -> EquirectQuadrature {
+    EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y))
+}
+
 /// Sizes and sample counts of every precompute pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrecomputeSettings {

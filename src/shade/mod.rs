@@ -1,6 +1,7 @@
 //! Image-based lighting: the methods that turn a g-buffer and an environment into radiance.
 
 pub mod pass;
+pub mod reference;
 
 /// How the specular term is computed. The names are the shader file stems (with `-` for `_`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -18,12 +18,12 @@ fn view(n_dot_v: f64) -> DVec3 {
 fn integrate_sphere(relative: f64, f: impl Fn(DVec3) -> f64) -> f64 {
     let domain = Rectangle { low: DVec2::new(-20.0, 0.0), high: DVec2::new(20.0, 1.0) };
     let tolerance = Tolerance { relative, max_part_count: 100_000 };
-    let (value, _) = integrate_rectangle(domain, tolerance, |p| {
+    let integral = integrate_rectangle(domain, tolerance, |p| {
         // sin θ = 1/cosh t, cos θ = -tanh t, dω = sin² θ dt dφ.
         let sin_theta = 1.0 / p.x.cosh();
         DVec3::splat(TAU * sin_theta * sin_theta * f(direction_from_polar(sin_theta, -p.x.tanh(), p.y)))
     });
-    value.x
+    integral.value.x
 }
 
 #[test]

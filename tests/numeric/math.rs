@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, uv_from_direction};
 use splitsum::math::erf::{erf, erf_inverse, erfc};
 use splitsum::math::frame::Frame;
-use splitsum::math::quadrature::{GaussLegendre, Rectangle, Tolerance, integrate_rectangle};
+use splitsum::math::quadrature::{Bounded, GaussLegendre, Rectangle, Tolerance, integrate_rectangle};
 use splitsum::math::sampling::{direction_from_polar, hammersley, radical_inverse_2, sample_cosine};
 use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
 use std::f64::consts::{PI, TAU};
@@ -114,7 +114,7 @@ fn adaptive_cubature_keeps_its_word_on_kinks_cliffs_and_peaks() {
     let tolerance = Tolerance { relative: 1e-6, max_part_count: 200_000 };
     // A kink along a diagonal (exact 1/6), an off-centre peak of width 0.01, a smooth function.
     let peak = |x: f64| (-((x - 0.371) / 0.01).powi(2)).exp();
-    let (value, error) = integrate_rectangle(square, tolerance, |p| {
+    let Bounded { value, error } = integrate_rectangle(square, tolerance, |p| {
         DVec3::new((p.x - p.y).max(0.0), peak(p.x) * peak(p.y), (p.x * p.y).exp())
     });
     let exact = DVec3::new(1.0 / 6.0, PI * 1e-4, 1.317_902_151_454_403_8);
@@ -130,7 +130,7 @@ fn adaptive_cubature_keeps_its_word_on_kinks_cliffs_and_peaks() {
     }
     // A cliff that no grid line meets: converges slowly, and says how far it got.
     let rough = Tolerance { relative: 1e-9, max_part_count: 2_000 };
-    let (value, error) = integrate_rectangle(square, rough, |p| DVec3::splat(f64::from(u8::from(p.length() < 1.0))));
+    let Bounded { value, error } = integrate_rectangle(square, rough, |p| DVec3::splat(f64::from(u8::from(p.length() < 1.0))));
     assert!((value.x - PI / 4.0).abs() <= error.x && error.x > 1e-6 && error.x < 1e-2, "{} +- {}", value.x, error.x);
 }
 

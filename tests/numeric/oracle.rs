@@ -1,1 +1,232 @@
+//! The exact shading integrals against outside answers and identities.
 
+use glam::{DQuat, DVec2, DVec3};
+use rayon::prelude::*;
+use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing};
+use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
+use splitsum::math::frame::Frame;
+use splitsum::math::quadrature::Tolerance;
+use splitsum::math::sampling::direction_from_polar;
+use splitsum::pixels::{Pixels, RgbImage};
+use splitsum::precompute::dfg::reference::dfg;
+use splitsum::precompute::exact_quadrature;
+use splitsum::precompute::irradiance::reference::irradiance;
+use splitsum::shade::reference::{self, Surface, TOLERANCE};
+use std::f64::consts::{PI, TAU};
+
+/// `tests/golden/env_analytic.exr`: a smooth sky with a Gaussian sun, 512 x 256.
+pub fn golden_environment() -> RgbImage {
+    let image = exr::prelude::read_first_rgba_layer_from_file(
+        "tests/golden/env_analytic.exr",
+        |resolution, _| RgbImage::filled(resolution.width() as u32, resolution.height() as u32, [0.0; 3]),
+        |image: &mut Pixels<[f32; 3]>, position, (r, g, b, _): (f32, f32, f32, f32)| {
+            image.data[position.y() * image.width as usize + position.x()] = [r, g, b];
+        },
+    );
+    image.expect("tests/golden/env_analytic.exr").layer_data.channel_data.pixels
+}
+
+/// A row of `tests/golden/queries.csv`.
+struct Golden {
+    id: String,
+    surface: Surface,
+    specular_white: DVec3,
+    specular: DVec3,
+    diffuse_transmitted: DVec3,
+    diffuse: DVec3,
+    seed0_literal: DVec3,
+}
+
+fn golden_queries() -> Vec<Golden> {
+    let mut reader = csv::Reader::from_path("tests/golden/queries.csv").unwrap();
+    let rows = reader.records().map(|row| {
+        let row = row.unwrap();
+        let number = |k: usize| row[k].parse::<f64>().unwrap();
+        let vector = |k: usize| DVec3::new(number(k), number(k + 1), number(k + 2));
+        let surface = Surface {
+            model: brdf::by_name(&row[2]).unwrap(),
+            masking: MaskingShadowing::Separable,
+            alpha: number(3),
+            f0: DVec3::splat(number(4)),
+            n: vector(5),
+            v: vector(8),
+        };
+        Golden {
+            id: row[0].to_owned(),
+            surface,
+            specular_white: vector(11),
+            specular: vector(14),
+            diffuse_transmitted: vector(17),
+            diffuse: vector(20),
+            seed0_literal: vector(23),
+        }
+    });
+    rows.collect()
+}
+
+/// Relative accuracy of the golden queries.
+const QUERY_TOLERANCE: f64 = 2e-4;
+
+fn assert_close(what: &str, actual: DVec3, expected: DVec3, relative: f64) {
+    let error = (actual - expected).abs().max_element();
+    assert!(error <= relative * expected.max_element(), "{what}: {actual} against {expected}, off by {error:e}");
+}
+
+#[test]
+fn golden_queries_are_met() {
+    let environment = exact_quadrature(&golden_environment());
+    let queries = golden_queries();
+    let surfaces: Vec<Surface> = queries.iter().map(|golden| golden.surface).collect();
+    let answers = reference::integrate_all(&environment, &surfaces, TOLERANCE);
+    for (golden, answer) in queries.iter().zip(&answers) {
+        let columns = [
+            ("spec_F1", answer.specular_white, golden.specular_white),
+            ("spec_schlick", answer.specular, golden.specular),
+            ("diff_1mF_over_pi", answer.diffuse_transmitted, golden.diffuse_transmitted),
+            ("lambert_over_pi", answer.diffuse, golden.diffuse),
+        ];
+        for (column, bounded, expected) in columns {
+            let what = format!("query {} {column}", golden.id);
+            assert_close(&what, bounded.value, expected, QUERY_TOLERANCE);
+            assert!(bounded.error.max_element() <= 1.1e-5 * expected.max_element(), "{what}: {bounded:?}");
+        }
+        let white = Surface { f0: DVec3::ONE, ..golden.surface };
+        let literal = reference::seed0_literal(&environment, &white, TOLERANCE);
+        assert_close(&format!("query {} seed_literal_F1", golden.id), literal.value, golden.seed0_literal, QUERY_TOLERANCE);
+        let irradiance = irradiance(&environment, golden.surface.n, TOLERANCE).value / PI;
+        assert_close(&format!("query {} irradiance", golden.id), irradiance, golden.diffuse, QUERY_TOLERANCE);
+    }
+}
+
+/// Bilinear lookup of the contract: u wraps, v clamps.
+pub fn lookup(image: &RgbImage, d: DVec3) -> DVec3 {
+    let size = DVec2::new(f64::from(image.width), f64::from(image.height));
+    let position = uv_from_direction(d) * size - 0.5;
+    let (cell, fraction) = (position.floor(), position - position.floor());
+    let texel = |x: f64, y: f64| {
+        let (x, y) = (x.rem_euclid(size.x) as u32, y.clamp(0.0, size.y - 1.0) as u32);
+        DVec3::from_array(image.get(x, y).map(f64::from))
+    };
+    let row = |y: f64| texel(cell.x, y).lerp(texel(cell.x + 1.0, y), fraction.x);
+    row(cell.y).lerp(row(cell.y + 1.0), fraction.y)
+}
+
+/// A surface with the view at `n_dot_v`, about a normal off every axis.
+fn surface(model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, n_dot_v: f64) -> Surface {
+    let n = DVec3::new(0.48, 0.6, -0.64);
+    let v = Frame::from_normal(n).to_world(direction_from_polar((1.0 - n_dot_v * n_dot_v).sqrt(), n_dot_v, 0.3));
+    Surface { model, masking, alpha, f0: DVec3::new(0.04, 0.5, 1.0), n, v }
+}
+
+#[test]
+fn constant_environment_gives_the_directional_albedo() {
+    // Two integrations that share no variables: over half vectors, and over the texels of a map.
+    let radiance = [0.5, 2.0, 7e4];
+    let environment = exact_quadrature(&RgbImage::filled(20, 10, radiance));
+    let radiance = DVec3::from_array(radiance.map(f64::from));
+    let cases = MODELS.iter().flat_map(|model| {
+        MaskingShadowing::ALL.iter().flat_map(move |(_, masking)| {
+            [(0.01, 0.5), (0.05, 0.05), (0.3, 0.2), (1.0, 0.9)].map(|(alpha, n_dot_v)| (*model, *masking, alpha, n_dot_v))
+        })
+    });
+    cases.collect::<Vec<_>>().par_iter().for_each(|&(model, masking, alpha, n_dot_v)| {
+        let surface = surface(model, masking, alpha, n_dot_v);
+        let answer = reference::integrate(&environment, &surface, TOLERANCE);
+        let pair = dfg(model, masking, n_dot_v, alpha);
+        let what = format!("{} {masking:?} alpha {alpha} n_dot_v {n_dot_v}", model.name());
+        assert_close(&what, answer.specular_white.value / radiance, DVec3::splat(pair.albedo()), 1.2e-5);
+        let split = surface.f0 * pair.f0_scale + pair.f90_scale;
+        assert_close(&what, answer.specular.value / radiance, split, 2e-5);
+        assert_close(&what, answer.diffuse.value / radiance, DVec3::ONE, 1.2e-5);
+    });
+}
+
+#[test]
+fn a_sun_in_one_texel_is_exact() {
+    // Specular light of one hat of radiance 7e4 on a dim sky: sky times albedo plus the hat by the midpoint rule.
+    const SUN: f32 = 72_704.0;
+    const SKY: f32 = 0.1;
+    let (width, height, x, y) = (512, 256, 300, 90);
+    let image = RgbImage::from_fn(width, height, |i, j| [if (i, j) == (x, y) { SUN } else { SKY }; 3]);
+    let environment = exact_quadrature(&image);
+    let size = DVec2::new(f64::from(width), f64::from(height));
+    let center = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
+    let l = direction_from_uv(center / size);
+    for (model, alpha, n_dot_v, offset) in
+        [("ggx", 0.01, 0.7, 0.0), ("ggx", 0.1, 0.3, 0.2), ("beckmann", 0.02, 0.5, 0.01), ("phong", 0.4, 0.8, 0.5), ("ggx", 0.03, 0.08, 0.02)]
+    {
+        let model = brdf::by_name(model).unwrap();
+        // The view mirrors the sun, turned away by `offset`.
+        let n = Frame::from_normal(l).to_world(direction_from_polar((1.0 - n_dot_v * n_dot_v as f64).sqrt(), n_dot_v, 0.1));
+        let v = DQuat::from_axis_angle(n, offset) * (2.0 * n.dot(l) * n - l);
+        let surface = Surface { model, masking: MaskingShadowing::Separable, alpha, f0: DVec3::ONE, n, v };
+        let frame = Frame::from_normal(n);
+        let count = 300;
+        let points = (0..count * count).map(|i| DVec2::new(f64::from(i % count), f64::from(i / count)));
+        let hat: f64 = points
+            .map(|p| {
+                let offset = (p + 0.5) * 2.0 / f64::from(count) - 1.0;
+                let uv = (center + offset) / size;
+                let l = frame.to_local(direction_from_uv(uv));
+                let f = brdf::eval_without_fresnel(model, frame.to_local(v), l, alpha, MaskingShadowing::Separable);
+                let omega = 2.0 * PI * PI * (PI * uv.y).sin() / (size.x * size.y) * 4.0 / f64::from(count * count);
+                (1.0 - offset.x.abs()) * (1.0 - offset.y.abs()) * f * l.z * omega
+            })
+            .sum();
+        let sky = dfg(model, MaskingShadowing::Separable, n.dot(v), alpha).albedo();
+        let expected = f64::from(SKY) * sky + f64::from(SUN - SKY) * hat;
+        let answer = reference::integrate(&environment, &surface, TOLERANCE).specular_white;
+        assert_close(&format!("{} {alpha} {n_dot_v}", model.name()), answer.value, DVec3::splat(expected), 5e-5);
+        assert!(answer.error.x <= 1e-5 * answer.value.x);
+    }
+}
+
+#[test]
+fn narrow_lobes_tend_to_the_mirror_lookup() {
+    let image = golden_environment();
+    let environment = exact_quadrature(&image);
+    for model in MODELS {
+        for n_dot_v in [0.3, 0.7, 1.0] {
+            let surface = surface(*model, MaskingShadowing::Separable, 0.001, n_dot_v);
+            let mirror = lookup(&image, brdf::reflect(surface.v, surface.n));
+            let answer = reference::integrate(&environment, &surface, TOLERANCE);
+            let what = format!("{} n_dot_v {n_dot_v}", model.name());
+            // A lobe of a few thousandths of a radian in a smooth sky.
+            assert_close(&what, answer.specular_white.value, mirror, 1e-3);
+            assert_close(&what, answer.specular.value, mirror * brdf::f_schlick(surface.f0, n_dot_v), 1e-3);
+        }
+    }
+}
+
+#[test]
+fn turning_light_and_surface_together_changes_nothing() {
+    let image = golden_environment();
+    // 100 texels to larger u: about +y by -2π 100/512, since φ = 2π (0.5 - u).
+    let shifted = RgbImage::from_fn(512, 256, |x, y| image.get((x + 412) % 512, y));
+    let turn = DQuat::from_rotation_y(-TAU * 100.0 / 512.0);
+    let (still, turned) = (exact_quadrature(&image), exact_quadrature(&shifted));
+    for model in MODELS {
+        let surface = surface(*model, MaskingShadowing::Correlated, 0.2, 0.4);
+        let there = Surface { n: turn * surface.n, v: turn * surface.v, ..surface };
+        let a = reference::integrate(&still, &surface, TOLERANCE);
+        let b = reference::integrate(&turned, &there, TOLERANCE);
+        assert_close(model.name(), a.specular.value, b.specular.value, 2e-5);
+        assert_close(model.name(), a.diffuse_transmitted.value, b.diffuse_transmitted.value, 2e-5);
+    }
+}
+
+#[test]
+fn a_tighter_tolerance_stays_within_the_bound() {
+    let environment = exact_quadrature(&golden_environment());
+    let fine = Tolerance { relative: 1e-8, ..TOLERANCE };
+    for (model, alpha, n_dot_v) in [("ggx", 0.02, 0.05), ("beckmann", 0.15, 0.6), ("phong", 0.9, 0.1), ("ggx", 1.0, 0.5)] {
+        let surface = surface(brdf::by_name(model).unwrap(), MaskingShadowing::Separable, alpha, n_dot_v);
+        let (coarse, exact) =
+            (reference::integrate(&environment, &surface, TOLERANCE), reference::integrate(&environment, &surface, fine));
+        for (a, b) in [(coarse.specular, exact.specular), (coarse.diffuse_transmitted, exact.diffuse_transmitted)] {
+            let off = (a.value - b.value).abs();
+            assert!(off.cmple(a.error + b.error).all(), "{model} {alpha}: off by {off}, bound {}", a.error);
+            assert!(b.error.cmplt(a.error).all() && off.max_element() > 0.0);
+        }
+    }
+}

@@ -4,7 +4,7 @@ use crate::brdf::Brdf;
 use crate::glsl::constants::GROUP_SIDE;
 use crate::glsl::layout::{PrefilterParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, ComputePipeline, Format, Gpu, GpuError, Image, Report, Sampler, Slot};
-use crate::precompute::prefilter::alpha_of_level;
+use crate::precompute::prefilter::alpha_from_mip;
 
 pub struct PrefilterPass {
     pipeline: ComputePipeline,
@@ -36,7 +36,7 @@ impl PrefilterPass {
         let mut total = Report::default();
         for level in 0..map.mip_count() {
             let [width, height] = map.mip_size(level);
-            let alpha = alpha_of_level(level, map.mip_count()) as f32;
+            let alpha = alpha_from_mip(f64::from(level), map.mip_count()) as f32;
             let samples_per_row = u64::from(width) * if alpha > 0.0 { u64::from(sample_count) } else { 1 };
             for rows in gpu.row_bands(height, samples_per_row, GROUP_SIDE) {
                 let params = PrefilterParams {

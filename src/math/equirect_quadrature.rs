@@ -1,0 +1,286 @@
+//! Integrals `∫ L(l) k(l) dl` of a bilinear equirectangular map L against a smooth kernel k, with an error bound.
+//!
+//! The map is the rough factor (one texel may be a sun of 7e4 beside 0.1), the kernel the smooth one. So the map is integrated exactly,
+//! once, and only the kernel is approximated: on a rectangle R of the (u, v) plane the kernel is replaced by the polynomial
+//! through its values at the tensor Gauss-Legendre nodes `x_ij`, and
+//!
+//! `∫_R L k dω ≈ Σ k(x_ij) W_ij`, `W_ij = ∫_R L ℓ_i(u) ℓ_j(v) dω`, `dω = 2π² sin(π v) du dv`,
+//!
+//! where `ℓ` are the Lagrange polynomials of the nodes. The error is at most `max |k - polynomial| · ∫_R |L| dω`; the maximum is
+//! estimated at the corners, edge middles and centre of R, where an interpolant through Gauss nodes is worst. A quadtree holds the
+//! weights W of blocks of texels; a parent's follow from its children's, because its `ℓ` restricted to a child is a polynomial of
+//! the same degree. Rectangles below a leaf, down to parts of one bilinear cell, get theirs when asked.
+
+use super::equirect::direction_from_uv;
+use super::quadrature::{Estimate, NODE_COUNT, TensorRule, Tolerance, integrate_adaptively};
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+
+/// Leaves of the quadtree have at most this many bilinear cells a side: 12 halves to 6, and 8 (a power of two) plus the row
+/// that the poles' half cells add still fits.
+const LEAF_CELLS: usize = 12;
+/// The tree is entered at regions no larger than 1/8 of the width, so that no lobe of the hemisphere's size is missed.
+const ROOT_WIDTH: f64 = 0.125;
+
+/// `W_ij` of a region, three channels.
+type Weights = [[DVec3; NODE_COUNT]; NODE_COUNT];
+
+/// A rectangle of the (u, v) plane, in units of texels: x in [-1/2, W - 1/2], y in [-1/2, H - 1/2], texel centres at integers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Region {
+    low: DVec2,
+    high: DVec2,
+    /// Index of the tree's node with this rectangle, if it has one.
+    node: Option<usize>,
+}
+
+#[derive(Clone, Debug)]
+struct Node {
+    weights: Weights,
+    mass: DVec3,
+    /// Regions of the children; empty for a leaf.
+    children: Vec<Region>,
+}
+
+/// A direction about which a kernel is narrow: regions near it are split down to `radius` before any error is estimated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Focus {
+    pub direction: DVec3,
+    /// Angular width of the feature, radians.
+    pub radius: f64,
+}
+
+/// An equirectangular map prepared for integrals against many kernels.
+#[derive(Clone, Debug)]
+pub struct EquirectQuadrature {
+    width: usize,
+    height: usize,
+    texels: Vec<DVec3>,
+    rule: TensorRule,
+    nodes: Vec<Node>,
+    root: Region,
+}
+
+impl EquirectQuadrature {
+    /// Prepares a map of `width` x `height` texels (row 0 at +y). Costs about 1 kB a leaf of some 80 texels.
+    pub fn new(width: u32, height: u32, texel: impl Fn(u32, u32) -> [f32; 3]) -> Self {
+        let texels = (0..height)
+            .flat_map(|y| (0..width).map(move |x| (x, y)))
+            .map(|(x, y)| DVec3::from_array(texel(x, y).map(f64::from)))
+            .collect();
+        let (width, height) = (width as usize, height as usize);
+        let root = Region {
+            low: DVec2::splat(-0.5),
+            high: DVec2::new(width as f64 - 0.5, height as f64 - 0.5),
+            node: None,
+        };
+        let mut quadrature = Self { width, height, texels, rule: TensorRule::default(), nodes: Vec::new(), root };
+        quadrature.root = quadrature.build(root);
+        quadrature
+    }
+
+    /// `∫ L k dl` for `K` kernels at once; `error` bounds each number. Kernels need not be smooth, but kinks cost time.
+    pub fn integrate<const K: usize>(
+        &self,
+        kernel: impl Fn(DVec3) -> [f64; K],
+        focus: &[Focus],
+        tolerance: Tolerance,
+    ) -> Estimate<K> {
+        let mut roots = Vec::new();
+        let mut pending = vec![self.root];
+        while let Some(region) = pending.pop() {
+            if self.must_split(&region, focus) {
+                pending.extend(self.split(&region));
+            } else {
+                roots.push(region);
+            }
+        }
+        integrate_adaptively(roots, |region| self.estimate(region, &kernel), |region| self.split(region), tolerance)
+    }
+
+    fn must_split(&self, region: &Region, focus: &[Focus]) -> bool {
+        let size = self.uv(region.high) - self.uv(region.low);
+        if size.x > ROOT_WIDTH {
+            return true;
+        }
+        let middle = self.uv(0.5 * (region.low + region.high));
+        // The widest row of a region bounds its extent: within half its height of the middle.
+        let widest = (PI * ((middle.y - 0.5).abs() - 0.5 * size.y).max(0.0)).cos();
+        let diagonal = PI * (2.0 * size.x * widest).hypot(size.y);
+        let center = direction_from_uv(middle);
+        focus.iter().any(|focus| {
+            diagonal > focus.radius && center.angle_between(focus.direction) < focus.radius + 0.5 * diagonal
+        })
+    }
+
+    /// Quarters of a region, along the edges of bilinear cells while it has several.
+    fn split(&self, region: &Region) -> Vec<Region> {
+        if let Some(node) = region.node.map(|index| &self.nodes[index])
+            && !node.children.is_empty()
+        {
+            return node.children.clone();
+        }
+        let middle = |low: f64, high: f64| {
+            let knot = (0.5 * (low + high)).round();
+            if knot > low && knot < high { knot } else { 0.5 * (low + high) }
+        };
+        let Region { low, high, .. } = *region;
+        let x = [low.x, middle(low.x, high.x), high.x];
+        let y = [low.y, middle(low.y, high.y), high.y];
+        let part = |i: usize, j: usize| Region {
+            low: DVec2::new(x[i], y[j]),
+            high: DVec2::new(x[i + 1], y[j + 1]),
+            node: None,
+        };
+        vec![part(0, 0), part(1, 0), part(0, 1), part(1, 1)]
+    }
+
+    fn estimate<const K: usize>(&self, region: &Region, kernel: &impl Fn(DVec3) -> [f64; K]) -> Estimate<K> {
+        // Sines and cosines by row and column: a region has 81 points but only 18 angles.
+        let coordinates = self.rule.coordinates();
+        let (low, high) = (self.uv(region.low), self.uv(region.high));
+        let at = |low: f64, high: f64, x: f64| 0.5 * (low + high) + 0.5 * (high - low) * x;
+        let azimuths = coordinates.map(|x| (2.0 * PI * (0.5 - at(low.x, high.x, x))).sin_cos());
+        let polar = coordinates.map(|x| (PI * at(low.y, high.y, x)).sin_cos());
+        let (values, residual) = self.rule.evaluate(|i, j| {
+            let ((sin_phi, cos_phi), (sin_theta, cos_theta)) = (azimuths[i], polar[j]);
+            kernel(DVec3::new(sin_phi * sin_theta, cos_theta, cos_phi * sin_theta))
+        });
+        if values.iter().flatten().chain([&residual]).flatten().all(|&value| value == 0.0) {
+            return Estimate { value: [DVec3::ZERO; K], error: [DVec3::ZERO; K] };
+        }
+        let own;
+        let (weights, mass) = match region.node {
+            Some(index) => (&self.nodes[index].weights, self.nodes[index].mass),
+            None => {
+                own = self.weights(region);
+                (&own.0, own.1)
+            }
+        };
+        let mut value = [DVec3::ZERO; K];
+        for (weight, kernels) in weights.iter().flatten().zip(values.iter().flatten()) {
+            for k in 0..K {
+                value[k] += *weight * kernels[k];
+            }
+        }
+        Estimate { value, error: residual.map(|residual| mass * residual) }
+    }
+
+    fn uv(&self, texel: DVec2) -> DVec2 {
+        (texel + 0.5) / DVec2::new(self.width as f64, self.height as f64)
+    }
+
+    /// Builds the node of a region and everything below it.
+    fn build(&mut self, region: Region) -> Region {
+        let cells = region.high - region.low;
+        let node = if cells.max_element() <= LEAF_CELLS as f64 {
+            let (weights, mass) = self.weights(&region);
+            Node { weights, mass, children: Vec::new() }
+        } else {
+            let children: Vec<Region> = self.split(&region).into_iter().map(|child| self.build(child)).collect();
+            self.merge(&region, children)
+        };
+        self.nodes.push(node);
+        Region { node: Some(self.nodes.len() - 1), ..region }
+    }
+
+    /// The node over `children`: `W_ij = Σ_children Σ_kl ℓ_i(x_k) ℓ_j(y_l) W_kl`, with the child's nodes in the parent's coordinates.
+    fn merge(&self, region: &Region, children: Vec<Region>) -> Node {
+        let mut weights = [[DVec3::ZERO; NODE_COUNT]; NODE_COUNT];
+        let mut mass = DVec3::ZERO;
+        for child in &children {
+            let Some(node) = child.node.map(|index| &self.nodes[index]) else { continue };
+            let lagrange = |low: f64, high: f64, parent_low: f64, parent_high: f64| {
+                self.rule.gauss.nodes.map(|x| {
+                    let position = 0.5 * (low + high) + 0.5 * (high - low) * x;
+                    self.rule.gauss.lagrange((2.0 * position - parent_low - parent_high) / (parent_high - parent_low))
+                })
+            };
+            let along_x = lagrange(child.low.x, child.high.x, region.low.x, region.high.x);
+            let along_y = lagrange(child.low.y, child.high.y, region.low.y, region.high.y);
+            for (column, x) in node.weights.iter().zip(&along_x) {
+                let partial: [DVec3; NODE_COUNT] =
+                    std::array::from_fn(|j| column.iter().zip(&along_y).map(|(&weight, y)| weight * y[j]).sum());
+                for i in 0..NODE_COUNT {
+                    for j in 0..NODE_COUNT {
+                        weights[i][j] += partial[j] * x[i];
+                    }
+                }
+            }
+            mass += node.mass;
+        }
+        Node { weights, mass, children }
+    }
+
+    /// `W_ij` and `∫ |L| dω` of any region, exact: the hat functions of the texels and sin(π v) are integrated cell by cell.
+    fn weights(&self, region: &Region) -> (Weights, DVec3) {
+        let columns = self.hat_integrals(region.low.x, region.high.x, |_| 2.0 * PI / self.width as f64);
+        let rows = self.hat_integrals(region.low.y, region.high.y, |y| {
+            let step = PI / self.height as f64;
+            step * (step * (y + 0.5)).sin()
+        });
+        let mut weights = [[DVec3::ZERO; NODE_COUNT]; NODE_COUNT];
+        let mut mass = DVec3::ZERO;
+        for row in &rows {
+            // Rows clamp: beyond the poles' last centres the map is constant in v.
+            let y = row.texel.clamp(0, self.height as i64 - 1) as usize;
+            let mut sums = [DVec3::ZERO; NODE_COUNT];
+            for column in &columns {
+                let x = column.texel.rem_euclid(self.width as i64) as usize;
+                let radiance = self.texels[y * self.width + x];
+                for i in 0..NODE_COUNT {
+                    sums[i] += radiance * column.integrals[i];
+                }
+                mass += radiance.abs() * (column.total * row.total);
+            }
+            for i in 0..NODE_COUNT {
+                for j in 0..NODE_COUNT {
+                    weights[i][j] += sums[i] * row.integrals[j];
+                }
+            }
+        }
+        (weights, mass)
+    }
+
+    /// `∫ hat_t(x) ℓ_i(x) measure(x) dx` over `[low, high]` for every texel t whose hat function reaches into it.
+    fn hat_integrals(&self, low: f64, high: f64, measure: impl Fn(f64) -> f64) -> Vec<HatIntegrals> {
+        let gauss = &self.rule.gauss;
+        let first = low.floor() as i64;
+        let mut hats: Vec<HatIntegrals> = (first..=high.ceil() as i64)
+            .map(|texel| HatIntegrals { texel, integrals: [0.0; NODE_COUNT], total: 0.0 })
+            .collect();
+        let mut start = low;
+        while start < high {
+            let cell = start.floor();
+            let end = (cell + 1.0).min(high);
+            let whole = start == low && end == high;
+            let half = 0.5 * (end - start);
+            for q in 0..NODE_COUNT {
+                let x = 0.5 * (start + end) + half * gauss.nodes[q];
+                let weight = half * gauss.weights[q] * measure(x);
+                // Within one cell the nodes of the quadrature are those of the interpolant, where ℓ is 0 or 1.
+                let lagrange = if whole {
+                    std::array::from_fn(|i| f64::from(u8::from(i == q)))
+                } else {
+                    gauss.lagrange((2.0 * x - low - high) / (high - low))
+                };
+                let index = (cell as i64 - first) as usize;
+                for (hat, share) in [(index, cell + 1.0 - x), (index + 1, x - cell)] {
+                    hats[hat].total += weight * share;
+                    for i in 0..NODE_COUNT {
+                        hats[hat].integrals[i] += weight * share * lagrange[i];
+                    }
+                }
+            }
+            start = end;
+        }
+        hats
+    }
+}
+
+/// Integrals of one texel's hat function, along one axis.
+struct HatIntegrals {
+    texel: i64,
+    integrals: [f64; NODE_COUNT],
+    total: f64,
+}
