@@ -3,6 +3,7 @@
 #ifndef BRDF_BECKMANN_GLSL
 #define BRDF_BECKMANN_GLSL
 
+#include "lib/gaussian.glsl"
 #include "lib/sampling.glsl"
 #include "lib/smith_rational.glsl"
 
@@ -38,20 +39,30 @@ vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
     return sample_lobe_brdf(sample_point_from_polar(u, cos_sin_phi), alpha).h_local;
 }
 
-// Half vector with density D(h) n_dot_h: no sampler of visible normals.
-vec3 sample_visible_point_brdf(vec4 point, vec3 v_local, float alpha) {
-    return sample_lobe_brdf(point, alpha).h_local;
-}
-
-// As sample_visible_point_brdf, from xi in the unit square.
+// Half vector among the normals visible from v, by the exact Smith masking: stretch to alpha = 1, draw the slope along the view by
+// xi.x and the slope across by xi.y, stretch back. This mapping has no polar angle. [HeitzDeon14 algorithm 1]
 vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
-    return sample_visible_point_brdf(sample_point_from_xi(xi), v_local, alpha);
+    vec3 v_standard = normalize(vec3(alpha * v_local.xy, v_local.z));
+    float sin_theta = length(v_standard.xy);
+    vec2 azimuth = sin_theta > 0.0 ? v_standard.xy / sin_theta : vec2(1.0, 0.0);
+    float along = sample_visible_slope(xi.x, v_standard.z, sin_theta);
+    float across = erf_inverse_unit(clamp(xi.y, 1e-10, 1.0 - 6e-8));
+    vec2 slope = alpha * (along * azimuth + across * vec2(-azimuth.y, azimuth.x));
+    return normalize(vec3(-slope, 1.0));
 }
 
-// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D n_dot_h / (4 v_dot_h). [Walter07 eq. 24, 38]
+// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D over 4 times the visible area, which is
+// n_dot_v / G1(v) with the exact Smith G1 (the rational fit is the model's, not the sampler's). [HeitzDeon14 eq. 2]
 float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
-    float v_dot_h = dot(v_local, h_local);
-    return v_dot_h > 0.0 ? d_brdf(h_local, alpha) * h_local.z / (4.0 * v_dot_h) : 0.0;
+    if (v_local.z <= 0.0 || dot(v_local, h_local) <= 0.0) {
+        return 0.0;
+    }
+    return d_brdf(h_local, alpha) / (4.0 * visible_slopes(v_local.z, alpha * length(v_local.xy)).area);
+}
+
+// Alpha of the lobe that source document 0 prints: this model's own. [Kim22 "IBL"]
+float printed_lobe_alpha_brdf(float alpha) {
+    return alpha;
 }
 
 #endif

@@ -38,23 +38,25 @@ vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
     return sample_lobe_brdf(vec4(u, cos_sin_phi, 0.0), alpha).h_local;
 }
 
-// Half vector among the normals visible from v: a spherical cap about the stretched v. [Dupuy23 listing 3]
-vec3 sample_visible_point_brdf(vec4 point, vec3 v_local, float alpha) {
-    vec3 v_standard = normalize(vec3(alpha * v_local.xy, v_local.z));
-    float one_minus_z = point.x * (1.0 + v_standard.z);
-    float sin_theta = sqrt(max(one_minus_z * (2.0 - one_minus_z), 0.0));
-    vec3 h_standard = vec3(sin_theta * point.yz, 1.0 - one_minus_z) + v_standard;
-    return normalize(vec3(alpha * h_standard.xy, max(h_standard.z, 0.0)));
-}
-
-// As sample_visible_point_brdf, from xi in the unit square.
+// Half vector among the normals visible from v: the half vectors of the spherical cap that the stretched v reflects into;
+// xi.x = 0 is the cap's centre. [Dupuy23 listing 3]
 vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
-    return sample_visible_point_brdf(vec4(xi.x, sin_cos_turns(xi.y).yx, 0.0), v_local, alpha);
+    vec3 v_standard = normalize(vec3(alpha * v_local.xy, v_local.z));
+    // The cap's point is (sin phi-part, 1 - d); both its sine and z + v.z are written with d and 1 - xi.x, which cancel no digits.
+    float d = xi.x * (1.0 + v_standard.z);
+    vec2 cap = sqrt(max(d * (2.0 - d), 0.0)) * sin_cos_turns(xi.y).yx;
+    return normalize(vec3(alpha * (cap + v_standard.xy), (1.0 - xi.x) * (1.0 + v_standard.z)));
 }
 
 // Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D G1(v) / (4 n_dot_v). [Heitz18 eq. 17]
 float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
-    return v_local.z > 0.0 ? 0.25 * d_brdf(h_local, alpha) * g1_over_cosine_ggx(v_local.z, alpha) : 0.0;
+    bool visible = v_local.z > 0.0 && dot(v_local, h_local) > 0.0;
+    return visible ? 0.25 * d_brdf(h_local, alpha) * g1_over_cosine_ggx(v_local.z, alpha) : 0.0;
+}
+
+// Alpha of the lobe that source document 0 prints: this model's own. [Kim22 "IBL"]
+float printed_lobe_alpha_brdf(float alpha) {
+    return alpha;
 }
 
 #endif

@@ -38,19 +38,19 @@ vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
 }
 
 // Half vector with density D(h) n_dot_h: no sampler of visible normals is known for this model.
-vec3 sample_visible_point_brdf(vec4 point, vec3 v_local, float alpha) {
-    return sample_lobe_brdf(point, alpha).h_local;
-}
-
-// As sample_visible_point_brdf, from xi in the unit square.
 vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
-    return sample_visible_point_brdf(sample_point_from_xi(xi), v_local, alpha);
+    return sample_lobe_brdf(sample_point_from_xi(xi), alpha).h_local;
 }
 
 // Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D n_dot_h / (4 v_dot_h). [Walter07 eq. 24, 38]
 float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
     float v_dot_h = dot(v_local, h_local);
     return v_dot_h > 0.0 ? d_brdf(h_local, alpha) * h_local.z / (4.0 * v_dot_h) : 0.0;
+}
+
+// Alpha of the lobe that source document 0 prints: cos = (1 - u)^(1 / (exponent + 1)) where 1 / (exponent + 2) is right. [Kim22 "IBL"]
+float printed_lobe_alpha_brdf(float alpha) {
+    return alpha * sqrt(2.0 / (2.0 - alpha * alpha));
 }
 
 #endif

@@ -5,7 +5,7 @@
 
 #include "lib/elementary.glsl"
 
-// Texture coordinates of a unit direction, and sin(theta) in z. u in [0, 1], v in [0, 1], each within 1e-7.
+// Texture coordinates of a unit direction, and sin(theta) in z. u in [0, 1], v in [0, 1], each within 1.5e-7.
 vec3 uv_sin_theta_from_direction(vec3 d) {
     float sin_theta = sqrt(d.x * d.x + d.z * d.z);
     float phi = atan2_precise(d.x, d.z);

@@ -1,5 +1,5 @@
 // One invocation evaluates lib/tone_curve.glsl for one item.
-// In: (linear RGB, 0), (exposure, contrast, 0, 0). Out: (display RGB, the packed pixel as bits of a float).
+// In: (linear RGB, 0), (exposure, contrast, 0, 0). Out: (display RGB, the packed pixel without A as a number).
 // Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 1 vec4 an item.
 // Dispatch: ceil(count / GROUP_LINEAR) groups.
 #version 460
@@ -29,5 +29,5 @@ void main() {
     }
     vec4 exposure_contrast = inputs[item * 2u + 1u];
     vec3 c = tone_curve(inputs[item * 2u].rgb, exposure_contrast.x, exposure_contrast.y);
-    outputs[item] = vec4(c, uintBitsToFloat(pack_rgba8(c) & 0xffffffu));
+    outputs[item] = vec4(c, float(pack_rgba8(c) & 0xffffffu));
 }

@@ -1,1 +1,4 @@
+//! Experiment files, plans and runs. No test needs a device: runs use a renderer made of formulas.
 
+mod config;
+mod plan;

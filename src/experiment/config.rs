@@ -1,0 +1,473 @@
+//! The experiment file as written: TOML with places, every value checked on its own.
+//!
+//! Reading never stops at the first fault. Paths in the file are relative to the file.
+
+use super::axis::{AXES, Axis, Point, Reference, index_of, is_precompute};
+use super::fault::{Faults, Place};
+use super::value::{Kind, Range, Raw, Value, suggestion};
+use crate::scene::{Light, LightKind};
+use crate::shade::METHODS;
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A value and where it was written.
+#[derive(Clone, Debug)]
+pub struct Placed {
+    pub value: Value,
+    pub place: Place,
+}
+
+/// An axis with its values.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// Index into [`AXES`].
+    pub axis: usize,
+    pub values: Vec<Placed>,
+}
+
+/// Combinations that are left out: every condition must hold.
+#[derive(Clone, Debug)]
+pub struct Exclusion {
+    /// Axis index and the values it matches.
+    pub conditions: Vec<(usize, Vec<Value>)>,
+    pub why: String,
+}
+
+/// How often passes are timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Timing {
+    /// Executions that are thrown away.
+    pub warmup: u32,
+    /// Executions that are kept.
+    pub rounds: u32,
+}
+
+/// An experiment file, read and checked value by value.
+#[derive(Clone, Debug)]
+pub struct Config {
+    pub path: PathBuf,
+    /// The file's text, for the frozen copy.
+    pub text: String,
+    pub name: String,
+    pub question: String,
+    pub seed: u32,
+    pub size: [u32; 2],
+    /// `ortho` or `perspective`.
+    pub camera: String,
+    pub background: bool,
+    pub reference: Reference,
+    /// Values of what is not swept: defaults, `scene` and `[precompute]`.
+    pub base: Point,
+    /// Where `scene` was written when it is not an axis.
+    pub scene_place: Place,
+    /// In the order of the file, then of the command line.
+    pub axes: Vec<Sweep>,
+    pub exclusions: Vec<Exclusion>,
+    pub timing: Option<Timing>,
+    pub lights: Vec<Light>,
+    /// `--set` texts that took part.
+    pub overrides: Vec<String>,
+}
+
+/// The camera names; the scene module frames the scene.
+pub const CAMERAS: &[&str] = &["ortho", "perspective"];
+
+const KEYS: &[&str] = &[
+    "name",
+    "question",
+    "seed",
+    "size",
+    "scene",
+    "camera",
+    "background",
+    "reference",
+    "axes",
+    "exclude",
+    "timing",
+    "precompute",
+    "lights",
+];
+
+/// Radiance and irradiance of analytic lights.
+pub const LIGHT_COLOR: Range = Range::closed(0.0, 1e9);
+const COORDINATE: Range = Range::closed(-1e9, 1e9);
+/// Image sides; 16384 is what Vulkan devices of the last ten years offer.
+pub const IMAGE_SIZE: Kind = Kind::Pair { min: 1, max: 16384 };
+/// Seeds.
+pub const SEED: Kind = Kind::Count { min: 0, max: u32::MAX };
+
+impl Config {
+    /// Reads `text` as the experiment at `path`, with `--set axis=v1,v2` texts. Faults are noted, never raised: the
+    /// result is only to be used further when `faults` stays empty (or to look for more faults).
+    pub fn parse(path: &Path, text: &str, overrides: &[String], faults: &mut Faults) -> Self {
+        let (root, errors) = DeTable::parse_recoverable(text);
+        for error in &errors {
+            let offset = error.span().map_or(0, |span| span.start);
+            faults.add(&Place::File(offset), format!("not TOML: {}", error.message()));
+        }
+        let mut config = Self {
+            path: path.to_owned(),
+            text: text.to_owned(),
+            name: String::new(),
+            question: String::new(),
+            seed: 1,
+            size: [256, 256],
+            camera: CAMERAS[0].to_owned(),
+            background: false,
+            reference: Reference::default(),
+            base: Point::default(),
+            scene_place: Place::Default,
+            axes: Vec::new(),
+            exclusions: Vec::new(),
+            timing: None,
+            lights: Vec::new(),
+            overrides: overrides.to_vec(),
+        };
+        let root = root.get_ref();
+        for (key, value, place) in entries(root) {
+            config.read_key(key, value, &place, faults);
+        }
+        for key in ["name", "axes"] {
+            // After a syntax fault the recovered table may lack what the file has.
+            if !root.contains_key(key) && errors.is_empty() {
+                faults.add(&Place::File(0), format!("{key} is missing"));
+            }
+        }
+        config.check_double_settings(root, faults);
+        config.apply_overrides(faults);
+        config
+    }
+
+    /// A parameter is set for all cells or swept, never both.
+    fn check_double_settings(&self, root: &DeTable, faults: &mut Faults) {
+        let precompute = root.get("precompute").and_then(|value| value.get_ref().as_table());
+        let fixed = precompute.into_iter().flat_map(entries).map(|(key, _, place)| ("precompute.", key, place));
+        let scene =
+            entries(root).into_iter().filter(|(key, ..)| *key == "scene").map(|(key, _, place)| ("", key, place));
+        for (prefix, key, place) in fixed.chain(scene) {
+            if self.axes.iter().any(|sweep| AXES[sweep.axis].name == key) {
+                faults.add(&place, format!("{prefix}{key} is also an axis: set it in one place"));
+            }
+        }
+    }
+
+    fn read_key(&mut self, key: &str, value: &Spanned<DeValue>, place: &Place, faults: &mut Faults) {
+        let raw = raw(value.get_ref());
+        let at = Place::File(value.span().start);
+        let mut check = |kind: Kind| kind.parse(&raw).map_err(|fault| faults.add(&at, format!("{key}: {fault}"))).ok();
+        match key {
+            "name" => match &raw {
+                Raw::Text(name) if is_file_name(name) => self.name = name.clone(),
+                _ => faults.add(&at, format!("name: {raw} is not a name of letters, digits, '-', '_' and '.'")),
+            },
+            "question" => match raw {
+                Raw::Text(question) => self.question = question,
+                _ => faults.add(&at, format!("question: {raw} is not text")),
+            },
+            "seed" => self.seed = check(SEED).map_or(self.seed, |v| v.count()),
+            "size" => self.size = check(IMAGE_SIZE).map_or(self.size, |v| v.pair()),
+            "scene" => {
+                self.scene_place = at.clone();
+                if let Some(scene) = check(Kind::Input) {
+                    self.base.set("scene", scene);
+                }
+            }
+            "camera" => {
+                let names = Kind::Name { what: "camera", names: || CAMERAS.to_vec() };
+                if let Some(camera) = check(names) {
+                    self.camera = camera.text().to_owned();
+                }
+            }
+            "background" => match value.get_ref() {
+                DeValue::Boolean(background) => self.background = *background,
+                _ => faults.add(&at, format!("background: {raw} is not true or false")),
+            },
+            "reference" => self.read_reference(value, faults),
+            "axes" => self.read_axes(value, faults),
+            "exclude" => self.read_exclusions(value, faults),
+            "timing" => self.read_timing(value, faults),
+            "precompute" => self.read_precompute(value, faults),
+            "lights" => self.read_lights(value, faults),
+            _ => unknown_key(place, "", key, KEYS, faults),
+        }
+    }
+
+    fn read_reference(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        let method = Kind::Name { what: "method", names: || METHODS.iter().map(|m| m.name).collect() };
+        let samples = Kind::Count { min: 1, max: 1 << 24 };
+        for (key, value, place) in table(value, "reference", faults) {
+            match key {
+                "method" => {
+                    if let Some(v) = checked(method, "reference.method", value, faults) {
+                        self.reference.method = v.text().to_owned();
+                    }
+                }
+                "samples" => {
+                    if let Some(v) = checked(samples, "reference.samples", value, faults) {
+                        self.reference.samples = v.count();
+                    }
+                }
+                _ => unknown_key(&place, "reference.", key, &["method", "samples"], faults),
+            }
+        }
+    }
+
+    fn read_axes(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        for (key, value, place) in table(value, "axes", faults) {
+            let Some(axis) = index_of(key) else {
+                unknown_key(&place, "axes.", key, &axis_names(), faults);
+                continue;
+            };
+            let at = Place::File(value.span().start);
+            let Some(items) = value.get_ref().as_array() else {
+                faults.add(&at, format!("axes.{key}: {} is not a list of values", raw(value.get_ref())));
+                continue;
+            };
+            if items.is_empty() {
+                faults.add(&at, format!("axes.{key}: an axis needs at least one value"));
+            }
+            let mut values: Vec<Placed> = Vec::new();
+            for item in items.iter() {
+                let place = Place::File(item.span().start);
+                if let Some(value) = checked(AXES[axis].kind, &format!("axes.{key}"), item, faults) {
+                    push_new(&mut values, Placed { value, place }, &format!("axes.{key}"), faults);
+                }
+            }
+            self.axes.push(Sweep { axis, values });
+        }
+    }
+
+    fn read_exclusions(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        for item in list(value, "exclude", faults) {
+            let mut exclusion = Exclusion { conditions: Vec::new(), why: String::new() };
+            for (key, value, place) in table(item, "exclude", faults) {
+                let at = Place::File(value.span().start);
+                if key == "why" {
+                    match raw(value.get_ref()) {
+                        Raw::Text(why) => exclusion.why = why,
+                        other => faults.add(&at, format!("exclude.why: {other} is not text")),
+                    }
+                    continue;
+                }
+                let Some(axis) = index_of(key) else {
+                    let names: Vec<&str> = axis_names().into_iter().chain(["why"]).collect();
+                    unknown_key(&place, "exclude.", key, &names, faults);
+                    continue;
+                };
+                let name = format!("exclude.{key}");
+                // A colour or a pair is itself a list: only a list of what the axis takes is a list of values.
+                let one = AXES[axis].kind.parse(&raw(value.get_ref()));
+                let values = match (one, value.get_ref().as_array()) {
+                    (Ok(value), _) => vec![value],
+                    (Err(_), Some(items)) => {
+                        items.iter().filter_map(|item| checked(AXES[axis].kind, &name, item, faults)).collect()
+                    }
+                    (Err(fault), None) => {
+                        faults.add(&at, format!("{name}: {fault}"));
+                        Vec::new()
+                    }
+                };
+                exclusion.conditions.push((axis, values));
+            }
+            if exclusion.why.is_empty() {
+                faults.add(&Place::File(item.span().start), "exclude.why is missing: say why these cells are left out");
+            }
+            if exclusion.conditions.is_empty() {
+                faults.add(&Place::File(item.span().start), "exclude: names no axis, so it would leave out every cell");
+            }
+            self.exclusions.push(exclusion);
+        }
+    }
+
+    fn read_timing(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        let mut timing = Timing { warmup: 3, rounds: 15 };
+        for (key, value, place) in table(value, "timing", faults) {
+            match key {
+                "warmup" => {
+                    let kind = Kind::Count { min: 1, max: 10_000 };
+                    timing.warmup = checked(kind, "timing.warmup", value, faults).map_or(timing.warmup, |v| v.count());
+                }
+                "rounds" => {
+                    let kind = Kind::Count { min: 1, max: 100_000 };
+                    timing.rounds = checked(kind, "timing.rounds", value, faults).map_or(timing.rounds, |v| v.count());
+                }
+                _ => unknown_key(&place, "timing.", key, &["rounds", "warmup"], faults),
+            }
+        }
+        self.timing = Some(timing);
+    }
+
+    fn read_precompute(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        for (key, value, place) in table(value, "precompute", faults) {
+            match index_of(key).map(|index| &AXES[index]).filter(|axis| is_precompute(axis)) {
+                Some(axis) => {
+                    if let Some(v) = checked(axis.kind, &format!("precompute.{key}"), value, faults) {
+                        self.base.set(key, v);
+                    }
+                }
+                None => {
+                    let names: Vec<&str> = AXES.iter().filter(|a| is_precompute(a)).map(|a| a.name).collect();
+                    unknown_key(&place, "precompute.", key, &names, faults);
+                }
+            }
+        }
+    }
+
+    fn read_lights(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        for item in list(value, "lights", faults) {
+            let at = Place::File(item.span().start);
+            let (mut kind, mut vector, mut color) = (None, None, None);
+            for (key, value, place) in table(item, "lights", faults) {
+                match key {
+                    "kind" => {
+                        let names = Kind::Name { what: "kind of light", names: || vec!["directional", "point"] };
+                        kind = checked(names, "lights.kind", value, faults).map(|v| v.text().to_owned());
+                    }
+                    "direction" | "position" => {
+                        let name = format!("lights.{key}");
+                        vector = checked(Kind::Color(COORDINATE), &name, value, faults).map(|v| (key, v.color()));
+                    }
+                    "color" => {
+                        color = checked(Kind::Color(LIGHT_COLOR), "lights.color", value, faults).map(|v| v.color());
+                    }
+                    _ => unknown_key(&place, "lights.", key, &["kind", "direction", "position", "color"], faults),
+                }
+            }
+            let light = match (kind.as_deref(), vector) {
+                (Some("directional"), Some(("direction", d))) => light(LightKind::Directional, d, color),
+                (Some("point"), Some(("position", p))) => light(LightKind::Point, p, color),
+                _ => Err("needs kind = \"directional\" with direction, or kind = \"point\" with position".to_owned()),
+            };
+            match light {
+                Ok(light) => self.lights.push(light),
+                Err(fault) => faults.add(&at, format!("lights: {fault}")),
+            }
+        }
+    }
+
+    /// Replaces axes by `--set` texts; an axis the file does not have is added.
+    fn apply_overrides(&mut self, faults: &mut Faults) {
+        for text in self.overrides.clone() {
+            let Some((name, list)) = text.split_once('=') else {
+                faults.add(&Place::Set(text.clone()), "is not axis=value or axis=value,value");
+                continue;
+            };
+            let name = name.trim();
+            let place = Place::Set(name.to_owned());
+            let Some(axis) = index_of(name) else {
+                unknown_key(&place, "axes.", name, &axis_names(), faults);
+                continue;
+            };
+            let mut values = Vec::new();
+            for item in list.split(',') {
+                match AXES[axis].kind.parse_text(item) {
+                    Ok(value) => {
+                        push_new(&mut values, Placed { value, place: place.clone() }, &format!("axes.{name}"), faults)
+                    }
+                    Err(fault) => faults.add(&place, format!("axes.{name}: {fault}")),
+                }
+            }
+            match self.axes.iter_mut().find(|sweep| sweep.axis == axis) {
+                Some(sweep) => sweep.values = values,
+                None => self.axes.push(Sweep { axis, values }),
+            }
+        }
+    }
+}
+
+/// A light from its checked parts, or what is wrong with it.
+pub fn light(kind: LightKind, vector: [f32; 3], color: Option<[f32; 3]>) -> Result<Light, String> {
+    let color = color.ok_or("color is missing")?;
+    let vector = DVec3::from(vector.map(f64::from));
+    let position_or_direction = match kind {
+        LightKind::Directional => vector.try_normalize().ok_or("direction must not be zero")?,
+        LightKind::Point => vector,
+    };
+    Ok(Light { kind, position_or_direction, color })
+}
+
+/// The three numbers of a position or direction given as text `x,y,z`.
+pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
+    Kind::Color(COORDINATE).parse_text(text).map(|v| v.color()).map_err(|_| format!("{text:?} is not x,y,z"))
+}
+
+fn push_new(values: &mut Vec<Placed>, new: Placed, name: &str, faults: &mut Faults) {
+    if values.iter().any(|old| old.value == new.value) {
+        faults.add(&new.place, format!("{name}: {} stands twice", new.value));
+    } else {
+        values.push(new);
+    }
+}
+
+fn axis_names() -> Vec<&'static str> {
+    AXES.iter().map(|axis: &Axis| axis.name).collect()
+}
+
+fn is_file_name(name: &str) -> bool {
+    !name.is_empty()
+        && !name.starts_with('.')
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.'))
+}
+
+fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], faults: &mut Faults) {
+    let near = suggestion(key, known);
+    faults.add(place, format!("{prefix}{key} is unknown{near}; expected one of {}", known.join(", ")));
+}
+
+fn checked(kind: Kind, name: &str, value: &Spanned<DeValue>, faults: &mut Faults) -> Option<Value> {
+    kind.parse(&raw(value.get_ref()))
+        .map_err(|fault| faults.add(&Place::File(value.span().start), format!("{name}: {fault}")))
+        .ok()
+}
+
+/// The entries of a table in the order of the file, with the place of each key.
+fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<(&'t str, &'t Spanned<DeValue<'i>>, Place)> {
+    let mut entries: Vec<_> =
+        table.iter().map(|(key, value)| (key.span().start, key.get_ref().as_ref(), value)).collect();
+    entries.sort_by_key(|(offset, ..)| *offset);
+    entries.into_iter().map(|(offset, key, value)| (key, value, Place::File(offset))).collect()
+}
+
+fn table<'t, 'i>(
+    value: &'t Spanned<DeValue<'i>>,
+    name: &str,
+    faults: &mut Faults,
+) -> Vec<(&'t str, &'t Spanned<DeValue<'i>>, Place)> {
+    match value.get_ref() {
+        DeValue::Table(table) => entries(table),
+        other => {
+            faults.add(&Place::File(value.span().start), format!("{name}: {} is not a table", raw(other)));
+            Vec::new()
+        }
+    }
+}
+
+fn list<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Faults) -> Vec<&'t Spanned<DeValue<'i>>> {
+    match value.get_ref() {
+        DeValue::Array(items) => items.iter().collect(),
+        _ => {
+            faults.add(&Place::File(value.span().start), format!("{name}: write [[{name}]] for each one"));
+            Vec::new()
+        }
+    }
+}
+
+fn raw(value: &DeValue) -> Raw {
+    match value {
+        DeValue::String(text) => Raw::Text(text.to_string()),
+        DeValue::Integer(n) => match i64::from_str_radix(n.as_str(), n.radix()) {
+            Ok(n) => Raw::Integer(n),
+            Err(_) => Raw::Text(n.as_str().to_owned()),
+        },
+        DeValue::Float(x) => match x.as_str().parse() {
+            Ok(x) => Raw::Float(x),
+            Err(_) => Raw::Text(x.as_str().to_owned()),
+        },
+        DeValue::Array(items) => Raw::Array(items.iter().map(|item| raw(item.get_ref())).collect()),
+        DeValue::Boolean(_) => Raw::Other("boolean"),
+        DeValue::Datetime(_) => Raw::Other("date"),
+        DeValue::Table(_) => Raw::Other("table"),
+    }
+}

@@ -1,0 +1,231 @@
+//! The validated experiment: every cell with its id, what it shares with others, and what was left out.
+
+use super::axis::{AXES, Point};
+use super::config::{Config, Sweep};
+use super::fault::{ConfigError, Faults, Place};
+use super::inputs::Inputs;
+use super::value::Value;
+use std::collections::{BTreeMap, HashSet};
+use std::path::Path;
+
+/// Counts up whenever the meaning of a cell changes, so that old records are not taken for new ones.
+pub const SCHEMA_VERSION: u32 = 1;
+/// Above this many combinations a file is taken for a mistake.
+const COMBINATIONS_MAX: u64 = 1_000_000;
+/// Hex digits of an id: 64 bits, so that a million cells collide with probability 3e-8.
+const ID_LENGTH: usize = 16;
+
+/// One row of the results.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    /// Hash of everything that determines the cell's scores; never of its position.
+    pub id: String,
+    /// Unused parameters are unset.
+    pub point: Point,
+    /// Id of the radiance image: cells that differ in the tone curve only share it.
+    pub radiance: String,
+    /// Id of the radiance image of the reference.
+    pub reference: String,
+}
+
+/// A checked experiment. Later code trusts it.
+#[derive(Debug)]
+pub struct Plan {
+    pub config: Config,
+    pub inputs: Inputs,
+    /// Axis indices in column order: those of the file, then the rest.
+    pub columns: Vec<usize>,
+    /// In the order of the axes, the last one fastest.
+    pub cells: Vec<Cell>,
+    /// Combinations each exclusion left out, in the order of the file.
+    pub excluded: Vec<usize>,
+    /// Combinations that equal an earlier one because they differ in unused parameters only.
+    pub collapsed: usize,
+    /// Hash over name, cells and timing: two plans with the same hash are the same experiment.
+    pub hash: String,
+}
+
+/// Cells that share a reference, in running order.
+#[derive(Debug)]
+pub struct ReferenceGroup<'p> {
+    /// Id of the reference's radiance.
+    pub id: &'p str,
+    /// Each with the id of its radiance and the cells that share it.
+    pub radiances: Vec<(&'p str, Vec<&'p Cell>)>,
+}
+
+impl Plan {
+    /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let mut faults = Faults::new(path, "");
+            faults.add(&Place::Default, format!("cannot be read: {error}; expected an experiment file (TOML)"));
+            faults.into_result().expect_err("one fault was added")
+        })?;
+        Self::from_text(path, &text, overrides)
+    }
+
+    /// As [`Plan::load`], of a text that stands for the file at `path`.
+    pub fn from_text(path: &Path, text: &str, overrides: &[String]) -> Result<Self, ConfigError> {
+        let mut faults = Faults::new(path, text);
+        let config = Config::parse(path, text, overrides, &mut faults);
+        let inputs = load_inputs(&config, &mut faults);
+        let combinations = config.axes.iter().map(|sweep| sweep.values.len() as u64).fold(1, u64::saturating_mul);
+        if combinations > COMBINATIONS_MAX {
+            faults.add(&Place::File(0), format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"));
+        }
+        faults.into_result()?;
+        Ok(expand(config, inputs))
+    }
+
+    /// Cells grouped so that each reference and each radiance is rendered once and only one reference is held at a time.
+    pub fn groups(&self) -> Vec<ReferenceGroup<'_>> {
+        let mut groups: Vec<ReferenceGroup> = Vec::new();
+        let mut group_of: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut radiance_of: BTreeMap<(usize, &str), usize> = BTreeMap::new();
+        for cell in &self.cells {
+            let group = *group_of.entry(&cell.reference).or_insert_with(|| {
+                groups.push(ReferenceGroup { id: &cell.reference, radiances: Vec::new() });
+                groups.len() - 1
+            });
+            let radiances = &mut groups[group].radiances;
+            let radiance = *radiance_of.entry((group, &cell.radiance)).or_insert_with(|| {
+                radiances.push((&cell.radiance, Vec::new()));
+                radiances.len() - 1
+            });
+            radiances[radiance].1.push(cell);
+        }
+        groups
+    }
+
+    /// Name and value of every axis of a cell, in column order.
+    pub fn columns_of<'c>(&self, cell: &'c Cell) -> Vec<(&'static str, &'c Value)> {
+        self.columns.iter().map(|&axis| (AXES[axis].name, &cell.point.0[axis])).collect()
+    }
+
+    /// What tells the cell from the others: its values on the axes with more than one value, as `name=value` words.
+    pub fn label(&self, cell: &Cell) -> String {
+        let words = self.config.axes.iter().filter(|sweep| sweep.values.len() > 1);
+        let words = words.map(|sweep| (AXES[sweep.axis].name, &cell.point.0[sweep.axis]));
+        words.filter(|(_, v)| **v != Value::Unset).map(|(n, v)| format!("{n}={v}")).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Exclusions that left nothing out: usually a slip in the file.
+    pub fn idle_exclusions(&self) -> Vec<&str> {
+        let idle = self.config.exclusions.iter().zip(&self.excluded).filter(|(_, count)| **count == 0);
+        idle.map(|(exclusion, _)| exclusion.why.as_str()).collect()
+    }
+}
+
+/// The folder that a path written at `place` is relative to: the file's, or for `--set` the current one.
+fn base_dir<'c>(config: &'c Config, place: &Place) -> &'c Path {
+    match place {
+        Place::Set(_) => Path::new(""),
+        Place::File(_) | Place::Default => config.path.parent().unwrap_or(Path::new("")),
+    }
+}
+
+fn load_inputs(config: &Config, faults: &mut Faults) -> Inputs {
+    let mut inputs = Inputs::default();
+    let swept = |name: &str| config.axes.iter().find(|sweep: &&Sweep| AXES[sweep.axis].name == name);
+    match swept("environment") {
+        Some(sweep) => {
+            for v in &sweep.values {
+                inputs.add_environment(v.value.text(), base_dir(config, &v.place), &v.place, faults);
+            }
+        }
+        None => {
+            let name = config.base.get("environment").text();
+            inputs.add_environment(name, base_dir(config, &Place::Default), &Place::Default, faults);
+        }
+    }
+    match swept("scene") {
+        Some(sweep) => {
+            for v in &sweep.values {
+                inputs.add_scene(v.value.text(), base_dir(config, &v.place), &v.place, faults);
+            }
+        }
+        None => {
+            let name = config.base.get("scene").text();
+            inputs.add_scene(name, base_dir(config, &config.scene_place), &config.scene_place, faults);
+        }
+    }
+    inputs
+}
+
+fn expand(config: Config, inputs: Inputs) -> Plan {
+    let mut columns: Vec<usize> = config.axes.iter().map(|sweep| sweep.axis).collect();
+    columns.extend((0..AXES.len()).filter(|axis| !config.axes.iter().any(|sweep| sweep.axis == *axis)));
+    let mut excluded = vec![0; config.exclusions.len()];
+    let mut collapsed = 0;
+    let mut seen = HashSet::new();
+    let mut cells = Vec::new();
+    for point in product(&config) {
+        let exclusion = config
+            .exclusions
+            .iter()
+            .position(|exclusion| exclusion.conditions.iter().all(|(axis, values)| values.contains(&point.0[*axis])));
+        if let Some(index) = exclusion {
+            excluded[index] += 1;
+            continue;
+        }
+        let reference = radiance_id(&config, &inputs, &point.reference(&config.reference));
+        let point = point.collapsed();
+        let radiance = radiance_id(&config, &inputs, &point);
+        let id = cell_id(&radiance, &reference, &point);
+        if seen.insert(id.clone()) {
+            cells.push(Cell { id, point, radiance, reference });
+        } else {
+            collapsed += 1;
+        }
+    }
+    let mut identity = vec![format!("name={}", config.name), format!("timing={:?}", config.timing)];
+    identity.extend(cells.iter().map(|cell| cell.id.clone()));
+    let hash = hash_lines(&identity);
+    Plan { config, inputs, columns, cells, excluded, collapsed, hash }
+}
+
+/// Every combination of the axes' values over the base point, the last axis fastest.
+fn product(config: &Config) -> impl Iterator<Item = Point> + '_ {
+    let count: usize = config.axes.iter().map(|sweep| sweep.values.len()).product();
+    (0..count).map(|index| {
+        let mut point = config.base.clone();
+        let mut rest = index;
+        for sweep in config.axes.iter().rev() {
+            point.0[sweep.axis] = sweep.values[rest % sweep.values.len()].value.clone();
+            rest /= sweep.values.len();
+        }
+        point
+    })
+}
+
+/// Inputs count by their content, so that a renamed file keeps its cells and a changed one loses them.
+fn radiance_id(config: &Config, inputs: &Inputs, point: &Point) -> String {
+    let mut lines = vec![
+        format!("schema={SCHEMA_VERSION}"),
+        format!("size={}x{}", config.size[0], config.size[1]),
+        format!("seed={}", config.seed),
+        format!("camera={}", config.camera),
+        format!("background={}", config.background),
+    ];
+    lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));
+    for (axis, value) in AXES.iter().zip(&point.0).filter(|(axis, _)| axis.changes_radiance) {
+        lines.push(match axis.name {
+            "environment" => format!("environment={}", inputs.environment(value.text()).hash),
+            "scene" => format!("scene={}", inputs.scene(value.text()).hash),
+            name => format!("{name}={value}"),
+        });
+    }
+    hash_lines(&lines)
+}
+
+fn cell_id(radiance: &str, reference: &str, point: &Point) -> String {
+    let mut lines = vec![format!("radiance={radiance}"), format!("reference={reference}")];
+    let display = AXES.iter().zip(&point.0).filter(|(axis, _)| !axis.changes_radiance);
+    lines.extend(display.map(|(axis, value)| format!("{}={value}", axis.name)));
+    hash_lines(&lines)
+}
+
+fn hash_lines(lines: &[String]) -> String {
+    blake3::hash(lines.join("\n").as_bytes()).to_hex()[..ID_LENGTH].to_owned()
+}

@@ -1,0 +1,285 @@
+//! Values as written in a file or on the command line, and how they are checked.
+
+use std::fmt;
+
+/// A checked value. Its `Display` text is what tables, cell ids and `--set` use.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// Not set: the scene's own material holds, or the method does not use the parameter. Empty in tables.
+    Unset,
+    Number(f64),
+    Count(u32),
+    /// Linear RGB.
+    Color([f32; 3]),
+    /// Width and height, or another pair of counts.
+    Pair([u32; 2]),
+    /// A name out of a list, or the name of an input.
+    Text(String),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Unset => Ok(()),
+            Self::Number(x) => write!(f, "{x}"),
+            Self::Count(n) => write!(f, "{n}"),
+            Self::Color([r, g, b]) if r == g && g == b => write!(f, "{r}"),
+            Self::Color([r, g, b]) => write!(f, "{r}:{g}:{b}"),
+            Self::Pair([w, h]) => write!(f, "{w}x{h}"),
+            Self::Text(text) => f.write_str(text),
+        }
+    }
+}
+
+impl Value {
+    /// The number of a value whose kind is [`Kind::Number`].
+    pub fn number(&self) -> f64 {
+        match self {
+            Self::Number(x) => *x,
+            other => panic!("{other:?} is not a number: its axis has another kind"),
+        }
+    }
+
+    /// The count of a value whose kind is [`Kind::Count`].
+    pub fn count(&self) -> u32 {
+        match self {
+            Self::Count(n) => *n,
+            other => panic!("{other:?} is not a count: its axis has another kind"),
+        }
+    }
+
+    /// The colour of a value whose kind is [`Kind::Color`].
+    pub fn color(&self) -> [f32; 3] {
+        match self {
+            Self::Color(c) => *c,
+            other => panic!("{other:?} is not a colour: its axis has another kind"),
+        }
+    }
+
+    /// The pair of a value whose kind is [`Kind::Pair`].
+    pub fn pair(&self) -> [u32; 2] {
+        match self {
+            Self::Pair(p) => *p,
+            other => panic!("{other:?} is not a pair: its axis has another kind"),
+        }
+    }
+
+    /// The text of a value whose kind is [`Kind::Name`] or [`Kind::Input`].
+    pub fn text(&self) -> &str {
+        match self {
+            Self::Text(text) => text,
+            other => panic!("{other:?} is not a name: its axis has another kind"),
+        }
+    }
+}
+
+/// An interval of allowed numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Range {
+    pub min: f64,
+    pub max: f64,
+    /// Whether `min` itself is left out.
+    pub min_open: bool,
+}
+
+impl Range {
+    /// `[min, max]`.
+    pub const fn closed(min: f64, max: f64) -> Self {
+        Self { min, max, min_open: false }
+    }
+
+    /// `(min, max]`.
+    pub const fn above(min: f64, max: f64) -> Self {
+        Self { min, max, min_open: true }
+    }
+
+    fn holds(&self, x: f64) -> bool {
+        x <= self.max && if self.min_open { x > self.min } else { x >= self.min }
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}{}, {}]", if self.min_open { '(' } else { '[' }, self.min, self.max)
+    }
+}
+
+/// A value before it is checked, from TOML or from text.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Raw {
+    Text(String),
+    Integer(i64),
+    Float(f64),
+    Array(Vec<Raw>),
+    /// Anything else, by the name of its type.
+    Other(&'static str),
+}
+
+impl fmt::Display for Raw {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Text(text) => write!(f, "{text:?}"),
+            Self::Integer(n) => write!(f, "{n}"),
+            Self::Float(x) => write!(f, "{x}"),
+            Self::Array(items) => {
+                f.write_str("[")?;
+                for (i, item) in items.iter().enumerate() {
+                    write!(f, "{}{item}", if i == 0 { "" } else { ", " })?;
+                }
+                f.write_str("]")
+            }
+            Self::Other(kind) => write!(f, "a {kind}"),
+        }
+    }
+}
+
+impl Raw {
+    /// Text as it comes from the command line, read as a number where it is one.
+    fn from_text(text: &str) -> Self {
+        match (text.parse::<i64>(), text.parse::<f64>()) {
+            (Ok(n), _) => Self::Integer(n),
+            (_, Ok(x)) => Self::Float(x),
+            _ => Self::Text(text.to_owned()),
+        }
+    }
+
+    fn number(&self) -> Option<f64> {
+        match self {
+            Self::Integer(n) => Some(*n as f64),
+            Self::Float(x) => Some(*x),
+            _ => None,
+        }
+    }
+}
+
+/// What a parameter accepts.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    Number(Range),
+    /// A whole number in `[min, max]`.
+    Count {
+        min: u32,
+        max: u32,
+    },
+    /// `x` for grey or `[r, g, b]`, each in the range. As text: `x`, `r:g:b` or `r,g,b`.
+    Color(Range),
+    /// Two whole numbers, each in `[min, max]`. As text: `WxH`.
+    Pair {
+        min: u32,
+        max: u32,
+    },
+    /// One of a list of names; `what` is the word for one of them.
+    Name {
+        what: &'static str,
+        names: fn() -> Vec<&'static str>,
+    },
+    /// The name of a builtin or the path of a file; it is checked by loading it.
+    Input,
+}
+
+impl Kind {
+    /// The value of `raw`, or a sentence that names it and what was expected.
+    pub fn parse(&self, raw: &Raw) -> Result<Value, String> {
+        let expected = |what: &str| Err(format!("{raw} is not {what}"));
+        match self {
+            Self::Number(range) => match raw.number() {
+                Some(x) if range.holds(x) => Ok(Value::Number(x)),
+                Some(_) => Err(format!("{raw} is outside {range}")),
+                None => expected(&format!("a number in {range}")),
+            },
+            Self::Count { min, max } => match raw {
+                Raw::Integer(n) => count(*n, *min, *max).map(Value::Count),
+                _ => expected(&format!("a whole number in [{min}, {max}]")),
+            },
+            Self::Color(range) => match raw {
+                Raw::Array(items) if items.len() == 3 => {
+                    let mut color = [0.0; 3];
+                    for (channel, item) in color.iter_mut().zip(items) {
+                        *channel = Self::Number(*range).parse(item)?.number() as f32;
+                    }
+                    Ok(Value::Color(color))
+                }
+                Raw::Array(_) | Raw::Text(_) | Raw::Other(_) => {
+                    expected(&format!("a colour: one number in {range} or [r, g, b]"))
+                }
+                _ => Ok(Value::Color([Self::Number(*range).parse(raw)?.number() as f32; 3])),
+            },
+            Self::Pair { min, max } => match raw {
+                Raw::Array(items) if matches!(items[..], [Raw::Integer(_), Raw::Integer(_)]) => {
+                    let mut pair = [0; 2];
+                    for (n, item) in pair.iter_mut().zip(items) {
+                        *n = Self::Count { min: *min, max: *max }.parse(item)?.count();
+                    }
+                    Ok(Value::Pair(pair))
+                }
+                _ => expected(&format!("a pair of whole numbers in [{min}, {max}], such as [256, 128]")),
+            },
+            Self::Name { what, names } => match raw {
+                Raw::Text(text) => {
+                    let names = names();
+                    if names.contains(&text.as_str()) {
+                        Ok(Value::Text(text.clone()))
+                    } else {
+                        Err(format!(
+                            "{text:?} is not a {what}{}; expected {}",
+                            suggestion(text, &names),
+                            names.join(", ")
+                        ))
+                    }
+                }
+                _ => expected(&format!("the name of a {what} in quotes")),
+            },
+            Self::Input => match raw {
+                Raw::Text(text) if !text.is_empty() => Ok(Value::Text(text.clone())),
+                _ => expected("a builtin's name or a file's path in quotes"),
+            },
+        }
+    }
+
+    /// The value of command-line text: see each kind for its form.
+    pub fn parse_text(&self, text: &str) -> Result<Value, String> {
+        let text = text.trim();
+        let raw = match self {
+            Self::Name { .. } | Self::Input => Raw::Text(text.to_owned()),
+            Self::Color(_) if text.contains([':', ',']) => {
+                Raw::Array(text.split([':', ',']).map(|part| Raw::from_text(part.trim())).collect())
+            }
+            Self::Pair { .. } => Raw::Array(text.split(['x', 'X']).map(|part| Raw::from_text(part.trim())).collect()),
+            _ => Raw::from_text(text),
+        };
+        self.parse(&raw).map_err(|fault| match self {
+            Self::Pair { min, max } => format!("{text:?} is not WxH with whole numbers in [{min}, {max}]"),
+            Self::Name { .. } => fault.replace(" in quotes", ""),
+            _ => fault,
+        })
+    }
+
+    /// What the kind accepts, for help texts and `splitsum list axes`.
+    pub fn describe(&self) -> String {
+        match self {
+            Self::Number(range) => format!("number in {range}"),
+            Self::Count { min, max } => format!("whole number in [{min}, {max}]"),
+            Self::Color(range) => format!("colour: x or [r, g, b] in {range}; with --set x or r:g:b"),
+            Self::Pair { min, max } => format!("pair of whole numbers in [{min}, {max}]; with --set WxH"),
+            Self::Name { names, .. } => names().join(" | "),
+            Self::Input => "builtin name or file".to_owned(),
+        }
+    }
+}
+
+fn count(n: i64, min: u32, max: u32) -> Result<u32, String> {
+    u32::try_from(n).ok().filter(|n| (min..=max).contains(n)).ok_or_else(|| format!("{n} is outside [{min}, {max}]"))
+}
+
+/// `; did you mean "x"?` for the nearest of `names`, or nothing when none is near.
+///
+/// Near: at most half of the longer word differs (Damerau-Levenshtein), so that noise suggests nothing.
+pub fn suggestion(wrong: &str, names: &[&str]) -> String {
+    names
+        .iter()
+        .map(|name| (strsim::normalized_damerau_levenshtein(&wrong.to_lowercase(), name), name))
+        .filter(|(similarity, _)| *similarity >= 0.5)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| format!("; did you mean {name:?}?"))
+        .unwrap_or_default()
+}

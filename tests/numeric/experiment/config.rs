@@ -1,0 +1,152 @@
+//! Every fault of a file is reported at once, with its place and the nearest right name.
+
+use splitsum::experiment::Plan;
+use std::path::Path;
+
+/// The faults of `text` as the file `e.toml`, one a line.
+fn faults(text: &str, overrides: &[&str]) -> Vec<String> {
+    let overrides: Vec<String> = overrides.iter().map(|o| o.to_string()).collect();
+    match Plan::from_text(Path::new("e.toml"), text, &overrides) {
+        Ok(_) => Vec::new(),
+        Err(error) => error.to_string().lines().map(str::to_owned).collect(),
+    }
+}
+
+/// `found` must hold the `expected` beginnings, in this order and no more.
+fn assert_faults(found: &[String], expected: &[&str]) {
+    assert_eq!(found.len(), expected.len(), "{found:#?}");
+    for (found, expected) in found.iter().zip(expected) {
+        assert!(found.starts_with(expected), "found {found:?}, expected {expected:?}");
+    }
+}
+
+#[test]
+fn many_faults_are_reported_in_one_go_with_line_and_column() {
+    let text = r#"name = "x y"
+colour = 1
+size = [256]
+seed = "one"
+background = 1
+camera = "orto"
+scene = "spheers"
+reference = { method = "referense", samples = 0, seed = 3 }
+[axes]
+environment = ["builtin:sky", "missing.hdr"]
+brdf = ["gxx"]
+method = []
+alpha = [0.5, 1.4, 0, "rough"]
+samples = [1, 2.5, 1]
+rougness = [0.1]
+contrast = 1
+[[exclude]]
+method = "splitsum"
+[timing]
+round = 3
+rounds = 0
+[precompute]
+dfg_siz = 4
+[[lights]]
+kind = "directional"
+position = [0, 1, 0]
+"#;
+    assert_faults(
+        &faults(text, &[]),
+        &[
+            "e.toml:1:8: name: \"x y\" is not a name",
+            "e.toml:2:1: colour is unknown",
+            "e.toml:3:8: size: [256] is not a pair of whole numbers in [1, 16384]",
+            "e.toml:4:8: seed: \"one\" is not a whole number",
+            "e.toml:5:14: background: 1 is not true or false",
+            "e.toml:6:10: camera: \"orto\" is not a camera; did you mean \"ortho\"?; expected ortho, perspective",
+            "e.toml:7:9: scene: ",
+            "e.toml:8:24: reference.method: \"referense\" is not a method; did you mean \"reference\"?",
+            "e.toml:8:47: reference.samples: 0 is outside [1, 16777216]",
+            "e.toml:8:50: reference.seed is unknown",
+            "e.toml:10:31: axes.environment: ",
+            "e.toml:11:9: axes.brdf: \"gxx\" is not a BRDF model; did you mean \"ggx\"?; expected ggx, beckmann, phong",
+            "e.toml:12:10: axes.method: an axis needs at least one value",
+            "e.toml:13:15: axes.alpha: 1.4 is outside (0, 1]",
+            "e.toml:13:20: axes.alpha: 0 is outside (0, 1]",
+            "e.toml:13:23: axes.alpha: \"rough\" is not a number in (0, 1]",
+            "e.toml:14:15: axes.samples: 2.5 is not a whole number in [1, 16777216]",
+            "e.toml:14:20: axes.samples: 1 stands twice",
+            "e.toml:15:1: axes.rougness is unknown",
+            "e.toml:16:12: axes.contrast: 1 is not a list of values",
+            "e.toml:17:1: exclude.why is missing",
+            "e.toml:18:10: exclude.method: \"splitsum\" is not a method; did you mean \"split-sum\"?",
+            "e.toml:20:1: timing.round is unknown; did you mean \"rounds\"?",
+            "e.toml:21:10: timing.rounds: 0 is outside [1, 100000]",
+            "e.toml:23:1: precompute.dfg_siz is unknown; did you mean \"dfg_size\"?",
+            "e.toml:24:1: lights: needs kind = \"directional\" with direction",
+        ],
+    );
+}
+
+#[test]
+fn columns_count_characters_not_bytes() {
+    let text = "name = \"x\"\n[axes]\nf0 = [[0.5, 0.5, 0.5], \"é\", 1.5]\n";
+    assert_faults(
+        &faults(text, &[]),
+        &["e.toml:3:24: axes.f0: \"é\" is not a colour", "e.toml:3:29: axes.f0: 1.5 is outside"],
+    );
+}
+
+#[test]
+fn broken_toml_and_missing_keys_are_faults_with_places() {
+    assert_faults(&faults("question = \"?\"\n", &[]), &["e.toml:1:1: axes is missing", "e.toml:1:1: name is missing"]);
+    let found = faults("name = \"x\"\nname = \"y\"\n[axes]\nalpha = [0.1\n", &[]);
+    assert!(found.iter().any(|f| f.starts_with("e.toml:2:1: not TOML: ")), "{found:#?}");
+    assert!(found.iter().any(|f| f.starts_with("e.toml:4:") || f.starts_with("e.toml:5:")), "{found:#?}");
+}
+
+#[test]
+fn a_parameter_is_fixed_or_swept_but_not_both() {
+    let text =
+        "name = \"x\"\nscene = \"sphere\"\n[precompute]\ndfg_size = 8\n[axes]\ndfg_size = [8]\nscene = [\"sphere\"]\n";
+    assert_faults(
+        &faults(text, &[]),
+        &["e.toml:2:1: scene is also an axis", "e.toml:4:1: precompute.dfg_size is also"],
+    );
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_outside_every_range() {
+    let text = "name = \"x\"\n[axes]\nalpha = [nan]\nexposure = [inf]\nenvironment_scale = [-inf]\n";
+    assert_faults(
+        &faults(text, &[]),
+        &[
+            "e.toml:3:10: axes.alpha: NaN is outside",
+            "e.toml:4:13: axes.exposure: inf",
+            "e.toml:5:22: axes.environment_scale: -inf",
+        ],
+    );
+}
+
+#[test]
+fn overrides_replace_an_axis_and_are_checked_like_the_file() {
+    let text = "name = \"x\"\n[axes]\nalpha = [0.1, 0.2]\n";
+    assert_faults(
+        &faults(text, &["alpha=2", "alfa=1", "nonsense", "samples=4,4"]),
+        &[
+            "--set alfa: axes.alfa is unknown; did you mean \"alpha\"?",
+            "--set alpha: axes.alpha: 2 is outside (0, 1]",
+            "--set nonsense: is not axis=value",
+            "--set samples: axes.samples: 4 stands twice",
+        ],
+    );
+    let plan = Plan::from_text(Path::new("e.toml"), text, &["alpha=0.5".into(), "f0=0.04,1:0.5:0".into()]).unwrap();
+    let points: Vec<String> =
+        plan.cells.iter().map(|c| format!("{} {}", c.point.get("alpha"), c.point.get("f0"))).collect();
+    assert_eq!(points, ["0.5 0.04", "0.5 1:0.5:0"]);
+}
+
+#[test]
+fn text_of_every_default_parses_back_to_the_same_value() {
+    for axis in splitsum::experiment::axis::AXES {
+        let value = (axis.default)();
+        if value.to_string().is_empty() {
+            continue;
+        }
+        assert_eq!(axis.kind.parse_text(&value.to_string()), Ok(value), "{}", axis.name);
+    }
+}

@@ -1,0 +1,155 @@
+//! Counts, ids and groups of plans.
+
+use splitsum::experiment::{Cell, Plan};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+fn plan(text: &str) -> Plan {
+    Plan::from_text(Path::new("e.toml"), text, &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+const SWEEP: &str = r#"
+name = "x"
+[axes]
+brdf = ["ggx", "phong"]
+method = ["sampled", "split-sum"]
+samples = [1, 4, 40]
+alpha = [0.1, 0.5]
+exposure = [1, 10]
+"#;
+
+/// Cells by everything that tells them apart for a person.
+fn by_point(plan: &Plan) -> BTreeMap<String, &Cell> {
+    plan.cells
+        .iter()
+        .map(|cell| {
+            let mut words: Vec<String> = plan.columns_of(cell).iter().map(|(n, v)| format!("{n}={v}")).collect();
+            words.sort();
+            (words.join(" "), cell)
+        })
+        .collect()
+}
+
+#[test]
+fn a_method_without_samples_collapses_the_samples_axis() {
+    let plan = plan(SWEEP);
+    // 2 models x 2 alphas x 2 exposures x (3 sample counts + 1).
+    assert_eq!(plan.cells.len(), 32);
+    assert_eq!(plan.collapsed, 16);
+    for cell in &plan.cells {
+        let is_split_sum = cell.point.get("method").to_string() == "split-sum";
+        assert_eq!(cell.point.get("samples").to_string().is_empty(), is_split_sum);
+    }
+}
+
+#[test]
+fn an_exclusion_leaves_the_same_cells_as_the_collapse() {
+    let text = format!(
+        "{SWEEP}[[exclude]]\nmethod = \"split-sum\"\nsamples = [1, 40]\nwhy = \"none drawn\"\n\
+         [[exclude]]\nbrdf = \"beckmann\"\nwhy = \"idle\"\n"
+    );
+    let excluded = plan(&text);
+    assert_eq!(excluded.excluded, [16, 0]);
+    assert_eq!(excluded.idle_exclusions(), ["idle"]);
+    assert_eq!(excluded.collapsed, 0);
+    let ids = |plan: &Plan| plan.cells.iter().map(|c| c.id.clone()).collect::<BTreeSet<_>>();
+    assert_eq!(ids(&excluded), ids(&plan(SWEEP)));
+}
+
+#[test]
+fn ids_do_not_depend_on_the_order_of_axes_values_or_keys() {
+    let reordered = r#"
+seed = 1
+[axes]
+exposure = [10, 1]
+alpha = [0.5, 0.1]
+samples = [40, 1, 4]
+method = ["split-sum", "sampled"]
+brdf = ["phong", "ggx"]
+"#;
+    let (a, b) = (plan(SWEEP), plan(&format!("name = \"x\"{reordered}")));
+    let (a, b) = (by_point(&a), by_point(&b));
+    assert_eq!(a.len(), 32);
+    assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
+    for (key, cell) in &a {
+        assert_eq!(cell.id, b[key].id, "{key}");
+    }
+}
+
+#[test]
+fn ids_depend_on_everything_that_determines_pixels() {
+    let base = "name = \"x\"\n[axes]\nalpha = [0.1]\n";
+    let id = |head: &str, axes: &str| {
+        let plan = plan(&format!("name = \"x\"\n{head}\n[axes]\n{axes}\n"));
+        assert_eq!(plan.cells.len(), 1);
+        plan.cells[0].id.clone()
+    };
+    let mut ids = BTreeSet::from([plan(base).cells[0].id.clone()]);
+    let heads = [
+        "seed = 2",
+        "size = [8, 8]",
+        "camera = \"perspective\"",
+        "background = true",
+        "scene = \"spheres\"",
+        "reference = { samples = 8 }",
+        "precompute = { dfg_size = 8 }",
+        "lights = [{ kind = \"point\", position = [0, 1, 0], color = [1, 1, 1] }]",
+    ];
+    let axes = [
+        "alpha = [0.2]",
+        "alpha = [0.1]\nexposure = [2]",
+        "alpha = [0.1]\ncontrast = [2]",
+        "alpha = [0.1]\nenvironment = [\"builtin:studio\"]",
+        "alpha = [0.1]\nf0 = [1]",
+        "alpha = [0.1]\nlod_bias = [1]",
+        "alpha = [0.1]\nmasking = [\"correlated\"]",
+    ];
+    for head in heads {
+        assert!(ids.insert(id(head, "alpha = [0.1]")), "{head} changes no id");
+    }
+    for axes in axes {
+        assert!(ids.insert(id("", axes)), "{axes} changes no id");
+    }
+    assert!(!ids.insert(id("question = \"another\"", "alpha = [0.1]")), "the question changes an id");
+}
+
+#[test]
+fn the_tone_curve_shares_radiance_and_methods_share_references() {
+    let plan = plan(SWEEP);
+    let groups = plan.groups();
+    // One reference for each model and alpha.
+    assert_eq!(groups.len(), 4);
+    for group in &groups {
+        assert_eq!(group.radiances.len(), 4, "three sample counts and split-sum");
+        for (_, cells) in &group.radiances {
+            assert_eq!(cells.len(), 2, "two exposures");
+            assert_ne!(cells[0].id, cells[1].id);
+        }
+    }
+}
+
+#[test]
+fn settings_of_precompute_and_bias_share_the_reference() {
+    let plan =
+        plan("name = \"x\"\n[axes]\ndfg_size = [8, 16]\nprefilter_size = [[16, 8], [32, 16]]\nlod_bias = [0, 1]\n");
+    assert_eq!(plan.cells.len(), 8);
+    assert_eq!(plan.groups().len(), 1);
+}
+
+#[test]
+fn a_cell_without_a_term_has_a_reference_without_it() {
+    let plan = plan("name = \"x\"\n[axes]\nmethod = [\"none\"]\ndiffuse = [\"none\", \"sh9\", \"irradiance-map\"]\n");
+    let [nothing, sh9, map] = &plan.cells[..] else { panic!("{} cells", plan.cells.len()) };
+    assert_ne!(nothing.reference, sh9.reference);
+    assert_eq!(sh9.reference, map.reference);
+    let reference = sh9.point.reference(&plan.config.reference);
+    assert_eq!(reference.get("method").to_string(), "none");
+    assert_eq!(reference.get("diffuse").to_string(), "reference");
+    assert_eq!(reference.get("samples").to_string(), "4096");
+}
+
+#[test]
+fn a_plan_may_be_empty() {
+    let plan = plan("name = \"x\"\n[axes]\nalpha = [0.1]\n[[exclude]]\nalpha = 0.1\nwhy = \"all\"\n");
+    assert_eq!((plan.cells.len(), plan.excluded[0]), (0, 1));
+}
