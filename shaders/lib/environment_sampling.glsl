@@ -3,10 +3,10 @@
 //
 // Filtering units interpolate with weights of about 8 bits, which shows as steps on magnified suns; here the four texels
 // are fetched and weighted in f32. Directions are in the environment's frame.
-#ifndef LIB_ENVIRONMENT_SAMPLING_GLSL
-#define LIB_ENVIRONMENT_SAMPLING_GLSL
+#ifndef ENVIRONMENT_SAMPLING_GLSL
+#define ENVIRONMENT_SAMPLING_GLSL
 
-#include "generated/constants.glsl"
+#include "lib/equirect.glsl"
 
 // The word at `index` of `EnvironmentDistribution::words`: the entry point that has the buffer defines it.
 uint environment_word(uint index);
@@ -102,11 +102,8 @@ float environment_invert_linear(float p0, float p1, float xi) {
 
 // Radiance from the unit direction `l` and the density of `environment_sample` there.
 EnvironmentSample environment_eval(sampler2D environment, EnvironmentTables tables, vec3 l) {
-    float sin_theta = length(l.xz);
-    // The texel left of and above the direction, u in [-0.5, 0.5] by atan2. Not acos: it loses half of the digits at the poles.
-    vec2 size = vec2(tables.width, tables.height);
-    vec2 uv = vec2(0.5 - atan(l.x, l.z) / (2.0 * PI), atan(sin_theta, l.y) / PI);
-    vec2 texel = uv * size - 0.5;
+    vec3 uv_sin_theta = uv_sin_theta_from_direction(l);
+    vec2 texel = uv_sin_theta.xy * vec2(tables.width, tables.height) - 0.5;
     vec2 corner = floor(texel);
     vec2 t = texel - corner;
     int x0 = int(corner.x);
@@ -115,7 +112,7 @@ EnvironmentSample environment_eval(sampler2D environment, EnvironmentTables tabl
     vec3 texels[4];
     environment_cell(environment, tables, band, uint(x0), texels);
     vec3 li = mix(mix(texels[0], texels[1], t.x), mix(texels[2], texels[3], t.x), t.y);
-    return EnvironmentSample(l, li, environment_pdf(li, band, sin_theta));
+    return EnvironmentSample(l, li, environment_pdf(li, band, uv_sin_theta.z));
 }
 
 // A direction with density proportional to luminance (times the row's constant), from a fixed-point pair.
@@ -139,11 +136,9 @@ EnvironmentSample environment_sample(sampler2D environment, EnvironmentTables ta
     // The first and the last band are half a texel high: v clamps there.
     float top = max(float(band) - 0.5, 0.0);
     float bottom = min(float(band) + 0.5, float(tables.height));
-    float phi = 2.0 * PI * (0.5 - (float(column) + 0.5 + t.x) / float(tables.width));
-    float theta = PI * mix(top, bottom, t.y) / float(tables.height);
-    float sin_theta = sin(theta);
-    vec3 l = vec3(sin(phi) * sin_theta, cos(theta), cos(phi) * sin_theta);
-    return EnvironmentSample(l, li, environment_pdf(li, band, sin_theta));
+    vec3 l = direction_from_uv(
+        vec2((float(column) + 0.5 + t.x) / float(tables.width), mix(top, bottom, t.y) / float(tables.height)));
+    return EnvironmentSample(l, li, environment_pdf(li, band, length(l.xz)));
 }
 
 #endif

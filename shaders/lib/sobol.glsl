@@ -4,8 +4,8 @@
 // scramble [Owen97] by hash [Burley20, sections 3 and 4] with the permutation of [Vegdahl21]. Estimators that are *added*
 // (one over pair 0, one over pair 1) need no index shuffle between the pairs: only a joint integrand would see the pairing.
 // Estimators under test use Hammersley points, which are not scrambled: the two never share a point.
-#ifndef LIB_SOBOL_GLSL
-#define LIB_SOBOL_GLSL
+#ifndef SOBOL_GLSL
+#define SOBOL_GLSL
 
 // A 32-bit finaliser: a bijection whose output bits each depend on every input bit [Wellons18].
 uint sobol_hash(uint x) {

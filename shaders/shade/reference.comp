@@ -1,8 +1,7 @@
-#version 460
 // The reference: an unbiased estimate of the integral of BRDF, cosine and environment radiance by multiple importance
 // sampling. One dispatch takes every sample of one scramble and folds its result into the mean and the spread over scrambles.
 //
-// One invocation computes one pixel. With m = `pair_count` samples from the lobe and m from the environment, the balance
+// One invocation computes one pixel. With m = `sample_count` / 2 (rounded up) samples from the lobe and m from the environment, the balance
 // heuristic [VeachGuibas95, eq. 10 with equal counts] makes every sample of either kind contribute
 //
 //     f(v, l) n.l L(l) / (m (p_lobe(l) + p_environment(l)))
@@ -15,9 +14,12 @@
 // 4 environment (sampler2D, level 0 in f32); 5 tables of the environment (see lib/environment_sampling.glsl);
 // 6 mean over scrambles (rgb) and their count (a); 7 sum of squared deviations (rgb). Scramble 0 overwrites 6 and 7.
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE), rows counted from `first_row`.
+#version 460
 #extension GL_GOOGLE_include_directive : require
+
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"
+#include "lib/compensated_sum.glsl"
 #include "lib/environment_sampling.glsl"
 #include "lib/frame.glsl"
 #include "lib/sobol.glsl"
@@ -26,15 +28,24 @@
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 
+layout(push_constant) uniform Push {
+    ShadeParams params;
+};
+
 layout(set = 0, binding = 0) uniform sampler2D gbuffer_position;
 layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
 layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
 layout(set = 0, binding = 4) uniform sampler2D environment;
-layout(set = 0, binding = 5, std430) readonly buffer EnvironmentWords { uint environment_words[]; };
-layout(set = 0, binding = 6, std430) buffer Means { vec4 means[]; };
-layout(set = 0, binding = 7, std430) buffer SquaredDeviations { vec4 squared_deviations[]; };
-layout(push_constant, scalar) uniform Push { ReferenceParams params; };
+layout(std430, set = 0, binding = 5) readonly buffer EnvironmentWords {
+    uint environment_words[];
+};
+layout(std430, set = 0, binding = 6) buffer Means {
+    vec4 means[];
+};
+layout(std430, set = 0, binding = 7) buffer SquaredDeviations {
+    vec4 squared_deviations[];
+};
 
 uint environment_word(uint index) {
     return environment_words[index];
@@ -53,53 +64,46 @@ void main() {
     }
     uint index = pixel.y * params.width + pixel.x;
     ivec2 texel = ivec2(pixel);
-    Surface surface;
-    bool hit = surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
-        texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, surface);
-    if (!hit) {
-        if (params.scramble == 0u) {
-            means[index] = vec4(0.0, 0.0, 0.0, 1.0);
-            squared_deviations[index] = vec4(0.0);
-        }
+    Surface world;
+    if (!surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
+                              texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, world)) {
+        means[index] = vec4(0.0, 0.0, 0.0, float(params.scramble + 1u));
+        squared_deviations[index] = vec4(0.0);
         return;
     }
+    // Everything below lives in the environment's frame: one matrix product a sample.
+    Surface surface = surface_in_environment(world, params);
+    mat3 frame = frame_from_normal(surface.n);
+    vec3 v_local = surface.v * frame;
+    // The floor of n_dot_v holds for the lobe too: at 0 it has no sampler.
+    v_local.z = max(v_local.z, COSINE_MIN);
 
-    // Local to environment in one rotation, so that a sample costs one matrix product.
-    mat3 environment_from_world = transpose(mat3(params.environment_from_world_0.xyz,
-        params.environment_from_world_1.xyz, params.environment_from_world_2.xyz));
-    mat3 environment_from_local = environment_from_world * frame_from_normal(surface.n);
-    vec3 v_local = (environment_from_world * surface.v) * environment_from_local;
-
+    uint pair_count = (params.sample_count + 1u) / 2u;
     EnvironmentTables tables = environment_tables(params.environment_width, params.environment_height);
     uint key = sobol_key(pixel, params.scramble, params.seed, LOBE_STREAM);
     uvec2 lobe_key = sobol_pair_key(key, 0u);
     uvec2 environment_key = sobol_pair_key(key, 1u);
 
-    // Compensated sum [Kahan65]: every term is >= 0, so the plain form is enough.
-    precise vec3 sum = vec3(0.0);
-    precise vec3 lost = vec3(0.0);
-    for (uint i = 0u; i < params.pair_count; ++i) {
+    CompensatedSum sum = CompensatedSum(vec3(0.0), vec3(0.0));
+    for (uint i = 0u; i < pair_count; ++i) {
         uint second = sobol_second_reversed(i);
 
         vec3 l_local = lobe_sample(surface, v_local, sobol_to_unit(sobol_point(i, second, lobe_key)));
         vec3 term = vec3(0.0);
         if (l_local.z > 0.0) {
             term = contribution(lobe_eval(surface, v_local, l_local),
-                environment_eval(environment, tables, environment_from_local * l_local));
+                environment_eval(environment, tables, frame * l_local));
         }
 
         EnvironmentSample light = environment_sample(environment, tables, sobol_point(i, second, environment_key));
-        l_local = light.l * environment_from_local;
+        l_local = light.l * frame;
         if (l_local.z > 0.0) {
             term += contribution(lobe_eval(surface, v_local, l_local), light);
         }
 
-        precise vec3 increment = term - lost;
-        precise vec3 next = sum + increment;
-        lost = (next - sum) - increment;
-        sum = next;
+        sum = compensated_add(sum, term);
     }
-    vec3 estimate = sum * (params.environment_scale / float(params.pair_count));
+    vec3 estimate = (sum.high + sum.low) * (params.environment_scale / float(pair_count));
 
     vec4 mean = vec4(0.0);
     vec3 squared = vec3(0.0);

@@ -1,12 +1,12 @@
 // The specular lobe of the reference: the selected microfacet model, sampled by its best known sampler.
 //
-// Same functions as lib/lambert.glsl.
-#ifndef LIB_SPECULAR_LOBE_GLSL
-#define LIB_SPECULAR_LOBE_GLSL
+// Every file in shade/lobe/ defines the same functions.
+#ifndef LOBE_SPECULAR_GLSL
+#define LOBE_SPECULAR_GLSL
 
+#include "lib/masking.glsl"
 #include "lib/microfacet.glsl"
 #include "lib/surface.glsl"
-#include "selected/brdf.glsl"
 
 // Separates the points of this lobe from those of the diffuse lobe: their errors are independent.
 const uint LOBE_STREAM = 0u;
@@ -20,12 +20,17 @@ struct LobeValue {
 LobeValue lobe_eval(Surface surface, vec3 v_local, vec3 l_local) {
     // From the sum of both, not from the sampled half vector: the environment's samples have none.
     vec3 h_local = normalize(v_local + l_local);
-    return LobeValue(eval_brdf(v_local, l_local, h_local, surface.alpha, surface.f0) * l_local.z,
+    return LobeValue(eval_brdf(v_local, l_local, h_local, surface.alpha, surface.f0, MASKING) * l_local.z,
         pdf_visible_l_brdf(v_local, h_local, surface.alpha));
 }
 
 vec3 lobe_sample(Surface surface, vec3 v_local, vec2 xi) {
     return reflect(-v_local, sample_visible_brdf(xi, v_local, surface.alpha));
+}
+
+// What scales the estimate and does not depend on l.
+vec3 lobe_weight(Surface surface, sampler2D dfg, uint flags) {
+    return vec3(1.0);
 }
 
 #endif

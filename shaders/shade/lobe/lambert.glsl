@@ -1,11 +1,12 @@
 // The diffuse lobe of the reference: a Lambert surface of albedo 1, so that its radiance is irradiance / pi. What scales
 // it (albedo, metallic, the Fresnel weight) does not depend on l and is applied when the estimate is resolved.
 //
-// Same functions as lib/specular_lobe.glsl.
-#ifndef LIB_LAMBERT_GLSL
-#define LIB_LAMBERT_GLSL
+// Every file in shade/lobe/ defines the same functions.
+#ifndef LOBE_LAMBERT_GLSL
+#define LOBE_LAMBERT_GLSL
 
-#include "generated/constants.glsl"
+#include "lib/diffuse.glsl"
+#include "lib/elementary.glsl"
 #include "lib/surface.glsl"
 
 // Separates the points of this lobe from those of the specular lobe: their errors are independent.
@@ -25,8 +26,12 @@ LobeValue lobe_eval(Surface surface, vec3 v_local, vec3 l_local) {
 // Cosine-weighted direction [Malley88]: a uniform point of the disk, lifted to the hemisphere.
 vec3 lobe_sample(Surface surface, vec3 v_local, vec2 xi) {
     float r = sqrt(xi.x);
-    float phi = 2.0 * PI * xi.y;
-    return vec3(r * cos(phi), r * sin(phi), sqrt(1.0 - xi.x));
+    return vec3(r * sin_cos_turns(xi.y).yx, sqrt(1.0 - xi.x));
+}
+
+// What scales the estimate and does not depend on l.
+vec3 lobe_weight(Surface surface, sampler2D dfg, uint flags) {
+    return diffuse_albedo(surface, dfg, flags);
 }
 
 #endif
