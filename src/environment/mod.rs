@@ -10,6 +10,8 @@ use crate::math::equirect;
 use crate::pixels::RgbImage;
 use glam::DVec3;
 
+pub mod distribution;
+
 /// A distant environment: an equirectangular map of linear radiance (see `math::equirect`), looked up bilinearly.
 #[derive(Clone, Debug)]
 pub struct Environment {

@@ -24,6 +24,12 @@ constants! {
     ALPHA_MIN: f32 = 1e-3;
     /// Floor of a clamped cosine. 0 would divide by zero in `1/(4 n_dot_v)`; a larger floor darkens the rim visibly.
     COSINE_MIN: f32 = 1e-6;
+    /// Luminance weights of linear Rec.709 RGB [BT709] item 3.2.
+    LUMINANCE_RED: f32 = 0.2126;
+    /// See `LUMINANCE_RED`.
+    LUMINANCE_GREEN: f32 = 0.7152;
+    /// See `LUMINANCE_RED`.
+    LUMINANCE_BLUE: f32 = 0.0722;
     /// Side of the square work group of image passes.
     GROUP_SIDE: u32 = 8;
     /// Invocations of a linear work group (reductions, probes).

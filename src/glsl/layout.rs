@@ -141,8 +141,10 @@ shared_structs! {
         height: uint,
         environment_width: uint,
         environment_height: uint,
+        /// Samples a pixel of this dispatch. The reference takes half from the lobe, half from the environment: an odd count
+        /// is rounded up.
         sample_count: uint,
-        /// Index of the first sample of this dispatch and which independent scramble it belongs to (reference only).
+        /// Which independent scramble this dispatch takes (reference only). Scramble 0 starts the sums.
         scramble: uint,
         first_row: uint,
         prefilter_level_count: uint,
@@ -151,6 +153,8 @@ shared_structs! {
         light_count: uint,
         /// Bit flags: `constants::SHADE_FLAG_*`.
         flags: uint,
+        /// Chooses the points of the reference (reference only).
+        seed: uint,
     }
     /// An analytic light: position (point) or direction to the light (directional), then its colour (W/sr or irradiance) and kind in w.
     LightData {

@@ -76,6 +76,7 @@ impl ShadeSettings {
             lod_bias: self.lod_bias,
             light_count: self.light_count,
             flags: if self.has_specular { 0 } else { SHADE_FLAG_NO_SPECULAR },
+            seed: 0,
         }
     }
 }

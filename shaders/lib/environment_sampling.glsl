@@ -1,0 +1,144 @@
+// The environment as a light: exact bilinear radiance, and importance sampling proportional to its luminance with the
+// density of the bilinear map itself. The tables, their layout and the derivation: src/environment/distribution.rs.
+//
+// Filtering units interpolate with weights of about 8 bits, which shows as steps on magnified suns; here the four texels
+// are fetched and weighted in f32. Directions are in the environment's frame.
+#ifndef ENVIRONMENT_SAMPLING_GLSL
+#define ENVIRONMENT_SAMPLING_GLSL
+
+#include "lib/equirect.glsl"
+
+// The word at `index` of `EnvironmentDistribution::words`: the entry point that has the buffer defines it.
+uint environment_word(uint index);
+
+// A direction exactly at a pole has sin(theta) = 0 and an infinite density per solid angle, whose product with the radiance
+// of a black pole would be NaN. At 1e-9 the density is still finite in f32 and the balance heuristic gives the sample no weight.
+const float ENVIRONMENT_SIN_THETA_MIN = 1e-9;
+
+// Where the tables lie, from the size of the map alone.
+struct EnvironmentTables {
+    uint width;
+    uint height;
+    uint band_shift;
+    uint column_shift;
+    uint conditional_base;
+    uint conditional_stride;
+};
+
+// Radiance from a direction and the density (1/sr) with which `environment_sample` returns that direction.
+struct EnvironmentSample {
+    vec3 l;
+    vec3 li;
+    float pdf_l;
+};
+
+// log2 of the guide entries of a distribution over `count` intervals; the twin is `guide_bits`.
+uint environment_guide_bits(uint count) {
+    return uint(max(findMSB(count - 1u) + 1, 1));
+}
+
+EnvironmentTables environment_tables(uint width, uint height) {
+    uint band_count = height + 1u;
+    uint band_bits = environment_guide_bits(band_count);
+    uint column_bits = environment_guide_bits(width);
+    return EnvironmentTables(width, height, 32u - band_bits, 32u - column_bits,
+        band_count + (band_count + 1u) + (1u << band_bits), (width + 1u) + (1u << column_bits));
+}
+
+float environment_luminance(vec3 li) {
+    return dot(li, vec3(LUMINANCE_RED, LUMINANCE_GREEN, LUMINANCE_BLUE));
+}
+
+// Interval of the distribution at `base` that holds `xi`; `fraction` is the place inside it, in (0, 1).
+uint environment_invert(uint base, uint count, uint shift, uint xi, out float fraction) {
+    // The largest value is the end of the last interval, which belongs to none.
+    xi = min(xi, 0xfffffffeu);
+    uint span = environment_word(base + count + 1u + (xi >> shift));
+    uint low = span & 0xffffu;
+    uint high = span >> 16;
+    while (low < high) {
+        uint middle = (low + high + 1u) >> 1;
+        if (environment_word(base + middle) <= xi) {
+            low = middle;
+        } else {
+            high = middle - 1u;
+        }
+    }
+    uint start = environment_word(base + low);
+    uint end = environment_word(base + low + 1u);
+    fraction = (float(xi - start) + 0.5) / float(end - start);
+    return low;
+}
+
+// The four texels around cell `column` of `band`: (x0, y0), (x1, y0), (x0, y1), (x1, y1).
+void environment_cell(sampler2D environment, EnvironmentTables tables, uint band, uint column, out vec3 texels[4]) {
+    int x0 = int(column);
+    int x1 = column + 1u == tables.width ? 0 : x0 + 1;
+    int y0 = max(int(band) - 1, 0);
+    int y1 = min(int(band), int(tables.height) - 1);
+    texels[0] = texelFetch(environment, ivec2(x0, y0), 0).rgb;
+    texels[1] = texelFetch(environment, ivec2(x1, y0), 0).rgb;
+    texels[2] = texelFetch(environment, ivec2(x0, y1), 0).rgb;
+    texels[3] = texelFetch(environment, ivec2(x1, y1), 0).rgb;
+}
+
+float environment_pdf(vec3 li, uint band, float sin_theta) {
+    float row = uintBitsToFloat(environment_word(band));
+    return environment_luminance(li) * row / max(sin_theta, ENVIRONMENT_SIN_THETA_MIN);
+}
+
+// Inverse of the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each >= 0, any scale).
+float environment_invert_linear(float p0, float p1, float xi) {
+    float total = p0 + p1;
+    // Both ends 0: the cell holds no light, any point will do.
+    if (total <= 0.0) {
+        return xi;
+    }
+    // x = xi / (q0 + sqrt(mix(q0^2, q1^2, xi))) with q = p / total: the root of the quadratic that does not cancel.
+    float q0 = p0 / total;
+    float q1 = p1 / total;
+    return xi / (q0 + sqrt(mix(q0 * q0, q1 * q1, xi)));
+}
+
+// Radiance from the unit direction `l` and the density of `environment_sample` there.
+EnvironmentSample environment_eval(sampler2D environment, EnvironmentTables tables, vec3 l) {
+    vec3 uv_sin_theta = uv_sin_theta_from_direction(l);
+    vec2 texel = uv_sin_theta.xy * vec2(tables.width, tables.height) - 0.5;
+    vec2 corner = floor(texel);
+    vec2 t = texel - corner;
+    int x0 = int(corner.x);
+    x0 = x0 < 0 ? x0 + int(tables.width) : min(x0, int(tables.width) - 1);
+    uint band = uint(clamp(int(corner.y) + 1, 0, int(tables.height)));
+    vec3 texels[4];
+    environment_cell(environment, tables, band, uint(x0), texels);
+    vec3 li = mix(mix(texels[0], texels[1], t.x), mix(texels[2], texels[3], t.x), t.y);
+    return EnvironmentSample(l, li, environment_pdf(li, band, uv_sin_theta.z));
+}
+
+// A direction with density proportional to luminance (times the row's constant), from a fixed-point pair.
+EnvironmentSample environment_sample(sampler2D environment, EnvironmentTables tables, uvec2 xi) {
+    vec2 fraction;
+    uint band_count = tables.height + 1u;
+    uint band = environment_invert(band_count, band_count, tables.band_shift, xi.y, fraction.y);
+    uint row = tables.conditional_base + band * tables.conditional_stride;
+    uint column = environment_invert(row, tables.width, tables.column_shift, xi.x, fraction.x);
+
+    vec3 texels[4];
+    environment_cell(environment, tables, band, column, texels);
+    vec4 corners = vec4(environment_luminance(texels[0]), environment_luminance(texels[1]),
+        environment_luminance(texels[2]), environment_luminance(texels[3]));
+    vec2 t;
+    t.y = environment_invert_linear(corners.x + corners.y, corners.z + corners.w, fraction.y);
+    t.x = environment_invert_linear(
+        mix(corners.x, corners.z, t.y), mix(corners.y, corners.w, t.y), fraction.x);
+    vec3 li = mix(mix(texels[0], texels[1], t.x), mix(texels[2], texels[3], t.x), t.y);
+
+    // The first and the last band are half a texel high: v clamps there.
+    float top = max(float(band) - 0.5, 0.0);
+    float bottom = min(float(band) + 0.5, float(tables.height));
+    vec3 l = direction_from_uv(
+        vec2((float(column) + 0.5 + t.x) / float(tables.width), mix(top, bottom, t.y) / float(tables.height)));
+    return EnvironmentSample(l, li, environment_pdf(li, band, length(l.xz)));
+}
+
+#endif

@@ -1,0 +1,37 @@
+// The diffuse lobe of the reference: a Lambert surface of albedo 1, so that its radiance is irradiance / pi. What scales
+// it (albedo, metallic, the Fresnel weight) does not depend on l and is applied when the estimate is resolved.
+//
+// Every file in shade/lobe/ defines the same functions.
+#ifndef LOBE_LAMBERT_GLSL
+#define LOBE_LAMBERT_GLSL
+
+#include "lib/diffuse.glsl"
+#include "lib/elementary.glsl"
+#include "lib/surface.glsl"
+
+// Separates the points of this lobe from those of the specular lobe: their errors are independent.
+const uint LOBE_STREAM = 1u;
+
+// BRDF times n_dot_l, and the density (1/sr) with which `lobe_sample` returns l.
+struct LobeValue {
+    vec3 value_cos;
+    float pdf_l;
+};
+
+LobeValue lobe_eval(Surface surface, vec3 v_local, vec3 l_local) {
+    float cos_over_pi = max(l_local.z, 0.0) / PI;
+    return LobeValue(vec3(cos_over_pi), cos_over_pi);
+}
+
+// Cosine-weighted direction [Malley88]: a uniform point of the disk, lifted to the hemisphere.
+vec3 lobe_sample(Surface surface, vec3 v_local, vec2 xi) {
+    float r = sqrt(xi.x);
+    return vec3(r * sin_cos_turns(xi.y).yx, sqrt(1.0 - xi.x));
+}
+
+// What scales the estimate and does not depend on l.
+vec3 lobe_weight(Surface surface, sampler2D dfg, uint flags) {
+    return diffuse_albedo(surface, dfg, flags);
+}
+
+#endif

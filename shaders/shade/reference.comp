@@ -1,0 +1,119 @@
+// The reference: an unbiased estimate of the integral of BRDF, cosine and environment radiance by multiple importance
+// sampling. One dispatch takes every sample of one scramble and folds its result into the mean and the spread over scrambles.
+//
+// One invocation computes one pixel. With m = `sample_count` / 2 (rounded up) samples from the lobe and m from the environment, the balance
+// heuristic [VeachGuibas95, eq. 10 with equal counts] makes every sample of either kind contribute
+//
+//     f(v, l) n.l L(l) / (m (p_lobe(l) + p_environment(l)))
+//
+// to this scramble's estimate X_k. X_1 .. X_K are independent and each is unbiased, so their mean is the result and
+// sum (X_k - mean)^2 / (K (K - 1)) estimates the variance of that mean without bias [Owen97, section 4].
+// Mean and squared deviations are updated in one pass [Welford62].
+//
+// Set 0: 0 position and mask, 1 normal and alpha, 2 albedo and metallic, 3 f0 and id (sampler2D, level 0);
+// 4 environment (sampler2D, level 0 in f32); 5 tables of the environment (see lib/environment_sampling.glsl);
+// 6 mean over scrambles (rgb) and their count (a); 7 sum of squared deviations (rgb). Scramble 0 overwrites 6 and 7.
+// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE), rows counted from `first_row`.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "generated/constants.glsl"
+#include "generated/layout.glsl"
+#include "lib/compensated_sum.glsl"
+#include "lib/environment_sampling.glsl"
+#include "lib/frame.glsl"
+#include "lib/sobol.glsl"
+#include "lib/surface.glsl"
+#include "selected/lobe.glsl"
+
+layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
+
+layout(push_constant) uniform Push {
+    ShadeParams params;
+};
+
+layout(set = 0, binding = 0) uniform sampler2D gbuffer_position;
+layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
+layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
+layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
+layout(set = 0, binding = 4) uniform sampler2D environment;
+layout(std430, set = 0, binding = 5) readonly buffer EnvironmentWords {
+    uint environment_words[];
+};
+layout(std430, set = 0, binding = 6) buffer Means {
+    vec4 means[];
+};
+layout(std430, set = 0, binding = 7) buffer SquaredDeviations {
+    vec4 squared_deviations[];
+};
+
+uint environment_word(uint index) {
+    return environment_words[index];
+}
+
+// What one sample adds: 0 where no light comes from or goes to, which also covers 0 / 0.
+vec3 contribution(LobeValue lobe, EnvironmentSample light) {
+    float density = lobe.pdf_l + light.pdf_l;
+    return density > 0.0 ? lobe.value_cos * light.li / density : vec3(0.0);
+}
+
+void main() {
+    uvec2 pixel = gl_GlobalInvocationID.xy + uvec2(0u, params.first_row);
+    if (pixel.x >= params.width || pixel.y >= params.height) {
+        return;
+    }
+    uint index = pixel.y * params.width + pixel.x;
+    ivec2 texel = ivec2(pixel);
+    Surface world;
+    if (!surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
+                              texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, world)) {
+        means[index] = vec4(0.0, 0.0, 0.0, float(params.scramble + 1u));
+        squared_deviations[index] = vec4(0.0);
+        return;
+    }
+    // Everything below lives in the environment's frame: one matrix product a sample.
+    Surface surface = surface_in_environment(world, params);
+    mat3 frame = frame_from_normal(surface.n);
+    vec3 v_local = surface.v * frame;
+    // The floor of n_dot_v holds for the lobe too: at 0 it has no sampler.
+    v_local.z = max(v_local.z, COSINE_MIN);
+
+    uint pair_count = (params.sample_count + 1u) / 2u;
+    EnvironmentTables tables = environment_tables(params.environment_width, params.environment_height);
+    uint key = sobol_key(pixel, params.scramble, params.seed, LOBE_STREAM);
+    uvec2 lobe_key = sobol_pair_key(key, 0u);
+    uvec2 environment_key = sobol_pair_key(key, 1u);
+
+    CompensatedSum sum = CompensatedSum(vec3(0.0), vec3(0.0));
+    for (uint i = 0u; i < pair_count; ++i) {
+        uint second = sobol_second_reversed(i);
+
+        vec3 l_local = lobe_sample(surface, v_local, sobol_to_unit(sobol_point(i, second, lobe_key)));
+        vec3 term = vec3(0.0);
+        if (l_local.z > 0.0) {
+            term = contribution(lobe_eval(surface, v_local, l_local),
+                environment_eval(environment, tables, frame * l_local));
+        }
+
+        EnvironmentSample light = environment_sample(environment, tables, sobol_point(i, second, environment_key));
+        l_local = light.l * frame;
+        if (l_local.z > 0.0) {
+            term += contribution(lobe_eval(surface, v_local, l_local), light);
+        }
+
+        sum = compensated_add(sum, term);
+    }
+    vec3 estimate = (sum.high + sum.low) * (params.environment_scale / float(pair_count));
+
+    vec4 mean = vec4(0.0);
+    vec3 squared = vec3(0.0);
+    if (params.scramble > 0u) {
+        mean = means[index];
+        squared = squared_deviations[index].rgb;
+    }
+    float count = mean.a + 1.0;
+    vec3 deviation = estimate - mean.rgb;
+    mean = vec4(mean.rgb + deviation / count, count);
+    means[index] = mean;
+    squared_deviations[index] = vec4(squared + deviation * (estimate - mean.rgb), 0.0);
+}

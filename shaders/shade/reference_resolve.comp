@@ -1,0 +1,63 @@
+// One invocation adds one term of the reference, specular or diffuse, and its squared standard error to one pixel; pixels with
+// mask 0 are left alone. The terms use independent points (LOBE_STREAM), so their squared errors add.
+//
+// With K scrambles, mean and squared deviations as shade/reference.comp leaves them, and w the part of the term that does not
+// depend on l (1 for the specular one, the diffuse albedo for the other):
+//
+//     radiance += w mean,    squared error += w^2 sum (X_k - mean)^2 / (K (K - 1))
+//
+// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 DFG table; 5 mean (rgb) and
+// K (a); 6 sum of squared deviations (rgb); 7 radiance; 8 squared standard error; 5 to 8 a vec4 a pixel, row-major.
+// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "generated/constants.glsl"
+#include "generated/layout.glsl"
+#include "lib/surface.glsl"
+#include "selected/lobe.glsl"
+
+layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
+
+layout(push_constant) uniform Push {
+    ShadeParams params;
+};
+
+layout(set = 0, binding = 0) uniform sampler2D gbuffer_position;
+layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
+layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
+layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
+layout(set = 0, binding = 4) uniform sampler2D dfg;
+layout(std430, set = 0, binding = 5) readonly buffer Means {
+    vec4 means[];
+};
+layout(std430, set = 0, binding = 6) readonly buffer SquaredDeviations {
+    vec4 squared_deviations[];
+};
+layout(std430, set = 0, binding = 7) buffer Radiance {
+    vec4 radiance[];
+};
+layout(std430, set = 0, binding = 8) buffer SquaredErrors {
+    vec4 squared_errors[];
+};
+
+void main() {
+    uvec2 pixel = gl_GlobalInvocationID.xy + uvec2(0u, params.first_row);
+    if (pixel.x >= params.width || pixel.y >= params.height) {
+        return;
+    }
+    ivec2 texel = ivec2(pixel);
+    Surface s;
+    if (!surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
+                              texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, s)) {
+        return;
+    }
+    uint index = pixel.y * params.width + pixel.x;
+    vec3 weight = lobe_weight(s, dfg, params.flags);
+    vec4 mean = means[index];
+    // One scramble has no spread, so its error is unknown: NaN, which the host refuses, and not 0.
+    float divisor = mean.a * (mean.a - 1.0);
+    vec3 squared_error = divisor > 0.0 ? squared_deviations[index].rgb / divisor : vec3(uintBitsToFloat(0x7fc00000u));
+    radiance[index] += vec4(weight * mean.rgb, 0.0);
+    squared_errors[index] += vec4(weight * weight * squared_error, 0.0);
+}
