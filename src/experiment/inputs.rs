@@ -83,6 +83,7 @@ fn load_scene(name: &str, _dir: &Path) -> Result<Scene, String> {
         return Err(format!("{name} cannot be read"));
     }
     Ok(Scene {
+        toward_viewer: glam::DVec3::Z,
         name: name.to_owned(),
         spheres: Vec::new(),
         meshes: Vec::new(),
