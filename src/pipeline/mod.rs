@@ -13,6 +13,7 @@ use crate::glsl::constants::GROUP_SIDE;
 use crate::gpu::{Buffer, Gpu, GpuError, Report};
 use crate::pixels::{Pixels, Rgb8Image, RgbImage};
 use crate::shade::pass::{ShadeSettings, light_data};
+use crate::shade::reference_pass::ReferenceRun;
 use crate::tonemap::ToneCurve;
 use crate::tonemap::pass::TonemapPass;
 use prepare::{Prepared, Resources};
@@ -162,6 +163,25 @@ impl Pipeline {
                 report.add(recorder.submit()?);
             }
         }
+        if let Some(reference) = &prepared.reference {
+            let mut recorder = self.gpu.record("reference")?;
+            recorder.fill(&reference.squared_error, 0);
+            report.add(recorder.submit()?);
+            for lobe in &prepared.lobes {
+                let run = ReferenceRun {
+                    settings: &settings,
+                    sample_count: request.reference_samples,
+                    seed: request.seed,
+                    environment: tables.environment,
+                    distribution: &reference.distribution,
+                    dfg: tables.dfg,
+                    gbuffer: &target.gbuffer,
+                    radiance: &target.radiance,
+                    squared_error: &reference.squared_error,
+                };
+                report.add(resources.reference.run(&self.gpu, *lobe, &reference.sums, &run)?);
+            }
+        }
         let mut recorder = self.gpu.record("shade")?;
         if prepared.has_diffuse_pass(request) {
             recorder.pass("shade-diffuse", |r| {
@@ -219,7 +239,9 @@ fn read_radiance(
             value: radiance.data[index],
         });
     }
-    Ok((radiance, None))
+    let root = |image: RgbImage| image.map(|texel| texel.map(f32::sqrt));
+    let squared_error = prepared.reference.as_ref().map(|reference| read(&reference.squared_error)).transpose()?;
+    Ok((radiance, squared_error.map(root)))
 }
 
 /// The lights' bytes; a light-free scene binds no such pass.

@@ -3,7 +3,7 @@
 use super::cache::Recent;
 use super::{PipelineError, RenderRequest, light_bytes};
 use crate::brdf::MaskingShadowing;
-use crate::environment::Environment;
+use crate::environment::{Environment, distribution::EnvironmentDistribution};
 use crate::gbuffer::pass::{GbufferImages, GbufferPass, SceneData};
 use crate::gpu::{Buffer, Format, Gpu, Image, Report};
 use crate::pixels::GrayImage;
@@ -15,6 +15,7 @@ use crate::precompute::prefilter::pass::PrefilterPass;
 use crate::precompute::sh9::pass::Sh9Pass;
 use crate::scene::Camera;
 use crate::shade::pass::{ShadePass, Tables};
+use crate::shade::reference_pass::{Lobe, ReferencePass, Sums};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -22,12 +23,14 @@ use std::sync::Arc;
 pub(super) struct Resources {
     pub(super) gbuffer: GbufferPass,
     pub(super) shade: ShadePass,
+    pub(super) reference: ReferencePass,
     mips: MipsPass,
     sh9: Sh9Pass,
     irradiance: IrradiancePass,
     prefilter: HashMap<&'static str, PrefilterPass>,
     dfg: HashMap<(&'static str, MaskingShadowing), DfgPass>,
     environments: Recent<String, Arc<EnvironmentData>>,
+    distributions: Recent<String, Buffer>,
     coefficients: Recent<String, Buffer>,
     irradiance_maps: Recent<(String, [u32; 2], [u32; 2]), Image>,
     prefiltered: Recent<(String, &'static str, [u32; 2], u32, u32), Image>,
@@ -44,6 +47,14 @@ pub(super) struct Resources {
 pub(super) struct EnvironmentData {
     /// Radiance with its mips.
     pub(super) image: Image,
+}
+
+/// What only a reference needs.
+pub(super) struct ReferenceData {
+    pub(super) distribution: Buffer,
+    pub(super) sums: Sums,
+    /// A vec4 a pixel.
+    pub(super) squared_error: Buffer,
 }
 
 #[derive(Clone, PartialEq)]
@@ -72,6 +83,10 @@ pub(super) struct Prepared {
     /// Precompute passes that ran for this request.
     pub(super) precompute: Report,
     pub(super) samples_per_pixel: u32,
+    /// There when the specular or the diffuse term is a reference.
+    pub(super) reference: Option<ReferenceData>,
+    /// The reference terms, specular first.
+    pub(super) lobes: Vec<Lobe>,
     dfg: Image,
     irradiance_map: Image,
     sh9: Buffer,
@@ -104,12 +119,14 @@ impl Resources {
         Ok(Self {
             gbuffer: GbufferPass::new(gpu)?,
             shade: ShadePass::new(gpu)?,
+            reference: ReferencePass::new(gpu)?,
             mips: MipsPass::new(gpu)?,
             sh9: Sh9Pass::new(gpu)?,
             irradiance: IrradiancePass::new(gpu)?,
             prefilter: HashMap::new(),
             dfg: HashMap::new(),
             environments: Recent::new(2),
+            distributions: Recent::new(2),
             coefficients: Recent::new(8),
             irradiance_maps: Recent::new(4),
             prefiltered: Recent::new(6),
@@ -171,6 +188,11 @@ impl Resources {
         if lights.is_some() {
             self.shade.prepare_lights(gpu, brdf, masking)?;
         }
+        let lobes = reference_lobes(request);
+        for lobe in &lobes {
+            self.reference.prepare(gpu, *lobe)?;
+        }
+        let reference = if lobes.is_empty() { None } else { Some(self.reference_data(gpu, request)?) };
         Ok(Prepared {
             environment,
             scene,
@@ -179,6 +201,8 @@ impl Resources {
             lights,
             precompute,
             samples_per_pixel,
+            reference,
+            lobes,
             dfg,
             irradiance_map,
             sh9,
@@ -204,6 +228,16 @@ impl Resources {
             total.add(recorder.submit()?);
             Ok(Arc::new(EnvironmentData { image }))
         })
+    }
+
+    fn reference_data(&mut self, gpu: &Gpu, request: &RenderRequest) -> Result<ReferenceData, PipelineError> {
+        let environment = &request.environment;
+        let distribution = self.distributions.get_or_make(environment.hash.clone(), || {
+            gpu.buffer_from("environment distribution", EnvironmentDistribution::new(&environment.image).words())
+        })?;
+        let bytes = 16 * u64::from(request.size[0]) * u64::from(request.size[1]);
+        let (sums, squared_error) = (Sums::new(gpu, request.size)?, gpu.buffer("squared error", bytes)?);
+        Ok(ReferenceData { distribution, sums, squared_error })
     }
 
     fn coefficients(
@@ -299,6 +333,13 @@ impl Resources {
             Ok(Arc::new(Target { gbuffer, radiance, mask, n_dot_v }))
         })
     }
+}
+
+/// The terms that `request` takes from the reference.
+fn reference_lobes(request: &RenderRequest) -> Vec<Lobe> {
+    let specular = Lobe::Specular(request.brdf, request.masking_shadowing);
+    let terms = [(request.method.name == "reference", specular), (request.diffuse.name == "reference", Lobe::Diffuse)];
+    terms.into_iter().filter_map(|(wanted, lobe)| wanted.then_some(lobe)).collect()
 }
 
 /// The smallest side a prefiltered level may have: fewer texels cannot hold even the roughest lobe.

@@ -2,6 +2,7 @@
 
 pub mod pass;
 pub mod reference;
+pub mod reference_pass;
 
 /// How the specular term is computed. The names are the shader file stems (with `-` for `_`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -47,15 +47,43 @@ fn dfg_meets_published_tables() {
     const PUBLISHED_TOLERANCE: f64 = 3e-5;
     type Row = (f64, [f64; 6], [f64; 6]);
     let correlated: [Row; 4] = [
-        (0.10, [0.24260, 0.41582, 0.76299, 0.96840, 0.99897, 1.00000], [0.73367, 0.57836, 0.23617, 0.03140, 0.00101, 0.0]),
-        (0.25, [0.44925, 0.50513, 0.75804, 0.95571, 0.99234, 0.99574], [0.44485, 0.39162, 0.20354, 0.03264, 0.00150, 0.0]),
-        (0.50, [0.76882, 0.75193, 0.75925, 0.83492, 0.88881, 0.91578], [0.16431, 0.13969, 0.08083, 0.02235, 0.00272, 0.00003]),
-        (1.00, [0.81568, 0.73634, 0.58676, 0.44771, 0.36389, 0.30682], [0.03209, 0.02387, 0.01088, 0.00299, 0.00063, 0.00003]),
+        (
+            0.10,
+            [0.24260, 0.41582, 0.76299, 0.96840, 0.99897, 1.00000],
+            [0.73367, 0.57836, 0.23617, 0.03140, 0.00101, 0.0],
+        ),
+        (
+            0.25,
+            [0.44925, 0.50513, 0.75804, 0.95571, 0.99234, 0.99574],
+            [0.44485, 0.39162, 0.20354, 0.03264, 0.00150, 0.0],
+        ),
+        (
+            0.50,
+            [0.76882, 0.75193, 0.75925, 0.83492, 0.88881, 0.91578],
+            [0.16431, 0.13969, 0.08083, 0.02235, 0.00272, 0.00003],
+        ),
+        (
+            1.00,
+            [0.81568, 0.73634, 0.58676, 0.44771, 0.36389, 0.30682],
+            [0.03209, 0.02387, 0.01088, 0.00299, 0.00063, 0.00003],
+        ),
     ];
     let schlick: [Row; 3] = [
-        (0.05, [0.21774, 0.40118, 0.75709, 0.96632, 0.99819, 1.00000], [0.73610, 0.57664, 0.23547, 0.03119, 0.00098, 0.0]),
-        (0.50, [0.62074, 0.59018, 0.60941, 0.72853, 0.82754, 0.89504], [0.11505, 0.09837, 0.06088, 0.01855, 0.00238, 0.00002]),
-        (1.00, [0.56810, 0.54436, 0.48348, 0.40668, 0.35011, 0.30682], [0.01638, 0.01355, 0.00748, 0.00246, 0.00058, 0.00003]),
+        (
+            0.05,
+            [0.21774, 0.40118, 0.75709, 0.96632, 0.99819, 1.00000],
+            [0.73610, 0.57664, 0.23547, 0.03119, 0.00098, 0.0],
+        ),
+        (
+            0.50,
+            [0.62074, 0.59018, 0.60941, 0.72853, 0.82754, 0.89504],
+            [0.11505, 0.09837, 0.06088, 0.01855, 0.00238, 0.00002],
+        ),
+        (
+            1.00,
+            [0.56810, 0.54436, 0.48348, 0.40668, 0.35011, 0.30682],
+            [0.01638, 0.01355, 0.00748, 0.00246, 0.00058, 0.00003],
+        ),
     ];
     let cases = correlated.map(|row| (MaskingShadowing::Correlated, row)).into_iter();
     let cases: Vec<_> = cases.chain(schlick.map(|row| (MaskingShadowing::Schlick, row))).collect();
@@ -79,7 +107,11 @@ fn dfg_has_its_exact_values_and_keeps_its_error() {
     // A mirror: albedo G1 -> 1, all of it Schlick's weight at the mirror angle.
     for model in MODELS {
         let pair = dfg(*model, MaskingShadowing::Correlated, 0.5, 1e-3);
-        assert!((pair.albedo() - 1.0).abs() < 1e-4 && (pair.f90_scale - 1.0 / 32.0).abs() < 1e-4, "{} {pair:?}", model.name());
+        assert!(
+            (pair.albedo() - 1.0).abs() < 1e-4 && (pair.f90_scale - 1.0 / 32.0).abs() < 1e-4,
+            "{} {pair:?}",
+            model.name()
+        );
     }
     // The stated error is met over the whole range, at the narrow grazing corner too.
     for model in MODELS {
@@ -125,7 +157,11 @@ fn prefiltering_keeps_a_constant_and_sharpens_to_the_map() {
     for model in MODELS {
         for alpha in [0.001, 0.05, 1.0] {
             let radiance = prefilter(&constant, *model, alpha, r, TOLERANCE).value;
-            assert!((radiance / DVec3::new(0.25, 1.0, 7e4) - 1.0).abs().max_element() < 1e-6, "{} {alpha}", model.name());
+            assert!(
+                (radiance / DVec3::new(0.25, 1.0, 7e4) - 1.0).abs().max_element() < 1e-6,
+                "{} {alpha}",
+                model.name()
+            );
         }
         let sharp = prefilter(&varied, *model, 0.001, r, TOLERANCE).value;
         assert!(((sharp - texel) / texel).abs().max_element() < 5e-4, "{}: {sharp} {texel}", model.name());
@@ -185,9 +221,11 @@ fn irradiance_is_the_cosine_integral_of_each_texel() {
             .map(|p| {
                 // Offset from the texel's centre in texels, -1 to 1.
                 let offset = (p + 0.5) * 2.0 / f64::from(count) - 1.0;
-                let uv = (DVec2::new(f64::from(x), f64::from(y)) + 0.5 + offset) / DVec2::new(f64::from(width), f64::from(height));
+                let uv = (DVec2::new(f64::from(x), f64::from(y)) + 0.5 + offset)
+                    / DVec2::new(f64::from(width), f64::from(height));
                 let hat = (1.0 - offset.x.abs()) * (1.0 - offset.y.abs());
-                let omega = 2.0 * PI * PI * (PI * uv.y).sin() / f64::from(width * height) * 4.0 / f64::from(count * count);
+                let omega =
+                    2.0 * PI * PI * (PI * uv.y).sin() / f64::from(width * height) * 4.0 / f64::from(count * count);
                 hat * omega * n.dot(direction_from_uv(uv)).max(0.0)
             })
             .sum();
@@ -207,14 +245,19 @@ fn sphere_integral(level: &splitsum::pixels::Pixels<DVec3>) -> DVec3 {
 #[test]
 fn mips_keep_the_integral_at_every_size() {
     for size in [[16, 8], [15, 7], [33, 20], [5, 9], [1, 1]] {
-        let image = RgbImage::from_fn(size[0], size[1], |x, y| [(x * 7 + y * 13) as f32 % 5.0, if (x, y) == (3, 0) { 7e4 } else { 0.1 }, 1.0]);
+        let image = RgbImage::from_fn(size[0], size[1], |x, y| {
+            [(x * 7 + y * 13) as f32 % 5.0, if (x, y) == (3, 0) { 7e4 } else { 0.1 }, 1.0]
+        });
         let levels = mips::reference::chain(&image);
         assert_eq!(levels.len() as u32, mips::level_count(size));
         let total = sphere_integral(&levels[0]);
         for (mip, level) in levels.iter().enumerate() {
             assert_eq!([level.width, level.height], mips::level_size(size, mip as u32));
             let integral = sphere_integral(level);
-            assert!(((integral - total) / total).abs().max_element() < 1e-13, "{size:?} level {mip}: {integral} {total}");
+            assert!(
+                ((integral - total) / total).abs().max_element() < 1e-13,
+                "{size:?} level {mip}: {integral} {total}"
+            );
             assert!(level.data.iter().all(|radiance| (radiance.z - 1.0).abs() < 1e-14));
         }
         assert_eq!([levels[levels.len() - 1].width, levels[levels.len() - 1].height], [1, 1]);
@@ -252,7 +295,12 @@ fn weight_of_the_prefilter_is_that_of_its_sampler() {
         }
         let exact = prefilter(&environment, *model, 0.5, r, TOLERANCE).value;
         // 32768 Hammersley points.
-        assert!(((sum / total - exact) / exact).abs().max_element() < 1e-3, "{}: {} {exact}", model.name(), sum / total);
+        assert!(
+            ((sum / total - exact) / exact).abs().max_element() < 1e-3,
+            "{}: {} {exact}",
+            model.name(),
+            sum / total
+        );
     }
     let _ = TAU;
 }
