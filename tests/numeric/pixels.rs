@@ -587,7 +587,7 @@ mod openexr {
             // An unfinished file: the table holds zeros.
             (edited(table + 8, &[0; 8]), "block 1 of 2 is missing or cut off"),
             // Two entries for the first block.
-            (edited(table + 8, &good[table..table + 8].to_owned()), "block 1 of 2: its position comes twice"),
+            (edited(table + 8, &good[table..table + 8]), "block 1 of 2: its position comes twice"),
             (edited(first_block, &7i32.to_le_bytes()), "block 0 of 2: its position is outside"),
             (edited(first_block + 4, &4i32.to_le_bytes()), "block 0 of 2: 4 bytes for 48 bytes of pixels"),
             (edited(first_block + 4, &i32::MAX.to_le_bytes()), "block 0 of 2 is missing or cut off"),
