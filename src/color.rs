@@ -12,13 +12,17 @@ pub fn luminance(rgb: [f32; 3]) -> f64 {
 
 /// Linear [0, 1] to the sRGB signal [0, 1] [sRGB99]. Values outside are clamped: an 8-bit file holds no others; NaN gives 0.
 pub fn srgb_encode(linear: f32) -> f32 {
-    let linear = linear.max(0.0).min(1.0);
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    // In f64: 1.055 - 0.055 is 1 only there.
+    let linear = if linear.is_nan() { 0.0 } else { f64::from(linear.clamp(0.0, 1.0)) };
+    let signal = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    signal as f32
 }
 
 /// The sRGB signal [0, 1] to linear [0, 1]; inverse of [`srgb_encode`].
 pub fn srgb_decode(signal: f32) -> f32 {
-    if signal <= 0.040_45 { signal / 12.92 } else { ((signal + 0.055) / 1.055).powf(2.4) }
+    let signal = f64::from(signal);
+    let linear = if signal <= 0.040_45 { signal / 12.92 } else { ((signal + 0.055) / 1.055).powf(2.4) };
+    linear as f32
 }
 
 /// CIE xy positions of the primaries and the white of an RGB space.

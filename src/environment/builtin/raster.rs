@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Latitudes a row over which a cap's coverage is integrated; the integrand is smooth, the midpoint error is about 1e-6.
+/// Latitudes a row over which a cap's coverage is integrated; the midpoint error of the energy is below 1e-5.
 const CAP_LATITUDES: u32 = 256;
 
 /// Unit direction of an azimuth (from +z towards +x) and an elevation above the horizon, radians.

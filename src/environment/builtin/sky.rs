@@ -8,8 +8,8 @@
 //!   and mixed gases are left out: they remove a few per cent of visible light.
 //! - The extraterrestrial irradiance `E0` (grey) follows from an energy balance, because the sky data has no stated unit: half of
 //!   the light that the beam loses by scattering reaches the ground as skylight, `E_sky = E0 sin h (1 - T_beam) / 2` in luminance,
-//!   where `T_beam` is the transmitted share and `E_sky` the irradiance of the sky on the horizontal. At h = 35 degrees, T = 3
-//!   the horizontal irradiance of the sun is 2.7 times that of the sky; measured clear skies have 2 to 5.
+//!   where `T_beam` is the transmitted share and `E_sky` the irradiance of the sky on the horizontal. At h = 35 degrees the
+//!   sun then gives the horizontal 4.8 (T = 2), 2.9 (T = 3) or 1.1 (T = 6) times the light of the sky, of the order of real skies.
 //! - Ground: `L = albedo (E_sky + E sin h) / π`, the same in every direction below the horizon.
 //!
 //! The whole map is scaled to a mean luminance of 1 over the sphere.

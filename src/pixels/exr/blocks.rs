@@ -214,6 +214,9 @@ fn unpack(header: &Header, block: &Block) -> Result<Vec<u8>, Fault> {
     if bytes == 0 {
         return Ok(Vec::new());
     }
+    if block.packed.len() != bytes && matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
+        check_dwa_counters(header, block).map_err(|counter| refuse(format!("a DWA counter of {counter}")))?;
+    }
     // The crate expects `area * bytes_per_pixel` bytes whatever the subsampling. The mean over this block makes that right.
     let mut adjusted;
     let header = if bytes == area * header.channels.bytes_per_pixel {
@@ -231,6 +234,20 @@ fn unpack(header: &Header, block: &Block) -> Result<Vec<u8>, Fault> {
         .decompress_image_section_from_le(header, block.packed.to_vec(), block.bounds, false)
         .map_err(|error| refuse(error.to_string()))?;
     if unpacked.len() == bytes { Ok(unpacked) } else { Err(refuse(format!("{} bytes, not {bytes}", unpacked.len()))) }
+}
+
+/// Checks the sizes of unpacked sections that a DWA block claims, because the codec allocates them before it reads; the error is the
+/// first that the block's pixels cannot need.
+fn check_dwa_counters(header: &Header, block: &Block) -> Result<(), u64> {
+    /// Of the eleven leading counters: bytes of other channels, run-length codes and their bytes, AC and DC coefficients.
+    const UNPACKED_SIZES: [usize; 5] = [1, 6, 7, 8, 9];
+    let Vec2(width, height) = block.bounds.size;
+    // The transform pads to 8 x 8; a factor of 2 covers run-length codes that grow their input.
+    let padded = width.next_multiple_of(8) * height.next_multiple_of(8);
+    let limit = 2 * padded as u64 * header.channels.bytes_per_pixel as u64;
+    let (counters, _) = block.packed.as_chunks::<8>();
+    let sizes = UNPACKED_SIZES.iter().filter_map(|&index| counters.get(index)).map(|&bytes| u64::from_le_bytes(bytes));
+    sizes.filter(|&size| size > limit).map(Err).next().unwrap_or(Ok(()))
 }
 
 /// Copies the wanted channels of an unpacked block to their planes.

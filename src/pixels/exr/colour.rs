@@ -39,7 +39,7 @@ fn layer_with_prefix(header: &Header, prefix: &str) -> Option<Layer> {
 /// plain channels, or else the first prefix that holds a colour.
 pub(super) fn choose_layer(header: &Header, name: Option<&str>) -> Option<Layer> {
     if let Some(name) = name {
-        let is_part = header.own_attributes.layer_name.as_ref().is_some_and(|part| part.to_string() == name);
+        let is_part = header.own_attributes.layer_name.as_ref().is_some_and(|part| *part == *name);
         return layer_with_prefix(header, &format!("{name}."))
             .or_else(|| is_part.then(|| layer_with_prefix(header, "")).flatten());
     }
@@ -54,7 +54,7 @@ impl Layer {
         let colour = match &self.channels {
             Channels::Rgb(rgb) => rgb.iter().flatten().copied().collect(),
             Channels::Luminance { y, chroma } => {
-                std::iter::once(*y).chain(chroma.into_iter().flatten().copied()).collect::<Vec<_>>()
+                std::iter::once(*y).chain(chroma.iter().flatten().copied()).collect::<Vec<_>>()
             }
         };
         colour.into_iter().chain(self.alpha).collect()

@@ -20,8 +20,8 @@ pub fn read(path: &Path) -> Result<Decoded, PixelsError> {
 /// As [`read`], but of the layer called `layer`: the channels `layer.R` ..., or the part of that name.
 pub fn read_layer(path: &Path, layer: Option<&str>) -> Result<Decoded, PixelsError> {
     let bytes = read_bounded(path)?;
-    // The crate `exr` meets some damaged headers and blocks with a panic (an index or a subtraction out of range). The bytes are only
-    // borrowed and everything else is made inside, so nothing half-changed can be seen afterwards.
+    // A last resort: the codecs of the crate `exr` index by what they read. No damaged file we have makes one panic, but if one does,
+    // it is bad input and must not end a run. The bytes are only borrowed, so nothing half-changed can be seen afterwards.
     std::panic::catch_unwind(|| decode(&bytes, layer))
         .unwrap_or_else(|_| Err(Fault::new("is damaged in a way that its decoder cannot name", "a valid OpenEXR file")))
         .map_err(|fault| fault.at(path))
@@ -38,6 +38,10 @@ fn decode(bytes: &[u8], layer: Option<&str>) -> Result<Decoded, Fault> {
         tables_start: cursor.position() as usize,
         multi_part: meta.requirements.has_multiple_layers,
     };
+    if !parts.multi_part && meta.requirements.is_single_layer_and_tiled != meta.headers[0].blocks.has_tiles() {
+        let what = "the version field and the type attribute disagree on tiles";
+        return Err(Fault::new(what, "both to name tiles, or neither"));
+    }
     let flat = meta.headers.iter().enumerate().filter(|(_, header)| !header.deep);
     let (index, header, chosen) = flat
         .filter_map(|(index, header)| choose_layer(header, layer).map(|chosen| (index, header, chosen)))
