@@ -69,11 +69,8 @@ impl EquirectQuadrature {
             .map(|(x, y)| DVec3::from_array(texel(x, y).map(f64::from)))
             .collect();
         let (width, height) = (width as usize, height as usize);
-        let root = Region {
-            low: DVec2::splat(-0.5),
-            high: DVec2::new(width as f64 - 0.5, height as f64 - 0.5),
-            node: None,
-        };
+        let root =
+            Region { low: DVec2::splat(-0.5), high: DVec2::new(width as f64 - 0.5, height as f64 - 0.5), node: None };
         let mut quadrature = Self { width, height, texels, rule: TensorRule::default(), nodes: Vec::new(), root };
         quadrature.root = quadrature.build(root);
         quadrature

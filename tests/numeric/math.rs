@@ -130,7 +130,8 @@ fn adaptive_cubature_keeps_its_word_on_kinks_cliffs_and_peaks() {
     }
     // A cliff that no grid line meets: converges slowly, and says how far it got.
     let rough = Tolerance { relative: 1e-9, max_part_count: 2_000 };
-    let Bounded { value, error } = integrate_rectangle(square, rough, |p| DVec3::splat(f64::from(u8::from(p.length() < 1.0))));
+    let Bounded { value, error } =
+        integrate_rectangle(square, rough, |p| DVec3::splat(f64::from(u8::from(p.length() < 1.0))));
     assert!((value.x - PI / 4.0).abs() <= error.x && error.x > 1e-6 && error.x < 1e-2, "{} +- {}", value.x, error.x);
 }
 

@@ -36,7 +36,8 @@ fn project<const N: usize>(image: &RgbImage, rule: &GaussLegendre<N>) -> Sh9 {
             for (a, b) in (0..N).flat_map(|a| (0..N).map(move |b| (a, b))) {
                 let offset = 0.5 * DVec2::new(rule.nodes[a], rule.nodes[b]) + 0.5;
                 let uv = (DVec2::new(f64::from(x), f64::from(y)) + offset) / size;
-                let weight = 0.25 * rule.weights[a] * rule.weights[b] * (PI * uv.y).sin() * 2.0 * PI * PI / (size.x * size.y);
+                let weight =
+                    0.25 * rule.weights[a] * rule.weights[b] * (PI * uv.y).sin() * 2.0 * PI * PI / (size.x * size.y);
                 let values = basis(direction_from_uv(uv));
                 (0..COUNT).for_each(|k| texel[k] += weight * values[k]);
             }
