@@ -48,7 +48,7 @@ impl Brdf for Ggx {
     }
 
     /// Visible normals by spherical caps: the visible half sphere's normals are the half vectors of the cap that `v` reflects into
-    /// [Dupuy23, listing 3]. `xi.x = 0` is the cap's centre.
+    /// [Dupuy23]. `xi.x = 0` is the cap's centre.
     fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
         let v_hemisphere = DVec3::new(alpha * v_local.x, alpha * v_local.y, v_local.z).normalize();
         let z = (1.0 - xi.x) * (1.0 + v_hemisphere.z) - v_hemisphere.z;

@@ -11,7 +11,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame of the unit vector `n` [Duff17, listing 3]. It jumps where `n.z` changes its sign, not elsewhere.
+    /// The frame of the unit vector `n` [Duff17]. It jumps where `n.z` changes its sign, not elsewhere.
     pub fn from_normal(n: DVec3) -> Self {
         let sign = 1f64.copysign(n.z);
         let a = -1.0 / (sign + n.z);

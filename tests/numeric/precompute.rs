@@ -3,7 +3,7 @@
 use crate::oracle::golden_environment;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use splitsum::brdf::{self, Brdf, Ggx, MODELS, MaskingShadowing};
+use splitsum::brdf::{self, Ggx, MODELS, MaskingShadowing};
 use splitsum::math::equirect::{direction_from_uv, texel_solid_angle};
 use splitsum::math::quadrature::Tolerance;
 use splitsum::math::sampling::{direction_from_polar, hammersley};
@@ -13,7 +13,7 @@ use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::irradiance::reference::irradiance;
 use splitsum::precompute::prefilter::reference::prefilter;
 use splitsum::precompute::{dfg as dfg_table, exact_quadrature, mips, prefilter as prefilter_map, sh9};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 const TOLERANCE: Tolerance = Tolerance { relative: 1e-6, max_part_count: 100_000 };
 
@@ -42,16 +42,12 @@ fn dfg_meets_the_golden_table() {
 
 #[test]
 fn dfg_meets_published_tables() {
-    // Columns n_dot_v; five digits and converged to 2e-5.
+    // Columns n_dot_v; five digits by a 1536² point rule. Rows of roughness 0.05 and 0.10 of the correlated table are left out:
+    // they miss the tail beyond 45°, of mass alpha² (see `dfg_at_normal_incidence_is_one_integral`).
     const N_DOT_V: [f64; 6] = [0.05, 0.10, 0.25, 0.50, 0.75, 1.00];
-    const PUBLISHED_TOLERANCE: f64 = 3e-5;
+    const PUBLISHED_TOLERANCE: f64 = 7e-5;
     type Row = (f64, [f64; 6], [f64; 6]);
-    let correlated: [Row; 4] = [
-        (
-            0.10,
-            [0.24260, 0.41582, 0.76299, 0.96840, 0.99897, 1.00000],
-            [0.73367, 0.57836, 0.23617, 0.03140, 0.00101, 0.0],
-        ),
+    let correlated: [Row; 3] = [
         (
             0.25,
             [0.44925, 0.50513, 0.75804, 0.95571, 0.99234, 0.99574],
@@ -118,6 +114,27 @@ fn dfg_has_its_exact_values_and_keeps_its_error() {
         for (n_dot_v, alpha) in [(0.01, 0.01), (0.01, 1.0), (0.3, 0.01), (1.0, 0.01), (0.6, 0.4)] {
             let pair = dfg(*model, MaskingShadowing::Separable, n_dot_v, alpha);
             assert!(pair.error < 1e-6 && pair.error > 0.0, "{} {n_dot_v} {alpha}: {pair:?}", model.name());
+        }
+    }
+}
+
+#[test]
+fn dfg_at_normal_incidence_is_one_integral() {
+    // v = n: W = G1(cos 2θ) alone, and the area under D n_dot_h is the sampler's u: Ess = ∫ G1(cos 2θ(u)) du. The substitution
+    // u = 1 - exp(-s) spreads the tail.
+    for model in MODELS {
+        for alpha in [0.01, 0.1, 0.5, 1.0] {
+            let count = 200_000;
+            let step = 40.0 / f64::from(count);
+            let albedo: f64 = (0..count)
+                .map(|i| {
+                    let tail = (-(f64::from(i) + 0.5) * step).exp();
+                    let cos_theta = model.sample_d(DVec2::new(1.0 - tail, 0.0), alpha).z;
+                    step * tail * model.g1(2.0 * cos_theta * cos_theta - 1.0, alpha)
+                })
+                .sum();
+            let pair = dfg(*model, MaskingShadowing::Separable, 1.0, alpha);
+            assert!((pair.albedo() - albedo).abs() < 1e-6, "{} {alpha}: {pair:?} against {albedo}", model.name());
         }
     }
 }
@@ -302,5 +319,4 @@ fn weight_of_the_prefilter_is_that_of_its_sampler() {
             sum / total
         );
     }
-    let _ = TAU;
 }

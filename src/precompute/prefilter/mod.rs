@@ -1,6 +1,6 @@
 //! The prefiltered environment: the first factor of the split sum, by direction and perceptual roughness.
 //!
-//! With `n = v = r` and the weight `n_dot_l` [Karis13, eq. 7]:
+//! With `n = v = r` and the weight `n_dot_l` [Karis13]:
 //!
 //! `P(r, alpha) = ∫ L(l) D(h) n_dot_l dl / ∫ D(h) n_dot_l dl`, `h = normalize(r + l)`,
 //!
