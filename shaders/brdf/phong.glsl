@@ -26,9 +26,10 @@ float g1_brdf(float n_dot_w, float alpha) {
 // Half vector with density D(h) n_dot_h: cos = (1 - u)^(1 / (exponent + 2)) = exp(-alpha^2 w / 2). [Walter07 eq. 31, 32]
 LobeSample sample_lobe_brdf(vec4 point, float alpha) {
     float alpha2 = alpha * alpha;
-    float x = alpha2 * point.w;
-    float cos_theta = exp(-0.5 * x);
-    float sin_theta = sqrt(one_minus_exp(x));
+    float x = 0.5 * alpha2 * point.w;
+    float cos_theta = exp(-x);
+    // sin^2 = (1 - cos) (1 + cos).
+    float sin_theta = sqrt(one_minus_exp(x) * (1.0 + cos_theta));
     return LobeSample(vec3(sin_theta * point.yz, cos_theta), (1.0 - point.x) / (PI * alpha2 * cos_theta));
 }
 

@@ -1,6 +1,6 @@
 // One invocation computes one texel (A, B, 0, 1) of the DFG table: the albedo of the specular lobe is f0 A + B, at
 // x = n_dot_v, y = perceptual_roughness of the texel's centre. [Karis13 eq. 8]
-// Set 0: 0 the table to write (rgba32f); 1 sample points (lib/sampling.glsl).
+// Set 0: 0 the table to write (rgba32f).
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -18,14 +18,6 @@ layout(push_constant) uniform Push {
 };
 
 layout(rgba32f, set = 0, binding = 0) uniform writeonly image2D table;
-layout(std430, set = 0, binding = 1) readonly buffer Points {
-    vec4 points[];
-};
-
-vec4 sample_point(uint i) {
-    return points[i];
-}
-
 void main() {
     uvec2 texel = gl_GlobalInvocationID.xy + uvec2(0u, params.first_row);
     uvec2 size = uvec2(params.width, params.height);
