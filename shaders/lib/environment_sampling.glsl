@@ -11,10 +11,6 @@
 // The word at `index` of `EnvironmentDistribution::words`: the entry point that has the buffer defines it.
 uint environment_word(uint index);
 
-// A direction exactly at a pole has sin(theta) = 0 and an infinite density per solid angle, whose product with the radiance
-// of a black pole would be NaN. At 1e-9 the density is still finite in f32 and the balance heuristic gives the sample no weight.
-const float ENVIRONMENT_SIN_THETA_MIN = 1e-9;
-
 // Where the tables lie, from the size of the map alone.
 struct EnvironmentTables {
     uint width;
@@ -87,7 +83,8 @@ float environment_pdf(vec3 li, uint band, float sin_theta) {
     return environment_luminance(li) * row / max(sin_theta, ENVIRONMENT_SIN_THETA_MIN);
 }
 
-// Inverse of the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each >= 0, any scale).
+// Inverse of the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each >= 0, any scale),
+// for xi in (0, 1].
 float environment_invert_linear(float p0, float p1, float xi) {
     float total = p0 + p1;
     // Both ends 0: the cell holds no light, any point will do.

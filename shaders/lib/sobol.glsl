@@ -43,16 +43,19 @@ uint sobol_scramble_reversed(uint x, uint key) {
     return x;
 }
 
-// Point `index` of dimension pair `pair` as 32-bit fixed point in [0, 1). `second_reversed` is
-// `sobol_second_reversed(index)`, which all pairs share.
+// Point `index` of the pair with that key as 32-bit fixed point in [0, 1). `second_reversed` is `sobol_second_reversed(index)`,
+// which all pairs share.
 uvec2 sobol_point(uint index, uint second_reversed, uvec2 key) {
     return bitfieldReverse(
         uvec2(sobol_scramble_reversed(index, key.x), sobol_scramble_reversed(second_reversed, key.y)));
 }
 
-// The keys of both dimensions of a pair.
-uvec2 sobol_pair_key(uint key, uint pair) {
-    return uvec2(sobol_hash(key + 2u * pair), sobol_hash(key + 2u * pair + 1u));
+// The keys of the next pair of dimensions; `key` moves on. A chain, each hash of the last one's result: hashes of two consecutive
+// numbers are not independent, and the point they make together would not be uniform over scrambles, which biases the estimate.
+uvec2 sobol_next_pair_key(inout uint key) {
+    uint first = sobol_hash(key + 1u);
+    key = sobol_hash(first + 1u);
+    return uvec2(first, key);
 }
 
 // Fixed point to the open interval (0, 1): the centre of one of 2^23 strata, the most for which f32 holds every centre.

@@ -81,8 +81,8 @@ void main() {
     uint pair_count = (params.sample_count + 1u) / 2u;
     EnvironmentTables tables = environment_tables(params.environment_width, params.environment_height);
     uint key = sobol_key(pixel, params.scramble, params.seed, LOBE_STREAM);
-    uvec2 lobe_key = sobol_pair_key(key, 0u);
-    uvec2 environment_key = sobol_pair_key(key, 1u);
+    uvec2 lobe_key = sobol_next_pair_key(key);
+    uvec2 environment_key = sobol_next_pair_key(key);
 
     CompensatedSum sum = CompensatedSum(vec3(0.0), vec3(0.0));
     for (uint i = 0u; i < pair_count; ++i) {

@@ -37,7 +37,8 @@
 //! The rounding of the starts moves a probability by at most 2^-32 of its band's (or of the whole) light; that is the
 //! only difference between the sampled and the stated density.
 
-use crate::glsl::constants::{LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED};
+use crate::color;
+use crate::glsl::constants::ENVIRONMENT_SIN_THETA_MIN;
 use crate::math::equirect;
 use crate::pixels::{Pixels, RgbImage};
 use glam::{DVec2, DVec3};
@@ -77,7 +78,7 @@ impl EnvironmentDistribution {
         let (width, height) = (image.width, image.height);
         assert!((1..=SIDE_MAX).contains(&width), "width {width} of an environment, 1 to {SIDE_MAX} expected");
         assert!((1..SIDE_MAX).contains(&height), "height {height} of an environment, 1 to {SIDE_MAX} - 1 expected");
-        let luminance = image.map(luminance_of);
+        let luminance = image.map(color::luminance);
         let columns = width as usize;
         let stride = distribution_len(columns);
         let band_count = height as usize + 1;
@@ -134,7 +135,7 @@ impl EnvironmentDistribution {
         let corner = texel.floor();
         let column = (corner.x as i64).rem_euclid(i64::from(width)) as u32;
         let band = (corner.y as i64 + 1).clamp(0, i64::from(height)) as usize;
-        self.cell(band, column).luminance(texel - corner) * self.band_weights[band] / d.x.hypot(d.z)
+        self.density(self.cell(band, column).luminance(texel - corner), band, d)
     }
 
     /// A unit direction from `xi` in [0, 1)² and its density (1/sr): x selects the column, y the band.
@@ -154,7 +155,11 @@ impl EnvironmentDistribution {
         let u = (column.interval as f64 + 0.5 + place.x) / f64::from(width);
         let v = top + (bottom - top) * place.y;
         let d = equirect::direction_from_uv(DVec2::new(u, v));
-        (d, cell.luminance(place) * self.band_weights[row.interval] / d.x.hypot(d.z))
+        (d, self.density(cell.luminance(place), row.interval, d))
+    }
+
+    fn density(&self, luminance: f64, band: usize, d: DVec3) -> f64 {
+        luminance * self.band_weights[band] / d.x.hypot(d.z).max(f64::from(ENVIRONMENT_SIN_THETA_MIN))
     }
 
     fn cell(&self, band: usize, column: u32) -> Cell {
@@ -179,13 +184,6 @@ impl Cell {
         let s = invert_linear(y00 * (1.0 - t) + y01 * t, y10 * (1.0 - t) + y11 * t, xi.x);
         DVec2::new(s, t)
     }
-}
-
-/// Linear luminance, Rec.709.
-fn luminance_of([r, g, b]: [f32; 3]) -> f64 {
-    f64::from(LUMINANCE_RED) * f64::from(r)
-        + f64::from(LUMINANCE_GREEN) * f64::from(g)
-        + f64::from(LUMINANCE_BLUE) * f64::from(b)
 }
 
 /// The texel rows whose centres bound a band.
@@ -258,7 +256,8 @@ fn invert(words: &[u32], count: usize, xi: f64) -> Place {
 /// Inverse of the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each ≥ 0, any scale).
 fn invert_linear(p0: f64, p1: f64, xi: f64) -> f64 {
     let total = p0 + p1;
-    if total <= 0.0 {
+    // No light at either end: any place will do. And 0 goes to 0, also where the density there is 0 and the root would be 0/0.
+    if total <= 0.0 || xi <= 0.0 {
         return xi;
     }
     let (q0, q1) = (p0 / total, p1 / total);

@@ -45,24 +45,24 @@ fn projected_distribution_integrates_to_one() {
 }
 
 /// Chi-square statistic's upper tail, by the Wilson-Hilferty transformation to a normal deviate.
-fn chi_square_tail(statistic: f64, degrees_of_freedom: f64) -> f64 {
+pub(crate) fn chi_square_tail(statistic: f64, degrees_of_freedom: f64) -> f64 {
     let variance = 2.0 / (9.0 * degrees_of_freedom);
     let deviate = ((statistic / degrees_of_freedom).cbrt() - (1.0 - variance)) / variance.sqrt();
     0.5 * erfc(deviate / std::f64::consts::SQRT_2)
 }
 
 /// A small deterministic generator (SplitMix64): low-discrepancy points would pass a chi-square test too well.
-struct Random(u64);
+pub(crate) struct Random(pub u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         (z ^ (z >> 31)) as f64 / 2f64.powi(64)
     }
-    fn xi(&mut self) -> DVec2 {
+    pub fn xi(&mut self) -> DVec2 {
         DVec2::new(self.next(), self.next())
     }
 }

@@ -8,6 +8,7 @@ mod metrics;
 mod oracle;
 mod pixels;
 mod precompute;
+mod reference;
 mod scene;
 mod table;
 mod tonemap;

@@ -1,0 +1,412 @@
+//! The reference integrator: its points, its environment distribution, and the estimator that they make.
+
+use crate::brdf::{Random, chi_square_tail};
+use glam::{DVec2, DVec3};
+use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
+use splitsum::brdf::{Brdf, Ggx, MaskingShadowing, eval_without_fresnel, reflect};
+use splitsum::color::{REC709_LUMINANCE, luminance};
+use splitsum::environment::distribution::EnvironmentDistribution;
+use splitsum::glsl::constants::{LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED};
+use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
+use splitsum::math::frame::Frame;
+use splitsum::math::quadrature::GaussLegendre;
+use splitsum::pixels::RgbImage;
+use std::f64::consts::PI;
+
+// ---- Points: shaders/lib/sobol.glsl, line by line ----
+
+fn sobol_hash(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+fn sobol_key(pixel: [u32; 2], scramble: u32, seed: u32, stream: u32) -> u32 {
+    let chain = |key: u32, value: u32| sobol_hash(value.wrapping_add(key));
+    let seeded = chain(sobol_hash(stream + 1), seed);
+    chain(chain(chain(seeded, scramble), pixel[1]), pixel[0])
+}
+
+fn sobol_second_reversed(mut index: u32) -> u32 {
+    index ^= index >> 16;
+    index ^= (index & 0xff00_ff00) >> 8;
+    index ^= (index & 0xf0f0_f0f0) >> 4;
+    index ^= (index & 0xcccc_cccc) >> 2;
+    index ^ ((index & 0xaaaa_aaaa) >> 1)
+}
+
+fn sobol_scramble_reversed(mut x: u32, key: u32) -> u32 {
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(key);
+    x = x.wrapping_mul((key >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^ x.wrapping_mul(0x53a2_2864)
+}
+
+fn sobol_point(index: u32, key: [u32; 2]) -> [u32; 2] {
+    let reversed = [index, sobol_second_reversed(index)];
+    [0, 1].map(|d| sobol_scramble_reversed(reversed[d], key[d]).reverse_bits())
+}
+
+fn sobol_next_pair_key(key: &mut u32) -> [u32; 2] {
+    let first = sobol_hash(key.wrapping_add(1));
+    *key = sobol_hash(first.wrapping_add(1));
+    [first, *key]
+}
+
+/// The keys of the lobe's and of the environment's pair.
+fn pair_keys(pixel: [u32; 2], scramble: u32) -> [[u32; 2]; 2] {
+    let mut key = sobol_key(pixel, scramble, 1, 0);
+    [0, 1].map(|_| sobol_next_pair_key(&mut key))
+}
+
+fn to_unit(point: [u32; 2]) -> DVec2 {
+    DVec2::new(f64::from(point[0]) + 0.5, f64::from(point[1]) + 0.5) / 2f64.powi(32)
+}
+
+#[test]
+fn sobol_dimensions_equal_a_published_generator() {
+    for index in 0..=0xffffu32 {
+        assert_eq!(index, sobol_rev(index.reverse_bits(), 0), "first dimension of point {index}");
+        assert_eq!(
+            sobol_second_reversed(index),
+            sobol_rev(index.reverse_bits(), 1),
+            "second dimension of point {index}"
+        );
+    }
+    let mut random = Random(11);
+    for _ in 0..1000 {
+        let [x, key] = [0, 1].map(|_| (random.next() * 2f64.powi(32)) as u32);
+        assert_eq!(sobol_scramble_reversed(x, key), owen_scramble_rev(x, key), "scramble of {x:#x} by {key:#x}");
+    }
+}
+
+#[test]
+fn every_elementary_interval_holds_one_scrambled_point() {
+    for scramble in 0..8 {
+        for key in pair_keys([5, 9], scramble) {
+            for log_count in 0..=10u32 {
+                let points: Vec<[u32; 2]> = (0..1 << log_count).map(|i| sobol_point(i, key)).collect();
+                for log_columns in 0..=log_count {
+                    let mut seen = vec![false; points.len()];
+                    for point in &points {
+                        let prefix = |x: u32, bits: u32| (u64::from(x) >> (32 - bits)) as usize;
+                        let column = prefix(point[0], log_columns);
+                        let interval =
+                            (column << (log_count - log_columns)) + prefix(point[1], log_count - log_columns);
+                        assert!(!seen[interval], "2^{log_count} points, {log_columns} bits of x, scramble {scramble}");
+                        seen[interval] = true;
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn keys_differ_between_pixels_scrambles_seeds_and_streams() {
+    let mut keys = std::collections::HashSet::new();
+    let mut count = 0;
+    for x in 0..24 {
+        for y in 0..24 {
+            for scramble in 0..8 {
+                for seed in 0..3 {
+                    for stream in 0..2 {
+                        count += 1;
+                        keys.insert(sobol_key([x, y], scramble, seed, stream));
+                    }
+                }
+            }
+        }
+    }
+    // Two of n random 32-bit keys collide n^2 / 2^33 times: 0.09 times here.
+    assert!(keys.len() + 2 >= count, "{} distinct keys of {count}", keys.len());
+}
+
+/// Each point must be uniform over scrambles, or no scramble's estimate would be unbiased; and points of two pairs or of two neighbours
+/// must be independent, or errors that are added would not be.
+#[test]
+fn one_point_is_uniform_over_scrambles() {
+    const SIDE: f64 = 16.0;
+    const COUNT: u32 = 40_000;
+    type Choose = fn([DVec2; 2], [DVec2; 2]) -> DVec2;
+    let joint: [(&str, Choose); 5] = [
+        ("lobe", |here, _| here[0]),
+        ("environment", |here, _| here[1]),
+        ("lobe and environment, first", |here, _| DVec2::new(here[0].x, here[1].x)),
+        ("lobe second, environment first", |here, _| DVec2::new(here[0].y, here[1].x)),
+        ("neighbours", |here, there| DVec2::new(here[0].x, there[0].x)),
+    ];
+    for index in [0, 1, 2, 3, 100] {
+        for (name, choose) in joint {
+            let mut bins = vec![0.0; (SIDE * SIDE) as usize];
+            for scramble in 0..COUNT {
+                let [here, there] = [[3, 7], [4, 7]]
+                    .map(|pixel| pair_keys(pixel, scramble).map(|key| to_unit(sobol_point(index, key))));
+                let bin = choose(here, there) * SIDE;
+                bins[(bin.y.floor() * SIDE + bin.x.floor()) as usize] += 1.0;
+            }
+            let expected = f64::from(COUNT) / bins.len() as f64;
+            let statistic: f64 = bins.iter().map(|n| (n - expected) * (n - expected) / expected).sum();
+            let tail = chi_square_tail(statistic, (bins.len() - 1) as f64);
+            assert!(tail > 1e-4, "point {index}, {name}: probability of so bad a fit {tail:e}");
+        }
+    }
+}
+
+// ---- Environment distribution ----
+
+/// Smooth light of all orders with a sun across the seam and one at the lower pole.
+fn lively(width: u32, height: u32) -> RgbImage {
+    RgbImage::from_fn(width, height, |x, y| {
+        let (u, v) = ((f64::from(x) + 0.5) / f64::from(width), (f64::from(y) + 0.5) / f64::from(height));
+        let base = (0.3 + (9.0 * u).sin().abs() + 0.5 * (7.0 * v).cos().abs()) as f32;
+        let sun = if x == width - 1 && y == height / 2 { 60.0 } else { 0.0 };
+        let pole = if y == height - 1 { 5.0 } else { 0.0 };
+        [base + sun, 0.7 * base + pole, 0.2 + 0.1 * base + sun]
+    })
+}
+
+fn one_hot(width: u32, height: u32, texel: [u32; 2]) -> RgbImage {
+    RgbImage::from_fn(width, height, |x, y| if [x, y] == texel { [3.0, 2.0, 1.0] } else { [0.0; 3] })
+}
+
+/// Bilinear radiance, straight from the definition of the lookup.
+fn radiance(image: &RgbImage, d: DVec3) -> DVec3 {
+    let uv = uv_from_direction(d);
+    let (x, y) = (uv.x * f64::from(image.width) - 0.5, uv.y * f64::from(image.height) - 0.5);
+    let (fx, fy) = (x - x.floor(), y - y.floor());
+    let texel = |dx: f64, dy: f64| {
+        let column = (x.floor() + dx).rem_euclid(f64::from(image.width)) as u32;
+        let row = (y.floor() + dy).clamp(0.0, f64::from(image.height - 1)) as u32;
+        DVec3::from_array(image.get(column, row).map(f64::from))
+    };
+    (texel(0.0, 0.0) * (1.0 - fx) + texel(1.0, 0.0) * fx) * (1.0 - fy)
+        + (texel(0.0, 1.0) * (1.0 - fx) + texel(1.0, 1.0) * fx) * fy
+}
+
+/// `∫ f dω` over the rectangles of half a texel, inside which bilinear radiance is smooth, poles and seam included.
+fn integrate_cells(width: u32, height: u32, f: impl Fn(DVec3) -> f64) -> f64 {
+    let rule = GaussLegendre::<8>::new();
+    let (du, dv) = (0.5 / f64::from(width), 0.5 / f64::from(height));
+    let mut sum = 0.0;
+    for i in 0..2 * width {
+        for j in 0..2 * height {
+            let (u, v) = (f64::from(i) * du, f64::from(j) * dv);
+            sum += rule.integrate(u, u + du, |u| {
+                rule.integrate(v, v + dv, |v| 2.0 * PI * PI * (PI * v).sin() * f(direction_from_uv(DVec2::new(u, v))))
+            });
+        }
+    }
+    sum
+}
+
+#[test]
+fn both_languages_weigh_luminance_alike() {
+    assert_eq!([LUMINANCE_RED, LUMINANCE_GREEN, LUMINANCE_BLUE], REC709_LUMINANCE.map(|weight| weight as f32));
+}
+
+#[test]
+fn the_density_integrates_to_one() {
+    let maps = [
+        lively(16, 8),
+        lively(7, 5),
+        lively(1, 1),
+        lively(2, 3),
+        one_hot(8, 4, [0, 2]),
+        one_hot(8, 4, [7, 1]),
+        one_hot(8, 4, [3, 0]),
+        one_hot(8, 4, [5, 3]),
+    ];
+    for image in maps {
+        let distribution = EnvironmentDistribution::new(&image);
+        let integral = integrate_cells(image.width, image.height, |d| distribution.pdf(d));
+        assert!((integral - 1.0).abs() < 1e-9, "{} x {}: {integral}", image.width, image.height);
+    }
+}
+
+#[test]
+fn the_density_is_luminance_over_a_band_constant() {
+    let image = lively(64, 32);
+    let distribution = EnvironmentDistribution::new(&image);
+    let total = integrate_cells(64, 32, |d| luminance(radiance(&image, d).as_vec3().to_array()));
+    let mut random = Random(3);
+    for _ in 0..2000 {
+        let uv = DVec2::new(random.next(), 0.1 + 0.8 * random.next());
+        let d = direction_from_uv(uv);
+        let ideal = luminance(radiance(&image, d).as_vec3().to_array()) / total;
+        let ratio = distribution.pdf(d) / ideal;
+        // The mean sine of a band against the sine: half a band times the cotangent, at v = 0.1; and Z against the integral.
+        assert!((ratio - 1.0).abs() < 0.5 / 32.0 * PI * 3.1 + 0.01, "uv {uv}: {ratio}");
+    }
+}
+
+#[test]
+fn samples_carry_the_density_of_their_direction() {
+    for image in [lively(16, 8), lively(7, 5), lively(1, 1), one_hot(8, 4, [0, 2]), one_hot(8, 4, [3, 0])] {
+        let distribution = EnvironmentDistribution::new(&image);
+        let mut random = Random(5);
+        for _ in 0..5000 {
+            let (d, pdf) = distribution.sample(random.xi());
+            assert!((d.length() - 1.0).abs() < 1e-12);
+            assert!((distribution.pdf(d) / pdf - 1.0).abs() < 1e-6, "{d}: {} and {pdf}", distribution.pdf(d));
+        }
+    }
+}
+
+/// Samples in bins of (u, v) that are no multiple of the texels, against the integral of the density over each bin.
+#[test]
+fn samples_follow_the_density() {
+    const COLUMNS: usize = 11;
+    const ROWS: usize = 9;
+    const COUNT: usize = 60_000;
+    const RARE: f64 = 10.0;
+    for (image, seed) in [
+        (lively(16, 8), 1),
+        (lively(7, 5), 2),
+        (lively(1, 3), 3),
+        (one_hot(8, 4, [0, 2]), 4),
+        (one_hot(8, 4, [7, 1]), 5),
+        (one_hot(8, 4, [3, 0]), 6),
+        (one_hot(8, 4, [5, 3]), 7),
+    ] {
+        const FINE: usize = 40;
+        let distribution = EnvironmentDistribution::new(&image);
+        let mut expected = vec![0.0; COLUMNS * ROWS];
+        for i in 0..COLUMNS * FINE {
+            for j in 0..ROWS * FINE {
+                let place =
+                    DVec2::new(i as f64 + 0.5, j as f64 + 0.5) / DVec2::new(COLUMNS as f64, ROWS as f64) / FINE as f64;
+                let area = 2.0 * PI * PI * (PI * place.y).sin() / (COLUMNS * ROWS * FINE * FINE) as f64;
+                expected[j / FINE * COLUMNS + i / FINE] +=
+                    COUNT as f64 * area * distribution.pdf(direction_from_uv(place));
+            }
+        }
+        let mut observed = vec![0.0; COLUMNS * ROWS];
+        let mut random = Random(seed);
+        for _ in 0..COUNT {
+            let uv = uv_from_direction(distribution.sample(random.xi()).0);
+            let column = ((uv.x * COLUMNS as f64) as usize).min(COLUMNS - 1);
+            observed[((uv.y * ROWS as f64) as usize).min(ROWS - 1) * COLUMNS + column] += 1.0;
+        }
+        let (mut statistic, mut bin_count, mut rare) = (0.0, 0.0, [0.0, 0.0]);
+        for (o, e) in observed.iter().zip(&expected) {
+            if *e < RARE {
+                rare = [rare[0] + o, rare[1] + e];
+            } else {
+                statistic += (o - e) * (o - e) / e;
+                bin_count += 1.0;
+            }
+        }
+        let surplus = (rare[0] - rare[1]).abs();
+        assert!(surplus <= 4.0 * (rare[1] + 1.0).sqrt(), "map {seed}: {} in bins that expect {}", rare[0], rare[1]);
+        let tail = chi_square_tail(statistic, bin_count - 1.0);
+        assert!(tail > 1e-4, "map {seed}: chi-square {statistic} on {bin_count} bins, tail {tail}");
+    }
+}
+
+#[test]
+fn a_black_environment_has_no_density() {
+    let distribution = EnvironmentDistribution::new(&RgbImage::filled(6, 3, [0.0; 3]));
+    assert!(distribution.is_black());
+    for i in 0..64 {
+        let xi = to_unit(sobol_point(i, [0, 0]));
+        let (d, pdf) = distribution.sample(xi);
+        assert!(d.is_finite() && pdf == 0.0 && distribution.pdf(d) == 0.0, "{xi}: {d} with {pdf}");
+    }
+    assert!(!EnvironmentDistribution::new(&one_hot(6, 3, [2, 1])).is_black());
+}
+
+/// The largest xi must not fall into dark cells behind the last bright one.
+#[test]
+fn the_ends_of_the_unit_square_hit_light() {
+    for texel in [[0, 0], [7, 0], [0, 3], [7, 3], [4, 2]] {
+        let distribution = EnvironmentDistribution::new(&one_hot(8, 4, texel));
+        for x in [0.0, 1.0 - f64::EPSILON] {
+            for y in [0.0, 1.0 - f64::EPSILON] {
+                let (d, pdf) = distribution.sample(DVec2::new(x, y));
+                assert!(d.is_finite() && pdf.is_finite(), "texel {texel:?}, xi ({x}, {y}): {d} with {pdf}");
+                let uv = uv_from_direction(d);
+                let columns = (uv.x * 8.0 - 0.5 - f64::from(texel[0])).rem_euclid(8.0);
+                assert!(columns.min(8.0 - columns) <= 1.0 + 1e-6, "texel {texel:?}, xi ({x}, {y}): {uv}");
+            }
+        }
+    }
+}
+
+// ---- The estimator ----
+
+/// One scramble's estimate for F = 1: the loop of shaders/shade/reference.comp in f64.
+fn scramble_estimate(
+    image: &RgbImage,
+    distribution: &EnvironmentDistribution,
+    v: DVec3,
+    n: DVec3,
+    alpha: f64,
+    pair_count: u32,
+    scramble: u32,
+) -> f64 {
+    let frame = Frame::from_normal(n);
+    let v_local = frame.to_local(v);
+    let [lobe_key, environment_key] = pair_keys([1, 2], scramble);
+    let term = |l: DVec3, pdf_environment: f64| {
+        let l_local = frame.to_local(l);
+        if l_local.z <= 0.0 {
+            return 0.0;
+        }
+        let value = eval_without_fresnel(&Ggx, v_local, l_local, alpha, MaskingShadowing::Separable) * l_local.z;
+        let pdf_lobe = Ggx.pdf_visible_l(v_local, (v_local + l_local).normalize(), alpha);
+        let density = pdf_lobe + pdf_environment;
+        if density > 0.0 { value * radiance(image, l).x / density } else { 0.0 }
+    };
+    let sum: f64 = (0..pair_count)
+        .map(|i| {
+            let h = Ggx.sample_visible(to_unit(sobol_point(i, lobe_key)), v_local, alpha);
+            let l = frame.to_world(reflect(v_local, h));
+            let (l_environment, pdf) = distribution.sample(to_unit(sobol_point(i, environment_key)));
+            term(l, distribution.pdf(l)) + term(l_environment, pdf)
+        })
+        .sum();
+    sum / f64::from(pair_count)
+}
+
+#[test]
+fn the_estimator_is_unbiased_and_knows_its_error() {
+    const SCRAMBLES: u32 = 400;
+    const PAIRS: u32 = 32;
+    let image = lively(16, 8);
+    let distribution = EnvironmentDistribution::new(&image);
+    let v = DVec3::new(0.3, 0.5, 0.8).normalize();
+    let mut deviates = Vec::new();
+    for alpha in [0.25, 0.6] {
+        for n in
+            [DVec3::new(0.1, 0.2, 1.0), DVec3::new(0.9, 0.3, 0.3), DVec3::new(-0.6, 0.9, 0.1)].map(DVec3::normalize)
+        {
+            let frame = Frame::from_normal(n);
+            let v_local = frame.to_local(v);
+            // The horizon cuts cells, where the integrand bends but does not jump: n.l = 0 there.
+            let exact = integrate_cells(16, 8, |l| {
+                let l_local = frame.to_local(l);
+                let f = eval_without_fresnel(&Ggx, v_local, l_local, alpha, MaskingShadowing::Separable);
+                f * l_local.z.max(0.0) * radiance(&image, l).x
+            });
+            let (mut mean, mut squared) = (0.0, 0.0);
+            for k in 0..SCRAMBLES {
+                let estimate = scramble_estimate(&image, &distribution, v, n, alpha, PAIRS, k);
+                let deviation = estimate - mean;
+                mean += deviation / f64::from(k + 1);
+                squared += deviation * (estimate - mean);
+            }
+            let standard_error = (squared / f64::from(SCRAMBLES * (SCRAMBLES - 1))).sqrt();
+            assert!(standard_error < 5e-3 * exact, "alpha {alpha}, n {n}: error {standard_error} of {exact}");
+            let deviate = (mean - exact) / standard_error;
+            assert!(deviate.abs() < 3.0, "alpha {alpha}, n {n}: {mean} against {exact}, {deviate} sigma");
+            deviates.push(deviate * deviate);
+        }
+    }
+    // Squared deviates are chi-square distributed with one degree of freedom each: an error that is stated too large shows here.
+    let tail = chi_square_tail(deviates.iter().sum(), deviates.len() as f64);
+    assert!((1e-3..0.999).contains(&tail), "{deviates:?}");
+}
