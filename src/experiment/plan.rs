@@ -1,12 +1,15 @@
 //! The validated experiment: every cell with its id, what it shares with others, and what was left out.
 
-use super::axis::{AXES, Point};
+use super::axis::{AXES, Axis, Point};
 use super::config::{Config, Sweep};
 use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
+use crate::pipeline::RenderRequest;
+use crate::scene::Camera;
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Counts up whenever the meaning of a cell changes, so that old records are not taken for new ones.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -105,9 +108,37 @@ impl Plan {
 
     /// What tells the cell from the others: its values on the axes with more than one value, as `name=value` words.
     pub fn label(&self, cell: &Cell) -> String {
-        let words = self.config.axes.iter().filter(|sweep| sweep.values.len() > 1);
-        let words = words.map(|sweep| (AXES[sweep.axis].name, &cell.point.0[sweep.axis]));
+        let words = self.swept().map(|axis| (axis.name, cell.point.get(axis.name)));
         words.filter(|(_, v)| **v != Value::Unset).map(|(n, v)| format!("{n}={v}")).collect::<Vec<_>>().join(" ")
+    }
+
+    /// What to render for a point: the scene with the point's material, framed by the experiment's camera.
+    pub fn request(&self, point: &Point) -> RenderRequest {
+        let settings = point.settings();
+        let scene = Arc::new(self.inputs.scene(&settings.scene).apply(&settings.material));
+        RenderRequest {
+            environment: self.inputs.environment(&settings.environment).clone(),
+            environment_rotation_deg: settings.environment_rotation_deg,
+            environment_scale: settings.environment_scale,
+            camera: Camera::for_scene(self.config.camera, &scene, self.config.size),
+            scene,
+            size: self.config.size,
+            method: settings.method,
+            diffuse: settings.diffuse,
+            brdf: settings.brdf,
+            masking_shadowing: settings.masking_shadowing,
+            samples: settings.samples,
+            lod_bias: settings.lod_bias,
+            lights: self.config.lights.clone(),
+            background: self.config.background,
+            precompute: settings.precompute,
+            seed: self.config.seed,
+        }
+    }
+
+    /// The axes of the file with more than one value, in its order.
+    pub fn swept(&self) -> impl Iterator<Item = &'static Axis> + '_ {
+        self.config.axes.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| &AXES[sweep.axis])
     }
 
     /// Exclusions that left nothing out: usually a slip in the file.
@@ -205,7 +236,7 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point) -> String {
         format!("schema={SCHEMA_VERSION}"),
         format!("size={}x{}", config.size[0], config.size[1]),
         format!("seed={}", config.seed),
-        format!("camera={}", config.camera),
+        format!("camera={}", config.camera.name()),
         format!("background={}", config.background),
     ];
     lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));
