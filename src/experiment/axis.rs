@@ -4,7 +4,7 @@ use super::value::{Kind, Range, Value};
 use crate::brdf::{self, MaskingShadowing};
 use crate::precompute::PrecomputeSettings;
 use crate::scene::MaterialOverride;
-use crate::shade::{DIFFUSE, METHODS, Method};
+use crate::shade::{DIFFUSE, METHODS, Method, diffuse_by_name, method_by_name};
 use crate::tonemap::ToneCurve;
 
 /// What one point of an experiment sets; the rest of a request (scene files, camera, lights) is the same for all points.
@@ -117,8 +117,7 @@ pub static AXES: &[Axis] = &[
         default: || Value::Text("sh9".to_owned()),
         reference: |_, v| Value::Text(if v.text() == "none" { "none" } else { "reference" }.to_owned()),
         apply: |s, v| {
-            s.diffuse =
-                DIFFUSE.iter().find(|d| d.name == v.text()).expect("the plan checked the diffuse method's name");
+            s.diffuse = diffuse_by_name(v.text()).expect("the plan checked the diffuse method's name");
         },
         ..PLAIN
     },
@@ -127,7 +126,7 @@ pub static AXES: &[Axis] = &[
         about: "samples a pixel; methods that draw none have one cell, with an empty field",
         kind: Kind::Count { min: 1, max: 1 << 24 },
         default: || Value::Count(40),
-        used: |p| method(p.get("method").text()).uses_samples || p.get("diffuse").text() == "reference",
+        used: |p| method(p.get("method").text()).uses_samples,
         reference: |r, _| Value::Count(r.samples),
         apply: |s, v| s.samples = v.count(),
         ..PLAIN
@@ -298,7 +297,7 @@ pub fn by_name(name: &str) -> &'static Axis {
 }
 
 fn method(name: &str) -> &'static Method {
-    METHODS.iter().find(|m| m.name == name).expect("the plan checked the method's name")
+    method_by_name(name).expect("the plan checked the method's name")
 }
 
 /// One value for every axis, in the order of [`AXES`].

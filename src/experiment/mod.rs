@@ -23,5 +23,5 @@ pub use fault::{ConfigError, Fault};
 pub use images::{STANDARD_ERROR_LAYER, error_picture, write_radiance};
 pub use plan::{Cell, Plan};
 pub use provenance::date_utc;
-pub use renderer::{RenderFault, Renderer, TimingSamples};
+pub use renderer::{RenderFault, Renderer};
 pub use run::{MakeRenderer, Outcome, Progress, RunError, RunOptions, run};

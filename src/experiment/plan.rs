@@ -128,6 +128,12 @@ impl Plan {
             brdf: settings.brdf,
             masking_shadowing: settings.masking_shadowing,
             samples: settings.samples,
+            // The sample count of a reference cell is its own; a reference diffuse term beside another method has that of the
+            // experiment's reference.
+            reference_samples: match settings.method.name == self.config.reference.method {
+                true => settings.samples,
+                false => self.config.reference.samples,
+            },
             lod_bias: settings.lod_bias,
             lights: self.config.lights.clone(),
             background: self.config.background,
@@ -234,11 +240,15 @@ fn product(config: &Config) -> impl Iterator<Item = Point> + '_ {
 fn radiance_id(config: &Config, inputs: &Inputs, point: &Point) -> String {
     let mut lines = vec![
         format!("schema={SCHEMA_VERSION}"),
+        format!("shaders={}", crate::gpu::build_hash()),
         format!("size={}x{}", config.size[0], config.size[1]),
         format!("seed={}", config.seed),
         format!("camera={}", config.camera.name()),
         format!("background={}", config.background),
     ];
+    if point.get("diffuse").text() == config.reference.method {
+        lines.push(format!("reference_samples={}", config.reference.samples));
+    }
     lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));
     for (axis, value) in AXES.iter().zip(&point.0).filter(|(axis, _)| axis.changes_radiance) {
         lines.push(match axis.name {

@@ -19,6 +19,7 @@ pub fn provenance(plan: &Plan) -> Value {
         "experiment_hash": blake3::hash(plan.config.text.as_bytes()).to_hex().to_string(),
         "overrides": plan.config.overrides,
         "plan_hash": plan.hash,
+        "shader_hash": crate::gpu::build_hash(),
         "cell_count": plan.cells.len(),
         "seed": plan.config.seed,
         "inputs": inputs,

@@ -1,6 +1,6 @@
 //! What a run needs of a renderer, so that runs can be tested without a device.
 
-use crate::pipeline::{DeviceInfo, Frame, RenderRequest};
+use crate::pipeline::{DeviceInfo, Frame, Pipeline, PipelineError, RenderRequest, TimingSamples};
 use crate::pixels::{Rgb8Image, RgbImage};
 use crate::tonemap::ToneCurve;
 
@@ -11,15 +11,6 @@ pub struct RenderFault {
     pub message: String,
     /// The device is gone: nothing more can be rendered in this process, but a new one may succeed.
     pub device_lost: bool,
-}
-
-/// Times of repeated executions, ms.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TimingSamples {
-    /// One entry a pass, with one time a round.
-    pub passes: Vec<(&'static str, Vec<f64>)>,
-    /// Host time of each round, from submission to completion.
-    pub wall_ms: Vec<f64>,
 }
 
 /// Renders, tone-maps and times.
@@ -39,4 +30,37 @@ pub trait Renderer {
         warmup: u32,
         rounds: u32,
     ) -> Result<TimingSamples, RenderFault>;
+}
+
+impl From<PipelineError> for RenderFault {
+    fn from(error: PipelineError) -> Self {
+        Self { message: error.to_string(), device_lost: error.is_transient() }
+    }
+}
+
+impl Renderer for Pipeline {
+    fn device(&self) -> DeviceInfo {
+        Pipeline::device(self).clone()
+    }
+
+    fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault> {
+        Ok(Pipeline::render(self, request)?)
+    }
+
+    fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault> {
+        Ok(Pipeline::tonemap(self, radiance, curve)?.0)
+    }
+
+    fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, RenderFault> {
+        Ok(Pipeline::time(self, request, warmup, rounds)?)
+    }
+
+    fn time_precompute(
+        &mut self,
+        request: &RenderRequest,
+        warmup: u32,
+        rounds: u32,
+    ) -> Result<TimingSamples, RenderFault> {
+        Ok(Pipeline::time_precompute(self, request, warmup, rounds)?)
+    }
 }

@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 pub enum StoreError {
     #[error("{}: holds a run of another experiment ({found}); give another --out, or remove it", dir.display())]
     OtherExperiment { dir: PathBuf, found: String },
+    #[error("{}: holds a run made with other shaders, whose images may differ; give another --out, or remove it", dir.display())]
+    OtherShaders { dir: PathBuf },
     #[error("{}: is not empty and not a run (it has no provenance.json); give another --out", dir.display())]
     NotARun { dir: PathBuf },
     #[error("{}: {error}; expected a file that this program wrote (remove it to make it anew)", path.display())]
@@ -113,6 +115,9 @@ impl Store {
         if let Some(provenance) = self.read::<serde_json::Value>(&self.provenance_path())? {
             if provenance["plan_hash"] == plan.hash {
                 return Ok(());
+            }
+            if provenance["shader_hash"] != crate::gpu::build_hash() {
+                return Err(StoreError::OtherShaders { dir: self.dir.clone() });
             }
             let found = format!(
                 "{}: its cells are not those of {} {}",

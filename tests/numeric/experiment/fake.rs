@@ -1,11 +1,12 @@
 //! A renderer made of formulas: an analytic sphere whose error is known for every method.
 
-use splitsum::experiment::{RenderFault, Renderer, TimingSamples};
-use splitsum::pipeline::{DeviceInfo, Frame, FrameTimings, RenderRequest};
+use splitsum::experiment::{RenderFault, Renderer};
+use splitsum::pipeline::{DeviceInfo, Frame, FrameTimings, RenderRequest, TimingSamples};
 use splitsum::pixels::{GrayImage, Rgb8Image, RgbImage};
 use splitsum::tonemap::ToneCurve;
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// What the fake was asked to do, and what it is to refuse.
 #[derive(Debug, Default)]
@@ -71,7 +72,13 @@ impl Renderer for Fake {
         });
         let standard_error =
             (request.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * NOISE)));
-        Ok(Frame { radiance, standard_error, mask, n_dot_v, timings: FrameTimings::default() })
+        Ok(Frame {
+            radiance,
+            standard_error,
+            mask: Arc::new(mask),
+            n_dot_v: Arc::new(n_dot_v),
+            timings: FrameTimings::default(),
+        })
     }
 
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault> {
