@@ -25,8 +25,10 @@ pub fn short_text(axis: &Axis, point: &Point) -> String {
     if !matches!(axis.kind, super::value::Kind::Input) {
         return text;
     }
-    let text = text.strip_prefix("builtin:").unwrap_or(&text);
-    Path::new(text).file_stem().map_or_else(|| text.to_owned(), |stem| stem.to_string_lossy().into_owned())
+    match text.strip_prefix("builtin:") {
+        Some(formula) => formula.to_owned(),
+        None => Path::new(&text).file_stem().map_or_else(|| text.clone(), |stem| stem.to_string_lossy().into_owned()),
+    }
 }
 
 /// The swept values of a point as part of a file name.

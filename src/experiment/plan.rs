@@ -1,15 +1,13 @@
 //! The validated experiment: every cell with its id, what it shares with others, and what was left out.
 
-use super::axis::{AXES, Axis, Point};
+use super::axis::{AXES, Axis, Point, REFERENCE, View};
 use super::config::{Config, Sweep};
 use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
 use crate::pipeline::RenderRequest;
-use crate::scene::Camera;
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
-use std::sync::Arc;
 
 /// Counts up whenever the meaning of a cell changes, so that old records are not taken for new ones.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -115,31 +113,16 @@ impl Plan {
     /// What to render for a point: the scene with the point's material, framed by the experiment's camera.
     pub fn request(&self, point: &Point) -> RenderRequest {
         let settings = point.settings();
-        let scene = Arc::new(self.inputs.scene(&settings.scene).apply(&settings.material));
-        RenderRequest {
-            environment: self.inputs.environment(&settings.environment).clone(),
-            environment_rotation_deg: settings.environment_rotation_deg,
-            environment_scale: settings.environment_scale,
-            camera: Camera::for_scene(self.config.camera, &scene, self.config.size),
-            scene,
+        let (environment, scene) = (self.inputs.environment(&settings.environment), self.inputs.scene(&settings.scene));
+        let view = View {
             size: self.config.size,
-            method: settings.method,
-            diffuse: settings.diffuse,
-            brdf: settings.brdf,
-            masking_shadowing: settings.masking_shadowing,
-            samples: settings.samples,
-            // The sample count of a reference cell is its own; a reference diffuse term beside another method has that of the
-            // experiment's reference.
-            reference_samples: match settings.method.name == self.config.reference.method {
-                true => settings.samples,
-                false => self.config.reference.samples,
-            },
-            lod_bias: settings.lod_bias,
-            lights: self.config.lights.clone(),
+            camera: self.config.camera,
             background: self.config.background,
-            precompute: settings.precompute,
+            lights: self.config.lights.clone(),
             seed: self.config.seed,
-        }
+            reference_samples: self.config.reference.samples,
+        };
+        settings.request(environment, scene, &view)
     }
 
     /// The axes of the file with more than one value, in its order.
@@ -246,7 +229,7 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point) -> String {
         format!("camera={}", config.camera.name()),
         format!("background={}", config.background),
     ];
-    if point.get("diffuse").text() == config.reference.method {
+    if point.get("diffuse").text() == REFERENCE && point.get("method").text() != REFERENCE {
         lines.push(format!("reference_samples={}", config.reference.samples));
     }
     lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));

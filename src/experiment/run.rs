@@ -165,6 +165,7 @@ impl<'p> Run<'p> {
         renderer: &mut dyn Renderer,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
+        let started = Instant::now();
         let todo = group.radiances.iter().flat_map(|(_, cells)| cells).find(|cell| !self.is_done(cell));
         let (Some(first), false) = (todo.copied(), self.is_stopped()) else { return Ok(()) };
         let point = first.point.reference(&self.plan.config.reference);
@@ -175,6 +176,8 @@ impl<'p> Run<'p> {
                 return self.fail(&cells, &format!("its reference: {reason}"), progress);
             }
         };
+        // Shared work is counted with the first cell that needs it.
+        let mut shared_ms = milliseconds(started);
         for (id, cells) in &group.radiances {
             let todo: Vec<&Cell> = cells.iter().copied().filter(|cell| !self.is_done(cell)).collect();
             if todo.is_empty() {
@@ -192,7 +195,7 @@ impl<'p> Run<'p> {
                     Err(reason) => Err(reason),
                 }
             };
-            let mut shared_ms = milliseconds(started);
+            shared_ms += milliseconds(started);
             for cell in todo {
                 if self.is_stopped() {
                     return Ok(());
@@ -211,7 +214,6 @@ impl<'p> Run<'p> {
                     }
                     Err(reason) => self.fail(&[cell], &reason, progress)?,
                 }
-                // The first cell of a radiance carries the cost of rendering it.
                 shared_ms = 0.0;
                 self.write_tables_sometimes()?;
             }

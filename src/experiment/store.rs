@@ -28,6 +28,13 @@ pub enum StoreError {
     Table(#[from] csv::TableError),
 }
 
+impl StoreError {
+    /// Whether the user named the wrong folder, rather than a file failing.
+    pub fn is_misuse(&self) -> bool {
+        matches!(self, Self::OtherExperiment { .. } | Self::OtherShaders { .. } | Self::NotARun { .. })
+    }
+}
+
 /// A number that a JSON file gives back bit for bit: it is written as text, which may also be `inf`.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(into = "String", try_from = "String")]
