@@ -1,2 +1,7 @@
 //! Argument parsing and exit code only.
-fn main() {}
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

@@ -2,10 +2,13 @@
 
 use super::value::{Kind, Range, Value};
 use crate::brdf::{self, MaskingShadowing};
+use crate::environment::Environment;
+use crate::pipeline::RenderRequest;
 use crate::precompute::PrecomputeSettings;
-use crate::scene::MaterialOverride;
-use crate::shade::{DIFFUSE, METHODS, Method};
+use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Scene};
+use crate::shade::{DIFFUSE, METHODS, Method, diffuse_by_name, method_by_name};
 use crate::tonemap::ToneCurve;
+use std::sync::Arc;
 
 /// What one point of an experiment sets; the rest of a request (scene files, camera, lights) is the same for all points.
 #[derive(Clone, Debug)]
@@ -27,6 +30,47 @@ pub struct Settings {
     pub curve: ToneCurve,
 }
 
+/// What every point of an experiment shares.
+#[derive(Clone, Debug)]
+pub struct View {
+    pub size: [u32; 2],
+    pub camera: CameraKind,
+    pub background: bool,
+    pub lights: Vec<Light>,
+    pub seed: u32,
+    /// Samples of a reference diffuse term beside another method; the reference method itself takes `samples`.
+    pub reference_samples: u32,
+}
+
+impl Settings {
+    /// What to render: `scene` with the settings' material, framed by the view's camera.
+    pub fn request(self, environment: &Arc<Environment>, scene: &Scene, view: &View) -> RenderRequest {
+        let scene = Arc::new(scene.apply(&self.material));
+        RenderRequest {
+            environment: environment.clone(),
+            environment_rotation_deg: self.environment_rotation_deg,
+            environment_scale: self.environment_scale,
+            camera: Camera::for_scene(view.camera, &scene, view.size),
+            scene,
+            size: view.size,
+            reference_samples: if self.method.name == REFERENCE { self.samples } else { view.reference_samples },
+            method: self.method,
+            diffuse: self.diffuse,
+            brdf: self.brdf,
+            masking_shadowing: self.masking_shadowing,
+            samples: self.samples,
+            lod_bias: self.lod_bias,
+            lights: view.lights.clone(),
+            background: view.background,
+            precompute: self.precompute,
+            seed: view.seed,
+        }
+    }
+}
+
+/// Name of the unbiased method, specular and diffuse.
+pub const REFERENCE: &str = "reference";
+
 /// The method and sample count that an experiment measures against.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
@@ -36,7 +80,7 @@ pub struct Reference {
 
 impl Default for Reference {
     fn default() -> Self {
-        Self { method: "reference".to_owned(), samples: 4096 }
+        Self { method: REFERENCE.to_owned(), samples: 4096 }
     }
 }
 
@@ -115,10 +159,9 @@ pub static AXES: &[Axis] = &[
         about: "how the diffuse term is computed",
         kind: Kind::Name { what: "diffuse method", names: || DIFFUSE.iter().map(|d| d.name).collect() },
         default: || Value::Text("sh9".to_owned()),
-        reference: |_, v| Value::Text(if v.text() == "none" { "none" } else { "reference" }.to_owned()),
+        reference: |_, v| Value::Text(if v.text() == "none" { "none" } else { REFERENCE }.to_owned()),
         apply: |s, v| {
-            s.diffuse =
-                DIFFUSE.iter().find(|d| d.name == v.text()).expect("the plan checked the diffuse method's name");
+            s.diffuse = diffuse_by_name(v.text()).expect("the plan checked the diffuse method's name");
         },
         ..PLAIN
     },
@@ -127,7 +170,7 @@ pub static AXES: &[Axis] = &[
         about: "samples a pixel; methods that draw none have one cell, with an empty field",
         kind: Kind::Count { min: 1, max: 1 << 24 },
         default: || Value::Count(40),
-        used: |p| method(p.get("method").text()).uses_samples || p.get("diffuse").text() == "reference",
+        used: |p| method(p.get("method").text()).uses_samples,
         reference: |r, _| Value::Count(r.samples),
         apply: |s, v| s.samples = v.count(),
         ..PLAIN
@@ -298,7 +341,7 @@ pub fn by_name(name: &str) -> &'static Axis {
 }
 
 fn method(name: &str) -> &'static Method {
-    METHODS.iter().find(|m| m.name == name).expect("the plan checked the method's name")
+    method_by_name(name).expect("the plan checked the method's name")
 }
 
 /// One value for every axis, in the order of [`AXES`].

@@ -5,7 +5,7 @@
 use super::axis::{AXES, Axis, Point, Reference, index_of, is_precompute};
 use super::fault::{Faults, Place};
 use super::value::{Kind, Range, Raw, Value, suggestion};
-use crate::scene::{Light, LightKind};
+use crate::scene::{CameraKind, Light, LightKind};
 use crate::shade::METHODS;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -54,8 +54,7 @@ pub struct Config {
     pub question: String,
     pub seed: u32,
     pub size: [u32; 2],
-    /// `ortho` or `perspective`.
-    pub camera: String,
+    pub camera: CameraKind,
     pub background: bool,
     pub reference: Reference,
     /// Values of what is not swept: defaults, `scene` and `[precompute]`.
@@ -71,8 +70,9 @@ pub struct Config {
     pub overrides: Vec<String>,
 }
 
-/// The camera names; the scene module frames the scene.
-pub const CAMERAS: &[&str] = &["ortho", "perspective"];
+/// The camera names.
+pub const CAMERA: Kind =
+    Kind::Name { what: "camera", names: || CameraKind::ALL.iter().map(|(name, _)| *name).collect() };
 
 const KEYS: &[&str] = &[
     "name",
@@ -114,7 +114,7 @@ impl Config {
             question: String::new(),
             seed: 1,
             size: [256, 256],
-            camera: CAMERAS[0].to_owned(),
+            camera: CameraKind::default(),
             background: false,
             reference: Reference::default(),
             base: Point::default(),
@@ -175,10 +175,8 @@ impl Config {
                 }
             }
             "camera" => {
-                let names = Kind::Name { what: "camera", names: || CAMERAS.to_vec() };
-                if let Some(camera) = check(names) {
-                    self.camera = camera.text().to_owned();
-                }
+                let camera = check(CAMERA).and_then(|v| CameraKind::by_name(v.text()));
+                self.camera = camera.unwrap_or(self.camera);
             }
             "background" => match value.get_ref() {
                 DeValue::Boolean(background) => self.background = *background,

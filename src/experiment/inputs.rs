@@ -1,7 +1,7 @@
 //! Environments and scenes of an experiment, each loaded once.
 
 use super::fault::{Faults, Place};
-use crate::environment::Environment;
+use crate::environment::{Environment, LoadOptions};
 use crate::scene::Scene;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,11 +20,11 @@ impl Inputs {
         if self.environments.contains_key(name) {
             return;
         }
-        match load_environment(name, dir) {
+        match Environment::load(name, dir, &LoadOptions::default()) {
             Ok(environment) => {
                 self.environments.insert(name.to_owned(), Arc::new(environment));
             }
-            Err(fault) => faults.add(place, format!("axes.environment: {fault}")),
+            Err(fault) => faults.add(place, fault.to_string()),
         }
     }
 
@@ -33,11 +33,11 @@ impl Inputs {
         if self.scenes.contains_key(name) {
             return;
         }
-        match load_scene(name, dir) {
+        match Scene::load(name, dir) {
             Ok(scene) => {
                 self.scenes.insert(name.to_owned(), Arc::new(scene));
             }
-            Err(fault) => faults.add(place, format!("scene: {fault}")),
+            Err(fault) => faults.add(place, fault.to_string()),
         }
     }
 
@@ -64,32 +64,4 @@ impl Inputs {
         let scenes = self.scenes.values().flat_map(|s| s.warnings.iter().map(|w| format!("{}: {w}", s.name)));
         environments.chain(scenes).collect()
     }
-}
-
-fn load_environment(name: &str, _dir: &Path) -> Result<Environment, String> {
-    if !name.starts_with("builtin:") {
-        return Err(format!("{name} cannot be read"));
-    }
-    Ok(Environment {
-        name: name.to_owned(),
-        image: crate::pixels::RgbImage::filled(2, 1, [1.0; 3]),
-        hash: blake3::hash(name.as_bytes()).to_hex().to_string(),
-        warnings: Vec::new(),
-    })
-}
-
-fn load_scene(name: &str, _dir: &Path) -> Result<Scene, String> {
-    if !["sphere", "spheres", "plane"].contains(&name) {
-        return Err(format!("{name} cannot be read"));
-    }
-    Ok(Scene {
-        toward_viewer: glam::DVec3::Z,
-        name: name.to_owned(),
-        spheres: Vec::new(),
-        meshes: Vec::new(),
-        materials: Vec::new(),
-        textures: Vec::new(),
-        hash: blake3::hash(name.as_bytes()).to_hex().to_string(),
-        warnings: Vec::new(),
-    })
 }

@@ -3,12 +3,25 @@
 //! `config` reads what is written, `plan` makes it into checked cells, `run` renders and scores them.
 
 pub mod axis;
+pub mod break_even;
 pub mod config;
 pub mod fault;
+mod images;
 pub mod inputs;
 pub mod plan;
+mod provenance;
+pub mod renderer;
+pub mod run;
+pub mod store;
+mod summary;
+mod tables;
+pub mod timing;
 pub mod value;
 
 pub use config::Config;
 pub use fault::{ConfigError, Fault};
+pub use images::{STANDARD_ERROR_LAYER, error_picture, write_radiance};
 pub use plan::{Cell, Plan};
+pub use provenance::date_utc;
+pub use renderer::{RenderFault, Renderer};
+pub use run::{MakeRenderer, Outcome, Progress, RunError, RunOptions, run};

@@ -1,10 +1,11 @@
 //! The validated experiment: every cell with its id, what it shares with others, and what was left out.
 
-use super::axis::{AXES, Point};
+use super::axis::{AXES, Axis, Point, REFERENCE, View};
 use super::config::{Config, Sweep};
 use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
+use crate::pipeline::RenderRequest;
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
@@ -105,9 +106,28 @@ impl Plan {
 
     /// What tells the cell from the others: its values on the axes with more than one value, as `name=value` words.
     pub fn label(&self, cell: &Cell) -> String {
-        let words = self.config.axes.iter().filter(|sweep| sweep.values.len() > 1);
-        let words = words.map(|sweep| (AXES[sweep.axis].name, &cell.point.0[sweep.axis]));
+        let words = self.swept().map(|axis| (axis.name, cell.point.get(axis.name)));
         words.filter(|(_, v)| **v != Value::Unset).map(|(n, v)| format!("{n}={v}")).collect::<Vec<_>>().join(" ")
+    }
+
+    /// What to render for a point: the scene with the point's material, framed by the experiment's camera.
+    pub fn request(&self, point: &Point) -> RenderRequest {
+        let settings = point.settings();
+        let (environment, scene) = (self.inputs.environment(&settings.environment), self.inputs.scene(&settings.scene));
+        let view = View {
+            size: self.config.size,
+            camera: self.config.camera,
+            background: self.config.background,
+            lights: self.config.lights.clone(),
+            seed: self.config.seed,
+            reference_samples: self.config.reference.samples,
+        };
+        settings.request(environment, scene, &view)
+    }
+
+    /// The axes of the file with more than one value, in its order.
+    pub fn swept(&self) -> impl Iterator<Item = &'static Axis> + '_ {
+        self.config.axes.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| &AXES[sweep.axis])
     }
 
     /// Exclusions that left nothing out: usually a slip in the file.
@@ -203,11 +223,15 @@ fn product(config: &Config) -> impl Iterator<Item = Point> + '_ {
 fn radiance_id(config: &Config, inputs: &Inputs, point: &Point) -> String {
     let mut lines = vec![
         format!("schema={SCHEMA_VERSION}"),
+        format!("shaders={}", crate::gpu::build_hash()),
         format!("size={}x{}", config.size[0], config.size[1]),
         format!("seed={}", config.seed),
-        format!("camera={}", config.camera),
+        format!("camera={}", config.camera.name()),
         format!("background={}", config.background),
     ];
+    if point.get("diffuse").text() == REFERENCE && point.get("method").text() != REFERENCE {
+        lines.push(format!("reference_samples={}", config.reference.samples));
+    }
     lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));
     for (axis, value) in AXES.iter().zip(&point.0).filter(|(axis, _)| axis.changes_radiance) {
         lines.push(match axis.name {

@@ -1,1 +1,33 @@
-//! cli tests
+//! The binary as a user runs it: messages, exit codes, files.
+
+mod bad_input;
+mod end_to_end;
+
+use std::process::{Command, Output};
+
+/// The binary with these arguments, run in `dir`.
+fn splitsum(dir: &std::path::Path, arguments: &[&str]) -> Output {
+    command(dir, arguments).output().expect("the binary starts")
+}
+
+fn command(dir: &std::path::Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_splitsum"));
+    command.current_dir(dir).args(arguments);
+    command
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Files and folders directly in `dir`.
+fn entries(dir: &std::path::Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        std::fs::read_dir(dir).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}

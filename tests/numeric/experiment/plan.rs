@@ -145,7 +145,7 @@ fn a_cell_without_a_term_has_a_reference_without_it() {
     let reference = sh9.point.reference(&plan.config.reference);
     assert_eq!(reference.get("method").to_string(), "none");
     assert_eq!(reference.get("diffuse").to_string(), "reference");
-    assert_eq!(reference.get("samples").to_string(), "4096");
+    assert_eq!(plan.request(&sh9.point).reference_samples, 4096);
 }
 
 #[test]

@@ -1,0 +1,78 @@
+//! `splitsum compare`: every metric on two files.
+
+use super::{Failure, print};
+use clap::Args;
+use splitsum::experiment::axis;
+use splitsum::metrics::{Comparison, METRICS};
+use splitsum::pixels::{Decoded, GrayImage, exr};
+use splitsum::table::markdown::{Align, MarkdownTable};
+use splitsum::tonemap::ToneCurve;
+use std::path::{Path, PathBuf};
+
+/// Scores a linear EXR image against a reference.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:\n  splitsum compare ball.exr reference.exr --json")]
+pub struct Arguments {
+    /// The image to judge.
+    test: PathBuf,
+    /// What it should be.
+    reference: PathBuf,
+    /// Image that is 1 where pixels count and 0 elsewhere; the reference's alpha channel when left out, else all pixels.
+    #[arg(long, value_name = "MASK.exr")]
+    mask: Option<PathBuf>,
+    /// Prints JSON for programs.
+    #[arg(long)]
+    json: bool,
+    /// Factor before the tone curve, for the display metrics.
+    #[arg(long, value_name = "E", default_value = "1", value_parser = |text: &str| number("exposure", text))]
+    exposure: f64,
+    /// Exponent of the tone curve times 2.2, for the display metrics.
+    #[arg(long, value_name = "C", default_value = "1", value_parser = |text: &str| number("contrast", text))]
+    contrast: f64,
+}
+
+fn number(axis: &str, text: &str) -> Result<f64, String> {
+    axis::by_name(axis).kind.parse_text(text).map(|value| value.number())
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let test = read(&arguments.test)?;
+    let reference = read(&arguments.reference)?;
+    let mask = match (&arguments.mask, &reference.alpha) {
+        (Some(path), _) => read(path)?.rgb.map(|texel| texel[0]),
+        (None, Some(alpha)) => alpha.clone(),
+        (None, None) => GrayImage::filled(reference.rgb.width, reference.rgb.height, 1.0),
+    };
+    let curve = ToneCurve { exposure: arguments.exposure as f32, contrast: arguments.contrast as f32 };
+    let comparison = Comparison::new(&test.rgb, &reference.rgb, &mask, curve).map_err(|error| {
+        let (test, reference) = (arguments.test.display(), arguments.reference.display());
+        Failure::BadInput(format!("{test} against {reference}: {error}"))
+    })?;
+    let scores = comparison.evaluate_all();
+    if arguments.json {
+        // JSON has no infinity: PSNR of equal images becomes the text "inf".
+        let value = |x: f64| if x.is_finite() { serde_json::json!(x) } else { serde_json::json!(x.to_string()) };
+        let object: serde_json::Map<String, serde_json::Value> =
+            scores.iter().map(|(name, x)| (name.to_string(), value(*x))).collect();
+        return print(&format!("{:#}\n", serde_json::Value::Object(object)));
+    }
+    let mut table = MarkdownTable::new(&[
+        ("metric", Align::Left),
+        ("value", Align::Right),
+        ("better", Align::Left),
+        ("of", Align::Left),
+    ]);
+    for ((name, value), metric) in scores.iter().zip(METRICS) {
+        let d = metric.description();
+        table.row(&[*name, &value.to_string(), d.better.name(), d.space.name()]);
+    }
+    print(&table.to_string())
+}
+
+fn read(path: &Path) -> Result<Decoded, Failure> {
+    let decoded = exr::read(path).map_err(Failure::input)?;
+    for warning in &decoded.warnings {
+        eprintln!("warning: {}: {warning}", path.display());
+    }
+    Ok(decoded)
+}

@@ -1,0 +1,75 @@
+//! `splitsum list`: every name that can be written in a file or after a flag.
+
+use super::{Failure, print};
+use clap::{Args, ValueEnum};
+use splitsum::environment::{BUILTINS, FORMATS};
+use splitsum::experiment::axis::AXES;
+use splitsum::table::markdown::{Align, MarkdownTable};
+use splitsum::{brdf, metrics, scene, shade};
+
+/// Lists the names that can be used.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  splitsum list\n  splitsum list axes")]
+pub struct Arguments {
+    /// What to list; everything when left out.
+    what: Option<What>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum What {
+    Methods,
+    Diffuse,
+    Brdfs,
+    Environments,
+    Scenes,
+    Metrics,
+    Axes,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    match arguments.what {
+        Some(what) => print(&listing(what)),
+        None => What::value_variants().iter().try_for_each(|what| {
+            let name = what.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+            print(&format!("# {name}\n\n{}\n", listing(*what)))
+        }),
+    }
+}
+
+fn listing(what: What) -> String {
+    let mut table = MarkdownTable::new(&[("name", Align::Left), ("what it is", Align::Left)]);
+    let mut add = |name: &str, about: &str| table.row(&[name, about]);
+    match what {
+        What::Methods => shade::METHODS.iter().for_each(|method| add(method.name, method.about)),
+        What::Diffuse => shade::DIFFUSE.iter().for_each(|diffuse| add(diffuse.name, diffuse.about)),
+        What::Brdfs => brdf::MODELS.iter().for_each(|model| add(model.name(), "microfacet model")),
+        What::Environments => {
+            for builtin in BUILTINS {
+                add(&format!("builtin:{}", builtin.name), builtin.about);
+                for p in builtin.parameters {
+                    let range = format!("{} (default {}, in [{}, {}])", p.about, p.default, p.min, p.max);
+                    add(&format!("builtin:{}:{}=", builtin.name, p.name), &range);
+                }
+            }
+            FORMATS.iter().for_each(|format| add(&format!("FILE.{}", format.extension), format.about));
+        }
+        What::Scenes => {
+            scene::SCENES.iter().for_each(|entry| add(entry.name, entry.description));
+            add("FILE.obj", "triangles with the materials of its MTL file, framed automatically");
+        }
+        What::Metrics => {
+            for metric in metrics::METRICS {
+                let d = metric.description();
+                add(d.name, &format!("{}; {} values, {} is better", d.formula, d.space.name(), d.better.name()));
+            }
+        }
+        What::Axes => {
+            for axis in AXES {
+                let default = (axis.default)().to_string();
+                let default = if default.is_empty() { "the scene's own".to_owned() } else { default };
+                add(axis.name, &format!("{}; {}; default {default}", axis.about, axis.kind.describe()));
+            }
+        }
+    }
+    table.to_string()
+}

@@ -1,0 +1,146 @@
+//! The command line: one file a command, each a thin layer over the library.
+
+mod bake;
+mod compare;
+mod devices;
+mod later;
+mod list;
+mod plan;
+mod progress;
+mod render;
+mod run;
+
+use clap::{Parser, Subcommand};
+use splitsum::experiment::{RenderFault, RunError};
+use std::process::ExitCode;
+
+/// Measures how wrong the split-sum approximation of image-based lighting is.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    about,
+    after_help = "Exit codes: 0 done; 1 failed or stopped; 2 bad usage or input; 3 nothing to do; \
+    4 finished, but some cells failed; 75 a passing fault such as a lost device, worth a retry.\n\n\
+    Examples:\n  splitsum run experiments/quick.toml\n  splitsum render --method split-sum --alpha 0.25 --out ball.png\n  \
+    splitsum list methods"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Run(run::Arguments),
+    Plan(plan::Arguments),
+    Render(Box<render::Arguments>),
+    Compare(compare::Arguments),
+    Bake(bake::Arguments),
+    /// Lists the Vulkan devices.
+    Devices,
+    List(list::Arguments),
+    /// Exact answers for a table of queries.
+    Integrate(later::Arguments),
+    /// (Re)writes the report of a finished run.
+    Report(later::Arguments),
+    /// Opens an interactive window.
+    View(later::Arguments),
+}
+
+/// Why a command did not end well; each kind has its exit code.
+#[derive(Debug, thiserror::Error)]
+enum Failure {
+    /// Exit code 1.
+    #[error("{0}")]
+    Failed(String),
+    /// Exit code 2.
+    #[error("{0}")]
+    BadInput(String),
+    /// Exit code 3.
+    #[error("{0}")]
+    NothingToDo(String),
+    /// Exit code 4.
+    #[error("{0}")]
+    CellsFailed(String),
+    /// Exit code 75.
+    #[error("{0}")]
+    Passing(String),
+}
+
+impl Failure {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Failed(_) => 1,
+            Self::BadInput(_) => 2,
+            Self::NothingToDo(_) => 3,
+            Self::CellsFailed(_) => 4,
+            Self::Passing(_) => 75,
+        }
+    }
+
+    /// A fault of what the user wrote or gave.
+    fn input(error: impl std::fmt::Display) -> Self {
+        Self::BadInput(error.to_string())
+    }
+
+    /// A fault of the work itself.
+    fn failed(error: impl std::fmt::Display) -> Self {
+        Self::Failed(error.to_string())
+    }
+
+    /// A device that cannot be opened: the host lacks what is needed, unless it was lost.
+    fn opening(fault: RenderFault) -> Self {
+        if fault.device_lost { Self::Passing(fault.message) } else { Self::BadInput(fault.message) }
+    }
+
+    /// A frame that cannot be made.
+    fn rendering(fault: RenderFault) -> Self {
+        if fault.device_lost { Self::Passing(fault.message) } else { Self::Failed(fault.message) }
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        let text = error.to_string();
+        match error {
+            RunError::DeviceLost(_) => Self::Passing(text),
+            RunError::NoRenderer(_) => Self::BadInput(text),
+            RunError::Store(error) if error.is_misuse() => Self::BadInput(text),
+            RunError::Store(_) => Self::Failed(text),
+        }
+    }
+}
+
+/// Parses the arguments and runs the command.
+pub fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Run(arguments) => run::execute(&arguments),
+        Command::Plan(arguments) => plan::execute(&arguments),
+        Command::Render(arguments) => render::execute(&arguments),
+        Command::Compare(arguments) => compare::execute(&arguments),
+        Command::Bake(arguments) => bake::execute(&arguments),
+        Command::Devices => devices::execute(),
+        Command::List(arguments) => list::execute(&arguments),
+        Command::Integrate(_) => later::execute("integrate"),
+        Command::Report(_) => later::execute("report"),
+        Command::View(_) => later::execute("view"),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("{failure}");
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}
+
+/// Writes to standard output; a closed pipe (`splitsum list | head`) is no failure.
+fn print(text: &str) -> Result<(), Failure> {
+    use std::io::Write;
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::Failed(format!("standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,220 @@
+//! `splitsum render`: one image.
+
+use super::run::open_device;
+use super::{Failure, print};
+use clap::Args;
+use splitsum::brdf::f0_from_ior;
+use splitsum::environment::{Environment, LoadOptions};
+use splitsum::experiment::axis::{self, Point, REFERENCE, Reference, View};
+use splitsum::experiment::config::{CAMERA, IMAGE_SIZE, LIGHT_COLOR, SEED, coordinates, light};
+use splitsum::experiment::value::{Kind, Value};
+use splitsum::experiment::{RenderFault, write_radiance};
+use splitsum::pixels::png;
+use splitsum::scene::{CameraKind, Light, LightKind, Scene};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The parser of a flag that sets the axis of this name.
+macro_rules! axis {
+    ($name:literal) => {
+        |text: &str| axis::by_name($name).kind.parse_text(text)
+    };
+}
+
+/// Renders one image: linear EXR (R, G, B, A; A is the mask) or tone-mapped PNG.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  splitsum render --method split-sum --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out split-sum.exr\n  \
+    splitsum render --method reference --samples 4096 --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out reference.exr\n  \
+    splitsum render --environment studio.hdr --scene teapot.obj --camera perspective --background --size 800x600 --out teapot.png"
+)]
+pub struct Arguments {
+    /// builtin:NAME, or an .hdr or .exr file.
+    #[arg(long, value_name = "FILE|builtin:NAME", value_parser = axis!("environment"))]
+    environment: Option<Value>,
+    /// sphere, spheres, plane, or an .obj file.
+    #[arg(long, value_parser = axis!("scene"))]
+    scene: Option<Value>,
+    /// ortho or perspective.
+    #[arg(long, default_value = "ortho", value_parser = |text: &str| CAMERA.parse_text(text))]
+    camera: Value,
+    /// How the specular term is computed; `splitsum list methods`.
+    #[arg(long, value_name = "NAME", value_parser = axis!("method"))]
+    method: Option<Value>,
+    /// How the diffuse term is computed; `splitsum list diffuse`.
+    #[arg(long, value_name = "NAME", value_parser = axis!("diffuse"))]
+    diffuse: Option<Value>,
+    /// ggx, beckmann or phong.
+    #[arg(long, value_name = "NAME", value_parser = axis!("brdf"))]
+    brdf: Option<Value>,
+    /// Microfacet width of every material, in (0, 1].
+    #[arg(long, value_name = "A", value_parser = axis!("alpha"))]
+    alpha: Option<Value>,
+    /// Reflectance at normal incidence, x or R,G,B.
+    #[arg(long, value_name = "R,G,B", value_parser = axis!("f0"))]
+    f0: Option<Value>,
+    /// Index of refraction, in place of --f0.
+    #[arg(long, value_name = "N", conflicts_with = "f0", value_parser = ior_as_f0)]
+    ior: Option<Value>,
+    /// Albedo of every material, x or R,G,B.
+    #[arg(long, value_name = "R,G,B", value_parser = axis!("albedo"))]
+    albedo: Option<Value>,
+    /// 0 dielectric to 1 metal.
+    #[arg(long, value_name = "M", value_parser = axis!("metallic"))]
+    metallic: Option<Value>,
+    /// Samples a pixel; 40, for the reference 4096.
+    #[arg(long, value_name = "N", value_parser = axis!("samples"))]
+    samples: Option<Value>,
+    /// Width and height.
+    #[arg(long, value_name = "WxH", default_value = "256x256", value_parser = |text: &str| IMAGE_SIZE.parse_text(text))]
+    size: Value,
+    /// Factor before the tone curve (PNG only).
+    #[arg(long, value_name = "E", value_parser = axis!("exposure"))]
+    exposure: Option<Value>,
+    /// Exponent of the tone curve times 2.2 (PNG only).
+    #[arg(long, value_name = "C", value_parser = axis!("contrast"))]
+    contrast: Option<Value>,
+    /// Shows the environment where nothing is hit.
+    #[arg(long)]
+    background: bool,
+    /// Adds an analytic light, directional:X,Y,Z:R,G,B (towards the light; irradiance) or point:X,Y,Z:R,G,B (intensity).
+    #[arg(long = "light", value_name = "KIND:X,Y,Z:R,G,B", allow_hyphen_values = true, value_parser = parse_light)]
+    lights: Vec<Light>,
+    /// Turns the environment about +y.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = axis!("environment_rotation_deg"))]
+    rotate: Option<Value>,
+    /// Multiplies the environment's radiance.
+    #[arg(long, value_name = "S", value_parser = axis!("environment_scale"))]
+    scale: Option<Value>,
+    /// separable, correlated or schlick masking-shadowing.
+    #[arg(long, value_name = "NAME", value_parser = axis!("masking"))]
+    masking: Option<Value>,
+    /// Added to the mip level of filtered samples.
+    #[arg(long, value_name = "B", allow_hyphen_values = true, value_parser = axis!("lod_bias"))]
+    lod_bias: Option<Value>,
+    /// Sets NaN, infinite and negative texels of the environment to 0, with a warning, instead of refusing them.
+    #[arg(long)]
+    clamp_invalid: bool,
+    /// Seed of the reference's scrambles.
+    #[arg(long, default_value = "1", value_parser = |text: &str| SEED.parse_text(text))]
+    seed: Value,
+    /// Index of the device, as `splitsum devices` lists them.
+    #[arg(long, value_name = "N")]
+    device: Option<usize>,
+    /// The image to write, .exr or .png.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+/// What the name of the output asks for.
+enum Output {
+    LinearExr,
+    DisplayPng,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let output = output(&arguments.out)?;
+    let point = point(arguments);
+    let settings = point.settings();
+    let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
+    let here = Path::new("");
+    let environment = Environment::load(&settings.environment, here, &options);
+    let scene = Scene::load(&settings.scene, here);
+    let (environment, scene) = match (environment, scene) {
+        (Ok(environment), Ok(scene)) => (Arc::new(environment), scene),
+        (environment, scene) => {
+            let faults = [environment.err().map(|e| e.to_string()), scene.err().map(|e| e.to_string())];
+            return Err(Failure::BadInput(faults.into_iter().flatten().collect::<Vec<_>>().join("\n")));
+        }
+    };
+    for (name, warnings) in [(&environment.name, &environment.warnings), (&scene.name, &scene.warnings)] {
+        warnings.iter().for_each(|warning| eprintln!("warning: {name}: {warning}"));
+    }
+    let view = View {
+        size: arguments.size.pair(),
+        camera: CameraKind::by_name(arguments.camera.text()).expect("the flag's parser checked the name"),
+        background: arguments.background,
+        lights: arguments.lights.clone(),
+        seed: arguments.seed.count(),
+        reference_samples: arguments.samples.as_ref().map_or(Reference::default().samples, Value::count),
+    };
+    let curve = settings.curve;
+    let request = settings.request(&environment, &scene, &view);
+    let mut pipeline = open_device(arguments.device).map_err(Failure::opening)?;
+    let frame = pipeline.render(&request).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
+    match output {
+        Output::LinearExr => write_radiance(&arguments.out, &frame).map_err(Failure::failed)?,
+        Output::DisplayPng => {
+            let picture = pipeline.tonemap(&frame.radiance, curve);
+            let (picture, _) = picture.map_err(|error| Failure::rendering(RenderFault::from(error)))?;
+            png::write_rgb8(&arguments.out, &picture).map_err(Failure::failed)?;
+        }
+    }
+    print(&format!("{}\n", arguments.out.display()))
+}
+
+/// The flags as a point; what no flag sets keeps the axis's default.
+fn point(arguments: &Arguments) -> Point {
+    let flags = [
+        ("environment", &arguments.environment),
+        ("scene", &arguments.scene),
+        ("method", &arguments.method),
+        ("diffuse", &arguments.diffuse),
+        ("brdf", &arguments.brdf),
+        ("alpha", &arguments.alpha),
+        ("f0", &arguments.f0),
+        ("f0", &arguments.ior),
+        ("albedo", &arguments.albedo),
+        ("metallic", &arguments.metallic),
+        ("samples", &arguments.samples),
+        ("exposure", &arguments.exposure),
+        ("contrast", &arguments.contrast),
+        ("environment_rotation_deg", &arguments.rotate),
+        ("environment_scale", &arguments.scale),
+        ("masking", &arguments.masking),
+        ("lod_bias", &arguments.lod_bias),
+    ];
+    let mut point = Point::default();
+    for (axis, value) in flags {
+        if let Some(value) = value {
+            point.set(axis, value.clone());
+        }
+    }
+    if arguments.samples.is_none() && point.get("method").text() == REFERENCE {
+        point.set("samples", Value::Count(Reference::default().samples));
+    }
+    point
+}
+
+/// Checked before anything is rendered: the extension and the folder.
+fn output(path: &Path) -> Result<Output, Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(Failure::BadInput(format!("--out: there is no folder {}", folder.display())));
+    }
+    match path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).as_deref() {
+        Some("exr") => Ok(Output::LinearExr),
+        Some("png") => Ok(Output::DisplayPng),
+        _ => Err(Failure::BadInput(format!("--out: {} ends in neither .exr nor .png", path.display()))),
+    }
+}
+
+/// The reflectance of an index of refraction in [1, 10].
+fn ior_as_f0(text: &str) -> Result<Value, String> {
+    let kind = Kind::Number(splitsum::experiment::value::Range::closed(1.0, 10.0));
+    Ok(Value::Color([f0_from_ior(kind.parse_text(text)?.number()) as f32; 3]))
+}
+
+fn parse_light(text: &str) -> Result<Light, String> {
+    let parts: Vec<&str> = text.split(':').collect();
+    let [kind, vector, color] = parts[..] else {
+        return Err(format!("{text:?} is not directional:X,Y,Z:R,G,B or point:X,Y,Z:R,G,B"));
+    };
+    let kind = match kind {
+        "directional" => LightKind::Directional,
+        "point" => LightKind::Point,
+        _ => return Err(format!("{kind:?} is not a kind of light; expected directional or point")),
+    };
+    let color = Kind::Color(LIGHT_COLOR).parse_text(color)?.color();
+    light(kind, coordinates(vector)?, Some(color))
+}

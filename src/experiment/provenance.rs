@@ -1,0 +1,112 @@
+//! Where a run comes from: enough to do it again.
+
+use super::plan::{Plan, SCHEMA_VERSION};
+use crate::pipeline::DeviceInfo;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// The provenance of a new run; `sessions` stays empty until [`session`] is added.
+pub fn provenance(plan: &Plan) -> Value {
+    let inputs: serde_json::Map<String, Value> =
+        plan.inputs.hashes().into_iter().map(|(name, hash)| (name, Value::String(hash))).collect();
+    json!({
+        "schema_version": SCHEMA_VERSION,
+        "name": plan.config.name,
+        "question": plan.config.question,
+        "experiment_file": plan.config.path.display().to_string(),
+        "experiment_hash": blake3::hash(plan.config.text.as_bytes()).to_hex().to_string(),
+        "overrides": plan.config.overrides,
+        "plan_hash": plan.hash,
+        "shader_hash": crate::gpu::build_hash(),
+        "cell_count": plan.cells.len(),
+        "seed": plan.config.seed,
+        "inputs": inputs,
+        "input_warnings": plan.inputs.warnings(),
+        "metrics": crate::metrics::METRICS.iter().map(|metric| {
+            let d = metric.description();
+            let parameters: serde_json::Map<String, Value> =
+                d.parameters.iter().map(|(name, x)| (name.to_string(), json!(x))).collect();
+            json!({ "name": d.name, "version": d.version, "better": d.better.name(), "space": d.space.name(),
+                "parameters": parameters, "formula": d.formula })
+        }).collect::<Vec<_>>(),
+        "sessions": [],
+    })
+}
+
+/// One invocation that did work: program, device, host, time. `command_line` is what the user typed.
+pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
+    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    json!({
+        "date_utc": date_utc(seconds),
+        "command_line": command_line,
+        "program_version": env!("CARGO_PKG_VERSION"),
+        "commit": commit(),
+        "device": {
+            "name": device.name,
+            "type": device.device_type,
+            "driver": device.driver,
+            "api_version": device.api_version,
+            "timestamp_period_ns": device.timestamp_period_ns,
+            "memory_bytes": device.memory_bytes,
+        },
+        "host": {
+            "os": std::env::consts::OS,
+            "arch": std::env::consts::ARCH,
+            "cpu": host_cpu(),
+            "cpu_count": std::thread::available_parallelism().map_or(0, usize::from),
+            "load_average": load_average(),
+        },
+    })
+}
+
+/// Commit and state of the working tree that the program stands in, or null when it stands in none.
+fn commit() -> Value {
+    let folder: Option<PathBuf> = std::env::current_exe().ok().and_then(|exe| exe.parent().map(PathBuf::from));
+    let git = |arguments: &[&str]| -> Option<String> {
+        let output = Command::new("git").arg("-C").arg(folder.as_ref()?).args(arguments).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    match git(&["rev-parse", "HEAD"]) {
+        Some(hash) => {
+            let changed = git(&["status", "--porcelain", "--untracked-files=no"]).map(|text| !text.is_empty());
+            json!({ "hash": hash, "dirty": changed })
+        }
+        None => Value::Null,
+    }
+}
+
+fn host_cpu() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+/// Runnable tasks over the last 1, 5 and 15 minutes; a busy host disturbs times.
+fn load_average() -> Option<Vec<f64>> {
+    let text = std::fs::read_to_string("/proc/loadavg").ok()?;
+    Some(text.split_whitespace().take(3).filter_map(|word| word.parse().ok()).collect())
+}
+
+/// `2026-01-31T23:59:59Z` of seconds since 1970-01-01, Gregorian calendar.
+pub fn date_utc(seconds: u64) -> String {
+    let (days, time) = (seconds / 86_400, seconds % 86_400);
+    let is_leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
+    let mut year = 1970;
+    let mut day = days;
+    while day >= 365 + u64::from(is_leap(year)) {
+        day -= 365 + u64::from(is_leap(year));
+        year += 1;
+    }
+    let february = 28 + u64::from(is_leap(year));
+    let mut month = 1;
+    for length in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30] {
+        if day < length {
+            break;
+        }
+        day -= length;
+        month += 1;
+    }
+    format!("{year:04}-{month:02}-{:02}T{:02}:{:02}:{:02}Z", day + 1, time / 3600, time / 60 % 60, time % 60)
+}

@@ -1,0 +1,66 @@
+//! What a run needs of a renderer, so that runs can be tested without a device.
+
+use crate::pipeline::{DeviceInfo, Frame, Pipeline, PipelineError, RenderRequest, TimingSamples};
+use crate::pixels::{Rgb8Image, RgbImage};
+use crate::tonemap::ToneCurve;
+
+/// Why the renderer could not deliver.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{message}")]
+pub struct RenderFault {
+    pub message: String,
+    /// The device is gone: nothing more can be rendered in this process, but a new one may succeed.
+    pub device_lost: bool,
+}
+
+/// Renders, tone-maps and times.
+pub trait Renderer {
+    /// What it renders on.
+    fn device(&self) -> DeviceInfo;
+    /// One radiance image.
+    fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault>;
+    /// The display image of a radiance image.
+    fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault>;
+    /// Times of the passes that run for every frame; `warmup` executions come first and do not count.
+    fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, RenderFault>;
+    /// Times of the passes that run once per environment or model.
+    fn time_precompute(
+        &mut self,
+        request: &RenderRequest,
+        warmup: u32,
+        rounds: u32,
+    ) -> Result<TimingSamples, RenderFault>;
+}
+
+impl From<PipelineError> for RenderFault {
+    fn from(error: PipelineError) -> Self {
+        Self { message: error.to_string(), device_lost: error.is_transient() }
+    }
+}
+
+impl Renderer for Pipeline {
+    fn device(&self) -> DeviceInfo {
+        Pipeline::device(self).clone()
+    }
+
+    fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault> {
+        Ok(Pipeline::render(self, request)?)
+    }
+
+    fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault> {
+        Ok(Pipeline::tonemap(self, radiance, curve)?.0)
+    }
+
+    fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, RenderFault> {
+        Ok(Pipeline::time(self, request, warmup, rounds)?)
+    }
+
+    fn time_precompute(
+        &mut self,
+        request: &RenderRequest,
+        warmup: u32,
+        rounds: u32,
+    ) -> Result<TimingSamples, RenderFault> {
+        Ok(Pipeline::time_precompute(self, request, warmup, rounds)?)
+    }
+}

@@ -1,0 +1,246 @@
+//! The folder of a run. Records are written last and in one step: no record means not done.
+
+use super::plan::Plan;
+use crate::pixels::{PixelsError, write_atomically};
+use crate::table::csv;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Why a run cannot use its folder.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    #[error("{}: holds a run of another experiment ({found}); give another --out, or remove it", dir.display())]
+    OtherExperiment { dir: PathBuf, found: String },
+    #[error("{}: holds a run made with other shaders, whose images may differ; give another --out, or remove it", dir.display())]
+    OtherShaders { dir: PathBuf },
+    #[error("{}: is not empty and not a run (it has no provenance.json); give another --out", dir.display())]
+    NotARun { dir: PathBuf },
+    #[error("{}: {error}; expected a file that this program wrote (remove it to make it anew)", path.display())]
+    Corrupt { path: PathBuf, error: serde_json::Error },
+    #[error("{}: {error}", path.display())]
+    Io { path: PathBuf, error: std::io::Error },
+    #[error(transparent)]
+    Write(#[from] PixelsError),
+    #[error(transparent)]
+    Table(#[from] csv::TableError),
+}
+
+impl StoreError {
+    /// Whether the user named the wrong folder, rather than a file failing.
+    pub fn is_misuse(&self) -> bool {
+        matches!(self, Self::OtherExperiment { .. } | Self::OtherShaders { .. } | Self::NotARun { .. })
+    }
+}
+
+/// A number that a JSON file gives back bit for bit: it is written as text, which may also be `inf`.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct Exact(pub f64);
+
+impl From<Exact> for String {
+    fn from(number: Exact) -> Self {
+        format!("{:e}", number.0)
+    }
+}
+
+impl TryFrom<String> for Exact {
+    type Error = std::num::ParseFloatError;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse().map(Self)
+    }
+}
+
+/// Scores by metric name.
+pub type Scores = BTreeMap<String, Exact>;
+
+/// What is kept of one finished cell.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct CellRecord {
+    pub cell: String,
+    /// Every axis by name.
+    pub axes: BTreeMap<String, String>,
+    pub scores: Scores,
+    /// Score to expect of an exact test, where the reference knows its own error.
+    pub noise_floors: Scores,
+    pub verdict: String,
+    pub bins: Vec<BinRecord>,
+    pub device: String,
+    pub driver: String,
+    /// Host time for rendering and scoring the cell, ms.
+    pub wall_ms: f64,
+}
+
+/// Scores over the pixels with `n_dot_v` in [`lo`, `hi`).
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct BinRecord {
+    pub lo: f64,
+    pub hi: f64,
+    pub pixel_count: usize,
+    /// Empty when no pixel fell into the bin.
+    pub scores: Scores,
+}
+
+/// Why a cell failed.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct FailureRecord {
+    pub cell: String,
+    pub label: String,
+    pub reason: String,
+}
+
+/// The folder of one run.
+#[derive(Clone, Debug)]
+pub struct Store {
+    dir: PathBuf,
+}
+
+const SUBFOLDERS: &[&str] = &["cells", "failed", "images", "tables", "timings"];
+
+impl Store {
+    /// The run's folder as it is, for reading.
+    pub fn at(dir: &Path) -> Self {
+        Self { dir: dir.to_owned() }
+    }
+
+    /// Makes the folder, or checks that the one that is there holds this experiment.
+    pub fn open(dir: &Path, plan: &Plan) -> Result<Self, StoreError> {
+        let store = Self::at(dir);
+        store.check_identity(plan)?;
+        for folder in SUBFOLDERS {
+            let path = dir.join(folder);
+            std::fs::create_dir_all(&path).map_err(|error| StoreError::Io { path, error })?;
+        }
+        Ok(store)
+    }
+
+    /// Fails when the folder holds something else than a run of this plan.
+    pub fn check_identity(&self, plan: &Plan) -> Result<(), StoreError> {
+        if let Some(provenance) = self.read::<serde_json::Value>(&self.provenance_path())? {
+            if provenance["plan_hash"] == plan.hash {
+                return Ok(());
+            }
+            if provenance["shader_hash"] != crate::gpu::build_hash() {
+                return Err(StoreError::OtherShaders { dir: self.dir.clone() });
+            }
+            let found = format!(
+                "{}: its cells are not those of {} {}",
+                provenance["name"],
+                plan.config.path.display(),
+                plan.config.overrides.iter().map(|o| format!("--set {o} ")).collect::<String>().trim_end()
+            );
+            return Err(StoreError::OtherExperiment { dir: self.dir.clone(), found: found.trim_end().to_owned() });
+        }
+        // A run that was stopped before its first file leaves empty folders only.
+        let has_files = |dir: &Path| {
+            let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
+            entries.into_iter().any(|e| !(e.path().is_dir() && SUBFOLDERS.iter().any(|s| e.file_name() == *s)))
+        };
+        if has_files(&self.dir) {
+            return Err(StoreError::NotARun { dir: self.dir.clone() });
+        }
+        Ok(())
+    }
+
+    /// The folder.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// `provenance.json`.
+    pub fn provenance_path(&self) -> PathBuf {
+        self.dir.join("provenance.json")
+    }
+
+    /// A file in `images/`.
+    pub fn image_path(&self, name: &str) -> PathBuf {
+        self.dir.join("images").join(name)
+    }
+
+    /// A file in `tables/`.
+    pub fn table_path(&self, name: &str) -> PathBuf {
+        self.dir.join("tables").join(name)
+    }
+
+    /// The record of a finished cell.
+    pub fn cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
+        self.read(&self.record_path("cells", id))
+    }
+
+    /// Keeps a finished cell and forgets its earlier failure.
+    pub fn write_cell(&self, record: &CellRecord) -> Result<(), StoreError> {
+        self.write_json(&self.record_path("cells", &record.cell), record)?;
+        let failure = self.record_path("failed", &record.cell);
+        match std::fs::remove_file(&failure) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::Io { path: failure, error }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Why a cell failed the last time it was tried.
+    pub fn failure(&self, id: &str) -> Result<Option<FailureRecord>, StoreError> {
+        self.read(&self.record_path("failed", id))
+    }
+
+    /// Keeps the reason of a failure.
+    pub fn write_failure(&self, record: &FailureRecord) -> Result<(), StoreError> {
+        self.write_json(&self.record_path("failed", &record.cell), record)
+    }
+
+    /// A timing record.
+    pub fn timing<T: DeserializeOwned>(&self, id: &str) -> Result<Option<T>, StoreError> {
+        self.read(&self.record_path("timings", id))
+    }
+
+    /// Whether a configuration is timed already.
+    pub fn has_timing(&self, id: &str) -> bool {
+        self.record_path("timings", id).exists()
+    }
+
+    /// Keeps a timing record.
+    pub fn write_timing<T: Serialize>(&self, id: &str, record: &T) -> Result<(), StoreError> {
+        self.write_json(&self.record_path("timings", id), record)
+    }
+
+    /// A table of the run, replaced in one step.
+    pub fn write_table(&self, name: &str, columns: &[String], rows: &[Vec<csv::Cell>]) -> Result<(), StoreError> {
+        let (path, part) = (self.dir.join(name), self.dir.join(format!("{name}.part")));
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        let mut writer = csv::TableWriter::create(&part, &columns)?;
+        rows.iter().try_for_each(|row| writer.append(row))?;
+        std::fs::rename(&part, &path).map_err(|error| StoreError::Io { path, error })
+    }
+
+    /// A file of the run, in one step. A file that has this content already is left untouched.
+    pub fn write_text(&self, path: &Path, text: &str) -> Result<(), StoreError> {
+        if std::fs::read(path).is_ok_and(|old| old == text.as_bytes()) {
+            return Ok(());
+        }
+        Ok(write_atomically(path, |writer| writer.write_all(text.as_bytes()))?)
+    }
+
+    /// As [`Store::write_text`], of JSON for people: indented, with a last newline.
+    pub fn write_json<T: Serialize>(&self, path: &Path, value: &T) -> Result<(), StoreError> {
+        let text = serde_json::to_string_pretty(value)
+            .map_err(|error| StoreError::Corrupt { path: path.to_owned(), error })?;
+        self.write_text(path, &(text + "\n"))
+    }
+
+    fn record_path(&self, folder: &str, id: &str) -> PathBuf {
+        self.dir.join(folder).join(format!("{id}.json"))
+    }
+
+    /// The parsed file, or `None` when it does not exist.
+    pub fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
+        match std::fs::read(path) {
+            Ok(bytes) => serde_json::from_slice(&bytes)
+                .map(Some)
+                .map_err(|error| StoreError::Corrupt { path: path.to_owned(), error }),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(StoreError::Io { path: path.to_owned(), error }),
+        }
+    }
+}

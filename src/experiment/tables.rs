@@ -1,0 +1,121 @@
+//! The rows of a run's tables, in plan order, so that the bytes do not depend on the order of work.
+
+use super::axis::AXES;
+use super::plan::{Cell, Plan};
+use super::store::{CellRecord, FailureRecord, Scores};
+use super::timing::{TimingRecord, summarize};
+use crate::metrics::METRICS;
+use crate::table::csv::Cell as Field;
+use std::collections::BTreeMap;
+
+/// What is known of a cell that was tried.
+#[derive(Clone, Debug)]
+pub enum CellResult {
+    Done(CellRecord),
+    Failed(FailureRecord),
+}
+
+/// Results by cell id.
+pub type Results = BTreeMap<String, CellResult>;
+
+/// The metric that decides verdicts and break-even: relative, so that bright and dark surfaces count alike.
+pub const HEADLINE: &str = "relmse_eps1e-2";
+
+/// Metrics whose noise floor stands in the table.
+pub const FLOORED: [&str; 2] = ["rmse", HEADLINE];
+
+/// How the diffuse term is weighted, the same in every method and in the reference.
+pub const DIFFUSE_WEIGHT: &str = "one-minus-directional-albedo";
+
+/// Names of all metrics in column order.
+pub fn metric_names() -> Vec<&'static str> {
+    METRICS.iter().map(|metric| metric.description().name).collect()
+}
+
+/// Columns and rows of a table.
+pub type Rows = (Vec<String>, Vec<Vec<Field>>);
+
+/// `errors.csv`: one row a cell that was tried.
+pub fn errors(plan: &Plan, results: &Results) -> Rows {
+    let names = metric_names();
+    let mut columns = cell_columns(plan);
+    columns.extend(names.iter().map(|name| name.to_string()));
+    columns.extend(FLOORED.iter().map(|name| format!("{name}_noise_floor")));
+    columns.extend(["verdict", "diffuse_weight"].map(str::to_owned));
+    let none = Scores::new();
+    let row = |cell: &Cell| {
+        let (scores, floors, verdict) = match results.get(&cell.id)? {
+            CellResult::Done(record) => (&record.scores, &record.noise_floors, record.verdict.as_str()),
+            CellResult::Failed(_) => (&none, &none, "failed"),
+        };
+        let mut row = cell_fields(plan, cell);
+        row.extend(score_fields(scores, &names));
+        row.extend(score_fields(floors, &FLOORED));
+        row.extend([verdict, DIFFUSE_WEIGHT].map(Field::from));
+        Some(row)
+    };
+    (columns, plan.cells.iter().filter_map(row).collect())
+}
+
+/// `errors_by_n_dot_v.csv`: one row a finished cell and bin that holds pixels.
+pub fn errors_by_n_dot_v(plan: &Plan, results: &Results) -> Rows {
+    let names = metric_names();
+    let mut columns = cell_columns(plan);
+    columns.extend(["n_dot_v_from", "n_dot_v_to", "pixel_count"].map(str::to_owned));
+    columns.extend(names.iter().map(|name| name.to_string()));
+    let mut rows = Vec::new();
+    for cell in &plan.cells {
+        let Some(CellResult::Done(record)) = results.get(&cell.id) else { continue };
+        for bin in record.bins.iter().filter(|bin| bin.pixel_count > 0) {
+            let mut row = cell_fields(plan, cell);
+            row.extend([bin.lo.into(), bin.hi.into(), Field::Integer(bin.pixel_count as u64)]);
+            row.extend(score_fields(&bin.scores, &names));
+            rows.push(row);
+        }
+    }
+    (columns, rows)
+}
+
+/// `timings.csv`: one row a timed configuration and pass.
+pub fn timings(records: &[TimingRecord]) -> Rows {
+    let axes: Vec<&String> = records.first().map(|record| record.axes.keys().collect()).unwrap_or_default();
+    let mut columns = ["cell", "phase", "environment_size", "size"].map(str::to_owned).to_vec();
+    columns.extend(axes.iter().map(|name| name.to_string()));
+    let statistics = ["pass", "n", "median_ms", "mad_ms", "p05_ms", "p95_ms", "min_ms", "wall_median_ms"];
+    let judgement = ["passes_over_wall", "wall_check", "device", "device_type"];
+    columns.extend(statistics.iter().chain(&judgement).map(|name| name.to_string()));
+    let mut rows = Vec::new();
+    for record in records {
+        let wall = summarize(&record.wall_ms);
+        for pass in &record.passes {
+            let s = summarize(&pass.ms);
+            let mut row: Vec<Field> = vec![record.cell.as_str().into(), record.phase.as_str().into()];
+            let sizes = [record.environment_size, record.size];
+            row.extend(sizes.map(|[w, h]| Field::Text(format!("{w}x{h}"))));
+            row.extend(axes.iter().map(|name| text_field(&record.axes[*name])));
+            row.extend([Field::from(pass.pass.as_str()), Field::Integer(s.n as u64)]);
+            let numbers = [s.median, s.mad, s.p05, s.p95, s.min, wall.median, record.passes_over_wall()];
+            row.extend(numbers.map(Field::Number));
+            row.extend([record.wall_check(), &record.device, &record.device_type].map(Field::from));
+            rows.push(row);
+        }
+    }
+    (columns, rows)
+}
+
+fn cell_columns(plan: &Plan) -> Vec<String> {
+    std::iter::once("cell".to_owned()).chain(plan.columns.iter().map(|&axis| AXES[axis].name.to_owned())).collect()
+}
+
+fn cell_fields(plan: &Plan, cell: &Cell) -> Vec<Field> {
+    let values = plan.columns.iter().map(|&axis| text_field(&cell.point.0[axis].to_string()));
+    std::iter::once(Field::from(cell.id.as_str())).chain(values).collect()
+}
+
+fn text_field(text: &str) -> Field {
+    if text.is_empty() { Field::Missing } else { text.into() }
+}
+
+fn score_fields(scores: &Scores, names: &[&str]) -> Vec<Field> {
+    names.iter().map(|name| scores.get(*name).map(|score| score.0).into()).collect()
+}

@@ -1,0 +1,131 @@
+//! Bad input ends with one clear message, the promised exit code and no output. None of it needs a device.
+
+use super::{entries, splitsum, stderr, stdout};
+
+/// Runs in an empty folder and checks the exit code, parts of the message, and that nothing was written.
+fn assert_refused(arguments: &[&str], code: i32, parts: &[&str]) {
+    let dir = tempfile::tempdir().unwrap();
+    let output = splitsum(dir.path(), arguments);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    for part in parts {
+        assert!(message.contains(part), "{arguments:?}: no {part:?} in {message:?}");
+    }
+    assert!(entries(dir.path()).is_empty(), "{arguments:?} left {:?}", entries(dir.path()));
+}
+
+#[test]
+fn a_wrong_value_names_flag_value_and_expectation() {
+    assert_refused(&["render", "--alpha", "1.4", "--out", "x.png"], 2, &["--alpha", "1.4 is outside (0, 1]"]);
+    assert_refused(&["render", "--size", "256", "--out", "x.png"], 2, &["--size", "\"256\" is not WxH"]);
+    assert_refused(&["render", "--f0", "1,2", "--out", "x.png"], 2, &["--f0", "[1, 2] is not a colour"]);
+    assert_refused(&["render", "--ior", "0.5", "--out", "x.png"], 2, &["--ior", "0.5 is outside [1, 10]"]);
+    assert_refused(
+        &["render", "--samples", "many", "--out", "x.png"],
+        2,
+        &["--samples", "\"many\" is not a whole number"],
+    );
+    assert_refused(
+        &["render", "--light", "spot:0,0,1:1,1,1", "--out", "x.png"],
+        2,
+        &["--light", "directional or point"],
+    );
+    assert_refused(
+        &["render", "--light", "directional:0,0,0:1,1,1", "--out", "x.png"],
+        2,
+        &["direction must not be zero"],
+    );
+}
+
+#[test]
+fn an_unknown_name_brings_the_nearest_one() {
+    assert_refused(&["render", "--method", "splitsum", "--out", "x.png"], 2, &["did you mean \"split-sum\"?"]);
+    assert_refused(&["render", "--brdf", "beckman", "--out", "x.png"], 2, &["did you mean \"beckmann\"?"]);
+    assert_refused(&["render", "--environment", "builtin:ski", "--out", "x.png"], 2, &["sky"]);
+    assert_refused(&["render", "--scene", "sphear", "--out", "x.png"], 2, &["sphere"]);
+    assert_refused(&["rendr"], 2, &["render"]);
+    assert_refused(&["list", "metrix"], 2, &["metrics"]);
+}
+
+#[test]
+fn inputs_that_are_missing_are_all_named_at_once() {
+    let arguments = ["render", "--environment", "no.hdr", "--scene", "no.obj", "--out", "x.png"];
+    assert_refused(&arguments, 2, &["no.hdr", "no.obj"]);
+    assert_refused(&["compare", "a.exr", "b.exr"], 2, &["a.exr"]);
+    assert_refused(&["run", "no.toml"], 2, &["no.toml", "expected an experiment file"]);
+}
+
+#[test]
+fn the_output_is_checked_before_work() {
+    assert_refused(&["render", "--out", "x.jpg"], 2, &["x.jpg ends in neither .exr nor .png"]);
+    assert_refused(&["render", "--out", "no/x.png"], 2, &["there is no folder no"]);
+}
+
+#[test]
+fn an_experiment_with_faults_lists_them_with_places() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("e.toml"), "name = \"e\"\n[axes]\nalpha = [0.5, 1.4]\nbrdv = [\"ggx\"]\n").unwrap();
+    for command in ["run", "plan"] {
+        let output = splitsum(dir.path(), &[command, "e.toml"]);
+        assert_eq!(output.status.code(), Some(2));
+        let message = stderr(&output);
+        assert!(message.contains("e.toml:3:15: axes.alpha: 1.4 is outside (0, 1]"), "{message}");
+        assert!(message.contains("e.toml:4:1: axes.brdv is unknown; did you mean \"brdf\"?"), "{message}");
+        assert_eq!(entries(dir.path()), ["e.toml"]);
+    }
+}
+
+#[test]
+fn an_empty_plan_has_its_own_exit_code() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = "name = \"e\"\n[axes]\nalpha = [0.5]\n[[exclude]]\nalpha = 0.5\nwhy = \"nothing is left\"\n";
+    std::fs::write(dir.path().join("e.toml"), text).unwrap();
+    for command in ["run", "plan"] {
+        let output = splitsum(dir.path(), &[command, "e.toml"]);
+        assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+        assert_eq!(entries(dir.path()), ["e.toml"]);
+    }
+}
+
+#[test]
+fn commands_that_are_not_built_say_so() {
+    for command in ["integrate", "report", "view"] {
+        assert_refused(&[command, "x"], 1, &[&format!("splitsum {command} is not there yet")]);
+    }
+}
+
+#[test]
+fn list_prints_every_name() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = stdout(&splitsum(dir.path(), &["list"]));
+    let names = splitsum::experiment::axis::AXES.iter().map(|axis| axis.name);
+    let names = names.chain(splitsum::shade::METHODS.iter().map(|method| method.name));
+    let names = names.chain(splitsum::metrics::METRICS.iter().map(|metric| metric.description().name));
+    for name in names {
+        assert!(text.contains(&format!("| {name} ")), "{name} is not listed");
+    }
+}
+
+#[test]
+fn every_experiment_of_the_project_has_a_plan() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments");
+    let elsewhere = tempfile::tempdir().unwrap();
+    let mut count = 0;
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        let path = entry.unwrap().path();
+        let output = splitsum(elsewhere.path(), &["plan", path.to_str().unwrap(), "--json"]);
+        assert!(output.status.success(), "{}: {}", path.display(), stderr(&output));
+        let plan: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let cells = plan["cells"].as_array().unwrap().len();
+        match path.file_stem().unwrap().to_str().unwrap() {
+            // 2 environments x 3 models x 5 widths x (5 sample counts + split-sum).
+            "quick" => assert_eq!(cells, 180),
+            // 6 exposures and 2 further contrasts, each with 3 methods at 4 sample counts and none.
+            "source-document-0" => assert_eq!(cells, 8 * 13),
+            _ => assert!(cells > 0),
+        }
+        assert_eq!(plan["excluded"].as_array().unwrap().iter().filter(|e| e["count"] == 0).count(), 0);
+        count += 1;
+    }
+    assert!(count >= 4);
+}

@@ -1,0 +1,133 @@
+//! A tiny experiment through the binary on whatever Vulkan device there is; without one the tests skip with a line.
+
+use super::{command, entries, splitsum, stderr, stdout};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::Stdio;
+
+const EXPERIMENT: &str = r#"
+name = "tiny"
+question = "Does everything run?"
+size = [32, 32]
+reference = { samples = 64 }
+[axes]
+environment = ["builtin:gradient"]
+brdf = ["ggx", "phong"]
+alpha = [0.25, 1.0]
+method = ["sampled", "split-sum"]
+samples = [4, 16]
+diffuse = ["none"]
+f0 = [1]
+albedo = [0]
+exposure = [1, 5]
+[precompute]
+prefilter_size = [32, 16]
+prefilter_level_count = 2
+prefilter_sample_count = 16
+dfg_size = 16
+dfg_sample_count = 64
+"#;
+const CELLS: usize = 2 * 2 * 3 * 2;
+
+/// A folder with the experiment, or `None` where no device answers.
+fn folder() -> Option<tempfile::TempDir> {
+    let dir = tempfile::tempdir().unwrap();
+    if !splitsum(dir.path(), &["devices"]).status.success() {
+        eprintln!("skipped: no Vulkan device");
+        return None;
+    }
+    std::fs::write(dir.path().join("tiny.toml"), EXPERIMENT).unwrap();
+    Some(dir)
+}
+
+fn errors(dir: &Path) -> Vec<u8> {
+    std::fs::read(dir.join("runs/tiny/errors.csv")).unwrap()
+}
+
+#[test]
+fn a_run_leaves_the_promised_files_and_a_second_one_changes_nothing() {
+    let Some(dir) = folder() else { return };
+    let output = splitsum(dir.path(), &["run", "tiny.toml"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(text.contains("break-even") && text.contains("Written to runs/tiny"), "{text}");
+    assert!(stderr(&output).contains(&format!("[{CELLS}/{CELLS}]")), "{}", stderr(&output));
+    let run = dir.path().join("runs/tiny");
+    for name in
+        ["experiment.toml", "provenance.json", "errors.csv", "errors_by_n_dot_v.csv", "images", "tables", "summary.md"]
+    {
+        assert!(entries(&run).contains(&name.to_owned()), "no {name} in {:?}", entries(&run));
+    }
+    assert_eq!(entries(&run.join("tables")), ["ggx.png", "phong.png"]);
+    let before = errors(dir.path());
+    assert_eq!(before.iter().filter(|byte| **byte == b'\n').count(), CELLS + 1);
+
+    let again = splitsum(dir.path(), &["run", "tiny.toml"]);
+    assert!(again.status.success());
+    assert_eq!(stdout(&again), text);
+    assert!(errors(dir.path()) == before);
+
+    let plan = stdout(&splitsum(dir.path(), &["plan", "tiny.toml"]));
+    assert!(plan.contains(&format!("{CELLS} done, 0 failed, 0 open")), "{plan}");
+}
+
+#[test]
+fn a_run_dir_of_another_experiment_is_refused() {
+    let Some(dir) = folder() else { return };
+    assert!(splitsum(dir.path(), &["run", "tiny.toml", "--set", "brdf=ggx"]).status.success());
+    let before = errors(dir.path());
+    let output = splitsum(dir.path(), &["run", "tiny.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("another experiment"), "{}", stderr(&output));
+    assert!(errors(dir.path()) == before);
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_stops_after_a_cell_and_the_next_run_goes_on() {
+    let Some(dir) = folder() else { return };
+    let mut child =
+        command(dir.path(), &["run", "tiny.toml"]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    let first = lines.find(|line| line.starts_with("[1/")).expect("a first cell");
+    assert!(first.contains("brdf=ggx"), "{first}");
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    let rest: Vec<String> = lines.collect();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{rest:#?}");
+    assert!(
+        rest.iter().any(|line| line.starts_with("stopped; to go on: ") && line.ends_with("run tiny.toml")),
+        "{rest:#?}"
+    );
+    let done = errors(dir.path()).iter().filter(|byte| **byte == b'\n').count() - 1;
+    assert!((1..CELLS).contains(&done), "{done} cells were done");
+
+    let output = splitsum(dir.path(), &["run", "tiny.toml"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(stderr(&output).contains(&format!("{done} of {CELLS} steps are done already")), "{}", stderr(&output));
+    let whole = splitsum(dir.path(), &["run", "tiny.toml", "--out", "runs/whole"]);
+    assert!(whole.status.success());
+    assert!(errors(dir.path()) == std::fs::read(dir.path().join("runs/whole/errors.csv")).unwrap());
+}
+
+#[test]
+fn render_writes_what_compare_reads() {
+    let Some(dir) = folder() else { return };
+    let render = |method: &str, out: &str| {
+        let arguments =
+            ["render", "--size", "32x32", "--environment", "builtin:gradient", "--alpha", "0.5", "--method", method];
+        let output = splitsum(dir.path(), &[arguments.as_slice(), &["--out", out]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+    };
+    render("sampled", "a.exr");
+    render("split-sum", "b.exr");
+    render("sampled", "c.png");
+    let output = splitsum(dir.path(), &["compare", "a.exr", "a.exr", "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let equal: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&equal["rmse"], &equal["psnr"]), (&serde_json::json!(0.0), &serde_json::json!("inf")));
+    let output = splitsum(dir.path(), &["compare", "b.exr", "a.exr", "--json"]);
+    let different: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(different["rmse"].as_f64().unwrap() > 0.0);
+    assert_eq!(different.as_object().unwrap().len(), splitsum::metrics::METRICS.len());
+}

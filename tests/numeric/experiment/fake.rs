@@ -1,0 +1,103 @@
+//! A renderer made of formulas: an analytic sphere whose error is known for every method.
+
+use splitsum::experiment::{RenderFault, Renderer};
+use splitsum::pipeline::{DeviceInfo, Frame, FrameTimings, RenderRequest, TimingSamples};
+use splitsum::pixels::{GrayImage, Rgb8Image, RgbImage};
+use splitsum::tonemap::ToneCurve;
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// What the fake was asked to do, and what it is to refuse.
+#[derive(Debug, Default)]
+pub struct Log {
+    /// Method and sample count of every render.
+    pub renders: Vec<(String, u32)>,
+    pub tonemaps: usize,
+    pub timings: usize,
+    /// A method whose renders fail.
+    pub broken_method: Option<&'static str>,
+    /// Renders until the device is lost.
+    pub renders_left: Option<usize>,
+}
+
+pub struct Fake(pub Rc<RefCell<Log>>);
+
+/// Relative error of `sampled` at one sample; it falls with the root of the count.
+pub const ERROR_AT_ONE: f32 = 0.4;
+/// Relative error of `split-sum`, whatever the count. Break-even with `sampled` lies between 4 (0.2) and 16 (0.1) samples.
+pub const SPLIT_SUM_ERROR: f32 = 0.15;
+const NOISE: f32 = 1e-4;
+
+impl Renderer for Fake {
+    fn device(&self) -> DeviceInfo {
+        DeviceInfo {
+            name: "fake".to_owned(),
+            device_type: "cpu",
+            driver: "formula".to_owned(),
+            api_version: "0".to_owned(),
+            timestamp_period_ns: 1.0,
+            memory_bytes: 0,
+        }
+    }
+
+    fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault> {
+        let mut log = self.0.borrow_mut();
+        let fault = |message: &str, device_lost| Err(RenderFault { message: message.to_owned(), device_lost });
+        if log.broken_method == Some(request.method.name) {
+            return fault("the shader is broken", false);
+        }
+        match &mut log.renders_left {
+            Some(0) => return fault("unplugged", true),
+            Some(left) => *left -= 1,
+            None => {}
+        }
+        log.renders.push((request.method.name.to_owned(), request.samples));
+        let factor = match request.method.name {
+            "reference" => 1.0,
+            "split-sum" => 1.0 + SPLIT_SUM_ERROR,
+            _ => 1.0 + ERROR_AT_ONE / (request.samples as f32).sqrt(),
+        };
+        let alpha = request.scene.materials.first().map_or(0.5, |m| m.alpha);
+        let [width, height] = request.size;
+        let n_z = |x: u32, y: u32| {
+            let centred = |i: u32, count: u32| (i as f32 + 0.5) / count as f32 * 2.1 - 1.05;
+            let r2 = centred(x, width).powi(2) + centred(y, height).powi(2);
+            (r2 < 1.0).then(|| (1.0 - r2).sqrt())
+        };
+        let n_dot_v = GrayImage::from_fn(width, height, |x, y| n_z(x, y).unwrap_or(0.0));
+        let mask = GrayImage::from_fn(width, height, |x, y| if n_z(x, y).is_some() { 1.0 } else { 0.0 });
+        let radiance = RgbImage::from_fn(width, height, |x, y| {
+            n_z(x, y).map_or([0.0; 3], |n_z| [0.2, 0.5, 1.0].map(|c: f32| factor * c * (alpha + n_z)))
+        });
+        let standard_error =
+            (request.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * NOISE)));
+        Ok(Frame {
+            radiance,
+            standard_error,
+            mask: Arc::new(mask),
+            n_dot_v: Arc::new(n_dot_v),
+            timings: FrameTimings::default(),
+        })
+    }
+
+    fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault> {
+        self.0.borrow_mut().tonemaps += 1;
+        Ok(curve.apply_image(radiance))
+    }
+
+    fn time(&mut self, request: &RenderRequest, _: u32, rounds: u32) -> Result<TimingSamples, RenderFault> {
+        self.0.borrow_mut().timings += 1;
+        let base = f64::from(request.samples);
+        let ms: Vec<f64> = (0..rounds).map(|round| base + f64::from(round)).collect();
+        Ok(TimingSamples {
+            passes: vec![("gbuffer", vec![1.0; ms.len()]), ("shade-specular", ms.clone())],
+            wall_ms: ms.iter().map(|t| t + 1.5).collect(),
+        })
+    }
+
+    fn time_precompute(&mut self, _: &RenderRequest, _: u32, rounds: u32) -> Result<TimingSamples, RenderFault> {
+        self.0.borrow_mut().timings += 1;
+        Ok(TimingSamples { passes: vec![("dfg", vec![3.0; rounds as usize])], wall_ms: vec![10.0; rounds as usize] })
+    }
+}

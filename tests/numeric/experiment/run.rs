@@ -1,0 +1,305 @@
+//! Runs with a renderer made of formulas: what is rendered, what is left behind, what a second run changes.
+
+use super::fake::{ERROR_AT_ONE, Fake, Log, SPLIT_SUM_ERROR};
+use splitsum::experiment::{MakeRenderer, Outcome, Plan, Progress, RenderFault, RunError, RunOptions, run};
+use splitsum::table::csv::Table;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+const EXPERIMENT: &str = r#"
+name = "tiny"
+question = "When does sampling win?"
+size = [24, 24]
+reference = { samples = 64 }
+[axes]
+environment = ["builtin:constant"]
+brdf = ["ggx", "phong"]
+method = ["sampled", "split-sum"]
+samples = [1, 4, 16]
+alpha = [0.1, 0.5]
+exposure = [1, 10]
+"#;
+
+/// Stops the run after a number of steps.
+struct Steps<'a> {
+    stop: &'a AtomicBool,
+    left: usize,
+    failures: Vec<String>,
+}
+
+impl Progress for Steps<'_> {
+    fn start(&mut self, _: usize, _: usize) {}
+
+    fn step(&mut self, label: &str, failure: Option<&str>) {
+        self.failures.extend(failure.map(|reason| format!("{label}: {reason}")));
+        self.left = self.left.saturating_sub(1);
+        if self.left == 0 {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn note(&mut self, _: &str) {}
+}
+
+fn plan(text: &str) -> Plan {
+    Plan::from_text(Path::new("tiny.toml"), text, &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// One invocation that is stopped after `steps` steps.
+fn invoke(plan: &Plan, dir: &Path, log: &Rc<RefCell<Log>>, steps: usize) -> Result<Outcome, RunError> {
+    let stop = AtomicBool::new(false);
+    let options = RunOptions { dir: dir.to_owned(), stop: &stop, command_line: vec!["splitsum".to_owned()] };
+    let mut progress = Steps { stop: &stop, left: steps, failures: Vec::new() };
+    let mut make =
+        || -> Result<Box<dyn splitsum::experiment::Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
+    run(plan, &mut make as &mut MakeRenderer, &options, &mut progress)
+}
+
+fn log() -> Rc<RefCell<Log>> {
+    Rc::new(RefCell::new(Log::default()))
+}
+
+fn read(dir: &Path, name: &str) -> Vec<u8> {
+    std::fs::read(dir.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// Every file below `dir` with its content and, for files, its time of change.
+fn snapshot(dir: &Path) -> BTreeMap<String, (Vec<u8>, std::time::SystemTime)> {
+    let mut files = BTreeMap::new();
+    for entry in std::fs::read_dir(dir).unwrap().map(Result::unwrap) {
+        if entry.path().is_dir() {
+            let name = entry.file_name().into_string().unwrap();
+            files.extend(snapshot(&entry.path()).into_iter().map(|(k, v)| (format!("{name}/{k}"), v)));
+        } else {
+            let time = entry.metadata().unwrap().modified().unwrap();
+            files.insert(entry.file_name().into_string().unwrap(), (std::fs::read(entry.path()).unwrap(), time));
+        }
+    }
+    files
+}
+
+#[test]
+fn a_run_renders_each_radiance_once_and_leaves_everything() {
+    let (dir, log, plan) = (tempfile::tempdir().unwrap(), log(), plan(EXPERIMENT));
+    let outcome = invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+    assert!(outcome.failures.is_empty() && !outcome.is_stopped);
+    // 2 models x 2 alphas, each with one reference, three sample counts and split-sum; two exposures share all of it.
+    let renders = log.borrow().renders.clone();
+    assert_eq!(renders.len(), 4 * 5);
+    assert_eq!(renders.iter().filter(|r| **r == ("reference".to_owned(), 64)).count(), 4);
+
+    let table = Table::read(&dir.path().join("errors.csv")).unwrap();
+    assert_eq!(table.rows.len(), 32);
+    assert_eq!(table.columns[..7], ["cell", "environment", "brdf", "method", "samples", "alpha", "exposure"]);
+    for (row, cell) in table.rows.iter().zip(&plan.cells) {
+        assert_eq!(row[0], cell.id);
+    }
+    let method = table.column("method").unwrap();
+    let samples = table.numbers("samples").unwrap();
+    let verdict = table.column("verdict").unwrap();
+    let bias = table.numbers("bias_rel").unwrap();
+    for (i, row) in table.rows.iter().enumerate() {
+        let expected = match samples[i] {
+            None => SPLIT_SUM_ERROR,
+            Some(n) => ERROR_AT_ONE / (n as f32).sqrt(),
+        };
+        assert_eq!(row[method] == "split-sum", samples[i].is_none());
+        // All error of the fake is a factor; f32 pixels carry it to about 1e-7.
+        assert!((bias[i].unwrap() - f64::from(expected)).abs() < 1e-5, "{row:?}");
+        assert_eq!(row[verdict], "resolved");
+    }
+    assert!(table.numbers("rmse_noise_floor").unwrap().iter().all(|floor| floor.is_some_and(|f| f > 0.0)));
+
+    let bins = Table::read(&dir.path().join("errors_by_n_dot_v.csv")).unwrap();
+    let counts = bins.numbers("pixel_count").unwrap();
+    let cells: Vec<&str> = bins.rows.iter().map(|row| row[0].as_str()).collect();
+    let of_first: f64 =
+        counts.iter().zip(&cells).filter(|(_, id)| **id == plan.cells[0].id).map(|(n, _)| n.unwrap()).sum();
+    let inside = |i: usize| (i as f64 + 0.5) / 24.0 * 2.1 - 1.05;
+    let disc = (0..24 * 24).filter(|i| inside(i % 24).powi(2) + inside(i / 24).powi(2) < 1.0).count();
+    assert_eq!(of_first, disc as f64);
+
+    let files = snapshot(dir.path());
+    let count = |folder: &str, end: &str| files.keys().filter(|f| f.starts_with(folder) && f.ends_with(end)).count();
+    assert_eq!(count("images/", ".exr"), 20);
+    assert_eq!(count("images/", ".error.png"), 32);
+    // A test picture for each cell, an error map, and a reference for each model, alpha and exposure.
+    assert_eq!(count("images/", ".png"), 32 + 32 + 8);
+    assert_eq!(count("tables/", ".png"), 2);
+    assert_eq!(count("cells/", ".json"), 32);
+    assert_eq!(files["experiment.toml"].0, EXPERIMENT.as_bytes());
+    assert!(files.keys().all(|f| !f.ends_with(".part")), "temporary files are left: {:?}", files.keys());
+}
+
+#[test]
+fn the_summary_answers_with_the_break_even_of_the_error_model() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    let summary = invoke(&plan, dir.path(), &log(), usize::MAX).unwrap().summary;
+    // 0.4 / sqrt(4) = 0.2 is above the fixed 0.15, 0.4 / sqrt(16) = 0.1 below it.
+    assert!(summary.contains("From how many samples on does `sampled` beat `split-sum`?"), "{summary}");
+    assert!(summary.contains("Median over all 4 rows: **16** samples a pixel."), "{summary}");
+    assert!(summary.contains("## After the tone curve"), "{summary}");
+    assert_eq!(read(dir.path(), "summary.md"), summary.as_bytes());
+}
+
+#[test]
+fn a_finished_run_is_not_touched_and_needs_no_renderer() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[timing]\nrounds = 3\n")));
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let before = snapshot(dir.path());
+    let stop = AtomicBool::new(false);
+    let options = RunOptions { dir: dir.path().to_owned(), stop: &stop, command_line: Vec::new() };
+    let mut progress = Steps { stop: &stop, left: usize::MAX, failures: Vec::new() };
+    let mut make = || -> Result<Box<dyn splitsum::experiment::Renderer>, RenderFault> { panic!("a renderer was made") };
+    run(&plan, &mut make as &mut MakeRenderer, &options, &mut progress).unwrap();
+    let after = snapshot(dir.path());
+    assert_eq!(before.keys().collect::<Vec<_>>(), after.keys().collect::<Vec<_>>());
+    for (name, (bytes, _)) in &before {
+        assert!(*bytes == after[name].0, "{name} changed");
+    }
+}
+
+#[test]
+fn a_run_stopped_anywhere_ends_like_one_that_was_not() {
+    let plan = plan(EXPERIMENT);
+    let whole = tempfile::tempdir().unwrap();
+    invoke(&plan, whole.path(), &log(), usize::MAX).unwrap();
+    for steps in [1, 7, 20] {
+        let dir = tempfile::tempdir().unwrap();
+        let mut invocations = 0;
+        loop {
+            let outcome = invoke(&plan, dir.path(), &log(), steps).unwrap();
+            invocations += 1;
+            let rows = Table::read(&dir.path().join("errors.csv")).unwrap().rows.len();
+            assert_eq!(rows, (invocations * steps).min(32), "rows after {invocations} times {steps} steps");
+            if !outcome.is_stopped {
+                break;
+            }
+        }
+        assert_eq!(invocations, 32usize.div_ceil(steps));
+        for name in ["errors.csv", "errors_by_n_dot_v.csv", "summary.md", "experiment.toml", "tables/ggx.png"] {
+            assert!(read(dir.path(), name) == read(whole.path(), name), "{name} differs after stops of {steps} steps");
+        }
+        let images = |dir: &Path| snapshot(&dir.join("images")).into_iter().map(|(k, v)| (k, v.0)).collect::<Vec<_>>();
+        assert!(images(dir.path()) == images(whole.path()), "images differ after stops of {steps} steps");
+    }
+}
+
+#[test]
+fn a_record_that_vanished_is_made_again() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let before = read(dir.path(), "errors.csv");
+    std::fs::remove_file(dir.path().join(format!("cells/{}.json", plan.cells[5].id))).unwrap();
+    std::fs::remove_file(dir.path().join("errors.csv")).unwrap();
+    let log = log();
+    invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+    assert_eq!(log.borrow().renders.len(), 2, "its reference and itself");
+    assert!(read(dir.path(), "errors.csv") == before);
+}
+
+#[test]
+fn a_failing_method_leaves_the_rest_and_is_tried_again() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    let broken = log();
+    broken.borrow_mut().broken_method = Some("split-sum");
+    let outcome = invoke(&plan, dir.path(), &broken, usize::MAX).unwrap();
+    assert_eq!(outcome.failures.len(), 8);
+    assert!(outcome.failures.iter().all(|f| f.reason == "the shader is broken" && f.label.contains("split-sum")));
+    assert!(outcome.summary.contains("the shader is broken"));
+    let table = Table::read(&dir.path().join("errors.csv")).unwrap();
+    let verdict = table.column("verdict").unwrap();
+    assert_eq!(table.rows.iter().filter(|row| row[verdict] == "failed").count(), 8);
+    assert_eq!(table.rows.len(), 32);
+
+    let outcome = invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    assert!(outcome.failures.is_empty());
+    let whole = tempfile::tempdir().unwrap();
+    invoke(&plan, whole.path(), &log(), usize::MAX).unwrap();
+    assert!(read(dir.path(), "errors.csv") == read(whole.path(), "errors.csv"));
+}
+
+#[test]
+fn a_failing_reference_fails_its_cells_only() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    let broken = log();
+    broken.borrow_mut().broken_method = Some("reference");
+    let outcome = invoke(&plan, dir.path(), &broken, usize::MAX).unwrap();
+    assert_eq!(outcome.failures.len(), 32);
+    assert!(outcome.failures[0].reason.starts_with("its reference: "));
+}
+
+#[test]
+fn a_lost_device_ends_the_run_and_keeps_what_is_done() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    let log = log();
+    log.borrow_mut().renders_left = Some(4);
+    let error = invoke(&plan, dir.path(), &log, usize::MAX).unwrap_err();
+    assert!(matches!(error, RunError::DeviceLost(_)), "{error}");
+    // A reference and three images, each with two exposures.
+    assert_eq!(Table::read(&dir.path().join("errors.csv")).unwrap().rows.len(), 6);
+    log.borrow_mut().renders_left = None;
+    assert!(invoke(&plan, dir.path(), &log, usize::MAX).unwrap().failures.is_empty());
+}
+
+#[test]
+fn a_folder_of_something_else_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    invoke(&plan(EXPERIMENT), dir.path(), &log(), usize::MAX).unwrap();
+    let before = snapshot(dir.path());
+    let other = plan(&EXPERIMENT.replace("[0.1, 0.5]", "[0.1, 0.6]"));
+    let error = invoke(&other, dir.path(), &log(), usize::MAX).unwrap_err();
+    assert!(error.to_string().contains("another experiment"), "{error}");
+    assert_eq!(before, snapshot(dir.path()));
+
+    let foreign = tempfile::tempdir().unwrap();
+    std::fs::write(foreign.path().join("thesis.tex"), "years of work").unwrap();
+    let error = invoke(&plan(EXPERIMENT), foreign.path(), &log(), usize::MAX).unwrap_err();
+    assert!(error.to_string().contains("not a run"), "{error}");
+    assert_eq!(snapshot(foreign.path()).len(), 1);
+}
+
+#[test]
+fn timings_are_taken_once_a_configuration_and_kept() {
+    let (dir, log) = (tempfile::tempdir().unwrap(), log());
+    let plan = plan(&format!("{EXPERIMENT}[timing]\nrounds = 5\n"));
+    invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+    // Two models: each its tables, three sample counts and split-sum; neither alpha nor exposure counts.
+    assert_eq!(log.borrow().timings, 2 + 8);
+    let table = Table::read(&dir.path().join("timings.csv")).unwrap();
+    assert_eq!(table.rows.len(), 2 + 8 * 2);
+    let (pass, phase) = (table.column("pass").unwrap(), table.column("phase").unwrap());
+    let numbers = |name: &str| table.numbers(name).unwrap().into_iter().map(Option::unwrap).collect::<Vec<f64>>();
+    let samples = table.numbers("samples").unwrap();
+    for (i, row) in table.rows.iter().enumerate() {
+        if row[pass] == "shade-specular" {
+            // Samples n, n + 1, ... n + 4; split-sum draws none, which the fake sees as 1.
+            let n = samples[i].unwrap_or(1.0);
+            let found = [numbers("min_ms")[i], numbers("p05_ms")[i], numbers("median_ms")[i], numbers("p95_ms")[i]];
+            let expected = [n, n + 0.2, n + 2.0, n + 3.8];
+            assert!(found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-12), "{found:?} {expected:?}");
+            assert_eq!(numbers("mad_ms")[i], 1.0);
+        }
+        let check = if row[phase] == "precompute" { "mostly-outside-passes" } else { "ok" };
+        assert_eq!(row[table.column("wall_check").unwrap()], check);
+        assert_eq!(row[table.column("device_type").unwrap()], "cpu");
+    }
+    let summary = String::from_utf8(read(dir.path(), "summary.md")).unwrap();
+    assert!(summary.contains("Measured on a CPU driver"), "{summary}");
+}
+
+#[test]
+fn the_provenance_names_inputs_sessions_and_metrics() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    invoke(&plan, dir.path(), &log(), 3).unwrap();
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let value: serde_json::Value = serde_json::from_slice(&read(dir.path(), "provenance.json")).unwrap();
+    assert_eq!(value["plan_hash"], plan.hash);
+    assert_eq!(value["sessions"].as_array().unwrap().len(), 2);
+    assert_eq!(value["sessions"][0]["device"]["name"], "fake");
+    assert_eq!(value["inputs"]["builtin:constant"].as_str().unwrap().len(), 64);
+    assert_eq!(value["metrics"].as_array().unwrap().len(), splitsum::metrics::METRICS.len());
+}
