@@ -1,0 +1,173 @@
+//! What precompute makes, as files for people and other programs.
+
+use super::{Pipeline, PipelineError, RenderRequest};
+use crate::brdf::{Brdf, MaskingShadowing};
+use crate::environment::Environment;
+use crate::gpu::{Gpu, Image};
+use crate::pixels::{GrayImage, Pixels, RgbImage, exr, write_atomically};
+use crate::precompute::{PrecomputeSettings, prefilter};
+use crate::shade::{diffuse_by_name, method_by_name};
+use crate::scene::{Camera, CameraKind, Scene};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What to bake.
+#[derive(Clone, Debug)]
+pub struct BakeRequest {
+    pub environment: Arc<Environment>,
+    pub precompute: PrecomputeSettings,
+    /// One prefiltered map and one DFG table each.
+    pub brdfs: Vec<&'static dyn Brdf>,
+    pub masking_shadowing: MaskingShadowing,
+}
+
+/// Names what the numbers of `sh9.json` mean, so that no reader has to guess.
+#[derive(Serialize)]
+struct Sh9File<'a> {
+    environment: &'a str,
+    environment_hash: &'a str,
+    basis: &'static str,
+    order: [&'static str; 9],
+    meaning: &'static str,
+    radiance: Vec<[f32; 3]>,
+}
+
+/// What the other files hold.
+#[derive(Serialize)]
+struct BakeFile<'a> {
+    environment: &'a str,
+    environment_hash: &'a str,
+    masking_shadowing: &'static str,
+    mapping: &'static str,
+    dfg: &'static str,
+    irradiance: &'static str,
+    prefilter_alphas: Vec<f64>,
+    prefilter_sample_count: u32,
+    dfg_sample_count: u32,
+    device: &'a str,
+    files: Vec<String>,
+}
+
+impl Pipeline {
+    /// Writes prefiltered levels and DFG table of each model (EXR), SH9 (JSON) and the irradiance map (EXR) into the folder `out`,
+    /// and `bake.json` last. Returns the paths.
+    pub fn bake(&mut self, request: &BakeRequest, out: &Path) -> Result<Vec<PathBuf>, PipelineError> {
+        let environment = &request.environment;
+        let settings = &request.precompute;
+        let mut files = Vec::new();
+        let mut view = RequestView::new(request);
+
+        for diffuse in ["sh9", "irradiance-map"] {
+            view.0.diffuse = diffuse_by_name(diffuse).expect("a listed diffuse method");
+            let prepared = self.resources.prepare(&self.gpu, &view.0)?;
+            let tables = prepared.tables();
+            if diffuse == "sh9" {
+                let texels: Vec<[f32; 4]> = self.gpu.read_buffer(tables.sh9)?;
+                let path = out.join("sh9.json");
+                write_json(&path, &sh9_file(environment, &texels))?;
+                files.push(path);
+            } else {
+                let path = out.join("irradiance_over_pi.exr");
+                write_image(&self.gpu, tables.irradiance_map, 0, &path)?;
+                files.push(path);
+            }
+        }
+        view.0.diffuse = diffuse_by_name("none").expect("a listed diffuse method");
+        view.0.method = method_by_name("split-sum").expect("a listed method");
+        for brdf in &request.brdfs {
+            view.0.brdf = *brdf;
+            let prepared = self.resources.prepare(&self.gpu, &view.0)?;
+            let tables = prepared.tables();
+            for mip in 0..tables.prefiltered.mip_count() {
+                let path = out.join(format!("prefiltered_{}_{mip}.exr", brdf.name()));
+                write_image(&self.gpu, tables.prefiltered, mip, &path)?;
+                files.push(path);
+            }
+            let path = out.join(format!("dfg_{}.exr", brdf.name()));
+            write_dfg(&self.gpu, tables.dfg, &path)?;
+            files.push(path);
+        }
+        let names = files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
+        let masking = MaskingShadowing::ALL.iter().find(|(_, known)| *known == request.masking_shadowing);
+        let manifest = BakeFile {
+            environment: &environment.name,
+            environment_hash: &environment.hash,
+            masking_shadowing: masking.map_or("?", |(name, _)| name),
+            mapping: "equirectangular, y up: u = 0.5 - atan2(x, z) / 2pi, v = acos(y) / pi; row 0 is +y; linear Rec.709 radiance",
+            dfg: "channel R (A of the text) scales f0, channel G (B) is added; x = n_dot_v, y = perceptual_roughness, both at texel centres (i + 0.5) / size, row 0 is the smoothest",
+            irradiance: "irradiance / pi: what a Lambert surface of albedo 1 reflects",
+            prefilter_alphas: (0..settings.prefilter_level_count)
+                .map(|mip| prefilter::alpha_from_mip(f64::from(mip), settings.prefilter_level_count))
+                .collect(),
+            prefilter_sample_count: settings.prefilter_sample_count,
+            dfg_sample_count: settings.dfg_sample_count,
+            device: &self.device().name,
+            files: names.collect(),
+        };
+        let path = out.join("bake.json");
+        write_json(&path, &manifest)?;
+        files.push(path);
+        Ok(files)
+    }
+}
+
+/// The smallest request that makes the tables: nothing of it is ever shaded.
+struct RequestView(RenderRequest);
+
+impl RequestView {
+    fn new(request: &BakeRequest) -> Self {
+        let scene = Scene::unit_sphere();
+        let size = [8, 8];
+        Self(RenderRequest {
+            environment: request.environment.clone(),
+            environment_rotation_deg: 0.0,
+            environment_scale: 1.0,
+            camera: Camera::for_scene(CameraKind::Ortho, &scene, size),
+            scene: Arc::new(scene),
+            size,
+            method: method_by_name("none").expect("a listed method"),
+            diffuse: diffuse_by_name("none").expect("a listed diffuse method"),
+            brdf: &crate::brdf::Ggx,
+            masking_shadowing: request.masking_shadowing,
+            samples: 1,
+            reference_samples: 1,
+            lod_bias: 0.0,
+            lights: Vec::new(),
+            background: false,
+            precompute: request.precompute,
+            seed: 0,
+        })
+    }
+}
+
+fn sh9_file<'a>(environment: &'a Environment, texels: &[[f32; 4]]) -> Sh9File<'a> {
+    Sh9File {
+        environment: &environment.name,
+        environment_hash: &environment.hash,
+        basis: "real spherical harmonics of the world direction (y up), no Condon-Shortley sign",
+        order: ["Y00", "Y1-1 (y)", "Y10 (z)", "Y11 (x)", "Y2-2 (xy)", "Y2-1 (yz)", "Y20 (3z^2-1)", "Y21 (xz)", "Y22 (x^2-y^2)"],
+        meaning: "radiance L_lm = integral of L Y_lm; irradiance(n) = sum of A_l L_lm Y_lm(n) with A = pi, 2pi/3, pi/4",
+        radiance: texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect(),
+    }
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), PipelineError> {
+    let text = serde_json::to_vec_pretty(value).map_err(std::io::Error::from);
+    Ok(write_atomically(path, |file| file.write_all(&text?))?)
+}
+
+fn write_image(gpu: &Gpu, image: &Image, mip: u32, path: &Path) -> Result<(), PipelineError> {
+    let [width, height] = image.mip_size(mip);
+    let texels = gpu.read_image(image, mip)?;
+    let rgb = RgbImage::new(width, height, texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect());
+    Ok(exr::write_rgba(path, &rgb, &GrayImage::filled(width, height, 1.0), &[])?)
+}
+
+fn write_dfg(gpu: &Gpu, table: &Image, path: &Path) -> Result<(), PipelineError> {
+    let [width, height] = table.mip_size(0);
+    let texels = gpu.read_image(table, 0)?;
+    let channel = |index: usize| Pixels::new(width, height, texels.iter().map(|texel| texel[index]).collect());
+    // R and G, because viewers show nothing under the names A and B.
+    Ok(exr::write_channels(path, vec![("R".into(), channel(0)), ("G".into(), channel(1))])?)
+}
