@@ -39,8 +39,8 @@ vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
     return sample_lobe_brdf(sample_point_from_polar(u, cos_sin_phi), alpha).h_local;
 }
 
-// Half vector among the normals visible from v, by the exact Smith masking: stretch to alpha = 1, draw the slope along the view by
-// xi.x and the slope across by xi.y, stretch back. This mapping has no polar angle. [HeitzDeon14 algorithm 1]
+// Half vector among the normals visible from v, by the exact Smith masking: stretch to alpha = 1, draw the slope along
+// the view by xi.x and the slope across by xi.y, stretch back. This mapping has no polar angle. [HeitzDeon14]
 vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
     vec3 v_standard = normalize(vec3(alpha * v_local.xy, v_local.z));
     float sin_theta = length(v_standard.xy);
@@ -51,8 +51,8 @@ vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
     return normalize(vec3(-slope, 1.0));
 }
 
-// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D over 4 times the visible area, which is
-// n_dot_v / G1(v) with the exact Smith G1 (the rational fit is the model's, not the sampler's). [HeitzDeon14 eq. 2]
+// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D over 4 times the visible area, which
+// is n_dot_v / G1(v) with the exact Smith G1 (the rational fit is the model's, not the sampler's). [HeitzDeon14]
 float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
     if (v_local.z <= 0.0 || dot(v_local, h_local) <= 0.0) {
         return 0.0;

@@ -1,5 +1,5 @@
-// Phong distribution, exponent = 2 / alpha^2 - 2, with Walter's rational Smith masking. Every file in brdf/ defines the same functions.
-// Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
+// Phong distribution, exponent = 2 / alpha^2 - 2, with Walter's rational Smith masking. Every file in brdf/ defines the
+// same functions. Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
 #ifndef BRDF_PHONG_GLSL
 #define BRDF_PHONG_GLSL
 
@@ -18,12 +18,14 @@ float d_brdf(vec3 h_local, float alpha) {
     return inv_alpha2 / PI * exp((inv_alpha2 - 1.0) * log_cos2);
 }
 
-// Smith masking G1 of a direction with cosine n_dot_w: sqrt(exponent / 2 + 1) is 1 / alpha. [Walter07 eq. 27, section 5.2]
+// Smith masking G1 of a direction with cosine n_dot_w: sqrt(exponent / 2 + 1) is 1 / alpha. [Walter07 eq. 27, section
+// 5.2]
 float g1_brdf(float n_dot_w, float alpha) {
     return g1_smith_rational(n_dot_w, alpha);
 }
 
-// Half vector with density D(h) n_dot_h: cos = (1 - u)^(1 / (exponent + 2)) = exp(-alpha^2 w / 2). [Walter07 eq. 31, 32]
+// Half vector with density D(h) n_dot_h: cos = (1 - u)^(1 / (exponent + 2)) = exp(-alpha^2 w / 2). [Walter07 eq. 31,
+// 32]
 LobeSample sample_lobe_brdf(vec4 point, float alpha) {
     float alpha2 = alpha * alpha;
     float x = 0.5 * alpha2 * point.w;
@@ -43,13 +45,15 @@ vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
     return sample_lobe_brdf(sample_point_from_xi(xi), alpha).h_local;
 }
 
-// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D n_dot_h / (4 v_dot_h). [Walter07 eq. 24, 38]
+// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D n_dot_h / (4 v_dot_h). [Walter07 eq.
+// 24, 38]
 float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
     float v_dot_h = dot(v_local, h_local);
     return v_dot_h > 0.0 ? d_brdf(h_local, alpha) * h_local.z / (4.0 * v_dot_h) : 0.0;
 }
 
-// Alpha of the lobe that source document 0 prints: cos = (1 - u)^(1 / (exponent + 1)) where 1 / (exponent + 2) is right. [Kim22 "IBL"]
+// Alpha of the lobe that source document 0 prints: cos = (1 - u)^(1 / (exponent + 1)) where 1 / (exponent + 2) is
+// right. [Kim22 "IBL"]
 float printed_lobe_alpha_brdf(float alpha) {
     return alpha * sqrt(2.0 / (2.0 - alpha * alpha));
 }

@@ -1,4 +1,5 @@
-// Sums of many floats with the error of one: the low part that each addition drops is carried along. [Kahan65; Knuth's two-sum]
+// Sums of many floats with the error of one: the low part that each addition drops is carried along. [Knuth97 section
+// 4.2.2]
 #ifndef COMPENSATED_SUM_GLSL
 #define COMPENSATED_SUM_GLSL
 

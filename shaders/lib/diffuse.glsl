@@ -5,8 +5,8 @@
 #include "lib/prefilter_mapping.glsl"
 #include "lib/surface.glsl"
 
-// Albedo of the diffuse term: what the specular lobe does not reflect, (1 - (f0 A + B)) (1 - metallic) albedo. The table's value at
-// n_dot_v stands for the whole lobe; Schlick at n_dot_v would darken rough rims. [Kim22 "IBL", Kd defined as in Fdez19 eq. 9 without multiple scattering]
+// Albedo of the diffuse term: what the specular lobe does not reflect, (1 - (f0 A + B)) (1 - metallic) albedo. The
+// table's value at n_dot_v stands for the whole lobe; Schlick at n_dot_v would darken rough rims. [Kim22 "IBL", Kd]
 vec3 diffuse_albedo(Surface s, sampler2D dfg, uint flags) {
     vec3 albedo = (1.0 - s.metallic) * s.albedo;
     if ((flags & SHADE_FLAG_NO_SPECULAR) != 0u) {

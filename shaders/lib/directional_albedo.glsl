@@ -1,18 +1,21 @@
-// The directional albedo of the specular lobe, split by Fresnel: f0 A + B. The second factor of the split sum. [Karis13 eq. 8]
+// The directional albedo of the specular lobe, split by Fresnel: f0 A + B. The second factor of the split sum. [Karis13
+// eq. 8]
 //
 // A = integral of D G / (4 n.v) (1 - Fc) dl, B the same with Fc = (1 - v.h)^5. With dl = 4 (v.h) dh and h written by
 //     r = alpha cos / sqrt(sin^2 + alpha^2 cos^2), for which D_ggx (n.h) dh = 2 r dr dphi / 2 pi,
-// the weight of a node is G (v.h) / ((n.v) (n.h)) D / D_ggx: bounded for all three models, whose tails are no longer than that of GGX.
-// l is above the horizon for every azimuth up to the polar angle pi/4 - theta_v/2 of h, for none from pi/4 + theta_v/2 on, and in
-// between up to cos phi = c0. Each range is integrated on its own by midpoints of x - sin(2 pi x) / 2 pi, which makes every integrand
-// periodic and the midpoint rule converge fast; sampled points would have to resolve the horizon (1e-3 at 1024 points).
+// the weight of a node is G (v.h) / ((n.v) (n.h)) D / D_ggx: bounded for all three models, whose tails are no longer
+// than that of GGX. l is above the horizon for every azimuth up to the polar angle pi/4 - theta_v/2 of h, for none from
+// pi/4 + theta_v/2 on, and in between up to cos phi = c0. Each range is integrated on its own by midpoints of x - sin(2
+// pi x) / 2 pi, which makes every integrand periodic and the midpoint rule converge fast; sampled points would have to
+// resolve the horizon (1e-3 at 1024 points).
 #ifndef DIRECTIONAL_ALBEDO_GLSL
 #define DIRECTIONAL_ALBEDO_GLSL
 
 #include "lib/elementary.glsl"
 #include "lib/microfacet.glsl"
 
-// Nodes in azimuth over half a turn: the integrand is even in phi. 16 leave 1.5e-5 for the rational masking, whose cut at 1.6 is a kink.
+// Nodes in azimuth over half a turn: the integrand is even in phi. 16 leave 1.5e-5 for the rational masking, whose cut
+// at 1.6 is a kink.
 const uint ALBEDO_PHI_COUNT = 16;
 
 // Node i of count of the periodising rule on [0, 1], and its weight. [Sidi93, the sin^2 transformation]
@@ -57,7 +60,8 @@ vec2 directional_albedo(float n_dot_v, float alpha, uint node_count, uint maskin
             // The distribution does not depend on the azimuth.
             float k_ggx = sin_h * sin_h + alpha2 * cos_h * cos_h;
             float d_ratio = d_brdf(vec3(sin_h, 0.0, cos_h), alpha) * PI * k_ggx * k_ggx / alpha2;
-            float r_weight = r_node.y * (r_ends[range] - r_ends[range + 1u]) * 2.0 * r * (phi_end / PI) * d_ratio / cos_h;
+            float r_weight = r_node.y * (r_ends[range] - r_ends[range + 1u]) * 2.0 * r;
+            r_weight *= (phi_end / PI) * d_ratio / cos_h;
             for (uint j = 0u; j < ALBEDO_PHI_COUNT; ++j) {
                 vec2 phi_node = periodic_node(j, ALBEDO_PHI_COUNT);
                 float cos_phi = sin_cos_turns(phi_node.x * phi_end * (0.5 / PI)).y;

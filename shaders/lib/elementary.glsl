@@ -1,5 +1,6 @@
 // Elementary functions in f32 where the built-in ones are too coarse: drivers were seen with errors of 1e-4 in acos and
-// sin, and exp and log lose all relative precision next to 1. Polynomials: minimax fits by this project; errors are given.
+// sin, and exp and log lose all relative precision next to 1. Polynomials: minimax fits by this project; errors are
+// given.
 #ifndef ELEMENTARY_GLSL
 #define ELEMENTARY_GLSL
 

@@ -33,13 +33,14 @@ vec2 uv_from_texel(uvec2 texel, uvec2 size) {
     return (vec2(texel) + 0.5) / vec2(size);
 }
 
-// Solid angle (sr) that a texel of a map of that size has at a direction with that sin(theta). The sine is floored at its value
-// half a texel from the pole: no texel is smaller than those of the first row.
+// Solid angle (sr) that a texel of a map of that size has at a direction with that sin(theta). The sine is floored at
+// its value half a texel from the pole: no texel is smaller than those of the first row.
 float texel_solid_angle(float sin_theta, vec2 size) {
     return 2.0 * PI * PI * max(sin_theta, 0.5 * PI / size.y) / (size.x * size.y);
 }
 
-// Level at which a texel covers the solid angle of a sample; not clamped. [Colbert07 eq. 11, with the texel's true solid angle]
+// Level at which a texel covers the solid angle of a sample; not clamped. [Colbert07 section 20.4, with the texel's
+// true solid angle]
 float lod_from_solid_angles(float omega_s, float omega_p) {
     return 0.5 * log2(omega_s / omega_p);
 }

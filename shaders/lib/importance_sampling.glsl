@@ -13,8 +13,8 @@
 #include "lib/sampling.glsl"
 #include "lib/surface.glsl"
 
-// Outgoing specular radiance for environment radiance as stored. Filtered: each sample reads the level at which a texel covers its
-// solid angle 1 / (N p_l), moved by lod_bias; else level 0. [Colbert07 eq. 10-12]
+// Outgoing specular radiance for environment radiance as stored. Filtered: each sample reads the level at which a texel
+// covers its solid angle 1 / (N p_l), moved by lod_bias; else level 0. [Colbert07 section 20.4]
 vec3 importance_sampled_radiance(Surface s, sampler2D environment, ShadeParams params, bool filtered) {
     mat3 frame = frame_from_normal(s.n);
     vec3 v_local = s.v * frame;
@@ -22,7 +22,8 @@ vec3 importance_sampled_radiance(Surface s, sampler2D environment, ShadeParams p
     float lod_max = float(textureQueryLevels(environment) - 1);
     vec2 size = vec2(params.environment_width, params.environment_height);
     float sample_count = float(params.sample_count);
-    // Texels a sample of density p_l covers where sin(theta) is 1: lod_scale / p_l, with the 4 of p_l's Jacobian taken in.
+    // Texels a sample of density p_l covers where sin(theta) is 1: lod_scale / p_l, with the 4 of p_l's Jacobian taken
+    // in.
     float lod_scale = 4.0 / (sample_count * texel_solid_angle(1.0, size));
     float sin_theta_min = 0.5 * PI / size.y;
 

@@ -27,7 +27,8 @@ float g1(float n_dot_w, float alpha, uint masking) {
     return g1_brdf(n_dot_w, alpha);
 }
 
-// Masking-shadowing of v and l from their G1: product [Walter07 eq. 23], or 1 / (1 + Lambda(v) + Lambda(l)) with Lambda = 1 / G1 - 1 [Heitz14 eq. 99].
+// Masking-shadowing of v and l from their G1: product [Walter07 eq. 23], or 1 / (1 + Lambda(v) + Lambda(l)) with Lambda
+// = 1 / G1 - 1 [Heitz14 eq. 99].
 float g2_from_g1(float g1_v, float g1_l, uint masking) {
     float product = g1_v * g1_l;
     if (masking == MASKING_CORRELATED) {
@@ -42,7 +43,8 @@ float g2(float n_dot_v, float n_dot_l, float alpha, uint masking) {
     return g2_from_g1(g1(n_dot_v, alpha, masking), g1(n_dot_l, alpha, masking), masking);
 }
 
-// The specular BRDF D G F / (4 n_dot_v n_dot_l), 1/sr; 0 below the horizon. h_local must be the half vector of v and l. [Walter07 eq. 20]
+// The specular BRDF D G F / (4 n_dot_v n_dot_l), 1/sr; 0 below the horizon. h_local must be the half vector of v and l.
+// [Walter07 eq. 20]
 vec3 eval_brdf(vec3 v_local, vec3 l_local, vec3 h_local, float alpha, vec3 f0, uint masking) {
     if (v_local.z <= 0.0 || l_local.z <= 0.0) {
         return vec3(0.0);

@@ -8,7 +8,8 @@
 #include "lib/sampling.glsl"
 #include "selected/brdf.glsl"
 
-// Radiance of the mirror direction, filtered from the source's texels to the written ones (both shrink with sin(theta) alike).
+// Radiance of the mirror direction, filtered from the source's texels to the written ones (both shrink with sin(theta)
+// alike).
 vec3 mirror_radiance(vec3 r, sampler2D environment, PrefilterParams params) {
     float source_texels = float(params.source_width) * float(params.source_height);
     float lod = 0.5 * log2(source_texels / (float(params.width) * float(params.height)));

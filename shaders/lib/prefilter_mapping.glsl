@@ -29,7 +29,8 @@ vec2 dfg_axes_from_texel(uvec2 texel, uvec2 size) {
     return (vec2(texel) + 0.5) / vec2(size);
 }
 
-// Texture coordinates of the DFG table: bilinear between texel centres, constant beyond the outermost ones (clamp to edge).
+// Texture coordinates of the DFG table: bilinear between texel centres, constant beyond the outermost ones (clamp to
+// edge).
 vec2 dfg_uv(float n_dot_v, float alpha) {
     return vec2(n_dot_v, perceptual_roughness_from_alpha(alpha));
 }

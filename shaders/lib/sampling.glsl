@@ -1,7 +1,7 @@
 // Sample points and what the BRDF samplers make of them.
 //
-// A sample point is vec4(u, cos phi, sin phi, w): u in [0, 1) drives the polar angle and is 0 at the lobe's centre, phi is the
-// azimuth, and w = -ln(1 - u) spares the shader a logarithm (and its error) for each sample.
+// A sample point is vec4(u, cos phi, sin phi, w): u in [0, 1) drives the polar angle and is 0 at the lobe's centre, phi
+// is the azimuth, and w = -ln(1 - u) spares the shader a logarithm (and its error) for each sample.
 #ifndef SAMPLING_GLSL
 #define SAMPLING_GLSL
 

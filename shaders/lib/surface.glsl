@@ -18,8 +18,8 @@ struct Surface {
     float n_dot_v;
 };
 
-// The surface of four g-buffer texels: position and mask, normal and alpha, albedo and metallic, f0 and material index; in world
-// axes. False where nothing is hit; `s` is then not set.
+// The surface of four g-buffer texels: position and mask, normal and alpha, albedo and metallic, f0 and material index;
+// in world axes. False where nothing is hit; `s` is then not set.
 bool surface_from_gbuffer(vec4 position, vec4 normal, vec4 albedo, vec4 f0, vec4 eye, out Surface s) {
     if (position.w == 0.0) {
         return false;

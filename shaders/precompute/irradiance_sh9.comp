@@ -1,5 +1,5 @@
-// One invocation computes one texel of the irradiance map: irradiance over pi from nine radiance coefficients. [Kim22 "Irradiance mapping"]
-// Degree 2 can fall below 0 opposite to a strong light (to -4 % of its peak): floored at 0.
+// One invocation computes one texel of the irradiance map: irradiance over pi from nine radiance coefficients. [Kim22
+// "Irradiance mapping"] Degree 2 can fall below 0 opposite to a strong light (to -4 % of its peak): floored at 0.
 // Set 0: 0 the SH9_COUNT radiance coefficients; 1 the map to write (rgba32f).
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(height / GROUP_SIDE) groups.
 #version 460

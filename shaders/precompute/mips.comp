@@ -1,5 +1,5 @@
-// One invocation computes one texel of a level from the level above it: the mean over the texel's area on the sphere, so that the
-// integral of radiance over solid angle is the same on every level, for any size. [Theory: overlap in u times overlap in cos(theta)]
+// One invocation computes one texel of a level from the level above it: the mean over the texel's area on the sphere,
+// so that the integral of radiance over solid angle is the same on every level, for any size.
 // Set 0: 0 the level above, as a view of one level; 1 the level to write (rgba32f).
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(height / GROUP_SIDE) groups.
 #version 460

@@ -1,6 +1,7 @@
 // One invocation computes one texel of one level of the prefiltered map: the mean radiance of the lobe for n = v = r,
 //     sum L (n.l) / sum (n.l), h with density D(h) (n.h), [Karis13 eq. 7 and listing 2]
-// each lookup from the level at which a texel covers the sample's solid angle. Below ALPHA_MIN: the mirror, filtered to the texel's size.
+// each lookup from the level at which a texel covers the sample's solid angle. Below ALPHA_MIN: the mirror, filtered to
+// the texel's size.
 // Set 0: 0 environment with its mips; 1 the level to write (rgba32f); 2 sample points (lib/sampling.glsl).
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
 #version 460
@@ -33,6 +34,7 @@ void main() {
         return;
     }
     vec3 r = direction_from_uv(uv_from_texel(texel, size));
-    vec3 li = params.alpha < ALPHA_MIN ? mirror_radiance(r, environment, params) : prefiltered_radiance(r, environment, params);
+    vec3 li = params.alpha < ALPHA_MIN ? mirror_radiance(r, environment, params)
+                                       : prefiltered_radiance(r, environment, params);
     imageStore(level, ivec2(texel), vec4(li, 1.0));
 }

@@ -1,7 +1,7 @@
 // One invocation evaluates every function of the selected BRDF model and of lib/microfacet.glsl for one item.
 // In: (v_local, alpha), (h_local, n_dot_l), (u, xi.y, cos phi, sin phi), (f0, 0), (l_local, 0).
-// Out: (d(h), g1(v), g1(n_dot_l), g2), (sample_d(u, cos phi, sin phi), 0), (lobe of xi, pdf_h), (sample_visible(xi), 0),
-// (pdf_visible_l(v, h), pdf_visible_l of its own sample, 0, 0), (f_schlick(v_dot_h, f0), 0), (eval(v, l, h), 0).
+// Out: (d(h), g1(v), g1(n_dot_l), g2), (sample_d(u, cos phi, sin phi), 0), (lobe of xi, pdf_h), (sample_visible(xi),
+// 0), (pdf_visible_l(v, h), pdf_visible_l of its own sample, 0, 0), (f_schlick(v_dot_h, f0), 0), (eval(v, l, h), 0).
 // Specialization constant 0 is the masking-shadowing.
 // Set 0: 0 inputs, 5 vec4 an item; 1 outputs, 7 vec4 an item.
 // Dispatch: ceil(count / GROUP_LINEAR) groups.

@@ -1,6 +1,7 @@
-// One invocation sets the radiance of one pixel where nothing is hit to the environment behind it; pixels with mask 1 are left alone.
-// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 environment (level 0 is read);
-// 5 radiance, a vec4 a pixel, row-major.
+// One invocation sets the radiance of one pixel where nothing is hit to the environment behind it; pixels with mask 1
+// are left alone.
+// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 environment
+// (level 0 is read); 5 radiance, a vec4 a pixel, row-major.
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -30,7 +31,8 @@ void main() {
     if (texelFetch(gbuffer_position, ivec2(pixel), 0).w != 0.0) {
         return;
     }
-    vec3 d = ray_direction(pixel, uvec2(params.width, params.height), params.right.xyz, params.up.xyz, params.forward.xyz);
+    uvec2 size = uvec2(params.width, params.height);
+    vec3 d = ray_direction(pixel, size, params.right.xyz, params.up.xyz, params.forward.xyz);
     vec3 li = textureLod(environment, uv_from_direction(d), 0.0).rgb;
     radiance[pixel.y * params.width + pixel.x] = vec4(params.environment_scale * li, 0.0);
 }

@@ -1,6 +1,6 @@
 // One invocation adds the diffuse image-based radiance of one pixel; pixels with mask 0 are left alone.
-// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 map of irradiance over pi;
-// 5 DFG table; 6 SH9_COUNT radiance coefficients; 7 radiance, a vec4 a pixel, row-major.
+// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 map of
+// irradiance over pi; 5 DFG table; 6 SH9_COUNT radiance coefficients; 7 radiance, a vec4 a pixel, row-major.
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
 #version 460
 #extension GL_GOOGLE_include_directive : require

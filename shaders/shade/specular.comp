@@ -1,6 +1,7 @@
 // One invocation adds the specular image-based radiance of one pixel; pixels with mask 0 are left alone.
-// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 environment with its mips;
-// 5 prefiltered map with its levels; 6 DFG table; 7 sample points (lib/sampling.glsl); 8 radiance, a vec4 a pixel, row-major.
+// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 environment
+// with its mips; 5 prefiltered map with its levels; 6 DFG table; 7 sample points (lib/sampling.glsl); 8 radiance, a
+// vec4 a pixel, row-major.
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
 #version 460
 #extension GL_GOOGLE_include_directive : require

@@ -1,8 +1,8 @@
 // Method `seed0-literal`: the estimator that source document 0 prints, to show what its slips cost:
 //     1/N sum of F G / (4 (n.l) (n.v)) L (n.l), at level 0.5 (log2(W H / N) - log2 D(h)),
-// with l drawn in the D-shaped lobe about the mirror direction. It does not converge to the specular integral: the density of l is
-// missing, and the level misses 2 pi^2 sin(theta) and the Jacobian. [Kim22 "IBL", "Mipmap"]
-// One slip is not followed: the misprinted G of GGX, 1 + alpha^2 + tan^2, is read as 1 + alpha^2 tan^2.
+// with l drawn in the D-shaped lobe about the mirror direction. It does not converge to the specular integral: the
+// density of l is missing, and the level misses 2 pi^2 sin(theta) and the Jacobian. [Kim22 "IBL", "Mipmap"] One slip is
+// not followed: the misprinted G of GGX, 1 + alpha^2 + tan^2, is read as 1 + alpha^2 tan^2.
 #ifndef METHOD_SEED0_LITERAL_GLSL
 #define METHOD_SEED0_LITERAL_GLSL
 
