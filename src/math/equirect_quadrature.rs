@@ -225,14 +225,14 @@ impl EquirectQuadrature {
             for column in &columns {
                 let x = column.texel.rem_euclid(self.width as i64) as usize;
                 let radiance = self.texels[y * self.width + x];
-                for i in 0..NODE_COUNT {
-                    sums[i] += radiance * column.integrals[i];
+                for (sum, integral) in sums.iter_mut().zip(&column.integrals) {
+                    *sum += radiance * *integral;
                 }
                 mass += radiance.abs() * (column.total * row.total);
             }
-            for i in 0..NODE_COUNT {
-                for j in 0..NODE_COUNT {
-                    weights[i][j] += sums[i] * row.integrals[j];
+            for (weights, sum) in weights.iter_mut().zip(sums) {
+                for (weight, integral) in weights.iter_mut().zip(&row.integrals) {
+                    *weight += sum * *integral;
                 }
             }
         }
@@ -264,8 +264,8 @@ impl EquirectQuadrature {
                 let index = (cell as i64 - first) as usize;
                 for (hat, share) in [(index, cell + 1.0 - x), (index + 1, x - cell)] {
                     hats[hat].total += weight * share;
-                    for i in 0..NODE_COUNT {
-                        hats[hat].integrals[i] += weight * share * lagrange[i];
+                    for (integral, value) in hats[hat].integrals.iter_mut().zip(&lagrange) {
+                        *integral += weight * share * value;
                     }
                 }
             }

@@ -159,7 +159,7 @@ fn a_sun_in_one_texel_is_exact() {
     let center = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
     let l = direction_from_uv(center / size);
     for (model, alpha, n_dot_v, offset) in [
-        ("ggx", 0.01, 0.7, 0.0),
+        ("ggx", 0.01, 0.7f64, 0.0),
         ("ggx", 0.1, 0.3, 0.2),
         ("beckmann", 0.02, 0.5, 0.01),
         ("phong", 0.4, 0.8, 0.5),
@@ -167,8 +167,7 @@ fn a_sun_in_one_texel_is_exact() {
     ] {
         let model = brdf::by_name(model).unwrap();
         // The view mirrors the sun, turned away by `offset`.
-        let n =
-            Frame::from_normal(l).to_world(direction_from_polar((1.0 - n_dot_v * n_dot_v as f64).sqrt(), n_dot_v, 0.1));
+        let n = Frame::from_normal(l).to_world(direction_from_polar((1.0 - n_dot_v * n_dot_v).sqrt(), n_dot_v, 0.1));
         let v = DQuat::from_axis_angle(n, offset) * (2.0 * n.dot(l) * n - l);
         let surface = Surface { model, masking: MaskingShadowing::Separable, alpha, f0: DVec3::ONE, n, v };
         let frame = Frame::from_normal(n);
