@@ -6,9 +6,10 @@ use crate::environment::Environment;
 use crate::gpu::{Gpu, Image};
 use crate::pixels::{GrayImage, Pixels, RgbImage, exr, write_atomically};
 use crate::precompute::{PrecomputeSettings, prefilter};
+use crate::scene::{Camera, CameraKind, SCENES};
 use crate::shade::{diffuse_by_name, method_by_name};
-use crate::scene::{Camera, CameraKind, Scene};
 use serde::Serialize;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -117,7 +118,7 @@ struct RequestView(RenderRequest);
 
 impl RequestView {
     fn new(request: &BakeRequest) -> Self {
-        let scene = Scene::unit_sphere();
+        let scene = (SCENES[0].build)();
         let size = [8, 8];
         Self(RenderRequest {
             environment: request.environment.clone(),
@@ -146,15 +147,27 @@ fn sh9_file<'a>(environment: &'a Environment, texels: &[[f32; 4]]) -> Sh9File<'a
         environment: &environment.name,
         environment_hash: &environment.hash,
         basis: "real spherical harmonics of the world direction (y up), no Condon-Shortley sign",
-        order: ["Y00", "Y1-1 (y)", "Y10 (z)", "Y11 (x)", "Y2-2 (xy)", "Y2-1 (yz)", "Y20 (3z^2-1)", "Y21 (xz)", "Y22 (x^2-y^2)"],
+        order: [
+            "Y00",
+            "Y1-1 (y)",
+            "Y10 (z)",
+            "Y11 (x)",
+            "Y2-2 (xy)",
+            "Y2-1 (yz)",
+            "Y20 (3z^2-1)",
+            "Y21 (xz)",
+            "Y22 (x^2-y^2)",
+        ],
         meaning: "radiance L_lm = integral of L Y_lm; irradiance(n) = sum of A_l L_lm Y_lm(n) with A = pi, 2pi/3, pi/4",
         radiance: texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect(),
     }
 }
 
 fn write_json(path: &Path, value: &impl Serialize) -> Result<(), PipelineError> {
-    let text = serde_json::to_vec_pretty(value).map_err(std::io::Error::from);
-    Ok(write_atomically(path, |file| file.write_all(&text?))?)
+    Ok(write_atomically(path, |file| {
+        serde_json::to_writer_pretty(&mut *file, value)?;
+        file.write_all(b"\n")
+    })?)
 }
 
 fn write_image(gpu: &Gpu, image: &Image, mip: u32, path: &Path) -> Result<(), PipelineError> {

@@ -2,16 +2,18 @@
 //!
 //! Tables, scenes and g-buffers are kept by what determines them, so that a sweep makes each once.
 
+mod bake;
 mod cache;
 mod prepare;
 mod request;
 
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, devices};
+pub use bake::BakeRequest;
 pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
 
 use crate::glsl::constants::GROUP_SIDE;
 use crate::gpu::{Buffer, Gpu, GpuError, Report};
-use crate::pixels::{Pixels, Rgb8Image, RgbImage};
+use crate::pixels::{Pixels, PixelsError, Rgb8Image, RgbImage};
 use crate::shade::pass::{ShadeSettings, light_data};
 use crate::shade::reference_pass::ReferenceRun;
 use crate::tonemap::ToneCurve;
@@ -28,6 +30,8 @@ pub enum PipelineError {
         "{count} pixels of the {stage} radiance are not finite or are negative, the first at column {x}, row {y}: {value:?}"
     )]
     InvalidRadiance { stage: &'static str, count: usize, x: u32, y: u32, value: [f32; 3] },
+    #[error(transparent)]
+    File(#[from] PixelsError),
     #[error("{field}: {value} is outside {expected}")]
     OutOfRange { field: &'static str, value: String, expected: String },
 }

@@ -309,11 +309,10 @@ impl Resources {
         if !self.dfg.contains_key(&key) {
             self.dfg.insert(key, DfgPass::new(gpu, request.brdf, request.masking_shadowing)?);
         }
-        let points = self.points.get_or_make(sample_count, || points::upload(gpu, sample_count))?;
         let pass = &self.dfg[&key];
         self.dfg_tables.get_or_make((key.0, key.1, side, sample_count), || {
             let table = DfgPass::table(gpu, side)?;
-            total.add(pass.run(gpu, &points, sample_count, &table)?);
+            total.add(pass.run(gpu, sample_count, &table)?);
             Ok(table)
         })
     }

@@ -10,7 +10,7 @@ pub struct SceneEntry {
     pub name: &'static str,
     /// One line for `splitsum list scenes`.
     pub description: &'static str,
-    pub(super) build: fn() -> Scene,
+    pub(crate) build: fn() -> Scene,
 }
 
 /// Every scene that needs no file.

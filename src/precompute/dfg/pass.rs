@@ -3,7 +3,7 @@
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::glsl::constants::GROUP_SIDE;
 use crate::glsl::layout::{DfgParams, SharedStruct};
-use crate::gpu::{Bind, Buffer, ComputePipeline, Format, Gpu, GpuError, Image, Report, Slot};
+use crate::gpu::{Bind, ComputePipeline, Format, Gpu, GpuError, Image, Report, Slot};
 
 pub struct DfgPass {
     pipeline: ComputePipeline,
@@ -12,7 +12,7 @@ pub struct DfgPass {
 impl DfgPass {
     pub fn new(gpu: &Gpu, brdf: &dyn Brdf, masking_shadowing: MaskingShadowing) -> Result<Self, GpuError> {
         let shader = format!("precompute/dfg.comp:{}", brdf.name());
-        let slots = [Slot::StorageImage, Slot::Buffer];
+        let slots = [Slot::StorageImage];
         let pipeline = gpu.compute_pipeline(&shader, &slots, DfgParams::SIZE, &[masking_shadowing as u32])?;
         Ok(Self { pipeline })
     }
@@ -22,14 +22,14 @@ impl DfgPass {
         gpu.image("DFG table", [side, side], 1, Format::Rgba32Float)
     }
 
-    /// Fills `table`; `points` holds `sample_count` sample points.
-    pub fn run(&self, gpu: &Gpu, points: &Buffer, sample_count: u32, table: &Image) -> Result<Report, GpuError> {
+    /// Fills `table` by quadrature with `sample_count` nodes a texel (a multiple of 32; others round down).
+    pub fn run(&self, gpu: &Gpu, sample_count: u32, table: &Image) -> Result<Report, GpuError> {
         let [width, height] = table.mip_size(0);
         let mut total = Report::default();
         for rows in gpu.row_bands(height, u64::from(width) * u64::from(sample_count), GROUP_SIDE) {
             let params = DfgParams { width, height, sample_count, first_row: rows.start };
             let groups = [width.div_ceil(GROUP_SIDE), (rows.end - rows.start).div_ceil(GROUP_SIDE), 1];
-            let binds = [Bind::StoreMip(table, 0), Bind::Read(points)];
+            let binds = [Bind::StoreMip(table, 0)];
             let mut recorder = gpu.record("dfg")?;
             recorder.pass("dfg", |r| r.dispatch(&self.pipeline, &binds, &params.to_bytes(), groups))?;
             total.add(recorder.submit()?);
