@@ -273,6 +273,8 @@ fn times_section(timings: &[TimingRecord]) -> String {
     let mut tables = MarkdownTable::new(&[
         ("environment_size", Align::Left),
         ("brdf", Align::Left),
+        ("method", Align::Left),
+        ("diffuse", Align::Left),
         ("pass", Align::Left),
         ("ms once", Align::Right),
         ("MAD", Align::Right),
@@ -285,7 +287,9 @@ fn times_section(timings: &[TimingRecord]) -> String {
             for pass in &record.passes {
                 let s = summarize(&pass.ms);
                 let numbers = [significant(s.median, DIGITS), significant(s.mad, 2)];
-                tables.row(&[&size, &axis(record, "brdf"), &pass.pass, &numbers[0], &numbers[1]]);
+                let configuration = ["brdf", "method", "diffuse"].map(|name| axis(record, name));
+                let [brdf, method, diffuse] = &configuration;
+                tables.row(&[&size, brdf, method, diffuse, &pass.pass, &numbers[0], &numbers[1]]);
             }
         } else {
             let s = summarize(&record.sums_ms());
@@ -300,7 +304,7 @@ fn times_section(timings: &[TimingRecord]) -> String {
     if timings.iter().any(|record| record.device_type == "cpu") {
         text += "**Measured on a CPU driver: these times say nothing about a GPU.**\n";
     }
-    let _ = write!(text, "\n{frames}\nMade once per environment or model:\n\n{tables}\n");
+    let _ = write!(text, "\n{frames}\nTables that a method needs, made once per environment or model:\n\n{tables}\n");
     text
 }
 

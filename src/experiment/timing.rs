@@ -52,8 +52,8 @@ pub const FRAME: &str = "frame";
 
 /// Axes that change the cost of a frame. `alpha` is not one: all widths run the same instructions.
 const FRAME_AXES: &[&str] = &["scene", "brdf", "method", "diffuse", "samples", "masking"];
-/// Axes besides those of the precompute settings that change the cost of the tables.
-const PRECOMPUTE_AXES: &[&str] = &["brdf", "masking"];
+/// Axes besides those of the precompute settings that change which tables are made, and their cost.
+const PRECOMPUTE_AXES: &[&str] = &["brdf", "method", "diffuse", "masking"];
 
 /// What is to be timed, in plan order; nothing without `[timing]`.
 pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {

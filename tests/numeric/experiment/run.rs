@@ -267,10 +267,10 @@ fn timings_are_taken_once_a_configuration_and_kept() {
     let (dir, log) = (tempfile::tempdir().unwrap(), log());
     let plan = plan(&format!("{EXPERIMENT}[timing]\nrounds = 5\n"));
     invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
-    // Two models: each its tables, three sample counts and split-sum; neither alpha nor exposure counts.
-    assert_eq!(log.borrow().timings, 2 + 8);
+    // Two models: each the tables of two methods, and three sample counts and split-sum; neither alpha nor exposure counts.
+    assert_eq!(log.borrow().timings, 4 + 8);
     let table = Table::read(&dir.path().join("timings.csv")).unwrap();
-    assert_eq!(table.rows.len(), 2 + 8 * 2);
+    assert_eq!(table.rows.len(), 4 + 8 * 2);
     let (pass, phase) = (table.column("pass").unwrap(), table.column("phase").unwrap());
     let numbers = |name: &str| table.numbers(name).unwrap().into_iter().map(Option::unwrap).collect::<Vec<f64>>();
     let samples = table.numbers("samples").unwrap();
