@@ -1,5 +1,5 @@
-// The environment as a light: exact bilinear radiance, and importance sampling proportional to its luminance with the
-// density of the bilinear map itself. The tables, their layout and the derivation: src/environment/distribution.rs.
+// The environment as a light: exact bilinear radiance, and importance sampling proportional to its luminance above a threshold
+// with the density of the bilinear map itself. Where the density is 0 the lobe must sample. The tables, their layout and the derivation: src/environment/distribution.rs.
 //
 // Filtering units interpolate with weights of about 8 bits, which shows as steps on magnified suns; here the four texels
 // are fetched and weighted in f32. Directions are in the environment's frame.
@@ -11,8 +11,9 @@
 // The word at `index` of `EnvironmentDistribution::words`: the entry point that has the buffer defines it.
 uint environment_word(uint index);
 
-// Where the tables lie, from the size of the map alone.
+// The threshold of the weights, and where the tables lie.
 struct EnvironmentTables {
+    float threshold;
     uint width;
     uint height;
     uint band_shift;
@@ -37,12 +38,15 @@ EnvironmentTables environment_tables(uint width, uint height) {
     uint band_count = height + 1u;
     uint band_bits = environment_guide_bits(band_count);
     uint column_bits = environment_guide_bits(width);
-    return EnvironmentTables(width, height, 32u - band_bits, 32u - column_bits,
-        band_count + (band_count + 1u) + (1u << band_bits), (width + 1u) + (1u << column_bits));
+    return EnvironmentTables(uintBitsToFloat(environment_word(0u)), width, height, 32u - band_bits, 32u - column_bits,
+        1u + band_count + (band_count + 1u) + (1u << band_bits), (width + 1u) + (1u << column_bits));
 }
 
-float environment_luminance(vec3 li) {
-    return dot(li, vec3(LUMINANCE_RED, LUMINANCE_GREEN, LUMINANCE_BLUE));
+// Sampling weights of the four texels of a cell: luminance above the threshold.
+vec4 environment_weights(vec3 texels[4], float threshold) {
+    vec3 luminance = vec3(LUMINANCE_RED, LUMINANCE_GREEN, LUMINANCE_BLUE);
+    return max(vec4(dot(texels[0], luminance), dot(texels[1], luminance), dot(texels[2], luminance),
+                    dot(texels[3], luminance)) - threshold, 0.0);
 }
 
 // Interval of the distribution at `base` that holds `xi`; `fraction` is the place inside it, in (0, 1).
@@ -78,9 +82,14 @@ void environment_cell(sampler2D environment, EnvironmentTables tables, uint band
     texels[3] = texelFetch(environment, ivec2(x1, y1), 0).rgb;
 }
 
-float environment_pdf(vec3 li, uint band, float sin_theta) {
-    float row = uintBitsToFloat(environment_word(band));
-    return environment_luminance(li) * row / max(sin_theta, ENVIRONMENT_SIN_THETA_MIN);
+// Density per solid angle at the place t of a cell with those weights.
+float environment_pdf(vec4 weights, vec2 t, uint band, float sin_theta) {
+    float weight = mix(mix(weights.x, weights.y, t.x), mix(weights.z, weights.w, t.x), t.y);
+    return weight * uintBitsToFloat(environment_word(1u + band)) / max(sin_theta, ENVIRONMENT_SIN_THETA_MIN);
+}
+
+vec3 environment_bilinear(vec3 texels[4], vec2 t) {
+    return mix(mix(texels[0], texels[1], t.x), mix(texels[2], texels[3], t.x), t.y);
 }
 
 // Inverse of the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each >= 0, any scale),
@@ -108,34 +117,32 @@ EnvironmentSample environment_eval(sampler2D environment, EnvironmentTables tabl
     uint band = uint(clamp(int(corner.y) + 1, 0, int(tables.height)));
     vec3 texels[4];
     environment_cell(environment, tables, band, uint(x0), texels);
-    vec3 li = mix(mix(texels[0], texels[1], t.x), mix(texels[2], texels[3], t.x), t.y);
-    return EnvironmentSample(l, li, environment_pdf(li, band, uv_sin_theta.z));
+    vec4 weights = environment_weights(texels, tables.threshold);
+    return EnvironmentSample(l, environment_bilinear(texels, t), environment_pdf(weights, t, band, uv_sin_theta.z));
 }
 
-// A direction with density proportional to luminance (times the row's constant), from a fixed-point pair.
+// A direction from a fixed-point pair: x selects the column, y the band. Density 0 means that no light is above the threshold
+// anywhere: the sample must not be used.
 EnvironmentSample environment_sample(sampler2D environment, EnvironmentTables tables, uvec2 xi) {
     vec2 fraction;
     uint band_count = tables.height + 1u;
-    uint band = environment_invert(band_count, band_count, tables.band_shift, xi.y, fraction.y);
+    uint band = environment_invert(1u + band_count, band_count, tables.band_shift, xi.y, fraction.y);
     uint row = tables.conditional_base + band * tables.conditional_stride;
     uint column = environment_invert(row, tables.width, tables.column_shift, xi.x, fraction.x);
 
     vec3 texels[4];
     environment_cell(environment, tables, band, column, texels);
-    vec4 corners = vec4(environment_luminance(texels[0]), environment_luminance(texels[1]),
-        environment_luminance(texels[2]), environment_luminance(texels[3]));
+    vec4 weights = environment_weights(texels, tables.threshold);
     vec2 t;
-    t.y = environment_invert_linear(corners.x + corners.y, corners.z + corners.w, fraction.y);
-    t.x = environment_invert_linear(
-        mix(corners.x, corners.z, t.y), mix(corners.y, corners.w, t.y), fraction.x);
-    vec3 li = mix(mix(texels[0], texels[1], t.x), mix(texels[2], texels[3], t.x), t.y);
+    t.y = environment_invert_linear(weights.x + weights.y, weights.z + weights.w, fraction.y);
+    t.x = environment_invert_linear(mix(weights.x, weights.z, t.y), mix(weights.y, weights.w, t.y), fraction.x);
 
     // The first and the last band are half a texel high: v clamps there.
     float top = max(float(band) - 0.5, 0.0);
     float bottom = min(float(band) + 0.5, float(tables.height));
     vec3 l = direction_from_uv(
         vec2((float(column) + 0.5 + t.x) / float(tables.width), mix(top, bottom, t.y) / float(tables.height)));
-    return EnvironmentSample(l, li, environment_pdf(li, band, length(l.xz)));
+    return EnvironmentSample(l, environment_bilinear(texels, t), environment_pdf(weights, t, band, length(l.xz)));
 }
 
 #endif

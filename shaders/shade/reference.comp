@@ -51,7 +51,7 @@ uint environment_word(uint index) {
     return environment_words[index];
 }
 
-// What one sample adds: 0 where no light comes from or goes to, which also covers 0 / 0.
+// What one sample adds. A density of 0 is that of a value of 0: it must not become 0 / 0.
 vec3 contribution(LobeValue lobe, EnvironmentSample light) {
     float density = lobe.pdf_l + light.pdf_l;
     return density > 0.0 ? lobe.value_cos * light.li / density : vec3(0.0);
@@ -97,7 +97,7 @@ void main() {
 
         EnvironmentSample light = environment_sample(environment, tables, sobol_point(i, second, environment_key));
         l_local = light.l * frame;
-        if (l_local.z > 0.0) {
+        if (l_local.z > 0.0 && light.pdf_l > 0.0) {
             term += contribution(lobe_eval(surface, v_local, l_local), light);
         }
 

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
 use splitsum::brdf::{Brdf, Ggx, MaskingShadowing, eval_without_fresnel, reflect};
 use splitsum::color::{REC709_LUMINANCE, luminance};
-use splitsum::environment::distribution::EnvironmentDistribution;
+use splitsum::environment::distribution::{COMPENSATION, EnvironmentDistribution};
 use splitsum::glsl::constants::{LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED};
 use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
 use splitsum::math::frame::Frame;
@@ -228,18 +228,26 @@ fn the_density_integrates_to_one() {
 }
 
 #[test]
-fn the_density_is_luminance_over_a_band_constant() {
+fn the_density_is_the_weight_over_a_band_constant() {
     let image = lively(64, 32);
-    let distribution = EnvironmentDistribution::new(&image);
-    let total = integrate_cells(64, 32, |d| luminance(radiance(&image, d).as_vec3().to_array()));
-    let mut random = Random(3);
-    for _ in 0..2000 {
-        let uv = DVec2::new(random.next(), 0.1 + 0.8 * random.next());
-        let d = direction_from_uv(uv);
-        let ideal = luminance(radiance(&image, d).as_vec3().to_array()) / total;
-        let ratio = distribution.pdf(d) / ideal;
-        // The mean sine of a band against the sine: half a band times the cotangent, at v = 0.1; and Z against the integral.
-        assert!((ratio - 1.0).abs() < 0.5 / 32.0 * PI * 3.1 + 0.01, "uv {uv}: {ratio}");
+    for compensation in [0.0, COMPENSATION] {
+        let distribution = EnvironmentDistribution::with_compensation(&image, compensation);
+        let mean = integrate_cells(64, 32, |d| luminance(radiance(&image, d).as_vec3().to_array())) / (4.0 * PI);
+        // The weights of the texels as an image: their bilinear interpolation is the ideal density.
+        let weights = image.map(|texel| [(luminance(texel) - compensation * mean).max(0.0) as f32; 3]);
+        let total = integrate_cells(64, 32, |d| radiance(&weights, d).x);
+        let mut random = Random(3);
+        for _ in 0..2000 {
+            let d = direction_from_uv(DVec2::new(random.next(), 0.1 + 0.8 * random.next()));
+            let ideal = radiance(&weights, d).x / total;
+            // The mean sine of a band against the sine: half a band times the cotangent, at v = 0.1. Then the mean of the texels
+            // against that of the interpolation, in the threshold.
+            let tolerance = (0.5 / 32.0 * PI * 3.1 + 0.01) * ideal + 0.01 / (4.0 * PI);
+            assert!((distribution.pdf(d) - ideal).abs() < tolerance, "{d}: {} against {ideal}", distribution.pdf(d));
+        }
+        let bright =
+            (0..256).filter(|i| distribution.pdf(direction_from_uv(DVec2::new(f64::from(*i) / 256.0, 0.22))) > 0.0);
+        assert_eq!(bright.count() == 256, compensation == 0.0, "a threshold leaves dim light to the lobe");
     }
 }
 
@@ -310,13 +318,14 @@ fn samples_follow_the_density() {
 #[test]
 fn a_black_environment_has_no_density() {
     let distribution = EnvironmentDistribution::new(&RgbImage::filled(6, 3, [0.0; 3]));
-    assert!(distribution.is_black());
+    assert!(distribution.is_empty());
     for i in 0..64 {
         let xi = to_unit(sobol_point(i, [0, 0]));
         let (d, pdf) = distribution.sample(xi);
         assert!(d.is_finite() && pdf == 0.0 && distribution.pdf(d) == 0.0, "{xi}: {d} with {pdf}");
     }
-    assert!(!EnvironmentDistribution::new(&one_hot(6, 3, [2, 1])).is_black());
+    assert!(!EnvironmentDistribution::new(&one_hot(6, 3, [2, 1])).is_empty());
+    assert!(!EnvironmentDistribution::new(&RgbImage::filled(6, 3, [0.25; 3])).is_empty());
 }
 
 /// The largest xi must not fall into dark cells behind the last bright one.
@@ -366,7 +375,7 @@ fn scramble_estimate(
             let h = Ggx.sample_visible(to_unit(sobol_point(i, lobe_key)), v_local, alpha);
             let l = frame.to_world(reflect(v_local, h));
             let (l_environment, pdf) = distribution.sample(to_unit(sobol_point(i, environment_key)));
-            term(l, distribution.pdf(l)) + term(l_environment, pdf)
+            term(l, distribution.pdf(l)) + if pdf > 0.0 { term(l_environment, pdf) } else { 0.0 }
         })
         .sum();
     sum / f64::from(pair_count)
