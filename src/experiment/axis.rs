@@ -76,11 +76,33 @@ pub const REFERENCE: &str = "reference";
 pub struct Reference {
     pub method: String,
     pub samples: u32,
+    pub terms: Terms,
+}
+
+/// Which terms the reference of a cell has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Terms {
+    /// Those of the cell: a cell without a specular (or diffuse) term is judged on what it has.
+    #[default]
+    Cell,
+    /// Specular and diffuse always: a cell without a term is judged on what it leaves out, too.
+    All,
+}
+
+impl Terms {
+    /// Every variant with its name.
+    pub const ALL: &[(&str, Self)] = &[("cell", Self::Cell), ("all", Self::All)];
+}
+
+impl Reference {
+    fn leaves_out(&self, value: &Value) -> bool {
+        value.text() == "none" && self.terms == Terms::Cell
+    }
 }
 
 impl Default for Reference {
     fn default() -> Self {
-        Self { method: REFERENCE.to_owned(), samples: 4096 }
+        Self { method: REFERENCE.to_owned(), samples: 4096, terms: Terms::default() }
     }
 }
 
@@ -149,8 +171,7 @@ pub static AXES: &[Axis] = &[
         about: "how the specular term is computed",
         kind: Kind::Name { what: "method", names: || METHODS.iter().map(|m| m.name).collect() },
         default: || Value::Text("sampled".to_owned()),
-        // A cell without a specular term is compared with a reference without one.
-        reference: |r, v| Value::Text(if v.text() == "none" { "none".to_owned() } else { r.method.clone() }),
+        reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::Text(r.method.clone()) },
         apply: |s, v| s.method = method(v.text()),
         ..PLAIN
     },
@@ -159,7 +180,7 @@ pub static AXES: &[Axis] = &[
         about: "how the diffuse term is computed",
         kind: Kind::Name { what: "diffuse method", names: || DIFFUSE.iter().map(|d| d.name).collect() },
         default: || Value::Text("sh9".to_owned()),
-        reference: |_, v| Value::Text(if v.text() == "none" { "none" } else { REFERENCE }.to_owned()),
+        reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::Text(REFERENCE.to_owned()) },
         apply: |s, v| {
             s.diffuse = diffuse_by_name(v.text()).expect("the plan checked the diffuse method's name");
         },

@@ -2,9 +2,10 @@
 //!
 //! Reading never stops at the first fault. Paths in the file are relative to the file.
 
-use super::axis::{AXES, Axis, Point, Reference, index_of, is_precompute};
+use super::axis::{AXES, Axis, Point, Reference, Terms, index_of, is_precompute};
 use super::fault::{Faults, Place};
-use super::value::{Kind, Range, Raw, Value, suggestion};
+use super::toml_tree::{checked, entries, list, raw, table, unknown_key};
+use super::value::{Kind, Range, Raw, Value};
 use crate::scene::{CameraKind, Light, LightKind};
 use crate::shade::METHODS;
 use glam::DVec3;
@@ -207,7 +208,15 @@ impl Config {
                         self.reference.samples = v.count();
                     }
                 }
-                _ => unknown_key(&place, "reference.", key, &["method", "samples"], faults),
+                "terms" => {
+                    let names =
+                        Kind::Name { what: "choice", names: || Terms::ALL.iter().map(|(name, _)| *name).collect() };
+                    if let Some(v) = checked(names, "reference.terms", value, faults) {
+                        let named = Terms::ALL.iter().find(|(name, _)| *name == v.text());
+                        self.reference.terms = named.map_or(self.reference.terms, |(_, terms)| *terms);
+                    }
+                }
+                _ => unknown_key(&place, "reference.", key, &["method", "samples", "terms"], faults),
             }
         }
     }
@@ -407,65 +416,4 @@ fn is_file_name(name: &str) -> bool {
     !name.is_empty()
         && !name.starts_with('.')
         && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.'))
-}
-
-fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], faults: &mut Faults) {
-    let near = suggestion(key, known);
-    faults.add(place, format!("{prefix}{key} is unknown{near}; expected one of {}", known.join(", ")));
-}
-
-fn checked(kind: Kind, name: &str, value: &Spanned<DeValue>, faults: &mut Faults) -> Option<Value> {
-    kind.parse(&raw(value.get_ref()))
-        .map_err(|fault| faults.add(&Place::File(value.span().start), format!("{name}: {fault}")))
-        .ok()
-}
-
-/// The entries of a table in the order of the file, with the place of each key.
-fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<(&'t str, &'t Spanned<DeValue<'i>>, Place)> {
-    let mut entries: Vec<_> =
-        table.iter().map(|(key, value)| (key.span().start, key.get_ref().as_ref(), value)).collect();
-    entries.sort_by_key(|(offset, ..)| *offset);
-    entries.into_iter().map(|(offset, key, value)| (key, value, Place::File(offset))).collect()
-}
-
-fn table<'t, 'i>(
-    value: &'t Spanned<DeValue<'i>>,
-    name: &str,
-    faults: &mut Faults,
-) -> Vec<(&'t str, &'t Spanned<DeValue<'i>>, Place)> {
-    match value.get_ref() {
-        DeValue::Table(table) => entries(table),
-        other => {
-            faults.add(&Place::File(value.span().start), format!("{name}: {} is not a table", raw(other)));
-            Vec::new()
-        }
-    }
-}
-
-fn list<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Faults) -> Vec<&'t Spanned<DeValue<'i>>> {
-    match value.get_ref() {
-        DeValue::Array(items) => items.iter().collect(),
-        _ => {
-            faults.add(&Place::File(value.span().start), format!("{name}: write [[{name}]] for each one"));
-            Vec::new()
-        }
-    }
-}
-
-fn raw(value: &DeValue) -> Raw {
-    match value {
-        DeValue::String(text) => Raw::Text(text.to_string()),
-        DeValue::Integer(n) => match i64::from_str_radix(n.as_str(), n.radix()) {
-            Ok(n) => Raw::Integer(n),
-            Err(_) => Raw::Text(n.as_str().to_owned()),
-        },
-        DeValue::Float(x) => match x.as_str().parse() {
-            Ok(x) => Raw::Float(x),
-            Err(_) => Raw::Text(x.as_str().to_owned()),
-        },
-        DeValue::Array(items) => Raw::Array(items.iter().map(|item| raw(item.get_ref())).collect()),
-        DeValue::Boolean(_) => Raw::Other("boolean"),
-        DeValue::Datetime(_) => Raw::Other("date"),
-        DeValue::Table(_) => Raw::Other("table"),
-    }
 }

@@ -16,6 +16,7 @@ pub mod store;
 mod summary;
 mod tables;
 pub mod timing;
+mod toml_tree;
 pub mod value;
 
 pub use config::Config;

@@ -24,11 +24,12 @@ pub const HEADLINE: &str = "relmse_eps1e-2";
 /// Metrics whose noise floor stands in the table.
 pub const FLOORED: [&str; 2] = ["rmse", HEADLINE];
 
-/// How the diffuse term is weighted, the same in every method and in the reference.
+/// How the diffuse term is weighted beside a specular one, the same in every method and in the reference: `1 - (f0 A + B)` of the
+/// DFG table (see `shaders/lib/diffuse.glsl`).
 pub const DIFFUSE_WEIGHT: &str = "one-minus-directional-albedo";
 
 /// Names of all metrics in column order.
-pub fn metric_names() -> Vec<&'static str> {
+fn metric_names() -> Vec<&'static str> {
     METRICS.iter().map(|metric| metric.description().name).collect()
 }
 

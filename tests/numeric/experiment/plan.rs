@@ -149,6 +149,14 @@ fn a_cell_without_a_term_has_a_reference_without_it() {
 }
 
 #[test]
+fn with_all_terms_a_cell_without_one_is_judged_against_the_complete_image() {
+    let text = "name = \"x\"\nreference = { terms = \"all\" }\n[axes]\nmethod = [\"none\", \"split-sum\"]\n";
+    let plan = plan(text);
+    assert_eq!(plan.groups().len(), 1);
+    assert_eq!(plan.cells[0].point.reference(&plan.config.reference).get("method").to_string(), "reference");
+}
+
+#[test]
 fn a_plan_may_be_empty() {
     let plan = plan("name = \"x\"\n[axes]\nalpha = [0.1]\n[[exclude]]\nalpha = 0.1\nwhy = \"all\"\n");
     assert_eq!((plan.cells.len(), plan.excluded[0]), (0, 1));

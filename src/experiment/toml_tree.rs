@@ -1,0 +1,71 @@
+//! TOML with places: walking the parsed tree without stopping at the first fault.
+
+use super::fault::{Faults, Place};
+use super::value::{Kind, Raw, Value, suggestion};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A key, its value and the place of the key.
+pub type Entry<'t, 'i> = (&'t str, &'t Spanned<DeValue<'i>>, Place);
+
+/// Notes a key that is none of `known`, with the nearest of them.
+pub fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], faults: &mut Faults) {
+    let near = suggestion(key, known);
+    faults.add(place, format!("{prefix}{key} is unknown{near}; expected one of {}", known.join(", ")));
+}
+
+/// The value that `kind` makes of what is written, or a fault at its place.
+pub fn checked(kind: Kind, name: &str, value: &Spanned<DeValue>, faults: &mut Faults) -> Option<Value> {
+    kind.parse(&raw(value.get_ref()))
+        .map_err(|fault| faults.add(&Place::File(value.span().start), format!("{name}: {fault}")))
+        .ok()
+}
+
+/// The entries of a table in the order of the file, with the place of each key.
+pub fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<Entry<'t, 'i>> {
+    let mut entries: Vec<_> =
+        table.iter().map(|(key, value)| (key.span().start, key.get_ref().as_ref(), value)).collect();
+    entries.sort_by_key(|(offset, ..)| *offset);
+    entries.into_iter().map(|(offset, key, value)| (key, value, Place::File(offset))).collect()
+}
+
+/// The entries of a value that must be a table.
+pub fn table<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Faults) -> Vec<Entry<'t, 'i>> {
+    match value.get_ref() {
+        DeValue::Table(table) => entries(table),
+        other => {
+            faults.add(&Place::File(value.span().start), format!("{name}: {} is not a table", raw(other)));
+            Vec::new()
+        }
+    }
+}
+
+/// The items of a value that must be a list, written `[[name]]`.
+pub fn list<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Faults) -> Vec<&'t Spanned<DeValue<'i>>> {
+    match value.get_ref() {
+        DeValue::Array(items) => items.iter().collect(),
+        _ => {
+            faults.add(&Place::File(value.span().start), format!("{name}: write [[{name}]] for each one"));
+            Vec::new()
+        }
+    }
+}
+
+/// What is written, before it is checked.
+pub fn raw(value: &DeValue) -> Raw {
+    match value {
+        DeValue::String(text) => Raw::Text(text.to_string()),
+        DeValue::Integer(n) => match i64::from_str_radix(n.as_str(), n.radix()) {
+            Ok(n) => Raw::Integer(n),
+            Err(_) => Raw::Text(n.as_str().to_owned()),
+        },
+        DeValue::Float(x) => match x.as_str().parse() {
+            Ok(x) => Raw::Float(x),
+            Err(_) => Raw::Text(x.as_str().to_owned()),
+        },
+        DeValue::Array(items) => Raw::Array(items.iter().map(|item| raw(item.get_ref())).collect()),
+        DeValue::Boolean(_) => Raw::Other("boolean"),
+        DeValue::Datetime(_) => Raw::Other("date"),
+        DeValue::Table(_) => Raw::Other("table"),
+    }
+}
