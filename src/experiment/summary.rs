@@ -170,10 +170,12 @@ fn break_even_of(plan: &Plan, done: &Done, sampled: &str, fixed: &str) -> String
     let Some(overall) = median(&found.iter().map(|(_, result)| *result).collect::<Vec<_>>()) else {
         return String::new();
     };
+    let scope = match found.len() {
+        1 => String::new(),
+        rows => format!("Median over all {rows} rows: "),
+    };
     let mut text = format!(
-        "## From how many samples on does `{sampled}` beat `{fixed}`?\n\n\
-         Median over all {} rows: **{overall}** samples a pixel.\n\n",
-        found.len()
+        "## From how many samples on does `{sampled}` beat `{fixed}`?\n\n{scope}**{overall}** samples a pixel.\n\n"
     );
     if axes.iter().any(|axis| axis.name == "alpha") && axes.len() > 1 {
         text += &format!("Median over alpha:\n\n{}\n", medians_over_alpha(&axes, &found));
