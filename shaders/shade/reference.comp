@@ -1,5 +1,6 @@
 // The reference: an unbiased estimate of the integral of BRDF, cosine and environment radiance by multiple importance
-// sampling. One dispatch takes every sample of one scramble and folds its result into the mean and the spread over scrambles.
+// sampling. One dispatch takes every sample of the scrambles `scramble` to `scramble + scramble_count - 1` and folds their
+// results into the mean and the spread over scrambles.
 //
 // One invocation computes one pixel. With m = `sample_count` / 2 (rounded up) samples from the lobe and m from the environment, the balance
 // heuristic [VeachGuibas95, eq. 10 with equal counts] makes every sample of either kind contribute
@@ -67,7 +68,7 @@ void main() {
     Surface world;
     if (!surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
                               texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, world)) {
-        means[index] = vec4(0.0, 0.0, 0.0, float(params.scramble + 1u));
+        means[index] = vec4(0.0, 0.0, 0.0, float(params.scramble + params.scramble_count));
         squared_deviations[index] = vec4(0.0);
         return;
     }
@@ -78,42 +79,46 @@ void main() {
     // The floor of n_dot_v holds for the lobe too: at 0 it has no sampler.
     v_local.z = max(v_local.z, COSINE_MIN);
 
-    uint pair_count = (params.sample_count + 1u) / 2u;
     EnvironmentTables tables = environment_tables(params.environment_width, params.environment_height);
-    uint key = sobol_key(pixel, params.scramble, params.seed, LOBE_STREAM);
-    uvec2 lobe_key = sobol_next_pair_key(key);
-    uvec2 environment_key = sobol_next_pair_key(key);
-
-    CompensatedSum sum = CompensatedSum(vec3(0.0), vec3(0.0));
-    for (uint i = 0u; i < pair_count; ++i) {
-        uint second = sobol_second_reversed(i);
-
-        vec3 l_local = lobe_sample(surface, v_local, sobol_to_unit(sobol_point(i, second, lobe_key)));
-        vec3 term = vec3(0.0);
-        if (l_local.z > 0.0) {
-            term = contribution(lobe_eval(surface, v_local, l_local),
-                environment_eval(environment, tables, frame * l_local));
-        }
-
-        EnvironmentSample light = environment_sample(environment, tables, sobol_point(i, second, environment_key));
-        l_local = light.l * frame;
-        if (l_local.z > 0.0 && light.pdf_l > 0.0) {
-            term += contribution(lobe_eval(surface, v_local, l_local), light);
-        }
-
-        sum = compensated_add(sum, term);
-    }
-    vec3 estimate = (sum.high + sum.low) * (params.environment_scale / float(pair_count));
-
+    uint pair_count = (params.sample_count + 1u) / 2u;
     vec4 mean = vec4(0.0);
     vec3 squared = vec3(0.0);
     if (params.scramble > 0u) {
         mean = means[index];
         squared = squared_deviations[index].rgb;
     }
-    float count = mean.a + 1.0;
-    vec3 deviation = estimate - mean.rgb;
-    mean = vec4(mean.rgb + deviation / count, count);
+    for (uint scramble = params.scramble; scramble < params.scramble + params.scramble_count; ++scramble) {
+        uint key = sobol_key(pixel, scramble, params.seed, LOBE_STREAM);
+        uvec2 lobe_key = sobol_next_pair_key(key);
+        uvec2 environment_key = sobol_next_pair_key(key);
+
+        CompensatedSum sum = CompensatedSum(vec3(0.0), vec3(0.0));
+        for (uint i = 0u; i < pair_count; ++i) {
+            uint second = sobol_second_reversed(i);
+
+            vec3 l_local = lobe_sample(surface, v_local, sobol_to_unit(sobol_point(i, second, lobe_key)));
+            vec3 term = vec3(0.0);
+            if (l_local.z > 0.0) {
+                term = contribution(lobe_eval(surface, v_local, l_local),
+                                    environment_eval(environment, tables, frame * l_local));
+            }
+
+            EnvironmentSample light =
+                environment_sample(environment, tables, sobol_point(i, second, environment_key));
+            l_local = light.l * frame;
+            if (l_local.z > 0.0 && light.pdf_l > 0.0) {
+                term += contribution(lobe_eval(surface, v_local, l_local), light);
+            }
+
+            sum = compensated_add(sum, term);
+        }
+        vec3 estimate = (sum.high + sum.low) * (params.environment_scale / float(pair_count));
+
+        float count = mean.a + 1.0;
+        vec3 deviation = estimate - mean.rgb;
+        mean = vec4(mean.rgb + deviation / count, count);
+        squared += deviation * (estimate - mean.rgb);
+    }
     means[index] = mean;
-    squared_deviations[index] = vec4(squared + deviation * (estimate - mean.rgb), 0.0);
+    squared_deviations[index] = vec4(squared, 0.0);
 }

@@ -141,10 +141,10 @@ shared_structs! {
         height: uint,
         environment_width: uint,
         environment_height: uint,
-        /// Samples a pixel of this dispatch. The reference takes half from the lobe, half from the environment: an odd count
-        /// is rounded up.
+        /// Samples a pixel; of one scramble for the reference, which takes half from the lobe and half from the environment: an odd
+        /// count is rounded up.
         sample_count: uint,
-        /// Which independent scramble this dispatch takes (reference only). Scramble 0 starts the sums.
+        /// First independent scramble of this dispatch (reference only). Scramble 0 starts the sums.
         scramble: uint,
         first_row: uint,
         prefilter_level_count: uint,
@@ -155,6 +155,8 @@ shared_structs! {
         flags: uint,
         /// Chooses the points of the reference (reference only).
         seed: uint,
+        /// Scrambles of this dispatch (reference only).
+        scramble_count: uint,
     }
     /// An analytic light: position (point) or direction to the light (directional), then its colour (W/sr or irradiance) and kind in w.
     LightData {

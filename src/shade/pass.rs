@@ -77,6 +77,7 @@ impl ShadeSettings {
             light_count: self.light_count,
             flags: if self.has_specular { 0 } else { SHADE_FLAG_NO_SPECULAR },
             seed: 0,
+            scramble_count: 0,
         }
     }
 }

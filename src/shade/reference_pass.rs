@@ -1,4 +1,4 @@
-//! The device passes of the reference: one dispatch a scramble and band of rows, then one that adds the term to the image.
+//! The device passes of the reference: dispatches over scrambles and bands of rows, then one that adds the term to the image.
 
 use super::pass::{GBUFFER_SLOTS, ShadeSettings, groups, with_gbuffer};
 use crate::brdf::{Brdf, MaskingShadowing};
@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 /// Fewest independent scrambles: with 16, the standard error is itself known to about 18 %.
 pub const SCRAMBLE_COUNT_MIN: u32 = 16;
-/// Most samples of one scramble, which one dispatch takes in full.
+/// Most samples of one scramble, which one dispatch takes in full; also the samples up to which one dispatch takes several scrambles.
 const SCRAMBLE_SAMPLES_MAX: u32 = 4096;
 
 /// Which term of the surface a reference integrates.
@@ -45,7 +45,7 @@ impl Lobe {
     }
 }
 
-/// How a number of samples is spread over scrambles: `scramble_count` dispatches of `samples_per_scramble` (even) each.
+/// How a number of samples is spread over scrambles: `scramble_count` of `samples_per_scramble` (even) each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScramblePlan {
     pub scramble_count: u32,
@@ -136,13 +136,18 @@ impl ReferencePass {
     pub fn run(&self, gpu: &Gpu, lobe: Lobe, sums: &Sums, run: &ReferenceRun<'_>) -> Result<Report, GpuError> {
         let plan = ScramblePlan::new(run.sample_count);
         let [width, height] = run.gbuffer.size;
-        let samples_per_row = u64::from(width) * u64::from(plan.samples_per_scramble);
+        // Setting up a pixel costs as much as a few samples, so that a dispatch takes as many scrambles as it may.
+        let scrambles_per_dispatch =
+            (SCRAMBLE_SAMPLES_MAX / plan.samples_per_scramble.max(1)).clamp(1, plan.scramble_count);
+        let samples_per_row =
+            u64::from(width) * u64::from(plan.samples_per_scramble) * u64::from(scrambles_per_dispatch);
         let mut total = Report::default();
-        for scramble in 0..plan.scramble_count {
+        for scramble in (0..plan.scramble_count).step_by(scrambles_per_dispatch as usize) {
             for rows in gpu.row_bands(height, samples_per_row, GROUP_SIDE) {
                 let params = ShadeParams {
                     sample_count: plan.samples_per_scramble,
                     scramble,
+                    scramble_count: scrambles_per_dispatch.min(plan.scramble_count - scramble),
                     seed: run.seed,
                     ..run.settings.params(run.gbuffer.size, rows.start)
                 };
