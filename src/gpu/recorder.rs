@@ -273,7 +273,7 @@ impl Recorder {
     /// Fills a buffer with a 32-bit word.
     pub fn fill(&mut self, buffer: &Buffer, word: u32) {
         let mut barriers = Barriers::default();
-        self.access_buffer(buffer, Access::CLEAR, &mut barriers);
+        self.access_buffer(buffer, Access::FILL, &mut barriers);
         self.emit(&barriers);
         // SAFETY: recording; sizes are multiples of 4 and the buffer is kept alive.
         unsafe { self.device().cmd_fill_buffer(self.commands, buffer.inner.raw, 0, buffer.size() & !3, word) };

@@ -79,8 +79,10 @@ impl Access {
         vk::ImageLayout::TRANSFER_DST_OPTIMAL,
         true,
     );
-    pub(super) const CLEAR: Self = Self::new(
-        vk::PipelineStageFlags2::CLEAR,
+    /// vkCmdFillBuffer. The stage of a fill is COPY to some readers of the specification (validation layer 1.3.239 among them) and
+    /// CLEAR to others: ALL_TRANSFER holds both.
+    pub(super) const FILL: Self = Self::new(
+        vk::PipelineStageFlags2::ALL_TRANSFER,
         vk::AccessFlags2::TRANSFER_WRITE,
         vk::ImageLayout::TRANSFER_DST_OPTIMAL,
         true,

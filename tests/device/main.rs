@@ -1,1 +1,19 @@
-//! device tests
+//! Device tests: every shader against its f64 twin, against outside numbers and against identities.
+//!
+//! Without a Vulkan device each test prints one line and passes; `GOLDEN=require` makes that a failure. Everything runs under the
+//! validation layer (core and synchronisation) and any message fails the test; `SPLITSUM_VALIDATION=0` turns the layer off.
+mod brdf;
+mod compare;
+mod determinism;
+mod environment_sampling;
+mod furnace;
+mod gbuffer;
+mod golden;
+mod harness;
+mod lights;
+mod lists;
+mod methods;
+mod probe;
+mod symmetry;
+mod tables;
+mod tonemap;

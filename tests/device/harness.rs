@@ -1,0 +1,220 @@
+//! Devices for tests, probes, and the requests and images that several tests share.
+
+use glam::DVec3;
+use splitsum::brdf::{Ggx, MaskingShadowing};
+use splitsum::environment::Environment;
+use splitsum::glsl::constants::GROUP_LINEAR;
+use splitsum::glsl::layout::{ProbeParams, SharedStruct};
+use splitsum::gpu::{Bind, Buffer, Gpu, GpuError, Image, Options, Slot};
+use splitsum::pipeline::{Pipeline, PipelineError, RenderRequest};
+use splitsum::pixels::{Pixels, RgbImage, exr};
+use splitsum::precompute::PrecomputeSettings;
+use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
+use splitsum::shade::{diffuse_by_name, method_by_name};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A quiet NaN: what no pass may read before it has written it.
+pub const POISON: u32 = 0x7fc0_dead;
+
+/// Opens by `open`, with the validation layer unless it is missing or turned off. `None`: there is no device, and a line says so.
+fn open<T>(open: impl Fn(Options) -> Result<T, GpuError>) -> Option<T> {
+    let required = std::env::var("GOLDEN").is_ok_and(|value| value == "require");
+    let validation = std::env::var("SPLITSUM_VALIDATION").map_or(true, |value| value != "0");
+    let opened = match open(Options { validation, ..Options::default() }) {
+        Err(GpuError::NoValidationLayer) if !required => {
+            eprintln!("not validated: {}", GpuError::NoValidationLayer);
+            open(Options::default())
+        }
+        opened => opened,
+    };
+    match opened {
+        Err(error @ (GpuError::NoLoader(_) | GpuError::NoDevice)) if !required => {
+            eprintln!("skipped: {error}");
+            None
+        }
+        opened => Some(opened.unwrap()),
+    }
+}
+
+/// Runs `test` on a device of its own; fails on any message of the validation layer.
+pub fn with_gpu(test: impl FnOnce(&Gpu)) {
+    let Some(gpu) = open(Gpu::new) else { return };
+    test(&gpu);
+    assert_eq!(gpu.validation_messages(), Vec::<String>::new());
+}
+
+/// The same with every pass.
+pub fn with_pipeline(test: impl FnOnce(&mut Pipeline)) {
+    let new = |options| {
+        Pipeline::new(options).map_err(|error| match error {
+            PipelineError::Gpu(error) => error,
+            error => panic!("{error}"),
+        })
+    };
+    let Some(mut pipeline) = open(new) else { return };
+    test(&mut pipeline);
+    assert_eq!(pipeline.validation_messages(), Vec::<String>::new());
+}
+
+/// What a probe shader reads and writes: vec4s an item.
+pub struct Probe<'a> {
+    /// Permutation, `probe/x.comp[:model]`.
+    pub shader: &'a str,
+    /// Specialization constants.
+    pub constants: &'a [u32],
+    pub inputs: usize,
+    pub outputs: usize,
+    /// Bindings after inputs and outputs.
+    pub rest: &'a [Bind<'a>],
+    pub rest_slots: &'a [Slot],
+}
+
+impl Default for Probe<'_> {
+    fn default() -> Self {
+        Self { shader: "", constants: &[], inputs: 1, outputs: 1, rest: &[], rest_slots: &[] }
+    }
+}
+
+impl Probe<'_> {
+    /// The outputs of every item. The output buffer starts as NaN, so that an item the shader leaves out cannot pass.
+    pub fn run(&self, gpu: &Gpu, inputs: &[[f32; 4]]) -> Vec<Vec<[f64; 4]>> {
+        assert_eq!(inputs.len() % self.inputs, 0, "{}: inputs an item", self.shader);
+        let count = inputs.len() / self.inputs;
+        let slots = [&[Slot::Buffer; 2], self.rest_slots].concat();
+        let pipeline = gpu.compute_pipeline(self.shader, &slots, ProbeParams::SIZE, self.constants).unwrap();
+        let input = gpu.buffer_from("probe inputs", inputs).unwrap();
+        let output = gpu.buffer("probe outputs", (16 * count * self.outputs) as u64).unwrap();
+        let push = ProbeParams { count: count as u32, ..Default::default() }.to_bytes();
+        let binds = [&[Bind::Read(&input), Bind::Write(&output)], self.rest].concat();
+        let mut recorder = gpu.record(self.shader).unwrap();
+        recorder.fill(&output, POISON);
+        recorder.dispatch(&pipeline, &binds, &push, [(count as u32).div_ceil(GROUP_LINEAR), 1, 1]).unwrap();
+        recorder.submit().unwrap();
+        let texels: Vec<[f32; 4]> = gpu.read_buffer(&output).unwrap();
+        let wide = |texel: &[f32; 4]| texel.map(f64::from);
+        texels.chunks_exact(self.outputs).map(|item| item.iter().map(wide).collect()).collect()
+    }
+}
+
+/// The first three numbers.
+pub fn xyz(v: [f64; 4]) -> DVec3 {
+    DVec3::new(v[0], v[1], v[2])
+}
+
+/// A probe's input from a vector and one more number.
+pub fn vec4(v: DVec3, w: f64) -> [f32; 4] {
+    v.extend(w).as_vec4().to_array()
+}
+
+/// The f64 value of the f32 that a probe gets.
+pub fn rounded(x: f64) -> f64 {
+    f64::from(x as f32)
+}
+
+/// The f64 value of the f32 vector that a probe gets.
+pub fn rounded3(v: DVec3) -> DVec3 {
+    v.as_vec3().as_dvec3()
+}
+
+/// `tests/golden/env_analytic.exr`: a smooth sky with a Gaussian sun, 512 x 256.
+pub fn golden_environment() -> Arc<Environment> {
+    let image = exr::read(Path::new("tests/golden/env_analytic.exr")).unwrap().rgb;
+    Arc::new(Environment::from_image("golden", image))
+}
+
+/// An environment of one radiance.
+pub fn constant_environment(radiance: [f32; 3]) -> Arc<Environment> {
+    Arc::new(Environment::from_image("constant", RgbImage::filled(16, 8, radiance)))
+}
+
+/// Rows of a golden CSV file without its header.
+pub fn golden_rows(path: &str) -> Vec<csv::StringRecord> {
+    csv::Reader::from_path(path).unwrap().records().map(Result::unwrap).collect()
+}
+
+/// The number in column `k`.
+pub fn number(row: &csv::StringRecord, k: usize) -> f64 {
+    row[k].parse().unwrap()
+}
+
+/// The vector in columns `k` to `k + 2`.
+pub fn vector(row: &csv::StringRecord, k: usize) -> DVec3 {
+    DVec3::new(number(row, k), number(row, k + 1), number(row, k + 2))
+}
+
+/// A built-in scene with other materials.
+pub fn scene(name: &str, materials: MaterialOverride) -> Scene {
+    Scene::load(name, Path::new(".")).unwrap().apply(&materials)
+}
+
+/// The unit sphere, F = 1 and no diffuse albedo: the pure lobe.
+pub fn lobe_sphere(alpha: f64) -> Scene {
+    let black = Some([0.0; 3]);
+    scene("sphere", MaterialOverride { alpha: Some(alpha as f32), f0: Some([1.0; 3]), albedo: black, metallic: None })
+}
+
+/// A request for `scene` under `environment`: GGX, split sum, no diffuse term.
+pub fn request(environment: &Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> RenderRequest {
+    RenderRequest {
+        environment: environment.clone(),
+        environment_rotation_deg: 0.0,
+        environment_scale: 1.0,
+        camera: Camera::for_scene(kind, &scene, size),
+        scene: Arc::new(scene),
+        size,
+        method: method_by_name("split-sum").unwrap(),
+        diffuse: diffuse_by_name("none").unwrap(),
+        brdf: &Ggx,
+        masking_shadowing: MaskingShadowing::Separable,
+        samples: 64,
+        reference_samples: 1024,
+        lod_bias: 0.0,
+        lights: Vec::new(),
+        background: false,
+        precompute: PrecomputeSettings::default(),
+        seed: 1,
+    }
+}
+
+/// Level `mip` of a device image, in f64.
+pub fn read_level(gpu: &Gpu, image: &Image, mip: u32) -> Pixels<DVec3> {
+    let [width, height] = image.mip_size(mip);
+    let texels = gpu.read_image(image, mip).unwrap();
+    Pixels::new(width, height, texels.iter().map(|&texel| xyz(texel.map(f64::from))).collect())
+}
+
+/// A buffer that holds NaNs.
+pub fn poisoned_buffer(gpu: &Gpu, name: &str, size: u64) -> Buffer {
+    let buffer = gpu.buffer(name, size).unwrap();
+    poison(gpu, &buffer);
+    buffer
+}
+
+/// Fills a buffer with NaNs.
+pub fn poison(gpu: &Gpu, buffer: &Buffer) {
+    let mut recorder = gpu.record("poison").unwrap();
+    recorder.fill(buffer, POISON);
+    recorder.submit().unwrap();
+}
+
+/// Fills every level of an image with NaNs.
+pub fn poison_image(gpu: &Gpu, image: &Image) {
+    for mip in 0..image.mip_count() {
+        let [width, height] = image.mip_size(mip);
+        let texels = vec![[f32::from_bits(POISON); 4]; width as usize * height as usize];
+        gpu.write_image(image, mip, &texels).unwrap();
+    }
+}
+
+/// The value of `image` between texel centres at `uv`; u wraps if `wrap_u`, else it clamps; v clamps.
+pub fn bilinear(image: &Pixels<DVec3>, uv: glam::DVec2, wrap_u: bool) -> DVec3 {
+    let (width, height) = (f64::from(image.width), f64::from(image.height));
+    let (x, y) = (uv.x * width - 0.5, uv.y * height - 0.5);
+    let texel = |x: f64, y: f64| {
+        let x = if wrap_u { x.rem_euclid(width) } else { x.clamp(0.0, width - 1.0) };
+        image.get(x as u32, y.clamp(0.0, height - 1.0) as u32)
+    };
+    let row = |y: f64| texel(x.floor(), y).lerp(texel(x.floor() + 1.0, y), x - x.floor());
+    row(y.floor()).lerp(row(y.floor() + 1.0), y - y.floor())
+}
