@@ -1,7 +1,67 @@
 //! splitsum measures how wrong the split-sum approximation of image-based lighting is.
 //!
 //! The modules follow the path of the data: environment, precompute, gbuffer, shade, tonemap, metrics, table.
+//!
+//! # Bibliography
+//!
+//! Keys in square brackets, such as those of the formulas' sources, stand for:
+//!
+//! - Andersson20: P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, "FLIP: A Difference
+//!   Evaluator for Alternating Images", Proc. ACM on Computer Graphics and Interactive Techniques 3(2), 2020.
+//! - BT709: Recommendation ITU-R BT.709-6, "Parameter values for the HDTV standards for production and international programme
+//!   exchange", 2015.
+//! - Brewer03: C. A. Brewer, G. W. Hatchard and M. A. Harrower, "ColorBrewer in Print: A Catalog of Color Schemes for Maps",
+//!   Cartography and Geographic Information Science 30(1), 2003.
+//! - Burley12: B. Burley, "Physically-Based Shading at Disney", SIGGRAPH 2012 course notes.
+//! - Burley20: B. Burley, "Practical Hash-based Owen Scrambling", Journal of Computer Graphics Techniques 9(4), 2020.
+//! - Chen74: H.-C. Chen and Y. Asau, "On Generating Random Variates from an Empirical Distribution", AIIE Transactions 6(2), 1974.
+//! - Colbert07: M. Colbert and J. Křivánek, "GPU-Based Importance Sampling", GPU Gems 3, chapter 20, 2007.
+//! - Duff17: T. Duff, J. Burgess, P. Christensen, C. Hery, A. Kensler, M. Liani and R. Villemin, "Building an Orthonormal Basis,
+//!   Revisited", Journal of Computer Graphics Techniques 6(1), 2017.
+//! - Dupuy23: J. Dupuy and A. Benyoub, "Sampling Visible GGX Normals with Spherical Caps", Computer Graphics Forum 42(8), 2023.
+//! - Fdez19: C. J. Fdez-Agüera, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting", Journal of Computer
+//!   Graphics Techniques 8(1), 2019.
+//! - Heitz14: E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics
+//!   Techniques 3(2), 2014.
+//! - Heitz18: E. Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer Graphics Techniques 7(4), 2018.
+//! - HeitzDeon14: E. Heitz and E. d'Eon, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals",
+//!   Computer Graphics Forum 33(4), 2014.
+//! - HosekWilkie12: L. Hosek and A. Wilkie, "An Analytic Model for Full Spectral Sky-Dome Radiance", ACM Transactions on Graphics
+//!   31(4), 2012.
+//! - HyndmanFan96: R. J. Hyndman and Y. Fan, "Sample Quantiles in Statistical Packages", The American Statistician 50(4), 1996.
+//! - Jakob14: W. Jakob, "An Improved Visible Normal Sampling Routine for the Beckmann Distribution", technical report, ETH Zürich,
+//!   2014.
+//! - Kahan65: W. Kahan, "Further Remarks on Reducing Truncation Errors", Communications of the ACM 8(1), 1965.
+//! - Karis13: B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH 2013 course notes.
+//! - KastenYoung89: F. Kasten and A. T. Young, "Revised Optical Air Mass Tables and Approximation Formula", Applied Optics 28(22),
+//!   1989.
+//! - Kim22: M. Kim, "Project 3: Image-Based Lighting", report for the course CS562, 2022. This is "source document 0"; the words
+//!   in quotation marks beside the key are its headings.
+//! - Lam85: K. M. Lam, "Metamerism and Colour Constancy", doctoral thesis, University of Bradford, 1985.
+//! - Malley88: T. J. V. Malley, "A Shading Method for Computer Generated Images", master's thesis, University of Utah, 1988.
+//! - Owen97: A. B. Owen, "Monte Carlo Variance of Scrambled Net Quadrature", SIAM Journal on Numerical Analysis 34(5), 1997.
+//! - PharrJakobHumphreys23: M. Pharr, W. Jakob and G. Humphreys, "Physically Based Rendering: From Theory to Implementation",
+//!   4th edition, 2023.
+//! - Preetham99: A. J. Preetham, P. Shirley and B. Smits, "A Practical Analytic Model for Daylight", SIGGRAPH 99.
+//! - Ramamoorthi01: R. Ramamoorthi and P. Hanrahan, "An Efficient Representation for Irradiance Environment Maps", SIGGRAPH 2001.
+//! - Rousselle11: F. Rousselle, C. Knaus and M. Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", ACM
+//!   Transactions on Graphics 30(6), 2011.
+//! - Schlick94: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics Forum 13(3), 1994.
+//! - Sidi93: A. Sidi, "A New Variable Transformation for Numerical Integration", Numerical Integration IV, 1993.
+//! - Sobol67: I. M. Sobol', "On the Distribution of Points in a Cube and the Approximate Evaluation of Integrals", USSR Computational
+//!   Mathematics and Mathematical Physics 7(4), 1967.
+//! - VeachGuibas95: E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 95.
+//! - Vegdahl21: N. Vegdahl, "Building a Better LK Hash", psychopath.io, 2021.
+//! - Walter07: B. Walter, S. R. Marschner, H. Li and K. E. Torrance, "Microfacet Models for Refraction through Rough Surfaces",
+//!   Eurographics Symposium on Rendering 2007.
+//! - Wang04: Z. Wang, A. C. Bovik, H. R. Sheikh and E. P. Simoncelli, "Image Quality Assessment: From Error Visibility to Structural
+//!   Similarity", IEEE Transactions on Image Processing 13(4), 2004.
+//! - Ward94: G. J. Ward, "The RADIANCE Lighting Simulation and Rendering System", SIGGRAPH 94.
+//! - Welford62: B. P. Welford, "Note on a Method for Calculating Corrected Sums of Squares and Products", Technometrics 4(3), 1962.
+//! - Wellons18: C. Wellons, "Prospecting for Hash Functions", nullprogram.com, 2018.
 #![deny(unsafe_code)]
+// A citation such as [Karis13] has the form of a link and is none; tests/numeric/layering.rs resolves them.
+#![allow(rustdoc::broken_intra_doc_links)]
 
 pub mod glsl;
 

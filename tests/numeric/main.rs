@@ -10,5 +10,6 @@ mod pixels;
 mod precompute;
 mod reference;
 mod scene;
+mod slips;
 mod table;
 mod tonemap;
