@@ -53,6 +53,7 @@ impl Settings {
             camera: Camera::for_scene(view.camera, &scene, view.size),
             scene,
             size: view.size,
+            point_set: 0,
             reference_samples: if self.method.name == REFERENCE { self.samples } else { view.reference_samples },
             method: self.method,
             diffuse: self.diffuse,

@@ -132,6 +132,7 @@ impl RequestView {
             brdf: &crate::brdf::Ggx,
             masking_shadowing: request.masking_shadowing,
             samples: 1,
+            point_set: 0,
             reference_samples: 1,
             lod_bias: 0.0,
             lights: Vec::new(),

@@ -35,7 +35,7 @@ pub(super) struct Resources {
     irradiance_maps: Recent<(String, [u32; 2], [u32; 2]), Image>,
     prefiltered: Recent<(String, &'static str, [u32; 2], u32, u32), Image>,
     dfg_tables: Recent<(&'static str, MaskingShadowing, u32, u32), Image>,
-    points: Recent<u32, Buffer>,
+    points: Recent<(u32, u32), Buffer>,
     scenes: Recent<String, Arc<SceneData>>,
     targets: Recent<TargetKey, Arc<Target>>,
     /// Stand for tables that a request does not use, because every binding needs something.
@@ -171,7 +171,9 @@ impl Resources {
             _ => self.blank_image.clone(),
         };
         let dfg = if needs_dfg { self.dfg_table(gpu, request, &mut precompute)? } else { self.blank_image.clone() };
-        let points = self.points.get_or_make(samples_per_pixel, || points::upload(gpu, samples_per_pixel))?;
+        let points = self.points.get_or_make((samples_per_pixel, request.point_set), || {
+            points::upload(gpu, samples_per_pixel, request.point_set)
+        })?;
         let scene = self
             .scenes
             .get_or_make(request.scene.hash.clone(), || SceneData::new(gpu, &request.scene).map(Arc::new))?;
@@ -292,7 +294,7 @@ impl Resources {
         if !self.prefilter.contains_key(name) {
             self.prefilter.insert(name, PrefilterPass::new(gpu, request.brdf)?);
         }
-        let points = self.points.get_or_make(sample_count, || points::upload(gpu, sample_count))?;
+        let points = self.points.get_or_make((sample_count, 0), || points::upload(gpu, sample_count, 0))?;
         let (pass, sampler) = (&self.prefilter[name], self.shade.equirect_sampler());
         let key = (request.environment.hash.clone(), name, size, level_count, sample_count);
         self.prefiltered.get_or_make(key, || {

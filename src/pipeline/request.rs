@@ -26,6 +26,8 @@ pub struct RenderRequest {
     pub masking_shadowing: MaskingShadowing,
     /// Samples a pixel of a sampled method.
     pub samples: u32,
+    /// Which set of sample points a sampled method takes: 0 the plain Hammersley set, k > 0 its k-th shift (`precompute::points`).
+    pub point_set: u32,
     /// Samples a pixel of the reference, wherever it is the method or the diffuse term.
     pub reference_samples: u32,
     /// Levels added to the mip level of a filtered method.

@@ -168,6 +168,7 @@ pub fn request(environment: &Arc<Environment>, scene: Scene, kind: CameraKind, s
         brdf: &Ggx,
         masking_shadowing: MaskingShadowing::Separable,
         samples: 64,
+        point_set: 0,
         reference_samples: 1024,
         lod_bias: 0.0,
         lights: Vec::new(),
