@@ -1,0 +1,47 @@
+// One invocation evaluates the functions of lib/environment_sampling.glsl for one item, on a map of the bound environment's size.
+// In: (unit direction, 0), (xi.x high, low, xi.y high, low) with 16 bits a channel.
+// Out: (radiance from the direction, its density), (sampled direction, its density), (radiance from the sampled direction, 0).
+// Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 3 vec4 an item; 2 environment (sampler2D, level 0); 3 words of its distribution.
+// Dispatch: ceil(count / GROUP_LINEAR) groups.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "generated/constants.glsl"
+#include "generated/layout.glsl"
+#include "lib/environment_sampling.glsl"
+
+layout(local_size_x = GROUP_LINEAR) in;
+
+layout(push_constant) uniform Push {
+    ProbeParams params;
+};
+
+layout(std430, set = 0, binding = 0) readonly buffer Inputs {
+    vec4 inputs[];
+};
+layout(std430, set = 0, binding = 1) writeonly buffer Outputs {
+    vec4 outputs[];
+};
+layout(set = 0, binding = 2) uniform sampler2D environment;
+layout(std430, set = 0, binding = 3) readonly buffer EnvironmentWords {
+    uint environment_words[];
+};
+
+uint environment_word(uint index) {
+    return environment_words[index];
+}
+
+void main() {
+    uint item = gl_GlobalInvocationID.x;
+    if (item >= params.count) {
+        return;
+    }
+    uvec2 size = uvec2(textureSize(environment, 0));
+    EnvironmentTables tables = environment_tables(size.x, size.y);
+    EnvironmentSample seen = environment_eval(environment, tables, inputs[item * 2u].xyz);
+    uvec4 halves = uvec4(inputs[item * 2u + 1u]);
+    EnvironmentSample light = environment_sample(environment, tables, halves.xz << 16 | halves.yw);
+    outputs[item * 3u] = vec4(seen.li, seen.pdf_l);
+    outputs[item * 3u + 1u] = vec4(light.l, light.pdf_l);
+    outputs[item * 3u + 2u] = vec4(light.li, 0.0);
+}

@@ -1,0 +1,133 @@
+//! The points and the environment sampling of the reference against published and f64 twins.
+
+use crate::harness::{Probe, vec4, with_gpu, xyz};
+use glam::{DVec2, DVec3};
+use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
+use splitsum::environment::Environment;
+use splitsum::environment::distribution::EnvironmentDistribution;
+use splitsum::gpu::{Bind, Filter, Format, Slot, Wrap};
+use splitsum::math::equirect::direction_from_uv;
+use splitsum::math::sampling::hammersley;
+use splitsum::pixels::RgbImage;
+
+/// The finaliser "lowbias32".
+fn hash(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+#[test]
+fn points_are_the_published_sequence_under_its_scramble() {
+    let mut inputs = Vec::new();
+    let mut expected = Vec::new();
+    for pixel in [[0, 0], [3, 7], [127, 1000]] {
+        for scramble in [0, 1, 15] {
+            for (seed, stream) in [(0, 0), (1, 1), (70_000, 0)] {
+                for index in (0..40).chain([255, 256, 2047, 65_535]) {
+                    inputs.push([pixel[0], pixel[1], scramble, seed].map(|x: u32| x as f32));
+                    inputs.push([stream as f32, index as f32, 0.0, 0.0]);
+                    let parts = [stream + 1, seed, scramble, pixel[1], pixel[0]];
+                    let mut key = parts.iter().fold(0u32, |key, part| hash(part.wrapping_add(key)));
+                    let mut point = || {
+                        [0, 1].map(|dimension| {
+                            key = hash(key.wrapping_add(1));
+                            owen_scramble_rev(sobol_rev(u32::reverse_bits(index), dimension), key).reverse_bits()
+                        })
+                    };
+                    expected.push([point(), point()]);
+                }
+            }
+        }
+    }
+    with_gpu(|gpu| {
+        let probe = Probe { shader: "probe/sobol.comp", inputs: 2, outputs: 2, ..Probe::default() };
+        for (item, (outputs, points)) in probe.run(gpu, &inputs).iter().zip(&expected).enumerate() {
+            let word = |high: f64, low: f64| (high as u32) << 16 | low as u32;
+            let got = [0, 1].map(|pair| {
+                let halves = outputs[pair];
+                [word(halves[0], halves[1]), word(halves[2], halves[3])]
+            });
+            assert_eq!(got, *points, "item {item}: {:?}", &inputs[2 * item..2 * item + 2]);
+        }
+    });
+}
+
+/// A map of one bright texel on the seam, one at a pole, and dim light that the threshold leaves to the lobe.
+fn map(width: u32, height: u32) -> RgbImage {
+    RgbImage::from_fn(width, height, |x, y| {
+        let base = 0.1 + (x as f32 * 0.7).sin().abs() + 0.5 * (y as f32 * 0.9).cos().abs();
+        let sun = if [x, y] == [width - 1, height / 2] { 5000.0 } else { 0.0 };
+        let pole = if [x, y] == [width / 2, 0] { 40.0 } else { 0.0 };
+        [base + sun, 0.5 * base + pole, 0.3]
+    })
+}
+
+#[test]
+fn environment_sampling_meets_its_twin() {
+    /// A direction in f32 moves the lookup by 3e-7 of the map, and the sun changes by all of itself over one texel.
+    const LOOKUP: f64 = 1e-4;
+    with_gpu(|gpu| {
+        for (width, height) in [(64, 32), (7, 5), (1, 1), (2, 3)] {
+            let environment = Environment::from_image("test", map(width, height));
+            let distribution = EnvironmentDistribution::new(&environment.image);
+            let image = gpu.image("environment", [width, height], 1, Format::Rgba32Float).unwrap();
+            let texels: Vec<[f32; 4]> = environment.image.data.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+            gpu.write_image(&image, 0, &texels).unwrap();
+            let words = gpu.buffer_from("words", distribution.words()).unwrap();
+            let sampler = gpu.sampler(Filter::Nearest, Wrap::Clamp).unwrap();
+            let probe = Probe {
+                shader: "probe/environment_sampling.comp",
+                inputs: 2,
+                outputs: 3,
+                rest: &[Bind::Sample(&image, &sampler), Bind::Read(&words)],
+                rest_slots: &[Slot::Sampled, Slot::Buffer],
+                ..Probe::default()
+            };
+            let count = 1024;
+            let directions: Vec<DVec3> = (0..count)
+                .map(|i| direction_from_uv(hammersley(i, count) + DVec2::new(0.0, 0.5 / f64::from(count))))
+                .chain([
+                    DVec3::new(2e-3, 1.0, -1e-3).normalize(),
+                    DVec3::new(1e-3, -1.0, 3e-3).normalize(),
+                    DVec3::NEG_Z,
+                ])
+                .map(|d| d.as_vec3().as_dvec3())
+                .collect();
+            let fixed: Vec<[u32; 2]> = (0..directions.len() as u32)
+                .map(|i| [i.wrapping_mul(0x9e37_79b9), (i + 3).wrapping_mul(0x85eb_ca6b)])
+                .collect();
+            let halves = |[x, y]: [u32; 2]| [x >> 16, x & 0xffff, y >> 16, y & 0xffff].map(|half| half as f32);
+            let inputs: Vec<[f32; 4]> =
+                directions.iter().zip(&fixed).flat_map(|(d, xi)| [vec4(*d, 0.0), halves(*xi)]).collect();
+            let peak = environment.image.data.iter().flatten().fold(0.0, |peak: f64, x| peak.max(f64::from(*x)));
+            for ((outputs, d), xi) in probe.run(gpu, &inputs).iter().zip(&directions).zip(&fixed) {
+                let place = format!("{width} x {height}, direction {d}, xi {xi:?}");
+                let error = (xyz(outputs[0]) - environment.radiance(*d)).abs().max_element();
+                assert!(error <= LOOKUP * peak, "{place}: radiance {:?}", outputs[0]);
+                // Closer to a pole the sine in f32 says little.
+                if d.x.hypot(d.z) > 1e-3 {
+                    let expected = distribution.pdf(*d);
+                    let largest = expected.max(LOOKUP * peak * expected / environment.radiance(*d).max_element());
+                    assert!(
+                        (outputs[0][3] - expected).abs() <= 2e-3 * largest + 1e-9,
+                        "{place}: {:?}, {expected}",
+                        outputs[0]
+                    );
+                }
+
+                let unit = DVec2::new(f64::from(xi[0]) + 0.5, f64::from(xi[1]) + 0.5) / 2f64.powi(32);
+                let (l, pdf) = distribution.sample(unit);
+                // A texel's place in f32, and the roots of both inversions.
+                assert!((xyz(outputs[1]) - l).length() < 2e-5, "{place}: sampled {:?}, {l}", outputs[1]);
+                if l.x.hypot(l.z) > 1e-2 {
+                    assert!((outputs[1][3] / pdf - 1.0).abs() < 2e-3, "{place}: density {:?}, {pdf}", outputs[1]);
+                }
+                let error = (xyz(outputs[2]) - environment.radiance(l)).abs().max_element();
+                assert!(error <= LOOKUP * peak, "{place}: radiance {:?} from {l}", outputs[2]);
+            }
+        }
+    });
+}
