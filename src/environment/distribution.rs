@@ -26,7 +26,7 @@
 //! With threshold 0 the density is positive wherever the radiance is (all three luminance weights are). Next to a lobe sampler
 //! that covers all directions a positive threshold stays unbiased and is better: the lobe serves dim light well, so that the
 //! environment's samples are for the bright light [Karlik19]. Their choice, the mean luminance, is best for some maps and worse
-//! than none for others; [`COMPENSATION`] of it was better than none on every map and alpha tried (relMSE 4 to 35 % lower).
+//! than none for others; [`COMPENSATION`] of it was better than none on every map and alpha tried (relMSE 3 to 35 % lower).
 //!
 //! Source: the inversion method and the density of a product of light and Jacobian follow [PharrJakobHumphreys23, section
 //! 12.5]; they sample texels as constants, which leaves zeros of the density under non-zero radiance.

@@ -5,7 +5,6 @@
 mod brdf;
 mod compare;
 mod determinism;
-mod environment_sampling;
 mod furnace;
 mod gbuffer;
 mod golden;

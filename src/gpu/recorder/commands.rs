@@ -1,0 +1,188 @@
+//! What can be recorded: dispatches, draws, fills, copies.
+
+use super::binding::Barriers;
+use super::{Bind, Recorder};
+use crate::gpu::sync::Access;
+use crate::gpu::{Buffer, ComputePipeline, GpuError, GraphicsPipeline, Image};
+use ash::vk;
+
+/// One draw of a graphics pipeline.
+#[derive(Clone, Copy)]
+pub struct DrawCall<'a> {
+    /// One buffer an attribute.
+    pub vertex_buffers: &'a [&'a Buffer],
+    /// u32 indices; without them vertices are drawn in order.
+    pub index_buffer: Option<&'a Buffer>,
+    /// Indices or vertices.
+    pub count: u32,
+    pub instance_count: u32,
+}
+
+impl Recorder {
+    /// Binds and dispatches; `push` are the push constants' bytes.
+    pub fn dispatch(
+        &mut self,
+        pipeline: &ComputePipeline,
+        binds: &[Bind<'_>],
+        push: &[u8],
+        groups: [u32; 3],
+    ) -> Result<(), GpuError> {
+        let inner = &pipeline.inner;
+        self.check(inner, binds, push);
+        let limits = self.gpu.shared.limits.max_compute_work_group_count;
+        if let Some((&needed, &limit)) = groups.iter().zip(&limits).find(|(group, limit)| group > limit) {
+            let name = inner.name.clone();
+            return Err(GpuError::Limit { what: "work groups of", name, needed: needed.into(), limit: limit.into() });
+        }
+        self.access_binds(binds);
+        self.bind(inner, vk::PipelineBindPoint::COMPUTE, binds, push)?;
+        // SAFETY: recording, the pipeline with its set and constants is bound, and the counts are within the limits.
+        unsafe { self.device().cmd_dispatch(self.commands, groups[0], groups[1], groups[2]) };
+        self.kept.push(inner.clone());
+        Ok(())
+    }
+
+    /// Draws into `colors` and `depth` (cleared first if `clear`: colours to 0, depth to 1).
+    pub fn draw(
+        &mut self,
+        pipeline: &GraphicsPipeline,
+        binds: &[Bind<'_>],
+        push: &[u8],
+        colors: &[&Image],
+        depth: &Image,
+        clear: bool,
+        call: DrawCall<'_>,
+    ) -> Result<(), GpuError> {
+        let inner = &pipeline.inner;
+        self.check(inner, binds, push);
+        self.access_binds(binds);
+        let mut barriers = Barriers::default();
+        for image in colors {
+            self.access_image(image, 0..1, Access::COLOR, &mut barriers);
+        }
+        self.access_image(depth, 0..1, Access::DEPTH, &mut barriers);
+        for buffer in call.vertex_buffers {
+            self.access_buffer(buffer, Access::VERTEX, &mut barriers);
+        }
+        if let Some(buffer) = call.index_buffer {
+            self.access_buffer(buffer, Access::INDEX, &mut barriers);
+        }
+        self.emit(&barriers);
+
+        let load = if clear { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
+        let attachment = |view, layout, value| {
+            vk::RenderingAttachmentInfo::default()
+                .image_view(view)
+                .image_layout(layout)
+                .load_op(load)
+                .store_op(vk::AttachmentStoreOp::STORE)
+                .clear_value(value)
+        };
+        let mut color_infos = Vec::with_capacity(colors.len());
+        for image in colors {
+            let value = vk::ClearValue { color: vk::ClearColorValue { float32: [0.0; 4] } };
+            color_infos.push(attachment(image.inner.view(0..1)?, Access::COLOR.layout, value));
+        }
+        let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } };
+        let depth_info = attachment(depth.inner.view(0..1)?, Access::DEPTH.layout, far);
+        let [width, height] = depth.inner.size;
+        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
+        let rendering = vk::RenderingInfo::default()
+            .render_area(area)
+            .layer_count(1)
+            .color_attachments(&color_infos)
+            .depth_attachment(&depth_info);
+        let viewport =
+            vk::Viewport { x: 0.0, y: 0.0, width: width as f32, height: height as f32, min_depth: 0.0, max_depth: 1.0 };
+        // SAFETY: recording; attachments are in their layouts by the barriers above.
+        unsafe { self.device().cmd_begin_rendering(self.commands, &rendering) };
+        // SAFETY: recording; the pipeline's viewport is dynamic.
+        unsafe { self.device().cmd_set_viewport(self.commands, 0, &[viewport]) };
+        // SAFETY: likewise.
+        unsafe { self.device().cmd_set_scissor(self.commands, 0, &[area]) };
+        self.bind(inner, vk::PipelineBindPoint::GRAPHICS, binds, push)?;
+        let vertex_buffers: Vec<_> = call.vertex_buffers.iter().map(|buffer| buffer.inner.raw).collect();
+        if !vertex_buffers.is_empty() {
+            let offsets = vec![0; vertex_buffers.len()];
+            // SAFETY: recording; the buffers are kept alive below.
+            unsafe { self.device().cmd_bind_vertex_buffers(self.commands, 0, &vertex_buffers, &offsets) };
+        }
+        if let Some(buffer) = call.index_buffer {
+            // SAFETY: likewise.
+            unsafe { self.device().cmd_bind_index_buffer(self.commands, buffer.inner.raw, 0, vk::IndexType::UINT32) };
+            // SAFETY: inside rendering with everything bound.
+            unsafe { self.device().cmd_draw_indexed(self.commands, call.count, call.instance_count, 0, 0, 0) };
+        } else {
+            // SAFETY: inside rendering with everything bound.
+            unsafe { self.device().cmd_draw(self.commands, call.count, call.instance_count, 0, 0) };
+        }
+        // SAFETY: rendering was begun above.
+        unsafe { self.device().cmd_end_rendering(self.commands) };
+        self.kept.push(inner.clone());
+        Ok(())
+    }
+
+    /// Fills a buffer with a 32-bit word.
+    pub fn fill(&mut self, buffer: &Buffer, word: u32) {
+        let mut barriers = Barriers::default();
+        self.access_buffer(buffer, Access::FILL, &mut barriers);
+        self.emit(&barriers);
+        // SAFETY: recording; sizes are multiples of 4 and the buffer is kept alive.
+        unsafe { self.device().cmd_fill_buffer(self.commands, buffer.inner.raw, 0, buffer.size() & !3, word) };
+    }
+
+    /// Copies a whole buffer to another of the same size.
+    pub(in crate::gpu) fn copy_buffer(&mut self, from: &Buffer, to: &Buffer) -> Result<(), GpuError> {
+        assert_eq!(from.size(), to.size(), "'{}': sizes of a copy", self.name);
+        let mut barriers = Barriers::default();
+        self.access_buffer(from, Access::COPY_READ, &mut barriers);
+        self.access_buffer(to, Access::COPY_WRITE, &mut barriers);
+        self.emit(&barriers);
+        let region = [vk::BufferCopy { src_offset: 0, dst_offset: 0, size: from.size() }];
+        // SAFETY: recording; both are kept alive and as large as the region.
+        unsafe { self.device().cmd_copy_buffer(self.commands, from.inner.raw, to.inner.raw, &region) };
+        self.host_visible(to);
+        Ok(())
+    }
+
+    pub(in crate::gpu) fn copy_buffer_to_image(&mut self, from: &Buffer, image: &Image, mip: u32) {
+        let mut barriers = Barriers::default();
+        self.access_buffer(from, Access::COPY_READ, &mut barriers);
+        self.access_image(image, mip..mip + 1, Access::COPY_WRITE, &mut barriers);
+        self.emit(&barriers);
+        let region = [image_region(image, mip)];
+        let layout = Access::COPY_WRITE.layout;
+        // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the level.
+        unsafe {
+            self.device().cmd_copy_buffer_to_image(self.commands, from.inner.raw, image.inner.raw, layout, &region)
+        };
+    }
+
+    pub(in crate::gpu) fn copy_image_to_buffer(&mut self, image: &Image, mip: u32, to: &Buffer) {
+        let mut barriers = Barriers::default();
+        self.access_image(image, mip..mip + 1, Access::COPY_READ, &mut barriers);
+        self.access_buffer(to, Access::COPY_WRITE, &mut barriers);
+        self.emit(&barriers);
+        let region = [image_region(image, mip)];
+        let layout = Access::COPY_READ.layout;
+        // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the level.
+        unsafe {
+            self.device().cmd_copy_image_to_buffer(self.commands, image.inner.raw, layout, to.inner.raw, &region)
+        };
+        self.host_visible(to);
+    }
+}
+
+fn image_region(image: &Image, mip: u32) -> vk::BufferImageCopy {
+    let [width, height] = image.mip_size(mip);
+    vk::BufferImageCopy {
+        image_subresource: vk::ImageSubresourceLayers {
+            aspect_mask: image.inner.format.aspect(),
+            mip_level: mip,
+            base_array_layer: 0,
+            layer_count: 1,
+        },
+        image_extent: vk::Extent3D { width, height, depth: 1 },
+        ..Default::default()
+    }
+}

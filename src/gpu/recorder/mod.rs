@@ -1,0 +1,250 @@
+//! Recording and submitting commands; barriers follow from tracked access.
+
+mod binding;
+mod commands;
+
+pub use binding::Bind;
+pub use commands::DrawCall;
+
+use super::device::Shared;
+use super::{Gpu, GpuError};
+use ash::vk;
+use std::any::Any;
+use std::ffi::CString;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Timed passes of one submission at most.
+const PASS_LIMIT: u32 = 256;
+
+/// Device time of one pass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PassTime {
+    pub pass: &'static str,
+    pub ms: f64,
+}
+
+/// What a submission took.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// In the order of recording.
+    pub passes: Vec<PassTime>,
+    /// Host time from submission to completion, ms.
+    pub wall_ms: f64,
+}
+
+impl Report {
+    /// Adds another submission's times; passes of the same name become one.
+    pub fn add(&mut self, other: Report) {
+        for time in other.passes {
+            match self.passes.iter_mut().find(|known| known.pass == time.pass) {
+                Some(known) => known.ms += time.ms,
+                None => self.passes.push(time),
+            }
+        }
+        self.wall_ms += other.wall_ms;
+    }
+}
+
+/// Records one command buffer.
+pub struct Recorder {
+    gpu: Gpu,
+    name: String,
+    command_pool: vk::CommandPool,
+    commands: vk::CommandBuffer,
+    queries: vk::QueryPool,
+    passes: Vec<&'static str>,
+    descriptor_pools: Vec<vk::DescriptorPool>,
+    sets_left: u32,
+    /// Everything that the commands use.
+    kept: Vec<Arc<dyn Any + Send + Sync>>,
+}
+
+impl Gpu {
+    /// Starts recording; `name` is for the debugger and for errors.
+    pub fn record(&self, name: &str) -> Result<Recorder, GpuError> {
+        let device = &self.shared.raw;
+        let mut recorder = Recorder {
+            gpu: self.clone(),
+            name: name.into(),
+            command_pool: vk::CommandPool::null(),
+            commands: vk::CommandBuffer::null(),
+            queries: vk::QueryPool::null(),
+            passes: Vec::new(),
+            descriptor_pools: Vec::new(),
+            sets_left: 0,
+            kept: Vec::new(),
+        };
+        let pool = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(self.shared.queue_family)
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT);
+        // SAFETY: the device is alive. One pool a recorder, so that recorders may live on different threads.
+        recorder.command_pool =
+            unsafe { device.create_command_pool(&pool, None) }.map_err(GpuError::call("vkCreateCommandPool", name))?;
+        let allocate = vk::CommandBufferAllocateInfo::default()
+            .command_pool(recorder.command_pool)
+            .level(vk::CommandBufferLevel::PRIMARY)
+            .command_buffer_count(1);
+        // SAFETY: the pool was just made.
+        recorder.commands = unsafe { device.allocate_command_buffers(&allocate) }
+            .map_err(GpuError::call("vkAllocateCommandBuffers", name))?[0];
+        self.shared.set_name(recorder.commands, name);
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the command buffer is new.
+        unsafe { device.begin_command_buffer(recorder.commands, &begin) }
+            .map_err(GpuError::call("vkBeginCommandBuffer", name))?;
+        Ok(recorder)
+    }
+}
+
+impl Recorder {
+    fn device(&self) -> &ash::Device {
+        &self.gpu.shared.raw
+    }
+
+    /// Records `body` as one timed pass.
+    ///
+    /// Full barriers stand on both sides of each timestamp: lavapipe writes it into the wrong interval without the one behind,
+    /// and the one before keeps passes from overlapping.
+    pub fn pass(
+        &mut self,
+        name: &'static str,
+        body: impl FnOnce(&mut Self) -> Result<(), GpuError>,
+    ) -> Result<(), GpuError> {
+        if self.queries == vk::QueryPool::null() {
+            let info =
+                vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2 * PASS_LIMIT);
+            // SAFETY: the device is alive.
+            self.queries = unsafe { self.device().create_query_pool(&info, None) }
+                .map_err(GpuError::call("vkCreateQueryPool", &self.name))?;
+            // SAFETY: recording; the pool was just made and has this many queries.
+            unsafe { self.device().cmd_reset_query_pool(self.commands, self.queries, 0, 2 * PASS_LIMIT) };
+        }
+        let index = self.passes.len() as u32;
+        assert!(index < PASS_LIMIT, "'{}': more than {PASS_LIMIT} timed passes in one submission", self.name);
+        self.passes.push(name);
+        self.begin_label(name);
+        self.timestamp(2 * index);
+        let outcome = body(self);
+        self.timestamp(2 * index + 1);
+        self.end_label();
+        outcome
+    }
+
+    /// Ends the recording, submits it, waits, and reads the timestamps.
+    pub fn submit(self) -> Result<Report, GpuError> {
+        let shared = &self.gpu.shared;
+        // SAFETY: recording.
+        unsafe { self.device().end_command_buffer(self.commands) }
+            .map_err(GpuError::call("vkEndCommandBuffer", &self.name))?;
+        let fence = Fence::new(shared, &self.name)?;
+        let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
+        let submit = [vk::SubmitInfo2::default().command_buffer_infos(&commands)];
+        let started;
+        {
+            let _one_at_a_time = shared.submission.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+            started = Instant::now();
+            // SAFETY: the command buffer is complete and what it uses is kept alive until the fence is signalled.
+            unsafe { self.device().queue_submit2(shared.queue, &submit, fence.raw) }
+                .map_err(GpuError::call("vkQueueSubmit2", &self.name))?;
+        }
+        // SAFETY: the fence was just submitted.
+        unsafe { self.device().wait_for_fences(&[fence.raw], true, u64::MAX) }
+            .map_err(GpuError::call("vkWaitForFences", &self.name))?;
+        let wall_ms = started.elapsed().as_secs_f64() * 1e3;
+        Ok(Report { passes: self.pass_times()?, wall_ms })
+    }
+
+    fn pass_times(&self) -> Result<Vec<PassTime>, GpuError> {
+        if self.passes.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut ticks = vec![0u64; 2 * self.passes.len()];
+        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
+        // SAFETY: the queries were written by the submission that has completed.
+        unsafe { self.device().get_query_pool_results(self.queries, 0, &mut ticks, flags) }
+            .map_err(GpuError::call("vkGetQueryPoolResults", &self.name))?;
+        let shared = &self.gpu.shared;
+        let ms = |pair: &[u64]| {
+            let elapsed = pair[1].wrapping_sub(pair[0]) & shared.timestamp_mask;
+            elapsed as f64 * f64::from(shared.info.timestamp_period_ns) * 1e-6
+        };
+        Ok(self.passes.iter().zip(ticks.chunks_exact(2)).map(|(pass, pair)| PassTime { pass, ms: ms(pair) }).collect())
+    }
+
+    fn timestamp(&mut self, query: u32) {
+        self.full_barrier();
+        // SAFETY: recording; the query exists and was reset.
+        unsafe {
+            self.device().cmd_write_timestamp2(
+                self.commands,
+                vk::PipelineStageFlags2::ALL_COMMANDS,
+                self.queries,
+                query,
+            )
+        };
+        self.full_barrier();
+    }
+
+    fn full_barrier(&self) {
+        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+        let any = vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE;
+        let memory = [vk::MemoryBarrier2::default()
+            .src_stage_mask(all)
+            .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+            .dst_stage_mask(all)
+            .dst_access_mask(any)];
+        let info = vk::DependencyInfo::default().memory_barriers(&memory);
+        // SAFETY: recording.
+        unsafe { self.device().cmd_pipeline_barrier2(self.commands, &info) };
+    }
+
+    fn begin_label(&self, name: &str) {
+        if let (Some(debug), Ok(name)) = (self.gpu.shared.debug(), CString::new(name)) {
+            let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
+            // SAFETY: recording; the label is copied by the call.
+            unsafe { debug.cmd_begin_debug_utils_label(self.commands, &label) };
+        }
+    }
+
+    fn end_label(&self) {
+        if let Some(debug) = self.gpu.shared.debug() {
+            // SAFETY: recording; a label was begun.
+            unsafe { debug.cmd_end_debug_utils_label(self.commands) };
+        }
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        // SAFETY: the submission (if any) has been waited for; null handles are ignored.
+        unsafe { self.device().destroy_command_pool(self.command_pool, None) };
+        // SAFETY: likewise.
+        unsafe { self.device().destroy_query_pool(self.queries, None) };
+        for pool in &self.descriptor_pools {
+            // SAFETY: likewise.
+            unsafe { self.device().destroy_descriptor_pool(*pool, None) };
+        }
+    }
+}
+
+struct Fence<'a> {
+    raw: vk::Fence,
+    device: &'a Shared,
+}
+
+impl<'a> Fence<'a> {
+    fn new(device: &'a Shared, name: &str) -> Result<Self, GpuError> {
+        // SAFETY: the device is alive.
+        let raw = unsafe { device.raw.create_fence(&vk::FenceCreateInfo::default(), None) }
+            .map_err(GpuError::call("vkCreateFence", name))?;
+        Ok(Self { raw, device })
+    }
+}
+
+impl Drop for Fence<'_> {
+    fn drop(&mut self) {
+        // SAFETY: the fence has been waited for, or was never submitted.
+        unsafe { self.device.raw.destroy_fence(self.raw, None) };
+    }
+}
