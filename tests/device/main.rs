@@ -13,6 +13,7 @@ mod lights;
 mod lists;
 mod methods;
 mod probe;
+mod reference;
 mod symmetry;
 mod tables;
 mod tonemap;
