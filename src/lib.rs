@@ -21,8 +21,6 @@
 //! - Duff17: T. Duff, J. Burgess, P. Christensen, C. Hery, A. Kensler, M. Liani and R. Villemin, "Building an Orthonormal Basis,
 //!   Revisited", Journal of Computer Graphics Techniques 6(1), 2017.
 //! - Dupuy23: J. Dupuy and A. Benyoub, "Sampling Visible GGX Normals with Spherical Caps", Computer Graphics Forum 42(8), 2023.
-//! - Fdez19: C. J. Fdez-Agüera, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting", Journal of Computer
-//!   Graphics Techniques 8(1), 2019.
 //! - Heitz14: E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics
 //!   Techniques 3(2), 2014.
 //! - Heitz18: E. Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer Graphics Techniques 7(4), 2018.
@@ -33,7 +31,6 @@
 //! - HyndmanFan96: R. J. Hyndman and Y. Fan, "Sample Quantiles in Statistical Packages", The American Statistician 50(4), 1996.
 //! - Jakob14: W. Jakob, "An Improved Visible Normal Sampling Routine for the Beckmann Distribution", technical report, ETH Zürich,
 //!   2014.
-//! - Kahan65: W. Kahan, "Further Remarks on Reducing Truncation Errors", Communications of the ACM 8(1), 1965.
 //! - Karis13: B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH 2013 course notes.
 //! - Karlik19: O. Karlík, M. Šik, P. Vévoda, T. Skřivan and J. Křivánek, "MIS Compensation: Optimizing Sampling Techniques in Multiple
 //!   Importance Sampling", ACM Transactions on Graphics 38(6), 2019.
@@ -41,8 +38,8 @@
 //!   1989.
 //! - Kim22: M. Kim, "Project 3: Image-Based Lighting", report for the course CS562, 2022. This is "source document 0"; the words
 //!   in quotation marks beside the key are its headings.
-//! - Lam85: K. M. Lam, "Metamerism and Colour Constancy", doctoral thesis, University of Bradford, 1985.
 //! - Knuth97: D. E. Knuth, "The Art of Computer Programming", volume 2, 3rd edition, 1997.
+//! - Lam85: K. M. Lam, "Metamerism and Colour Constancy", doctoral thesis, University of Bradford, 1985.
 //! - Malley88: T. J. V. Malley, "A Shading Method for Computer Generated Images", master's thesis, University of Utah, 1988.
 //! - Owen97: A. B. Owen, "Monte Carlo Variance of Scrambled Net Quadrature", SIAM Journal on Numerical Analysis 34(5), 1997.
 //! - PharrJakobHumphreys23: M. Pharr, W. Jakob and G. Humphreys, "Physically Based Rendering: From Theory to Implementation",

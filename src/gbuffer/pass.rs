@@ -4,7 +4,7 @@ use super::{ATTACHMENT_NAMES, Gbuffer, material_data, params, sphere_data};
 use crate::glsl::layout::{GbufferParams, SharedStruct};
 use crate::gpu::{
     Bind, Buffer, DrawCall, Filter, Format, Gpu, GpuError, GraphicsDescription, GraphicsPipeline, Image, Recorder,
-    Sampler, Slot, Wrap,
+    Sampler, Slot, Targets, Wrap,
 };
 use crate::pixels::{Pixels, RgbImage};
 use crate::scene::{Camera, Mesh, Scene};
@@ -84,7 +84,13 @@ impl GbufferPass {
             let binds = scene.binds(&self.texture_sampler, None);
             let call =
                 DrawCall { vertex_buffers: &[], index_buffer: None, count: 4, instance_count: scene.sphere_count };
-            recorder.draw(&self.spheres, &binds, &push, &colors, &target.depth, clear, call)?;
+            recorder.draw(
+                &self.spheres,
+                &binds,
+                &push,
+                Targets { colors: &colors, depth: &target.depth, clear },
+                call,
+            )?;
             clear = false;
         }
         for mesh in &scene.meshes {
@@ -97,7 +103,13 @@ impl GbufferPass {
                 count: mesh.index_count,
                 instance_count: 1,
             };
-            recorder.draw(&self.meshes, &binds, &push, &colors, &target.depth, clear, call)?;
+            recorder.draw(
+                &self.meshes,
+                &binds,
+                &push,
+                Targets { colors: &colors, depth: &target.depth, clear },
+                call,
+            )?;
             clear = false;
         }
         assert!(!clear, "a scene has at least one sphere or mesh");

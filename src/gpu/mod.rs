@@ -21,5 +21,5 @@ pub use error::GpuError;
 pub use image::{Filter, Format, Image, Sampler, Wrap};
 pub use instance::{DeviceChoice, DeviceInfo, Options, devices};
 pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline, Slot};
-pub use recorder::{Bind, DrawCall, PassTime, Recorder, Report};
+pub use recorder::{Bind, DrawCall, PassTime, Recorder, Report, Targets};
 pub use shader::{BRDF_STEMS, DIFFUSE_STEMS, METHOD_STEMS, build_hash, has_shader};

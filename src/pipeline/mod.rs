@@ -234,7 +234,7 @@ fn read_radiance(
     };
     let radiance = read(&prepared.target.radiance)?;
     let invalid = |texel: &[f32; 3]| texel.iter().any(|x| !x.is_finite() || *x < 0.0);
-    if let Some(index) = radiance.data.iter().position(|texel| invalid(texel)) {
+    if let Some(index) = radiance.data.iter().position(invalid) {
         return Err(PipelineError::InvalidRadiance {
             stage: "shaded",
             count: radiance.data.iter().filter(|texel| invalid(texel)).count(),

@@ -17,6 +17,7 @@ use crate::scene::Camera;
 use crate::shade::pass::{ShadePass, Tables};
 use crate::shade::reference_pass::{Lobe, ReferencePass, Sums};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 /// Every pass, and the most recent of what they made.
@@ -291,8 +292,8 @@ impl Resources {
         let (size, level_count) = (settings.prefilter_size, settings.prefilter_level_count);
         let sample_count = settings.prefilter_sample_count;
         let name = request.brdf.name();
-        if !self.prefilter.contains_key(name) {
-            self.prefilter.insert(name, PrefilterPass::new(gpu, request.brdf)?);
+        if let Entry::Vacant(entry) = self.prefilter.entry(name) {
+            entry.insert(PrefilterPass::new(gpu, request.brdf)?);
         }
         let points = self.points.get_or_make((sample_count, 0), || points::upload(gpu, sample_count, 0))?;
         let (pass, sampler) = (&self.prefilter[name], self.shade.equirect_sampler());
@@ -308,8 +309,8 @@ impl Resources {
         let settings = &request.precompute;
         let (side, sample_count) = (settings.dfg_size, settings.dfg_sample_count);
         let key = (request.brdf.name(), request.masking_shadowing);
-        if !self.dfg.contains_key(&key) {
-            self.dfg.insert(key, DfgPass::new(gpu, request.brdf, request.masking_shadowing)?);
+        if let Entry::Vacant(entry) = self.dfg.entry(key) {
+            entry.insert(DfgPass::new(gpu, request.brdf, request.masking_shadowing)?);
         }
         let pass = &self.dfg[&key];
         self.dfg_tables.get_or_make((key.0, key.1, side, sample_count), || {

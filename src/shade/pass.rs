@@ -11,6 +11,7 @@ use crate::gpu::{
 use crate::scene::{Camera, Light, Projection};
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// What every shading pass needs to know besides the tables: camera and environment placement, and the method's parameters.
 #[derive(Clone, Debug)]
@@ -143,23 +144,23 @@ impl ShadePass {
         masking_shadowing: MaskingShadowing,
     ) -> Result<(), GpuError> {
         let key = (method.name, brdf.name(), masking_shadowing);
-        if !self.specular.contains_key(&key) {
+        if let Entry::Vacant(entry) = self.specular.entry(key) {
             let general = format!("shade/specular.comp:{}", method.name);
             let special = format!("{general}:{}", brdf.name());
             let shader = if has_shader(&special) { special } else { general };
             let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled; 3], &[Slot::Buffer; 2]].concat();
             let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &[masking_shadowing as u32])?;
-            self.specular.insert(key, pipeline);
+            entry.insert(pipeline);
         }
         Ok(())
     }
 
     /// Makes the pipeline of a diffuse method, if it is not made yet.
     pub fn prepare_diffuse(&mut self, gpu: &Gpu, diffuse: &Diffuse) -> Result<(), GpuError> {
-        if !self.diffuse.contains_key(diffuse.name) {
+        if let Entry::Vacant(entry) = self.diffuse.entry(diffuse.name) {
             let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled; 2], &[Slot::Buffer; 2]].concat();
             let shader = format!("shade/diffuse.comp:{}", diffuse.name);
-            self.diffuse.insert(diffuse.name, gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &[])?);
+            entry.insert(gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &[])?);
         }
         Ok(())
     }
@@ -172,11 +173,11 @@ impl ShadePass {
         masking_shadowing: MaskingShadowing,
     ) -> Result<(), GpuError> {
         let key = (brdf.name(), masking_shadowing);
-        if !self.lights.contains_key(&key) {
+        if let Entry::Vacant(entry) = self.lights.entry(key) {
             let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled, Slot::Buffer, Slot::Buffer]].concat();
             let shader = format!("shade/lights.comp:{}", brdf.name());
             let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &[masking_shadowing as u32])?;
-            self.lights.insert(key, pipeline);
+            entry.insert(pipeline);
         }
         Ok(())
     }

@@ -7,6 +7,7 @@ use crate::glsl::constants::GROUP_SIDE;
 use crate::glsl::layout::{ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, ComputePipeline, Filter, Gpu, GpuError, Image, Report, Sampler, Slot, Wrap};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// Fewest independent scrambles: with 16, the standard error is itself known to about 18 %.
 pub const SCRAMBLE_COUNT_MIN: u32 = 16;
@@ -117,17 +118,17 @@ impl ReferencePass {
     /// Makes the pipelines of a term, if they are not made yet.
     pub fn prepare(&mut self, gpu: &Gpu, lobe: Lobe) -> Result<(), GpuError> {
         let key = lobe.key();
-        if !self.integrate.contains_key(&key) {
+        if let Entry::Vacant(entry) = self.integrate.entry(key) {
             let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled], &[Slot::Buffer; 3]].concat();
             let shader = format!("shade/reference.comp:{}", lobe.permutation());
             let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &[key.1 as u32])?;
-            self.integrate.insert(key, pipeline);
+            entry.insert(pipeline);
         }
-        if !self.resolve.contains_key(key.0) {
+        if let Entry::Vacant(entry) = self.resolve.entry(key.0) {
             let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled], &[Slot::Buffer; 4]].concat();
             let shader = format!("shade/reference_resolve.comp:{}", lobe.permutation());
             let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &[key.1 as u32])?;
-            self.resolve.insert(key.0, pipeline);
+            entry.insert(pipeline);
         }
         Ok(())
     }

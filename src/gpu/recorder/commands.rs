@@ -18,6 +18,15 @@ pub struct DrawCall<'a> {
     pub instance_count: u32,
 }
 
+/// Where a draw goes.
+#[derive(Clone, Copy)]
+pub struct Targets<'a> {
+    pub colors: &'a [&'a Image],
+    pub depth: &'a Image,
+    /// Clears first: colours to 0, depth to 1.
+    pub clear: bool,
+}
+
 impl Recorder {
     /// Binds and dispatches; `push` are the push constants' bytes.
     pub fn dispatch(
@@ -42,17 +51,16 @@ impl Recorder {
         Ok(())
     }
 
-    /// Draws into `colors` and `depth` (cleared first if `clear`: colours to 0, depth to 1).
+    /// Draws into `targets`.
     pub fn draw(
         &mut self,
         pipeline: &GraphicsPipeline,
         binds: &[Bind<'_>],
         push: &[u8],
-        colors: &[&Image],
-        depth: &Image,
-        clear: bool,
+        targets: Targets<'_>,
         call: DrawCall<'_>,
     ) -> Result<(), GpuError> {
+        let Targets { colors, depth, clear } = targets;
         let inner = &pipeline.inner;
         self.check(inner, binds, push);
         self.access_binds(binds);

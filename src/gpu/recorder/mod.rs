@@ -4,7 +4,7 @@ mod binding;
 mod commands;
 
 pub use binding::Bind;
-pub use commands::DrawCall;
+pub use commands::{DrawCall, Targets};
 
 use super::device::Shared;
 use super::{Gpu, GpuError};
