@@ -7,9 +7,18 @@ cd "$(dirname "$0")/.."
 require_rust
 require has_compiler g++ has_loader libvulkan1 has_driver mesa-vulkan-drivers has_validation vulkan-validationlayers
 
+# A check that fails does not keep the next one from running; the last lines are those of the test runner.
+status=0
+check() {
+    say "cargo $*"
+    cargo "$@" || {
+        status=1
+        say "FAILED: cargo $*"
+    }
+}
+
 if cargo fmt --version >/dev/null 2>&1; then
-    say "cargo fmt --check"
-    cargo fmt --check
+    check fmt --check
 else
     say "skipped: cargo fmt --check (rustfmt is not installed; rustup component add rustfmt)"
 fi
@@ -21,11 +30,12 @@ say "Vulkan devices"
 require_device
 
 if cargo clippy --version >/dev/null 2>&1; then
-    say "cargo clippy"
-    cargo clippy --release --locked --all-targets -- -D warnings
+    check clippy --release --locked --all-targets -- -D warnings
 else
     say "skipped: cargo clippy (clippy is not installed; rustup component add clippy)"
 fi
 
+[ "$status" -eq 0 ] || say "a check above FAILED; the tests run all the same"
 say "cargo test"
-exec cargo test --release --locked --no-fail-fast
+cargo test --release --locked --no-fail-fast || status=1
+exit "$status"
