@@ -1,1 +1,283 @@
+//! Every method against f64, on a few pixels of a small frame.
 
+use crate::compare::{Tolerance, Worst, relative};
+use crate::harness::{bilinear, golden_environment, request, scene, with_gpu, with_pipeline};
+use crate::tables::{dfg_table, environment_image, prefiltered};
+use glam::{DVec2, DVec3};
+use splitsum::brdf::{MODELS, reflect};
+use splitsum::gbuffer::reference::gbuffer;
+use splitsum::math::equirect::uv_from_direction;
+use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
+use splitsum::precompute::prefilter::mip_from_alpha;
+use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
+use splitsum::scene::{CameraKind, MaterialOverride};
+use splitsum::shade::pass::environment_from_world;
+use splitsum::shade::reference::{Surface, integrate_all, seed0_literal};
+use splitsum::shade::{diffuse_by_name, method_by_name};
+
+use splitsum::math::quadrature;
+
+/// Far below the error of every method here.
+pub const EXACT: quadrature::Tolerance = quadrature::Tolerance { relative: 1e-4, max_part_count: 100_000 };
+
+/// A pixel of a frame and the surface it shows, in the environment's frame.
+pub struct Sight {
+    pub pixel: [u32; 2],
+    pub surface: Surface,
+}
+
+/// Every `step`-th pixel that hits something.
+pub fn sights(request: &RenderRequest, step: usize) -> Vec<Sight> {
+    let turn = environment_from_world(request.environment_rotation_deg);
+    let texels = gbuffer(&request.scene, &request.camera, request.size);
+    let [width, height] = request.size;
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    let hit = pixels.filter(|&[x, y]| texels.position_mask.get(x, y)[3] == 1.0);
+    let sight = |pixel: [u32; 2]| {
+        let at = |attachment: &splitsum::pixels::Pixels<[f64; 4]>| {
+            let texel = attachment.get(pixel[0], pixel[1]);
+            (DVec3::new(texel[0], texel[1], texel[2]), texel[3])
+        };
+        let ((position, _), (n, alpha)) = (at(&texels.position_mask), at(&texels.normal_alpha));
+        let surface = Surface {
+            model: request.brdf,
+            masking: request.masking_shadowing,
+            alpha,
+            f0: at(&texels.f0_material).0,
+            n: turn * n,
+            v: turn * request.camera.v_at(position),
+        };
+        Sight { pixel, surface }
+    };
+    hit.step_by(step).map(sight).collect()
+}
+
+/// The radiance of a pixel.
+pub fn radiance(frame: &Frame, [x, y]: [u32; 2]) -> DVec3 {
+    DVec3::from_array(frame.radiance.get(x, y).map(f64::from))
+}
+
+fn method(name: &str) -> &'static splitsum::shade::Method {
+    method_by_name(name).unwrap()
+}
+
+fn coloured_sphere(alpha: f32) -> splitsum::scene::Scene {
+    let material = MaterialOverride { alpha: Some(alpha), f0: Some([0.04, 0.5, 1.0]), ..MaterialOverride::default() };
+    scene("sphere", material)
+}
+
+/// What the device and f64 read: 12 x 12 pixels in perspective, so that every pixel has its own v.
+fn small_request(environment: &std::sync::Arc<splitsum::environment::Environment>, alpha: f32) -> RenderRequest {
+    RenderRequest {
+        environment_rotation_deg: 30.0,
+        ..request(environment, coloured_sphere(alpha), CameraKind::Perspective, [12, 12])
+    }
+}
+
+#[test]
+fn the_reference_meets_the_oracle_within_its_standard_error() {
+    with_pipeline(|pipeline| {
+        let environment = golden_environment();
+        let exact = exact_quadrature(&environment.image);
+        let (mut sum, mut count) = (0.0, 0);
+        for model in MODELS {
+            for alpha in [0.02, 0.3, 1.0] {
+                let request = RenderRequest {
+                    method: method("reference"),
+                    reference_samples: 2048,
+                    brdf: *model,
+                    ..small_request(&environment, alpha)
+                };
+                let frame = pipeline.render(&request).unwrap();
+                let sights = sights(&request, 17);
+                let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
+                for (sight, answer) in sights.iter().zip(integrate_all(&exact, &surfaces, EXACT)) {
+                    let [x, y] = sight.pixel;
+                    let sigma = frame.standard_error.as_ref().unwrap().get(x, y).map(f64::from);
+                    let off = radiance(&frame, sight.pixel) - answer.specular.value;
+                    for c in 0..3 {
+                        // 1e-5: f32 and the oracle's own error. The error of 16 scrambles is itself uncertain, hence 6 sigma.
+                        let floor = 1e-5 * answer.specular.value[c];
+                        assert!(sigma[c] < 0.02 * answer.specular.value[c], "{} {alpha} {x} {y}: {sigma:?}", model.name());
+                        assert!(off[c].abs() < 6.0 * sigma[c] + floor, "{} {alpha} {x} {y}: {off} sigma {sigma:?}", model.name());
+                        sum += (off[c] / (sigma[c] + floor)).powi(2);
+                        count += 1;
+                    }
+                }
+            }
+        }
+        // Student's t with 15 degrees of freedom has variance 15/13; three channels share their points.
+        let mean_square = sum / f64::from(count);
+        println!("mean square of {count} errors in sigmas: {mean_square}");
+        assert!((0.5..2.0).contains(&mean_square), "{mean_square}: the stated error is not the error");
+    });
+}
+
+#[test]
+fn the_diffuse_reference_meets_the_oracle() {
+    with_pipeline(|pipeline| {
+        let environment = golden_environment();
+        let request = RenderRequest {
+            method: method("none"),
+            diffuse: diffuse_by_name("reference").unwrap(),
+            ..small_request(&environment, 0.3)
+        };
+        let frame = pipeline.render(&request).unwrap();
+        let sights = sights(&request, 9);
+        let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
+        let answers = integrate_all(&exact_quadrature(&environment.image), &surfaces, EXACT);
+        for (sight, answer) in sights.iter().zip(answers) {
+            let sigma = frame.standard_error.as_ref().unwrap().get(sight.pixel[0], sight.pixel[1]).map(f64::from);
+            // The albedo of the default material.
+            let off = radiance(&frame, sight.pixel) - 0.8 * answer.diffuse.value;
+            for c in 0..3 {
+                assert!(off[c].abs() < 6.0 * sigma[c] + 1e-5, "{:?}: {off} sigma {sigma:?}", sight.pixel);
+            }
+        }
+    });
+}
+
+/// Root of the mean square relative error (of the brightest channel) of a method against exact values.
+fn rms(pipeline: &mut Pipeline, request: &RenderRequest, sights: &[Sight], expected: &[DVec3]) -> f64 {
+    let frame = pipeline.render(request).unwrap();
+    let squares = sights.iter().zip(expected).map(|(sight, expected)| {
+        ((radiance(&frame, sight.pixel) - *expected).abs().max_element() / expected.max_element()).powi(2)
+    });
+    (squares.sum::<f64>() / sights.len() as f64).sqrt()
+}
+
+#[test]
+fn sampled_methods_converge_to_what_they_estimate() {
+    const COUNTS: [u32; 3] = [32, 512, 16384];
+    with_pipeline(|pipeline| {
+        let environment = golden_environment();
+        let exact = exact_quadrature(&environment.image);
+        for model in MODELS {
+            let base = RenderRequest { brdf: *model, ..small_request(&environment, 0.3) };
+            let sights = sights(&base, 13);
+            let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
+            let right: Vec<DVec3> =
+                integrate_all(&exact, &surfaces, EXACT).iter().map(|answer| answer.specular.value).collect();
+            let printed: Vec<DVec3> =
+                surfaces.iter().map(|surface| seed0_literal(&exact, surface, EXACT).value).collect();
+            // Relative, at 16384 points: the sun of 100 times the sky is hit by a few hundred of them.
+            for (name, expected, tolerance) in
+                [("sampled", &right, 3e-3), ("sampled-unfiltered", &right, 5e-3), ("seed0-literal", &printed, 5e-3)]
+            {
+                let errors = COUNTS.map(|samples| {
+                    let request = RenderRequest { method: method(name), samples, ..base.clone() };
+                    rms(pipeline, &request, &sights, expected)
+                });
+                println!("{} {name}: {errors:?}", model.name());
+                assert!(errors[2] < tolerance, "{} {name}: {errors:?}", model.name());
+                assert!(errors[0] > errors[1] && errors[1] > errors[2], "{} {name}: {errors:?}", model.name());
+            }
+        }
+    });
+}
+
+#[test]
+fn split_sum_is_the_product_of_its_tables() {
+    // Trilinear lookups in f32 at coordinates of 1.5e-7: the steps of a map with a sun of 100 times the sky between 64 texels.
+    const F32_LOOKUP: Tolerance = relative(2e-4);
+    const SETTINGS: (u32, u32, u32) = (64, 32, 128);
+    with_gpu(|gpu| {
+        with_pipeline(|pipeline| {
+            let environment = golden_environment();
+            let image = environment_image(gpu, &environment.image);
+            let (size, level_count) = ([64, 32], 3);
+            for model in MODELS {
+                let base = small_request(&environment, 0.3);
+                let levels = prefiltered(gpu, &image, *model, size, level_count, SETTINGS.0);
+                let table = dfg_table(gpu, *model, base.masking_shadowing, SETTINGS.1, SETTINGS.2);
+                let request = RenderRequest {
+                    brdf: *model,
+                    precompute: PrecomputeSettings {
+                        prefilter_size: size,
+                        prefilter_level_count: level_count,
+                        prefilter_sample_count: SETTINGS.0,
+                        dfg_size: SETTINGS.1,
+                        dfg_sample_count: SETTINGS.2,
+                        ..PrecomputeSettings::default()
+                    },
+                    ..base
+                };
+                let frame = pipeline.render(&request).unwrap();
+                let mut worst = Worst::new(format!("split-sum of {}", model.name()), F32_LOOKUP);
+                for Sight { pixel, surface } in sights(&request, 3) {
+                    let uv = uv_from_direction(reflect(surface.v, surface.n));
+                    let mip = mip_from_alpha(surface.alpha, level_count);
+                    let level = |k: f64| bilinear(&levels[k as usize], uv, true);
+                    let mean = level(mip.floor()).lerp(level(mip.floor() + 1.0), mip.fract());
+                    let pair = bilinear(&table, DVec2::new(surface.n.dot(surface.v), surface.alpha.sqrt()), false);
+                    let expected = mean * (surface.f0 * pair.x + pair.y);
+                    worst.add_rgb(radiance(&frame, pixel), expected, || format!("{pixel:?} {surface:?}"));
+                }
+                worst.check();
+            }
+        });
+    });
+}
+
+#[test]
+fn diffuse_methods_meet_the_oracle() {
+    // SH9 is an approximation (a few per cent under a sky with a small sun); the map has the error of its points and texels.
+    with_pipeline(|pipeline| {
+        let environment = golden_environment();
+        let exact = exact_quadrature(&environment.image);
+        for (name, tolerance) in [("sh9", 0.08), ("irradiance-map", 0.015)] {
+            let white = MaterialOverride { albedo: Some([1.0; 3]), ..MaterialOverride::default() };
+            let request = RenderRequest {
+                method: method("none"),
+                diffuse: diffuse_by_name(name).unwrap(),
+                environment_rotation_deg: -110.0,
+                ..request(&environment, scene("sphere", white), CameraKind::Ortho, [12, 12])
+            };
+            let sights = sights(&request, 9);
+            let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
+            let expected: Vec<DVec3> =
+                integrate_all(&exact, &surfaces, EXACT).iter().map(|answer| answer.diffuse.value).collect();
+            let error = rms(pipeline, &request, &sights, &expected);
+            println!("{name}: {error}");
+            assert!(error < tolerance && error > 0.0, "{name}: {error}");
+        }
+    });
+}
+
+#[test]
+fn the_diffuse_term_takes_what_the_lobe_leaves() {
+    // (1 - (f0 A + B)) (1 - metallic) albedo E / pi under radiance 1, where E / pi is 1; with no specular term just the albedo.
+    with_gpu(|gpu| {
+        with_pipeline(|pipeline| {
+            let white = crate::harness::constant_environment([1.0; 3]);
+            let material = MaterialOverride {
+                albedo: Some([0.9, 0.5, 0.1]),
+                metallic: Some(0.25),
+                alpha: Some(0.4),
+                f0: Some([0.04, 0.3, 0.6]),
+            };
+            let base = request(&white, scene("sphere", material), CameraKind::Ortho, [9, 9]);
+            let side = base.precompute.dfg_size;
+            let table = dfg_table(gpu, base.brdf, base.masking_shadowing, side, base.precompute.dfg_sample_count);
+            // The map of radiance 1 is 1 within the roundings of 4096 additions.
+            let mut worst = Worst::new("diffuse beside specular", relative(1e-5));
+            let albedo = DVec3::new(0.9f32.into(), 0.5f32.into(), 0.1f32.into());
+            for name in ["none", "split-sum"] {
+                let with = |diffuse| RenderRequest {
+                    method: method(name),
+                    diffuse: diffuse_by_name(diffuse).unwrap(),
+                    ..base.clone()
+                };
+                let both = pipeline.render(&with("irradiance-map")).unwrap();
+                let specular = pipeline.render(&with("none")).unwrap();
+                for Sight { pixel, surface } in sights(&base, 4) {
+                    let pair = bilinear(&table, DVec2::new(surface.n.dot(surface.v), surface.alpha.sqrt()), false);
+                    let left = if name == "none" { DVec3::ONE } else { 1.0 - (surface.f0 * pair.x + pair.y) };
+                    let diffuse = radiance(&both, pixel) - radiance(&specular, pixel);
+                    worst.add_rgb(diffuse, 0.75 * albedo * left, || format!("{name} {pixel:?}"));
+                }
+            }
+            worst.check();
+        });
+    });
+}

@@ -1,1 +1,447 @@
+//! Every precomputed table against its f64 twin and against outside numbers.
 
+use crate::compare::{Tolerance, Worst, absolute, relative};
+use crate::harness::{
+    bilinear, golden_environment, golden_rows, number, poison_image, poisoned_buffer, read_level, vector, with_gpu, xyz,
+};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use splitsum::brdf::{self, MODELS, MaskingShadowing};
+use splitsum::gpu::{Buffer, Filter, Format, Gpu, Image, Sampler, Wrap};
+use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, uv_from_direction};
+use splitsum::math::quadrature;
+use splitsum::math::spherical_harmonics::{COUNT, irradiance};
+use splitsum::pixels::{Pixels, RgbImage};
+use splitsum::precompute::dfg::pass::DfgPass;
+use splitsum::precompute::dfg::{self, reference::dfg};
+use splitsum::precompute::irradiance::{pass::IrradiancePass, reference::irradiance as exact_irradiance};
+use splitsum::precompute::mips::{level_count, pass::MipsPass, reference::chain};
+use splitsum::precompute::prefilter::{alpha_from_mip, mip_from_alpha, pass::PrefilterPass, reference::prefilter};
+use splitsum::precompute::sh9::{pass::Sh9Pass, reference::project_texel_centers};
+use splitsum::precompute::{exact_quadrature, points};
+use std::f64::consts::PI;
+
+/// The exact integrals need no more digits than the tables have.
+const EXACT: quadrature::Tolerance = quadrature::Tolerance { relative: 1e-5, max_part_count: 100_000 };
+
+/// The environment with its mip chain on the device; every level starts as NaN.
+pub fn environment_image(gpu: &Gpu, environment: &RgbImage) -> Image {
+    let size = [environment.width, environment.height];
+    let image = gpu.image("environment", size, level_count(size), Format::Rgba32Float).unwrap();
+    poison_image(gpu, &image);
+    let texels: Vec<[f32; 4]> = environment.data.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+    gpu.write_image(&image, 0, &texels).unwrap();
+    let mut recorder = gpu.record("mips").unwrap();
+    MipsPass::new(gpu).unwrap().record(&mut recorder, &image).unwrap();
+    recorder.submit().unwrap();
+    image
+}
+
+fn equirect_sampler(gpu: &Gpu) -> Sampler {
+    gpu.sampler(Filter::Linear, Wrap::Equirect).unwrap()
+}
+
+/// A map with a sun of `peak` in one texel.
+fn sunny(size: [u32; 2], sun: [u32; 2], peak: f32) -> RgbImage {
+    RgbImage::from_fn(size[0], size[1], |x, y| {
+        if [x, y] == sun { [peak, 0.9 * peak, 0.8 * peak] } else { [0.1 + 0.01 * (x % 7) as f32, 0.2, 0.3 + 0.02 * (y % 5) as f32] }
+    })
+}
+
+fn texel_direction(x: u32, y: u32, size: [u32; 2]) -> DVec3 {
+    let [width, height] = size.map(f64::from);
+    direction_from_uv(DVec2::new((f64::from(x) + 0.5) / width, (f64::from(y) + 0.5) / height))
+}
+
+fn sphere_integral(level: &Pixels<DVec3>) -> DVec3 {
+    let texels = (0..level.height).flat_map(|y| (0..level.width).map(move |x| (x, y)));
+    texels.map(|(x, y)| level.get(x, y) * texel_solid_angle(y, level.width, level.height)).sum()
+}
+
+#[test]
+fn mips_equal_their_twin_and_keep_the_integral() {
+    // A mean of a few texels in f32, carried down 8 levels; radiance is positive, so nothing cancels.
+    const F32_CHAIN: Tolerance = relative(3e-6);
+    with_gpu(|gpu| {
+        let mut worst = Worst::new("mips", F32_CHAIN);
+        let mut integral = Worst::new("integral of each level", relative(3e-6));
+        for size in [[64, 32], [33, 17], [15, 7], [5, 9], [100, 31], [2, 1], [1, 1]] {
+            let environment = sunny(size, [size[0] / 3, size[1] / 2], 72_704.0);
+            let image = environment_image(gpu, &environment);
+            let levels = chain(&environment);
+            assert_eq!(image.mip_count() as usize, levels.len());
+            for (mip, expected) in (0..).zip(&levels) {
+                let level = read_level(gpu, &image, mip);
+                assert_eq!([level.width, level.height], [expected.width, expected.height]);
+                for (i, (actual, expected)) in level.data.iter().zip(&expected.data).enumerate() {
+                    worst.add_rgb(*actual, *expected, || format!("{size:?} level {mip} texel {i}"));
+                }
+                integral.add_rgb(sphere_integral(&level), sphere_integral(&levels[0]), || format!("{size:?} level {mip}"));
+            }
+        }
+        [worst, integral].into_iter().for_each(Worst::check);
+    });
+}
+
+fn coefficients(gpu: &Gpu, image: &Image) -> (Buffer, [DVec3; COUNT]) {
+    let buffer = poisoned_buffer(gpu, "coefficients", Sh9Pass::coefficients(gpu).unwrap().size());
+    let mut recorder = gpu.record("sh9").unwrap();
+    Sh9Pass::new(gpu).unwrap().record(&mut recorder, image, &buffer).unwrap();
+    recorder.submit().unwrap();
+    let read: Vec<[f32; 4]> = gpu.read_buffer(&buffer).unwrap();
+    let values = std::array::from_fn(|k| xyz(read[k].map(f64::from)));
+    (buffer, values)
+}
+
+#[test]
+fn sh9_meets_the_golden_coefficients() {
+    with_gpu(|gpu| {
+        let environment = golden_environment();
+        let (_, values) = coefficients(gpu, &environment_image(gpu, &environment.image));
+        let json: serde_json::Value =
+            serde_json::from_str(&std::fs::read_to_string("tests/golden/sh9.json").unwrap()).unwrap();
+        let golden = |k: usize, c: usize| json["envs"]["analytic"]["L_seed_sum"][k][c].as_f64().unwrap();
+        let mut worst = Worst::new("SH9, of L00", absolute(1e-6));
+        for (k, value) in values.iter().enumerate() {
+            for c in 0..3 {
+                worst.add(value[c] / golden(0, c), golden(k, c) / golden(0, c), || format!("coefficient {k}, channel {c}"));
+            }
+        }
+        worst.check();
+    });
+}
+
+#[test]
+fn sh9_adds_suns_and_skies_without_loss() {
+    with_gpu(|gpu| {
+        let mut worst = Worst::new("SH9 with a sun, of L00", absolute(1e-6));
+        for (size, sun) in [([512, 256], [300, 70]), ([77, 31], [76, 0]), ([3, 2], [1, 1])] {
+            let environment = sunny(size, sun, 72_704.0);
+            let (_, values) = coefficients(gpu, &environment_image(gpu, &environment));
+            let expected = project_texel_centers(&environment);
+            for k in 0..COUNT {
+                worst.add_rgb(values[k] / expected[0], expected[k] / expected[0], || format!("{size:?} coefficient {k}"));
+            }
+        }
+        worst.check();
+    });
+}
+
+#[test]
+fn sh9_of_white_light_is_irradiance_pi() {
+    with_gpu(|gpu| {
+        // 256 rows: the midpoint sum over theta is off by pi^2 / (24 H^2) = 6e-6 in degree 0, and as much again in degree 2.
+        let (_, values) = coefficients(gpu, &environment_image(gpu, &RgbImage::filled(512, 256, [1.0; 3])));
+        let mut worst = Worst::new("E of white light", relative(2e-5));
+        for n in [DVec3::X, DVec3::Y, DVec3::NEG_Z, DVec3::new(0.48, 0.6, -0.64)] {
+            worst.add_rgb(irradiance(&values, n), DVec3::splat(PI), || format!("{n}"));
+        }
+        worst.check();
+    });
+}
+
+#[test]
+fn irradiance_map_from_sh9() {
+    with_gpu(|gpu| {
+        let environment = sunny([64, 32], [10, 9], 5000.0);
+        let (buffer, values) = coefficients(gpu, &environment_image(gpu, &environment));
+        let map = IrradiancePass::map(gpu, [48, 23]).unwrap();
+        poison_image(gpu, &map);
+        let mut recorder = gpu.record("irradiance").unwrap();
+        IrradiancePass::new(gpu).unwrap().record_from_sh9(&mut recorder, &buffer, &map).unwrap();
+        recorder.submit().unwrap();
+        let level = read_level(gpu, &map, 0);
+        // Terms of the size of L00 cancel where the sum is near 0.
+        let scale = values[0].max_element();
+        let mut worst = Worst::new("irradiance from SH9, of L00", absolute(2e-6));
+        let mut floored = 0;
+        for (x, y) in (0..23).flat_map(|y| (0..48).map(move |x| (x, y))) {
+            let expected = irradiance(&values, texel_direction(x, y, [48, 23])) / PI;
+            floored += usize::from(expected.min_element() < 0.0);
+            worst.add_rgb(level.get(x, y) / scale, expected.max(DVec3::ZERO) / scale, || format!("texel {x} {y}"));
+        }
+        worst.check();
+        assert!(floored > 10, "the map never rings below 0: the floor is not tested");
+    });
+}
+
+#[test]
+fn irradiance_map_by_integration() {
+    // A lookup spreads light over the trilinear footprint of its level, about two cells of the grid and longer in theta near the
+    // poles. A sun of 100 times the sky then costs 1.2 % at 128 x 32 points, and 16 times less with a quarter of the cell.
+    const POINTS: [([u32; 2], Tolerance); 2] = [([128, 32], relative(1.5e-2)), ([512, 128], relative(1e-3))];
+    const SIZE: [u32; 2] = [16, 8];
+    with_gpu(|gpu| {
+        let environment = golden_environment();
+        let image = environment_image(gpu, &environment.image);
+        let exact = exact_quadrature(&environment.image);
+        let texels: Vec<(u32, u32)> = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))).collect();
+        let expected: Vec<DVec3> = texels
+            .par_iter()
+            .map(|&(x, y)| exact_irradiance(&exact, texel_direction(x, y, SIZE), EXACT).value / PI)
+            .collect();
+        for (sample_count, tolerance) in POINTS {
+            let map = IrradiancePass::map(gpu, SIZE).unwrap();
+            poison_image(gpu, &map);
+            let mut recorder = gpu.record("irradiance").unwrap();
+            let pass = IrradiancePass::new(gpu).unwrap();
+            pass.record_integrate(&mut recorder, &image, &equirect_sampler(gpu), sample_count, &map).unwrap();
+            recorder.submit().unwrap();
+            let level = read_level(gpu, &map, 0);
+            let mut worst = Worst::new(format!("irradiance from {sample_count:?} points"), tolerance);
+            for ((x, y), expected) in texels.iter().zip(&expected) {
+                worst.add_rgb(level.get(*x, *y), *expected, || format!("texel {x} {y}"));
+            }
+            worst.check();
+        }
+    });
+}
+
+/// The levels of the prefiltered map of a model.
+pub fn prefiltered(
+    gpu: &Gpu,
+    image: &Image,
+    model: &dyn brdf::Brdf,
+    size: [u32; 2],
+    levels: u32,
+    sample_count: u32,
+) -> Vec<Pixels<DVec3>> {
+    let map = PrefilterPass::map(gpu, size, levels).unwrap();
+    poison_image(gpu, &map);
+    let points = points::upload(gpu, sample_count).unwrap();
+    let pass = PrefilterPass::new(gpu, model).unwrap();
+    pass.run(gpu, image, &equirect_sampler(gpu), &points, sample_count, &map).unwrap();
+    (0..levels).map(|level| read_level(gpu, &map, level)).collect()
+}
+
+/// Level 1 is alpha 0.25 at 64 x 32 texels, level 2 alpha 1 at 32 x 16.
+const PREFILTER_SIZE: [u32; 2] = [128, 64];
+const PREFILTER_LEVELS: u32 = 3;
+
+#[test]
+fn prefiltered_levels_converge_to_the_exact_integral() {
+    // Each lookup spreads light over the trilinear footprint of its level, more than the sample's share of the lobe. Beside a sun of
+    // 100 times the sky that costs up to 13 % at 256 samples, and a tenth of that at 4096.
+    const SAMPLES: [(u32, Tolerance); 2] = [(256, relative(0.16)), (4096, relative(2e-2))];
+    with_gpu(|gpu| {
+        let environment = golden_environment();
+        let image = environment_image(gpu, &environment.image);
+        let exact = exact_quadrature(&environment.image);
+        for model in MODELS {
+            let texels: Vec<(u32, u32, u32)> = (1..PREFILTER_LEVELS)
+                .flat_map(|k| {
+                    let [width, height] = PREFILTER_SIZE.map(|side| side >> k);
+                    let rows = [0, height / 5, height / 2, height - 1];
+                    rows.into_iter().flat_map(move |y| (0..width).step_by(width as usize / 4).map(move |x| (k, x, y)))
+                })
+                .collect();
+            let expected: Vec<DVec3> = texels
+                .par_iter()
+                .map(|&(k, x, y)| {
+                    let r = texel_direction(x, y, PREFILTER_SIZE.map(|side| side >> k));
+                    prefilter(&exact, *model, alpha_from_mip(f64::from(k), PREFILTER_LEVELS), r, EXACT).value
+                })
+                .collect();
+            for (sample_count, tolerance) in SAMPLES {
+                let levels = prefiltered(gpu, &image, *model, PREFILTER_SIZE, PREFILTER_LEVELS, sample_count);
+                let mut worst = Worst::new(format!("prefilter of {} by {sample_count}", model.name()), tolerance);
+                for ((k, x, y), expected) in texels.iter().zip(&expected) {
+                    worst.add_rgb(levels[*k as usize].get(*x, *y), *expected, || format!("level {k} texel {x} {y}"));
+                }
+                worst.check();
+            }
+        }
+    });
+}
+
+#[test]
+fn prefiltered_lookups_meet_the_golden_table() {
+    // 4096 samples (1 %) and bilinear lookups between the 64 x 32 texels of a lobe of alpha 0.25, or 32 x 16 of alpha 1.
+    const LOOKUP: Tolerance = relative(2e-2);
+    with_gpu(|gpu| {
+        let environment = golden_environment();
+        let image = environment_image(gpu, &environment.image);
+        let rows = golden_rows("tests/golden/prefilter.csv");
+        for model in MODELS {
+            let levels = prefiltered(gpu, &image, *model, PREFILTER_SIZE, PREFILTER_LEVELS, 4096);
+            let mut worst = Worst::new(format!("prefiltered lookup of {}", model.name()), LOOKUP);
+            for row in rows.iter().filter(|row| row[1] == *model.name()) {
+                let (alpha, uv) = (number(row, 2), uv_from_direction(vector(row, 3)));
+                let mip = mip_from_alpha(alpha, PREFILTER_LEVELS);
+                // What two levels say of a lobe between them is the split sum's approximation, not this table's error.
+                if mip.fract() == 0.0 {
+                    worst.add_rgb(bilinear(&levels[mip as usize], uv, true), vector(row, 6), || format!("{row:?}"));
+                }
+            }
+            worst.check();
+        }
+    });
+}
+
+#[test]
+fn level_0_is_the_mirror() {
+    with_gpu(|gpu| {
+        // As large as the environment: texel for texel the environment itself.
+        let environment = sunny([64, 32], [10, 9], 5000.0);
+        let image = environment_image(gpu, &environment);
+        let levels = prefiltered(gpu, &image, MODELS[0], [64, 32], 2, 16);
+        // A direction is within 4e-7 of its texel's centre: 1e-5 texels, times the step to a sun of 5000.
+        let mut worst = Worst::new("level 0", Tolerance { relative: 1e-5, floor: 0.1 });
+        for (i, (actual, expected)) in levels[0].data.iter().zip(&environment.data).enumerate() {
+            worst.add_rgb(*actual, DVec3::from_array(expected.map(f64::from)), || format!("texel {i}"));
+        }
+        worst.check();
+    });
+}
+
+/// A DFG table read back: x is the scale of f0, y the scale of f90.
+pub fn dfg_table(
+    gpu: &Gpu,
+    model: &dyn brdf::Brdf,
+    masking: MaskingShadowing,
+    side: u32,
+    sample_count: u32,
+) -> Pixels<DVec3> {
+    let table = DfgPass::table(gpu, side).unwrap();
+    poison_image(gpu, &table);
+    let points = points::upload(gpu, sample_count).unwrap();
+    DfgPass::new(gpu, model, masking).unwrap().run(gpu, &points, sample_count, &table).unwrap();
+    read_level(gpu, &table, 0)
+}
+
+#[test]
+fn dfg_tables_meet_their_integral_at_texel_centers() {
+    // Each of 1024 points stands for an albedo of 1e-3, and the horizon cuts the lobe between two of them.
+    const POINTS_1024: Tolerance = absolute(2e-3);
+    // Phong has no sampler of visible normals: at a grazing view a few points of D carry most of the albedo.
+    const POINTS_1024_OF_D: Tolerance = absolute(2.5e-2);
+    const SIDE: u32 = 16;
+    with_gpu(|gpu| {
+        for model in MODELS {
+            for (name, masking) in MaskingShadowing::ALL {
+                let table = dfg_table(gpu, *model, *masking, SIDE, 1024);
+                let texels: Vec<(u32, u32)> =
+                    [0, 4, 9, 15].into_iter().flat_map(|y| [0, 6, 15].map(|x| (x, y))).collect();
+                let expected: Vec<_> = texels
+                    .par_iter()
+                    .map(|&(x, y)| {
+                        let center = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
+                        let parameters = dfg::parameters_from_texel(center, SIDE);
+                        (parameters, dfg(*model, *masking, parameters.x, parameters.y.max(1e-3)))
+                    })
+                    .collect();
+                let tolerance = if model.name() == "phong" { POINTS_1024_OF_D } else { POINTS_1024 };
+                let mut worst = Worst::new(format!("DFG of {} {name}", model.name()), tolerance);
+                for ((x, y), (parameters, pair)) in texels.into_iter().zip(expected) {
+                    let texel = table.get(x, y);
+                    let case = || format!("n_dot_v {} alpha {}", parameters.x, parameters.y);
+                    worst.add(texel.x, pair.f0_scale, case);
+                    worst.add(texel.y, pair.f90_scale, case);
+                }
+                worst.check();
+            }
+        }
+    });
+}
+
+#[test]
+fn dfg_lookups_meet_outside_tables() {
+    // 1024 points (1e-3) and bilinear interpolation between 128 x 128 texels.
+    const TABLE_128: Tolerance = absolute(2e-3);
+    // Half a texel of the edge is held constant: at perceptual roughness 1, where A falls by 1.3 per unit, that is 1.3 / 256.
+    const EDGE_128: Tolerance = absolute(2e-3 + 5e-3);
+    const SIDE: u32 = 128;
+    let cases = |model: &str, masking: MaskingShadowing| -> Vec<[f64; 4]> {
+        let variant = match (model, masking) {
+            ("ggx", MaskingShadowing::Separable) => "ggx_smith_exact",
+            ("ggx", MaskingShadowing::Schlick) => "ggx_karis_k_alpha_over_2",
+            ("beckmann", MaskingShadowing::Separable) => "beckmann_rational",
+            ("phong", MaskingShadowing::Separable) => "phong_rational",
+            _ => "",
+        };
+        let golden = golden_rows("tests/golden/dfg.csv");
+        let golden = golden.iter().filter(|row| row[0] == *variant).map(|row| [1, 2, 3, 4].map(|k| number(row, k)));
+        let published = PUBLISHED.iter().filter(|_| (model, masking) == ("ggx", MaskingShadowing::Correlated)).flat_map(
+            |(roughness, pairs)| {
+                let alpha = brdf::alpha_from_perceptual_roughness(*roughness);
+                PUBLISHED_N_DOT_V.into_iter().zip(pairs).map(move |(n_dot_v, pair)| [n_dot_v, alpha, pair[0], pair[1]])
+            },
+        );
+        golden.chain(published).collect()
+    };
+    with_gpu(|gpu| {
+        let mut count = 0;
+        for model in MODELS {
+            for (name, masking) in MaskingShadowing::ALL {
+                let cases = cases(model.name(), *masking);
+                if cases.is_empty() {
+                    continue;
+                }
+                let table = dfg_table(gpu, *model, *masking, SIDE, 1024);
+                let mut inner = Worst::new(format!("DFG lookup of {} {name}", model.name()), TABLE_128);
+                let mut edge = Worst::new(format!("DFG lookup of {} {name} at an edge", model.name()), EDGE_128);
+                for [n_dot_v, alpha, a, b] in cases {
+                    let uv = dfg::texel_from_parameters(DVec2::new(n_dot_v, alpha), SIDE) / f64::from(SIDE);
+                    let pair = bilinear(&table, uv, false);
+                    let beyond = uv.max_element() > 1.0 - 0.5 / f64::from(SIDE);
+                    let worst = if beyond { &mut edge } else { &mut inner };
+                    worst.add(pair.x, a, || format!("A at n_dot_v {n_dot_v} alpha {alpha}"));
+                    worst.add(pair.y, b, || format!("B at n_dot_v {n_dot_v} alpha {alpha}"));
+                    count += 1;
+                }
+                [inner, edge].into_iter().for_each(Worst::check);
+            }
+        }
+        assert!(count > 80, "{count} golden pairs");
+    });
+}
+
+const PUBLISHED_N_DOT_V: [f64; 6] = [0.05, 0.10, 0.25, 0.50, 0.75, 1.00];
+/// (A, B) of GGX with height-correlated Smith masking by perceptual roughness (a quadrature that agrees with three.js r181 and
+/// Khronos' lut_ggx.png).
+const PUBLISHED: [(f64, [[f64; 2]; 6]); 4] = [
+    (
+        0.25,
+        [
+            [0.44925, 0.44485],
+            [0.50513, 0.39162],
+            [0.75804, 0.20354],
+            [0.95571, 0.03264],
+            [0.99234, 0.00150],
+            [0.99574, 0.0],
+        ],
+    ),
+    (
+        0.50,
+        [
+            [0.76882, 0.16431],
+            [0.75193, 0.13969],
+            [0.75925, 0.08083],
+            [0.83492, 0.02235],
+            [0.88881, 0.00272],
+            [0.91578, 0.00003],
+        ],
+    ),
+    (
+        0.75,
+        [
+            [0.83981, 0.06512],
+            [0.79577, 0.05258],
+            [0.71651, 0.02795],
+            [0.65469, 0.00848],
+            [0.63124, 0.00164],
+            [0.62684, 0.00005],
+        ],
+    ),
+    (
+        1.00,
+        [
+            [0.81568, 0.03209],
+            [0.73634, 0.02387],
+            [0.58676, 0.01088],
+            [0.44771, 0.00299],
+            [0.36389, 0.00063],
+            [0.30682, 0.00003],
+        ],
+    ),
+];
