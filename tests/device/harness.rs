@@ -169,6 +169,7 @@ pub fn request(environment: &Arc<Environment>, scene: Scene, kind: CameraKind, s
         masking_shadowing: MaskingShadowing::Separable,
         samples: 64,
         point_set: 0,
+        reference_error: None,
         reference_samples: 1024,
         lod_bias: 0.0,
         lights: Vec::new(),
