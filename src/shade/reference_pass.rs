@@ -114,6 +114,7 @@ pub struct ReferencePass {
     integrate: HashMap<(&'static str, MaskingShadowing), ComputePipeline>,
     resolve: HashMap<&'static str, ComputePipeline>,
     nearest: Sampler,
+    linear: Sampler,
     clamp: Sampler,
 }
 
@@ -172,6 +173,7 @@ impl ReferencePass {
             integrate: HashMap::new(),
             resolve: HashMap::new(),
             nearest: gpu.sampler(Filter::Nearest, Wrap::Equirect)?,
+            linear: gpu.sampler(Filter::Linear, Wrap::Equirect)?,
             clamp: gpu.sampler(Filter::Linear, Wrap::Clamp)?,
         })
     }
@@ -179,10 +181,11 @@ impl ReferencePass {
     /// Makes the pipelines of a term, if they are not made yet.
     pub fn prepare(&mut self, gpu: &Gpu, lobe: Lobe) -> Result<(), GpuError> {
         let key = lobe.key();
+        let constants = [key.1 as u32, u32::from(gpu.info().has_exact_filter)];
         if let Entry::Vacant(entry) = self.integrate.entry(key) {
-            let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled], &[Slot::Buffer; 3]].concat();
+            let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled], &[Slot::Buffer; 3], &[Slot::Sampled]].concat();
             let shader = format!("shade/reference.comp:{}", lobe.permutation());
-            let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &[key.1 as u32])?;
+            let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &constants)?;
             entry.insert(pipeline);
         }
         if let Entry::Vacant(entry) = self.resolve.entry(key.0) {
@@ -257,6 +260,7 @@ impl ReferencePass {
                     Bind::Read(run.distribution),
                     Bind::ReadWrite(&sums.mean),
                     Bind::ReadWrite(&sums.squared_deviations),
+                    Bind::SampleMip(run.environment, &self.linear, 0),
                 ];
                 let binds = with_gbuffer(run.gbuffer, &self.nearest, &rest);
                 let groups = groups(width, rows.end - rows.start);
