@@ -125,7 +125,7 @@ pub fn golden_environment() -> Arc<Environment> {
 
 /// An environment of one radiance.
 pub fn constant_environment(radiance: [f32; 3]) -> Arc<Environment> {
-    Arc::new(Environment::from_image("constant", RgbImage::filled(16, 8, radiance)))
+    Arc::new(Environment::from_image("constant", RgbImage::filled(64, 32, radiance)))
 }
 
 /// Rows of a golden CSV file without its header.
