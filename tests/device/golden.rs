@@ -97,7 +97,11 @@ fn the_reference_meets_images_of_another_renderer() {
             assert!(count > 0.6 * f64::from(3 * expected.width * expected.height), "{}: mask", golden.stem);
             assert!(rmse < RELATIVE_RMSE, "{}: relative RMSE {rmse}", golden.stem);
             // Tens of thousands of errors: their root mean square is known to a few per cent, were each noise of the stated size.
-            assert!((0.8..1.25).contains(&(rmse / noise)), "{}: {rmse} is not explained by noise of {noise}", golden.stem);
+            assert!(
+                (0.8..1.25).contains(&(rmse / noise)),
+                "{}: {rmse} is not explained by noise of {noise}",
+                golden.stem
+            );
         }
     });
 }

@@ -98,8 +98,16 @@ fn the_reference_meets_the_oracle_within_its_standard_error() {
                     for c in 0..3 {
                         // 1e-5: f32 and the oracle's own error. The error of 16 scrambles is itself uncertain, hence 6 sigma.
                         let floor = 1e-5 * answer.specular.value[c];
-                        assert!(sigma[c] < 0.02 * answer.specular.value[c], "{} {alpha} {x} {y}: {sigma:?}", model.name());
-                        assert!(off[c].abs() < 6.0 * sigma[c] + floor, "{} {alpha} {x} {y}: {off} sigma {sigma:?}", model.name());
+                        assert!(
+                            sigma[c] < 0.02 * answer.specular.value[c],
+                            "{} {alpha} {x} {y}: {sigma:?}",
+                            model.name()
+                        );
+                        assert!(
+                            off[c].abs() < 6.0 * sigma[c] + floor,
+                            "{} {alpha} {x} {y}: {off} sigma {sigma:?}",
+                            model.name()
+                        );
                         sum += (off[c] / (sigma[c] + floor)).powi(2);
                         count += 1;
                     }

@@ -44,7 +44,11 @@ fn equirect_sampler(gpu: &Gpu) -> Sampler {
 /// A map with a sun of `peak` in one texel.
 fn sunny(size: [u32; 2], sun: [u32; 2], peak: f32) -> RgbImage {
     RgbImage::from_fn(size[0], size[1], |x, y| {
-        if [x, y] == sun { [peak, 0.9 * peak, 0.8 * peak] } else { [0.1 + 0.01 * (x % 7) as f32, 0.2, 0.3 + 0.02 * (y % 5) as f32] }
+        if [x, y] == sun {
+            [peak, 0.9 * peak, 0.8 * peak]
+        } else {
+            [0.1 + 0.01 * (x % 7) as f32, 0.2, 0.3 + 0.02 * (y % 5) as f32]
+        }
     })
 }
 
@@ -76,7 +80,8 @@ fn mips_equal_their_twin_and_keep_the_integral() {
                 for (i, (actual, expected)) in level.data.iter().zip(&expected.data).enumerate() {
                     worst.add_rgb(*actual, *expected, || format!("{size:?} level {mip} texel {i}"));
                 }
-                integral.add_rgb(sphere_integral(&level), sphere_integral(&levels[0]), || format!("{size:?} level {mip}"));
+                integral
+                    .add_rgb(sphere_integral(&level), sphere_integral(&levels[0]), || format!("{size:?} level {mip}"));
             }
         }
         [worst, integral].into_iter().for_each(Worst::check);
@@ -104,7 +109,9 @@ fn sh9_meets_the_golden_coefficients() {
         let mut worst = Worst::new("SH9, of L00", absolute(1e-6));
         for (k, value) in values.iter().enumerate() {
             for c in 0..3 {
-                worst.add(value[c] / golden(0, c), golden(k, c) / golden(0, c), || format!("coefficient {k}, channel {c}"));
+                worst.add(value[c] / golden(0, c), golden(k, c) / golden(0, c), || {
+                    format!("coefficient {k}, channel {c}")
+                });
             }
         }
         worst.check();
@@ -120,7 +127,9 @@ fn sh9_adds_suns_and_skies_without_loss() {
             let (_, values) = coefficients(gpu, &environment_image(gpu, &environment));
             let expected = project_texel_centers(&environment);
             for k in 0..COUNT {
-                worst.add_rgb(values[k] / expected[0], expected[k] / expected[0], || format!("{size:?} coefficient {k}"));
+                worst.add_rgb(values[k] / expected[0], expected[k] / expected[0], || {
+                    format!("{size:?} coefficient {k}")
+                });
             }
         }
         worst.check();
@@ -361,12 +370,13 @@ fn dfg_lookups_meet_outside_tables() {
         };
         let golden = golden_rows("tests/golden/dfg.csv");
         let golden = golden.iter().filter(|row| row[0] == *variant).map(|row| [1, 2, 3, 4].map(|k| number(row, k)));
-        let published = PUBLISHED.iter().filter(|_| (model, masking) == ("ggx", MaskingShadowing::Correlated)).flat_map(
-            |(roughness, pairs)| {
+        let published = PUBLISHED
+            .iter()
+            .filter(|_| (model, masking) == ("ggx", MaskingShadowing::Correlated))
+            .flat_map(|(roughness, pairs)| {
                 let alpha = brdf::alpha_from_perceptual_roughness(*roughness);
                 PUBLISHED_N_DOT_V.into_iter().zip(pairs).map(move |(n_dot_v, pair)| [n_dot_v, alpha, pair[0], pair[1]])
-            },
-        );
+            });
         golden.chain(published).collect()
     };
     with_gpu(|gpu| {
