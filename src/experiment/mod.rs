@@ -12,6 +12,7 @@ pub mod plan;
 mod provenance;
 pub mod renderer;
 pub mod run;
+mod sheets;
 pub mod store;
 mod summary;
 mod tables;

@@ -125,6 +125,11 @@ impl Plan {
         settings.request(environment, scene, &view)
     }
 
+    /// Width and height of a cell's images.
+    pub fn size_of(&self, _: &Cell) -> [u32; 2] {
+        self.config.size
+    }
+
     /// The axes of the file with more than one value, in its order.
     pub fn swept(&self) -> impl Iterator<Item = &'static Axis> + '_ {
         self.config.axes.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| &AXES[sweep.axis])

@@ -5,6 +5,7 @@ use super::images;
 use super::plan::{Cell, Plan, ReferenceGroup};
 use super::provenance;
 use super::renderer::{RenderFault, Renderer};
+use super::sheets;
 use super::store::{BinRecord, CellRecord, Exact, FailureRecord, Scores, Store, StoreError};
 use super::summary;
 use super::tables::{self, CellResult, FLOORED, HEADLINE, Results};
@@ -278,10 +279,12 @@ impl<'p> Run<'p> {
                 .evaluate_bins(&reference.frame.n_dot_v, &N_DOT_V_BIN_EDGES, METRICS)
                 .map_err(|error| error.to_string())?;
             let noise_floors = by_name(reference.noise_floors.clone());
+            let flip = images::sweeps_display(self.plan).then(|| images::flip_picture(&comparison, mask));
             let pictures = images::CellPictures {
                 test: &test_picture,
                 reference: &reference_picture,
                 error: &images::error_picture(&comparison, mask),
+                flip: flip.as_ref(),
             };
             pictures.write(&self.store, self.plan, cell).map_err(|error| error.to_string())?;
             Ok(CellRecord {
@@ -379,6 +382,8 @@ impl<'p> Run<'p> {
             }
         }
         self.write_tables()?;
+        let (columns, rows) = images::index(self.plan, &self.results);
+        self.store.write_table("images.csv", &columns, &rows)?;
         if self.plan.config.timing.is_some() {
             let (columns, rows) = tables::timings(&self.timings);
             self.store.write_table("timings.csv", &columns, &rows)?;
@@ -386,7 +391,7 @@ impl<'p> Run<'p> {
         let summary = summary::markdown(self.plan, &self.results, &self.timings);
         let summary_path = self.store.dir().join("summary.md");
         if has_worked || std::fs::read_to_string(&summary_path).ok().as_deref() != Some(&summary) {
-            images::write_sheets(&self.store, self.plan, &self.results)?;
+            sheets::write_sheets(&self.store, self.plan, &self.results)?;
             self.store.write_text(&summary_path, &summary)?;
         }
         let is_failure = |cell: &Cell| match self.results.get(&cell.id) {

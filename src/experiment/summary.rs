@@ -5,7 +5,7 @@ use super::break_even::{BreakEven, break_even, median};
 use super::images::short_text;
 use super::plan::{Cell, Plan};
 use super::store::CellRecord;
-use super::tables::{CellResult, HEADLINE, Results};
+use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
 use super::timing::{self, TimingRecord, summarize};
 use crate::shade::METHODS;
 use crate::table::markdown::{Align, MarkdownTable, significant};
@@ -14,8 +14,6 @@ use std::fmt::Write;
 
 /// Digits of a score in the summary; the CSV has all.
 const DIGITS: usize = 3;
-/// The display metric of the summary.
-const DISPLAY_METRIC: &str = "flip";
 /// Stands after a score that the reference's own noise reaches.
 const NOISE_MARK: &str = " ~";
 
@@ -253,13 +251,13 @@ fn display_section(plan: &Plan, done: &Done) -> String {
         for label in &labels {
             let of_label = row.iter().filter(|(cell, _)| method_label(cell) == *label);
             let scores: Vec<f64> =
-                of_label.filter_map(|(_, record)| record.scores.get(DISPLAY_METRIC).map(|score| score.0)).collect();
+                of_label.filter_map(|(_, record)| record.scores.get(DISPLAY_HEADLINE).map(|score| score.0)).collect();
             cells.push(significant(summarize(&scores).median, DIGITS));
         }
         table.row(&cells);
     }
     format!(
-        "## After the tone curve\n\nMedian {DISPLAY_METRIC} (0 is equal) over everything else that is swept:\n\n{table}\n"
+        "## After the tone curve\n\nMedian {DISPLAY_HEADLINE} (0 is equal) over everything else that is swept:\n\n{table}\n"
     )
 }
 

@@ -21,6 +21,9 @@ pub type Results = BTreeMap<String, CellResult>;
 /// The metric that decides verdicts and break-even: relative, so that bright and dark surfaces count alike.
 pub const HEADLINE: &str = "relmse_eps1e-2";
 
+/// The display metric that summaries and sheets show: what a viewer notices.
+pub const DISPLAY_HEADLINE: &str = "flip";
+
 /// Metrics whose noise floor stands in the table.
 pub const FLOORED: [&str; 2] = ["rmse", HEADLINE];
 

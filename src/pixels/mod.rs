@@ -7,6 +7,7 @@ pub mod exr;
 mod file;
 pub mod png;
 pub mod radiance;
+mod shrink;
 
 pub use file::PixelsError;
 pub(crate) use file::{MAX_TEXELS, write_atomically};

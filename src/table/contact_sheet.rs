@@ -17,6 +17,8 @@ pub enum Tile {
     },
     /// No image, and why.
     Missing(String),
+    /// No image is meant to be here.
+    Blank,
 }
 
 /// The colours of error maps in words and numbers.
@@ -91,8 +93,8 @@ const LABEL: Style = Style { size: 15.0, color: INK, is_bold: false };
 const NOTE: Style = Style { size: 13.0, color: FAINT_INK, is_bold: false };
 const CAPTION: Style = Style { size: 14.0, color: INK, is_bold: false };
 /// Sizes that labels are shrunk through, all labels of a kind together.
-const LABEL_SIZES: [f32; 5] = [15.0, 14.0, 13.0, 12.0, 11.0];
-const NOTE_SIZES: [f32; 3] = [13.0, 12.0, 11.0];
+const LABEL_SIZES: [f32; 3] = [15.0, 14.0, 13.0];
+const NOTE_SIZES: [f32; 1] = [13.0];
 
 impl ContactSheet {
     /// The picture.
@@ -269,6 +271,7 @@ fn draw_tile(page: &mut Rgb8Image, tile: &Tile, layout: &Layout, corner: [u32; 2
     let [width, height] = layout.tile;
     let middle = left as f32 + 0.5 * width as f32;
     match tile {
+        Tile::Blank => {}
         Tile::Image { image, note } => {
             for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
                 set(page, left + x, top + y, image.get(x / scale, y / scale));

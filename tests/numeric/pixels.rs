@@ -686,3 +686,13 @@ mod png_file {
         assert!(png::read_rgb8(&huge).is_err());
     }
 }
+
+#[test]
+fn shrinking_keeps_the_area_weighted_mean() {
+    // 5 columns to 2: the third one is shared by halves.
+    let image = Rgb8Image::from_fn(5, 2, |x, y| [[10, 20, 60, 100, 200][x as usize], 7, if y == 0 { 0 } else { 100 }]);
+    let small = image.shrunk(2, 1);
+    // (10 + 20 + 60/2) / 2.5 = 24 and (60/2 + 100 + 200) / 2.5 = 132.
+    assert_eq!(small.data, [[24, 7, 50], [132, 7, 50]]);
+    assert_eq!(image.shrunk(5, 2), image);
+}

@@ -126,12 +126,28 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
     let count = |folder: &str, end: &str| files.keys().filter(|f| f.starts_with(folder) && f.ends_with(end)).count();
     assert_eq!(count("images/", ".exr"), 20);
     assert_eq!(count("images/", ".error.png"), 32);
-    // A test picture for each cell, an error map, and a reference for each model, alpha and exposure.
-    assert_eq!(count("images/", ".png"), 32 + 32 + 8);
+    // The exposure is swept, so each cell has its own map of visible differences.
+    assert_eq!(count("images/", ".flip.png"), 32);
+    // And a test picture for each cell, and a reference for each model, alpha and exposure.
+    assert_eq!(count("images/", ".png"), 3 * 32 + 8);
     assert_eq!(count("tables/", ".png"), 2);
     assert_eq!(count("cells/", ".json"), 32);
     assert_eq!(files["experiment.toml"].0, EXPERIMENT.as_bytes());
     assert!(files.keys().all(|f| !f.ends_with(".part")), "temporary files are left: {:?}", files.keys());
+}
+
+#[test]
+fn a_sheet_that_would_be_too_wide_is_split_between_methods() {
+    let text = "name = \"wide\"\nsize = [640, 8]\nreference = { samples = 4 }\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
+                samples = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\n";
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(text));
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    // 12 columns of at least 200 pixels do not fit on 2600: ten of `sampled` with the reference do, in 206 pixels each.
+    for name in ["wide_1.png", "wide_2.png"] {
+        let sheet = splitsum::pixels::png::read_rgb8(&dir.path().join("tables").join(name)).unwrap();
+        assert!(sheet.width <= 2600, "{name} is {} pixels wide", sheet.width);
+    }
+    assert!(!dir.path().join("tables/wide_3.png").exists());
 }
 
 #[test]

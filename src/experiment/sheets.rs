@@ -1,0 +1,283 @@
+//! Contact sheets: columns are the reference and the methods, rows everything else that is swept.
+//!
+//! Below each display image stands its error. The linear error does not depend on the tone curve: where exposure or contrast is
+//! swept, each display image has its FLIP map, and the linear map stands once below all of them.
+
+use super::axis::Axis;
+use super::images::{error_name, flip_name, picture_name, reference_picture_name, short_text, sweeps_display};
+use super::plan::{Cell, Plan};
+use super::store::{CellRecord, Store, StoreError};
+use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
+use crate::pixels::png;
+use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
+use crate::table::contact_sheet::{ContactSheet, Legend, Tile};
+use crate::table::markdown::significant;
+
+/// Smaller images are magnified to this side, pixels.
+const TILE_SIDE_MIN: u32 = 128;
+/// Width of a page, pixels: two sheets fit side by side on a large monitor.
+const PAGE_WIDTH_MAX: u32 = 2600;
+/// What a page needs beside its tiles: margins and row labels.
+const PAGE_OVERHEAD: u32 = 240;
+/// Room between two columns, group gaps included.
+const COLUMN_GAP: u32 = 8;
+/// Images are never shrunk below this width: rather, a sheet is split.
+const SHRUNK_WIDTH_MIN: u32 = 200;
+
+/// Axes that make one sheet each.
+const SHEET_AXES: &[&str] = &["environment", "scene", "brdf", "size"];
+/// Axes that make columns.
+const COLUMN_AXES: &[&str] = &["method", "diffuse", "samples"];
+
+/// One contact sheet for each environment, scene and model; one for some of the methods where all would not fit.
+pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(), StoreError> {
+    let swept: Vec<&Axis> = plan.swept().collect();
+    let select = |names: &[&str]| swept.iter().copied().filter(|a| names.contains(&a.name)).collect::<Vec<_>>();
+    let (sheet_axes, column_axes) = (select(SHEET_AXES), select(COLUMN_AXES));
+    for cells in grouped(&plan.cells.iter().collect::<Vec<_>>(), &sheet_axes) {
+        let columns = grouped(&cells, &column_axes);
+        let tiles = TileSize::new(plan.size_of(cells[0]));
+        let pages = pages(&columns, tiles.columns_max());
+        for (page, columns) in pages.iter().enumerate() {
+            let part = if pages.len() > 1 { format!(", part {} of {}", page + 1, pages.len()) } else { String::new() };
+            let title = format!("{} {}", plan.config.name, words(&sheet_axes, cells[0], " "));
+            let content = Page { store, plan, results, columns, column_axes: &column_axes, tiles };
+            let sheet = content.sheet(&cells, format!("{}{part}", title.trim_end()));
+            let name = words(&sheet_axes, cells[0], "_").replace('/', "-");
+            let name = if name.is_empty() { plan.config.name.clone() } else { name };
+            let name = if pages.len() > 1 { format!("{name}_{}.png", page + 1) } else { format!("{name}.png") };
+            let picture = sheet.render().expect("every row of a sheet has one tile a column, all of one size");
+            png::write_rgb8(&store.table_path(&name), &picture)?;
+        }
+    }
+    Ok(())
+}
+
+/// How images of one size are shown.
+#[derive(Clone, Copy, Debug)]
+struct TileSize {
+    image: [u32; 2],
+    /// Factor for small images.
+    scale: u32,
+}
+
+impl TileSize {
+    fn new(image: [u32; 2]) -> Self {
+        Self { image, scale: TILE_SIDE_MIN.div_ceil(image[0]).max(1) }
+    }
+
+    fn native_width(self) -> u32 {
+        self.image[0] * self.scale
+    }
+
+    /// Columns of a page, the reference's included, at the smallest width that images may have.
+    fn columns_max(self) -> usize {
+        let smallest = self.native_width().min(SHRUNK_WIDTH_MIN);
+        ((PAGE_WIDTH_MAX - PAGE_OVERHEAD) / (smallest + COLUMN_GAP)).max(2) as usize
+    }
+
+    /// The size of images on a page of `columns` columns, when they must be made smaller.
+    fn shrunk(self, columns: usize) -> Option<[u32; 2]> {
+        let room = ((PAGE_WIDTH_MAX - PAGE_OVERHEAD) / columns as u32).saturating_sub(COLUMN_GAP).max(1);
+        let [width, height] = self.image;
+        (room < width).then(|| [room, (height * room / width).max(1)])
+    }
+}
+
+/// Columns in pages of at most `columns_max` with the reference's; the columns of a method stay together where they can.
+fn pages<'c>(columns: &[Vec<&'c Cell>], columns_max: usize) -> Vec<Vec<Vec<&'c Cell>>> {
+    let room = columns_max - 1;
+    let mut pages: Vec<Vec<Vec<&Cell>>> = Vec::new();
+    for family in columns.chunk_by(|a, b| a[0].point.get("method") == b[0].point.get("method")) {
+        match pages.last_mut() {
+            Some(page) if page.len() + family.len() <= room => page.extend_from_slice(family),
+            _ => pages.extend(family.chunks(room).map(<[_]>::to_vec)),
+        }
+    }
+    pages
+}
+
+/// Some columns of a sheet.
+struct Page<'p> {
+    store: &'p Store,
+    plan: &'p Plan,
+    results: &'p Results,
+    columns: &'p [Vec<&'p Cell>],
+    column_axes: &'p [&'p Axis],
+    tiles: TileSize,
+}
+
+/// What a row shows of its cells.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Display,
+    Flip,
+    RelativeError,
+}
+
+/// A kind of picture, and the metric below it.
+#[derive(Clone, Copy)]
+struct Shown {
+    kind: Kind,
+    metric: Option<&'static str>,
+}
+
+impl Shown {
+    fn file(self, plan: &Plan, cell: &Cell) -> String {
+        match self.kind {
+            Kind::Display => picture_name(plan, cell),
+            Kind::Flip => flip_name(plan, cell),
+            Kind::RelativeError => error_name(plan, cell),
+        }
+    }
+}
+
+impl Page<'_> {
+    fn sheet(&self, cells: &[&Cell], title: String) -> ContactSheet {
+        let plan = self.plan;
+        let is_row = |a: &&Axis| !SHEET_AXES.contains(&a.name) && !COLUMN_AXES.contains(&a.name);
+        let row_axes: Vec<&Axis> = plan.swept().filter(is_row).collect();
+        let radiance_axes: Vec<&Axis> = row_axes.iter().copied().filter(|axis| axis.changes_radiance).collect();
+        let with_flip = sweeps_display(plan);
+        let mut sheet = ContactSheet {
+            title,
+            caption: self.caption(with_flip),
+            column_labels: vec!["reference".to_owned()],
+            row_labels: Vec::new(),
+            rows: Vec::new(),
+            column_group_starts: vec![1],
+            row_group_starts: Vec::new(),
+            scale: self.tiles.scale,
+            legends: vec![Legend { label: format!("relative error, root of {HEADLINE}"), scale: RELATIVE_ERROR }],
+        };
+        if with_flip {
+            sheet.legends.insert(0, Legend { label: "FLIP".to_owned(), scale: FLIP_ERROR });
+        }
+        for (index, column) in self.columns.iter().enumerate() {
+            let label = words(self.column_axes, column[0], " ");
+            sheet.column_labels.push(if label.is_empty() { method_label(column[0]) } else { label });
+            if index > 0 && column[0].point.get("method") != self.columns[index - 1][0].point.get("method") {
+                sheet.column_group_starts.push(index + 1);
+            }
+        }
+        let label = |row: &[&Cell]| {
+            let lines = row_axes.iter().map(|axis| format!("{} {}", axis.name, short_text(axis, &row[0].point)));
+            lines.collect::<Vec<_>>().join("\n")
+        };
+        for shared in grouped(cells, &radiance_axes) {
+            let displays = grouped(&shared, &row_axes);
+            for row in &displays {
+                sheet.row_group_starts.push(sheet.rows.len());
+                let metric = if with_flip { DISPLAY_HEADLINE } else { HEADLINE };
+                self.row(&mut sheet, label(row), row, Shown { kind: Kind::Display, metric: Some(metric) });
+                if with_flip {
+                    self.row(&mut sheet, "FLIP".to_owned(), row, Shown { kind: Kind::Flip, metric: None });
+                }
+            }
+            let metric = with_flip.then_some(HEADLINE);
+            if displays.len() > 1 {
+                sheet.row_group_starts.push(sheet.rows.len());
+            }
+            self.row(&mut sheet, "relative error".to_owned(), &shared, Shown { kind: Kind::RelativeError, metric });
+        }
+        sheet
+    }
+
+    fn caption(&self, with_flip: bool) -> String {
+        let below = if with_flip {
+            format!(
+                "Below each image: its {DISPLAY_HEADLINE} and the map of it. The relative error is that of linear values, the same for \
+                 every exposure and contrast; below it, its {HEADLINE}."
+            )
+        } else {
+            format!("Below each image: its {HEADLINE}; below it, relative error against the reference.")
+        };
+        format!("{} {below}", self.plan.config.question)
+    }
+
+    /// Adds a row: of all `cells` of a column, the first that was done stands for it.
+    fn row(&self, sheet: &mut ContactSheet, label: String, cells: &[&Cell], shown: Shown) {
+        let mut tiles = vec![self.reference_tile(cells, shown)];
+        for column in self.columns {
+            let of_column = cells.iter().copied().filter(|cell| same(cell, column[0], self.column_axes));
+            tiles.push(self.tile(&of_column.collect::<Vec<_>>(), shown));
+        }
+        sheet.row_labels.push(label);
+        sheet.rows.push(tiles);
+    }
+
+    fn done(&self, cell: &Cell) -> Option<&CellRecord> {
+        match self.results.get(&cell.id) {
+            Some(CellResult::Done(record)) => Some(record),
+            _ => None,
+        }
+    }
+
+    fn reference_tile(&self, row: &[&Cell], shown: Shown) -> Tile {
+        let Some((cell, record)) = row.iter().find_map(|cell| Some((*cell, self.done(cell)?))) else {
+            return Tile::Missing("not done".to_owned());
+        };
+        if shown.kind == Kind::Display {
+            return self.picture(&reference_picture_name(self.plan, cell), String::new());
+        }
+        match record.noise_floors.get(HEADLINE) {
+            Some(floor) if shown.kind == Kind::RelativeError => Tile::Missing(format!(
+                "an exact image would have {HEADLINE} {} by the reference's noise",
+                significant(floor.0, 2)
+            )),
+            _ => Tile::Blank,
+        }
+    }
+
+    fn tile(&self, cells: &[&Cell], shown: Shown) -> Tile {
+        let Some(first) = cells.first() else { return Tile::Missing("excluded".to_owned()) };
+        if let Some((cell, record)) = cells.iter().find_map(|cell| Some((*cell, self.done(cell)?))) {
+            let score = shown.metric.and_then(|metric| record.scores.get(metric));
+            let note = score.map_or_else(String::new, |score| significant(score.0, 3));
+            return self.picture(&shown.file(self.plan, cell), note);
+        }
+        Tile::Missing(match self.results.get(&first.id) {
+            Some(CellResult::Failed(record)) => format!("failed: {}", record.reason),
+            _ => "not done".to_owned(),
+        })
+    }
+
+    /// A picture of the run at the page's size; one that somebody removed is shown as missing.
+    fn picture(&self, name: &str, note: String) -> Tile {
+        match png::read_rgb8(&self.store.image_path(name)) {
+            Ok(image) => {
+                let image = match self.tiles.shrunk(self.columns.len() + 1) {
+                    Some([width, height]) => image.shrunk(width, height),
+                    None => image,
+                };
+                Tile::Image { image, note }
+            }
+            Err(error) => Tile::Missing(error.to_string()),
+        }
+    }
+}
+
+fn method_label(cell: &Cell) -> String {
+    format!("{} {}", cell.point.get("method"), cell.point.get("samples")).trim_end().to_owned()
+}
+
+fn words(axes: &[&Axis], cell: &Cell, separator: &str) -> String {
+    let words = axes.iter().map(|axis| short_text(axis, &cell.point)).filter(|word| !word.is_empty());
+    words.collect::<Vec<_>>().join(separator)
+}
+
+fn same(a: &Cell, b: &Cell, axes: &[&Axis]) -> bool {
+    axes.iter().all(|axis| a.point.get(axis.name) == b.point.get(axis.name))
+}
+
+/// Cells that agree on `axes`, in the order of their first member.
+fn grouped<'c>(cells: &[&'c Cell], axes: &[&Axis]) -> Vec<Vec<&'c Cell>> {
+    let mut groups: Vec<Vec<&Cell>> = Vec::new();
+    for &cell in cells {
+        match groups.iter_mut().find(|group| same(group[0], cell, axes)) {
+            Some(group) => group.push(cell),
+            None => groups.push(vec![cell]),
+        }
+    }
+    groups
+}

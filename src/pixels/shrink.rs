@@ -1,0 +1,42 @@
+//! Smaller display images.
+
+use super::Rgb8Image;
+
+impl Rgb8Image {
+    /// The image at a smaller size: each new pixel is the mean of the encoded values that it covers, weighted by area. For pictures
+    /// that people look at, never for measuring: encoded values do not average to those of the mean light.
+    pub fn shrunk(&self, width: u32, height: u32) -> Self {
+        assert!(
+            (1..=self.width).contains(&width) && (1..=self.height).contains(&height),
+            "{width}x{height} is no shrinking"
+        );
+        let columns = overlaps(self.width, width);
+        let rows = overlaps(self.height, height);
+        Self::from_fn(width, height, |x, y| {
+            let (mut sum, mut weight_sum) = ([0.0; 3], 0.0);
+            for (row, row_weight) in &rows[y as usize] {
+                for (column, column_weight) in &columns[x as usize] {
+                    let weight = row_weight * column_weight;
+                    let pixel = self.get(*column, *row);
+                    (0..3).for_each(|c| sum[c] += weight * f64::from(pixel[c]));
+                    weight_sum += weight;
+                }
+            }
+            sum.map(|total| (total / weight_sum).round() as u8)
+        })
+    }
+}
+
+/// For each of `to` equal parts of `from` pixels: the pixels that it touches, each with the length it covers.
+fn overlaps(from: u32, to: u32) -> Vec<Vec<(u32, f64)>> {
+    let step = f64::from(from) / f64::from(to);
+    let part = |i: u32| {
+        let (start, end) = (f64::from(i) * step, f64::from(i + 1) * step);
+        let covered = |pixel: u32| f64::from(pixel + 1).min(end) - f64::from(pixel).max(start);
+        (start as u32..from.min(end.ceil() as u32))
+            .map(|pixel| (pixel, covered(pixel)))
+            .filter(|(_, w)| *w > 0.0)
+            .collect()
+    };
+    (0..to).map(part).collect()
+}
