@@ -23,6 +23,11 @@ float g1_brdf(float n_dot_w, float alpha) {
     return n_dot_w > 0.0 ? n_dot_w * g1_over_cosine_ggx(n_dot_w, alpha) : 0.0;
 }
 
+// The exact Smith masking of this distribution: the model's own.
+float g1_exact_brdf(float n_dot_w, float alpha) {
+    return g1_brdf(n_dot_w, alpha);
+}
+
 // Half vector with density D(h) n_dot_h: cos^2 = (1 - u) / (1 + (alpha^2 - 1) u). [Walter07 eq. 35, 36]
 LobeSample sample_lobe_brdf(vec4 point, float alpha) {
     float alpha2 = alpha * alpha;

@@ -3,6 +3,7 @@
 #ifndef BRDF_PHONG_GLSL
 #define BRDF_PHONG_GLSL
 
+#include "lib/incomplete_beta.glsl"
 #include "lib/sampling.glsl"
 #include "lib/smith_rational.glsl"
 
@@ -22,6 +23,19 @@ float d_brdf(vec3 h_local, float alpha) {
 // 5.2]
 float g1_brdf(float n_dot_w, float alpha) {
     return g1_smith_rational(n_dot_w, alpha);
+}
+
+// The exact Smith masking of this distribution, derived in src/brdf/phong.rs: with N = 1 / alpha^2,
+// cos / (cos (1 - I / 2) + Gamma(N + 1/2) / (sqrt(pi) Gamma(N)) sin^2N / (2 N - 1)). Relative error below 1e-6.
+float g1_exact_brdf(float n_dot_w, float alpha) {
+    if (n_dot_w <= 0.0) {
+        return 0.0;
+    }
+    float alpha2 = alpha * alpha;
+    // Below 1, where the logarithm of sin^2 is -infinity.
+    float log_sin2 = log_one_minus(min(n_dot_w * n_dot_w, 1.0 - 6e-8));
+    float grazing = gamma_ratio_half(alpha2) * alpha * INV_SQRT_PI * exp(log_sin2 / alpha2) / (2.0 - alpha2);
+    return n_dot_w / (n_dot_w * (1.0 - 0.5 * incomplete_beta_half(alpha2, log_sin2)) + grazing);
 }
 
 // Half vector with density D(h) n_dot_h: cos = (1 - u)^(1 / (exponent + 2)) = exp(-alpha^2 w / 2). [Walter07 eq. 31,

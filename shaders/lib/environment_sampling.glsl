@@ -1,8 +1,10 @@
-// The environment as a light: exact bilinear radiance, and importance sampling proportional to its luminance above a threshold
+// The environment as a light: exact bilinear radiance, and importance sampling proportional to its luminance above a threshold,
 // with the density of the bilinear map itself. Where the density is 0 the lobe must sample. The tables, their layout and the derivation: src/environment/distribution.rs.
 //
-// Filtering units interpolate with weights of about 8 bits, which shows as steps on magnified suns; here the four texels
-// are fetched and weighted in f32. Directions are in the environment's frame.
+// A texel of the environment holds its radiance (rgb) and its sampling weight (a). Directions are in the environment's frame.
+//
+// The filtering units of GPUs interpolate with weights of about 8 bits, which shows as steps on magnified suns: there the four texels
+// are fetched and weighted in f32. A driver that filters in full f32 (EXACT_FILTER) does the same in one lookup.
 #ifndef ENVIRONMENT_SAMPLING_GLSL
 #define ENVIRONMENT_SAMPLING_GLSL
 
@@ -11,9 +13,11 @@
 // The word at `index` of `EnvironmentDistribution::words`: the entry point that has the buffer defines it.
 uint environment_word(uint index);
 
-// The threshold of the weights, and where the tables lie.
+// 1 when the driver's bilinear filter computes in f32.
+layout(constant_id = 1) const uint EXACT_FILTER = 0u;
+
+// Where the tables lie.
 struct EnvironmentTables {
-    float threshold;
     uint width;
     uint height;
     uint band_shift;
@@ -38,15 +42,8 @@ EnvironmentTables environment_tables(uint width, uint height) {
     uint band_count = height + 1u;
     uint band_bits = environment_guide_bits(band_count);
     uint column_bits = environment_guide_bits(width);
-    return EnvironmentTables(uintBitsToFloat(environment_word(0u)), width, height, 32u - band_bits, 32u - column_bits,
-        1u + band_count + (band_count + 1u) + (1u << band_bits), (width + 1u) + (1u << column_bits));
-}
-
-// Sampling weights of the four texels of a cell: luminance above the threshold.
-vec4 environment_weights(vec3 texels[4], float threshold) {
-    vec3 luminance = vec3(LUMINANCE_RED, LUMINANCE_GREEN, LUMINANCE_BLUE);
-    return max(vec4(dot(texels[0], luminance), dot(texels[1], luminance), dot(texels[2], luminance),
-                    dot(texels[3], luminance)) - threshold, 0.0);
+    return EnvironmentTables(width, height, 32u - band_bits, 32u - column_bits,
+        band_count + (band_count + 1u) + (1u << band_bits), (width + 1u) + (1u << column_bits));
 }
 
 // Interval of the distribution at `base` that holds `xi`; `fraction` is the place inside it, in (0, 1).
@@ -71,24 +68,23 @@ uint environment_invert(uint base, uint count, uint shift, uint xi, out float fr
 }
 
 // The four texels around cell `column` of `band`: (x0, y0), (x1, y0), (x0, y1), (x1, y1).
-void environment_cell(sampler2D environment, EnvironmentTables tables, uint band, uint column, out vec3 texels[4]) {
+void environment_cell(sampler2D environment, EnvironmentTables tables, uint band, uint column, out vec4 texels[4]) {
     int x0 = int(column);
     int x1 = column + 1u == tables.width ? 0 : x0 + 1;
     int y0 = max(int(band) - 1, 0);
     int y1 = min(int(band), int(tables.height) - 1);
-    texels[0] = texelFetch(environment, ivec2(x0, y0), 0).rgb;
-    texels[1] = texelFetch(environment, ivec2(x1, y0), 0).rgb;
-    texels[2] = texelFetch(environment, ivec2(x0, y1), 0).rgb;
-    texels[3] = texelFetch(environment, ivec2(x1, y1), 0).rgb;
+    texels[0] = texelFetch(environment, ivec2(x0, y0), 0);
+    texels[1] = texelFetch(environment, ivec2(x1, y0), 0);
+    texels[2] = texelFetch(environment, ivec2(x0, y1), 0);
+    texels[3] = texelFetch(environment, ivec2(x1, y1), 0);
 }
 
-// Density per solid angle at the place t of a cell with those weights.
-float environment_pdf(vec4 weights, vec2 t, uint band, float sin_theta) {
-    float weight = mix(mix(weights.x, weights.y, t.x), mix(weights.z, weights.w, t.x), t.y);
-    return weight * uintBitsToFloat(environment_word(1u + band)) / max(sin_theta, ENVIRONMENT_SIN_THETA_MIN);
+// Density per solid angle where the interpolated weight is `weight`.
+float environment_pdf(float weight, uint band, float sin_theta) {
+    return weight * uintBitsToFloat(environment_word(band)) / max(sin_theta, ENVIRONMENT_SIN_THETA_MIN);
 }
 
-vec3 environment_bilinear(vec3 texels[4], vec2 t) {
+vec4 environment_bilinear(vec4 texels[4], vec2 t) {
     return mix(mix(texels[0], texels[1], t.x), mix(texels[2], texels[3], t.x), t.y);
 }
 
@@ -106,19 +102,24 @@ float environment_invert_linear(float p0, float p1, float xi) {
     return xi / (q0 + sqrt(mix(q0 * q0, q1 * q1, xi)));
 }
 
-// Radiance from the unit direction `l` and the density of `environment_sample` there.
-EnvironmentSample environment_eval(sampler2D environment, EnvironmentTables tables, vec3 l) {
+// Radiance from the unit direction `l` and the density of `environment_sample` there. `environment` is read by texel,
+// `environment_linear` is the same level through a bilinear sampler (u repeats, v clamps).
+EnvironmentSample environment_eval(sampler2D environment, sampler2D environment_linear, EnvironmentTables tables, vec3 l) {
     vec3 uv_sin_theta = uv_sin_theta_from_direction(l);
     vec2 texel = uv_sin_theta.xy * vec2(tables.width, tables.height) - 0.5;
     vec2 corner = floor(texel);
-    vec2 t = texel - corner;
-    int x0 = int(corner.x);
-    x0 = x0 < 0 ? x0 + int(tables.width) : min(x0, int(tables.width) - 1);
     uint band = uint(clamp(int(corner.y) + 1, 0, int(tables.height)));
-    vec3 texels[4];
-    environment_cell(environment, tables, band, uint(x0), texels);
-    vec4 weights = environment_weights(texels, tables.threshold);
-    return EnvironmentSample(l, environment_bilinear(texels, t), environment_pdf(weights, t, band, uv_sin_theta.z));
+    vec4 light;
+    if (EXACT_FILTER != 0u) {
+        light = textureLod(environment_linear, uv_sin_theta.xy, 0.0);
+    } else {
+        int x0 = int(corner.x);
+        x0 = x0 < 0 ? x0 + int(tables.width) : min(x0, int(tables.width) - 1);
+        vec4 texels[4];
+        environment_cell(environment, tables, band, uint(x0), texels);
+        light = environment_bilinear(texels, texel - corner);
+    }
+    return EnvironmentSample(l, light.rgb, environment_pdf(light.a, band, uv_sin_theta.z));
 }
 
 // A direction from a fixed-point pair: x selects the column, y the band. Density 0 means that no light is above the threshold
@@ -126,23 +127,23 @@ EnvironmentSample environment_eval(sampler2D environment, EnvironmentTables tabl
 EnvironmentSample environment_sample(sampler2D environment, EnvironmentTables tables, uvec2 xi) {
     vec2 fraction;
     uint band_count = tables.height + 1u;
-    uint band = environment_invert(1u + band_count, band_count, tables.band_shift, xi.y, fraction.y);
+    uint band = environment_invert(band_count, band_count, tables.band_shift, xi.y, fraction.y);
     uint row = tables.conditional_base + band * tables.conditional_stride;
     uint column = environment_invert(row, tables.width, tables.column_shift, xi.x, fraction.x);
 
-    vec3 texels[4];
+    vec4 texels[4];
     environment_cell(environment, tables, band, column, texels);
-    vec4 weights = environment_weights(texels, tables.threshold);
     vec2 t;
-    t.y = environment_invert_linear(weights.x + weights.y, weights.z + weights.w, fraction.y);
-    t.x = environment_invert_linear(mix(weights.x, weights.z, t.y), mix(weights.y, weights.w, t.y), fraction.x);
+    t.y = environment_invert_linear(texels[0].a + texels[1].a, texels[2].a + texels[3].a, fraction.y);
+    t.x = environment_invert_linear(mix(texels[0].a, texels[2].a, t.y), mix(texels[1].a, texels[3].a, t.y), fraction.x);
+    vec4 light = environment_bilinear(texels, t);
 
     // The first and the last band are half a texel high: v clamps there.
     float top = max(float(band) - 0.5, 0.0);
     float bottom = min(float(band) + 0.5, float(tables.height));
     vec3 l = direction_from_uv(
         vec2((float(column) + 0.5 + t.x) / float(tables.width), mix(top, bottom, t.y) / float(tables.height)));
-    return EnvironmentSample(l, environment_bilinear(texels, t), environment_pdf(weights, t, band, length(l.xz)));
+    return EnvironmentSample(l, light.rgb, environment_pdf(light.a, band, length(l.xz)));
 }
 
 #endif

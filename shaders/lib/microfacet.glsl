@@ -18,11 +18,15 @@ vec3 f_schlick(float v_dot_h, vec3 f0) {
     return f0 + (1.0 - f0) * schlick_weight(v_dot_h);
 }
 
-// Masking of one direction: the model's own G1, or Karis' fit with k = alpha / 2. [Karis13 eq. 4]
+// Masking of one direction: the model's own G1, Karis' fit with k = alpha / 2 [Karis13 eq. 4], or the exact Smith masking
+// of the model's distribution.
 float g1(float n_dot_w, float alpha, uint masking) {
     if (masking == MASKING_SCHLICK) {
         float k = 0.5 * alpha;
         return n_dot_w > 0.0 ? n_dot_w / (n_dot_w * (1.0 - k) + k) : 0.0;
+    }
+    if (masking == MASKING_SMITH_EXACT) {
+        return g1_exact_brdf(n_dot_w, alpha);
     }
     return g1_brdf(n_dot_w, alpha);
 }

@@ -1,7 +1,8 @@
 // One invocation evaluates the functions of lib/environment_sampling.glsl for one item, on a map of the bound environment's size.
 // In: (unit direction, 0), (xi.x high, low, xi.y high, low) with 16 bits a channel.
 // Out: (radiance from the direction, its density), (sampled direction, its density), (radiance from the sampled direction, 0).
-// Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 3 vec4 an item; 2 environment (sampler2D, level 0); 3 words of its distribution.
+// Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 3 vec4 an item; 2 environment (sampler2D, level 0); 3 words of its distribution;
+// 4 the environment through a bilinear sampler. Specialization constant 1: EXACT_FILTER.
 // Dispatch: ceil(count / GROUP_LINEAR) groups.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -23,6 +24,7 @@ layout(std430, set = 0, binding = 1) writeonly buffer Outputs {
     vec4 outputs[];
 };
 layout(set = 0, binding = 2) uniform sampler2D environment;
+layout(set = 0, binding = 4) uniform sampler2D environment_linear;
 layout(std430, set = 0, binding = 3) readonly buffer EnvironmentWords {
     uint environment_words[];
 };
@@ -38,7 +40,7 @@ void main() {
     }
     uvec2 size = uvec2(textureSize(environment, 0));
     EnvironmentTables tables = environment_tables(size.x, size.y);
-    EnvironmentSample seen = environment_eval(environment, tables, inputs[item * 2u].xyz);
+    EnvironmentSample seen = environment_eval(environment, environment_linear, tables, inputs[item * 2u].xyz);
     uvec4 halves = uvec4(inputs[item * 2u + 1u]);
     EnvironmentSample light = environment_sample(environment, tables, halves.xz << 16 | halves.yw);
     outputs[item * 3u] = vec4(seen.li, seen.pdf_l);

@@ -38,6 +38,7 @@ layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
 layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
 layout(set = 0, binding = 4) uniform sampler2D environment;
+layout(set = 0, binding = 8) uniform sampler2D environment_linear;
 layout(std430, set = 0, binding = 5) readonly buffer EnvironmentWords {
     uint environment_words[];
 };
@@ -100,7 +101,7 @@ void main() {
             vec3 term = vec3(0.0);
             if (l_local.z > 0.0) {
                 term = contribution(lobe_eval(surface, v_local, l_local),
-                                    environment_eval(environment, tables, frame * l_local));
+                                    environment_eval(environment, environment_linear, tables, frame * l_local));
             }
 
             EnvironmentSample light =

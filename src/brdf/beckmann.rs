@@ -22,11 +22,11 @@ fn visible_area_up_to(slope: f64, sin_theta: f64, cos_theta: f64) -> f64 {
     0.5 * (cos_theta * erfc(-slope) + sin_theta * (-slope * slope).exp() / PI.sqrt())
 }
 
-/// Area of the visible microfacets seen along `v`, per area of surface: `n_dot_v / G1(v)` with the exact Smith G1.
-fn projected_area(v_local: DVec3, alpha: f64) -> f64 {
-    let sin_theta = alpha * v_local.x.hypot(v_local.y);
-    // v = n: the last visible slope is infinite, and erfc(-∞) = 2, exp(-∞) = 0.
-    visible_area_up_to(v_local.z / sin_theta, sin_theta, v_local.z)
+/// Area of the visible microfacets seen at a polar angle, per area of surface: `cos θ / G1` with the exact Smith G1.
+fn projected_area(sin_theta: f64, cos_theta: f64, alpha: f64) -> f64 {
+    let stretched = alpha * sin_theta;
+    // At the normal the last visible slope is infinite, and erfc(-∞) = 2, exp(-∞) = 0.
+    visible_area_up_to(cos_theta / stretched, stretched, cos_theta)
 }
 
 impl Brdf for Beckmann {
@@ -45,6 +45,15 @@ impl Brdf for Beckmann {
 
     fn g1(&self, n_dot_w: f64, alpha: f64) -> f64 {
         g1_rational(n_dot_w, alpha)
+    }
+
+    /// `2 cos θ / (cos θ (1 + erf a) + alpha sin θ exp(-a²)/√π)`, `a = 1/(alpha tan θ)` [Walter07, eq. 26].
+    fn g1_exact(&self, n_dot_w: f64, alpha: f64) -> f64 {
+        if n_dot_w <= 0.0 {
+            return 0.0;
+        }
+        let sin_theta = ((1.0 - n_dot_w) * (1.0 + n_dot_w)).max(0.0).sqrt();
+        n_dot_w / projected_area(sin_theta, n_dot_w, alpha)
     }
 
     /// `tan² θ = -alpha² ln(1 - u)` [Walter07, eq. 28].
@@ -79,6 +88,6 @@ impl Brdf for Beckmann {
         if v_local.dot(h_local) <= 0.0 {
             return 0.0;
         }
-        self.d(h_local, alpha) / (4.0 * projected_area(v_local, alpha))
+        self.d(h_local, alpha) / (4.0 * projected_area(v_local.x.hypot(v_local.y), v_local.z, alpha))
     }
 }

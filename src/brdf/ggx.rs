@@ -40,6 +40,10 @@ impl Brdf for Ggx {
         2.0 * n_dot_w / (n_dot_w + (cos2 + alpha * alpha * (1.0 - cos2).max(0.0)).sqrt())
     }
 
+    fn g1_exact(&self, n_dot_w: f64, alpha: f64) -> f64 {
+        self.g1(n_dot_w, alpha)
+    }
+
     /// `tan² θ = alpha² u / (1 - u)` [Walter07, eq. 35].
     fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3 {
         let alpha2 = alpha * alpha;

@@ -25,6 +25,11 @@ pub trait Brdf: Sync + std::fmt::Debug {
     fn d(&self, h_local: DVec3, alpha: f64) -> f64;
     /// Smith masking G1 in [0, 1] of one direction with cosine `n_dot_w` to the normal; 0 below the horizon.
     fn g1(&self, n_dot_w: f64, alpha: f64) -> f64;
+    /// Exact Smith masking of this model's own D: `n_dot_w / ∫ D(m) max(w·m, 0) dm` [Heitz14]; 0 below the horizon.
+    ///
+    /// It differs from [`Brdf::g1`] where that is a fit. With it no surface reflects more than it receives: the integral says that
+    /// the visible facets fill the projected area, and shadowing only takes light away.
+    fn g1_exact(&self, n_dot_w: f64, alpha: f64) -> f64;
     /// Half vector with density `pdf_h = D(h) n_dot_h`. `xi.x` in [0, 1) is 0 at the normal, `φ = 2π xi.y`.
     fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3;
     /// Half vector by the best known sampler for the model given `v_local` (`v_local.z >= 0`); its density over `l` is [`Brdf::pdf_visible_l`].
@@ -53,34 +58,48 @@ pub enum MaskingShadowing {
     Correlated = 1,
     /// Karis' Schlick-Smith, `k = alpha / 2`, for image-based lighting.
     Schlick = 2,
+    /// `G1(v) G1(l)` with the exact Smith masking of each model's own D.
+    SmithExact = 3,
 }
 
 impl MaskingShadowing {
     /// Every variant with its name.
-    pub const ALL: &[(&str, Self)] =
-        &[("separable", Self::Separable), ("correlated", Self::Correlated), ("schlick", Self::Schlick)];
+    pub const ALL: &[(&str, Self)] = &[
+        ("separable", Self::Separable),
+        ("correlated", Self::Correlated),
+        ("schlick", Self::Schlick),
+        ("smith-exact", Self::SmithExact),
+    ];
+}
+
+/// Masking G1 in [0, 1] of one direction; 0 if its cosine is not positive.
+///
+/// Schlick: `G1 = c / (c (1 - k) + k)`, `k = alpha/2`, the same for every model [Karis13, eq. 4].
+pub fn g1(model: &dyn Brdf, n_dot_w: f64, alpha: f64, masking: MaskingShadowing) -> f64 {
+    match masking {
+        MaskingShadowing::Separable | MaskingShadowing::Correlated => model.g1(n_dot_w, alpha),
+        MaskingShadowing::Schlick if n_dot_w <= 0.0 => 0.0,
+        MaskingShadowing::Schlick => {
+            let k = 0.5 * alpha;
+            n_dot_w / (n_dot_w * (1.0 - k) + k)
+        }
+        MaskingShadowing::SmithExact => model.g1_exact(n_dot_w, alpha),
+    }
 }
 
 /// Masking-shadowing G2 in [0, 1]; 0 if a cosine is not positive.
 ///
-/// Correlated: `Λ = 1/G1 - 1`, so `1/(1 + Λ(v) + Λ(l)) = 1/(1/G1(v) + 1/G1(l) - 1)` [Heitz14, eq. 99].
-/// Schlick: `G1 = c / (c (1 - k) + k)`, `k = alpha/2`, the same for every model [Karis13].
+/// The product of both G1 [Walter07, eq. 23], or correlated: `Λ = 1/G1 - 1`, so `1/(1 + Λ(v) + Λ(l)) = 1/(1/G1(v) + 1/G1(l) - 1)`
+/// [Heitz14, eq. 99].
 pub fn g2(model: &dyn Brdf, n_dot_v: f64, n_dot_l: f64, alpha: f64, masking: MaskingShadowing) -> f64 {
     if n_dot_v <= 0.0 || n_dot_l <= 0.0 {
         return 0.0;
     }
+    let (g1_v, g1_l) = (g1(model, n_dot_v, alpha, masking), g1(model, n_dot_l, alpha, masking));
     match masking {
-        MaskingShadowing::Separable => model.g1(n_dot_v, alpha) * model.g1(n_dot_l, alpha),
-        MaskingShadowing::Correlated => {
-            let (g1_v, g1_l) = (model.g1(n_dot_v, alpha), model.g1(n_dot_l, alpha));
-            // Multiplied out, so that a vanishing G1 gives 0 and not 1/∞.
-            g1_v * g1_l / (g1_v + g1_l - g1_v * g1_l)
-        }
-        MaskingShadowing::Schlick => {
-            let k = 0.5 * alpha;
-            let g1 = |cosine: f64| cosine / (cosine * (1.0 - k) + k);
-            g1(n_dot_v) * g1(n_dot_l)
-        }
+        // Multiplied out, so that a vanishing G1 gives 0 and not 1/∞.
+        MaskingShadowing::Correlated => g1_v * g1_l / (g1_v + g1_l - g1_v * g1_l),
+        _ => g1_v * g1_l,
     }
 }
 

@@ -2,12 +2,27 @@
 //! Beckmann at small alpha [Walter07, section 5.2]; G1 by the rational fit.
 //!
 //! That fit is not the Smith masking of this distribution: at large alpha and grazing view energy is created (directional albedo up
-//! to 1.14 at alpha 1, n_dot_v 0.1). No visible-normal sampler is known in closed form, so `sample_visible` is `sample_d`.
+//! to 1.14 at alpha 1, n_dot_v 0.1).
+//!
+//! # The exact Smith masking
+//!
+//! Phong's slopes `(p, q)` have density `D cos⁴ θ = (exponent + 2)/(2π) (1 + p² + q²)^(-(N + 1))`, `N = 1/alpha²`. Integrated over
+//! the slope across the view, the slope q along it has density `C (1 + q²)^(-(N + 1/2))`, `C = Γ(N + 1/2)/(√π Γ(N))`. Smith's
+//! `Λ = 1/μ ∫_μ^∞ (q - μ) P(q) dq`, `μ = cot θ` [Heitz14], is then, with `q = cot ψ`,
+//!
+//! `Λ = C (tan θ sin^(2N-1) θ / (2N - 1) - ∫_0^θ sin^(2N-1) ψ dψ)`, and the integral is `I_x(N, 1/2)/(2C)` at `x = sin² θ`, so
+//!
+//! `G1 = 1/(1 + Λ) = cos θ / (cos θ (1 - I_x(N, 1/2)/2) + C sin^(2N) θ / (2N - 1))`.
+//!
+//! At alpha = 1 it is `2 cos θ / (1 + cos θ)`, that of GGX, whose D is the same there; for alpha → 0 it becomes that of Beckmann.
+//!
+//! No visible-normal sampler is known in closed form, so `sample_visible` is `sample_d`.
 
 use super::{Brdf, g1_rational, pdf_d_l, sin2_cos2};
+use crate::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
 use crate::math::sampling::direction_from_polar;
 use glam::{DVec2, DVec3};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// The Phong model with Walter's rational masking.
 #[derive(Debug)]
@@ -41,6 +56,19 @@ impl Brdf for Phong {
 
     fn g1(&self, n_dot_w: f64, alpha: f64) -> f64 {
         g1_rational(n_dot_w, alpha)
+    }
+
+    /// See the module's text.
+    fn g1_exact(&self, n_dot_w: f64, alpha: f64) -> f64 {
+        if n_dot_w <= 0.0 {
+            return 0.0;
+        }
+        let cos_theta = n_dot_w.min(1.0);
+        let n = 1.0 / (alpha * alpha);
+        // sin^(2N) θ; 0 at the normal, where the logarithm is -∞.
+        let sin_2n = (n * (-cos_theta * cos_theta).ln_1p()).exp();
+        let grazing = gamma_ratio_half(n) / PI.sqrt() * sin_2n / (2.0 * n - 1.0);
+        cos_theta / (cos_theta * (1.0 - 0.5 * incomplete_beta_half(n, cos_theta)) + grazing)
     }
 
     /// `cos θ = (1 - u)^(1/(exponent + 2))`, density `D cos θ` [Walter07, section 5.2]. Source document 0 prints `1/(exponent + 1)`: a slip.

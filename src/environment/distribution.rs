@@ -33,7 +33,7 @@
 //!
 //! # Words
 //!
-//! The device reads one buffer of 32-bit words ([`EnvironmentDistribution::words`]): the threshold as f32; w_b of each band as
+//! The device reads one buffer of 32-bit words ([`EnvironmentDistribution::words`]): w_b of each band as
 //! f32; then the marginal distribution over the H + 1 bands; then for each band the conditional distribution over the W cells.
 //! A distribution over n intervals is n + 1 starts in fixed point (0 to 2^32 - 1, each exact to half a unit) and a guide of
 //! 2^k ≥ n entries [Chen74]: entry g holds the first (low half) and last (high half) interval that a fixed-point xi with
@@ -81,6 +81,19 @@ struct Cell {
     corners: [f64; 4],
 }
 
+/// Weight of each texel, `max(luminance - threshold, 0)` with a threshold of `compensation` times the mean luminance. The device holds
+/// them in the alpha channel of the environment.
+fn sampling_weights(image: &RgbImage, compensation: f64) -> Pixels<f32> {
+    let threshold = compensation * mean_luminance(image);
+    image.map(|texel| (color::luminance(texel) - threshold).max(0.0) as f32)
+}
+
+/// The texels of level 0 as the device holds them: radiance, and the weight with which [`EnvironmentDistribution::new`] samples.
+pub fn weighted_texels(image: &RgbImage) -> Vec<[f32; 4]> {
+    let weights = sampling_weights(image, COMPENSATION);
+    image.data.iter().zip(weights.data).map(|(&[r, g, b], weight)| [r, g, b, weight]).collect()
+}
+
 impl EnvironmentDistribution {
     /// The tables of `image`, whose radiance must be finite and not negative, with the threshold that suits a lobe sampler beside it.
     pub fn new(image: &RgbImage) -> Self {
@@ -92,13 +105,12 @@ impl EnvironmentDistribution {
         let (width, height) = (image.width, image.height);
         assert!((1..=SIDE_MAX).contains(&width), "width {width} of an environment, 1 to {SIDE_MAX} expected");
         assert!((1..SIDE_MAX).contains(&height), "height {height} of an environment, 1 to {SIDE_MAX} - 1 expected");
-        // The device's threshold, so that both cut at the same value.
-        let threshold = (compensation * mean_luminance(image)) as f32;
-        let weights = image.map(|texel| (color::luminance(texel) - f64::from(threshold)).max(0.0));
+        // Rounded as the device holds them, so that both sample the same map.
+        let weights = sampling_weights(image, compensation).map(f64::from);
         let columns = width as usize;
         let stride = distribution_len(columns);
         let band_count = height as usize + 1;
-        let marginal_base = 1 + band_count;
+        let marginal_base = band_count;
         let conditional_base = marginal_base + distribution_len(band_count);
         let mut words = vec![0; conditional_base + band_count * stride];
 
@@ -127,8 +139,7 @@ impl EnvironmentDistribution {
         let band_weights: Vec<f64> = (0..band_count)
             .map(|band| if total > 0.0 { mean_sine(band, height) / (2.0 * PI * PI * total) } else { 0.0 })
             .collect();
-        head[0] = threshold.to_bits();
-        for (word, weight) in head[1..].iter_mut().zip(&band_weights) {
+        for (word, weight) in head.iter_mut().zip(&band_weights) {
             *word = (*weight as f32).to_bits();
         }
         Self { weights, band_weights, words }
@@ -161,7 +172,7 @@ impl EnvironmentDistribution {
         let (width, height) = (self.weights.width, self.weights.height);
         let columns = width as usize;
         let band_count = height as usize + 1;
-        let (_, distributions) = self.words.split_at(1 + band_count);
+        let (_, distributions) = self.words.split_at(band_count);
         let (marginal, conditionals) = distributions.split_at(distribution_len(band_count));
         let row = invert(marginal, band_count, xi.y);
         let stride = distribution_len(columns);

@@ -54,6 +54,7 @@ impl Settings {
             scene,
             size: view.size,
             point_set: 0,
+            reference_error: None,
             reference_samples: if self.method.name == REFERENCE { self.samples } else { view.reference_samples },
             method: self.method,
             diffuse: self.diffuse,

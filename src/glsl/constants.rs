@@ -45,6 +45,8 @@ constants! {
     MASKING_CORRELATED: u32 = 1;
     /// Karis' Schlick-Smith with k = alpha/2.
     MASKING_SCHLICK: u32 = 2;
+    /// Exact Smith masking of each model's own distribution.
+    MASKING_SMITH_EXACT: u32 = 3;
     /// Light kinds; the order is that of `scene::LightKind`.
     LIGHT_DIRECTIONAL: u32 = 0;
     /// A point light.

@@ -36,6 +36,8 @@ pub struct DeviceInfo {
     pub timestamp_period_ns: f32,
     /// Size of the largest device-local heap, bytes.
     pub memory_bytes: u64,
+    /// Whether bilinear filtering computes in f32 (lavapipe: error below 3e-6) and not with the 8-bit weights of filtering units.
+    pub has_exact_filter: bool,
 }
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
@@ -122,6 +124,7 @@ impl Instance {
         // SAFETY: `device` comes from this instance; the chain outlives the call.
         unsafe { self.raw.get_physical_device_properties2(device, &mut properties) };
         let core = properties.properties;
+        let driver_id = driver.driver_id;
         // SAFETY: as above.
         let memory = unsafe { self.raw.get_physical_device_memory_properties(device) };
         let heaps = &memory.memory_heaps[..memory.memory_heap_count as usize];
@@ -144,6 +147,7 @@ impl Instance {
                 vk::api_version_patch(core.api_version)
             ),
             timestamp_period_ns: core.limits.timestamp_period,
+            has_exact_filter: driver_id == vk::DriverId::MESA_LLVMPIPE,
             memory_bytes: local.map(|heap| heap.size).max().unwrap_or(0),
         }
     }

@@ -133,6 +133,7 @@ impl RequestView {
             masking_shadowing: request.masking_shadowing,
             samples: 1,
             point_set: 0,
+            reference_error: None,
             reference_samples: 1,
             lod_bias: 0.0,
             lights: Vec::new(),

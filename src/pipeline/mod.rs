@@ -16,7 +16,7 @@ use crate::gpu::{Buffer, Gpu, GpuError, Report};
 use crate::pixels::{Pixels, PixelsError, Rgb8Image, RgbImage};
 use crate::precompute::SettingsError;
 use crate::shade::pass::{ShadeSettings, light_data};
-use crate::shade::reference_pass::ReferenceRun;
+use crate::shade::reference_pass::{Convergence, ReferenceRun};
 use crate::tonemap::ToneCurve;
 use crate::tonemap::pass::TonemapPass;
 use prepare::{Prepared, Resources};
@@ -73,11 +73,12 @@ impl Pipeline {
     /// Renders one radiance image.
     pub fn render(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
         let prepared = self.resources.prepare(&self.gpu, request)?;
-        let report = self.shade(request, &prepared)?;
+        let (report, convergences) = self.shade(request, &prepared)?;
         let (radiance, standard_error) = read_radiance(&self.gpu, &prepared, request)?;
         Ok(Frame {
             radiance,
             standard_error,
+            convergences,
             mask: prepared.target.mask.clone(),
             n_dot_v: prepared.target.n_dot_v.clone(),
             timings: FrameTimings {
@@ -107,7 +108,7 @@ impl Pipeline {
         let packed = TonemapPass::packed(&self.gpu, request.size)?;
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
-            let mut report = self.shade(request, &prepared)?;
+            let (mut report, _) = self.shade(request, &prepared)?;
             let mut recorder = self.gpu.record("tonemap")?;
             let curve = ToneCurve::default();
             recorder
@@ -139,7 +140,11 @@ impl Pipeline {
     }
 
     /// G-buffer and every shading pass; the radiance is left in the target.
-    fn shade(&mut self, request: &RenderRequest, prepared: &Prepared) -> Result<Report, PipelineError> {
+    fn shade(
+        &mut self,
+        request: &RenderRequest,
+        prepared: &Prepared,
+    ) -> Result<(Report, Vec<Convergence>), PipelineError> {
         let (resources, target) = (&self.resources, &prepared.target);
         let settings = settings(request, prepared);
         let mut recorder = self.gpu.record("gbuffer")?;
@@ -170,6 +175,7 @@ impl Pipeline {
                 report.add(recorder.submit()?);
             }
         }
+        let mut convergences = Vec::new();
         if let Some(reference) = &prepared.reference {
             let mut recorder = self.gpu.record("reference")?;
             recorder.fill(&reference.squared_error, 0);
@@ -177,7 +183,8 @@ impl Pipeline {
             for lobe in &prepared.lobes {
                 let run = ReferenceRun {
                     settings: &settings,
-                    sample_count: request.reference_samples,
+                    stop: request.reference_stop(),
+                    mask: &target.mask,
                     seed: request.seed,
                     environment: tables.environment,
                     distribution: &reference.distribution,
@@ -186,7 +193,9 @@ impl Pipeline {
                     radiance: &target.radiance,
                     squared_error: &reference.squared_error,
                 };
-                report.add(resources.reference.run(&self.gpu, *lobe, &reference.sums, &run)?);
+                let (times, convergence) = resources.reference.run(&self.gpu, *lobe, &reference.sums, &run)?;
+                report.add(times);
+                convergences.push(convergence);
             }
         }
         let mut recorder = self.gpu.record("shade")?;
@@ -207,7 +216,7 @@ impl Pipeline {
             })?;
         }
         report.add(recorder.submit()?);
-        Ok(report)
+        Ok((report, convergences))
     }
 }
 

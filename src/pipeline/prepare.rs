@@ -3,7 +3,10 @@
 use super::cache::Recent;
 use super::{PipelineError, RenderRequest, light_bytes};
 use crate::brdf::MaskingShadowing;
-use crate::environment::{Environment, distribution::EnvironmentDistribution};
+use crate::environment::{
+    Environment,
+    distribution::{EnvironmentDistribution, weighted_texels},
+};
 use crate::gbuffer::pass::{GbufferImages, GbufferPass, SceneData};
 use crate::gpu::{Buffer, Format, Gpu, Image, Report};
 use crate::pixels::GrayImage;
@@ -222,8 +225,7 @@ impl Resources {
             let pixels = &environment.image;
             let size = [pixels.width, pixels.height];
             let image = gpu.image("environment", size, level_count(size), Format::Rgba32Float)?;
-            let texels: Vec<[f32; 4]> = pixels.data.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-            gpu.write_image(&image, 0, &texels)?;
+            gpu.write_image(&image, 0, &weighted_texels(pixels))?;
             let mut recorder = gpu.record("mips")?;
             recorder.pass("mips", |r| mips.record(r, &image))?;
             total.add(recorder.submit()?);

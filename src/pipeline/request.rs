@@ -6,6 +6,7 @@ use crate::gpu::PassTime;
 use crate::pixels::{GrayImage, RgbImage};
 use crate::precompute::PrecomputeSettings;
 use crate::scene::{Camera, Light, Scene};
+use crate::shade::reference_pass::{Convergence, Stop};
 use crate::shade::{Diffuse, Method};
 use std::sync::Arc;
 
@@ -30,6 +31,8 @@ pub struct RenderRequest {
     pub point_set: u32,
     /// Samples a pixel of the reference, wherever it is the method or the diffuse term.
     pub reference_samples: u32,
+    /// Stops the reference earlier, once the relative standard error of each of its terms is at most this.
+    pub reference_error: Option<f64>,
     /// Levels added to the mip level of a filtered method.
     pub lod_bias: f32,
     pub lights: Vec<Light>,
@@ -40,6 +43,13 @@ pub struct RenderRequest {
     pub seed: u32,
 }
 
+impl RenderRequest {
+    /// When the reference stops.
+    pub(super) fn reference_stop(&self) -> Stop {
+        Stop { sample_count: self.reference_samples, relative_error: self.reference_error }
+    }
+}
+
 /// One rendered radiance image and what belongs to it.
 #[derive(Clone, Debug)]
 pub struct Frame {
@@ -47,6 +57,8 @@ pub struct Frame {
     pub radiance: RgbImage,
     /// Standard error of the mean per pixel and channel; only the reference has one.
     pub standard_error: Option<RgbImage>,
+    /// Where each term of the reference stopped.
+    pub convergences: Vec<Convergence>,
     /// 1 where a surface is hit.
     pub mask: Arc<GrayImage>,
     /// Cosine between normal and view; 0 where nothing is hit.

@@ -6,8 +6,10 @@ use crate::gbuffer::pass::GbufferImages;
 use crate::glsl::constants::GROUP_SIDE;
 use crate::glsl::layout::{ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, ComputePipeline, Filter, Gpu, GpuError, Image, Report, Sampler, Slot, Wrap};
+use crate::pixels::GrayImage;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::ops::Range;
 
 /// Fewest independent scrambles: with 16, the standard error is itself known to about 18 %.
 pub const SCRAMBLE_COUNT_MIN: u32 = 16;
@@ -66,11 +68,53 @@ impl ScramblePlan {
     }
 }
 
+/// Scrambles between two looks at the error of a reference that stops by it.
+const SCRAMBLES_PER_ROUND: u32 = SCRAMBLE_COUNT_MIN;
+/// Samples of one scramble of such a reference: long enough for the nets to pay, short enough not to overshoot by much.
+const ROUND_SCRAMBLE_SAMPLES: u32 = 256;
+/// Keeps the relative error of dark pixels from ruling: that of the metric `relmse_eps1e-2`.
+const RELATIVE_ERROR_EPSILON: f64 = 1e-2;
+
+/// When a reference stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    /// Samples a pixel: exactly so many (rounded up to whole scrambles), or at most so many when `relative_error` is given.
+    pub sample_count: u32,
+    /// Stops earlier, once the relative standard error of every term is at most this.
+    pub relative_error: Option<f64>,
+}
+
+impl Stop {
+    fn plan(self) -> ScramblePlan {
+        let plan = ScramblePlan::new(self.sample_count);
+        if self.relative_error.is_none() || plan.samples_per_scramble <= ROUND_SCRAMBLE_SAMPLES {
+            return plan;
+        }
+        let samples_per_scramble = ROUND_SCRAMBLE_SAMPLES;
+        let rounds = self.sample_count.div_ceil(samples_per_scramble * SCRAMBLES_PER_ROUND);
+        ScramblePlan { scramble_count: rounds * SCRAMBLES_PER_ROUND, samples_per_scramble }
+    }
+}
+
+/// Where a term of the reference stopped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Convergence {
+    /// The timed pass of the term, `shade-specular` or `shade-diffuse`.
+    pub term: &'static str,
+    /// Samples a pixel.
+    pub sample_count: u64,
+    /// `sqrt(mean of se² / (mean² + 1e-2))` over the masked pixels and channels, se the standard error of the pixel's mean.
+    pub relative_error: f64,
+    /// Whether the requested relative error was reached (or the sample count, where none was requested).
+    pub is_met: bool,
+}
+
 /// The pipelines, made when they are first needed.
 pub struct ReferencePass {
     integrate: HashMap<(&'static str, MaskingShadowing), ComputePipeline>,
     resolve: HashMap<&'static str, ComputePipeline>,
     nearest: Sampler,
+    linear: Sampler,
     clamp: Sampler,
 }
 
@@ -88,13 +132,31 @@ impl Sums {
             squared_deviations: gpu.buffer("reference deviations", bytes)?,
         })
     }
+
+    /// [`Convergence::relative_error`] of what the sums hold now.
+    fn relative_error(&self, gpu: &Gpu, mask: &GrayImage) -> Result<f64, GpuError> {
+        let means: Vec<[f32; 4]> = gpu.read_buffer(&self.mean)?;
+        let deviations: Vec<[f32; 4]> = gpu.read_buffer(&self.squared_deviations)?;
+        let (mut sum, mut count) = (0.0, 0u64);
+        for ((mean, deviation), _) in means.iter().zip(&deviations).zip(&mask.data).filter(|(_, hit)| **hit > 0.0) {
+            let scrambles = f64::from(mean[3]);
+            for channel in 0..3 {
+                let squared_error = f64::from(deviation[channel]) / (scrambles * (scrambles - 1.0));
+                sum += squared_error / (f64::from(mean[channel]).powi(2) + RELATIVE_ERROR_EPSILON);
+            }
+            count += 3;
+        }
+        Ok(if count > 0 { (sum / count as f64).sqrt() } else { 0.0 })
+    }
 }
 
 /// What one term of the reference reads and writes.
 pub struct ReferenceRun<'a> {
     pub settings: &'a ShadeSettings,
-    pub sample_count: u32,
+    pub stop: Stop,
     pub seed: u32,
+    /// 1 where a surface is hit.
+    pub mask: &'a GrayImage,
     pub environment: &'a Image,
     /// [`crate::environment::EnvironmentDistribution::words`].
     pub distribution: &'a Buffer,
@@ -111,6 +173,7 @@ impl ReferencePass {
             integrate: HashMap::new(),
             resolve: HashMap::new(),
             nearest: gpu.sampler(Filter::Nearest, Wrap::Equirect)?,
+            linear: gpu.sampler(Filter::Linear, Wrap::Equirect)?,
             clamp: gpu.sampler(Filter::Linear, Wrap::Clamp)?,
         })
     }
@@ -118,10 +181,11 @@ impl ReferencePass {
     /// Makes the pipelines of a term, if they are not made yet.
     pub fn prepare(&mut self, gpu: &Gpu, lobe: Lobe) -> Result<(), GpuError> {
         let key = lobe.key();
+        let constants = [key.1 as u32, u32::from(gpu.info().has_exact_filter)];
         if let Entry::Vacant(entry) = self.integrate.entry(key) {
-            let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled], &[Slot::Buffer; 3]].concat();
+            let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled], &[Slot::Buffer; 3], &[Slot::Sampled]].concat();
             let shader = format!("shade/reference.comp:{}", lobe.permutation());
-            let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &[key.1 as u32])?;
+            let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &constants)?;
             entry.insert(pipeline);
         }
         if let Entry::Vacant(entry) = self.resolve.entry(key.0) {
@@ -134,21 +198,60 @@ impl ReferencePass {
     }
 
     /// Adds one term to `radiance` and its squared standard error to `squared_error`; the pipelines must be prepared.
-    pub fn run(&self, gpu: &Gpu, lobe: Lobe, sums: &Sums, run: &ReferenceRun<'_>) -> Result<Report, GpuError> {
-        let plan = ScramblePlan::new(run.sample_count);
+    pub fn run(
+        &self,
+        gpu: &Gpu,
+        lobe: Lobe,
+        sums: &Sums,
+        run: &ReferenceRun<'_>,
+    ) -> Result<(Report, Convergence), GpuError> {
+        let plan = run.stop.plan();
+        let mut total = Report::default();
+        let mut done = 0;
+        let relative_error = loop {
+            let end = match run.stop.relative_error {
+                Some(_) => (done + SCRAMBLES_PER_ROUND).min(plan.scramble_count),
+                None => plan.scramble_count,
+            };
+            total.add(self.integrate(gpu, lobe, sums, run, plan.samples_per_scramble, done..end)?);
+            done = end;
+            let error = sums.relative_error(gpu, run.mask)?;
+            if done == plan.scramble_count || run.stop.relative_error.is_some_and(|wanted| error <= wanted) {
+                break error;
+            }
+        };
+        total.add(self.resolve(gpu, lobe, sums, run)?);
+        let convergence = Convergence {
+            term: lobe.pass_name(),
+            sample_count: u64::from(done) * u64::from(plan.samples_per_scramble),
+            relative_error,
+            is_met: run.stop.relative_error.is_none_or(|wanted| relative_error <= wanted),
+        };
+        Ok((total, convergence))
+    }
+
+    /// Takes the scrambles `scrambles` into the sums.
+    fn integrate(
+        &self,
+        gpu: &Gpu,
+        lobe: Lobe,
+        sums: &Sums,
+        run: &ReferenceRun<'_>,
+        samples_per_scramble: u32,
+        scrambles: Range<u32>,
+    ) -> Result<Report, GpuError> {
         let [width, height] = run.gbuffer.size;
         // Setting up a pixel costs as much as a few samples, so that a dispatch takes as many scrambles as it may.
         let scrambles_per_dispatch =
-            (SCRAMBLE_SAMPLES_MAX / plan.samples_per_scramble.max(1)).clamp(1, plan.scramble_count);
-        let samples_per_row =
-            u64::from(width) * u64::from(plan.samples_per_scramble) * u64::from(scrambles_per_dispatch);
+            (SCRAMBLE_SAMPLES_MAX / samples_per_scramble.max(1)).clamp(1, scrambles.end - scrambles.start);
+        let samples_per_row = u64::from(width) * u64::from(samples_per_scramble) * u64::from(scrambles_per_dispatch);
         let mut total = Report::default();
-        for scramble in (0..plan.scramble_count).step_by(scrambles_per_dispatch as usize) {
+        for scramble in scrambles.clone().step_by(scrambles_per_dispatch as usize) {
             for rows in gpu.row_bands(height, samples_per_row, GROUP_SIDE) {
                 let params = ShadeParams {
-                    sample_count: plan.samples_per_scramble,
+                    sample_count: samples_per_scramble,
                     scramble,
-                    scramble_count: scrambles_per_dispatch.min(plan.scramble_count - scramble),
+                    scramble_count: scrambles_per_dispatch.min(scrambles.end - scramble),
                     seed: run.seed,
                     ..run.settings.params(run.gbuffer.size, rows.start)
                 };
@@ -157,6 +260,7 @@ impl ReferencePass {
                     Bind::Read(run.distribution),
                     Bind::ReadWrite(&sums.mean),
                     Bind::ReadWrite(&sums.squared_deviations),
+                    Bind::SampleMip(run.environment, &self.linear, 0),
                 ];
                 let binds = with_gbuffer(run.gbuffer, &self.nearest, &rest);
                 let groups = groups(width, rows.end - rows.start);
@@ -167,6 +271,12 @@ impl ReferencePass {
                 total.add(recorder.submit()?);
             }
         }
+        Ok(total)
+    }
+
+    /// Adds the term that the sums hold to the image.
+    fn resolve(&self, gpu: &Gpu, lobe: Lobe, sums: &Sums, run: &ReferenceRun<'_>) -> Result<Report, GpuError> {
+        let [width, height] = run.gbuffer.size;
         let rest = [
             Bind::Sample(run.dfg, &self.clamp),
             Bind::Read(&sums.mean),
@@ -180,7 +290,6 @@ impl ReferencePass {
         recorder.pass(lobe.pass_name(), |r| {
             r.dispatch(&self.resolve[lobe.key().0], &binds, &params.to_bytes(), groups(width, height))
         })?;
-        total.add(recorder.submit()?);
-        Ok(total)
+        recorder.submit()
     }
 }

@@ -91,7 +91,7 @@ fn ctrl_c_stops_after_a_cell_and_the_next_run_goes_on() {
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
     let first = lines.find(|line| line.starts_with("[1/")).expect("a first cell");
     assert!(first.contains("brdf=ggx"), "{first}");
-    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let kill = std::process::Command::new("sh").args(["-c", "kill -INT $0", &child.id().to_string()]).status().unwrap();
     assert!(kill.success());
     let rest: Vec<String> = lines.collect();
     assert_eq!(child.wait().unwrap().code(), Some(1), "{rest:#?}");

@@ -3,7 +3,7 @@
 use crate::compare::{Tolerance, Worst, absolute, relative};
 use crate::harness::{Probe, rounded, rounded3, vec4, with_gpu, xyz};
 use glam::{DVec2, DVec3};
-use splitsum::brdf::{Brdf, MODELS, MaskingShadowing, f_schlick, g2, reflect};
+use splitsum::brdf::{Brdf, MODELS, MaskingShadowing, f_schlick, g1, g2, reflect};
 use splitsum::gpu::Gpu;
 use splitsum::math::sampling::{direction_from_polar, hammersley};
 use std::f64::consts::TAU;
@@ -95,11 +95,7 @@ fn distributions_masking_and_fresnel() {
                 let mut fresnel = worst("f", F32);
                 let mut eval = worst("eval", Tolerance { relative: 8e-6, floor: 1e-30 });
                 for (item, out) in items.iter().zip(run(gpu, *model, *masking, &items)) {
-                    // Schlick's masking is no function of its own in the twin: G2 with a cosine of 1 is its G1.
-                    let g1 = |cosine: f64| match masking {
-                        MaskingShadowing::Schlick => g2(*model, cosine, 1.0, item.alpha, *masking),
-                        _ => model.g1(cosine, item.alpha),
-                    };
+                    let g1 = |cosine: f64| g1(*model, cosine, item.alpha, *masking);
                     d.add(out[0][0], model.d(item.h, item.alpha), || item.case());
                     g.add(out[0][1], g1(item.v.z), || item.case());
                     g.add(out[0][2], g1(item.n_dot_l), || format!("n_dot_l {} {}", item.n_dot_l, item.case()));

@@ -1,1 +1,149 @@
+//! The same request gives the same bits: again, on a fresh device, in another process, after other work; and nothing that was in memory
+//! before a pass has an effect.
 
+use crate::harness::{golden_environment, lobe_sphere, poison, request, scene, with_gpu, with_pipeline};
+use crate::tables::environment_image;
+use splitsum::brdf::{Ggx, MODELS, MaskingShadowing};
+use splitsum::environment::distribution::EnvironmentDistribution;
+use splitsum::gbuffer::pass::{GbufferImages, GbufferPass, SceneData};
+use splitsum::gpu::{Format, Gpu};
+use splitsum::pipeline::{Pipeline, RenderRequest};
+use splitsum::scene::{CameraKind, MaterialOverride};
+use splitsum::shade::pass::ShadeSettings;
+use splitsum::shade::reference_pass::{Lobe, ReferencePass, ReferenceRun, Stop, Sums};
+use splitsum::shade::{DIFFUSE, METHODS};
+
+/// Every method and diffuse method on the grid of spheres.
+fn requests() -> Vec<RenderRequest> {
+    let environment = golden_environment();
+    let base = RenderRequest {
+        reference_samples: 64,
+        background: true,
+        environment_rotation_deg: 20.0,
+        ..request(&environment, scene("spheres", MaterialOverride::default()), CameraKind::Perspective, [40, 24])
+    };
+    let of_method = METHODS.iter().map(|method| RenderRequest { method, ..base.clone() });
+    let of_diffuse = DIFFUSE.iter().zip(MODELS.iter().cycle());
+    let of_diffuse = of_diffuse.map(|(diffuse, brdf)| RenderRequest { diffuse, brdf: *brdf, ..base.clone() });
+    of_method.chain(of_diffuse).collect()
+}
+
+fn frame_hash(pipeline: &mut Pipeline, request: &RenderRequest) -> String {
+    let frame = pipeline.render(request).unwrap();
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(bytemuck::cast_slice(&frame.radiance.data));
+    if let Some(error) = &frame.standard_error {
+        hasher.update(bytemuck::cast_slice(&error.data));
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// Names the file that the other process writes its hashes to.
+const HASH_FILE: &str = "SPLITSUM_TEST_HASH_FILE";
+
+/// The other process of `frames_have_the_same_bits_everywhere`; without the variable there is nothing to do.
+#[test]
+fn hashes_of_another_process() {
+    let Some(path) = std::env::var_os(HASH_FILE) else { return };
+    with_pipeline(|pipeline| {
+        let hashes: Vec<String> = requests().iter().map(|request| frame_hash(pipeline, request)).collect();
+        std::fs::write(&path, hashes.join("\n")).unwrap();
+    });
+}
+
+#[test]
+fn frames_have_the_same_bits_everywhere() {
+    with_pipeline(|pipeline| {
+        let requests = requests();
+        let first: Vec<String> = requests.iter().map(|request| frame_hash(pipeline, request)).collect();
+        // Again, in the other order, so that every frame follows another one than before.
+        for (request, hash) in requests.iter().zip(&first).rev() {
+            let name = format!("{} {}", request.method.name, request.diffuse.name);
+            assert_eq!(frame_hash(pipeline, request), *hash, "{name} after other work");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("hashes");
+        let status = std::process::Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", "determinism::hashes_of_another_process"])
+            .env(HASH_FILE, &path)
+            .output()
+            .unwrap();
+        assert!(status.status.success(), "{}", String::from_utf8_lossy(&status.stdout));
+        let other = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(other.lines().collect::<Vec<_>>(), first, "another process");
+        // Other seeds are other points: the hash sees the radiance.
+        let reference = requests.iter().find(|request| request.method.name == "reference").unwrap();
+        let other_seed = RenderRequest { seed: 2, ..reference.clone() };
+        assert_ne!(frame_hash(pipeline, &other_seed), frame_hash(pipeline, reference));
+    });
+}
+
+/// Memory that the next buffers of this size are likely to get holds NaNs.
+fn poison_free_memory(gpu: &Gpu, size: u64) {
+    let buffers: Vec<_> = (0..8).map(|_| gpu.buffer("poison", size).unwrap()).collect();
+    buffers.iter().for_each(|buffer| poison(gpu, buffer));
+}
+
+#[test]
+fn the_reference_reads_nothing_it_has_not_written() {
+    with_gpu(|gpu| {
+        let environment = golden_environment();
+        let size = [24, 24];
+        let bytes = 16 * 24 * 24;
+        let request = request(&environment, lobe_sphere(0.3), CameraKind::Ortho, size);
+        let image = environment_image(gpu, &environment.image);
+        let words = EnvironmentDistribution::new(&environment.image);
+        let distribution = gpu.buffer_from("distribution", words.words()).unwrap();
+        let dfg = gpu.image("blank", [1, 1], 1, Format::Rgba32Float).unwrap();
+        let gbuffer = GbufferImages::new(gpu, size).unwrap();
+        let scene = SceneData::new(gpu, &request.scene).unwrap();
+        let mut recorder = gpu.record("gbuffer").unwrap();
+        GbufferPass::new(gpu).unwrap().record(&mut recorder, &scene, &request.camera, &gbuffer).unwrap();
+        recorder.submit().unwrap();
+        let settings = ShadeSettings {
+            camera: request.camera,
+            environment_rotation_deg: 0.0,
+            environment_scale: 1.0,
+            environment_size: [512, 256],
+            sample_count: 64,
+            lod_bias: 0.0,
+            prefilter_level_count: 5,
+            has_specular: true,
+            light_count: 0,
+        };
+        let mask = gbuffer.read(gpu).unwrap().mask();
+        let lobe = Lobe::Specular(&Ggx, MaskingShadowing::Separable);
+        let mut pass = ReferencePass::new(gpu).unwrap();
+        pass.prepare(gpu, lobe).unwrap();
+        let results = [false, true].map(|is_poisoned| {
+            if is_poisoned {
+                poison_free_memory(gpu, bytes);
+            }
+            let sums = Sums::new(gpu, size).unwrap();
+            // The pass adds to these two: the pipeline clears them.
+            let [radiance, squared_error] = ["radiance", "squared error"].map(|name| {
+                let buffer = gpu.buffer(name, bytes).unwrap();
+                let mut recorder = gpu.record(name).unwrap();
+                recorder.fill(&buffer, 0);
+                recorder.submit().unwrap();
+                buffer
+            });
+            let run = ReferenceRun {
+                settings: &settings,
+                stop: Stop { sample_count: 64, relative_error: None },
+                seed: 1,
+                mask: &mask,
+                environment: &image,
+                distribution: &distribution,
+                dfg: &dfg,
+                gbuffer: &gbuffer,
+                radiance: &radiance,
+                squared_error: &squared_error,
+            };
+            pass.run(gpu, lobe, &sums, &run).unwrap();
+            [&radiance, &squared_error].map(|buffer| gpu.read_buffer::<u32>(buffer).unwrap())
+        });
+        assert!(results[0] == results[1], "the contents of fresh memory change the result");
+        assert!(results[0][0].iter().any(|&word| word != 0));
+    });
+}

@@ -1,1 +1,128 @@
+//! The g-buffer against its f64 twin.
 
+use crate::compare::{Tolerance, Worst, absolute, relative};
+use crate::harness::{poison_image, with_gpu};
+use splitsum::gbuffer::pass::{GbufferImages, GbufferPass, SceneData};
+use splitsum::gbuffer::{Gbuffer, reference};
+use splitsum::gpu::Gpu;
+use splitsum::pixels::Pixels;
+use splitsum::scene::{Camera, CameraKind, Scene};
+use std::path::Path;
+
+/// The attachments, which start as NaN: a texel that is neither cleared nor written shows.
+fn draw(gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f32> {
+    let target = GbufferImages::new(gpu, size).unwrap();
+    target.attachments.iter().for_each(|image| poison_image(gpu, image));
+    let pass = GbufferPass::new(gpu).unwrap();
+    let data = SceneData::new(gpu, scene).unwrap();
+    let mut recorder = gpu.record("gbuffer").unwrap();
+    pass.record(&mut recorder, &data, camera, &target).unwrap();
+    recorder.submit().unwrap();
+    target.read(gpu).unwrap()
+}
+
+type Attachment = (&'static str, fn(&Gbuffer<f32>) -> &Pixels<[f32; 4]>, fn(&Gbuffer<f64>) -> &Pixels<[f64; 4]>);
+const ATTACHMENTS: [Attachment; 4] = [
+    ("position", |g| &g.position_mask, |g| &g.position_mask),
+    ("normal", |g| &g.normal_alpha, |g| &g.normal_alpha),
+    ("albedo", |g| &g.albedo_metallic, |g| &g.albedo_metallic),
+    ("f0", |g| &g.f0_material, |g| &g.f0_material),
+];
+
+#[test]
+fn spheres_are_exact_to_f32() {
+    // A ray's place is known to f32 (1e-7); near the rim the surface turns away from it as 1 / n_dot_v.
+    const F32_AT_THE_RIM: f64 = 1e-6;
+    with_gpu(|gpu| {
+        for (name, kind, size) in [
+            ("sphere", CameraKind::Ortho, [128, 128]),
+            ("sphere", CameraKind::Perspective, [97, 61]),
+            ("spheres", CameraKind::Ortho, [150, 90]),
+            ("spheres", CameraKind::Perspective, [64, 120]),
+        ] {
+            let scene = Scene::load(name, Path::new(".")).unwrap();
+            let camera = Camera::for_scene(kind, &scene, size);
+            let (actual, twin) = (draw(gpu, &scene, &camera, size), reference::gbuffer(&scene, &camera, size));
+            assert_eq!(actual.mask(), twin.mask(), "{name} {kind:?}");
+            let n_dot_v = twin.n_dot_v(&camera);
+            // The scene of spheres is 5 wide, and positions are absolute.
+            let scale = scene.bounds().1.max_element();
+            for (what, device, exact) in ATTACHMENTS {
+                let mut worst = Worst::new(format!("{name} {kind:?} {what}"), absolute(F32_AT_THE_RIM * scale));
+                for (i, (a, b)) in device(&actual).data.iter().zip(&exact(&twin).data).enumerate() {
+                    // Materials are copied; positions and normals are computed.
+                    let rim = if matches!(what, "position" | "normal") { f64::from(n_dot_v.data[i]) } else { 1.0 };
+                    for c in 0..4 {
+                        worst.add((f64::from(a[c]) - b[c]) * rim, 0.0, || format!("pixel {i} n_dot_v {rim}"));
+                    }
+                }
+                worst.check();
+            }
+        }
+    });
+}
+
+#[test]
+fn meshes_agree_inside_their_triangles() {
+    // Vertices snap to 1/256 of a pixel: the plane is 60 pixels wide.
+    const SUB_PIXEL: Tolerance = absolute(4.0 / (256.0 * 60.0));
+    with_gpu(|gpu| {
+        for kind in [CameraKind::Ortho, CameraKind::Perspective] {
+            let scene = Scene::load("plane", Path::new(".")).unwrap();
+            let size = [64, 64];
+            compare_mesh(gpu, &scene, kind, size, SUB_PIXEL);
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("tent.obj");
+        // Two quads that lean against each other, seen from the front and, the second one, from behind; a textured material.
+        let obj = "mtllib tent.mtl\nusemtl cloth\nv -1 0 0.8\nv 1 0 0.8\nv 1 1 0\nv -1 1 0\nv 1 0 -0.8\nv -1 0 -0.8\n\
+                   vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\nf 6/1 5/2 3/3 4/4\n";
+        std::fs::write(&path, obj).unwrap();
+        std::fs::write(
+            folder.path().join("tent.mtl"),
+            "newmtl cloth\nKd 0.5 0.25 1\nmap_Kd cloth.png\nPr 0.5\nPm 0.25\n",
+        )
+        .unwrap();
+        let texture = image::RgbImage::from_fn(4, 3, |x, y| image::Rgb([60 * x as u8, 80 * y as u8, 200]));
+        texture.save(folder.path().join("cloth.png")).unwrap();
+        let scene = Scene::load(path.to_str().unwrap(), Path::new(".")).unwrap();
+        assert_eq!((scene.textures.len(), scene.warnings.len()), (1, 0), "{:?}", scene.warnings);
+        for kind in [CameraKind::Ortho, CameraKind::Perspective] {
+            compare_mesh(gpu, &scene, kind, [80, 64], SUB_PIXEL);
+        }
+    });
+}
+
+fn compare_mesh(gpu: &Gpu, scene: &Scene, kind: CameraKind, size: [u32; 2], tolerance: Tolerance) {
+    let camera = Camera::for_scene(kind, scene, size);
+    let (actual, twin) = (draw(gpu, scene, &camera, size), reference::gbuffer(scene, &camera, size));
+    let hits = |mask: &Pixels<f32>, i: usize| mask.data[i] == 1.0;
+    let (a_mask, b_mask) = (actual.mask(), twin.mask());
+    let all = 0..b_mask.data.len();
+    // An edge through a pixel's centre may fall on either side.
+    let edge = all.clone().filter(|&i| hits(&a_mask, i) != hits(&b_mask, i)).count();
+    assert!(edge <= 4, "{} {kind:?}: {edge} pixels differ in mask", scene.name);
+    for (what, device, exact) in ATTACHMENTS {
+        // The albedo changes by up to 0.3 from texel to texel, and 20 pixels are a texel.
+        let mut worst = Worst::new(format!("{} {kind:?} {what}", scene.name), tolerance);
+        let mut off_count = 0;
+        for i in all.clone().filter(|&i| hits(&a_mask, i) && hits(&b_mask, i)) {
+            let (a, b) = (device(&actual).data[i], exact(&twin).data[i]);
+            let off = (0..4).map(|c| (f64::from(a[c]) - b[c]).abs()).fold(0.0, f64::max);
+            // Where two triangles meet the other one may be in front.
+            if off > 0.1 {
+                off_count += 1;
+                continue;
+            }
+            worst.add(off, 0.0, || format!("pixel {} {}: {a:?} against {b:?}", i as u32 % size[0], i as u32 / size[0]));
+        }
+        assert!(off_count <= 4, "{} {kind:?} {what}: {off_count} pixels show something else", scene.name);
+        worst.check();
+    }
+    let mut n_dot_v = Worst::new(format!("{} {kind:?} n_dot_v", scene.name), relative(1e-3));
+    let (a, b) = (actual.n_dot_v(&camera), twin.n_dot_v(&camera));
+    for i in all.filter(|&i| hits(&a_mask, i) && hits(&b_mask, i) && (a.data[i] - b.data[i]).abs() < 0.1) {
+        n_dot_v.add(f64::from(a.data[i]), f64::from(b.data[i]), || format!("pixel {i}"));
+    }
+    n_dot_v.check();
+}

@@ -125,7 +125,7 @@ pub fn golden_environment() -> Arc<Environment> {
 
 /// An environment of one radiance.
 pub fn constant_environment(radiance: [f32; 3]) -> Arc<Environment> {
-    Arc::new(Environment::from_image("constant", RgbImage::filled(16, 8, radiance)))
+    Arc::new(Environment::from_image("constant", RgbImage::filled(64, 32, radiance)))
 }
 
 /// Rows of a golden CSV file without its header.
@@ -169,6 +169,7 @@ pub fn request(environment: &Arc<Environment>, scene: Scene, kind: CameraKind, s
         masking_shadowing: MaskingShadowing::Separable,
         samples: 64,
         point_set: 0,
+        reference_error: None,
         reference_samples: 1024,
         lod_bias: 0.0,
         lights: Vec::new(),

@@ -186,10 +186,12 @@ fn sampled_methods_converge_to_what_they_estimate() {
 
 #[test]
 fn split_sum_is_the_product_of_its_tables() {
-    // Trilinear lookups in f32 at coordinates of 1.5e-7: the steps of a map with a sun of 100 times the sky between 64 texels.
-    const F32_LOOKUP: Tolerance = relative(2e-4);
+    // Lookups weighted in f32 by the CPU driver, by some 8 bits in a GPU's filter.
+    const F32_LOOKUP: Tolerance = relative(5e-6);
+    const FILTER_UNIT_LOOKUP: Tolerance = relative(1e-2);
     const SETTINGS: (u32, u32, u32) = (64, 32, 128);
     with_gpu(|gpu| {
+        let lookup = if gpu.info().device_type == "cpu" { F32_LOOKUP } else { FILTER_UNIT_LOOKUP };
         with_pipeline(|pipeline| {
             let environment = golden_environment();
             let image = environment_image(gpu, &environment.image);
@@ -211,7 +213,7 @@ fn split_sum_is_the_product_of_its_tables() {
                     ..base
                 };
                 let frame = pipeline.render(&request).unwrap();
-                let mut worst = Worst::new(format!("split-sum of {}", model.name()), F32_LOOKUP);
+                let mut worst = Worst::new(format!("split-sum of {}", model.name()), lookup);
                 for Sight { pixel, surface } in sights(&request, 3) {
                     let uv = uv_from_direction(reflect(surface.v, surface.n));
                     let mip = mip_from_alpha(surface.alpha, level_count);

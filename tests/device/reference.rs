@@ -4,7 +4,7 @@ use crate::harness::{Probe, vec4, with_gpu, xyz};
 use glam::{DVec2, DVec3};
 use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
 use splitsum::environment::Environment;
-use splitsum::environment::distribution::EnvironmentDistribution;
+use splitsum::environment::distribution::{EnvironmentDistribution, weighted_texels};
 use splitsum::gpu::{Bind, Filter, Format, Slot, Wrap};
 use splitsum::math::equirect::direction_from_uv;
 use splitsum::math::sampling::hammersley;
@@ -70,20 +70,24 @@ fn environment_sampling_meets_its_twin() {
     /// A direction in f32 moves the lookup by 3e-7 of the map, and the sun changes by all of itself over one texel.
     const LOOKUP: f64 = 1e-4;
     with_gpu(|gpu| {
-        for (width, height) in [(64, 32), (7, 5), (1, 1), (2, 3)] {
+        // The fetched texels on every device; the filter where it claims to be exact.
+        let sizes = [(64, 32), (7, 5), (1, 1), (2, 3)];
+        let paths = [false, gpu.info().has_exact_filter];
+        for ((width, height), exact_filter) in sizes.into_iter().flat_map(|size| paths.map(|path| (size, path))) {
             let environment = Environment::from_image("test", map(width, height));
             let distribution = EnvironmentDistribution::new(&environment.image);
             let image = gpu.image("environment", [width, height], 1, Format::Rgba32Float).unwrap();
-            let texels: Vec<[f32; 4]> = environment.image.data.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-            gpu.write_image(&image, 0, &texels).unwrap();
+            gpu.write_image(&image, 0, &weighted_texels(&environment.image)).unwrap();
             let words = gpu.buffer_from("words", distribution.words()).unwrap();
             let sampler = gpu.sampler(Filter::Nearest, Wrap::Clamp).unwrap();
+            let linear = gpu.sampler(Filter::Linear, Wrap::Equirect).unwrap();
             let probe = Probe {
                 shader: "probe/environment_sampling.comp",
                 inputs: 2,
                 outputs: 3,
-                rest: &[Bind::Sample(&image, &sampler), Bind::Read(&words)],
-                rest_slots: &[Slot::Sampled, Slot::Buffer],
+                rest: &[Bind::Sample(&image, &sampler), Bind::Read(&words), Bind::Sample(&image, &linear)],
+                rest_slots: &[Slot::Sampled, Slot::Buffer, Slot::Sampled],
+                constants: &[0, u32::from(exact_filter)],
                 ..Probe::default()
             };
             let count = 1024;

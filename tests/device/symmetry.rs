@@ -1,1 +1,271 @@
+//! Identities of whole frames: mirrors, orientation, rotation, linearity, the background.
 
+use crate::compare::{Worst, absolute, relative};
+use crate::harness::{constant_environment, golden_environment, lobe_sphere, request, scene, with_pipeline};
+use crate::methods::{EXACT, radiance, sights};
+use glam::{DQuat, DVec3};
+use splitsum::brdf::{Ggx, MODELS, reflect};
+use splitsum::environment::Environment;
+use splitsum::pipeline::{Frame, RenderRequest};
+use splitsum::pixels::RgbImage;
+use splitsum::precompute::dfg::reference::dfg;
+use splitsum::precompute::exact_quadrature;
+use splitsum::precompute::prefilter::reference::prefilter;
+use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
+use splitsum::shade::pass::environment_from_world;
+use splitsum::shade::{METHODS, Method, diffuse_by_name, method_by_name};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+fn method(name: &str) -> &'static Method {
+    method_by_name(name).unwrap()
+}
+
+/// A smooth map without suns: `1 + 0.5 d.x + 0.3 d.y d.z`, other shares in green and blue.
+fn smooth_environment() -> Arc<Environment> {
+    let size = [256, 128];
+    let image = RgbImage::from_fn(size[0], size[1], |x, y| {
+        let uv = glam::DVec2::new((f64::from(x) + 0.5) / 256.0, (f64::from(y) + 0.5) / 128.0);
+        let d = splitsum::math::equirect::direction_from_uv(uv);
+        [1.0 + 0.5 * d.x + 0.3 * d.y * d.z, 1.0 - 0.4 * d.y, 1.0 + 0.6 * d.z].map(|l| l as f32)
+    });
+    Arc::new(Environment::from_image("smooth", image))
+}
+
+#[test]
+fn narrow_lobes_are_mirrors() {
+    with_pipeline(|pipeline| {
+        let environment = smooth_environment();
+        for model in MODELS {
+            let base = RenderRequest {
+                brdf: *model,
+                environment_rotation_deg: 75.0,
+                ..request(&environment, lobe_sphere(0.001), CameraKind::Perspective, [12, 12])
+            };
+            // Lobes of 0.002 radians and the bilinear lookup, in a map whose slope is at most 1 a radian. At a grazing view a lobe of
+            // alpha 0.001 already loses a part of its light, so that the albedo is not 1.
+            for name in
+                METHODS.iter().map(|method| method.name).filter(|name| !["none", "seed0-literal"].contains(name))
+            {
+                let request = RenderRequest { method: method(name), ..base.clone() };
+                let frame = pipeline.render(&request).unwrap();
+                let mut worst = Worst::new(format!("{} {name} as a mirror", model.name()), relative(5e-3));
+                for sight in sights(&request, 5) {
+                    let expected = environment.radiance(reflect(sight.surface.v, sight.surface.n));
+                    worst.add_rgb(radiance(&frame, sight.pixel), expected, || format!("{:?}", sight.pixel));
+                }
+                worst.check();
+            }
+        }
+    });
+}
+
+#[test]
+fn split_sum_factors_exactly_where_the_view_is_the_normal() {
+    // At v = n the map's assumption holds, so the product is that of the two exact integrals. 4096 samples of a map with a sun.
+    with_pipeline(|pipeline| {
+        let environment = smooth_environment();
+        let exact = exact_quadrature(&environment.image);
+        for model in MODELS {
+            let mut base = request(&environment, lobe_sphere(0.25), CameraKind::Ortho, [5, 5]);
+            base.brdf = *model;
+            let sight = sights(&base, 1).into_iter().find(|sight| sight.pixel == [2, 2]).unwrap();
+            assert_eq!(sight.surface.n, sight.surface.v);
+            let frame = pipeline.render(&base).unwrap();
+            let mean = prefilter(&exact, *model, sight.surface.alpha, sight.surface.n, EXACT).value;
+            let albedo = dfg(*model, base.masking_shadowing, 1.0, sight.surface.alpha).albedo();
+            let mut worst = Worst::new(format!("{} at v = n", model.name()), relative(4e-3));
+            worst.add_rgb(radiance(&frame, sight.pixel), mean * albedo, || "the middle pixel".into());
+            worst.check();
+        }
+    });
+}
+
+#[test]
+fn every_axis_of_the_environment_is_reflected_where_it_should_be() {
+    // One bright spot about an axis: the sphere shows it at n = normalize(v + axis), the pixel (n.x, n.y).
+    const SIDE: u32 = 63;
+    with_pipeline(|pipeline| {
+        let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z];
+        for (axis, name) in axes.into_iter().flat_map(|a| ["split-sum", "sampled", "reference"].map(|name| (a, name))) {
+            let image = RgbImage::from_fn(64, 32, |x, y| {
+                let uv = glam::DVec2::new((f64::from(x) + 0.5) / 64.0, (f64::from(y) + 0.5) / 32.0);
+                let d = splitsum::math::equirect::direction_from_uv(uv);
+                [if d.dot(axis) > 0.99 { 100.0 } else { 0.0 }; 3]
+            });
+            let environment = Arc::new(Environment::from_image("spot", image));
+            let request = RenderRequest {
+                method: method(name),
+                reference_samples: 256,
+                ..request(&environment, lobe_sphere(0.02), CameraKind::Ortho, [SIDE, SIDE])
+            };
+            let frame = pipeline.render(&request).unwrap();
+            let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+            for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
+                let weight = f64::from(frame.radiance.get(x, y)[0]);
+                let plane = |k: u32| (2.0 * (f64::from(k) + 0.5) / f64::from(SIDE) - 1.0) * 1.05;
+                sum += weight * DVec3::new(plane(x), -plane(y), 0.0);
+                total += weight;
+            }
+            let n = (DVec3::Z + axis).normalize();
+            let expected = DVec3::new(n.x, n.y, 0.0);
+            // The spot has 8 degrees, 0.1 on the sphere; its centre is known to about a pixel (0.03).
+            assert!(
+                total > 0.0 && (sum / total - expected).length() < 0.04,
+                "{axis} {name}: {} for {expected}",
+                sum / total
+            );
+        }
+    });
+}
+
+#[test]
+fn turning_environment_and_camera_together_changes_nothing() {
+    with_pipeline(|pipeline| {
+        let environment = golden_environment();
+        // A quarter turn to larger u is exact in the map: about +y by -90 degrees, since phi = 2 pi (0.5 - u).
+        let shifted = RgbImage::from_fn(512, 256, |x, y| environment.image.get((x + 384) % 512, y));
+        let shifted = Arc::new(Environment::from_image("shifted", shifted));
+        let turn = DQuat::from_rotation_y(-TAU / 4.0);
+        for method in METHODS.iter().filter(|method| method.name != "none") {
+            for kind in [CameraKind::Ortho, CameraKind::Perspective] {
+                let still = RenderRequest {
+                    method,
+                    samples: 1024,
+                    reference_samples: 4096,
+                    diffuse: diffuse_by_name("sh9").unwrap(),
+                    background: true,
+                    ..request(&environment, scene("sphere", MaterialOverride::default()), kind, [16, 16])
+                };
+                let turned = RenderRequest {
+                    environment: shifted.clone(),
+                    camera: Camera {
+                        eye: turn * still.camera.eye,
+                        right: turn * still.camera.right,
+                        up: turn * still.camera.up,
+                        forward: turn * still.camera.forward,
+                        ..still.camera
+                    },
+                    ..still.clone()
+                };
+                // The same by the parameter: the environment turned back again under the still camera.
+                let rotated =
+                    RenderRequest { environment: shifted.clone(), environment_rotation_deg: 90.0, ..still.clone() };
+                let [a, b, c] = [&still, &turned, &rotated].map(|request| pipeline.render(request).unwrap());
+                let name = format!("{} {kind:?}", method.name);
+                // The frame about a direction does not turn with it, so points fall on other azimuths of each lobe: of each pixel's, or of
+                // each texel's of the prefiltered map. What changes is the method's own error at this count of samples.
+                let own_error = if method.name == "split-sum" { relative(0.02) } else { relative(0.15) };
+                let mut camera = Worst::new(format!("{name} camera turned"), own_error);
+                let mut map = Worst::new(format!("{name} map turned back"), relative(2e-4));
+                let rgb = |frame: &Frame, i: usize| DVec3::from_array(frame.radiance.data[i].map(f64::from));
+                for i in 0..a.radiance.data.len() {
+                    camera.add_rgb(rgb(&b, i), rgb(&a, i), || format!("pixel {i}"));
+                    map.add_rgb(rgb(&c, i), rgb(&b, i), || format!("pixel {i}"));
+                }
+                [camera, map].into_iter().for_each(Worst::check);
+            }
+        }
+    });
+}
+
+#[test]
+fn radiance_is_linear_in_the_environment() {
+    with_pipeline(|pipeline| {
+        let environment = golden_environment();
+        for method in METHODS {
+            let one = RenderRequest {
+                method,
+                reference_samples: 64,
+                diffuse: diffuse_by_name("reference").unwrap(),
+                background: true,
+                ..request(&environment, scene("spheres", MaterialOverride::default()), CameraKind::Ortho, [24, 16])
+            };
+            // A power of two is exact in every product.
+            let four = RenderRequest { environment_scale: 4.0, ..one.clone() };
+            let (one, four) = (pipeline.render(&one).unwrap(), pipeline.render(&four).unwrap());
+            let scaled = one.radiance.map(|l| l.map(|x| 4.0 * x));
+            assert_eq!(four.radiance, scaled, "{}", method.name);
+            assert_eq!(
+                four.standard_error,
+                one.standard_error.map(|e| e.map(|l| l.map(|x| 4.0 * x))),
+                "{}",
+                method.name
+            );
+            assert!(one.radiance.data.iter().flatten().any(|&x| x > 0.5));
+        }
+    });
+}
+
+#[test]
+fn the_background_shows_the_environment_behind() {
+    with_pipeline(|pipeline| {
+        let environment = golden_environment();
+        for (kind, rotation) in
+            [(CameraKind::Perspective, 0.0), (CameraKind::Perspective, -40.0), (CameraKind::Ortho, 100.0)]
+        {
+            let request = RenderRequest {
+                method: method("none"),
+                environment_rotation_deg: rotation,
+                environment_scale: 2.0,
+                background: true,
+                ..request(&environment, lobe_sphere(0.5), kind, [40, 24])
+            };
+            let frame = pipeline.render(&request).unwrap();
+            let turn = environment_from_world(rotation);
+            // 1.5e-7 of the map's width is 1e-4 texels.
+            let mut worst = Worst::new(format!("background {kind:?} {rotation}"), relative(1e-4));
+            for (x, y) in (0..24).flat_map(|y| (0..40).map(move |x| (x, y))) {
+                let shown = DVec3::from_array(frame.radiance.get(x, y).map(f64::from));
+                if frame.mask.get(x, y) == 1.0 {
+                    assert_eq!(shown, DVec3::ZERO);
+                    continue;
+                }
+                let (_, direction) = request.camera.ray(x, y, request.size);
+                worst.add_rgb(shown, 2.0 * environment.radiance(turn * direction), || format!("{x} {y}"));
+            }
+            worst.check();
+        }
+    });
+}
+
+#[test]
+fn white_light_on_a_white_diffuse_sphere_is_white() {
+    with_pipeline(|pipeline| {
+        let white = MaterialOverride { albedo: Some([1.0; 3]), ..MaterialOverride::default() };
+        for (name, tolerance) in [("sh9", 4.1e-4), ("irradiance-map", 1e-5), ("reference", 1e-5)] {
+            let request = RenderRequest {
+                method: method("none"),
+                diffuse: diffuse_by_name(name).unwrap(),
+                ..request(&constant_environment([1.0; 3]), scene("sphere", white), CameraKind::Ortho, [9, 9])
+            };
+            let frame = pipeline.render(&request).unwrap();
+            // SH9 sums 32 rows at texel centres: pi^2 / (24 32^2) = 4e-4, and as much again in degree 2.
+            let mut worst = Worst::new(format!("{name} of white light"), absolute(2.0 * tolerance));
+            for sight in sights(&request, 1) {
+                worst.add_rgb(radiance(&frame, sight.pixel), DVec3::ONE, || format!("{:?}", sight.pixel));
+            }
+            worst.check();
+        }
+    });
+}
+
+#[test]
+fn a_scene_without_light_is_black() {
+    with_pipeline(|pipeline| {
+        let black = constant_environment([0.0; 3]);
+        for method in METHODS {
+            let scene = Scene::load("spheres", std::path::Path::new(".")).unwrap();
+            let request = RenderRequest {
+                method,
+                brdf: &Ggx,
+                reference_samples: 64,
+                diffuse: diffuse_by_name("reference").unwrap(),
+                background: true,
+                ..request(&black, scene, CameraKind::Ortho, [16, 16])
+            };
+            let frame = pipeline.render(&request).unwrap();
+            assert!(frame.radiance.data.iter().flatten().all(|&x| x == 0.0), "{}", method.name);
+        }
+    });
+}

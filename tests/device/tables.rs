@@ -217,7 +217,7 @@ pub fn prefiltered(
 ) -> Vec<Pixels<DVec3>> {
     let map = PrefilterPass::map(gpu, size, levels).unwrap();
     poison_image(gpu, &map);
-    let points = points::upload(gpu, sample_count).unwrap();
+    let points = points::upload(gpu, sample_count, 0).unwrap();
     let pass = PrefilterPass::new(gpu, model).unwrap();
     pass.run(gpu, image, &equirect_sampler(gpu), &points, sample_count, &map).unwrap();
     (0..levels).map(|level| read_level(gpu, &map, level)).collect()
@@ -313,8 +313,7 @@ pub fn dfg_table(
 ) -> Pixels<DVec3> {
     let table = DfgPass::table(gpu, side).unwrap();
     poison_image(gpu, &table);
-    let points = points::upload(gpu, sample_count).unwrap();
-    DfgPass::new(gpu, model, masking).unwrap().run(gpu, &points, sample_count, &table).unwrap();
+    DfgPass::new(gpu, model, masking).unwrap().run(gpu, sample_count, &table).unwrap();
     read_level(gpu, &table, 0)
 }
 

@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, uv_from_direction};
 use splitsum::math::erf::{erf, erf_inverse, erfc};
 use splitsum::math::frame::Frame;
+use splitsum::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
 use splitsum::math::quadrature::{Bounded, GaussLegendre, Rectangle, Tolerance, integrate_rectangle};
 use splitsum::math::sampling::{direction_from_polar, hammersley, radical_inverse_2, sample_cosine};
 use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
@@ -178,4 +179,36 @@ fn irradiance_of_radiance_up_to_degree_two_is_the_cosine_integral() {
         });
         assert!((irradiance(&coefficients, n).x - exact).abs() < 1e-14, "{k}");
     }
+}
+
+#[test]
+fn incomplete_beta_of_one_half() {
+    // Whole n: ∫ sin^(2n-1) is a polynomial in the cosine.
+    for c in [0.0f64, 1e-9, 0.01, 0.3, 0.5, 0.9, 0.999, 1.0] {
+        let closed = [
+            (1.0, 1.0 - c),
+            (2.0, 1.0 - (3.0 * c - c.powi(3)) / 2.0),
+            (3.0, 1.0 - (15.0 * c - 10.0 * c.powi(3) + 3.0 * c.powi(5)) / 8.0),
+        ];
+        for (n, expected) in closed {
+            let value = incomplete_beta_half(n, c);
+            assert!((value - expected).abs() < 1e-14, "n {n} c {c}: {value} {expected}");
+        }
+        // The step that the recurrence makes, from either side of where the series takes over.
+        for n in [1.5, 24.5, 25.0, 30.25] {
+            let term = ((n * (-c * c).ln_1p()).exp() * c * gamma_ratio_half(n) / (n * PI.sqrt())).max(0.0);
+            let step = incomplete_beta_half(n, c) - incomplete_beta_half(n + 1.0, c);
+            assert!((step - term).abs() < 2e-15, "n {n} c {c}: {step} {term}");
+        }
+    }
+    // Large n: the complementary error function, with the first term of the expansion in 1/n.
+    for z in [0.1, 0.7, 2.0] {
+        let n = 1e6;
+        let c = (-(-z * z / (n - 0.25f64)).exp_m1()).sqrt();
+        assert!((incomplete_beta_half(n, c) - erfc(z)).abs() < 1e-12);
+    }
+    // Γ(3/2)/Γ(1) = √π/2, Γ(5/2)/Γ(2) = 3√π/4, and n - 1/4 under the root for large n.
+    assert!((gamma_ratio_half(1.0) / (0.5 * PI.sqrt()) - 1.0).abs() < 2e-15);
+    assert!((gamma_ratio_half(2.0) / (0.75 * PI.sqrt()) - 1.0).abs() < 2e-15);
+    assert!((gamma_ratio_half(1e6) / 999_999.75f64.sqrt() - 1.0).abs() < 1e-13);
 }

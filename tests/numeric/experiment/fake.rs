@@ -38,6 +38,7 @@ impl Renderer for Fake {
             api_version: "0".to_owned(),
             timestamp_period_ns: 1.0,
             memory_bytes: 0,
+            has_exact_filter: true,
         }
     }
 
@@ -74,6 +75,7 @@ impl Renderer for Fake {
             (request.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * NOISE)));
         Ok(Frame {
             radiance,
+            convergences: Vec::new(),
             standard_error,
             mask: Arc::new(mask),
             n_dot_v: Arc::new(n_dot_v),

@@ -1,0 +1,37 @@
+// One invocation sums with lib/compensated_sum.glsl for one item.
+// In: (start, 0), (term, count). Out: (start plus count times the term: high part, 0), (low part, 0).
+// Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 2 vec4 an item.
+// Dispatch: ceil(count / GROUP_LINEAR) groups.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "generated/constants.glsl"
+#include "generated/layout.glsl"
+#include "lib/compensated_sum.glsl"
+
+layout(local_size_x = GROUP_LINEAR) in;
+
+layout(push_constant) uniform Push {
+    ProbeParams params;
+};
+
+layout(std430, set = 0, binding = 0) readonly buffer Inputs {
+    vec4 inputs[];
+};
+layout(std430, set = 0, binding = 1) writeonly buffer Outputs {
+    vec4 outputs[];
+};
+
+void main() {
+    uint item = gl_GlobalInvocationID.x;
+    if (item >= params.count) {
+        return;
+    }
+    CompensatedSum sum = CompensatedSum(inputs[item * 2u].xyz, vec3(0.0));
+    vec4 term_count = inputs[item * 2u + 1u];
+    for (uint i = 0u; i < uint(term_count.w); ++i) {
+        sum = compensated_add(sum, term_count.xyz);
+    }
+    outputs[item * 2u] = vec4(sum.high, 0.0);
+    outputs[item * 2u + 1u] = vec4(sum.low, 0.0);
+}
