@@ -43,6 +43,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         point.set(name, value.clone());
     }
     let settings = point.settings();
+    settings.precompute.validate().map_err(|error| Failure::BadInput(format!("--set: {error}")))?;
     let mut pipeline = open_device(arguments.device).map_err(Failure::opening)?;
     std::fs::create_dir_all(&arguments.out)
         .map_err(|error| Failure::BadInput(format!("--out: {} cannot be made: {error}", arguments.out.display())))?;

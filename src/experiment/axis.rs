@@ -6,7 +6,7 @@ use crate::environment::Environment;
 use crate::pipeline::RenderRequest;
 use crate::precompute::PrecomputeSettings;
 use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Scene};
-use crate::shade::{DIFFUSE, METHODS, Method, diffuse_by_name, method_by_name};
+use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, diffuse_by_name, method_by_name};
 use crate::tonemap::ToneCurve;
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub struct Settings {
     pub brdf: &'static dyn brdf::Brdf,
     pub masking_shadowing: MaskingShadowing,
     pub method: &'static Method,
-    pub diffuse: &'static crate::shade::Diffuse,
+    pub diffuse: &'static Diffuse,
     pub samples: u32,
     pub lod_bias: f32,
     pub precompute: PrecomputeSettings,
@@ -124,11 +124,18 @@ pub struct Axis {
     /// The value where the experiment sets none.
     pub default: fn() -> Value,
     /// Whether the parameter changes the image at this point; where not, its values collapse into one cell.
-    pub used: fn(&Point) -> bool,
+    pub used: fn(&Used) -> bool,
     /// The value that the reference of a point with this value takes.
     pub reference: fn(&Reference, &Value) -> Value,
     /// Writes a set value into the settings.
     pub apply: fn(&mut Settings, &Value),
+}
+
+/// What decides which parameters change an image.
+pub struct Used {
+    pub method: &'static Method,
+    pub diffuse: &'static Diffuse,
+    pub has_lights: bool,
 }
 
 /// Sample counts of precompute passes stop here: more only costs time.
@@ -187,9 +194,7 @@ pub static AXES: &[Axis] = &[
         kind: Kind::Name { what: "diffuse method", names: || DIFFUSE.iter().map(|d| d.name).collect() },
         default: || Value::Text("sh9".to_owned()),
         reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::Text(REFERENCE.to_owned()) },
-        apply: |s, v| {
-            s.diffuse = diffuse_by_name(v.text()).expect("the plan checked the diffuse method's name");
-        },
+        apply: |s, v| s.diffuse = diffuse(v.text()),
         ..PLAIN
     },
     Axis {
@@ -197,7 +202,7 @@ pub static AXES: &[Axis] = &[
         about: "samples a pixel; methods that draw none have one cell, with an empty field",
         kind: Kind::Count { min: 1, max: 1 << 24 },
         default: || Value::Count(40),
-        used: |p| method(p.get("method").text()).uses_samples,
+        used: |u| u.method.uses_samples,
         reference: |r, _| Value::Count(r.samples),
         apply: |s, v| s.samples = v.count(),
         ..PLAIN
@@ -281,6 +286,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "lod_bias",
         about: "added to the mip level of filtered samples",
+        used: |u| u.method.uses_lod_bias,
         kind: Kind::Number(Range::closed(-16.0, 16.0)),
         default: || Value::Number(0.0),
         reference: |_, _| Value::Number(0.0),
@@ -290,6 +296,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "prefilter_size",
         about: "width and height of the prefiltered map's first level",
+        used: |u| u.method.uses_prefiltered,
         kind: Kind::Pair { min: 8, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().prefilter_size),
         reference: |_, _| Value::Pair(PrecomputeSettings::default().prefilter_size),
@@ -299,6 +306,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "prefilter_level_count",
         about: "levels of the prefiltered map",
+        used: |u| u.method.uses_prefiltered,
         kind: Kind::Count { min: 2, max: 12 },
         default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
         reference: |_, _| Value::Count(PrecomputeSettings::default().prefilter_level_count),
@@ -308,6 +316,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "prefilter_sample_count",
         about: "samples a texel of the prefiltered map",
+        used: |u| u.method.uses_prefiltered,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
         reference: |_, _| Value::Count(PrecomputeSettings::default().prefilter_sample_count),
@@ -317,6 +326,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "dfg_size",
         about: "side of the DFG table",
+        used: |u| u.method.needs_dfg(u.diffuse, u.has_lights),
         kind: Kind::Count { min: 2, max: SIDE_MAX },
         default: || Value::Count(PrecomputeSettings::default().dfg_size),
         reference: |_, _| Value::Count(PrecomputeSettings::default().dfg_size),
@@ -326,6 +336,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "dfg_sample_count",
         about: "samples a texel of the DFG table",
+        used: |u| u.method.needs_dfg(u.diffuse, u.has_lights),
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().dfg_sample_count),
         reference: |_, _| Value::Count(PrecomputeSettings::default().dfg_sample_count),
@@ -335,6 +346,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "irradiance_size",
         about: "width and height of the irradiance map",
+        used: |u| u.diffuse.uses_irradiance_map,
         kind: Kind::Pair { min: 2, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_size),
         reference: |_, _| Value::Pair(PrecomputeSettings::default().irradiance_size),
@@ -344,6 +356,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "irradiance_sample_count",
         about: "azimuth and polar samples a texel of the irradiance map",
+        used: |u| u.diffuse.uses_irradiance_map,
         kind: Kind::Pair { min: 1, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
         reference: |_, _| Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
@@ -371,6 +384,10 @@ fn method(name: &str) -> &'static Method {
     method_by_name(name).expect("the plan checked the method's name")
 }
 
+fn diffuse(name: &str) -> &'static Diffuse {
+    diffuse_by_name(name).expect("the plan checked the diffuse method's name")
+}
+
 /// One value for every axis, in the order of [`AXES`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point(pub Vec<Value>);
@@ -394,18 +411,17 @@ impl Point {
     }
 
     /// The point with every unused parameter unset, so that points with the same image are equal.
-    pub fn collapsed(&self) -> Self {
-        Self(
-            AXES.iter()
-                .zip(&self.0)
-                .map(|(axis, value)| if (axis.used)(self) { value.clone() } else { Value::Unset })
-                .collect(),
-        )
+    pub fn collapsed(&self, has_lights: bool) -> Self {
+        let (method, diffuse) = (method(self.get("method").text()), diffuse(self.get("diffuse").text()));
+        let used = Used { method, diffuse, has_lights };
+        let values = AXES.iter().zip(&self.0);
+        Self(values.map(|(axis, value)| if (axis.used)(&used) { value.clone() } else { Value::Unset }).collect())
     }
 
-    /// The point of this point's reference.
-    pub fn reference(&self, reference: &Reference) -> Self {
-        Self(AXES.iter().zip(&self.0).map(|(axis, value)| (axis.reference)(reference, value)).collect()).collapsed()
+    /// The point of this point's reference, collapsed.
+    pub fn reference(&self, reference: &Reference, has_lights: bool) -> Self {
+        let values = AXES.iter().zip(&self.0).map(|(axis, value)| (axis.reference)(reference, value));
+        Self(values.collect()).collapsed(has_lights)
     }
 
     /// What the point means to the renderer.

@@ -60,8 +60,8 @@ pub struct Config {
     pub reference: Reference,
     /// Values of what is not swept: defaults, `scene` and `[precompute]`.
     pub base: Point,
-    /// Where `scene` was written when it is not an axis.
-    pub scene_place: Place,
+    /// Where each value of `base` was written, in the order of [`AXES`].
+    pub base_places: Vec<Place>,
     /// In the order of the file, then of the command line.
     pub axes: Vec<Sweep>,
     pub exclusions: Vec<Exclusion>,
@@ -119,7 +119,7 @@ impl Config {
             background: false,
             reference: Reference::default(),
             base: Point::default(),
-            scene_place: Place::Default,
+            base_places: vec![Place::Default; AXES.len()],
             axes: Vec::new(),
             exclusions: Vec::new(),
             timing: None,
@@ -154,6 +154,30 @@ impl Config {
         }
     }
 
+    fn set_base(&mut self, name: &str, value: Value, place: Place) {
+        let axis = index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"));
+        self.base.0[axis] = value;
+        self.base_places[axis] = place;
+    }
+
+    /// Where the value of an axis that is not swept was written.
+    pub fn base_place(&self, name: &str) -> &Place {
+        &self.base_places[index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
+    }
+
+    /// Where a point's value on the axis of that name was written.
+    pub fn place_of(&self, name: &str, point: &Point) -> Place {
+        let sweep = self.axes.iter().find(|sweep| AXES[sweep.axis].name == name);
+        let swept = sweep.and_then(|sweep| sweep.values.iter().find(|placed| placed.value == *point.get(name)));
+        swept.map_or_else(|| self.base_place(name).clone(), |placed| placed.place.clone())
+    }
+
+    /// The first exclusion that leaves a point out.
+    pub fn exclusion_of(&self, point: &Point) -> Option<usize> {
+        let matches = |(axis, values): &(usize, Vec<Value>)| values.contains(&point.0[*axis]);
+        self.exclusions.iter().position(|exclusion| exclusion.conditions.iter().all(matches))
+    }
+
     fn read_key(&mut self, key: &str, value: &Spanned<DeValue>, place: &Place, faults: &mut Faults) {
         let raw = raw(value.get_ref());
         let at = Place::File(value.span().start);
@@ -170,9 +194,8 @@ impl Config {
             "seed" => self.seed = check(SEED).map_or(self.seed, |v| v.count()),
             "size" => self.size = check(IMAGE_SIZE).map_or(self.size, |v| v.pair()),
             "scene" => {
-                self.scene_place = at.clone();
                 if let Some(scene) = check(Kind::Input) {
-                    self.base.set("scene", scene);
+                    self.set_base("scene", scene, at.clone());
                 }
             }
             "camera" => {
@@ -317,7 +340,7 @@ impl Config {
             match index_of(key).map(|index| &AXES[index]).filter(|axis| is_precompute(axis)) {
                 Some(axis) => {
                     if let Some(v) = checked(axis.kind, &format!("precompute.{key}"), value, faults) {
-                        self.base.set(key, v);
+                        self.set_base(key, v, place);
                     }
                 }
                 None => {
@@ -359,35 +382,6 @@ impl Config {
             }
         }
     }
-
-    /// Replaces axes by `--set` texts; an axis the file does not have is added.
-    fn apply_overrides(&mut self, faults: &mut Faults) {
-        for text in self.overrides.clone() {
-            let Some((name, list)) = text.split_once('=') else {
-                faults.add(&Place::Set(text.clone()), "is not axis=value or axis=value,value");
-                continue;
-            };
-            let name = name.trim();
-            let place = Place::Set(name.to_owned());
-            let Some(axis) = index_of(name) else {
-                unknown_key(&place, "axes.", name, &axis_names(), faults);
-                continue;
-            };
-            let mut values = Vec::new();
-            for item in list.split(',') {
-                match AXES[axis].kind.parse_text(item) {
-                    Ok(value) => {
-                        push_new(&mut values, Placed { value, place: place.clone() }, &format!("axes.{name}"), faults)
-                    }
-                    Err(fault) => faults.add(&place, format!("axes.{name}: {fault}")),
-                }
-            }
-            match self.axes.iter_mut().find(|sweep| sweep.axis == axis) {
-                Some(sweep) => sweep.values = values,
-                None => self.axes.push(Sweep { axis, values }),
-            }
-        }
-    }
 }
 
 /// A light from its checked parts, or what is wrong with it.
@@ -406,7 +400,7 @@ pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
     Kind::Color(COORDINATE).parse_text(text).map(|v| v.color()).map_err(|_| format!("{text:?} is not x,y,z"))
 }
 
-fn push_new(values: &mut Vec<Placed>, new: Placed, name: &str, faults: &mut Faults) {
+pub(super) fn push_new(values: &mut Vec<Placed>, new: Placed, name: &str, faults: &mut Faults) {
     if values.iter().any(|old| old.value == new.value) {
         faults.add(&new.place, format!("{name}: {} stands twice", new.value));
     } else {
@@ -414,7 +408,7 @@ fn push_new(values: &mut Vec<Placed>, new: Placed, name: &str, faults: &mut Faul
     }
 }
 
-fn axis_names() -> Vec<&'static str> {
+pub(super) fn axis_names() -> Vec<&'static str> {
     AXES.iter().map(|axis: &Axis| axis.name).collect()
 }
 

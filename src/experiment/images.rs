@@ -57,7 +57,7 @@ pub(super) fn flip_name(plan: &Plan, cell: &Cell) -> String {
 }
 
 pub(super) fn reference_picture_name(plan: &Plan, cell: &Cell) -> String {
-    let point = cell.point.reference(&plan.config.reference);
+    let point = plan.reference_point(&cell.point);
     let display = AXES.iter().filter(|axis| !axis.changes_radiance);
     let display: Vec<String> = display.map(|axis| format!("{}{}", axis.name, point.get(axis.name))).collect();
     format!("{}.{}.{}.png", slug(plan, &point, false), display.join("-"), cell.reference)
@@ -112,7 +112,7 @@ pub fn index(plan: &Plan, results: &Results) -> Rows {
         ["cell", "radiance", "reference", "picture", "reference_picture", "error"].map(str::to_owned).to_vec();
     let is_done = |cell: &&Cell| matches!(results.get(&cell.id), Some(CellResult::Done(_)));
     let row = |cell: &Cell| {
-        let reference = cell.point.reference(&plan.config.reference);
+        let reference = plan.reference_point(&cell.point);
         let names = [
             radiance_name(plan, &cell.point, &cell.radiance),
             radiance_name(plan, &reference, &cell.reference),

@@ -76,6 +76,9 @@ impl Plan {
             faults.add(&Place::File(0), format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"));
         }
         faults.into_result()?;
+        let mut faults = Faults::new(path, text);
+        check_combinations(&config, &mut faults);
+        faults.into_result()?;
         Ok(expand(config, inputs))
     }
 
@@ -97,6 +100,11 @@ impl Plan {
             radiances[radiance].1.push(cell);
         }
         groups
+    }
+
+    /// What is rendered to judge a cell of this point.
+    pub fn reference_point(&self, point: &Point) -> Point {
+        point.reference(&self.config.reference, !self.config.lights.is_empty())
     }
 
     /// Name and value of every axis of a cell, in column order.
@@ -161,8 +169,8 @@ fn load_inputs(config: &Config, faults: &mut Faults) -> Inputs {
             }
         }
         None => {
-            let name = config.base.get("environment").text();
-            inputs.add_environment(name, base_dir(config, &Place::Default), &Place::Default, faults);
+            let place = config.base_place("environment");
+            inputs.add_environment(config.base.get("environment").text(), base_dir(config, place), place, faults);
         }
     }
     match swept("scene") {
@@ -172,11 +180,24 @@ fn load_inputs(config: &Config, faults: &mut Faults) -> Inputs {
             }
         }
         None => {
-            let name = config.base.get("scene").text();
-            inputs.add_scene(name, base_dir(config, &config.scene_place), &config.scene_place, faults);
+            let place = config.base_place("scene");
+            inputs.add_scene(config.base.get("scene").text(), base_dir(config, place), place, faults);
         }
     }
     inputs
+}
+
+/// Values that are right one by one but not together.
+fn check_combinations(config: &Config, faults: &mut Faults) {
+    for point in product(config).filter(|point| config.exclusion_of(point).is_none()) {
+        let point = point.collapsed(!config.lights.is_empty());
+        if let Err(error) = point.settings().precompute.validate() {
+            let partners = [error.field(), "prefilter_size"];
+            let place =
+                partners.iter().map(|name| config.place_of(name, &point)).find(|place| *place != Place::Default);
+            faults.add(&place.unwrap_or(Place::Default), error.to_string());
+        }
+    }
 }
 
 fn expand(config: Config, inputs: Inputs) -> Plan {
@@ -187,16 +208,13 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
     let mut seen = HashSet::new();
     let mut cells = Vec::new();
     for point in product(&config) {
-        let exclusion = config
-            .exclusions
-            .iter()
-            .position(|exclusion| exclusion.conditions.iter().all(|(axis, values)| values.contains(&point.0[*axis])));
-        if let Some(index) = exclusion {
+        if let Some(index) = config.exclusion_of(&point) {
             excluded[index] += 1;
             continue;
         }
-        let reference = radiance_id(&config, &inputs, &point.reference(&config.reference));
-        let point = point.collapsed();
+        let has_lights = !config.lights.is_empty();
+        let reference = radiance_id(&config, &inputs, &point.reference(&config.reference, has_lights));
+        let point = point.collapsed(has_lights);
         let radiance = radiance_id(&config, &inputs, &point);
         let id = cell_id(&radiance, &reference, &point);
         if seen.insert(id.clone()) {

@@ -169,7 +169,7 @@ impl<'p> Run<'p> {
         let started = Instant::now();
         let todo = group.radiances.iter().flat_map(|(_, cells)| cells).find(|cell| !self.is_done(cell));
         let (Some(first), false) = (todo.copied(), self.is_stopped()) else { return Ok(()) };
-        let point = first.point.reference(&self.plan.config.reference);
+        let point = self.plan.reference_point(&first.point);
         let reference = match self.reference(group.id, &point, renderer)? {
             Ok(reference) => reference,
             Err(reason) => {

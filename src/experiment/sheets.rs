@@ -6,6 +6,7 @@
 use super::axis::Axis;
 use super::images::{error_name, flip_name, picture_name, reference_picture_name, short_text, sweeps_display};
 use super::plan::{Cell, Plan};
+use super::rows;
 use super::store::{CellRecord, Store, StoreError};
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
 use crate::pixels::png;
@@ -161,11 +162,12 @@ impl Page<'_> {
             }
         }
         let label = |row: &[&Cell]| {
-            let lines = row_axes.iter().map(|axis| format!("{} {}", axis.name, short_text(axis, &row[0].point)));
+            let value = |axis: &Axis| short_text(axis, rows::teller(row.iter().map(|cell| &cell.point), axis));
+            let lines = row_axes.iter().map(|axis| format!("{} {}", axis.name, value(axis)));
             lines.collect::<Vec<_>>().join("\n")
         };
-        for shared in grouped(cells, &radiance_axes) {
-            let displays = grouped(&shared, &row_axes);
+        for shared in in_rows(cells, &radiance_axes) {
+            let displays = in_rows(&shared, &row_axes);
             for row in &displays {
                 sheet.row_group_starts.push(sheet.rows.len());
                 let metric = if with_flip { DISPLAY_HEADLINE } else { HEADLINE };
@@ -268,6 +270,10 @@ fn words(axes: &[&Axis], cell: &Cell, separator: &str) -> String {
 
 fn same(a: &Cell, b: &Cell, axes: &[&Axis]) -> bool {
     axes.iter().all(|axis| a.point.get(axis.name) == b.point.get(axis.name))
+}
+
+fn in_rows<'c>(cells: &[&'c Cell], axes: &[&Axis]) -> Vec<Vec<&'c Cell>> {
+    rows::rows(cells, axes, |cell| &cell.point).into_iter().map(|row| row.into_iter().copied().collect()).collect()
 }
 
 /// Cells that agree on `axes`, in the order of their first member.

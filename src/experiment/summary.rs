@@ -4,6 +4,7 @@ use super::axis::Axis;
 use super::break_even::{BreakEven, break_even, median};
 use super::images::short_text;
 use super::plan::{Cell, Plan};
+use super::rows;
 use super::store::CellRecord;
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
 use super::timing::{self, TimingRecord, summarize};
@@ -78,17 +79,12 @@ fn row_axes(plan: &Plan) -> Vec<&'static Axis> {
 
 /// Cells grouped into rows, in plan order.
 fn rows<'d, 'r>(axes: &[&Axis], done: &'d Done<'r>) -> Vec<Vec<&'d (&'r Cell, &'r CellRecord)>> {
-    let mut rows: Vec<Vec<&(&Cell, &CellRecord)>> = Vec::new();
-    for entry in done {
-        let is_same = |row: &&mut Vec<&(&Cell, &CellRecord)>| {
-            axes.iter().all(|axis| row[0].0.point.get(axis.name) == entry.0.point.get(axis.name))
-        };
-        match rows.iter_mut().find(is_same) {
-            Some(row) => row.push(entry),
-            None => rows.push(vec![entry]),
-        }
-    }
-    rows
+    rows::rows(done, axes, |(cell, _)| &cell.point)
+}
+
+/// What a row has on each of its axes.
+fn row_words(axes: &[&Axis], row: &[&(&Cell, &CellRecord)]) -> Vec<String> {
+    axes.iter().map(|axis| short_text(axis, rows::teller(row.iter().map(|(cell, _)| &cell.point), axis))).collect()
 }
 
 fn method_label(cell: &Cell) -> String {
@@ -154,7 +150,7 @@ fn break_even_of(plan: &Plan, done: &Done, sampled: &str, fixed: &str) -> String
             })
         };
         let Some((_, fixed_record)) = of(fixed, None) else { continue };
-        let mut cells: Vec<String> = axes.iter().map(|axis| short_text(axis, &row[0].0.point)).collect();
+        let mut cells = row_words(&axes, &row);
         cells.push(score_text(fixed_record));
         let curve: Vec<(u32, f64)> =
             counts.iter().filter_map(|&n| Some((n, headline(of(sampled, Some(n))?.1)))).collect();
@@ -162,8 +158,8 @@ fn break_even_of(plan: &Plan, done: &Done, sampled: &str, fixed: &str) -> String
         let result = break_even(&curve, headline(fixed_record));
         cells.push(result.to_string());
         table.row(&cells);
-        let key = axes.iter().filter(|axis| axis.name != "alpha");
-        found.push((key.map(|axis| short_text(axis, &row[0].0.point)).collect(), result));
+        let key: Vec<&Axis> = axes.iter().copied().filter(|axis| axis.name != "alpha").collect();
+        found.push((row_words(&key, &row), result));
     }
     let Some(overall) = median(&found.iter().map(|(_, result)| *result).collect::<Vec<_>>()) else {
         return String::new();
@@ -219,7 +215,7 @@ fn errors_section(plan: &Plan, done: &Done) -> String {
     header.extend(labels.iter().map(|label| (label.as_str(), Align::Right)));
     let mut table = MarkdownTable::new(&header);
     for row in rows(&axes, done) {
-        let mut cells: Vec<String> = axes.iter().map(|axis| short_text(axis, &row[0].0.point)).collect();
+        let mut cells = row_words(&axes, &row);
         for label in &labels {
             let entry = row.iter().find(|(cell, _)| method_label(cell) == *label);
             cells.push(entry.map_or_else(String::new, |(_, record)| score_text(record)));
@@ -247,7 +243,7 @@ fn display_section(plan: &Plan, done: &Done) -> String {
     header.extend(labels.iter().map(|label| (label.as_str(), Align::Right)));
     let mut table = MarkdownTable::new(&header);
     for row in rows(&axes, done) {
-        let mut cells: Vec<String> = axes.iter().map(|axis| short_text(axis, &row[0].0.point)).collect();
+        let mut cells = row_words(&axes, &row);
         for label in &labels {
             let of_label = row.iter().filter(|(cell, _)| method_label(cell) == *label);
             let scores: Vec<f64> =

@@ -14,6 +14,7 @@ pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
 use crate::glsl::constants::GROUP_SIDE;
 use crate::gpu::{Buffer, Gpu, GpuError, Report};
 use crate::pixels::{Pixels, PixelsError, Rgb8Image, RgbImage};
+use crate::precompute::SettingsError;
 use crate::shade::pass::{ShadeSettings, light_data};
 use crate::shade::reference_pass::{Convergence, ReferenceRun};
 use crate::tonemap::ToneCurve;
@@ -32,8 +33,10 @@ pub enum PipelineError {
     InvalidRadiance { stage: &'static str, count: usize, x: u32, y: u32, value: [f32; 3] },
     #[error(transparent)]
     File(#[from] PixelsError),
-    #[error("{field}: {value} is outside {expected}")]
-    OutOfRange { field: &'static str, value: String, expected: String },
+    #[error("{field} is 0; expected at least 1")]
+    NoSamples { field: &'static str },
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
 }
 
 impl PipelineError {

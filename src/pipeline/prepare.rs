@@ -158,21 +158,19 @@ impl Resources {
         let mut precompute = Report::default();
         let environment = self.environment(gpu, &request.environment, &mut precompute)?;
         let samples_per_pixel = if request.method.uses_samples { request.samples } else { 1 };
-        let has_specular = request.method.name != "none";
-        let needs_dfg = request.method.name == "split-sum"
-            || (has_specular && (request.diffuse.name != "none" || !request.lights.is_empty()));
+        let needs_dfg = request.method.needs_dfg(request.diffuse, !request.lights.is_empty());
 
         let sh9 = match request.diffuse.name {
             "sh9" => self.coefficients(gpu, &request.environment.hash, &environment, &mut precompute)?,
             _ => self.blank_buffer.clone(),
         };
-        let irradiance_map = match request.diffuse.name {
-            "irradiance-map" => self.irradiance_map(gpu, request, &environment, &mut precompute)?,
-            _ => self.blank_image.clone(),
+        let irradiance_map = match request.diffuse.uses_irradiance_map {
+            true => self.irradiance_map(gpu, request, &environment, &mut precompute)?,
+            false => self.blank_image.clone(),
         };
-        let prefiltered = match request.method.name {
-            "split-sum" => self.prefiltered(gpu, request, &environment, &mut precompute)?,
-            _ => self.blank_image.clone(),
+        let prefiltered = match request.method.uses_prefiltered {
+            true => self.prefiltered(gpu, request, &environment, &mut precompute)?,
+            false => self.blank_image.clone(),
         };
         let dfg = if needs_dfg { self.dfg_table(gpu, request, &mut precompute)? } else { self.blank_image.clone() };
         let points = self.points.get_or_make((samples_per_pixel, request.point_set), || {
@@ -346,33 +344,11 @@ fn reference_lobes(request: &RenderRequest) -> Vec<Lobe> {
     terms.into_iter().filter_map(|(wanted, lobe)| wanted.then_some(lobe)).collect()
 }
 
-/// The smallest side a prefiltered level may have: fewer texels cannot hold even the roughest lobe.
-const PREFILTER_SIDE_MIN: u32 = 8;
-
 fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
-    let settings = &request.precompute;
-    let out = |field, value: String, expected: &str| {
-        Err(PipelineError::OutOfRange { field, value, expected: expected.into() })
-    };
-    if request.samples == 0 || request.reference_samples == 0 {
-        return out("samples", "0".into(), "[1, 2^24]");
-    }
-    let levels = settings.prefilter_level_count;
-    let short = settings.prefilter_size[0].min(settings.prefilter_size[1]);
-    if levels < 2 || short.checked_shr(levels - 1).unwrap_or(0) < PREFILTER_SIDE_MIN {
-        let value = format!("{levels} levels of {}x{}", settings.prefilter_size[0], settings.prefilter_size[1]);
-        return out("prefilter", value, "at least 2 levels, the last at least 8 texels on its short side");
-    }
-    for (field, count) in [
-        ("prefilter_sample_count", settings.prefilter_sample_count),
-        ("dfg_sample_count", settings.dfg_sample_count),
-        ("dfg_size", settings.dfg_size),
-        ("irradiance_size", settings.irradiance_size[0].min(settings.irradiance_size[1])),
-        ("irradiance_sample_count", settings.irradiance_sample_count[0].min(settings.irradiance_sample_count[1])),
-    ] {
+    for (field, count) in [("samples", request.samples), ("reference_samples", request.reference_samples)] {
         if count == 0 {
-            return out(field, "0".into(), "positive");
+            return Err(PipelineError::NoSamples { field });
         }
     }
-    Ok(())
+    Ok(request.precompute.validate()?)
 }

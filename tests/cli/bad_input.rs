@@ -56,6 +56,12 @@ fn inputs_that_are_missing_are_all_named_at_once() {
 }
 
 #[test]
+fn settings_that_do_not_go_together_are_refused() {
+    let message = &["--set: prefilter_level_count is 9, but a prefilter_size of 256x128", "at most 5 levels"];
+    assert_refused(&["bake", "builtin:sky", "--out", "baked", "--set", "prefilter_level_count=9"], 2, message);
+}
+
+#[test]
 fn the_output_is_checked_before_work() {
     assert_refused(&["render", "--out", "x.jpg"], 2, &["x.jpg ends in neither .exr nor .png"]);
     assert_refused(&["render", "--out", "no/x.png"], 2, &["there is no folder no"]);

@@ -150,3 +150,33 @@ fn text_of_every_default_parses_back_to_the_same_value() {
         assert_eq!(axis.kind.parse_text(&value.to_string()), Ok(value), "{}", axis.name);
     }
 }
+
+#[test]
+fn values_that_do_not_go_together_are_named_at_the_one_to_change() {
+    let text = "name = \"x\"\n[precompute]\nprefilter_size = [32, 16]\n[axes]\nmethod = [\"split-sum\", \"sampled\"]\n\
+                prefilter_level_count = [2, 5]\n";
+    assert_faults(
+        &faults(text, &[]),
+        &[
+            "e.toml:6:29: prefilter_level_count is 5, but a prefilter_size of 32x16 halves to 1 texels on its short side in the \
+           last level; expected at least 8 there: at most 2 levels",
+        ],
+    );
+    // A method that needs no map does not mind.
+    assert_faults(&faults(&text.replace("\"split-sum\", ", ""), &[]), &[]);
+    let text = "name = \"x\"\n[precompute]\nprefilter_size = [8, 8]\n[axes]\nmethod = [\"split-sum\"]\n";
+    assert_faults(&faults(text, &[]), &["e.toml:3:1: prefilter_size is 8x8; expected at least 16 texels"]);
+    assert_faults(
+        &faults("name = \"x\"\n[axes]\nmethod = [\"split-sum\"]\n", &["prefilter_level_count=6"]),
+        &["--set prefilter_level_count: prefilter_level_count is 6, but a prefilter_size of 256x128 halves to 4"],
+    );
+}
+
+#[test]
+fn a_comma_between_the_parameters_of_a_formula_ends_no_value() {
+    let text = "name = \"x\"\n[axes]\nalpha = [0.1]\n";
+    let set = "environment=builtin:cap:half_angle_deg=10,radiance=100,builtin:sky,builtin:constant";
+    let plan = Plan::from_text(Path::new("e.toml"), text, &[set.to_owned()]).unwrap();
+    let names: Vec<String> = plan.cells.iter().map(|c| c.point.get("environment").to_string()).collect();
+    assert_eq!(names, ["builtin:cap:half_angle_deg=10,radiance=100", "builtin:sky", "builtin:constant"]);
+}

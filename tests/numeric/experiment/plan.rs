@@ -130,9 +130,12 @@ fn the_tone_curve_shares_radiance_and_methods_share_references() {
 
 #[test]
 fn settings_of_precompute_and_bias_share_the_reference() {
-    let plan =
-        plan("name = \"x\"\n[axes]\ndfg_size = [8, 16]\nprefilter_size = [[16, 8], [32, 16]]\nlod_bias = [0, 1]\n");
-    assert_eq!(plan.cells.len(), 8);
+    let plan = plan(
+        "name = \"x\"\n[precompute]\nprefilter_level_count = 2\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
+         dfg_size = [8, 16]\nprefilter_size = [[32, 16], [64, 32]]\nlod_bias = [0, 1]\n",
+    );
+    // Both read the DFG table (it weights the diffuse term); the map is for split-sum, the bias for sampled only.
+    assert_eq!(plan.cells.len(), 2 * 2 + 2 * 2);
     assert_eq!(plan.groups().len(), 1);
 }
 
@@ -142,7 +145,7 @@ fn a_cell_without_a_term_has_a_reference_without_it() {
     let [nothing, sh9, map] = &plan.cells[..] else { panic!("{} cells", plan.cells.len()) };
     assert_ne!(nothing.reference, sh9.reference);
     assert_eq!(sh9.reference, map.reference);
-    let reference = sh9.point.reference(&plan.config.reference);
+    let reference = plan.reference_point(&sh9.point);
     assert_eq!(reference.get("method").to_string(), "none");
     assert_eq!(reference.get("diffuse").to_string(), "reference");
     assert_eq!(plan.request(&sh9.point).reference_samples, 4096);
@@ -153,11 +156,28 @@ fn with_all_terms_a_cell_without_one_is_judged_against_the_complete_image() {
     let text = "name = \"x\"\nreference = { terms = \"all\" }\n[axes]\nmethod = [\"none\", \"split-sum\"]\n";
     let plan = plan(text);
     assert_eq!(plan.groups().len(), 1);
-    assert_eq!(plan.cells[0].point.reference(&plan.config.reference).get("method").to_string(), "reference");
+    assert_eq!(plan.reference_point(&plan.cells[0].point).get("method").to_string(), "reference");
 }
 
 #[test]
 fn a_plan_may_be_empty() {
     let plan = plan("name = \"x\"\n[axes]\nalpha = [0.1]\n[[exclude]]\nalpha = 0.1\nwhy = \"all\"\n");
     assert_eq!((plan.cells.len(), plan.excluded[0]), (0, 1));
+}
+
+#[test]
+fn what_a_method_ignores_collapses() {
+    let cells = |head: &str, axes: &str| plan(&format!("name = \"x\"\n{head}\n[axes]\n{axes}\n")).cells.len();
+    let tables = "dfg_size = [8, 16]\nprefilter_sample_count = [1, 2, 3]\nirradiance_sample_count = [[4, 4], [8, 8]]";
+    assert_eq!(cells("", &format!("method = [\"sampled\"]\ndiffuse = [\"none\"]\n{tables}")), 1);
+    assert_eq!(cells("", &format!("method = [\"sampled\"]\ndiffuse = [\"sh9\"]\n{tables}")), 2);
+    assert_eq!(cells("", &format!("method = [\"split-sum\"]\ndiffuse = [\"none\"]\n{tables}")), 2 * 3);
+    assert_eq!(cells("", &format!("method = [\"none\"]\ndiffuse = [\"irradiance-map\"]\n{tables}")), 2);
+    // A light's reflection beside no diffuse term is weighted by the DFG table, too.
+    let light = "lights = [{ kind = \"point\", position = [0, 2, 0], color = [1, 1, 1] }]";
+    assert_eq!(cells(light, &format!("method = [\"sampled\"]\ndiffuse = [\"none\"]\n{tables}")), 2);
+    assert_eq!(
+        cells("", "method = [\"sampled-unfiltered\", \"seed0-literal\", \"split-sum\"]\nlod_bias = [-1, 0, 1]"),
+        3
+    );
 }

@@ -162,6 +162,16 @@ fn the_summary_answers_with_the_break_even_of_the_error_model() {
 }
 
 #[test]
+fn a_method_that_ignores_an_axis_stands_beside_every_value_of_it() {
+    let text = "name = \"x\"\nsize = [16, 16]\nreference = { samples = 4 }\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
+                diffuse = [\"none\"]\nsamples = [1, 16]\ndfg_size = [16, 32, 64]\n";
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(text));
+    assert_eq!(plan.cells.len(), 2 + 3);
+    let summary = invoke(&plan, dir.path(), &log(), usize::MAX).unwrap().summary;
+    assert!(summary.contains("Median over all 3 rows: **16**"), "{summary}");
+}
+
+#[test]
 fn a_finished_run_is_not_touched_and_needs_no_renderer() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[timing]\nrounds = 3\n")));
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
