@@ -3,6 +3,7 @@
 mod bake;
 mod compare;
 mod devices;
+mod integrate;
 mod later;
 mod list;
 mod plan;
@@ -39,8 +40,7 @@ enum Command {
     /// Lists the Vulkan devices.
     Devices,
     List(list::Arguments),
-    /// Exact answers for a table of queries.
-    Integrate(later::Arguments),
+    Integrate(integrate::Arguments),
     /// (Re)writes the report of a finished run.
     Report(later::Arguments),
     /// Opens an interactive window.
@@ -121,7 +121,7 @@ pub fn main() -> ExitCode {
         Command::Bake(arguments) => bake::execute(&arguments),
         Command::Devices => devices::execute(),
         Command::List(arguments) => list::execute(&arguments),
-        Command::Integrate(_) => later::execute("integrate"),
+        Command::Integrate(arguments) => integrate::execute(&arguments),
         Command::Report(_) => later::execute("report"),
         Command::View(_) => later::execute("view"),
     };

@@ -89,7 +89,7 @@ pub struct Arguments {
     /// Multiplies the environment's radiance.
     #[arg(long, value_name = "S", value_parser = axis!("environment_scale"))]
     scale: Option<Value>,
-    /// separable, correlated or schlick masking-shadowing.
+    /// separable, correlated, schlick or smith-exact masking-shadowing.
     #[arg(long, value_name = "NAME", value_parser = axis!("masking"))]
     masking: Option<Value>,
     /// Added to the mip level of filtered samples.
