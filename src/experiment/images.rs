@@ -3,12 +3,13 @@
 use super::axis::{AXES, Axis, Point};
 use super::plan::{Cell, Plan};
 use super::store::{Store, StoreError};
-use super::tables::{CellResult, HEADLINE, Results};
+use super::tables::{CellResult, HEADLINE, Results, Rows};
 use crate::metrics::Comparison;
 use crate::pipeline::Frame;
 use crate::pixels::{GrayImage, PixelsError, Rgb8Image, exr, png};
 use crate::table::colormap::RELATIVE_ERROR;
 use crate::table::contact_sheet::{ContactSheet, Legend, Tile};
+use crate::table::csv::Cell as Field;
 use crate::table::markdown::significant;
 use std::path::Path;
 
@@ -88,6 +89,24 @@ impl CellPictures<'_> {
         let reference = store.image_path(&reference_picture_name(plan, cell));
         if reference.exists() { Ok(()) } else { png::write_rgb8(&reference, self.reference) }
     }
+}
+
+/// `images.csv`: which files of `images/` belong to a cell. One row a finished cell.
+pub fn index(plan: &Plan, results: &Results) -> Rows {
+    let columns = ["cell", "radiance", "reference", "picture", "reference_picture", "error"].map(str::to_owned).to_vec();
+    let is_done = |cell: &&Cell| matches!(results.get(&cell.id), Some(CellResult::Done(_)));
+    let row = |cell: &Cell| {
+        let reference = cell.point.reference(&plan.config.reference);
+        let names = [
+            radiance_name(plan, &cell.point, &cell.radiance),
+            radiance_name(plan, &reference, &cell.reference),
+            picture_name(plan, cell),
+            reference_picture_name(plan, cell),
+            error_name(plan, cell),
+        ];
+        std::iter::once(Field::from(cell.id.as_str())).chain(names.map(Field::Text)).collect()
+    };
+    (columns, plan.cells.iter().filter(is_done).map(row).collect())
 }
 
 /// Axes that make one sheet each.

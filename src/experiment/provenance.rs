@@ -21,6 +21,8 @@ pub fn provenance(plan: &Plan) -> Value {
         "plan_hash": plan.hash,
         "shader_hash": crate::gpu::build_hash(),
         "cell_count": plan.cells.len(),
+        "excluded": plan.config.exclusions.iter().zip(&plan.excluded)
+            .map(|(exclusion, count)| json!({ "why": exclusion.why, "count": count })).collect::<Vec<_>>(),
         "seed": plan.config.seed,
         "inputs": inputs,
         "input_warnings": plan.inputs.warnings(),

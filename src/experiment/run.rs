@@ -379,6 +379,8 @@ impl<'p> Run<'p> {
             }
         }
         self.write_tables()?;
+        let (columns, rows) = images::index(self.plan, &self.results);
+        self.store.write_table("images.csv", &columns, &rows)?;
         if self.plan.config.timing.is_some() {
             let (columns, rows) = tables::timings(&self.timings);
             self.store.write_table("timings.csv", &columns, &rows)?;
