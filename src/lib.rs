@@ -26,3 +26,5 @@ pub mod table;
 pub mod pipeline;
 
 pub mod experiment;
+
+pub mod report;
