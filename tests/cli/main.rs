@@ -2,6 +2,8 @@
 
 mod bad_input;
 mod end_to_end;
+#[cfg(unix)]
+mod interruptions;
 
 use std::process::{Command, Output};
 
