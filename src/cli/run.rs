@@ -27,6 +27,9 @@ pub struct Arguments {
     /// Replaces the values of an axis, as axis=v1,v2. Paths are relative to the current folder.
     #[arg(long = "set", value_name = "AXIS=VALUES")]
     overrides: Vec<String>,
+    /// Ends the run at the first cell that fails; without it the others are still done.
+    #[arg(long)]
+    fail_fast: bool,
     /// Index of the device, as `splitsum devices` lists them.
     #[arg(long, value_name = "N")]
     device: Option<usize>,
@@ -61,6 +64,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         dir: default_dir(&plan, arguments.out.as_ref()),
         stop: &STOP,
         command_line: std::env::args().collect(),
+        fail_fast: arguments.fail_fast,
     };
     let mut open = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(open_device(arguments.device)?)) };
     let outcome = run(&plan, &mut open, &options, &mut progress)?;
@@ -69,7 +73,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     // The run is kept whatever becomes of its report.
     let report = splitsum::report::write(&ReportOptions::of_run(&outcome.dir)).map_err(Failure::failed);
     print(&report.as_ref().map_or_else(|failure| format!("No report: {failure}\n"), super::report::line))?;
-    if outcome.is_stopped {
+    if outcome.is_stopped && outcome.failures.is_empty() {
         let command: Vec<String> = options.command_line;
         return Err(Failure::Failed(format!("stopped; to go on: {}", command.join(" "))));
     }

@@ -25,6 +25,8 @@ pub struct Settings {
     pub method: &'static Method,
     pub diffuse: &'static Diffuse,
     pub samples: u32,
+    /// Which set of points a sampled method takes; see `precompute::points`.
+    pub point_set: u32,
     pub lod_bias: f32,
     pub precompute: PrecomputeSettings,
     pub curve: ToneCurve,
@@ -55,7 +57,7 @@ impl Settings {
             camera: Camera::for_scene(view.camera, &scene, view.size),
             scene,
             size: view.size,
-            point_set: 0,
+            point_set: self.point_set,
             reference_error: view.reference_error,
             reference_samples: if self.method.name == REFERENCE { self.samples } else { view.reference_samples },
             method: self.method,
@@ -205,6 +207,15 @@ pub static AXES: &[Axis] = &[
         used: |u| u.method.uses_samples,
         reference: |r, _| Value::Count(r.samples),
         apply: |s, v| s.samples = v.count(),
+        ..PLAIN
+    },
+    Axis {
+        name: "point_set",
+        about: "set of sample points: 0 plain Hammersley, k its k-th shift on the torus",
+        kind: Kind::Count { min: 0, max: 1 << 20 },
+        default: || Value::Count(0),
+        used: |u| u.method.uses_point_set,
+        apply: |s, v| s.point_set = v.count(),
         ..PLAIN
     },
     Axis {
@@ -437,6 +448,7 @@ impl Point {
             method: &METHODS[0],
             diffuse: &DIFFUSE[0],
             samples: 1,
+            point_set: 0,
             lod_bias: 0.0,
             precompute: PrecomputeSettings::default(),
             curve: ToneCurve::default(),

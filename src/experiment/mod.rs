@@ -14,6 +14,7 @@ mod provenance;
 pub mod renderer;
 mod rows;
 pub mod run;
+mod scoring;
 mod sheets;
 pub mod store;
 mod summary;

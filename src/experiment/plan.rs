@@ -134,6 +134,11 @@ impl Plan {
         settings.request(environment, scene, &view)
     }
 
+    /// How often the image of a point is rendered again with further point sets.
+    pub fn repeats_of(&self, point: &Point) -> Option<u32> {
+        repeats_of(&self.config, point)
+    }
+
     /// Width and height of a cell's images.
     pub fn size_of(&self, _: &Cell) -> [u32; 2] {
         self.config.size
@@ -216,7 +221,7 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
         let reference = radiance_id(&config, &inputs, &point.reference(&config.reference, has_lights));
         let point = point.collapsed(has_lights);
         let radiance = radiance_id(&config, &inputs, &point);
-        let id = cell_id(&radiance, &reference, &point);
+        let id = cell_id(&radiance, &reference, &point, repeats_of(&config, &point));
         if seen.insert(id.clone()) {
             cells.push(Cell { id, point, radiance, reference });
         } else {
@@ -272,8 +277,14 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point) -> String {
     hash_lines(&lines)
 }
 
-fn cell_id(radiance: &str, reference: &str, point: &Point) -> String {
+/// Only methods that draw points vary with them.
+fn repeats_of(config: &Config, point: &Point) -> Option<u32> {
+    config.repeats.filter(|_| point.settings().method.uses_point_set)
+}
+
+fn cell_id(radiance: &str, reference: &str, point: &Point, repeats: Option<u32>) -> String {
     let mut lines = vec![format!("radiance={radiance}"), format!("reference={reference}")];
+    lines.extend(repeats.map(|repeats| format!("repeats={repeats}")));
     let display = AXES.iter().zip(&point.0).filter(|(axis, _)| !axis.changes_radiance);
     lines.extend(display.map(|(axis, value)| format!("{}={value}", axis.name)));
     hash_lines(&lines)

@@ -1,13 +1,15 @@
 //! The folder of a run. Records are written last and in one step: no record means not done.
 
 use super::plan::Plan;
-use crate::pixels::{PixelsError, write_atomically};
+use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
 use crate::table::csv;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fs::{File, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Why a run cannot use its folder.
 #[derive(Debug, thiserror::Error)]
@@ -16,6 +18,8 @@ pub enum StoreError {
     OtherExperiment { dir: PathBuf, found: String },
     #[error("{}: holds a run made with other shaders, whose images may differ; give another --out, or remove it", dir.display())]
     OtherShaders { dir: PathBuf },
+    #[error("{}: another run is at work in it; wait for its end or give another --out", dir.display())]
+    Busy { dir: PathBuf },
     #[error("{}: is not empty and not a run (it has no provenance.json); give another --out", dir.display())]
     NotARun { dir: PathBuf },
     #[error("{}: {error}; expected a file that this program wrote (remove it to make it anew)", path.display())]
@@ -31,7 +35,10 @@ pub enum StoreError {
 impl StoreError {
     /// Whether the user named the wrong folder, rather than a file failing.
     pub fn is_misuse(&self) -> bool {
-        matches!(self, Self::OtherExperiment { .. } | Self::OtherShaders { .. } | Self::NotARun { .. })
+        matches!(
+            self,
+            Self::OtherExperiment { .. } | Self::OtherShaders { .. } | Self::NotARun { .. } | Self::Busy { .. }
+        )
     }
 }
 
@@ -64,6 +71,9 @@ pub struct CellRecord {
     /// Every axis by name.
     pub axes: BTreeMap<String, String>,
     pub scores: Scores,
+    /// Bias and variance by column name, where the experiment asks for them.
+    #[serde(default)]
+    pub bias_variance: Scores,
     /// Score to expect of an exact test, where the reference knows its own error.
     pub noise_floors: Scores,
     pub verdict: String,
@@ -96,23 +106,34 @@ pub struct FailureRecord {
 #[derive(Clone, Debug)]
 pub struct Store {
     dir: PathBuf,
+    /// Held while a run works in the folder; the system releases it when the process ends, however it ends.
+    lock: Option<Arc<File>>,
 }
+
+/// The file that a run locks.
+const LOCK_FILE: &str = ".lock";
 
 const SUBFOLDERS: &[&str] = &["cells", "failed", "images", "tables", "timings"];
 
 impl Store {
     /// The run's folder as it is, for reading.
     pub fn at(dir: &Path) -> Self {
-        Self { dir: dir.to_owned() }
+        Self { dir: dir.to_owned(), lock: None }
     }
 
     /// Makes the folder, or checks that the one that is there holds this experiment.
     pub fn open(dir: &Path, plan: &Plan) -> Result<Self, StoreError> {
-        let store = Self::at(dir);
+        let mut store = Self::at(dir);
         store.check_identity(plan)?;
         for folder in SUBFOLDERS {
             let path = dir.join(folder);
             std::fs::create_dir_all(&path).map_err(|error| StoreError::Io { path, error })?;
+        }
+        store.lock = Some(Arc::new(lock(dir)?));
+        // Another run may have made the folder its own between the check and the lock.
+        store.check_identity(plan)?;
+        for folder in [""].iter().chain(SUBFOLDERS) {
+            remove_parts(&dir.join(folder))?;
         }
         Ok(store)
     }
@@ -137,7 +158,9 @@ impl Store {
         // A run that was stopped before its first file leaves empty folders only.
         let has_files = |dir: &Path| {
             let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
-            entries.into_iter().any(|e| !(e.path().is_dir() && SUBFOLDERS.iter().any(|s| e.file_name() == *s)))
+            let is_own =
+                |name: &str, is_dir: bool| name == LOCK_FILE || is_part(name) || (is_dir && SUBFOLDERS.contains(&name));
+            entries.into_iter().any(|e| !is_own(&e.file_name().to_string_lossy(), e.path().is_dir()))
         };
         if has_files(&self.dir) {
             return Err(StoreError::NotARun { dir: self.dir.clone() });
@@ -172,7 +195,7 @@ impl Store {
 
     /// Keeps a finished cell and forgets its earlier failure.
     pub fn write_cell(&self, record: &CellRecord) -> Result<(), StoreError> {
-        self.write_json(&self.record_path("cells", &record.cell), record)?;
+        self.write_record(&self.record_path("cells", &record.cell), record)?;
         let failure = self.record_path("failed", &record.cell);
         match std::fs::remove_file(&failure) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::Io { path: failure, error }),
@@ -202,7 +225,7 @@ impl Store {
 
     /// Keeps a timing record.
     pub fn write_timing<T: Serialize>(&self, id: &str, record: &T) -> Result<(), StoreError> {
-        self.write_json(&self.record_path("timings", id), record)
+        self.write_record(&self.record_path("timings", id), record)
     }
 
     /// A table of the run, replaced in one step.
@@ -229,6 +252,13 @@ impl Store {
         self.write_text(path, &(text + "\n"))
     }
 
+    /// As [`Store::write_json`]; on return the record is on the disk, so that a power failure cannot leave its name without content.
+    fn write_record<T: Serialize>(&self, path: &Path, record: &T) -> Result<(), StoreError> {
+        self.write_json(path, record)?;
+        let sync = File::open(path).and_then(|file| file.sync_all());
+        sync.map_err(|error| StoreError::Io { path: path.to_owned(), error })
+    }
+
     fn record_path(&self, folder: &str, id: &str) -> PathBuf {
         self.dir.join(folder).join(format!("{id}.json"))
     }
@@ -243,4 +273,31 @@ impl Store {
             Err(error) => Err(StoreError::Io { path: path.to_owned(), error }),
         }
     }
+}
+
+/// Takes the folder's lock, or says that another run has it.
+fn lock(dir: &Path) -> Result<File, StoreError> {
+    let path = dir.join(LOCK_FILE);
+    let file = File::options().create(true).truncate(false).write(true).open(&path);
+    let file = file.map_err(|error| StoreError::Io { path: path.clone(), error })?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(StoreError::Busy { dir: dir.to_owned() }),
+        Err(TryLockError::Error(error)) => Err(StoreError::Io { path, error }),
+    }
+}
+
+/// Whether a file is what a killed run leaves half-written.
+fn is_part(name: &str) -> bool {
+    (name.starts_with(PART_PREFIX) || name.ends_with(".csv.part")) && name.ends_with(".part")
+}
+
+/// Removes what a killed run left half-written.
+fn remove_parts(folder: &Path) -> Result<(), StoreError> {
+    let parts = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    for part in parts.filter(|entry| is_part(&entry.file_name().to_string_lossy())) {
+        let path = part.path();
+        std::fs::remove_file(&path).map_err(|error| StoreError::Io { path, error })?;
+    }
+    Ok(())
 }

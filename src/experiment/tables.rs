@@ -4,7 +4,7 @@ use super::axis::AXES;
 use super::plan::{Cell, Plan};
 use super::store::{CellRecord, FailureRecord, Scores};
 use super::timing::{TimingRecord, summarize};
-use crate::metrics::METRICS;
+use crate::metrics::{BiasVariance, METRICS, linear_metrics};
 use crate::table::csv::Cell as Field;
 use std::collections::BTreeMap;
 
@@ -24,8 +24,10 @@ pub const HEADLINE: &str = "relmse_eps1e-2";
 /// The display metric that summaries and sheets show: what a viewer notices.
 pub const DISPLAY_HEADLINE: &str = "flip";
 
-/// Metrics whose noise floor stands in the table.
-pub const FLOORED: [&str; 2] = ["rmse", HEADLINE];
+/// Metrics whose noise floor stands in the table: those of linear values.
+fn floored_names() -> Vec<&'static str> {
+    linear_metrics().iter().map(|metric| metric.description().name).collect()
+}
 
 /// How the diffuse term is weighted beside a specular one, the same in every method and in the reference: `1 - (f0 A + B)` of the
 /// DFG table (see `shaders/lib/diffuse.glsl`).
@@ -44,17 +46,20 @@ pub fn errors(plan: &Plan, results: &Results) -> Rows {
     let names = metric_names();
     let mut columns = cell_columns(plan);
     columns.extend(names.iter().map(|name| name.to_string()));
-    columns.extend(FLOORED.iter().map(|name| format!("{name}_noise_floor")));
+    let floored = floored_names();
+    columns.extend(BiasVariance::NAMES.map(str::to_owned));
+    columns.extend(floored.iter().map(|name| format!("{name}_noise_floor")));
     columns.extend(["verdict", "diffuse_weight"].map(str::to_owned));
     let none = Scores::new();
     let row = |cell: &Cell| {
-        let (scores, floors, verdict) = match results.get(&cell.id)? {
-            CellResult::Done(record) => (&record.scores, &record.noise_floors, record.verdict.as_str()),
-            CellResult::Failed(_) => (&none, &none, "failed"),
+        let (scores, parts, floors, verdict) = match results.get(&cell.id)? {
+            CellResult::Done(r) => (&r.scores, &r.bias_variance, &r.noise_floors, r.verdict.as_str()),
+            CellResult::Failed(_) => (&none, &none, &none, "failed"),
         };
         let mut row = cell_fields(plan, cell);
         row.extend(score_fields(scores, &names));
-        row.extend(score_fields(floors, &FLOORED));
+        row.extend(score_fields(parts, &BiasVariance::NAMES));
+        row.extend(score_fields(floors, &floored));
         row.extend([verdict, DIFFUSE_WEIGHT].map(Field::from));
         Some(row)
     };

@@ -7,6 +7,7 @@
 //! A name carries the constant that makes the number comparable: four tools call four formulas "relMSE".
 
 mod bias;
+mod bias_variance;
 mod bins;
 mod comparison;
 mod flip;
@@ -19,6 +20,7 @@ mod smape;
 mod ssim;
 mod tail;
 
+pub use bias_variance::{BiasVariance, Repeats};
 pub use bins::{BinRow, N_DOT_V_BIN_EDGES};
 pub use comparison::{Comparison, MetricsError};
 pub use flip::PIXELS_PER_DEGREE;

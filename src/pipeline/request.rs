@@ -50,6 +50,13 @@ impl RenderRequest {
     }
 }
 
+impl RenderRequest {
+    /// Whether a term comes from the reference: then the frame has a standard error.
+    pub fn has_reference_term(&self) -> bool {
+        self.method.name == "reference" || self.diffuse.name == "reference"
+    }
+}
+
 /// One rendered radiance image and what belongs to it.
 #[derive(Clone, Debug)]
 pub struct Frame {

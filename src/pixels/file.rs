@@ -74,6 +74,9 @@ pub(super) fn check_claim(width: u64, height: u64, file_bytes: usize, texels_per
     Ok(())
 }
 
+/// What the names of unfinished files begin with; they end in `.part`.
+pub(crate) const PART_PREFIX: &str = ".splitsum-";
+
 /// Writes through `fill` into a temporary file beside `path`, then renames it: `path` holds the old or the whole new content,
 /// never a part, and nothing is left behind on failure.
 pub(crate) fn write_atomically(
@@ -85,7 +88,7 @@ pub(crate) fn write_atomically(
     };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".splitsum-").suffix(".part");
+    builder.prefix(PART_PREFIX).suffix(".part");
     // The default of temporary files is private to the user; the result should get the rights of any new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));

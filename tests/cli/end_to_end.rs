@@ -30,7 +30,7 @@ dfg_sample_count = 64
 const CELLS: usize = 2 * 2 * 3 * 2;
 
 /// A folder with the experiment, or `None` where no device answers.
-fn folder() -> Option<tempfile::TempDir> {
+pub(super) fn folder() -> Option<tempfile::TempDir> {
     let dir = tempfile::tempdir().unwrap();
     if !splitsum(dir.path(), &["devices"]).status.success() {
         eprintln!("skipped: no Vulkan device");

@@ -3,6 +3,8 @@
 mod bad_input;
 mod end_to_end;
 mod integrate;
+#[cfg(unix)]
+mod interruptions;
 
 use std::process::{Command, Output};
 

@@ -1,8 +1,8 @@
 //! Every metric on images worked by hand, its invariants, its bins and its noise floor.
 
 use splitsum::metrics::{
-    Better, Comparison, EPSILON, METRICS, MetricsError, N_DOT_V_BIN_EDGES, PIXELS_PER_DEGREE, ReferenceNoise, Space,
-    Verdict, linear_metrics, metric, noise_floor, verdict,
+    Better, Comparison, EPSILON, METRICS, MetricsError, N_DOT_V_BIN_EDGES, PIXELS_PER_DEGREE, ReferenceNoise, Repeats,
+    Space, Verdict, linear_metrics, metric, noise_floor, verdict,
 };
 use splitsum::pixels::{GrayImage, Rgb8Image, RgbImage};
 use splitsum::tonemap::ToneCurve;
@@ -412,4 +412,39 @@ fn scores_do_not_depend_on_order_of_evaluation() {
         let alone = Comparison::new(&test, &reference, &mask, LINEAR_CURVE).unwrap().evaluate(&[*metric])[0];
         assert!(all.contains(&alone), "{alone:?}");
     }
+}
+
+#[test]
+fn repeated_images_give_back_the_bias_and_variance_they_were_made_with() {
+    // Box-Muller normals from a small generator: noise 0.1 about 1.05 times the reference, which itself is off by 0.02.
+    let mut state = 1u64;
+    let mut uniform = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        ((state >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+    };
+    let mut normal = || (-2.0 * uniform().ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos();
+    let (width, height) = (64, 64);
+    let mask = GrayImage::from_fn(width, height, |x, _| if x == 0 { 0.0 } else { 1.0 });
+    let truth = 2.0;
+    let reference = RgbImage::from_fn(width, height, |_, _| [0, 1, 2].map(|_| (truth + 0.02 * normal()) as f32));
+    let standard_error = RgbImage::filled(width, height, [0.02; 3]);
+    let mut repeats = Repeats::new(&mask).unwrap();
+    assert_eq!(repeats.finish(&reference, None).unwrap(), None);
+    for _ in 0..16 {
+        let mut image =
+            RgbImage::from_fn(width, height, |_, _| [0, 1, 2].map(|_| (1.05 * truth + 0.1 * normal()) as f32));
+        // Off the mask nothing counts, however wrong.
+        image.data[0] = [f32::NAN; 3];
+        repeats.add(&image).unwrap();
+    }
+    let found = repeats.finish(&reference, Some(&standard_error)).unwrap().unwrap();
+    // 12,096 values: the variance of one image is known within 1 % (two sigma), the bias within 1 %.
+    assert!((found.var_hat / 0.01 - 1.0).abs() < 0.01, "{found:?}");
+    assert!((found.bias2_hat / 0.01 - 1.0).abs() < 0.02, "{found:?}");
+    let scale = truth * truth + EPSILON;
+    assert!((found.relative_var_hat * scale / found.var_hat - 1.0).abs() < 0.01, "{found:?}");
+    assert!((found.relative_bias2_hat * scale / found.bias2_hat - 1.0).abs() < 0.01, "{found:?}");
+    // Without the corrections the square of the bias would read 0.01 + 0.01 / 16 + 0.0004.
+    let uncorrected = repeats.finish(&reference, None).unwrap().unwrap().bias2_hat;
+    assert!((uncorrected - found.bias2_hat - 0.0004).abs() < 1e-6);
 }

@@ -27,7 +27,18 @@ pub struct Fake(pub Rc<RefCell<Log>>);
 pub const ERROR_AT_ONE: f32 = 0.4;
 /// Relative error of `split-sum`, whatever the count. Break-even with `sampled` lies between 4 (0.2) and 16 (0.1) samples.
 pub const SPLIT_SUM_ERROR: f32 = 0.15;
-const NOISE: f32 = 1e-4;
+/// Relative standard error of the reference.
+pub const NOISE: f32 = 1e-4;
+/// Relative error of each further point set, of alternating sign.
+pub const SET_ERROR: f32 = 0.01;
+
+fn set_error(set: u32) -> f32 {
+    match set {
+        0 => 0.0,
+        set if set.is_multiple_of(2) => SET_ERROR,
+        _ => -SET_ERROR,
+    }
+}
 
 impl Renderer for Fake {
     fn device(&self) -> DeviceInfo {
@@ -57,7 +68,7 @@ impl Renderer for Fake {
         let factor = match request.method.name {
             "reference" => 1.0,
             "split-sum" => 1.0 + SPLIT_SUM_ERROR,
-            _ => 1.0 + ERROR_AT_ONE / (request.samples as f32).sqrt(),
+            _ => 1.0 + ERROR_AT_ONE / (request.samples as f32).sqrt() + set_error(request.point_set),
         };
         let alpha = request.scene.materials.first().map_or(0.5, |m| m.alpha);
         let [width, height] = request.size;

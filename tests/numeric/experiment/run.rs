@@ -1,6 +1,6 @@
 //! Runs with a renderer made of formulas: what is rendered, what is left behind, what a second run changes.
 
-use super::fake::{ERROR_AT_ONE, Fake, Log, SPLIT_SUM_ERROR};
+use super::fake::{ERROR_AT_ONE, Fake, Log, NOISE, SET_ERROR, SPLIT_SUM_ERROR};
 use splitsum::experiment::{MakeRenderer, Outcome, Plan, Progress, RenderFault, RunError, RunOptions, run};
 use splitsum::table::csv::Table;
 use std::cell::RefCell;
@@ -51,7 +51,8 @@ fn plan(text: &str) -> Plan {
 /// One invocation that is stopped after `steps` steps.
 fn invoke(plan: &Plan, dir: &Path, log: &Rc<RefCell<Log>>, steps: usize) -> Result<Outcome, RunError> {
     let stop = AtomicBool::new(false);
-    let options = RunOptions { dir: dir.to_owned(), stop: &stop, command_line: vec!["splitsum".to_owned()] };
+    let options =
+        RunOptions { dir: dir.to_owned(), stop: &stop, command_line: vec!["splitsum".to_owned()], fail_fast: false };
     let mut progress = Steps { stop: &stop, left: steps, failures: Vec::new() };
     let mut make =
         || -> Result<Box<dyn splitsum::experiment::Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
@@ -172,12 +173,96 @@ fn a_method_that_ignores_an_axis_stands_beside_every_value_of_it() {
 }
 
 #[test]
+fn repeats_part_bias_from_variance() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[bias_variance]\nrepeats = 8\n")));
+    let log = log();
+    invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+    // Each of the 12 sampled images is rendered with 8 further sets.
+    assert_eq!(log.borrow().renders.len(), 20 + 12 * 8);
+    let table = Table::read(&dir.path().join("errors.csv")).unwrap();
+    let column = |name: &str| table.numbers(name).unwrap();
+    let (rmse, relmse, samples) = (column("rmse"), column("relmse_eps1e-2"), column("samples"));
+    let (var, bias2) = (column("var_hat"), column("bias2_hat"));
+    let (var_rel, bias2_rel) = (column("var_hat_eps1e-2"), column("bias2_hat_eps1e-2"));
+    for i in 0..table.rows.len() {
+        let Some(count) = samples[i] else {
+            assert_eq!((var[i], bias2[i], var_rel[i], bias2_rel[i]), (None, None, None, None));
+            continue;
+        };
+        // All errors are factors of the reference, so each figure is a multiple of the mean square of its pixels.
+        let factor = f64::from(ERROR_AT_ONE) / count.sqrt();
+        let variance = f64::from(SET_ERROR).powi(2) * 8.0 / 7.0;
+        let bias2_factor = factor.powi(2) - variance / 8.0 - f64::from(NOISE).powi(2);
+        for (score, var, bias2) in
+            [(rmse[i].unwrap().powi(2), var[i], bias2[i]), (relmse[i].unwrap(), var_rel[i], bias2_rel[i])]
+        {
+            let mean_square = score / factor.powi(2);
+            assert!((var.unwrap() / (variance * mean_square) - 1.0).abs() < 1e-4, "{var:?}");
+            assert!((bias2.unwrap() / (bias2_factor * mean_square) - 1.0).abs() < 1e-4, "{bias2:?}");
+        }
+    }
+}
+
+#[test]
+fn every_linear_metric_has_its_noise_floor() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let table = Table::read(&dir.path().join("errors.csv")).unwrap();
+    for metric in splitsum::metrics::linear_metrics() {
+        let floors = table.numbers(&format!("{}_noise_floor", metric.description().name)).unwrap();
+        assert!(floors.iter().all(|floor| floor.is_some_and(|f| f > 0.0)), "{}", metric.description().name);
+    }
+}
+
+#[test]
+fn fail_fast_ends_the_run_at_the_first_failure() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    let broken = log();
+    broken.borrow_mut().broken_method = Some("split-sum");
+    let stop = AtomicBool::new(false);
+    let options = RunOptions { dir: dir.path().to_owned(), stop: &stop, command_line: Vec::new(), fail_fast: true };
+    let mut progress = Steps { stop: &stop, left: usize::MAX, failures: Vec::new() };
+    let mut make =
+        || -> Result<Box<dyn splitsum::experiment::Renderer>, RenderFault> { Ok(Box::new(Fake(broken.clone()))) };
+    let outcome = run(&plan, &mut make as &mut MakeRenderer, &options, &mut progress).unwrap();
+    assert!(outcome.is_stopped);
+    assert_eq!(outcome.failures.len(), 1);
+    // One reference and the three images of `sampled` before it; nothing after.
+    assert_eq!(broken.borrow().renders.len(), 4);
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let whole = tempfile::tempdir().unwrap();
+    invoke(&plan, whole.path(), &log(), usize::MAX).unwrap();
+    assert!(read(dir.path(), "errors.csv") == read(whole.path(), "errors.csv"));
+}
+
+#[test]
+fn a_second_run_in_the_same_folder_is_told() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    let held = splitsum::experiment::store::Store::open(dir.path(), &plan).unwrap();
+    let error = invoke(&plan, dir.path(), &log(), usize::MAX).unwrap_err();
+    assert!(error.to_string().contains("another run is at work in it"), "{error}");
+    drop(held);
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+}
+
+#[test]
+fn what_a_killed_run_left_half_written_is_no_obstacle() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    std::fs::create_dir(dir.path().join("images")).unwrap();
+    for name in [".splitsum-aZ3.part", "errors.csv.part", "images/.splitsum-b.part"] {
+        std::fs::write(dir.path().join(name), "half").unwrap();
+    }
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    assert!(snapshot(dir.path()).keys().all(|name| !name.ends_with(".part")));
+}
+
+#[test]
 fn a_finished_run_is_not_touched_and_needs_no_renderer() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[timing]\nrounds = 3\n")));
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
     let before = snapshot(dir.path());
     let stop = AtomicBool::new(false);
-    let options = RunOptions { dir: dir.path().to_owned(), stop: &stop, command_line: Vec::new() };
+    let options = RunOptions { dir: dir.path().to_owned(), stop: &stop, command_line: Vec::new(), fail_fast: false };
     let mut progress = Steps { stop: &stop, left: usize::MAX, failures: Vec::new() };
     let mut make = || -> Result<Box<dyn splitsum::experiment::Renderer>, RenderFault> { panic!("a renderer was made") };
     run(&plan, &mut make as &mut MakeRenderer, &options, &mut progress).unwrap();
@@ -223,7 +308,7 @@ fn a_record_that_vanished_is_made_again() {
     std::fs::remove_file(dir.path().join("errors.csv")).unwrap();
     let log = log();
     invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
-    assert_eq!(log.borrow().renders.len(), 2, "its reference and itself");
+    assert_eq!(log.borrow().renders.len(), 1, "its reference is read back");
     assert!(read(dir.path(), "errors.csv") == before);
 }
 

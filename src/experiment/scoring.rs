@@ -1,0 +1,136 @@
+//! From images to the record of a cell. Pure host work: it runs beside the device.
+
+use super::images::{self, STANDARD_ERROR_LAYER};
+use super::plan::{Cell, Plan};
+use super::store::{BinRecord, CellRecord, Exact, Scores, Store, StoreError};
+use super::tables::HEADLINE;
+use crate::metrics::{BiasVariance, Comparison, METRICS, N_DOT_V_BIN_EDGES, metric, noise_floor, verdict};
+use crate::pipeline::{DeviceInfo, Frame};
+use crate::pixels::{GrayImage, Rgb8Image, RgbImage, exr};
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+/// What a cell is judged against.
+#[derive(Debug)]
+pub struct ReferenceImage {
+    pub radiance: RgbImage,
+    pub standard_error: Option<RgbImage>,
+    pub mask: GrayImage,
+    /// The frame itself, unless the image was read back from an earlier invocation.
+    pub rendered: Option<Arc<Frame>>,
+    noise_floors: OnceLock<Result<Scores, String>>,
+}
+
+impl ReferenceImage {
+    /// The reference that was just rendered.
+    pub fn of_frame(frame: Arc<Frame>) -> Self {
+        Self {
+            radiance: frame.radiance.clone(),
+            standard_error: frame.standard_error.clone(),
+            mask: GrayImage::clone(&frame.mask),
+            rendered: Some(frame),
+            noise_floors: OnceLock::new(),
+        }
+    }
+
+    /// The reference that an earlier invocation wrote, bit for bit; `None` when it is not there or not whole.
+    pub fn read(path: &Path, size: [u32; 2], with_error: bool) -> Option<Self> {
+        let image = exr::read(path).ok()?;
+        let standard_error = match with_error {
+            true => Some(exr::read_layer(path, Some(STANDARD_ERROR_LAYER)).ok()?.rgb),
+            false => None,
+        };
+        let has_size = [image.rgb.width, image.rgb.height] == size;
+        let mask = image.alpha.filter(|_| has_size)?;
+        Some(Self { radiance: image.rgb, standard_error, mask, rendered: None, noise_floors: OnceLock::new() })
+    }
+
+    /// The score of an exact test by metric, where it is known. Computed once.
+    fn noise_floors(&self) -> Result<Scores, String> {
+        let compute = || {
+            let Some(standard_error) = &self.standard_error else { return Ok(Scores::new()) };
+            let floors = noise_floor(&self.radiance, standard_error, &self.mask).map_err(|error| error.to_string())?;
+            Ok(by_name(floors.into_iter().filter_map(|(name, floor)| Some((name, floor?))).collect()))
+        };
+        self.noise_floors.get_or_init(compute).clone()
+    }
+}
+
+/// A rendered cell, ready to be scored.
+#[derive(Debug)]
+pub struct Rendered<'p> {
+    pub cell: &'p Cell,
+    pub frame: Arc<Frame>,
+    pub reference: Arc<ReferenceImage>,
+    /// Display images of test and reference.
+    pub pictures: [Arc<Rgb8Image>; 2],
+    pub bias_variance: Option<BiasVariance>,
+}
+
+/// Why a cell has no record.
+#[derive(Debug)]
+pub enum ScoreFault {
+    /// The images cannot be scored: the cell fails.
+    Cell(String),
+    /// The folder takes no files: the run ends.
+    Store(StoreError),
+}
+
+impl From<StoreError> for ScoreFault {
+    fn from(error: StoreError) -> Self {
+        Self::Store(error)
+    }
+}
+
+impl Rendered<'_> {
+    /// Scores the cell and writes its pictures. `wall_ms` of the record is left 0.
+    pub fn score(&self, plan: &Plan, store: &Store, device: &DeviceInfo) -> Result<CellRecord, ScoreFault> {
+        let bad = |error: &dyn std::fmt::Display| ScoreFault::Cell(error.to_string());
+        let (cell, reference) = (self.cell, &self.reference);
+        let mask = &reference.mask;
+        let curve = cell.point.settings().curve;
+        let comparison =
+            Comparison::new(&self.frame.radiance, &reference.radiance, mask, curve).map_err(|error| bad(&error))?;
+        let scores = by_name(comparison.evaluate_all());
+        let bins =
+            comparison.evaluate_bins(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES, METRICS).map_err(|error| bad(&error))?;
+        let noise_floors = reference.noise_floors().map_err(ScoreFault::Cell)?;
+        let flip = images::sweeps_display(plan).then(|| images::flip_picture(&comparison, mask));
+        let pictures = images::CellPictures {
+            test: &self.pictures[0],
+            reference: &self.pictures[1],
+            error: &images::error_picture(&comparison, mask),
+            flip: flip.as_ref(),
+        };
+        pictures.write(store, plan, cell).map_err(StoreError::from)?;
+        let bias_variance = self.bias_variance.map(|parts| BiasVariance::NAMES.into_iter().zip(parts.values()));
+        Ok(CellRecord {
+            cell: cell.id.clone(),
+            axes: plan.columns_of(cell).iter().map(|(n, v)| (n.to_string(), v.to_string())).collect(),
+            verdict: verdict_name(&scores, &noise_floors),
+            noise_floors,
+            scores,
+            bias_variance: by_name(bias_variance.into_iter().flatten().collect()),
+            bins: bins
+                .into_iter()
+                .map(|b| BinRecord { lo: b.lo, hi: b.hi, pixel_count: b.pixel_count, scores: by_name(b.values) })
+                .collect(),
+            device: device.name.clone(),
+            driver: device.driver.clone(),
+            wall_ms: 0.0,
+        })
+    }
+}
+
+fn by_name(values: Vec<(&'static str, f64)>) -> Scores {
+    values.into_iter().map(|(name, value)| (name.to_owned(), Exact(value))).collect()
+}
+
+/// The verdict of the headline metric; `no-noise-floor` when the reference does not know its own error.
+fn verdict_name(scores: &Scores, floors: &Scores) -> String {
+    let metric = metric(HEADLINE).expect("the headline is one of the metrics");
+    match (scores.get(HEADLINE), floors.get(HEADLINE)) {
+        (Some(score), Some(floor)) => verdict(metric, score.0, floor.0).name().to_owned(),
+        _ => "no-noise-floor".to_owned(),
+    }
+}

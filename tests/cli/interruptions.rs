@@ -1,0 +1,124 @@
+//! Runs that are killed, that fill the disk, that meet each other: what is done is kept, and the end is the same. On whatever Vulkan
+//! device there is; without one the tests skip with a line.
+
+use super::end_to_end::folder;
+use super::{command, splitsum, stderr};
+use std::path::Path;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+const KILLS: usize = 20;
+
+fn run_to(dir: &Path, out: &str) {
+    let output = splitsum(dir, &["run", "tiny.toml", "--out", out]);
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+fn table(dir: &Path, out: &str, name: &str) -> Vec<u8> {
+    std::fs::read(dir.join(out).join(name)).unwrap()
+}
+
+/// Every file of the run but those that tell of its invocations.
+fn files(dir: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(dir).unwrap().map(Result::unwrap) {
+        let name = entry.file_name().into_string().unwrap();
+        if entry.path().is_dir() {
+            names.extend(files(&entry.path()).into_iter().map(|file| format!("{name}/{file}")));
+        } else {
+            names.push(name);
+        }
+    }
+    names.sort();
+    names
+}
+
+#[test]
+fn a_run_killed_at_twenty_moments_ends_with_the_same_tables() {
+    let Some(dir) = folder() else { return };
+    let started = Instant::now();
+    run_to(dir.path(), "whole");
+    let whole = started.elapsed();
+    // Moments spread over the time of a whole run by the golden ratio, so that they fall into every phase of it.
+    for kill in 0..KILLS {
+        let moment = whole.mul_f64((0.05 + kill as f64 * 0.618_034).fract());
+        let mut child = command(dir.path(), &["run", "tiny.toml", "--out", "killed"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let deadline = Instant::now() + moment;
+        while child.try_wait().unwrap().is_none() && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let _ = child.kill();
+        child.wait().unwrap();
+    }
+    run_to(dir.path(), "killed");
+    for name in ["errors.csv", "errors_by_n_dot_v.csv", "summary.md", "experiment.toml", "tables/ggx.png"] {
+        assert!(table(dir.path(), "killed", name) == table(dir.path(), "whole", name), "{name} differs");
+    }
+    assert_eq!(files(&dir.path().join("killed")), files(&dir.path().join("whole")));
+}
+
+#[test]
+fn two_runs_of_one_folder_do_not_mix() {
+    let Some(dir) = folder() else { return };
+    let spawn =
+        || command(dir.path(), &["run", "tiny.toml"]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let (first, second) = (spawn(), spawn());
+    let outputs = [first.wait_with_output().unwrap(), second.wait_with_output().unwrap()];
+    let told = outputs.iter().filter(|output| output.status.code() == Some(2)).count();
+    let done = outputs.iter().filter(|output| output.status.success()).count();
+    // The second may also have come after the first had ended.
+    assert!(done >= 1 && told + done == 2, "{:?}", outputs.each_ref().map(stderr));
+    for output in outputs.iter().filter(|output| output.status.code() == Some(2)) {
+        assert!(stderr(output).contains("another run is at work in it"), "{}", stderr(output));
+    }
+    run_to(dir.path(), "whole");
+    assert!(table(dir.path(), "runs/tiny", "errors.csv") == table(dir.path(), "whole", "errors.csv"));
+}
+
+/// A small file system of its own, gone at the end of the test. `None` where mounting is not allowed.
+struct SmallDisk(std::path::PathBuf);
+
+impl SmallDisk {
+    fn mount(path: &Path, kibibytes: u32) -> Option<Self> {
+        std::fs::create_dir_all(path).unwrap();
+        let disk = Self(path.to_owned());
+        disk.call("mount", &["-t", "tmpfs", "-o", &format!("size={kibibytes}k"), "tmpfs"]).then_some(disk)
+    }
+
+    fn enlarge(&self, kibibytes: u32) {
+        assert!(self.call("mount", &["-o", &format!("remount,size={kibibytes}k")]));
+    }
+
+    fn call(&self, program: &str, arguments: &[&str]) -> bool {
+        let call = std::process::Command::new(program).args(arguments).arg(&self.0).stderr(Stdio::null()).status();
+        call.is_ok_and(|status| status.success())
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        self.call("umount", &[]);
+    }
+}
+
+#[test]
+fn a_full_disk_ends_the_run_and_more_room_lets_it_go_on() {
+    let Some(dir) = folder() else { return };
+    let Some(disk) = SmallDisk::mount(&dir.path().join("disk"), 256) else {
+        eprintln!("skipped: a small file system cannot be mounted (needs root)");
+        return;
+    };
+    let output = splitsum(dir.path(), &["run", "tiny.toml", "--out", "disk/run"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("No space left"), "{}", stderr(&output));
+    disk.enlarge(65536);
+    run_to(dir.path(), "disk/run");
+    run_to(dir.path(), "whole");
+    for name in ["errors.csv", "errors_by_n_dot_v.csv", "summary.md"] {
+        assert!(table(dir.path(), "disk/run", name) == table(dir.path(), "whole", name), "{name} differs");
+    }
+}
