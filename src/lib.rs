@@ -91,3 +91,5 @@ pub mod oracle;
 pub mod pipeline;
 
 pub mod experiment;
+
+pub mod report;

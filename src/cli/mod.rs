@@ -9,6 +9,7 @@ mod list;
 mod plan;
 mod progress;
 mod render;
+mod report;
 mod run;
 
 use clap::{Parser, Subcommand};
@@ -41,8 +42,7 @@ enum Command {
     Devices,
     List(list::Arguments),
     Integrate(integrate::Arguments),
-    /// (Re)writes the report of a finished run.
-    Report(later::Arguments),
+    Report(report::Arguments),
     /// Opens an interactive window.
     View(later::Arguments),
 }
@@ -122,7 +122,7 @@ pub fn main() -> ExitCode {
         Command::Devices => devices::execute(),
         Command::List(arguments) => list::execute(&arguments),
         Command::Integrate(arguments) => integrate::execute(&arguments),
-        Command::Report(_) => later::execute("report"),
+        Command::Report(arguments) => report::execute(&arguments),
         Command::View(_) => later::execute("view"),
     };
     match result {
