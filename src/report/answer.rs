@@ -72,7 +72,12 @@ fn from_pair(study: &Study, analysis: &Analysis, pair: &Pair, [lower, middle, up
     if let BreakEven::From(n) = middle {
         facts.extend(time_fact(study, sampled, n, fixed));
     }
-    Answer { number: middle.to_string(), unit: format!("samples a pixel for {sampled} to beat {fixed}"), sentence, facts }
+    Answer {
+        number: middle.to_string(),
+        unit: format!("samples a pixel for {sampled} to beat {fixed}"),
+        sentence,
+        facts,
+    }
 }
 
 /// What a frame costs at break-even against the method without samples.

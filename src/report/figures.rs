@@ -80,7 +80,11 @@ fn convergence(analysis: &Analysis) -> Figure {
     let rows = analysis.curves.iter().flat_map(|curve| {
         curve.points.iter().map(|point| {
             let mut row = texts(&curve.key);
-            row.extend([Cell::from(curve.method.as_str()), Cell::Integer(u64::from(point.samples)), point.error.into()]);
+            row.extend([
+                Cell::from(curve.method.as_str()),
+                Cell::Integer(u64::from(point.samples)),
+                point.error.into(),
+            ]);
             row.push(curve.noise_floor.into());
             row
         })

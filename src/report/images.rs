@@ -78,7 +78,9 @@ pub struct ImageSet {
 pub fn collect(runs: &[RunFolder], choice: Choice, budget: usize) -> ImageSet {
     let mut set = list(runs);
     match choice {
-        Choice::None => set.notes.push("Images were left out (--no-images); the linear EXR files are linked.".to_owned()),
+        Choice::None => {
+            set.notes.push("Images were left out (--no-images); the linear EXR files are linked.".to_owned())
+        }
         Choice::Crop(window) => {
             set.embed(runs, budget, |_| Some(window));
             set.notes.push(format!(
@@ -207,7 +209,8 @@ impl ImageSet {
         image.clamped_count = prepared.payload.clamped_count;
         image.payload = Some(payload(prepared.payload.base64));
         image.mask = prepared.mask.map(&mut payload);
-        image.overview = prepared.overview.map(|(small, encoded)| ([small.width, small.height], payload(encoded.base64)));
+        image.overview =
+            prepared.overview.map(|(small, encoded)| ([small.width, small.height], payload(encoded.base64)));
     }
 
     /// Windows of the same side everywhere, each where the methods of its reference err most.

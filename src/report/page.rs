@@ -62,7 +62,8 @@ pub fn render(
         .collect();
     let shader = VIEWER_GLSL.replace("#include \"tone_curve.glsl\"", TONE_CURVE_GLSL);
     let element = |id: &str, text: &str| Value::from_pairs([("id", Value::from(id)), ("text", safe(text.to_owned()))]);
-    let tables: Vec<Value> = tables.iter().map(|(id, text)| element(id, &in_script(&serde_json::json!(text)))).collect();
+    let tables: Vec<Value> =
+        tables.iter().map(|(id, text)| element(id, &in_script(&serde_json::json!(text)))).collect();
     let payloads: Vec<Value> =
         images.payloads.iter().enumerate().map(|(i, text)| element(&format!("pixels-{i}"), text)).collect();
     environment.get_template("report")?.render(context! {
