@@ -24,7 +24,9 @@ function show(current) {
   const known = PAGES.find(([name]) => name === current.view) ?? PAGES[0];
   for (const [name] of PAGES) byId(`view-${name}`).hidden = name !== known[0];
   for (const item of byId("pages").children) item.toggleAttribute("aria-current", item.dataset.view === known[0]);
-  byId("pages").querySelectorAll("[aria-current]").forEach((item) => item.setAttribute("aria-current", "page"));
+  const here = byId("pages").querySelector("[aria-current]");
+  here.setAttribute("aria-current", "page");
+  byId("pages").scrollLeft = here.offsetLeft - 60;
   document.body.dataset.view = known[0];
   known[2](byId(`view-${known[0]}`), current);
 }

@@ -1,6 +1,6 @@
 // The figures: what is drawn of the run's data.
 
-import { COLORS, SHAPES, domain, figure, heatmap, ordinal, xy } from "report/chart";
+import { COLORS, SHAPES, bars as barChart, domain, figure, heatmap, ordinal, xy } from "report/chart";
 import { displayAxes, headline, model, rows, scenes, short, symbol, table, variantLabel, variantLabels } from "report/data";
 import { choice, h, number, quartiles, select } from "report/dom";
 import { go, keep } from "report/state";
@@ -32,6 +32,7 @@ export function breakEvenChart(pair) {
   return figure({
     name: "break-even-curves",
     class: "lead-figure",
+    height: (width, unit) => Math.round(Math.min(Math.max(260, (innerHeight / unit) * 0.56), width * 0.9)),
     title: `Error of ${pair.sampled} over error of ${pair.fixed}`,
     note: `One line a case; bold: the median, shaded: the middle half. Below 1, ${pair.sampled} is closer to the reference. Open marks on the line: where a case crosses.`,
     legend: [...series.map((value, i) => ({ label: seriesAxis < 0 ? "cases" : `${symbol(caseAxes[seriesAxis])} ${short(caseAxes[seriesAxis], value)}`, color: ordinal(i, series.length) })),
@@ -91,7 +92,10 @@ export function breakEvenMap(pair) {
 function convergence(facet) {
   const own = curves.filter((curve) => facetLabel(curve.key) === facet);
   const series = unique(own.map((curve) => curve.key[seriesAxis])), methods = unique(own.map((curve) => curve.method));
-  const floors = own.map((curve) => curve.noise_floor).filter((x) => x > 0);
+  const allFloors = own.map((curve) => curve.noise_floor).filter((x) => x > 0);
+  const lowest = Math.min(...own.flatMap((curve) => curve.points.map((p) => p.error)));
+  // A floor far below every error would press the curves together; it is written out instead.
+  const floors = allFloors.filter((x) => x > lowest / 30), farFloor = Math.max(0, ...allFloors.filter((x) => x <= lowest / 30));
   const fixed = unique(own.map((curve) => JSON.stringify(curve.key))).flatMap((key) => fixedOf(JSON.parse(key)));
   const dash = (method) => [undefined, "7 3", "2 3", "9 3 2 3"][methods.indexOf(method) % 4];
   const color = (key) => ordinal(series.indexOf(key[seriesAxis]), series.length);
@@ -100,9 +104,9 @@ function convergence(facet) {
   return figure({
     name: `convergence-${facet}`,
     title: `Convergence · ${facet}`,
-    note: "Slopes are fitted to ln(error) over ln(samples) with their 95 % interval; plain Monte Carlo has −1 in squared error. Dotted: the error an exact image would have by the reference's own noise. Flat lines: methods without samples.",
+    note: "Slopes are fitted to ln(error) over ln(samples) with their 95 % interval; plain Monte Carlo has −1 in squared error. Noise floor: the error an exact image would have by the reference's own noise. Flat lines: methods without samples.",
     legend: [...own.map((curve) => ({ label: `${methods.length > 1 ? `${curve.method} ` : ""}${seriesLabel(curve.key)}: ${slopeText(curve)}`, color: color(curve.key), shape: SHAPES[series.indexOf(curve.key[seriesAxis]) % SHAPES.length], dash: dash(curve.method) })),
-      ...unique(fixed.map((c) => c.fixed)).map((name) => ({ label: name, color: "var(--muted)", dash: "1 0" })), { label: "noise floor", color: "var(--muted)", dash: "1 4" }],
+      ...unique(fixed.map((c) => c.fixed)).map((name) => ({ label: name, color: "var(--muted)", dash: "1 0" })), floors.length ? { label: "noise floor", color: "var(--muted)", dash: "1 4" } : { label: `noise floor: at most ${number(farFloor, 2)}, below the drawing`, line: false }],
     table: {
       columns: [...caseAxes, "method", "samples", headline, "slope", "slope_lo", "slope_hi", "noise_floor"],
       rows: own.flatMap((curve) => curve.points.map((p) => [...curve.key, curve.method, p.samples, p.error, curve.slope?.value ?? null, curve.slope?.lo ?? null, curve.slope?.hi ?? null, curve.noise_floor])),
@@ -251,39 +255,18 @@ function passes(phase, title, note) {
   const bars = model.runs.flatMap((run, index) => run.timings.filter((record) => record.phase === phase).map((record) => {
     const words = ["brdf", "method", "samples", "diffuse"].map((name) => record.axes[name]).filter((word) => word && word !== "none");
     const name = [model.runs.length > 1 ? run.label : "", ...words].filter(Boolean).join(" ") || record.environment_size.join("×");
-    return { name, passes: record.passes, total: record.passes.reduce((sum, [, ms]) => sum + ms, 0), order: `${record.axes.brdf} ${record.axes.method} ${String(record.axes.samples).padStart(6, "0")}`, run: index };
+    return { name, parts: record.passes, total: record.passes.reduce((sum, [, ms]) => sum + ms, 0), order: `${record.axes.brdf} ${record.axes.method} ${String(record.axes.samples).padStart(6, "0")}`, run: index };
   })).sort((a, b) => a.run - b.run || (a.order < b.order ? -1 : 1));
   if (!bars.length) return null;
-  const names = unique(bars.flatMap((bar) => bar.passes.map(([name]) => name)));
-  const longest = Math.max(...bars.map((bar) => bar.total));
+  const names = unique(bars.flatMap((bar) => bar.parts.map(([name]) => name)));
   return figure({
     name: `passes-${phase}`,
     title, note,
     legend: names.map((name, i) => ({ label: name, color: COLORS[i % 7], shape: "square", line: false })),
-    height: () => 40 + 22 * bars.length,
-    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => bar.passes.map(([name, ms]) => [bar.name, name, ms])) },
-    draw: (width, height, tip) => passBars(bars, names, longest, width, height, tip),
+    height: () => 22 * bars.length,
+    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => bar.parts.map(([name, ms]) => [bar.name, name, ms])) },
+    draw: barChart({ bars, parts: names, unit: "ms" }),
   });
-}
-
-function passBars(bars, names, longest, width, height) {
-  const draw = xy({ x: { label: "ms", domain: [0, longest] }, y: { label: "", domain: [0, 1], ticks: [] }, marks: [] });
-  const svg = draw(width, height, { hidden: true });
-  const make = (tag, attributes, ...children) => { const element = document.createElementNS("http://www.w3.org/2000/svg", tag); Object.entries(attributes).forEach(([name, value]) => element.setAttribute(name, value)); element.append(...children); return element; };
-  svg.replaceChildren();
-  const left = Math.min(width * 0.42, 12 + 6.6 * Math.max(...bars.map((bar) => bar.name.length)));
-  bars.forEach((bar, i) => {
-    const y = 6 + i * 22;
-    let x = left;
-    svg.append(make("text", { x: left - 8, y: y + 13, class: "tick", "text-anchor": "end" }, bar.name));
-    for (const [name, ms] of bar.passes) {
-      const w = (ms / longest) * (width - left - 70);
-      svg.append(make("rect", { x, y: y + 1, width: Math.max(0.5, w), height: 16, fill: COLORS[names.indexOf(name) % 7] }, make("title", {}, `${bar.name}: ${name} ${number(ms)} ms`)));
-      x += w;
-    }
-    svg.append(make("text", { x: x + 6, y: y + 13, class: "tick" }, `${number(bar.total)} ms`));
-  });
-  return svg;
 }
 
 /** The page of plots. */
@@ -307,7 +290,7 @@ export function showPlots(view, state) {
   const extra = h("div", { class: "controls" },
     scenes.length > 1 && select("Profile of", scenes.map((one) => [one.key, one.label]), scene.key, (value) => again({ scene: value })),
     displayAxes.length > 0 && variants.length > 1 && select("Visibility of", variants.map((name) => [name, name]), variant, (value) => again({ variant: value })),
-    curves.length > 0 && choice("Cells of the time plot", [["0", "This setting"], ["1", "All cells"]], state.all === "1" ? "1" : "0", (value) => again({ all: value })));
+    curves.length > 0 && h("span", { class: "choice" }, "Time plot"), curves.length > 0 && choice("Cells of the time plot", [["0", "This setting"], ["1", "All cells"]], state.all === "1" ? "1" : "0", (value) => again({ all: value })));
   const links = model.figures.length > 0 && h("p", { class: "note" }, "Data and Vega-Lite specifications beside this report: ",
     model.figures.map((name, i) => [i ? ", " : "", h("a", { href: `${name.split("/").map(encodeURIComponent).join("/")}.vl.json` }, `${name.split("/").at(-1)}.vl.json`)]), ".");
   view.replaceChildren(bar, extra, h("div", { class: "figures" }, groups.filter(Boolean)), links || "");

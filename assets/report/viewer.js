@@ -357,7 +357,8 @@ class Viewer {
       if (!this.row || !this.textures.has(this.row.image) || !this.stage.clientWidth) return;
       const middle = this.middle(), wasFit = this.scale === this.fitScale;
       if (!this.resize()) return;
-      if (wasFit) this.fit(); else this.center(middle.x, middle.y);
+      if (wasFit) this.fit();
+      else this.center(middle.x, middle.y);
       this.draw();
     }).observe(this.stage);
   }
