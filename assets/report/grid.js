@@ -40,6 +40,7 @@ export async function paint(canvas, row, mode, settings, isReference = false) {
     }
   }
   [canvas.width, canvas.height] = [width, height];
+  canvas.style.aspectRatio = `${width} / ${height}`;
   canvas.getContext("2d").putImageData(picture, 0, 0);
   return true;
 }
