@@ -54,7 +54,7 @@ function strip(pair) {
   const cases = pair ? [...pair.cases].sort((a, b) => (a.crossing ?? Infinity) - (b.crossing ?? Infinity)) : [];
   const middle = cases[Math.floor((cases.length - 1) / 2)];
   const scene = withPixels.find((one) => middle && one.variants.some((row) => row.cell === middle.fixed_cell && row.run === middle.fixed_run)) ?? withPixels[0];
-  const own = scene.variants, settings = settingsOf(own[0]);
+  const own = scene.variants, settings = settingsOf(scene.main);
   const fixed = middle && own.find((row) => row.cell === middle.fixed_cell);
   const sampled = own.filter((row) => (pair ? row.axes.method === pair.sampled : row.axes.method !== "none"));
   const at = sampled.find((row) => middle && Number(row.axes.samples) === middle.break_even.n) ?? sampled.at(-1);
@@ -62,7 +62,7 @@ function strip(pair) {
   const chosen = [...new Set((pair ? [fixed, sampled[0], at] : [ranked.at(-1), ranked[ranked.length >> 1], ranked[0]]).filter(Boolean))];
   return h("figure", { class: "figure strip" }, h("figcaption", {}, h("h3", {}, `See it: ${scene.label}`)),
     h("p", { class: "note" }, pair ? "The scene whose break-even lies in the middle. Above the images, below their relative error (magma, 10⁻³ to 1). Click to compare them pixel by pixel." : "The largest, the middle and the lowest error. Above the images, below their relative error (magma, 10⁻³ to 1)."),
-    h("div", { class: "strip-images" }, h("div", {}, h("h4", {}, "reference"), thumbnail(own[0], "image", settings, { isReference: true })),
+    h("div", { class: "strip-images" }, h("div", {}, h("h4", {}, "reference"), thumbnail(scene.main, "image", settings, { isReference: true })),
       chosen.map((row) => h("div", {}, h("h4", {}, variantLabel(row)), thumbnail(row, "image", settings), thumbnail(row, "error", settings)))),
     h("p", {}, h("a", { href: "#images" }, `All ${scenes.length} scenes`), " · ", h("a", { href: link({ view: "compare", cell: (fixed ?? own[0]).cell, split: 0.5 }) }, "Compare with the reference")));
 }
