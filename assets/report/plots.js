@@ -89,7 +89,7 @@ export function breakEvenMap(pair) {
 }
 
 /** Log-log convergence of one facet, with fitted slopes and the reference's noise floor. */
-function convergence(facet) {
+export function convergence(facet = curveFacets[0]) {
   const own = curves.filter((curve) => facetLabel(curve.key) === facet);
   const series = unique(own.map((curve) => curve.key[seriesAxis])), methods = unique(own.map((curve) => curve.method));
   const allFloors = own.map((curve) => curve.noise_floor).filter((x) => x > 0);
@@ -98,14 +98,16 @@ function convergence(facet) {
   const floors = allFloors.filter((x) => x > lowest / 30), farFloor = Math.max(0, ...allFloors.filter((x) => x <= lowest / 30));
   const fixed = unique(own.map((curve) => JSON.stringify(curve.key))).flatMap((key) => fixedOf(JSON.parse(key)));
   const dash = (method) => [undefined, "7 3", "2 3", "9 3 2 3"][methods.indexOf(method) % 4];
-  const color = (key) => ordinal(series.indexOf(key[seriesAxis]), series.length);
+  // With one series only, colours tell the methods apart.
+  const color = (key, method) => (series.length > 1 ? ordinal(series.indexOf(key[seriesAxis]), series.length) : COLORS[methods.indexOf(method) % 7] ?? "var(--muted)");
+  const shape = (curve) => SHAPES[(series.length > 1 ? series.indexOf(curve.key[seriesAxis]) : methods.indexOf(curve.method)) % SHAPES.length];
   const slopeText = (curve) => (curve.slope ? `slope ${number(curve.slope.value, 2)} [${number(curve.slope.lo, 2)}, ${number(curve.slope.hi, 2)}]` : "no fit");
   const counts = unique(own.flatMap((curve) => curve.points.map((p) => p.samples))).sort((a, b) => a - b);
   return figure({
     name: `convergence-${facet}`,
-    title: `Convergence · ${facet}`,
+    title: facet === "all" ? "Convergence" : `Convergence · ${facet}`,
     note: "Slopes are fitted to ln(error) over ln(samples) with their 95 % interval; plain Monte Carlo has −1 in squared error. Noise floor: the error an exact image would have by the reference's own noise. Flat lines: methods without samples.",
-    legend: [...own.map((curve) => ({ label: `${methods.length > 1 ? `${curve.method} ` : ""}${seriesLabel(curve.key)}: ${slopeText(curve)}`, color: color(curve.key), shape: SHAPES[series.indexOf(curve.key[seriesAxis]) % SHAPES.length], dash: dash(curve.method) })),
+    legend: [...own.map((curve) => ({ label: `${[methods.length > 1 || !seriesLabel(curve.key) ? curve.method : "", seriesLabel(curve.key)].filter(Boolean).join(" ")}: ${slopeText(curve)}`, color: color(curve.key, curve.method), shape: shape(curve), dash: dash(curve.method) })),
       ...unique(fixed.map((c) => c.fixed)).map((name) => ({ label: name, color: "var(--muted)", dash: "1 0" })), floors.length ? { label: "noise floor", color: "var(--muted)", dash: "1 4" } : { label: `noise floor: at most ${number(farFloor, 2)}, below the drawing`, line: false }],
     table: {
       columns: [...caseAxes, "method", "samples", headline, "slope", "slope_lo", "slope_hi", "noise_floor"],
@@ -118,9 +120,9 @@ function convergence(facet) {
       marks: [
         ...unique(floors).map((floor, i) => ({ rule: floor, color: "var(--muted)", dash: "1 4", opacity: 0.8, label: i === 0 ? "noise floor" : "" })),
         ...fixed.map((c) => ({ rule: c.fixed_error, color: color(c.key), width: 1, opacity: 0.8 })),
-        ...own.filter((curve) => curve.slope).map((curve) => ({ line: counts.map((n) => [n, Math.exp(curve.slope.intercept) * n ** curve.slope.value]), color: color(curve.key), width: 1, dash: "3 3", opacity: 0.6 })),
-        ...own.map((curve) => ({ line: curve.points.map((p) => [p.samples, p.error]), color: color(curve.key), dash: dash(curve.method), width: 2 })),
-        ...own.map((curve) => ({ color: color(curve.key), shape: SHAPES[series.indexOf(curve.key[seriesAxis]) % SHAPES.length], r: 4, dots: curve.points.map((p) => ({ x: p.samples, y: p.error, open: open(p.cell, p.run),
+        ...own.filter((curve) => curve.slope).map((curve) => ({ line: counts.map((n) => [n, Math.exp(curve.slope.intercept) * n ** curve.slope.value]), color: color(curve.key, curve.method), width: 1, dash: "3 3", opacity: 0.6 })),
+        ...own.map((curve) => ({ line: curve.points.map((p) => [p.samples, p.error]), color: color(curve.key, curve.method), dash: dash(curve.method), width: 2 })),
+        ...own.map((curve) => ({ color: color(curve.key, curve.method), shape: shape(curve), r: 4, dots: curve.points.map((p) => ({ x: p.samples, y: p.error, open: open(p.cell, p.run),
           text: `${curve.method} ${p.samples} · ${seriesLabel(curve.key)}\nrelMSE ${number(p.error)}${p.is_resolved ? "" : " (limited by the reference)"}\n${slopeText(curve)}` })) })),
       ],
     }),
@@ -205,7 +207,7 @@ function profile(scene) {
   const methods = unique(own.map(({ row }) => row.axes.method));
   const style = ({ row }) => {
     const same = own.filter((other) => other.row.axes.method === row.axes.method);
-    return row.axes.samples === "" || same.length === 1 ? { color: COLORS[methods.indexOf(row.axes.method) % 7], width: 3, dash: "6 3" } : { color: ordinal(same.findIndex((other) => other.row === row), same.length), width: 1.8 };
+    return row.axes.samples === "" || same.length === 1 ? { color: COLORS[methods.indexOf(row.axes.method) % 7], width: 3, dash: "6 3" } : { color: ordinal(same.findIndex((other) => other.row === row), same.length), width: 1.8, dash: [undefined, "7 3", "2 3", "9 3 2 3"][methods.indexOf(row.axes.method) % 4] };
   };
   const middle = ([lo, hi]) => (lo + hi) / 2;
   return figure({
@@ -225,26 +227,29 @@ function profile(scene) {
   });
 }
 
-/** The visible difference (FLIP) by exposure and contrast. */
-function visibility(variant) {
-  const own = rows.filter((row) => variantLabel(row) === variant && row.scores.flip !== null);
-  const [x, y] = displayAxes.length > 1 ? [displayAxes[0], displayAxes[1]] : [displayAxes[0], null];
-  const columns = unique(rows.map((row) => row.axes[x])), lines = y ? unique(rows.map((row) => row.axes[y])) : [""];
-  const value = (r, c) => quartiles(own.filter((row) => row.axes[x] === columns[c] && (!y || row.axes[y] === lines[r])).map((row) => row.scores.flip))[1];
+/** The visible difference (FLIP) of every variant by exposure and contrast. */
+function visibility() {
+  const own = rows.filter((row) => row.scores.flip !== null);
+  const setting = (row) => displayAxes.map((name) => `${name} ${row.axes[name]}`).join(" · ");
+  const columns = unique(own.map(setting)), lines = variantLabels.filter((name) => own.some((row) => variantLabel(row) === name));
+  const of = (r, c) => own.filter((row) => variantLabel(row) === lines[r] && setting(row) === columns[c]);
+  const value = (r, c) => quartiles(of(r, c).map((row) => row.scores.flip))[1];
+  const largest = Math.max(...own.map((row) => row.scores.flip));
   return figure({
-    name: `visibility-${variant}`,
-    title: `Visible difference (FLIP) · ${variant}`,
-    note: "Median over all scenes; 0 is equal, 1 the largest. The tone curve hides or shows the same linear error.",
-    height: () => 80 + 40 * lines.length,
-    table: { columns: [...(y ? [y] : []), x, "flip_median"], rows: lines.flatMap((line, r) => columns.map((column, c) => [...(y ? [line] : []), column, value(r, c)])) },
+    name: "visibility",
+    class: "wide",
+    title: "Visible difference (FLIP) by exposure and contrast",
+    note: "Median over all scenes; 0 is equal. Columns share one linear image: the tone curve hides or shows its error. Click for the image at that setting.",
+    height: () => 110 + 30 * lines.length,
+    table: { columns: ["variant", ...columns], rows: lines.map((line, r) => [line, ...columns.map((_, c) => value(r, c))]) },
     draw: heatmap({
-      rows: lines.map((line) => line || " "), columns, rowTitle: y ?? "", columnTitle: x,
+      rows: lines, columns, rowTitle: "", columnTitle: "",
       cell: (r, c) => {
         const flip = value(r, c);
         if (!Number.isFinite(flip)) return null;
-        const step = Math.min(6, Math.round(flip * 12));
-        const row = own.find((one) => one.axes[x] === columns[c] && (!y || one.axes[y] === lines[r]));
-        return { text: number(flip, 2), color: `var(--heat-${step})`, ink: `var(--heat-ink-${step})`, title: `${x} ${columns[c]}${y ? `, ${y} ${lines[r]}` : ""}: FLIP ${number(flip)}`, open: open(row.cell, row.run) };
+        const step = Math.round((flip / largest) * 6), row = of(r, c)[0];
+        return { text: number(flip, 2), color: `var(--heat-${step})`, ink: `var(--heat-ink-${step})`, title: `${lines[r]}, ${columns[c]}: FLIP ${number(flip)}`,
+          open: () => go({ view: "compare", cell: row.cell, run: row.run || undefined }) };
       },
     }),
   });
@@ -271,11 +276,10 @@ function passes(phase, title, note) {
 
 /** The page of plots. */
 export function showPlots(view, state) {
-  const groups = [];
+  const groups = [], isTimed = rows.some((row) => row.time);
   const facets = curveFacets.length ? curveFacets : ["all"];
   const facet = facets.includes(state.facet) ? state.facet : facets[0];
   const scene = scenes.find((one) => one.key === state.scene) ?? scenes[0];
-  const variants = variantLabels, variant = variants.includes(state.variant) ? state.variant : variants[0];
   const again = (details) => { keep(details); showPlots(view, { ...state, ...details }); };
   const pair = pairs.find((one) => `${one.sampled} ${one.fixed}` === state.pair) ?? pairs[0];
   const bar = h("div", { class: "controls" }, h("h2", {}, "Plots"),
@@ -285,15 +289,14 @@ export function showPlots(view, state) {
   groups.push(timeError(state.all === "1" || !curves.length ? "all" : facet));
   if (pair) groups.push(nDotVMap(pair, facet), breakEvenMap(pair));
   groups.push(profile(scene));
-  if (displayAxes.length) groups.push(visibility(variant));
+  if (displayAxes.length) groups.push(visibility());
   groups.push(passes("frame", "Time of a frame by pass", "Median of each pass, in running order."), passes("precompute", "Made once per environment or model", "Apart from the frame: tables that every frame uses."));
   const extra = h("div", { class: "controls" },
     scenes.length > 1 && select("Profile of", scenes.map((one) => [one.key, one.label]), scene.key, (value) => again({ scene: value })),
-    displayAxes.length > 0 && variants.length > 1 && select("Visibility of", variants.map((name) => [name, name]), variant, (value) => again({ variant: value })),
-    curves.length > 0 && h("span", { class: "choice" }, "Time plot"), curves.length > 0 && choice("Cells of the time plot", [["0", "This setting"], ["1", "All cells"]], state.all === "1" ? "1" : "0", (value) => again({ all: value })));
+    curves.length > 0 && isTimed && h("span", { class: "choice" }, "Time plot"), curves.length > 0 && isTimed && choice("Cells of the time plot", [["0", "This setting"], ["1", "All cells"]], state.all === "1" ? "1" : "0", (value) => again({ all: value })));
   const links = model.figures.length > 0 && h("p", { class: "note" }, "Data and Vega-Lite specifications beside this report: ",
     model.figures.map((name, i) => [i ? ", " : "", h("a", { href: `${name.split("/").map(encodeURIComponent).join("/")}.vl.json` }, `${name.split("/").at(-1)}.vl.json`)]), ".");
   view.replaceChildren(bar, extra, h("div", { class: "figures" }, groups.filter(Boolean)), links || "");
 }
 
-export { pairs };
+export { curves, pairs };

@@ -13,7 +13,8 @@ const ROWS: &[&[&[&str]]] = &[
     &[&["precompute", "gbuffer", "shade", "tonemap"]],
     &[&["metrics"], &["table"]],
     &[&["pipeline"], &["oracle"]],
-    &[&["experiment", "report"]],
+    &[&["experiment"]],
+    &[&["report"]],
 ];
 
 /// What metrics see: images, a mask and the tone curve, never a method.
