@@ -71,6 +71,7 @@ pub mod glsl;
 pub mod color;
 pub mod math;
 pub mod pixels;
+pub mod spelling;
 
 pub mod brdf;
 pub mod environment;
@@ -86,6 +87,9 @@ pub mod tonemap;
 pub mod metrics;
 pub mod table;
 
+pub mod oracle;
 pub mod pipeline;
 
 pub mod experiment;
+
+pub mod report;

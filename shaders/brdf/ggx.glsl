@@ -4,18 +4,11 @@
 #define BRDF_GGX_GLSL
 
 #include "lib/sampling.glsl"
+#include "lib/visible_ggx.glsl"
 
-// D(h), 1/sr. The sine comes from h.xy: 1 - h.z^2 has no digits left at small alpha. [Walter07 eq. 33]
+// D(h), 1/sr. [Walter07 eq. 33]
 float d_brdf(vec3 h_local, float alpha) {
-    float alpha2 = alpha * alpha;
-    float k = dot(h_local.xy, h_local.xy) + alpha2 * h_local.z * h_local.z;
-    return h_local.z > 0.0 ? alpha2 / (PI * k * k) : 0.0;
-}
-
-// G1(w) over n_dot_w: finite where the cosine is 0. [Walter07 eq. 34]
-float g1_over_cosine_ggx(float n_dot_w, float alpha) {
-    float alpha2 = alpha * alpha;
-    return 2.0 / (n_dot_w + sqrt(alpha2 + (1.0 - alpha2) * n_dot_w * n_dot_w));
+    return d_ggx(h_local, alpha);
 }
 
 // Smith masking G1 of a direction with cosine n_dot_w. [Walter07 eq. 34]
@@ -43,21 +36,14 @@ vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
     return sample_lobe_brdf(vec4(u, cos_sin_phi, 0.0), alpha).h_local;
 }
 
-// Half vector among the normals visible from v: the half vectors of the spherical cap that the stretched v reflects
-// into; xi.x = 0 is the cap's centre. [Dupuy23 listing 3]
+// Half vector among the normals visible from v.
 vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
-    vec3 v_standard = normalize(vec3(alpha * v_local.xy, v_local.z));
-    // The cap's point is (sin phi-part, 1 - d); both its sine and z + v.z are written with d and 1 - xi.x, which cancel
-    // no digits.
-    float d = xi.x * (1.0 + v_standard.z);
-    vec2 cap = sqrt(max(d * (2.0 - d), 0.0)) * sin_cos_turns(xi.y).yx;
-    return normalize(vec3(alpha * (cap + v_standard.xy), (1.0 - xi.x) * (1.0 + v_standard.z)));
+    return sample_visible_ggx(xi, v_local, alpha);
 }
 
-// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D G1(v) / (4 n_dot_v). [Heitz18 eq. 17]
+// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D G1(v) / (4 n_dot_v).
 float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
-    bool visible = v_local.z > 0.0 && dot(v_local, h_local) > 0.0;
-    return visible ? 0.25 * d_brdf(h_local, alpha) * g1_over_cosine_ggx(v_local.z, alpha) : 0.0;
+    return pdf_visible_l_ggx(v_local, h_local, alpha);
 }
 
 // Alpha of the lobe that source document 0 prints: this model's own. [Kim22 "IBL"]

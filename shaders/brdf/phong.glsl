@@ -6,6 +6,7 @@
 #include "lib/incomplete_beta.glsl"
 #include "lib/sampling.glsl"
 #include "lib/smith_rational.glsl"
+#include "lib/visible_ggx.glsl"
 
 // D(h), 1/sr: (exponent + 2) / 2 pi cos^exponent, written with alpha and ln(1 - sin^2). [Walter07 eq. 30]
 float d_brdf(vec3 h_local, float alpha) {
@@ -54,16 +55,15 @@ vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
     return sample_lobe_brdf(sample_point_from_polar(u, cos_sin_phi), alpha).h_local;
 }
 
-// Half vector with density D(h) n_dot_h: no sampler of visible normals is known for this model.
+// Half vector among the normals that GGX of the same alpha shows to v: Phong's own have no closed form. The weight is bounded, since
+// D over that of GGX is at most 1.5 (4 / e), where points of D itself would see only a few of the facets of a grazing view.
 vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
-    return sample_lobe_brdf(sample_point_from_xi(xi), alpha).h_local;
+    return sample_visible_ggx(xi, v_local, alpha);
 }
 
-// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D n_dot_h / (4 v_dot_h). [Walter07 eq.
-// 24, 38]
+// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf.
 float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
-    float v_dot_h = dot(v_local, h_local);
-    return v_dot_h > 0.0 ? d_brdf(h_local, alpha) * h_local.z / (4.0 * v_dot_h) : 0.0;
+    return pdf_visible_l_ggx(v_local, h_local, alpha);
 }
 
 // Alpha of the lobe that source document 0 prints: cos = (1 - u)^(1 / (exponent + 1)) where 1 / (exponent + 2) is

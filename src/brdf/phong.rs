@@ -16,9 +16,13 @@
 //!
 //! At alpha = 1 it is `2 cos θ / (1 + cos θ)`, that of GGX, whose D is the same there; for alpha → 0 it becomes that of Beckmann.
 //!
-//! No visible-normal sampler is known in closed form, so `sample_visible` is `sample_d`.
+//! # Sampling
+//!
+//! No sampler of Phong's visible normals is known in closed form. `sample_visible` draws those of GGX of the same alpha: with
+//! `k = 1/alpha² - 1` and `s = sin² θ_h`, `D / D_ggx = (1 - s)^k (1 + k s)²`, at most `4/e` (near `k s = 1`), so that weights are
+//! bounded. Points of D itself would see only a few of the facets that a grazing view sees.
 
-use super::{Brdf, g1_rational, pdf_d_l, sin2_cos2};
+use super::{Brdf, Ggx, g1_rational, sin2_cos2};
 use crate::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
 use crate::math::sampling::direction_from_polar;
 use glam::{DVec2, DVec3};
@@ -78,11 +82,12 @@ impl Brdf for Phong {
         direction_from_polar((-ln_cos2.exp_m1()).sqrt(), (0.5 * ln_cos2).exp(), xi.y)
     }
 
-    fn sample_visible(&self, xi: DVec2, _v_local: DVec3, alpha: f64) -> DVec3 {
-        self.sample_d(xi, alpha)
+    /// Visible normals of GGX of the same alpha.
+    fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
+        Ggx.sample_visible(xi, v_local, alpha)
     }
 
     fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
-        pdf_d_l(self, v_local, h_local, alpha)
+        Ggx.pdf_visible_l(v_local, h_local, alpha)
     }
 }

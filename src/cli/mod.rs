@@ -3,11 +3,13 @@
 mod bake;
 mod compare;
 mod devices;
+mod integrate;
 mod later;
 mod list;
 mod plan;
 mod progress;
 mod render;
+mod report;
 mod run;
 
 use clap::{Parser, Subcommand};
@@ -39,10 +41,8 @@ enum Command {
     /// Lists the Vulkan devices.
     Devices,
     List(list::Arguments),
-    /// Exact answers for a table of queries.
-    Integrate(later::Arguments),
-    /// (Re)writes the report of a finished run.
-    Report(later::Arguments),
+    Integrate(integrate::Arguments),
+    Report(report::Arguments),
     /// Opens an interactive window.
     View(later::Arguments),
 }
@@ -121,8 +121,8 @@ pub fn main() -> ExitCode {
         Command::Bake(arguments) => bake::execute(&arguments),
         Command::Devices => devices::execute(),
         Command::List(arguments) => list::execute(&arguments),
-        Command::Integrate(_) => later::execute("integrate"),
-        Command::Report(_) => later::execute("report"),
+        Command::Integrate(arguments) => integrate::execute(&arguments),
+        Command::Report(arguments) => report::execute(&arguments),
         Command::View(_) => later::execute("view"),
     };
     match result {

@@ -7,7 +7,7 @@ use splitsum::brdf::f0_from_ior;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::experiment::axis::{self, Point, REFERENCE, Reference, View};
 use splitsum::experiment::config::{CAMERA, IMAGE_SIZE, LIGHT_COLOR, SEED, coordinates, light};
-use splitsum::experiment::value::{Kind, Value};
+use splitsum::experiment::value::{Kind, Range, Value};
 use splitsum::experiment::{RenderFault, write_radiance};
 use splitsum::pixels::png;
 use splitsum::scene::{CameraKind, Light, LightKind, Scene};
@@ -65,6 +65,9 @@ pub struct Arguments {
     /// Samples a pixel; 40, for the reference 4096.
     #[arg(long, value_name = "N", value_parser = axis!("samples"))]
     samples: Option<Value>,
+    /// Stops the reference before --samples, once the relative standard error of each of its terms is at most this.
+    #[arg(long, value_name = "E", value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text))]
+    relative_error: Option<Value>,
     /// Width and height.
     #[arg(long, value_name = "WxH", default_value = "256x256", value_parser = |text: &str| IMAGE_SIZE.parse_text(text))]
     size: Value,
@@ -86,7 +89,7 @@ pub struct Arguments {
     /// Multiplies the environment's radiance.
     #[arg(long, value_name = "S", value_parser = axis!("environment_scale"))]
     scale: Option<Value>,
-    /// separable, correlated or schlick masking-shadowing.
+    /// separable, correlated, schlick or smith-exact masking-shadowing.
     #[arg(long, value_name = "NAME", value_parser = axis!("masking"))]
     masking: Option<Value>,
     /// Added to the mip level of filtered samples.
@@ -136,12 +139,20 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         background: arguments.background,
         lights: arguments.lights.clone(),
         seed: arguments.seed.count(),
+        reference_error: arguments.relative_error.as_ref().map(Value::number),
         reference_samples: arguments.samples.as_ref().map_or(Reference::default().samples, Value::count),
     };
     let curve = settings.curve;
     let request = settings.request(&environment, &scene, &view);
     let mut pipeline = open_device(arguments.device).map_err(Failure::opening)?;
     let frame = pipeline.render(&request).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
+    for term in &frame.convergences {
+        let met = if term.is_met { "" } else { ", which is not what was asked for" };
+        eprintln!(
+            "{}: {} samples a pixel, relative standard error {:.3e}{met}",
+            term.term, term.sample_count, term.relative_error
+        );
+    }
     match output {
         Output::LinearExr => write_radiance(&arguments.out, &frame).map_err(Failure::failed)?,
         Output::DisplayPng => {
@@ -201,7 +212,7 @@ fn output(path: &Path) -> Result<Output, Failure> {
 
 /// The reflectance of an index of refraction in [1, 10].
 fn ior_as_f0(text: &str) -> Result<Value, String> {
-    let kind = Kind::Number(splitsum::experiment::value::Range::closed(1.0, 10.0));
+    let kind = Kind::Number(Range::closed(1.0, 10.0));
     Ok(Value::Color([f0_from_ior(kind.parse_text(text)?.number()) as f32; 3]))
 }
 

@@ -5,6 +5,7 @@ use super::{Failure, print};
 use clap::Args;
 use splitsum::experiment::{Plan, Progress, RenderFault, Renderer, RunOptions, run};
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
+use splitsum::report::ReportOptions;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -68,6 +69,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let outcome = run(&plan, &mut open, &options, &mut progress)?;
     print(&outcome.summary)?;
     print(&format!("Written to {}\n", outcome.dir.display()))?;
+    // The run is kept whatever becomes of its report.
+    let report = splitsum::report::write(&ReportOptions::of_run(&outcome.dir)).map_err(Failure::failed);
+    print(&report.as_ref().map_or_else(|failure| format!("No report: {failure}\n"), super::report::line))?;
     if outcome.is_stopped && outcome.failures.is_empty() {
         let command: Vec<String> = options.command_line;
         return Err(Failure::Failed(format!("stopped; to go on: {}", command.join(" "))));

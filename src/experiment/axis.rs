@@ -42,6 +42,8 @@ pub struct View {
     pub seed: u32,
     /// Samples of a reference diffuse term beside another method; the reference method itself takes `samples`.
     pub reference_samples: u32,
+    /// Stops a reference earlier, once the relative standard error of each term is at most this.
+    pub reference_error: Option<f64>,
 }
 
 impl Settings {
@@ -56,7 +58,7 @@ impl Settings {
             scene,
             size: view.size,
             point_set: self.point_set,
-            reference_error: None,
+            reference_error: view.reference_error,
             reference_samples: if self.method.name == REFERENCE { self.samples } else { view.reference_samples },
             method: self.method,
             diffuse: self.diffuse,
@@ -80,6 +82,8 @@ pub const REFERENCE: &str = "reference";
 pub struct Reference {
     pub method: String,
     pub samples: u32,
+    /// Stops earlier, once the relative standard error of each term is at most this (`shade::reference_pass::Convergence`).
+    pub relative_error: Option<f64>,
     pub terms: Terms,
 }
 
@@ -106,7 +110,7 @@ impl Reference {
 
 impl Default for Reference {
     fn default() -> Self {
-        Self { method: REFERENCE.to_owned(), samples: 4096, terms: Terms::default() }
+        Self { method: REFERENCE.to_owned(), samples: 4096, relative_error: None, terms: Terms::default() }
     }
 }
 

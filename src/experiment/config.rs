@@ -239,6 +239,12 @@ impl Config {
                         self.reference.samples = v.count();
                     }
                 }
+                "relative_error" => {
+                    let kind = Kind::Number(Range::above(0.0, 1.0));
+                    if let Some(v) = checked(kind, "reference.relative_error", value, faults) {
+                        self.reference.relative_error = Some(v.number());
+                    }
+                }
                 "terms" => {
                     let names =
                         Kind::Name { what: "choice", names: || Terms::ALL.iter().map(|(name, _)| *name).collect() };
@@ -247,7 +253,7 @@ impl Config {
                         self.reference.terms = named.map_or(self.reference.terms, |(_, terms)| *terms);
                     }
                 }
-                _ => unknown_key(&place, "reference.", key, &["method", "samples", "terms"], faults),
+                _ => unknown_key(&place, "reference.", key, &["method", "samples", "relative_error", "terms"], faults),
             }
         }
     }

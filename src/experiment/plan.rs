@@ -129,6 +129,7 @@ impl Plan {
             lights: self.config.lights.clone(),
             seed: self.config.seed,
             reference_samples: self.config.reference.samples,
+            reference_error: self.config.reference.relative_error,
         };
         settings.request(environment, scene, &view)
     }
@@ -257,8 +258,13 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point) -> String {
         format!("camera={}", config.camera.name()),
         format!("background={}", config.background),
     ];
-    if point.get("diffuse").text() == REFERENCE && point.get("method").text() != REFERENCE {
+    let is_diffuse_reference = point.get("diffuse").text() == REFERENCE;
+    let is_reference = is_diffuse_reference || point.get("method").text() == REFERENCE;
+    if is_diffuse_reference && point.get("method").text() != REFERENCE {
         lines.push(format!("reference_samples={}", config.reference.samples));
+    }
+    if let (Some(error), true) = (config.reference.relative_error, is_reference) {
+        lines.push(format!("reference_error={error}"));
     }
     lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));
     for (axis, value) in AXES.iter().zip(&point.0).filter(|(axis, _)| axis.changes_radiance) {

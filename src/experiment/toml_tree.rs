@@ -1,7 +1,8 @@
 //! TOML with places: walking the parsed tree without stopping at the first fault.
 
 use super::fault::{Faults, Place};
-use super::value::{Kind, Raw, Value, suggestion};
+use super::value::{Kind, Raw, Value};
+use crate::spelling::suggestion;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 

@@ -1,5 +1,6 @@
 //! Values as written in a file or on the command line, and how they are checked.
 
+use crate::spelling::suggestion;
 use std::fmt;
 
 /// A checked value. Its `Display` text is what tables, cell ids and `--set` use.
@@ -269,17 +270,4 @@ impl Kind {
 
 fn count(n: i64, min: u32, max: u32) -> Result<u32, String> {
     u32::try_from(n).ok().filter(|n| (min..=max).contains(n)).ok_or_else(|| format!("{n} is outside [{min}, {max}]"))
-}
-
-/// `; did you mean "x"?` for the nearest of `names`, or nothing when none is near.
-///
-/// Near: at most half of the longer word differs (Damerau-Levenshtein), so that noise suggests nothing.
-pub fn suggestion(wrong: &str, names: &[&str]) -> String {
-    names
-        .iter()
-        .map(|name| (strsim::normalized_damerau_levenshtein(&wrong.to_lowercase(), name), name))
-        .filter(|(similarity, _)| *similarity >= 0.5)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| format!("; did you mean {name:?}?"))
-        .unwrap_or_default()
 }

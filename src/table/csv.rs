@@ -80,6 +80,18 @@ pub enum TableError {
     NoColumn { path: PathBuf, column: String, columns: Vec<String> },
 }
 
+/// A whole table as text, for what is written in one piece.
+pub fn to_text<'r>(columns: &[String], rows: impl IntoIterator<Item = &'r [Cell]>) -> Vec<u8> {
+    let mut writer = ::csv::Writer::from_writer(Vec::new());
+    let mut write = |fields: &[String]| writer.write_record(fields).expect("memory takes rows of equal length");
+    write(columns);
+    for row in rows {
+        assert_eq!(row.len(), columns.len(), "cells of a row");
+        write(&row.iter().map(Cell::field).collect::<Vec<_>>());
+    }
+    writer.into_inner().expect("memory can be flushed")
+}
+
 /// Appends rows to a table file.
 #[derive(Debug)]
 pub struct TableWriter {

@@ -95,9 +95,7 @@ fn an_empty_plan_has_its_own_exit_code() {
 
 #[test]
 fn commands_that_are_not_built_say_so() {
-    for command in ["integrate", "report", "view"] {
-        assert_refused(&[command, "x"], 1, &[&format!("splitsum {command} is not there yet")]);
-    }
+    assert_refused(&["view", "x"], 1, &["splitsum view is not there yet"]);
 }
 
 #[test]

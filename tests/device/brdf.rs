@@ -141,10 +141,10 @@ fn visible_samples_and_their_density() {
     with_gpu(|gpu| {
         for model in MODELS {
             let items = items(*model);
-            // Slopes in units of alpha. Beckmann inverts its distribution by Newton's method in f32: 2e-6 in nine cases of
-            // ten, more where the density of the slope is small (the steepest facets, the grazing views).
-            let slope_tolerance = if model.name() == "beckmann" { absolute(1e-3) } else { absolute(4e-6) };
-            let mut slope = Worst::new(format!("{} visible slope", model.name()), slope_tolerance);
+            // In units of alpha. Beckmann inverts its distribution by Newton's method; beyond these points, at xi.x = 1 - 1e-5, it is off by
+            // up to 2e-3 where the density of the slope is small.
+            const F32_SLOPE: Tolerance = absolute(4e-6);
+            let mut slope = Worst::new(format!("{} visible slope", model.name()), F32_SLOPE);
             let mut pdf =
                 Worst::new(format!("{} pdf_visible_l", model.name()), Tolerance { relative: 8e-6, floor: 1e-30 });
             let mut own = Worst::new(format!("{} pdf_visible_l of its sample", model.name()), relative(8e-6));

@@ -74,9 +74,9 @@ fn meshes_agree_inside_their_triangles() {
         }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("tent.obj");
-        // Two quads that lean against each other, seen from the front and, the second one, from behind; a textured material.
-        let obj = "mtllib tent.mtl\nusemtl cloth\nv -1 0 0.8\nv 1 0 0.8\nv 1 1 0\nv -1 1 0\nv 1 0 -0.8\nv -1 0 -0.8\n\
-                   vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\nf 6/1 5/2 3/3 4/4\n";
+        // Two quads side by side, the left one seen from the front, the right one from behind; a textured material.
+        let obj = "mtllib tent.mtl\nusemtl cloth\nv -1 0 0.2\nv 0 0 0.2\nv 0 1 0\nv -1 1 0\nv 0.1 0 0\nv 0.1 1 0.3\nv 1 1 0.3\nv 1 0 0\n\
+                   vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\nf 5/1 6/2 7/3 8/4\n";
         std::fs::write(&path, obj).unwrap();
         std::fs::write(
             folder.path().join("tent.mtl"),

@@ -321,15 +321,13 @@ pub fn dfg_table(
 fn dfg_tables_meet_their_integral_at_texel_centers() {
     // Each of 1024 points stands for an albedo of 1e-3, and the horizon cuts the lobe between two of them.
     const POINTS_1024: Tolerance = absolute(2e-3);
-    // Phong has no sampler of visible normals: at a grazing view a few points of D carry most of the albedo.
-    const POINTS_1024_OF_D: Tolerance = absolute(2.5e-2);
     const SIDE: u32 = 16;
     with_gpu(|gpu| {
         for model in MODELS {
             for (name, masking) in MaskingShadowing::ALL {
                 let table = dfg_table(gpu, *model, *masking, SIDE, 1024);
-                let texels: Vec<(u32, u32)> =
-                    [0, 4, 9, 15].into_iter().flat_map(|y| [0, 6, 15].map(|x| (x, y))).collect();
+                // Both ends of both axes; each integral takes half a CPU second.
+                let texels = [(0, 4), (15, 0), (0, 15), (6, 9), (15, 15), (2, 12)];
                 let expected: Vec<_> = texels
                     .par_iter()
                     .map(|&(x, y)| {
@@ -338,8 +336,7 @@ fn dfg_tables_meet_their_integral_at_texel_centers() {
                         (parameters, dfg(*model, *masking, parameters.x, parameters.y.max(1e-3)))
                     })
                     .collect();
-                let tolerance = if model.name() == "phong" { POINTS_1024_OF_D } else { POINTS_1024 };
-                let mut worst = Worst::new(format!("DFG of {} {name}", model.name()), tolerance);
+                let mut worst = Worst::new(format!("DFG of {} {name}", model.name()), POINTS_1024);
                 for ((x, y), (parameters, pair)) in texels.into_iter().zip(expected) {
                     let texel = table.get(x, y);
                     let case = || format!("n_dot_v {} alpha {}", parameters.x, parameters.y);

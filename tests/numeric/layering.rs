@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 /// Rows from low to high; a row holds columns that do not know each other, and a column its modules in order. A module imports only
 /// from lower rows or from earlier in its own column.
 const ROWS: &[&[&[&str]]] = &[
-    &[&["glsl", "math", "color", "pixels"]],
+    &[&["glsl", "math", "color", "pixels", "spelling"]],
     &[&["brdf", "environment", "scene"], &["gpu"]],
     &[&["precompute", "gbuffer", "shade", "tonemap"]],
     &[&["metrics"], &["table"]],
-    &[&["pipeline"]],
+    &[&["pipeline"], &["oracle"]],
     &[&["experiment"]],
 ];
 

@@ -154,10 +154,19 @@ fn density_of_the_half_vector_for_that_of_the_light() {
 
 #[test]
 fn rational_masking_of_phong_adds_energy() {
-    let albedo = |model: &dyn Brdf| dfg(model, SEPARABLE, 0.1, 1.0).albedo();
-    assert_figure("phong", albedo(&Phong), 1.141, THREE_DECIMALS);
-    assert_figure("beckmann", albedo(&Beckmann), 0.905, THREE_DECIMALS);
-    assert_figure("ggx", albedo(&Ggx), 0.558, THREE_DECIMALS);
+    let albedo = |model: &dyn Brdf, masking, n_dot_v| dfg(model, masking, n_dot_v, 1.0).albedo();
+    assert_figure("phong", albedo(&Phong, SEPARABLE, 0.1), 1.141, THREE_DECIMALS);
+    assert_figure("beckmann", albedo(&Beckmann, SEPARABLE, 0.1), 0.905, THREE_DECIMALS);
+    assert_figure("ggx", albedo(&Ggx, SEPARABLE, 0.1), 0.558, THREE_DECIMALS);
+    assert_figure("phong at 0.01", albedo(&Phong, SEPARABLE, 0.01), 1.319, THREE_DECIMALS);
+    assert_figure("phong correlated", albedo(&Phong, MaskingShadowing::Correlated, 0.1), 1.306, THREE_DECIMALS);
+    assert_figure(
+        "phong correlated at 0.01",
+        albedo(&Phong, MaskingShadowing::Correlated, 0.01),
+        1.682,
+        THREE_DECIMALS,
+    );
+    assert_figure("phong exact", albedo(&Phong, MaskingShadowing::SmithExact, 0.1), 0.558, THREE_DECIMALS);
 }
 
 #[test]

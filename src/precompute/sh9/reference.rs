@@ -2,7 +2,7 @@
 
 use crate::math::equirect::direction_from_uv;
 use crate::math::equirect_quadrature::EquirectQuadrature;
-use crate::math::quadrature::{GaussLegendre, Tolerance};
+use crate::math::quadrature::{Estimate, GaussLegendre, Tolerance};
 use crate::math::spherical_harmonics::{COUNT, basis};
 use crate::pixels::RgbImage;
 use glam::{DVec2, DVec3};
@@ -23,7 +23,12 @@ pub fn project_texel_areas(image: &RgbImage) -> Sh9 {
 
 /// The bilinear map that lookups see. The kernels are smooth, so the bound of 1e-9 is soon met.
 pub fn project_bilinear(environment: &EquirectQuadrature) -> Sh9 {
-    environment.integrate(basis, &[], Tolerance { relative: 1e-9, max_part_count: 100_000 }).value
+    project_bilinear_bounded(environment).value
+}
+
+/// [`project_bilinear`] with its error bounds.
+pub fn project_bilinear_bounded(environment: &EquirectQuadrature) -> Estimate<COUNT> {
+    environment.integrate(basis, &[], Tolerance { relative: 1e-9, max_part_count: 100_000 })
 }
 
 /// `Σ_texels L Σ_points weight Y sin θ 2π²/(W H)`.

@@ -1,0 +1,261 @@
+// Charts as SVG: crisp at any size, readable by screen readers, saved as they are. One drawing serves the page and the file.
+
+import { csvText, download, h, number, s } from "report/dom";
+
+/** Okabe and Ito's colours, told apart by the colour-blind too; each theme has its own shades. */
+export const COLORS = Array.from({ length: 7 }, (_, i) => `var(--series-${i})`);
+export const SHAPES = ["circle", "square", "triangle", "diamond", "cross", "down"];
+/** Viridis at `t` in [0, 1]; the page leaves out its palest end in the light theme and its darkest in the dark one. */
+export function ordinal(index, count) {
+  return `var(--ramp-${count < 2 ? 3 : Math.round((index / (count - 1)) * 6)})`;
+}
+
+function marker(shape, x, y, r, attributes) {
+  const p = (points) => s("polygon", { ...attributes, points: points.map(([a, b]) => `${(x + a * r).toFixed(2)},${(y + b * r).toFixed(2)}`).join(" ") });
+  switch (shape) {
+    case "square": return s("rect", { ...attributes, x: x - 0.88 * r, y: y - 0.88 * r, width: 1.76 * r, height: 1.76 * r });
+    case "triangle": return p([[0, -1.2], [1.1, 0.8], [-1.1, 0.8]]);
+    case "down": return p([[0, 1.2], [1.1, -0.8], [-1.1, -0.8]]);
+    case "diamond": return p([[0, -1.3], [1.3, 0], [0, 1.3], [-1.3, 0]]);
+    case "cross": return s("path", { ...attributes, fill: "none", "stroke-width": 2, stroke: attributes.fill, d: `M${x - r},${y - r}L${x + r},${y + r}M${x - r},${y + r}L${x + r},${y - r}` });
+    default: return s("circle", { ...attributes, cx: x, cy: y, r });
+  }
+}
+
+function scale({ log, domain: [lo, hi] }, from, to) {
+  const f = log ? Math.log : (x) => x;
+  const [a, b] = [f(lo), f(hi)];
+  return (x) => from + ((f(x) - a) / (b - a || 1)) * (to - from);
+}
+
+/** A domain that holds `values`, with a margin. */
+export function domain(values, log) {
+  const usable = values.filter((x) => Number.isFinite(x) && (!log || x > 0));
+  if (!usable.length) return log ? [0.1, 10] : [0, 1];
+  let [lo, hi] = [Math.min(...usable), Math.max(...usable)];
+  if (log) return lo === hi ? [lo / 2, hi * 2] : [lo * (lo / hi) ** 0.05, hi * (hi / lo) ** 0.05];
+  return lo === hi ? [lo - 0.5, hi + 0.5] : [lo, hi + 0.04 * (hi - lo)];
+}
+
+function ticks({ log, domain: [lo, hi], ticks }, count) {
+  if (ticks) return ticks.map((t) => [t, true]);
+  if (log) {
+    const all = [];
+    for (let e = Math.floor(Math.log10(lo)); e <= Math.ceil(Math.log10(hi)); e++) {
+      for (let m = 1; m < 10; m++) { const t = m * 10 ** e; if (t >= lo * 0.999 && t <= hi * 1.001) all.push([t, m === 1]); }
+    }
+    const decades = all.filter(([, major]) => major).length;
+    return decades >= 2 ? all : all.map(([t]) => [t, [1, 2, 5].includes(Math.round(t / 10 ** Math.floor(Math.log10(t) + 1e-9)))]);
+  }
+  const raw = (hi - lo) / count, power = 10 ** Math.floor(Math.log10(raw)), step = power * [1, 2, 5, 10].find((m) => m * power >= raw);
+  const all = [];
+  for (let t = Math.ceil(lo / step - 1e-9) * step; t <= hi + step * 1e-9; t += step) all.push([Number(t.toPrecision(12)), true]);
+  return all;
+}
+
+const tickText = (t, log) => (log && (t < 1e-3 || t >= 1e5) ? number(t, 1) : number(t, 4));
+
+let unique = 0;
+
+/**
+ * A figure around a drawing: title, legend, drawing, and buttons for SVG, CSV and the table.
+ * spec: {name, title, note, legend: [{label, color, shape, dash, line}], table: {columns, rows, onrow}, height, draw(width, height) -> svg}
+ */
+export function figure(spec) {
+  const id = `figure-${unique++}`;
+  const stage = h("div", { class: "stage" });
+  const table = h("div", { class: "figure-table", hidden: true });
+  const toggle = h("button", { type: "button", "aria-expanded": "false", "aria-controls": `${id}-table`, onclick: () => {
+    if (!table.firstChild) table.append(plainTable(spec.table));
+    table.hidden = !table.hidden;
+    toggle.setAttribute("aria-expanded", String(!table.hidden));
+  } }, "Table");
+  table.id = `${id}-table`;
+  const tip = h("div", { class: "tip", hidden: true });
+  const element = h("figure", { class: `figure ${spec.class ?? ""}`, "data-figure": spec.name },
+    h("figcaption", {}, h("h3", { id }, spec.title),
+      h("span", { class: "figure-tools" },
+        toggle,
+        h("button", { type: "button", onclick: () => download(`${spec.name}.csv`, csvText(spec.table.columns, spec.table.rows), "text/csv") }, "CSV"),
+        h("button", { type: "button", onclick: () => download(`${spec.name}.svg`, standalone(stage.querySelector("svg")), "image/svg+xml") }, "SVG"))),
+    spec.note && h("p", { class: "note" }, spec.note),
+    spec.legend?.length > 0 && h("ul", { class: "legend" }, spec.legend.map(legendEntry)),
+    h("div", { class: "stage-box" }, stage, tip), table);
+  let drawn = 0;
+  const draw = () => {
+    const width = Math.floor(stage.clientWidth);
+    if (width < 40 || width === drawn) return;
+    drawn = width;
+    const height = typeof spec.height === "function" ? spec.height(width) : spec.height ?? Math.round(Math.min(420, Math.max(240, width * 0.55)));
+    const svg = spec.draw(width, height, tip);
+    svg.setAttribute("role", "img");
+    svg.setAttribute("aria-labelledby", id);
+    const description = s("desc", {}, spec.description ?? spec.note ?? "");
+    svg.prepend(description);
+    stage.replaceChildren(svg);
+  };
+  new ResizeObserver(draw).observe(stage);
+  return element;
+}
+
+function legendEntry({ label, color, shape, dash, line, band }) {
+  return h("li", {}, s("svg", { width: 26, height: 12, "aria-hidden": "true" },
+    band && s("rect", { x: 0, y: 1, width: 26, height: 10, fill: color, opacity: 0.25 }),
+    line !== false && s("line", { x1: 1, x2: 25, y1: 6, y2: 6, stroke: color, "stroke-width": 2, "stroke-dasharray": dash }),
+    shape && marker(shape, 13, 6, 4, { fill: color })), label);
+}
+
+/** A plain table of a figure; rows that lead somewhere have a button. */
+function plainTable({ columns, rows, onrow }) {
+  return h("table", {}, h("thead", {}, h("tr", {}, columns.map((name) => h("th", { scope: "col" }, name)), onrow && h("th", {}, ""))),
+    h("tbody", {}, rows.map((row, i) => h("tr", {}, row.map((field) => h("td", {}, typeof field === "number" ? number(field, 4) : field ?? "")),
+      onrow && h("td", {}, h("button", { type: "button", onclick: () => onrow(i) }, "Show"))))));
+}
+
+/** The drawing with its colours and fonts written out, so that it looks the same without this page's styles. */
+function standalone(svg) {
+  const copy = svg.cloneNode(true);
+  const [from, to] = [svg, copy].map((root) => [root, ...root.querySelectorAll("*")]);
+  from.forEach((element, i) => {
+    const style = getComputedStyle(element);
+    for (const name of ["fill", "stroke", "opacity", "font-size", "font-family", "font-weight", "text-anchor"]) to[i].setAttribute(name, style.getPropertyValue(name));
+    to[i].removeAttribute("class");
+  });
+  const [width, height] = [svg.getAttribute("width"), svg.getAttribute("height")];
+  copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+  copy.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  copy.querySelector("desc").after(s("rect", { width, height, fill: getComputedStyle(document.body).backgroundColor }));
+  return `<?xml version="1.0" encoding="UTF-8"?>\n${new XMLSerializer().serializeToString(copy)}\n`;
+}
+
+/**
+ * An xy chart. axes: {label, log, domain, ticks, format}; marks, in drawing order:
+ *   {band: [[x, lo, hi]], color}  {line: [[x, y]], color, dash, width, opacity}  {rule: y, color, dash, label}
+ *   {dots: [{x, y, xs, ys, text, open, shape, color, r}]}  {text, x, y, anchor}
+ */
+export function xy({ x, y, marks }) {
+  return (width, height, tip) => {
+    const narrow = width < 460;
+    const box = { left: narrow ? 50 : 60, right: width - 14, top: 10, bottom: height - 42 };
+    const sx = scale(x, box.left, box.right), sy = scale(y, box.bottom, box.top);
+    const svg = s("svg", { width, height, class: "chart" });
+    const clip = `clip-${unique++}`;
+    svg.append(s("defs", {}, s("clipPath", { id: clip }, s("rect", { x: box.left - 6, y: box.top - 6, width: box.right - box.left + 12, height: box.bottom - box.top + 12 }))));
+    let last = -Infinity;
+    for (const [t, major] of ticks(x, narrow ? 5 : 9)) {
+      const place = sx(t);
+      svg.append(s("line", { x1: place, x2: place, y1: box.top, y2: box.bottom, class: major ? "grid major" : "grid" }));
+      const text = (x.format ?? tickText)(t, x.log);
+      if (major && place - last > 9 + 3.6 * text.length + 6) {
+        svg.append(s("text", { x: place, y: box.bottom + 16, class: "tick", "text-anchor": "middle" }, text));
+        last = place + 3.6 * text.length;
+      }
+    }
+    for (const [t, major] of ticks(y, 6)) {
+      const place = sy(t);
+      svg.append(s("line", { x1: box.left, x2: box.right, y1: place, y2: place, class: major ? "grid major" : "grid" }));
+      if (major) svg.append(s("text", { x: box.left - 7, y: place + 4, class: "tick", "text-anchor": "end" }, (y.format ?? tickText)(t, y.log)));
+    }
+    svg.append(s("text", { x: (box.left + box.right) / 2, y: height - 6, class: "axis", "text-anchor": "middle" }, x.label));
+    svg.append(s("text", { transform: `translate(12 ${(box.top + box.bottom) / 2}) rotate(-90)`, class: "axis", "text-anchor": "middle" }, y.label));
+    const layer = s("g", { "clip-path": `url(#${clip})` });
+    svg.append(layer);
+    const fits = (px, py) => Number.isFinite(px) && Number.isFinite(py);
+    const path = (points) => points.map(([a, b]) => [sx(a), sy(b)]).filter(([a, b]) => fits(a, b)).map(([a, b], i) => `${i ? "L" : "M"}${a.toFixed(1)},${b.toFixed(1)}`).join("");
+    const targets = [];
+    for (const mark of marks) {
+      if (mark.band) {
+        const up = mark.band.map(([a, , hi]) => [a, hi]), down = mark.band.map(([a, lo]) => [a, lo]).reverse();
+        layer.append(s("path", { d: `${path([...up, ...down])}Z`, fill: mark.color, opacity: 0.18 }));
+      } else if (mark.line) {
+        layer.append(s("path", { d: path(mark.line), fill: "none", stroke: mark.color, "stroke-width": mark.width ?? 1.8, "stroke-dasharray": mark.dash, opacity: mark.opacity, "stroke-linejoin": "round" }));
+      } else if ("rule" in mark) {
+        const place = sy(mark.rule);
+        if (!Number.isFinite(place)) continue;
+        layer.append(s("line", { x1: box.left, x2: box.right, y1: place, y2: place, stroke: mark.color, "stroke-width": mark.width ?? 1.5, "stroke-dasharray": mark.dash, opacity: mark.opacity }));
+        if (mark.label) layer.append(s("text", { x: box.right - 4, y: place + (mark.below ? 14 : -5), class: "mark", "text-anchor": "end", fill: mark.color }, mark.label));
+      } else if (mark.dots) {
+        for (const dot of mark.dots) {
+          const [px, py] = [sx(dot.x), sy(dot.y)];
+          if (!fits(px, py)) continue;
+          const color = dot.color ?? mark.color;
+          if (dot.xs) layer.append(s("line", { x1: sx(dot.xs[0]), x2: sx(dot.xs[1]), y1: py, y2: py, stroke: color, opacity: 0.55 }));
+          if (dot.ys) layer.append(s("line", { x1: px, x2: px, y1: sy(dot.ys[0]), y2: sy(dot.ys[1]), stroke: color, opacity: 0.55 }));
+          layer.append(marker(dot.shape ?? mark.shape, px, py, dot.r ?? mark.r ?? 3.4, { fill: color, class: dot.open ? "dot open" : "dot", opacity: mark.opacity }));
+          if (dot.text) targets.push({ px, py, dot });
+        }
+      } else if (mark.text) {
+        const atX = typeof mark.x === "function" ? mark.x(box) : sx(mark.x), atY = typeof mark.y === "function" ? mark.y(box) : sy(mark.y);
+        svg.append(s("text", { x: atX, y: atY, class: "mark", "text-anchor": mark.anchor ?? "start", fill: mark.color }, mark.text));
+      }
+    }
+    hover(svg, tip, targets, width);
+    return svg;
+  };
+}
+
+/** Shows the nearest target's text beside the pointer; a click opens it. */
+function hover(svg, tip, targets, width) {
+  const ring = s("circle", { r: 8, class: "ring", visibility: "hidden" });
+  svg.append(ring);
+  const nearest = (event) => {
+    const box = svg.getBoundingClientRect(), [x, y] = [event.clientX - box.left, event.clientY - box.top];
+    let best = null, distance = 32 ** 2;
+    for (const target of targets) {
+      const d = (target.px - x) ** 2 + (target.py - y) ** 2;
+      if (d < distance) { distance = d; best = target; }
+    }
+    return best;
+  };
+  svg.addEventListener("pointermove", (event) => {
+    const target = nearest(event);
+    tip.hidden = !target;
+    ring.setAttribute("visibility", target ? "visible" : "hidden");
+    svg.style.cursor = target?.dot.open ? "pointer" : "";
+    if (!target) return;
+    ring.setAttribute("cx", target.px);
+    ring.setAttribute("cy", target.py);
+    tip.textContent = target.dot.text;
+    const right = target.px > width / 2;
+    tip.style.cssText = `top:${Math.max(0, target.py - 14)}px;${right ? `right:${width - target.px + 14}px` : `left:${target.px + 14}px`}`;
+  });
+  svg.addEventListener("pointerleave", () => { tip.hidden = true; ring.setAttribute("visibility", "hidden"); });
+  svg.addEventListener("click", (event) => nearest(event)?.dot.open?.());
+}
+
+/**
+ * A map of coloured cells with their values written in. rows, columns: labels; cell(r, c) -> {text, color, ink, title, open} or null.
+ */
+export function heatmap({ rows, columns, rowTitle, columnTitle, cell }) {
+  return (width, height, tip) => {
+    const left = Math.min(width * 0.3, 14 + 7 * Math.max(4, rowTitle.length, ...rows.map((label) => String(label).length)));
+    const longest = Math.max(...columns.map((label) => String(label).length), 1);
+    const w = (width - left - 4) / columns.length;
+    const slanted = w < 6.6 * longest;
+    const top = slanted ? Math.min(110, 30 + longest * 4.6) : 40, rowHeight = (height - top - 4) / rows.length;
+    const svg = s("svg", { width, height, class: "chart" });
+    svg.append(s("text", { x: left - 8, y: top - 8, class: "axis", "text-anchor": "end" }, rowTitle),
+      s("text", { x: (left + width) / 2, y: 12, class: "axis", "text-anchor": "middle" }, columnTitle));
+    columns.forEach((label, c) => {
+      const x = left + (c + 0.5) * w, y = top - 8;
+      svg.append(s("text", slanted ? { transform: `translate(${x} ${y}) rotate(-40)`, class: "tick" } : { x, y, class: "tick", "text-anchor": "middle" }, label));
+    });
+    const size = Math.min(14, w / 2.6, rowHeight * 0.6);
+    rows.forEach((label, r) => {
+      const y = top + r * rowHeight;
+      svg.append(s("text", { x: left - 8, y: y + rowHeight / 2 + 4, class: "tick", "text-anchor": "end" }, label));
+      columns.forEach((_, c) => {
+        const value = cell(r, c);
+        const x = left + c * w;
+        const group = s("g", { class: value?.open ? "cell open" : "cell" },
+          s("rect", { x: x + 1, y: y + 1, width: Math.max(1, w - 2), height: Math.max(1, rowHeight - 2), rx: 3, class: value ? "" : "empty", fill: value?.color }),
+          value && size > 6 && s("text", { x: x + w / 2, y: y + rowHeight / 2 + size * 0.36, "text-anchor": "middle", "font-size": size, fill: value.ink }, value.text),
+          value && s("title", {}, value.title));
+        if (value?.open) group.addEventListener("click", value.open);
+        svg.append(group);
+      });
+    });
+    tip.hidden = true;
+    return svg;
+  };
+}

@@ -1,0 +1,76 @@
+// Elements and text. Text from data only ever becomes text nodes and attribute values, never markup.
+
+const SVG = "http://www.w3.org/2000/svg";
+
+function fill(element, attributes, children) {
+  for (const [name, value] of Object.entries(attributes ?? {})) {
+    if (value === undefined || value === null || value === false) continue;
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else element.setAttribute(name, value === true ? "" : String(value));
+  }
+  for (const child of children.flat(2)) if (child !== null && child !== undefined && child !== false) element.append(child);
+  return element;
+}
+
+/** An HTML element; `on...` attributes are listeners. */
+export const h = (tag, attributes, ...children) => fill(document.createElement(tag), attributes, children);
+/** An SVG element. */
+export const s = (tag, attributes, ...children) => fill(document.createElementNS(SVG, tag), attributes, children);
+export const byId = (id) => document.getElementById(id);
+
+/** A number for people: `digits` significant digits, no exponent where one is not needed. */
+export function number(x, digits = 3) {
+  if (x === null || x === undefined || Number.isNaN(x)) return "–";
+  if (!Number.isFinite(x)) return x > 0 ? "∞" : "−∞";
+  if (x === 0) return "0";
+  const magnitude = Math.abs(x);
+  const text = magnitude < 1e-4 || magnitude >= 1e6 ? x.toExponential(digits - 1).replace("e+", "e") : Number(x.toPrecision(digits)).toString();
+  return text.replace("-", "−");
+}
+
+/** Offers `text` as a file. */
+export function download(name, text, type) {
+  const link = h("a", { href: URL.createObjectURL(new Blob([text], { type })), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+/** RFC 4180. */
+export const csvText = (columns, rows) =>
+  [columns, ...rows].map((row) => row.map((field) => {
+    const text = String(field ?? "");
+    return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+  }).join(",")).join("\n") + "\n";
+
+/** Says something to screen readers. */
+export function announce(text) {
+  const live = byId("live");
+  if (live.textContent !== text) live.textContent = text;
+}
+
+/** A labelled choice. `options` are [value, label]. */
+export function select(label, options, value, onchange) {
+  const box = h("select", { onchange: () => onchange(box.value) },
+    options.map(([v, text]) => h("option", { value: v, selected: String(v) === String(value) }, text)));
+  return h("label", { class: "choice" }, h("span", {}, label), box);
+}
+
+/** Buttons of which one is pressed. */
+export function choice(label, options, value, onchange) {
+  const group = h("span", { class: "segments", role: "group", "aria-label": label });
+  const press = (pressed) => [...group.children].forEach((button) => button.setAttribute("aria-pressed", button.value === pressed));
+  group.append(...options.map(([v, text, title]) => h("button", { type: "button", value: v, title, onclick: () => { press(v); onchange(v); } }, text)));
+  press(value);
+  group.press = press;
+  return group;
+}
+
+/** Lower quartile, median, upper quartile (linear interpolation) of finite numbers. */
+export function quartiles(numbers) {
+  const sorted = numbers.filter(Number.isFinite).sort((a, b) => a - b);
+  const at = (p) => {
+    const place = p * (sorted.length - 1), below = Math.floor(place);
+    return sorted[below] + (place - below) * ((sorted[below + 1] ?? sorted[below]) - sorted[below]);
+  };
+  return sorted.length ? [at(0.25), at(0.5), at(0.75)] : [NaN, NaN, NaN];
+}

@@ -1,0 +1,108 @@
+// The image table: scenes down, ways to make the image across. Every picture leads into the comparison.
+
+import { displayAxes, errorColor, headline, HALF, mask, model, overview, pixels, sceneAxes, axisOf, scenes, short, symbol, texelError, tone, variantLabel, variantLabels } from "report/data";
+import { choice, h, number, select } from "report/dom";
+import { go, keep } from "report/state";
+
+/** Display codes of every half float: a table makes a picture in a millisecond. */
+const luts = new Map();
+function lut(settings) {
+  const key = `${settings.tone} ${settings.exposure} ${settings.contrast}`;
+  if (!luts.has(key)) {
+    if (luts.size > 8) luts.clear();
+    luts.set(key, Uint8Array.from(HALF, (x) => Math.round(255 * tone(x, settings))));
+  }
+  return luts.get(key);
+}
+
+/** Draws an image, or its error, into a canvas. */
+export async function paint(canvas, row, mode, settings, isReference = false) {
+  const index = isReference ? row.reference : row.image;
+  const texels = await (mode === "image" ? overview(index) : pixels(index));
+  if (!texels) return false;
+  const { width, height, rgba } = texels;
+  const picture = new ImageData(width, height), out = picture.data;
+  if (mode === "image") {
+    const codes = lut(settings);
+    for (let i = 0; i < rgba.length; i++) out[i] = codes[rgba[i]];
+    for (let i = 3; i < out.length; i += 4) out[i] = 255;
+  } else {
+    const [truth, counts] = await Promise.all([pixels(row.reference), mask(row.reference)]);
+    const off = model.colors.off_mask, t = [0, 0, 0], r = [0, 0, 0];
+    for (let i = 0; i < width * height; i++) {
+      let color = off;
+      if (!counts || counts[i]) {
+        for (let c = 0; c < 3; c++) { t[c] = HALF[rgba[4 * i + c]]; r[c] = HALF[truth.rgba[4 * i + c]]; }
+        color = errorColor(mode, texelError(t, r));
+      }
+      out.set(color, 4 * i);
+      out[4 * i + 3] = 255;
+    }
+  }
+  [canvas.width, canvas.height] = [width, height];
+  canvas.getContext("2d").putImageData(picture, 0, 0);
+  return true;
+}
+
+/** A picture with its score that opens the comparison. */
+export function thumbnail(row, mode, settings, { isReference = false, label = "" } = {}) {
+  const name = isReference ? "reference" : variantLabel(row), error = row.scores[headline];
+  const canvas = h("canvas", { width: 8, height: 8, "aria-hidden": "true" });
+  const score = isReference ? (row.floor === null ? "" : `floor ${number(row.floor, 2)}`) : error === null ? "failed" : number(error);
+  const button = h("button", { type: "button", class: "thumb", "data-cell": row.cell, title: `${row.scene.label}: ${name}`,
+    "aria-label": `Compare ${row.scene.label}, ${name}, relMSE ${score}`,
+    onclick: () => go({ view: "compare", cell: row.cell, run: row.run || undefined, mode: mode === "image" ? undefined : mode }) },
+    canvas, h("span", { class: "thumb-text" }, label && h("b", {}, label), h("span", {}, score), ["reference-limited", "equal-within-noise"].includes(row.verdict) && !isReference && h("abbr", { title: "within ten times what the reference's own noise would give" }, "~")));
+  whenSeen(button, async () => { if (!(await paint(canvas, row, mode, settings, isReference))) button.classList.add("no-pixels"); });
+  return button;
+}
+
+const tasks = new WeakMap();
+const observer = new IntersectionObserver((entries) => {
+  for (const { isIntersecting, target } of entries) {
+    if (!isIntersecting) continue;
+    observer.unobserve(target);
+    tasks.get(target)();
+  }
+}, { rootMargin: "300px" });
+function whenSeen(element, task) {
+  tasks.set(element, task);
+  observer.observe(element);
+}
+
+export const settingsOf = (row) => ({ tone: "curve", exposure: Number(row.axes.exposure) || 1, contrast: Number(row.axes.contrast) || 1 });
+
+/** The page of images. */
+export function showGrid(view, state) {
+  const mode = ["error", "signed"].includes(state.mode) ? state.mode : "image";
+  const filters = Object.fromEntries(sceneAxes.map((name) => [name, axisOf[name].values.includes(state[name]) ? state[name] : ""]));
+  const again = (details) => { keep(details); showGrid(view, { ...state, ...details }); };
+  const stops = Number(state.ev) || 0;
+  const own = scenes.filter((scene) => sceneAxes.every((name) => !filters[name] || scene.variants[0].axes[name] === filters[name]));
+  const ev = h("input", { type: "range", min: -8, max: 8, step: 0.5, value: stops, "aria-label": "Exposure in stops", onchange: () => again({ ev: ev.value === "0" ? "" : ev.value }) });
+  const bar = h("div", { class: "controls" }, h("h2", {}, "Images"),
+    choice("What is shown", [["image", "Image"], ["error", "Error"], ["signed", "Signed"]], mode, (value) => again({ mode: value === "image" ? "" : value })),
+    h("label", { class: "choice" }, h("span", {}, `Exposure ${stops > 0 ? "+" : stops < 0 ? "−" : ""}${Math.abs(stops)} EV`), ev),
+    sceneAxes.filter((name) => axisOf[name].values.length > 1).map((name) => select(symbol(name), [["", "all"], ...axisOf[name].values.map((value) => [value, short(name, value)])], filters[name], (value) => again({ [name]: value }))));
+  const notes = model.image_notes.map((text) => h("p", { class: "warning" }, text));
+  if (!model.images.some((image) => image.payload !== null)) {
+    view.replaceChildren(bar, ...notes);
+    return;
+  }
+  const labels = variantLabels.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label)));
+  const head = h("tr", {}, h("th", { scope: "col" }, sceneAxes.map(symbol).join(" · ") || "scene"), h("th", { scope: "col" }, "reference"), labels.map((label) => h("th", { scope: "col" }, label)));
+  const body = own.map((scene) => {
+    const first = scene.variants[0], settings = settingsOf(first);
+    settings.exposure *= 2 ** stops;
+    const best = Math.min(...scene.variants.map((row) => row.scores[headline] ?? Infinity));
+    return h("tr", {}, h("th", { scope: "row" }, sceneAxes.map((name) => h("span", {}, `${symbol(name) === name ? "" : `${symbol(name)} `}${short(name, first.axes[name])}`))),
+      h("td", {}, thumbnail(first, "image", settings, { isReference: true })),
+      labels.map((label) => {
+        const row = scene.variants.find((one) => variantLabel(one) === label);
+        return h("td", { class: row?.scores[headline] === best ? "best" : "" }, row ? thumbnail(row, mode, settings) : h("span", { class: "excluded" }, "excluded"));
+      }));
+  });
+  const legend = mode === "image" ? `Through the project's tone curve at the cell's exposure${displayAxes.length ? " (the first of those tried)" : ""}. ` : mode === "error" ? "√ of the RGB mean of d² / (r² + 0.01), magma, 10⁻³ to 1, the same for all. " : "Mean of d / √(r² + 0.01), −0.5 (blue, too dark) to 0.5 (red, too bright). ";
+  view.replaceChildren(bar, ...notes, h("p", { class: "note" }, legend, "Below each image its relMSE; the lowest of a scene is marked. Click one to compare it pixel by pixel."),
+    h("div", { class: "scroll image-table", tabindex: 0, role: "region", "aria-label": "Image table" }, h("table", {}, h("thead", {}, head), h("tbody", {}, body))));
+}

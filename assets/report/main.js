@@ -1,0 +1,104 @@
+// Starts the page: navigation, the first screen, keys.
+
+import { model, scenes, variantLabel } from "report/data";
+import { byId, h } from "report/dom";
+import { settingsOf, showGrid, thumbnail } from "report/grid";
+import { breakEvenChart, breakEvenMap, pairs, showPlots } from "report/plots";
+import { go, link, onState, state } from "report/state";
+import { showRun, showTables } from "report/tables";
+import { showViewer, viewerKey, viewerRelease } from "report/viewer";
+
+const PAGES = [
+  ["answer", "Answer", showAnswer], ["images", "Images", showGrid], ["compare", "Compare", showViewer],
+  ["plots", "Plots", showPlots], ["tables", "Tables", showTables], ["run", "Run", showRun],
+];
+
+const KEYS = [
+  ["1 … 9", "show an image of the scene"], ["space (hold)", "show the reference"], ["← →", "previous, next image"], ["↑ ↓", "previous, next scene"],
+  ["E", "relative error"], ["S", "signed error"], ["T", "tone curve or sRGB"], ["[ ]", "half a stop darker, brighter"], ["C", "mark clipped pixels"],
+  ["D", "split with the reference"], ["+ − 0", "zoom in, out, fit"], ["click", "pin the probe"], ["G A I M P B R", "go to Answer (G or A), Images, coMpare, Plots, taBles, Run"], ["?", "this list"],
+];
+const GO = { a: "answer", g: "answer", i: "images", m: "compare", p: "plots", b: "tables", r: "run" };
+
+function show(current) {
+  const known = PAGES.find(([name]) => name === current.view) ?? PAGES[0];
+  for (const [name] of PAGES) byId(`view-${name}`).hidden = name !== known[0];
+  for (const item of byId("pages").children) item.toggleAttribute("aria-current", item.dataset.view === known[0]);
+  byId("pages").querySelectorAll("[aria-current]").forEach((item) => item.setAttribute("aria-current", "page"));
+  document.body.dataset.view = known[0];
+  known[2](byId(`view-${known[0]}`), current);
+}
+
+let answered = false;
+/** Charts and a sample of the images below the sentence, which stands in the page already. */
+function showAnswer() {
+  if (answered) return;
+  answered = true;
+  const pair = pairs[0];
+  if (pair) {
+    byId("lead-chart").append(breakEvenChart(pair));
+    byId("answer-rest").append(h("div", { class: "two" }, breakEvenMap(pair), strip(pair)));
+  } else {
+    byId("answer-rest").append(strip(null));
+  }
+  if (model.differences.length) byId("answer-rest").append(h("p", { class: "note" }, "Joined runs differ in ", model.differences.map(([name]) => name).join(", "), ". ", h("a", { href: "#run" }, "Details")));
+}
+
+/** The images of one telling scene: the case in the middle. */
+function strip(pair) {
+  const withPixels = scenes.filter((scene) => scene.variants.some((row) => row.image !== null && model.images[row.image].payload !== null));
+  if (!withPixels.length) return h("p", { class: "note" }, model.image_notes.join(" "));
+  const ranked = pair ? [...pair.cases].sort((a, b) => (a.crossing ?? Infinity) - (b.crossing ?? Infinity)) : [];
+  const middle = ranked[Math.floor((ranked.length - 1) / 2)];
+  const scene = withPixels.find((one) => middle && one.variants.some((row) => row.cell === middle.fixed_cell && row.run === middle.fixed_run)) ?? withPixels[0];
+  const own = scene.variants, settings = settingsOf(own[0]);
+  const fixed = middle && own.find((row) => row.cell === middle.fixed_cell);
+  const sampled = pair ? own.filter((row) => row.axes.method === pair.sampled) : own;
+  const at = sampled.find((row) => middle && Number(row.axes.samples) === middle.break_even.n) ?? sampled.at(-1);
+  const chosen = [...new Set([fixed, sampled[0], at].filter(Boolean))];
+  return h("figure", { class: "figure strip" }, h("figcaption", {}, h("h3", {}, `See it: ${scene.label}`)),
+    h("p", { class: "note" }, pair ? "The scene whose break-even lies in the middle. Above the images, below their relative error (magma, 10⁻³ to 1). Click to compare them pixel by pixel." : "Above the images, below their relative error (magma, 10⁻³ to 1)."),
+    h("div", { class: "strip-images" }, h("div", {}, h("h4", {}, "reference"), thumbnail(own[0], "image", settings, { isReference: true })),
+      chosen.map((row) => h("div", {}, h("h4", {}, variantLabel(row)), thumbnail(row, "image", settings), thumbnail(row, "error", settings)))),
+    h("p", {}, h("a", { href: "#images" }, `All ${scenes.length} scenes`), " · ", h("a", { href: link({ view: "compare", cell: (fixed ?? own[0]).cell, split: 0.5 }) }, "Compare with the reference")));
+}
+
+function help() {
+  const dialog = byId("help");
+  if (!dialog.firstChild) {
+    dialog.append(h("h2", { id: "help-title" }, "Keys"), h("table", { class: "plain" }, h("tbody", {}, KEYS.map(([key, what]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, key)), h("td", {}, what))))),
+      h("form", { method: "dialog" }, h("button", {}, "Close")));
+  }
+  dialog.showModal();
+}
+
+/** Whether keys belong to the element that has the focus. */
+const isTyping = (element) => element?.matches("input:not([type=range]):not([type=checkbox]), select, textarea, [contenteditable]");
+
+function onKey(event) {
+  if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target) || byId("help").open) return;
+  const isCompare = document.body.dataset.view === "compare";
+  // Space and arrows keep their meaning on buttons and sliders.
+  const isOwn = event.target.matches("button, a, summary") && [" ", "Enter"].includes(event.key);
+  const isSlider = event.target.matches("input[type=range]") && event.key.startsWith("Arrow");
+  if (isCompare && !(isOwn && event.key === "Enter") && !isSlider && viewerKey(event)) {
+    event.preventDefault();
+  } else if (event.key === "?") {
+    help();
+  } else if (GO[event.key] && !isOwn) {
+    go({ view: GO[event.key] });
+  }
+}
+
+/** Called once, by the page. */
+export function start() {
+  byId("pages").append(...PAGES.map(([name, title]) => h("a", { href: `#${name}`, "data-view": name }, title)));
+  byId("tools").append(h("button", { type: "button", onclick: help, "aria-label": "Keys", title: "Keys (?)" }, "?"));
+  addEventListener("keydown", onKey);
+  addEventListener("keyup", (event) => { if (event.key === " ") viewerRelease(); });
+  addEventListener("blur", viewerRelease);
+  onState(show);
+  const begin = () => { show(state()); document.body.dataset.ready = String(Math.round(performance.now())); };
+  // The images stand after the script; they are needed only once the page is parsed.
+  if (document.readyState === "loading") addEventListener("DOMContentLoaded", begin); else begin();
+}

@@ -1,0 +1,316 @@
+// The figures: what is drawn of the run's data.
+
+import { COLORS, SHAPES, domain, figure, heatmap, ordinal, xy } from "report/chart";
+import { displayAxes, headline, model, rows, scenes, short, symbol, table, variantLabel, variantLabels } from "report/data";
+import { choice, h, number, quartiles, select } from "report/dom";
+import { go, keep } from "report/state";
+
+const { case_axes: caseAxes, curves, pairs } = model.analysis;
+/** The case axis that colours tell apart: alpha, or else the last. */
+const seriesAxis = caseAxes.includes("alpha") ? caseAxes.indexOf("alpha") : caseAxes.length - 1;
+const facetAxes = caseAxes.map((_, i) => i).filter((i) => i !== seriesAxis);
+const facetLabel = (key) => facetAxes.map((i) => label(i, key[i])).join(" · ") || "all";
+const seriesLabel = (key) => (seriesAxis < 0 ? "" : `${symbol(caseAxes[seriesAxis])} ${short(caseAxes[seriesAxis], key[seriesAxis])}`);
+const label = (axis, value) => { const text = short(caseAxes[axis], value); return /^[\d.e+-]+$/.test(text) ? `${symbol(caseAxes[axis])} ${text}` : text; };
+const keyLabel = (key) => key.map((value, i) => label(i, value)).join(" · ");
+const unique = (values) => [...new Set(values)];
+const open = (cell, run) => () => go({ view: "compare", cell, run: run || undefined });
+const breakEvenText = ({ n, above }) => (above ? `> ${n}` : `${n}`);
+const curveFacets = unique(curves.map((curve) => facetLabel(curve.key)));
+const sampleAxis = (counts) => ({ label: "samples a pixel", log: true, domain: domain(counts, true), ticks: counts, format: (t) => String(t) });
+const fixedOf = (key) => unique(pairs.map((pair) => pair.fixed)).flatMap((fixed) => pairs.filter((pair) => pair.fixed === fixed).slice(0, 1)
+  .flatMap((pair) => pair.cases.filter((c) => JSON.stringify(c.key) === JSON.stringify(key)).map((c) => ({ fixed, ...c }))));
+
+/** Error of sampling over error of the fixed method, for every case: where it falls below 1, sampling wins. */
+export function breakEvenChart(pair) {
+  const counts = pair.sample_counts;
+  const series = unique(pair.cases.map((c) => c.key[seriesAxis]));
+  const ratios = pair.cases.map((c) => curves[c.curve].points.map((p) => [p.samples, p.error / c.fixed_error, p]));
+  const middle = counts.map((n) => [n, quartiles(ratios.flat().filter(([m]) => m === n).map(([, ratio]) => ratio))]);
+  const color = (c) => ordinal(series.indexOf(c.key[seriesAxis]), series.length);
+  const crossings = pair.cases.filter((c) => c.crossing !== null);
+  return figure({
+    name: "break-even-curves",
+    class: "lead-figure",
+    title: `Error of ${pair.sampled} over error of ${pair.fixed}`,
+    note: `One line a case; bold: the median, shaded: the middle half. Below 1, ${pair.sampled} is closer to the reference. Open marks on the line: where a case crosses.`,
+    legend: [...series.map((value, i) => ({ label: seriesAxis < 0 ? "cases" : `${symbol(caseAxes[seriesAxis])} ${short(caseAxes[seriesAxis], value)}`, color: ordinal(i, series.length) })),
+      { label: "median", color: "var(--ink)" }],
+    table: {
+      columns: [...caseAxes, pair.fixed, ...counts.map((n) => `${pair.sampled} ${n}`), "break-even", "crossing"],
+      rows: pair.cases.map((c) => [...c.key, c.fixed_error, ...counts.map((n) => curves[c.curve].points.find((p) => p.samples === n)?.error ?? null), breakEvenText(c.break_even), c.crossing]),
+      onrow: (i) => open(pair.cases[i].fixed_cell, pair.cases[i].fixed_run)(),
+    },
+    draw: xy({
+      x: sampleAxis(counts),
+      y: { label: `relMSE ratio ${pair.sampled} / ${pair.fixed}`, log: true, domain: domain([...ratios.flat().map(([, ratio]) => ratio), 1], true) },
+      marks: [
+        { band: middle.map(([n, [lo, , hi]]) => [n, lo, hi]), color: "var(--ink)" },
+        ...pair.cases.map((c, i) => ({ line: ratios[i].map(([n, ratio]) => [n, ratio]), color: color(c), width: 1.1, opacity: 0.75 })),
+        { rule: 1, color: "var(--ink)", width: 1.4 },
+        { text: `${pair.fixed} better ↑`, x: (box) => box.right - 6, y: (box) => box.top + 14, anchor: "end", color: "var(--muted)" },
+        { text: `${pair.sampled} better ↓`, x: (box) => box.left + 8, y: (box) => box.bottom - 8, color: "var(--muted)" },
+        { line: middle.map(([n, [, m]]) => [n, m]), color: "var(--ink)", width: 3 },
+        { r: 2.6, dots: pair.cases.flatMap((c, i) => ratios[i].map(([n, ratio, p]) => ({ x: n, y: ratio, color: color(c), open: open(p.cell, p.run),
+          text: `${keyLabel(c.key)}\n${pair.sampled} ${n}: relMSE ${number(p.error)}\n${pair.fixed}: ${number(c.fixed_error)} · ratio ${number(ratio)}` }))) },
+        { r: 3.6, dots: crossings.map((c) => ({ x: c.crossing, y: 1, color: "var(--paper)", open: open(c.fixed_cell, c.fixed_run), text: `${keyLabel(c.key)}\ncrosses at ${number(c.crossing, 2)} samples` })) },
+      ],
+    }),
+  });
+}
+
+/** Colour and ink of a break-even count: dark is early. */
+function breakEvenColor(pair, { n, above }) {
+  const place = above ? pair.sample_counts.length : pair.sample_counts.indexOf(n);
+  const step = Math.round((place / Math.max(1, pair.sample_counts.length)) * 6);
+  return { color: `var(--heat-${step})`, ink: `var(--heat-ink-${step})` };
+}
+
+/** Break-even of every case. */
+export function breakEvenMap(pair) {
+  const lines = unique(pair.cases.map((c) => c.key[seriesAxis])), columns = unique(pair.cases.map((c) => facetLabel(c.key)));
+  const at = (r, c) => pair.cases.find((one) => one.key[seriesAxis] === lines[r] && facetLabel(one.key) === columns[c]);
+  return figure({
+    name: "break-even",
+    title: `Break-even of ${pair.sampled} with ${pair.fixed}`,
+    note: "The smallest tried sample count from which on every larger one is better too. Click a cell for its images.",
+    height: () => 80 + 34 * lines.length,
+    table: { columns: [...caseAxes, "break-even", "crossing"], rows: pair.cases.map((c) => [...c.key, breakEvenText(c.break_even), c.crossing]), onrow: (i) => open(pair.cases[i].fixed_cell, pair.cases[i].fixed_run)() },
+    draw: heatmap({
+      rows: lines.map((value) => short(caseAxes[seriesAxis], value ?? "")), columns, rowTitle: seriesAxis < 0 ? "" : symbol(caseAxes[seriesAxis]), columnTitle: facetAxes.map((i) => caseAxes[i]).join(" · "),
+      cell: (r, c) => {
+        const one = at(r, c);
+        return one && { text: breakEvenText(one.break_even), ...breakEvenColor(pair, one.break_even), open: open(one.fixed_cell, one.fixed_run),
+          title: `${keyLabel(one.key)}: ${breakEvenText(one.break_even)} samples; ${pair.fixed} ${number(one.fixed_error)}` };
+      },
+    }),
+  });
+}
+
+/** Log-log convergence of one facet, with fitted slopes and the reference's noise floor. */
+function convergence(facet) {
+  const own = curves.filter((curve) => facetLabel(curve.key) === facet);
+  const series = unique(own.map((curve) => curve.key[seriesAxis])), methods = unique(own.map((curve) => curve.method));
+  const floors = own.map((curve) => curve.noise_floor).filter((x) => x > 0);
+  const fixed = unique(own.map((curve) => JSON.stringify(curve.key))).flatMap((key) => fixedOf(JSON.parse(key)));
+  const dash = (method) => [undefined, "7 3", "2 3", "9 3 2 3"][methods.indexOf(method) % 4];
+  const color = (key) => ordinal(series.indexOf(key[seriesAxis]), series.length);
+  const slopeText = (curve) => (curve.slope ? `slope ${number(curve.slope.value, 2)} [${number(curve.slope.lo, 2)}, ${number(curve.slope.hi, 2)}]` : "no fit");
+  const counts = unique(own.flatMap((curve) => curve.points.map((p) => p.samples))).sort((a, b) => a - b);
+  return figure({
+    name: `convergence-${facet}`,
+    title: `Convergence · ${facet}`,
+    note: "Slopes are fitted to ln(error) over ln(samples) with their 95 % interval; plain Monte Carlo has −1 in squared error. Dotted: the error an exact image would have by the reference's own noise. Flat lines: methods without samples.",
+    legend: [...own.map((curve) => ({ label: `${methods.length > 1 ? `${curve.method} ` : ""}${seriesLabel(curve.key)}: ${slopeText(curve)}`, color: color(curve.key), shape: SHAPES[series.indexOf(curve.key[seriesAxis]) % SHAPES.length], dash: dash(curve.method) })),
+      ...unique(fixed.map((c) => c.fixed)).map((name) => ({ label: name, color: "var(--muted)", dash: "1 0" })), { label: "noise floor", color: "var(--muted)", dash: "1 4" }],
+    table: {
+      columns: [...caseAxes, "method", "samples", headline, "slope", "slope_lo", "slope_hi", "noise_floor"],
+      rows: own.flatMap((curve) => curve.points.map((p) => [...curve.key, curve.method, p.samples, p.error, curve.slope?.value ?? null, curve.slope?.lo ?? null, curve.slope?.hi ?? null, curve.noise_floor])),
+      onrow: (i) => { const p = own.flatMap((curve) => curve.points)[i]; open(p.cell, p.run)(); },
+    },
+    draw: xy({
+      x: sampleAxis(counts),
+      y: { label: "relMSE", log: true, domain: domain([...own.flatMap((curve) => curve.points.map((p) => p.error)), ...fixed.map((c) => c.fixed_error), ...floors], true) },
+      marks: [
+        ...unique(floors).map((floor, i) => ({ rule: floor, color: "var(--muted)", dash: "1 4", opacity: 0.8, label: i === 0 ? "noise floor" : "" })),
+        ...fixed.map((c) => ({ rule: c.fixed_error, color: color(c.key), width: 1, opacity: 0.8 })),
+        ...own.filter((curve) => curve.slope).map((curve) => ({ line: counts.map((n) => [n, Math.exp(curve.slope.intercept) * n ** curve.slope.value]), color: color(curve.key), width: 1, dash: "3 3", opacity: 0.6 })),
+        ...own.map((curve) => ({ line: curve.points.map((p) => [p.samples, p.error]), color: color(curve.key), dash: dash(curve.method), width: 2 })),
+        ...own.map((curve) => ({ color: color(curve.key), shape: SHAPES[series.indexOf(curve.key[seriesAxis]) % SHAPES.length], r: 4, dots: curve.points.map((p) => ({ x: p.samples, y: p.error, open: open(p.cell, p.run),
+          text: `${curve.method} ${p.samples} · ${seriesLabel(curve.key)}\nrelMSE ${number(p.error)}${p.is_resolved ? "" : " (limited by the reference)"}\n${slopeText(curve)}` })) })),
+      ],
+    }),
+  });
+}
+
+/** Time against error: one mark a variant over the chosen rows, with the Pareto front. */
+function timeError(facet) {
+  const own = rows.filter((row) => row.time && row.scores[headline] !== null && (facet === "all" || facetLabel(caseAxes.map((name) => row.axes[name])) === facet));
+  const points = variantLabels.flatMap((name) => {
+    const of = own.filter((row) => variantLabel(row) === name);
+    if (!of.length) return [];
+    const [lo, error, hi] = quartiles(of.map((row) => row.scores[headline]));
+    const time = quartiles(of.map((row) => row.time.median))[1];
+    return [{ name, method: of[0].axes.method, error, lo, hi, time, t05: Math.min(...of.map((row) => row.time.p05)), t95: Math.max(...of.map((row) => row.time.p95)), row: of[0], n: of.length }];
+  });
+  if (!points.length) return null;
+  const front = points.filter((p) => !points.some((q) => q !== p && q.time <= p.time && q.error <= p.error && (q.time < p.time || q.error < p.error))).sort((a, b) => a.time - b.time);
+  const methods = unique(points.map((p) => p.method));
+  const cpu = model.runs.some((run) => run.timings.some((record) => record.device_type === "cpu"));
+  return figure({
+    name: `time-error-${facet}`,
+    title: `Time against error · ${facet}`,
+    note: `Median over the chosen cells; whiskers: the middle half of the errors, and p05 to p95 of the frame times. Line: the Pareto front. ${cpu ? "Times of a CPU driver say nothing about a GPU." : ""}`,
+    legend: [...methods.map((method, i) => ({ label: method, color: COLORS[i % 7], shape: SHAPES[i % SHAPES.length], line: false })), { label: "Pareto front", color: "var(--muted)", dash: "5 3" }],
+    table: { columns: ["variant", "frame_ms", "p05_ms", "p95_ms", headline, "lower_quartile", "upper_quartile", "cells", "on_front"], rows: points.map((p) => [p.name, p.time, p.t05, p.t95, p.error, p.lo, p.hi, p.n, front.includes(p) ? "yes" : "no"]), onrow: (i) => open(points[i].row.cell, points[i].row.run)() },
+    draw: xy({
+      x: { label: "frame time, ms", log: true, domain: domain(points.flatMap((p) => [p.t05, p.t95]), true) },
+      y: { label: "relMSE", log: true, domain: domain(points.flatMap((p) => [p.lo, p.hi]), true) },
+      marks: [
+        { line: front.map((p) => [p.time, p.error]), color: "var(--muted)", dash: "5 3", width: 1.6 },
+        ...methods.map((method, i) => ({ color: COLORS[i % 7], shape: SHAPES[i % SHAPES.length], r: 5, dots: points.filter((p) => p.method === method).map((p) => ({ x: p.time, y: p.error, xs: [p.t05, p.t95], ys: [p.lo, p.hi], open: open(p.row.cell, p.row.run),
+          text: `${p.name}\n${number(p.time)} ms (${number(p.t05)} to ${number(p.t95)})\nrelMSE ${number(p.error)} (${number(p.lo)} to ${number(p.hi)}, ${p.n} cells)` })) })),
+        ...points.map((p) => ({ text: p.name.replace(`${p.method} `, ""), x: p.time * 1.03, y: p.error * 0.93, color: "var(--muted)" })),
+      ],
+    }),
+  });
+}
+
+/** Break-even over alpha and n.v in one facet. */
+function nDotVMap(pair, facet) {
+  const own = pair.cases.filter((c) => facetLabel(c.key) === facet && c.bins.length);
+  if (!own.length) return null;
+  const bins = unique(own.flatMap((c) => c.bins.map((bin) => bin.lo))).sort((a, b) => a - b);
+  const hi = Object.fromEntries(own.flatMap((c) => c.bins.map((bin) => [bin.lo, bin.hi])));
+  return figure({
+    name: `break-even-n-dot-v-${facet}`,
+    title: `Break-even over ${seriesAxis < 0 ? "cases" : symbol(caseAxes[seriesAxis])} and n·v · ${facet}`,
+    note: `Samples from which on ${pair.sampled} beats ${pair.fixed}, over the pixels of each bin of n·v: left grazing, right facing the viewer.`,
+    height: () => 80 + 34 * own.length,
+    table: { columns: [...caseAxes, "n_dot_v_from", "n_dot_v_to", pair.fixed, "break-even"], rows: own.flatMap((c) => c.bins.map((bin) => [...c.key, bin.lo, bin.hi, bin.fixed_error, breakEvenText(bin.break_even)])) },
+    draw: heatmap({
+      rows: own.map((c) => short(caseAxes[seriesAxis] ?? "", c.key[seriesAxis] ?? "")), columns: bins.map((lo) => `${number(lo, 2)}–${number(hi[lo], 2)}`), rowTitle: seriesAxis < 0 ? "" : symbol(caseAxes[seriesAxis]), columnTitle: "n·v",
+      cell: (r, c) => {
+        const bin = own[r].bins.find((one) => one.lo === bins[c]);
+        return bin && { text: breakEvenText(bin.break_even), ...breakEvenColor(pair, bin.break_even), open: open(own[r].fixed_cell, own[r].fixed_run),
+          title: `${keyLabel(own[r].key)}, n·v ${bin.lo} to ${bin.hi}: ${breakEvenText(bin.break_even)} samples; ${pair.fixed} ${number(bin.fixed_error)}` };
+      },
+    }),
+  });
+}
+
+let binRows = null;
+function binsOf(row) {
+  binRows ??= model.runs.map((_, run) => {
+    const found = new Map(), own = table(run, "errors_by_n_dot_v.csv");
+    if (!own) return found;
+    const [cell, lo, hi, error] = ["cell", "n_dot_v_from", "n_dot_v_to", headline].map((name) => own.columns.indexOf(name));
+    for (const fields of own.rows) {
+      if (!found.has(fields[cell])) found.set(fields[cell], []);
+      found.get(fields[cell]).push([Number(fields[lo]), Number(fields[hi]), Number(fields[error])]);
+    }
+    return found;
+  });
+  return binRows[row.run].get(row.cell) ?? [];
+}
+
+/** Error over n.v for every variant of one scene. */
+function profile(scene) {
+  const own = scene.variants.map((row) => ({ row, bins: binsOf(row) })).filter(({ bins }) => bins.length);
+  if (!own.length) return null;
+  const methods = unique(own.map(({ row }) => row.axes.method));
+  const style = ({ row }) => {
+    const same = own.filter((other) => other.row.axes.method === row.axes.method);
+    return row.axes.samples === "" || same.length === 1 ? { color: COLORS[methods.indexOf(row.axes.method) % 7], width: 3, dash: "6 3" } : { color: ordinal(same.findIndex((other) => other.row === row), same.length), width: 1.8 };
+  };
+  const middle = ([lo, hi]) => (lo + hi) / 2;
+  return figure({
+    name: `n-dot-v-${scene.label}`,
+    title: `Error over n·v · ${scene.label}`,
+    note: "relMSE over the pixels of each bin: left grazing, right facing the viewer.",
+    legend: own.map((one, i) => ({ label: variantLabel(one.row), ...style(one), shape: SHAPES[i % SHAPES.length] })),
+    table: { columns: ["variant", "n_dot_v_from", "n_dot_v_to", headline], rows: own.flatMap(({ row, bins }) => bins.map((bin) => [variantLabel(row), ...bin])), onrow: (i) => { const { row } = own.flatMap((one) => one.bins.map(() => one))[i]; open(row.cell, row.run)(); } },
+    draw: xy({
+      x: { label: "n·v", domain: [0, 1] },
+      y: { label: "relMSE", log: true, domain: domain(own.flatMap(({ bins }) => bins.map((bin) => bin[2])), true) },
+      marks: [
+        ...own.map((one) => ({ line: one.bins.map((bin) => [middle(bin), bin[2]]), ...style(one) })),
+        ...own.map((one, i) => ({ color: style(one).color, shape: SHAPES[i % SHAPES.length], dots: one.bins.map((bin) => ({ x: middle(bin), y: bin[2], open: open(one.row.cell, one.row.run), text: `${variantLabel(one.row)}\nn·v ${bin[0]} to ${bin[1]}: relMSE ${number(bin[2])}` })) })),
+      ],
+    }),
+  });
+}
+
+/** The visible difference (FLIP) by exposure and contrast. */
+function visibility(variant) {
+  const own = rows.filter((row) => variantLabel(row) === variant && row.scores.flip !== null);
+  const [x, y] = displayAxes.length > 1 ? [displayAxes[0], displayAxes[1]] : [displayAxes[0], null];
+  const columns = unique(rows.map((row) => row.axes[x])), lines = y ? unique(rows.map((row) => row.axes[y])) : [""];
+  const value = (r, c) => quartiles(own.filter((row) => row.axes[x] === columns[c] && (!y || row.axes[y] === lines[r])).map((row) => row.scores.flip))[1];
+  return figure({
+    name: `visibility-${variant}`,
+    title: `Visible difference (FLIP) · ${variant}`,
+    note: "Median over all scenes; 0 is equal, 1 the largest. The tone curve hides or shows the same linear error.",
+    height: () => 80 + 40 * lines.length,
+    table: { columns: [...(y ? [y] : []), x, "flip_median"], rows: lines.flatMap((line, r) => columns.map((column, c) => [...(y ? [line] : []), column, value(r, c)])) },
+    draw: heatmap({
+      rows: lines.map((line) => line || " "), columns, rowTitle: y ?? "", columnTitle: x,
+      cell: (r, c) => {
+        const flip = value(r, c);
+        if (!Number.isFinite(flip)) return null;
+        const step = Math.min(6, Math.round(flip * 12));
+        const row = own.find((one) => one.axes[x] === columns[c] && (!y || one.axes[y] === lines[r]));
+        return { text: number(flip, 2), color: `var(--heat-${step})`, ink: `var(--heat-ink-${step})`, title: `${x} ${columns[c]}${y ? `, ${y} ${lines[r]}` : ""}: FLIP ${number(flip)}`, open: open(row.cell, row.run) };
+      },
+    }),
+  });
+}
+
+/** Pass times stacked, one bar a configuration. */
+function passes(phase, title, note) {
+  const bars = model.runs.flatMap((run, index) => run.timings.filter((record) => record.phase === phase).map((record) => {
+    const words = ["brdf", "method", "samples", "diffuse"].map((name) => record.axes[name]).filter((word) => word && word !== "none");
+    const name = [model.runs.length > 1 ? run.label : "", ...words].filter(Boolean).join(" ") || record.environment_size.join("×");
+    return { name, passes: record.passes, total: record.passes.reduce((sum, [, ms]) => sum + ms, 0), order: `${record.axes.brdf} ${record.axes.method} ${String(record.axes.samples).padStart(6, "0")}`, run: index };
+  })).sort((a, b) => a.run - b.run || (a.order < b.order ? -1 : 1));
+  if (!bars.length) return null;
+  const names = unique(bars.flatMap((bar) => bar.passes.map(([name]) => name)));
+  const longest = Math.max(...bars.map((bar) => bar.total));
+  return figure({
+    name: `passes-${phase}`,
+    title, note,
+    legend: names.map((name, i) => ({ label: name, color: COLORS[i % 7], shape: "square", line: false })),
+    height: () => 40 + 22 * bars.length,
+    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => bar.passes.map(([name, ms]) => [bar.name, name, ms])) },
+    draw: (width, height, tip) => passBars(bars, names, longest, width, height, tip),
+  });
+}
+
+function passBars(bars, names, longest, width, height) {
+  const draw = xy({ x: { label: "ms", domain: [0, longest] }, y: { label: "", domain: [0, 1], ticks: [] }, marks: [] });
+  const svg = draw(width, height, { hidden: true });
+  const make = (tag, attributes, ...children) => { const element = document.createElementNS("http://www.w3.org/2000/svg", tag); Object.entries(attributes).forEach(([name, value]) => element.setAttribute(name, value)); element.append(...children); return element; };
+  svg.replaceChildren();
+  const left = Math.min(width * 0.42, 12 + 6.6 * Math.max(...bars.map((bar) => bar.name.length)));
+  bars.forEach((bar, i) => {
+    const y = 6 + i * 22;
+    let x = left;
+    svg.append(make("text", { x: left - 8, y: y + 13, class: "tick", "text-anchor": "end" }, bar.name));
+    for (const [name, ms] of bar.passes) {
+      const w = (ms / longest) * (width - left - 70);
+      svg.append(make("rect", { x, y: y + 1, width: Math.max(0.5, w), height: 16, fill: COLORS[names.indexOf(name) % 7] }, make("title", {}, `${bar.name}: ${name} ${number(ms)} ms`)));
+      x += w;
+    }
+    svg.append(make("text", { x: x + 6, y: y + 13, class: "tick" }, `${number(bar.total)} ms`));
+  });
+  return svg;
+}
+
+/** The page of plots. */
+export function showPlots(view, state) {
+  const groups = [];
+  const facets = curveFacets.length ? curveFacets : ["all"];
+  const facet = facets.includes(state.facet) ? state.facet : facets[0];
+  const scene = scenes.find((one) => one.key === state.scene) ?? scenes[0];
+  const variants = variantLabels, variant = variants.includes(state.variant) ? state.variant : variants[0];
+  const again = (details) => { keep(details); showPlots(view, { ...state, ...details }); };
+  const pair = pairs.find((one) => `${one.sampled} ${one.fixed}` === state.pair) ?? pairs[0];
+  const bar = h("div", { class: "controls" }, h("h2", {}, "Plots"),
+    pairs.length > 1 && select("Methods", pairs.map((p) => [`${p.sampled} ${p.fixed}`, `${p.sampled} against ${p.fixed}`]), `${pair.sampled} ${pair.fixed}`, (value) => again({ pair: value })),
+    facets.length > 1 && select("Show", facets.map((f) => [f, f]), facet, (value) => again({ facet: value })));
+  if (curves.length) groups.push(convergence(facet));
+  groups.push(timeError(state.all === "1" || !curves.length ? "all" : facet));
+  if (pair) groups.push(nDotVMap(pair, facet), breakEvenMap(pair));
+  groups.push(profile(scene));
+  if (displayAxes.length) groups.push(visibility(variant));
+  groups.push(passes("frame", "Time of a frame by pass", "Median of each pass, in running order."), passes("precompute", "Made once per environment or model", "Apart from the frame: tables that every frame uses."));
+  const extra = h("div", { class: "controls" },
+    scenes.length > 1 && select("Profile of", scenes.map((one) => [one.key, one.label]), scene.key, (value) => again({ scene: value })),
+    displayAxes.length > 0 && variants.length > 1 && select("Visibility of", variants.map((name) => [name, name]), variant, (value) => again({ variant: value })),
+    curves.length > 0 && choice("Cells of the time plot", [["0", "This setting"], ["1", "All cells"]], state.all === "1" ? "1" : "0", (value) => again({ all: value })));
+  const links = model.figures.length > 0 && h("p", { class: "note" }, "Data and Vega-Lite specifications beside this report: ",
+    model.figures.map((name, i) => [i ? ", " : "", h("a", { href: `${name.split("/").map(encodeURIComponent).join("/")}.vl.json` }, `${name.split("/").at(-1)}.vl.json`)]), ".");
+  view.replaceChildren(bar, extra, h("div", { class: "figures" }, groups.filter(Boolean)), links || "");
+}
+
+export { pairs };

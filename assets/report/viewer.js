@@ -1,0 +1,522 @@
+// The comparison of images on linear data: flip in place, split, zoom to texels, error maps, probe. WebGL2.
+
+import { HALF, errorColor, exrLink, headline, mask, model, pixels, rowOf, rows, scenes, shaderText, texelError, variantLabel } from "report/data";
+import { announce, choice, h, number, select } from "report/dom";
+import { keep, link, state as current } from "report/state";
+
+const VERTEX = "#version 300 es\nvoid main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }";
+const SCALE_MAX = 96;
+const MODES = [["image", "Image", "the image through the tone curve"], ["error", "Error", "relative error (E)"], ["signed", "Signed", "signed relative error (S)"]];
+const TONES = [["curve", "Tone curve", "(e L / (e L + 1))^(contrast / 2.2), the project's"], ["srgb", "sRGB", "clipped linear, sRGB-encoded"]];
+/** Texels kept as textures; older scenes are freed. */
+const TEXTURE_MAX = 96;
+
+class Viewer {
+  constructor(view) {
+    this.view = view;
+    this.textures = new Map();
+    this.showsReference = false;
+    this.canvas = h("canvas", { tabindex: 0, role: "img", "aria-describedby": "viewer-keys" });
+    this.gl = this.canvas.getContext("webgl2", { antialias: false, alpha: false });
+    this.build();
+    if (this.gl) this.setUp();
+  }
+
+  // --- WebGL ---------------------------------------------------------------------------------------------------------------
+
+  setUp() {
+    const { gl } = this;
+    const program = gl.createProgram();
+    for (const [type, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, shaderText()]]) {
+      const shader = gl.createShader(type);
+      gl.shaderSource(shader, source);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+      gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+    gl.useProgram(program);
+    this.uniform = {};
+    for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); i++) {
+      const { name } = gl.getActiveUniform(program, i);
+      this.uniform[name] = gl.getUniformLocation(program, name);
+    }
+    ["left_image", "right_image", "left_reference", "right_reference", "mask", "palette"].forEach((name, unit) => gl.uniform1i(this.uniform[name], unit));
+    const { magma, blue_red, relative, signed, nan, off_mask } = model.colors;
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    this.palette = this.texture(gl.RGBA8, 256, 2, gl.RGBA, gl.UNSIGNED_BYTE, Uint8Array.from([...magma, ...blue_red].flatMap((c) => [...c, 255])));
+    this.noMask = this.texture(gl.R8, 1, 1, gl.RED, gl.UNSIGNED_BYTE, Uint8Array.of(255));
+    gl.uniform2fv(this.uniform.relative_range, relative);
+    gl.uniform2fv(this.uniform.signed_range, signed);
+    gl.uniform3fv(this.uniform.nan_color, nan.map((c) => c / 255));
+    gl.uniform3fv(this.uniform.off_mask_color, off_mask.map((c) => c / 255));
+    this.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
+    this.canvas.addEventListener("webglcontextrestored", () => { this.textures.clear(); this.setUp(); this.show(current()); });
+  }
+
+  texture(internal, width, height, format, type, data) {
+    const { gl } = this;
+    const texture = gl.createTexture();
+    gl.activeTexture(gl.TEXTURE7);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, data);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
+    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+    return texture;
+  }
+
+  /** Decodes and uploads an image once; a promise of {width, height, rgba, texture}. */
+  async load(index) {
+    if (this.textures.has(index)) return this.textures.get(index);
+    const { gl } = this;
+    const image = await pixels(index);
+    if (!image) return null;
+    if (this.textures.has(index)) return this.textures.get(index);
+    const entry = { ...image, texture: this.texture(gl.RGBA16F, image.width, image.height, gl.RGBA, gl.HALF_FLOAT, image.rgba) };
+    const reference = model.images[index].reference;
+    if (reference === index) {
+      const bytes = await mask(index);
+      entry.maskBytes = bytes;
+      entry.mask = bytes ? this.texture(gl.R8, image.width, image.height, gl.RED, gl.UNSIGNED_BYTE, bytes.map((b) => b * 255)) : this.noMask;
+    }
+    this.textures.set(index, entry);
+    for (const [old, { texture, mask: oldMask }] of this.textures) {
+      if (this.textures.size <= TEXTURE_MAX || this.wanted.has(old)) break;
+      gl.deleteTexture(texture);
+      if (oldMask && oldMask !== this.noMask) gl.deleteTexture(oldMask);
+      this.textures.delete(old);
+    }
+    return entry;
+  }
+
+  // --- State ---------------------------------------------------------------------------------------------------------------
+
+  /** Shows what the address asks for. */
+  async show(state) {
+    const row = rowOf(state.cell, state.run ?? 0) ?? scenes.find((one) => one.variants.some((v) => v.image !== null))?.variants[0];
+    if (!row || !this.gl) return this.sayNothing(row);
+    const scene = row.scene, real = (text, otherwise) => (text !== undefined && Number.isFinite(Number(text)) ? Number(text) : otherwise);
+    this.row = row.original;
+    this.other = scene.variants.find((v) => v.cell === state.with) ?? null;
+    this.mode = MODES.some(([name]) => name === state.mode) ? state.mode : "image";
+    this.tone = state.tone === "srgb" ? "srgb" : "curve";
+    this.stops = real(state.ev, Math.log2(Number(row.axes.exposure) || 1));
+    this.contrast = real(state.contrast, Number(row.axes.contrast) || 1);
+    this.clipped = state.clip === "1";
+    this.split = state.split === undefined ? null : real(state.split, 0.5);
+    const isNew = this.scene !== scene;
+    this.scene = scene;
+    this.wanted = new Set(scene.variants.flatMap((v) => [v.image, v.reference]).filter((i) => i !== null));
+    this.fillVariants();
+    this.syncControls();
+    const needed = [this.row.image, this.row.reference, this.other?.image ?? null, this.other?.reference ?? null].filter((i) => i !== null);
+    await Promise.all(needed.map((i) => this.load(i)));
+    if (this.scene !== scene) return undefined;
+    const texels = this.textures.get(this.row.image);
+    if (!texels) return this.sayNothing(row);
+    this.stage.classList.remove("empty");
+    this.resize();
+    if (isNew || !this.scale) this.fit();
+    if (state.zoom !== undefined) {
+      this.scale = Math.min(SCALE_MAX, Math.max(0.05, real(state.zoom, 1)));
+      this.center(real(state.x, texels.width / 2), real(state.y, texels.height / 2));
+    }
+    this.draw();
+    // The rest of the scene, so that flipping and the probe are instant.
+    for (const index of this.wanted) await this.load(index);
+    this.canvas.dataset.ready = scene.key;
+    this.probe();
+    return undefined;
+  }
+
+  sayNothing(row) {
+    this.stage.classList.add("empty");
+    const why = !this.gl ? "This browser has no WebGL2, which the comparison needs." : "No pixels of this cell are in the page.";
+    this.caption.replaceChildren(why, " ", row?.image != null ? h("a", { href: exrLink(row.image) }, "Its linear EXR") : "");
+  }
+
+  keepState() {
+    const texels = this.textures.get(this.row.image);
+    const middle = this.scale === this.fitScale ? {} : this.middle();
+    keep({
+      cell: this.row.cell, run: this.row.run || "", with: this.other?.cell ?? "", mode: this.mode === "image" ? "" : this.mode,
+      tone: this.tone === "curve" ? "" : this.tone, ev: Number(this.stops.toFixed(3)), contrast: Number(this.contrast.toFixed(3)),
+      clip: this.clipped ? "1" : "", split: this.split === null ? "" : Number(this.split.toFixed(4)),
+      zoom: texels && this.scale !== this.fitScale ? Number(this.scale.toFixed(3)) : "", x: middle.x ?? "", y: middle.y ?? "",
+    });
+  }
+
+  choose(row) {
+    if (!this.textures.has(row.image)) {
+      this.show({ ...current(), cell: row.cell, run: row.run });
+      return;
+    }
+    this.row = row;
+    this.draw();
+    this.keepState();
+    this.markVariant();
+  }
+
+  step(by) {
+    const { variants } = this.scene;
+    this.choose(variants[(variants.indexOf(this.row) + by + variants.length) % variants.length]);
+  }
+
+  /** The same variant in the next scene. */
+  stepScene(by) {
+    const scene = scenes[(scenes.indexOf(this.scene) + by + scenes.length) % scenes.length];
+    const label = variantLabel(this.row);
+    const row = scene.variants.find((v) => variantLabel(v) === label) ?? scene.variants[0];
+    keep({ cell: row.cell, run: row.run || "", with: "", zoom: "", x: "", y: "" });
+    this.show(current());
+  }
+
+  // --- Place ---------------------------------------------------------------------------------------------------------------
+
+  resize() {
+    const ratio = devicePixelRatio || 1, { width, height } = this.stage.getBoundingClientRect();
+    const [w, hh] = [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
+    if (this.canvas.width === w && this.canvas.height === hh) return false;
+    [this.canvas.width, this.canvas.height] = [w, hh];
+    return true;
+  }
+
+  /** Whole texels per canvas pixel where the image is smaller than the canvas: no texel is wider than its neighbour. */
+  fit() {
+    const texels = this.textures.get(this.row.image);
+    if (!texels) return;
+    const scale = Math.min(this.canvas.width / texels.width, this.canvas.height / texels.height);
+    this.scale = this.fitScale = scale >= 1 ? Math.floor(scale) : scale;
+    this.center(texels.width / 2, texels.height / 2);
+  }
+
+  center(x, y) {
+    this.origin = [x - this.canvas.width / 2 / this.scale, y - this.canvas.height / 2 / this.scale];
+    if (this.scale >= 1) this.origin = this.origin.map((value) => Math.round(value * this.scale) / this.scale);
+  }
+
+  middle() {
+    const round = (value) => Number(value.toFixed(2));
+    return { x: round(this.origin[0] + this.canvas.width / 2 / this.scale), y: round(this.origin[1] + this.canvas.height / 2 / this.scale) };
+  }
+
+  /** Zooms by `factor` and leaves the texel under canvas pixel (x, y) where it is. */
+  zoom(factor, x = this.canvas.width / 2, y = this.canvas.height / 2) {
+    let scale = Math.min(SCALE_MAX, Math.max(Math.min(this.fitScale, 1) / 2, this.scale * factor));
+    if (scale > 1) scale = factor > 1 ? Math.ceil(scale - 1e-6) : Math.floor(scale + 1e-6);
+    const texel = [this.origin[0] + x / this.scale, this.origin[1] + y / this.scale];
+    this.scale = scale;
+    this.origin = [texel[0] - x / scale, texel[1] - y / scale];
+    this.draw();
+    this.keepState();
+  }
+
+  pan(dx, dy) {
+    this.origin = [this.origin[0] - dx / this.scale, this.origin[1] - dy / this.scale];
+    this.draw();
+  }
+
+  // --- Drawing -------------------------------------------------------------------------------------------------------------
+
+  draw() {
+    const { gl, canvas, uniform } = this;
+    const reference = this.textures.get(this.row.reference);
+    const left = this.showsReference ? reference : this.textures.get(this.row.image);
+    if (!left || !reference) return;
+    const isSplit = this.split !== null;
+    const rightRow = this.other ?? this.row;
+    const right = isSplit ? (this.other ? this.textures.get(this.other.image) : reference) ?? reference : left;
+    const rightReference = isSplit ? this.textures.get(rightRow.reference) ?? reference : reference;
+    [left.texture, right.texture, reference.texture, rightReference.texture, reference.mask ?? this.noMask, this.palette].forEach((texture, unit) => {
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+    });
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.uniform2f(uniform.canvas_size, canvas.width, canvas.height);
+    gl.uniform2fv(uniform.origin, this.origin);
+    gl.uniform1f(uniform.scale, this.scale);
+    gl.uniform1f(uniform.split, isSplit ? this.split * canvas.width : 1e9);
+    gl.uniform1i(uniform.mode, MODES.findIndex(([name]) => name === this.mode));
+    gl.uniform1i(uniform.tone, this.tone === "srgb" ? 1 : 0);
+    gl.uniform1f(uniform.exposure, 2 ** this.stops);
+    gl.uniform1f(uniform.contrast, this.contrast);
+    gl.uniform1i(uniform.shows_clipped, this.clipped ? 1 : 0);
+    gl.uniform3fv(uniform.background, matchMedia("(prefers-color-scheme: dark)").matches ? [0.06, 0.063, 0.07] : [0.93, 0.93, 0.925]);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    this.describe(isSplit);
+    this.probe();
+  }
+
+  describe(isSplit) {
+    const { row, other } = this;
+    const name = this.showsReference ? "reference" : variantLabel(row);
+    const error = row.scores[headline];
+    const what = { image: this.tone === "srgb" ? "sRGB" : "tone curve", error: "relative error", signed: "signed error" }[this.mode];
+    const text = `${name}${isSplit ? ` | ${other ? variantLabel(other) : "reference"}` : ""}`;
+    this.badge.textContent = text;
+    this.badge.classList.toggle("is-reference", this.showsReference);
+    this.canvas.setAttribute("aria-label", `${this.scene.label}: ${text}, ${what}; relMSE ${number(error)}`);
+    this.canvas.dataset.shown = this.showsReference ? "reference" : row.cell;
+    this.canvas.dataset.mode = this.mode;
+    this.scaleText.textContent = this.scale >= 1 ? `${number(this.scale)}×` : `1/${number(1 / this.scale)}`;
+    this.handle.hidden = !isSplit;
+    if (isSplit) this.handle.style.left = `${this.split * 100}%`;
+    this.handle.setAttribute("aria-valuenow", isSplit ? Math.round(this.split * 100) : 0);
+    this.legend.hidden = this.mode === "image";
+    if (this.legend.dataset.mode !== this.mode) this.fillLegend();
+  }
+
+  fillLegend() {
+    this.legend.dataset.mode = this.mode;
+    if (this.mode === "image") return;
+    const signed = this.mode === "signed", { magma, blue_red, relative, signed: range, relative_ticks, signed_ticks } = model.colors;
+    const stops = (signed ? blue_red : magma).filter((_, i) => i % 17 === 0).map((c) => `rgb(${c})`);
+    const place = (t) => (signed ? (t - range[0]) / (range[1] - range[0]) : Math.log(t / relative[0]) / Math.log(relative[1] / relative[0])) * 100;
+    this.legend.replaceChildren(
+      h("div", { class: "ramp", style: `background:linear-gradient(90deg,${stops.join(",")})` }),
+      h("div", { class: "ramp-ticks" }, (signed ? signed_ticks : relative_ticks).map((t) => h("span", { style: `left:${place(t)}%` }, number(t)))),
+      h("p", {}, signed ? "mean of d / √(r² + 0.01); blue too dark, red too bright" : "√ of the RGB mean of d² / (r² + 0.01), as in errors.csv; the same range for every image"));
+  }
+
+  // --- Probe ---------------------------------------------------------------------------------------------------------------
+
+  texelAt(event) {
+    const box = this.canvas.getBoundingClientRect(), ratio = this.canvas.width / box.width;
+    const [x, y] = [(event.clientX - box.left) * ratio, (event.clientY - box.top) * ratio];
+    return [Math.floor(this.origin[0] + x / this.scale), Math.floor(this.origin[1] + y / this.scale)];
+  }
+
+  /** Every variant's linear values at the probed texel. */
+  probe() {
+    if (!this.scene || !this.probed) return;
+    const [x, y] = this.probed;
+    const at = (index) => {
+      const entry = this.textures.get(index);
+      if (!entry || x < 0 || y < 0 || x >= entry.width || y >= entry.height) return null;
+      return [0, 1, 2].map((c) => HALF[entry.rgba[4 * (y * entry.width + x) + c]]);
+    };
+    const window = model.images[this.row.image]?.window;
+    this.probePlace.textContent = window ? `texel (${x + window.x}, ${y + window.y})${this.pinned ? " · pinned" : ""}` : "";
+    const line = (name, key, value, error) => h("tr", { "data-probe": key, class: key === this.row.cell ? "current" : "" }, h("th", { scope: "row" }, name),
+      (value ?? [null, null, null]).map((v) => h("td", { "data-value": v ?? "", title: v === null ? "" : String(v) }, number(v, 5))),
+      h("td", { "data-value": error?.relative ?? "" }, error ? [h("i", { class: "chip", style: `background:rgb(${errorColor("error", error)})` }), number(error.relative)] : ""));
+    const references = new Map();
+    const lines = this.scene.variants.map((row) => {
+      const [value, truth] = [at(row.image), at(row.reference)];
+      if (!references.has(row.reference)) references.set(row.reference, truth);
+      const bytes = this.textures.get(row.reference)?.maskBytes, width = this.textures.get(row.reference)?.width;
+      const counts = !bytes || bytes[y * width + x] === 1;
+      return line(variantLabel(row), row.cell, value, value && truth && counts ? texelError(value, truth) : null);
+    });
+    this.probeBody.replaceChildren(...[...references].map(([index, truth], i) => line(`reference${references.size > 1 ? ` ${i + 1}` : ""}`, `reference-${index}`, truth, null)), ...lines);
+  }
+
+  // --- Controls ------------------------------------------------------------------------------------------------------------
+
+  build() {
+    const slider = (label, min, max, step, id, oninput) => {
+      const output = h("output", { for: id });
+      const input = h("input", { type: "range", min, max, step, id, oninput: () => oninput(Number(input.value)) });
+      return { input, output, element: h("label", { class: "slider" }, h("span", {}, label, " ", output), input) };
+    };
+    this.exposure = slider("Exposure", -12, 12, 0.1, "exposure", (stops) => { this.stops = stops; this.redraw(); });
+    this.contrastSlider = slider("Contrast", 0.1, 5, 0.05, "contrast", (value) => { this.contrast = value; this.redraw(); });
+    this.modeChoice = choice("What is shown", MODES, "image", (mode) => { this.mode = mode; this.redraw(); });
+    this.toneChoice = choice("Tone", TONES, "curve", (tone) => { this.tone = tone; this.redraw(); });
+    this.clipBox = h("input", { type: "checkbox", onchange: () => { this.clipped = this.clipBox.checked; this.redraw(); } });
+    this.splitBox = h("input", { type: "checkbox", onchange: () => this.setSplit(this.splitBox.checked ? 0.5 : null) });
+    this.badge = h("p", { class: "badge" });
+    this.scaleText = h("span", { class: "scale-text" });
+    this.legend = h("div", { class: "error-legend", hidden: true });
+    this.caption = h("p", { class: "caption" });
+    this.handle = h("div", { class: "split-handle", role: "slider", tabindex: 0, "aria-label": "Split", "aria-valuemin": 0, "aria-valuemax": 100, hidden: true });
+    this.stage = h("div", { class: "viewer-stage" }, this.canvas, this.badge, this.handle, h("div", { class: "zoom-tools" },
+      h("button", { type: "button", title: "Zoom out (−)", "aria-label": "Zoom out", onclick: () => this.zoom(1 / 1.5) }, "−"), this.scaleText,
+      h("button", { type: "button", title: "Zoom in (+)", "aria-label": "Zoom in", onclick: () => this.zoom(1.5) }, "+"),
+      h("button", { type: "button", title: "Fit (0)", onclick: () => { this.fit(); this.draw(); this.keepState(); } }, "Fit")), this.caption);
+    this.variants = h("ol", { class: "variants", "aria-label": "Images of this scene" });
+    this.scenePicker = h("span", {});
+    this.withPicker = h("span", {});
+    this.probePlace = h("span", {});
+    this.probeBody = h("tbody", {});
+    this.linkButton = h("button", { type: "button", onclick: () => this.copyLink() }, "Copy link");
+    const panel = h("aside", { class: "panel", "aria-label": "Controls" },
+      h("div", { class: "row" }, this.scenePicker), this.variants,
+      h("div", { class: "row" }, this.modeChoice, this.toneChoice), this.legend,
+      this.exposure.element, this.contrastSlider.element,
+      h("div", { class: "row checks" }, h("label", {}, this.splitBox, " Split with "), this.withPicker, h("label", {}, this.clipBox, " Mark clipped")),
+      h("section", { class: "probe", "aria-label": "Probe" }, h("h3", {}, "Linear values ", this.probePlace),
+        h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ["", "R", "G", "B", "error"].map((name) => h("th", { scope: "col" }, name)))), this.probeBody)),
+        h("p", { class: "note" }, "Half floats: 11 significant bits. Click the image to pin the texel.")),
+      h("div", { class: "row" }, this.linkButton, this.exr = h("a", {}, "EXR")),
+      h("p", { class: "note keys", id: "viewer-keys" }, h("kbd", {}, "1"), "–", h("kbd", {}, "9"), " image · hold ", h("kbd", {}, "space"), " reference · ", h("kbd", {}, "E"), " error · ", h("kbd", {}, "S"), " signed · ", h("kbd", {}, "?"), " all keys"));
+    this.view.replaceChildren(h("div", { class: "viewer" }, this.stage, panel));
+    this.listen();
+    new ResizeObserver(() => {
+      if (!this.row || !this.textures.has(this.row.image) || !this.stage.clientWidth) return;
+      const middle = this.middle(), wasFit = this.scale === this.fitScale;
+      if (!this.resize()) return;
+      if (wasFit) this.fit(); else this.center(middle.x, middle.y);
+      this.draw();
+    }).observe(this.stage);
+  }
+
+  redraw() {
+    this.syncControls();
+    this.draw();
+    this.keepState();
+  }
+
+  setSplit(split) {
+    this.split = split;
+    this.redraw();
+  }
+
+  syncControls() {
+    this.exposure.input.value = this.stops;
+    this.exposure.output.textContent = `${this.stops >= 0 ? "+" : "−"}${number(Math.abs(Number(this.stops.toFixed(2))))} EV (× ${number(2 ** this.stops)})`;
+    this.contrastSlider.input.value = this.contrast;
+    this.contrastSlider.output.textContent = number(Number(this.contrast.toFixed(3)));
+    this.contrastSlider.input.disabled = this.tone === "srgb";
+    this.modeChoice.press(this.mode);
+    this.toneChoice.press(this.tone);
+    this.clipBox.checked = this.clipped;
+    this.splitBox.checked = this.split !== null;
+  }
+
+  fillVariants() {
+    this.scenePicker.replaceChildren(select("Scene", scenes.map((one, i) => [i, one.label]), scenes.indexOf(this.scene), (index) => this.stepScene(Number(index) - scenes.indexOf(this.scene))));
+    this.withPicker.replaceChildren(select("", [["", "reference"], ...this.scene.variants.map((v) => [v.cell, variantLabel(v)])], this.other?.cell ?? "", async (cell) => {
+      this.other = this.scene.variants.find((v) => v.cell === cell) ?? null;
+      if (this.other) await Promise.all([this.load(this.other.image), this.load(this.other.reference)]);
+      this.setSplit(this.split ?? 0.5);
+    }));
+    this.withPicker.querySelector("select").setAttribute("aria-label", "Split with");
+    this.variants.replaceChildren(...this.scene.variants.map((row, i) => h("li", {}, h("button", { type: "button", "data-cell": row.cell, onclick: () => this.choose(row), class: "variant" },
+      h("kbd", {}, i < 9 ? String(i + 1) : "·"), h("span", {}, variantLabel(row)), h("span", { class: "score" }, row.scores[headline] === null ? "failed" : number(row.scores[headline]))))));
+    this.markVariant();
+  }
+
+  markVariant() {
+    for (const button of this.variants.querySelectorAll("button")) button.setAttribute("aria-pressed", String(button.dataset.cell === this.row.cell));
+    const image = model.images[this.row.image];
+    if (image) {
+      this.exr.href = exrLink(this.row.image);
+      this.exr.textContent = "Linear EXR";
+      const { window, size, clamped_count: clampedCount } = image;
+      const cut = window && (window.width !== size[0] || window.height !== size[1]);
+      this.caption.textContent = [cut ? `window ${window.width} × ${window.height} at (${window.x}, ${window.y}) of ${size[0]} × ${size[1]}` : "", clampedCount ? `${clampedCount} channels above 65504 are stored as 65504` : ""].filter(Boolean).join("; ");
+    }
+    announce(`${this.scene.label}: ${variantLabel(this.row)}, relMSE ${number(this.row.scores[headline])}`);
+  }
+
+  async copyLink() {
+    const address = new URL(link(current()), location.href).href;
+    try { await navigator.clipboard.writeText(address); this.linkButton.textContent = "Copied"; } catch { prompt("Link to this view", address); }
+    setTimeout(() => { this.linkButton.textContent = "Copy link"; }, 1500);
+  }
+
+  // --- Pointer and keys ----------------------------------------------------------------------------------------------------
+
+  listen() {
+    const { canvas } = this, pointers = new Map();
+    let moved = false, spread = 0, frame = 0;
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      pointers.set(event.pointerId, event);
+      moved = false;
+      spread = 0;
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (!this.row || !this.origin) return;
+      const before = pointers.get(event.pointerId);
+      if (before) {
+        const ratio = canvas.width / canvas.getBoundingClientRect().width;
+        pointers.set(event.pointerId, event);
+        if (Math.hypot(event.clientX - before.clientX, event.clientY - before.clientY) > 0) moved ||= event.buttons > 0;
+        if (pointers.size === 2) {
+          const [a, b] = [...pointers.values()], distance = Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
+          const box = canvas.getBoundingClientRect();
+          if (spread && Math.abs(distance / spread - 1) > 0.08) {
+            this.zoom(distance / spread, ((a.clientX + b.clientX) / 2 - box.left) * ratio, ((a.clientY + b.clientY) / 2 - box.top) * ratio);
+            spread = distance;
+          }
+          spread ||= distance;
+        } else this.pan((event.clientX - before.clientX) * ratio, (event.clientY - before.clientY) * ratio);
+        return;
+      }
+      if (this.pinned) return;
+      this.probed = this.texelAt(event);
+      cancelAnimationFrame(frame);
+      frame = requestAnimationFrame(() => this.probe());
+    });
+    const up = (event) => {
+      if (!pointers.delete(event.pointerId)) return;
+      if (moved) { if (this.row) this.keepState(); return; }
+      this.pinned = !this.pinned || String(this.probed) !== String(this.texelAt(event));
+      this.probed = this.texelAt(event);
+      this.probe();
+    };
+    canvas.addEventListener("pointerup", up);
+    canvas.addEventListener("pointercancel", (event) => pointers.delete(event.pointerId));
+    canvas.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      const box = canvas.getBoundingClientRect(), ratio = canvas.width / box.width;
+      this.zoom(event.deltaY < 0 ? 1.2 : 1 / 1.2, (event.clientX - box.left) * ratio, (event.clientY - box.top) * ratio);
+    }, { passive: false });
+    this.handle.addEventListener("pointerdown", (event) => this.handle.setPointerCapture(event.pointerId));
+    this.handle.addEventListener("pointermove", (event) => {
+      if (!this.handle.hasPointerCapture(event.pointerId)) return;
+      const box = this.stage.getBoundingClientRect();
+      this.split = Math.min(1, Math.max(0, (event.clientX - box.left) / box.width));
+      this.draw();
+    });
+    this.handle.addEventListener("pointerup", () => this.keepState());
+  }
+
+  /** Handles a key of the comparison; true when it was one. */
+  key(event) {
+    if (!this.row || !this.scene || !this.origin) return false;
+    const onHandle = document.activeElement === this.handle;
+    const actions = {
+      " ": () => this.hold(true),
+      e: () => { this.mode = this.mode === "error" ? "image" : "error"; this.redraw(); },
+      s: () => { this.mode = this.mode === "signed" ? "image" : "signed"; this.redraw(); },
+      t: () => { this.tone = this.tone === "srgb" ? "curve" : "srgb"; this.redraw(); },
+      c: () => { this.clipped = !this.clipped; this.redraw(); },
+      d: () => this.setSplit(this.split === null ? 0.5 : null),
+      "[": () => { this.stops -= 0.5; this.redraw(); },
+      "]": () => { this.stops += 0.5; this.redraw(); },
+      "+": () => this.zoom(1.5), "=": () => this.zoom(1.5), "-": () => this.zoom(1 / 1.5),
+      0: () => { this.fit(); this.draw(); this.keepState(); },
+      ArrowLeft: () => (onHandle ? this.setSplit(Math.max(0, this.split - 0.02)) : this.step(-1)),
+      ArrowRight: () => (onHandle ? this.setSplit(Math.min(1, this.split + 0.02)) : this.step(1)),
+      ArrowUp: () => this.stepScene(-1), ArrowDown: () => this.stepScene(1),
+    };
+    const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    if (/^[1-9]$/.test(name)) {
+      const row = this.scene.variants[Number(name) - 1];
+      if (row) this.choose(row);
+    } else if (name in actions) {
+      if (!(name === " " && event.repeat)) actions[name]();
+    } else return false;
+    return true;
+  }
+
+  /** Shows the reference while a key is down. */
+  hold(isHeld) {
+    if (this.showsReference === isHeld || !this.row) return;
+    this.showsReference = isHeld;
+    this.draw();
+  }
+}
+
+let viewer = null;
+export function showViewer(view, state) {
+  if (!rows.length) return view.replaceChildren(h("p", { class: "note" }, "No cell is done."));
+  viewer ??= new Viewer(view);
+  return viewer.show(state);
+}
+export const viewerKey = (event) => viewer?.key(event) ?? false;
+export const viewerRelease = () => viewer?.hold(false);

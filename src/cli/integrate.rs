@@ -1,0 +1,109 @@
+//! `splitsum integrate`: exact answers to a table of queries, without a device.
+
+use super::{Failure, print};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use splitsum::environment::LoadOptions;
+use splitsum::math::quadrature::Tolerance;
+use splitsum::oracle::{Kind, Queries};
+use splitsum::shade::reference::TOLERANCE;
+use splitsum::spelling::suggestion;
+use std::path::{Path, PathBuf};
+
+/// Exact answers for a table of queries, in f64 on the CPU (no Vulkan).
+#[derive(Args, Debug)]
+#[command(after_help = "\
+QUERIES.csv has a header and one query a line. The answer is the same table with columns added: each number with a bound of its
+absolute error. All rows are checked first; a fault is told as file:line:column and nothing is written.
+
+Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _error_r _error_g _error_b):
+  shading     environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz [masking,id]
+              specular        outgoing radiance of the specular term, Schlick's F from f0
+              specular_white  the same with F = 1
+              diffuse         of albedo 1, with 1 - F(v.h) inside the integral
+              lambert         of albedo 1, without: irradiance over pi
+              seed0_literal   with --seed0-literal: what source document 0's printed formula converges to
+  dfg         brdf,alpha,n_dot_v [masking,id] -> f0_scale,f90_scale,albedo,error (the albedo is the sum: a white furnace)
+  prefilter   environment,brdf,alpha,rx,ry,rz [id] -> prefiltered (the split sum's first factor)
+  irradiance  environment,nx,ny,nz [id] -> irradiance (not divided by pi)
+  sh9         environment [id] -> l00,l1m1,l10,l11,l2m2,l2m1,l20,l21,l22 (y up, no Condon-Shortley sign)
+
+Cells: environment is builtin:NAME or an .hdr or .exr file (relative to QUERIES.csv); brdf ggx, beckmann or phong; alpha in (0, 1];
+f0 one number or R:G:B in [0, 1]; n, v and r unit vectors within 1e-5, y up, v above the horizon of n; masking separable (default),
+correlated, schlick or smith-exact; id anything, passed on. Radiance is in the units of the map, looked up bilinearly.
+
+Examples:
+  printf 'environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz\\nbuiltin:sky,ggx,0.25,0.04,0,0.6,0.8,0,0,1\\n' > queries.csv
+  splitsum integrate queries.csv
+  printf 'brdf,masking,alpha,n_dot_v\\nphong,separable,1,0.1\\nphong,smith-exact,1,0.1\\n' > albedo.csv
+  splitsum integrate albedo.csv --kind dfg --out answers.csv")]
+pub struct Arguments {
+    /// The queries; see below for the columns.
+    queries: PathBuf,
+    /// What is asked: shading, dfg, prefilter, irradiance or sh9.
+    #[arg(long, value_name = "NAME", default_value = "shading", value_parser = kind)]
+    kind: Kind,
+    /// The table to write; standard output when left out.
+    #[arg(long, value_name = "FILE.csv")]
+    out: Option<PathBuf>,
+    /// Bound of the relative error at which an integration stops (dfg: always 5e-7; sh9: always 1e-9).
+    #[arg(long, value_name = "R", default_value_t = TOLERANCE.relative, value_parser = tolerance)]
+    tolerance: f64,
+    /// Adds the limit of source document 0's printed estimator (shading only).
+    #[arg(long)]
+    seed0_literal: bool,
+    /// Sets NaN, infinite and negative texels of environments to 0, with a warning, instead of refusing them.
+    #[arg(long)]
+    clamp_invalid: bool,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.seed0_literal && arguments.kind != Kind::Shading {
+        let kind = arguments.kind.columns().name;
+        return Err(Failure::BadInput(format!("--seed0-literal: --kind is {kind}; expected shading")));
+    }
+    if let Some(out) = &arguments.out {
+        let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            return Err(Failure::BadInput(format!("--out: there is no folder {}", folder.display())));
+        }
+    }
+    let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
+    let queries = Queries::read(&arguments.queries, arguments.kind, &options).map_err(Failure::input)?;
+    queries.warnings().for_each(|warning| eprintln!("warning: {warning}"));
+    if queries.is_empty() {
+        return Err(Failure::NothingToDo(format!("{}: no query below the header", arguments.queries.display())));
+    }
+    // Drawn on a terminal only.
+    let bar = ProgressBar::new(queries.len() as u64).with_style(
+        ProgressStyle::with_template("{bar:30} {pos}/{len}  {elapsed} gone, {eta} left")
+            .expect("the template is well-formed"),
+    );
+    let tolerance = Tolerance { relative: arguments.tolerance, ..TOLERANCE };
+    let answers = queries.answer(tolerance, arguments.seed0_literal, || bar.inc(1));
+    bar.finish_and_clear();
+    match &arguments.out {
+        Some(out) => answers.write(out).map_err(Failure::failed)?,
+        None => print(&String::from_utf8_lossy(&answers.to_csv()))?,
+    }
+    if answers.unmet > 0 {
+        let (unmet, all) = (answers.unmet, queries.len());
+        eprintln!(
+            "warning: {unmet} of {all} answers did not reach the tolerance; their error columns say what they have"
+        );
+    }
+    Ok(())
+}
+
+fn kind(name: &str) -> Result<Kind, String> {
+    Kind::by_name(name).ok_or_else(|| {
+        let names: Vec<&str> = Kind::ALL.iter().map(|kind| kind.columns().name).collect();
+        format!("{name:?} is not a kind of query; expected {}{}", names.join(", "), suggestion(name, &names))
+    })
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| format!("{text:?} is not a number"))?;
+    // Below 1e-9 rounding is in the way; a bound above 0.1 says nothing.
+    if (1e-9..=0.1).contains(&number) { Ok(number) } else { Err(format!("{text} is outside [1e-9, 0.1]")) }
+}

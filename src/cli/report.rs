@@ -1,0 +1,57 @@
+//! `splitsum report`.
+
+use super::{Failure, print};
+use clap::Args;
+use splitsum::report::images::{BUDGET_BYTES, Choice, Window};
+use splitsum::report::{ReportError, ReportOptions, Written, write};
+use std::path::PathBuf;
+
+/// (Re)writes the report of one or more finished runs.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Several runs (two devices, two commits) are joined in one report, with what tells them apart.\n\n\
+    Examples:\n  splitsum report runs/quick\n  splitsum report runs/laptop runs/desktop --out comparison.html"
+)]
+pub struct Arguments {
+    /// Folders of runs.
+    #[arg(required = true, value_name = "DIR")]
+    dirs: Vec<PathBuf>,
+    /// Links the images instead of embedding them.
+    #[arg(long)]
+    no_images: bool,
+    /// Embeds only this part of every image, texels from the top left corner.
+    #[arg(long, value_name = "X,Y,W,H", value_parser = window, conflicts_with = "no_images")]
+    crop: Option<Window>,
+    /// The file to write; report.html in the first folder when left out.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+fn window(text: &str) -> Result<Window, String> {
+    let numbers: Result<Vec<u32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Window { x, y, width, height }),
+        _ => Err("expected X,Y,W,H: four whole numbers, W and H at least 1".to_owned()),
+    }
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let images = match (arguments.no_images, arguments.crop) {
+        (true, _) => Choice::None,
+        (false, Some(window)) => Choice::Crop(window),
+        (false, None) => Choice::Automatic,
+    };
+    let options =
+        ReportOptions { dirs: arguments.dirs.clone(), out: arguments.out.clone(), images, budget: BUDGET_BYTES };
+    let written = write(&options).map_err(|error| match error {
+        ReportError::Run(_) => Failure::input(error),
+        _ => Failure::failed(error),
+    })?;
+    print(&line(&written))
+}
+
+/// What to tell the user of a written report.
+pub fn line(written: &Written) -> String {
+    let notes: String = written.notes.iter().map(|note| format!("{note}\n")).collect();
+    format!("{notes}Report: {} ({:.1} MB)\n", written.path.display(), written.bytes as f64 / 1e6)
+}

@@ -1,0 +1,142 @@
+//! Answering a table of queries, and the table of answers.
+
+use super::{Kind, KindColumns, Queries, Query, SEED0_LITERAL};
+use crate::math::equirect_quadrature::EquirectQuadrature;
+use crate::math::quadrature::{Bounded, Tolerance};
+use crate::pixels::{PixelsError, write_atomically};
+use crate::precompute::dfg::reference::dfg;
+use crate::precompute::exact_quadrature;
+use crate::precompute::irradiance::reference::irradiance;
+use crate::precompute::prefilter::reference::prefilter;
+use crate::precompute::sh9::reference::project_bilinear_bounded;
+use crate::shade::reference::{integrate, seed0_literal};
+use crate::table::csv::{Cell, to_text};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::io::Write;
+use std::path::Path;
+
+/// A table of queries with their answers.
+#[derive(Debug)]
+pub struct Answers {
+    /// The columns of the queries, then those of the answers.
+    pub columns: Vec<String>,
+    pub rows: Vec<Vec<Cell>>,
+    /// Rows whose integration ended at its cap of parts, above the error that was asked for. Their bounds say what was reached.
+    pub unmet: usize,
+}
+
+/// The numbers of one answer.
+struct Numbers {
+    values: Vec<f64>,
+    /// Whether the integration met its tolerance.
+    is_met: bool,
+}
+
+impl Queries {
+    /// Answers every row, in parallel and in order. `done` is called after each, from any thread.
+    ///
+    /// `tolerance` does not apply to DFG pairs (5e-7) and SH9 (1e-9), which are quicker than their files.
+    /// `with_literal` adds what the printed estimator of source document 0 converges to, with separable masking.
+    pub fn answer(&self, tolerance: Tolerance, with_literal: bool, done: impl Fn() + Sync) -> Answers {
+        let KindColumns { colors, numbers, .. } = *self.kind.columns();
+        let mut colors = colors.to_vec();
+        if with_literal && self.kind == Kind::Shading {
+            colors.push(SEED0_LITERAL);
+        }
+        let color_columns = colors.iter().flat_map(|color| {
+            ["", "error_"]
+                .iter()
+                .flat_map(move |what| ["r", "g", "b"].map(|channel| format!("{color}_{what}{channel}")))
+        });
+        let numbers = numbers.iter().map(|name| name.to_string());
+        let columns = self.columns.iter().cloned().chain(color_columns).chain(numbers).collect();
+
+        let mut found: Vec<Option<Numbers>> = self.queries.iter().map(|_| None).collect();
+        // One environment after the other: prepared maps are large.
+        let groups = self.environments.iter().enumerate().map(|(i, e)| (Some(i), Some(e))).chain([(None, None)]);
+        for (index, environment) in groups {
+            let members: Vec<usize> =
+                (0..self.queries.len()).filter(|&row| self.queries[row].environment() == index).collect();
+            if members.is_empty() {
+                continue;
+            }
+            let quadrature = environment.map(|environment| exact_quadrature(&environment.image));
+            let answered: Vec<Numbers> = members
+                .par_iter()
+                .map(|&row| {
+                    let numbers = answer(&self.queries[row], quadrature.as_ref(), tolerance, with_literal);
+                    done();
+                    numbers
+                })
+                .collect();
+            for (row, numbers) in members.into_iter().zip(answered) {
+                found[row] = Some(numbers);
+            }
+        }
+        let found: Vec<Numbers> = found.into_iter().flatten().collect();
+        let unmet = found.iter().filter(|numbers| !numbers.is_met).count();
+        let with_numbers = |(cells, numbers): (&Vec<Cell>, &Numbers)| {
+            cells.iter().cloned().chain(numbers.values.iter().map(|&value| value.into())).collect()
+        };
+        Answers { columns, rows: self.cells.iter().zip(&found).map(with_numbers).collect(), unmet }
+    }
+}
+
+fn answer(
+    query: &Query,
+    environment: Option<&EquirectQuadrature>,
+    tolerance: Tolerance,
+    with_literal: bool,
+) -> Numbers {
+    let environment = || environment.expect("a query with an environment is answered with it");
+    let (colors, judged) = match query {
+        Query::Shading { surface, .. } => {
+            let answer = integrate(environment(), surface, tolerance);
+            let literal = with_literal.then(|| seed0_literal(environment(), surface, tolerance));
+            // Those with F = 1 are what the integration judges itself by; the others are sums with the same parts.
+            let judged = [answer.specular_white, answer.diffuse].into_iter().chain(literal).collect();
+            let colors = [answer.specular, answer.specular_white, answer.diffuse_transmitted, answer.diffuse];
+            (colors.into_iter().chain(literal).collect(), judged)
+        }
+        Query::Dfg { model, masking, alpha, n_dot_v } => {
+            let pair = dfg(*model, *masking, *n_dot_v, *alpha);
+            return Numbers { values: vec![pair.f0_scale, pair.f90_scale, pair.albedo(), pair.error], is_met: true };
+        }
+        Query::Prefilter { model, alpha, r, .. } => {
+            let value = prefilter(environment(), *model, *alpha, *r, tolerance);
+            (vec![value], vec![value])
+        }
+        Query::Irradiance { n, .. } => {
+            let value = irradiance(environment(), *n, tolerance);
+            (vec![value], vec![value])
+        }
+        Query::Sh9 { .. } => {
+            let sh9 = project_bilinear_bounded(environment());
+            (sh9.value.into_iter().zip(sh9.error).map(|(value, error)| Bounded { value, error }).collect(), Vec::new())
+        }
+    };
+    let channels = |color: DVec3| color.to_array();
+    let values =
+        colors.iter().flat_map(|color| channels(color.value).into_iter().chain(channels(color.error))).collect();
+    Numbers { values, is_met: judged.iter().all(|bounded| is_met(bounded, tolerance)) }
+}
+
+/// Whether the bound keeps the tolerance, relative to the brightest channel.
+fn is_met(bounded: &Bounded, tolerance: Tolerance) -> bool {
+    // Room for the share of Schlick's weight, which is held to a floor of accuracy where it is small.
+    const SLACK: f64 = 2.0;
+    bounded.error.max_element() <= SLACK * tolerance.relative * bounded.value.abs().max_element()
+}
+
+impl Answers {
+    /// The table as CSV.
+    pub fn to_csv(&self) -> Vec<u8> {
+        to_text(&self.columns, self.rows.iter().map(Vec::as_slice))
+    }
+
+    /// Writes the table; the file holds the old or the whole new content, never a part.
+    pub fn write(&self, path: &Path) -> Result<(), PixelsError> {
+        write_atomically(path, |file| file.write_all(&self.to_csv()))
+    }
+}

@@ -1,0 +1,121 @@
+//! Exact answers in f64 to a table of queries, on the CPU: what the device's passes and every approximation are held against.
+//!
+//! Each [`Kind`] of query is a table with its own columns; [`Queries::read`] checks a whole file before anything is computed, and
+//! [`Queries::answer`] computes all rows in parallel. The integrals are those of the stages' references: the environment's bilinear
+//! map is integrated exactly, the other factor adaptively, and each number comes with a bound of its absolute error.
+//! Directions are in the environment's frame (y up), radiance is linear RGB in the units of the map.
+
+mod answers;
+mod queries;
+
+pub use answers::Answers;
+pub use queries::{Queries, QueryFaults};
+
+use crate::brdf::{Brdf, MaskingShadowing};
+use crate::shade::reference::Surface;
+use glam::DVec3;
+
+/// What is asked. Each kind has its columns, see [`KindColumns`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Outgoing radiance of one point: specular and diffuse.
+    Shading,
+    /// Directional albedo pair of a BRDF: scale of f0 and of f90.
+    Dfg,
+    /// One texel of a prefiltered map.
+    Prefilter,
+    /// Irradiance for one normal.
+    Irradiance,
+    /// The nine spherical-harmonic coefficients of a map.
+    Sh9,
+}
+
+/// The columns of a [`Kind`], in the order of help texts and results.
+#[derive(Clone, Copy, Debug)]
+pub struct KindColumns {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// Columns that every table of the kind has, in any order.
+    pub required: &'static [&'static str],
+    /// Columns that a table may have: `masking` is `separable` without one, `id` is passed on.
+    pub optional: &'static [&'static str],
+    /// Columns of the results: three channels and the bound of each. Kinds whose results are no colours name single columns.
+    pub colors: &'static [&'static str],
+    pub numbers: &'static [&'static str],
+}
+
+/// Added to the results of [`Kind::Shading`] when asked for.
+const SEED0_LITERAL: &str = "seed0_literal";
+
+impl Kind {
+    /// Every kind.
+    pub const ALL: &[Self] = &[Self::Shading, Self::Dfg, Self::Prefilter, Self::Irradiance, Self::Sh9];
+
+    /// What a table of this kind holds.
+    pub fn columns(self) -> &'static KindColumns {
+        match self {
+            Self::Shading => &KindColumns {
+                name: "shading",
+                required: &["environment", "brdf", "alpha", "f0", "nx", "ny", "nz", "vx", "vy", "vz"],
+                optional: &["masking", "id"],
+                colors: &["specular", "specular_white", "diffuse", "lambert"],
+                numbers: &[],
+            },
+            Self::Dfg => &KindColumns {
+                name: "dfg",
+                required: &["brdf", "alpha", "n_dot_v"],
+                optional: &["masking", "id"],
+                colors: &[],
+                numbers: &["f0_scale", "f90_scale", "albedo", "error"],
+            },
+            Self::Prefilter => &KindColumns {
+                name: "prefilter",
+                required: &["environment", "brdf", "alpha", "rx", "ry", "rz"],
+                optional: &["id"],
+                colors: &["prefiltered"],
+                numbers: &[],
+            },
+            Self::Irradiance => &KindColumns {
+                name: "irradiance",
+                required: &["environment", "nx", "ny", "nz"],
+                optional: &["id"],
+                colors: &["irradiance"],
+                numbers: &[],
+            },
+            Self::Sh9 => &KindColumns {
+                name: "sh9",
+                required: &["environment"],
+                optional: &["id"],
+                colors: &["l00", "l1m1", "l10", "l11", "l2m2", "l2m1", "l20", "l21", "l22"],
+                numbers: &[],
+            },
+        }
+    }
+
+    /// The kind of that name.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|kind| kind.columns().name == name)
+    }
+}
+
+/// One checked row. An environment is an index into those of its table.
+#[derive(Clone, Debug)]
+enum Query {
+    Shading { environment: usize, surface: Surface },
+    Dfg { model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, n_dot_v: f64 },
+    Prefilter { environment: usize, model: &'static dyn Brdf, alpha: f64, r: DVec3 },
+    Irradiance { environment: usize, n: DVec3 },
+    Sh9 { environment: usize },
+}
+
+impl Query {
+    fn environment(&self) -> Option<usize> {
+        match *self {
+            Self::Dfg { .. } => None,
+            Self::Shading { environment, .. }
+            | Self::Prefilter { environment, .. }
+            | Self::Irradiance { environment, .. }
+            | Self::Sh9 { environment } => Some(environment),
+        }
+    }
+}

@@ -1,0 +1,377 @@
+//! Reading a table of queries: every row is checked, and every fault is told with its line and column.
+
+use super::{Kind, KindColumns, Query};
+use crate::brdf::{self, Brdf, MODELS, MaskingShadowing};
+use crate::environment::{Environment, LoadOptions};
+use crate::shade::reference::Surface;
+use crate::spelling::suggestion;
+use crate::table::csv::Cell;
+use glam::DVec3;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Largest departure of a direction's length from 1; within it the direction is normalised. Five digits a coordinate suffice.
+pub const LENGTH_TOLERANCE: f64 = 1e-5;
+
+/// A checked table of queries with the environments that it names.
+#[derive(Debug)]
+pub struct Queries {
+    pub(super) kind: Kind,
+    /// Columns as the file has them.
+    pub(super) columns: Vec<String>,
+    /// Cells as the file has them.
+    pub(super) cells: Vec<Vec<Cell>>,
+    pub(super) queries: Vec<Query>,
+    pub(super) environments: Vec<Environment>,
+}
+
+/// Everything that is wrong with a table, one line each: `file:line:column: what; what was expected`.
+#[derive(Debug)]
+pub struct QueryFaults {
+    path: PathBuf,
+    faults: Vec<Fault>,
+}
+
+#[derive(Debug)]
+struct Fault {
+    line: u64,
+    /// Empty when the line as a whole is meant.
+    column: String,
+    what: String,
+}
+
+impl fmt::Display for QueryFaults {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        for (i, Fault { line, column, what }) in self.faults.iter().enumerate() {
+            let end_of_last = if i > 0 { "\n" } else { "" };
+            let separator = if column.is_empty() { "" } else { ":" };
+            write!(f, "{end_of_last}{}:{line}{separator}{column}: {what}", self.path.display())?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for QueryFaults {}
+
+impl Queries {
+    /// Reads a CSV file with a header. Environments are loaded once each; relative paths start at the folder of the file.
+    pub fn read(path: &Path, kind: Kind, options: &LoadOptions) -> Result<Self, QueryFaults> {
+        let whole = |what: String| QueryFaults {
+            path: path.to_owned(),
+            faults: vec![Fault { line: 1, column: String::new(), what }],
+        };
+        let bytes = std::fs::read(path)
+            .map_err(|error| whole(format!("cannot be read ({error}); expected a CSV file of queries")))?;
+        let text = std::str::from_utf8(&bytes).map_err(|error| {
+            let line = bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
+            whole(format!("line {} is not UTF-8 text", line + 1))
+        })?;
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        Reader::new(path, kind, options).read(text).map_err(|faults| QueryFaults { path: path.to_owned(), faults })
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.queries.len()
+    }
+
+    /// Whether the table has a header only.
+    pub fn is_empty(&self) -> bool {
+        self.queries.is_empty()
+    }
+
+    /// Odd but usable facts about the environments, one sentence each.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        self.environments.iter().flat_map(|e| e.warnings.iter().map(move |warning| format!("{}: {warning}", e.name)))
+    }
+}
+
+/// An environment by what the rows call it.
+struct Named {
+    spec: String,
+    first_line: u64,
+    row_count: usize,
+    loaded: Result<Environment, String>,
+}
+
+/// The state of reading one table.
+struct Reader<'a> {
+    folder: &'a Path,
+    kind: Kind,
+    options: &'a LoadOptions,
+    columns: Vec<String>,
+    environments: Vec<Named>,
+    faults: Vec<Fault>,
+}
+
+impl<'a> Reader<'a> {
+    fn new(path: &'a Path, kind: Kind, options: &'a LoadOptions) -> Self {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self { folder, kind, options, columns: Vec::new(), environments: Vec::new(), faults: Vec::new() }
+    }
+
+    fn read(mut self, text: &str) -> Result<Queries, Vec<Fault>> {
+        let mut records = ::csv::ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .trim(::csv::Trim::All)
+            .from_reader(text.as_bytes());
+        let mut record = ::csv::StringRecord::new();
+        let mut cells = Vec::new();
+        let mut queries = Vec::new();
+        let mut is_header = true;
+        // Reading from memory as UTF-8 with rows of any length has no errors.
+        while records.read_record(&mut record).unwrap_or(false) {
+            let line = record.position().map_or(0, |position| line_of(text, position.byte()));
+            if is_header {
+                is_header = false;
+                self.header(line, &record);
+                // Without its columns no row means anything.
+                if !self.faults.is_empty() {
+                    break;
+                }
+            } else if let Some(query) = self.row(line, &record) {
+                queries.push(query);
+                cells.push(record.iter().map(Cell::from).collect());
+            }
+        }
+        if is_header {
+            self.fault(
+                1,
+                "",
+                format!("the file is empty; expected a header of {}", list(self.kind.columns().required)),
+            );
+        }
+        for named in &self.environments {
+            if let Err(message) = &named.loaded {
+                let rows =
+                    if named.row_count > 1 { format!(" ({} rows name it)", named.row_count) } else { String::new() };
+                let what = format!("{message}{rows}");
+                self.faults.push(Fault { line: named.first_line, column: "environment".to_owned(), what });
+            }
+        }
+        if !self.faults.is_empty() {
+            self.faults.sort_by_key(|fault| fault.line);
+            return Err(self.faults);
+        }
+        let environments = self.environments.into_iter().filter_map(|named| named.loaded.ok()).collect();
+        Ok(Queries { kind: self.kind, columns: self.columns, cells, queries, environments })
+    }
+
+    fn fault(&mut self, line: u64, column: &str, what: impl Into<String>) {
+        self.faults.push(Fault { line, column: column.to_owned(), what: what.into() });
+    }
+
+    fn header(&mut self, line: u64, record: &::csv::StringRecord) {
+        let KindColumns { name: kind, required, optional, .. } = *self.kind.columns();
+        let known = [required, optional].concat();
+        self.columns = record.iter().map(str::to_owned).collect();
+        for (i, column) in record.iter().enumerate() {
+            if !known.contains(&column) {
+                let elsewhere = Kind::ALL.iter().map(|kind| kind.columns()).find(|k| k.required.contains(&column));
+                let near = suggestion(column, &known);
+                let hint = match elsewhere {
+                    _ if !near.is_empty() => near,
+                    Some(other) => format!("; --kind {} has it", other.name),
+                    None => format!("; expected {}", list(&known)),
+                };
+                self.fault(line, column, format!("unknown column for --kind {kind}{hint}"));
+            } else if record.iter().take(i).any(|earlier| earlier == column) {
+                self.fault(line, column, "the column is there twice; expected once");
+            }
+        }
+        for column in required.iter().filter(|column| !record.iter().any(|there| there == **column)) {
+            self.fault(line, column, format!("the column is missing; --kind {kind} expects {}", list(required)));
+        }
+    }
+
+    /// One row, or `None` when something is wrong with it.
+    fn row(&mut self, line: u64, record: &::csv::StringRecord) -> Option<Query> {
+        if record.len() != self.columns.len() {
+            let (found, expected) = (record.len(), self.columns.len());
+            self.fault(line, "", format!("the row has {found} cells; expected {expected}, as the header"));
+            return None;
+        }
+        let columns = self.columns.clone();
+        let mut row = Row { line, columns: &columns, record, faults: Vec::new() };
+        // Each cell is checked before any is used, so that a row tells all its faults.
+        let query = match self.kind {
+            Kind::Shading => {
+                let environment = self.environment(&row);
+                let (model, masking, alpha) = (row.model(), row.masking(), row.alpha());
+                let (f0, n, v) = (row.f0(), row.direction(["nx", "ny", "nz"]), row.direction(["vx", "vy", "vz"]));
+                if let (Some(n), Some(v)) = (n, v)
+                    && n.dot(v) <= 0.0
+                {
+                    row.fault("vx,vy,vz", format!("v is not above the horizon: n·v is {}; expected above 0", n.dot(v)));
+                }
+                (|| {
+                    let (model, masking, alpha) = (model?, masking?, alpha?);
+                    let surface = Surface { model, masking, alpha, f0: f0?, n: n?, v: v? };
+                    Some(Query::Shading { environment, surface })
+                })()
+            }
+            Kind::Dfg => {
+                let (model, masking, alpha) = (row.model(), row.masking(), row.alpha());
+                let n_dot_v = row.above_zero_to_one("n_dot_v");
+                (|| Some(Query::Dfg { model: model?, masking: masking?, alpha: alpha?, n_dot_v: n_dot_v? }))()
+            }
+            Kind::Prefilter => {
+                let environment = self.environment(&row);
+                let (model, alpha, r) = (row.model(), row.alpha(), row.direction(["rx", "ry", "rz"]));
+                (|| Some(Query::Prefilter { environment, model: model?, alpha: alpha?, r: r? }))()
+            }
+            Kind::Irradiance => {
+                let environment = self.environment(&row);
+                row.direction(["nx", "ny", "nz"]).map(|n| Query::Irradiance { environment, n })
+            }
+            Kind::Sh9 => Some(Query::Sh9 { environment: self.environment(&row) }),
+        };
+        let is_right = row.faults.is_empty();
+        self.faults.append(&mut row.faults);
+        query.filter(|_| is_right)
+    }
+
+    /// Index of the row's environment, which is loaded when it is named first.
+    fn environment(&mut self, row: &Row) -> usize {
+        let spec = row.cell("environment");
+        let known = self.environments.iter().position(|named| named.spec == spec);
+        let index = known.unwrap_or_else(|| {
+            let loaded = Environment::load(spec, self.folder, self.options).map_err(|error| error.to_string());
+            self.environments.push(Named { spec: spec.to_owned(), first_line: row.line, row_count: 0, loaded });
+            self.environments.len() - 1
+        });
+        self.environments[index].row_count += 1;
+        index
+    }
+}
+
+/// The line, from 1, at which the record that starts at or after byte `start` begins.
+///
+/// The reader's own count names the last of a run of blank lines before a record.
+fn line_of(text: &str, start: u64) -> u64 {
+    let bytes = text.as_bytes();
+    let mut end = (start as usize).min(bytes.len());
+    while end < bytes.len() && matches!(bytes[end], b'\n' | b'\r') {
+        end += 1;
+    }
+    bytes[..end].iter().filter(|byte| **byte == b'\n').count() as u64 + 1
+}
+
+fn list(names: &[&str]) -> String {
+    names.join(",")
+}
+
+/// One row while it is checked.
+struct Row<'a> {
+    line: u64,
+    columns: &'a [String],
+    record: &'a ::csv::StringRecord,
+    faults: Vec<Fault>,
+}
+
+impl Row<'_> {
+    fn fault(&mut self, column: &str, what: impl Into<String>) {
+        self.faults.push(Fault { line: self.line, column: column.to_owned(), what: what.into() });
+    }
+
+    fn optional_cell(&self, column: &str) -> Option<&str> {
+        let index = self.columns.iter().position(|name| name == column)?;
+        self.record.get(index)
+    }
+
+    /// A cell of a required column, which the header has.
+    fn cell(&self, column: &str) -> &str {
+        self.optional_cell(column).unwrap_or_default()
+    }
+
+    fn number(&mut self, column: &str, text: &str) -> Option<f64> {
+        let number = text.parse::<f64>().ok().filter(|x| x.is_finite());
+        if number.is_none() {
+            self.fault(column, format!("{text:?} is not a finite number"));
+        }
+        number
+    }
+
+    fn above_zero_to_one(&mut self, column: &str) -> Option<f64> {
+        let text = self.cell(column).to_owned();
+        let number = self.number(column, &text)?;
+        let is_inside = number > 0.0 && number <= 1.0;
+        if !is_inside {
+            self.fault(column, format!("{text} is outside (0, 1]"));
+        }
+        is_inside.then_some(number)
+    }
+
+    fn alpha(&mut self) -> Option<f64> {
+        self.above_zero_to_one("alpha")
+    }
+
+    /// `x`, or `R:G:B`.
+    fn f0(&mut self) -> Option<DVec3> {
+        let text = self.cell("f0").to_owned();
+        let parts: Vec<&str> = text.split(':').collect();
+        let channels: Option<Vec<f64>> = parts.iter().map(|part| self.number("f0", part)).collect();
+        let f0 = match channels?[..] {
+            [x] => DVec3::splat(x),
+            [r, g, b] => DVec3::new(r, g, b),
+            _ => {
+                self.fault("f0", format!("{text:?} is neither a number nor R:G:B"));
+                return None;
+            }
+        };
+        let is_inside = f0.cmpge(DVec3::ZERO).all() && f0.cmple(DVec3::ONE).all();
+        if !is_inside {
+            self.fault("f0", format!("{text} is outside [0, 1]"));
+        }
+        is_inside.then_some(f0)
+    }
+
+    fn model(&mut self) -> Option<&'static dyn Brdf> {
+        let name = self.cell("brdf").to_owned();
+        let model = brdf::by_name(&name);
+        if model.is_none() {
+            let names: Vec<&str> = MODELS.iter().map(|model| model.name()).collect();
+            self.unknown("brdf", "BRDF model", &name, &names);
+        }
+        model
+    }
+
+    fn masking(&mut self) -> Option<MaskingShadowing> {
+        let Some(name) = self.optional_cell("masking").filter(|name| !name.is_empty()).map(str::to_owned) else {
+            return Some(MaskingShadowing::default());
+        };
+        let found = MaskingShadowing::ALL.iter().find(|(known, _)| *known == name).map(|(_, masking)| *masking);
+        if found.is_none() {
+            let names: Vec<&str> = MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect();
+            self.unknown("masking", "masking-shadowing", &name, &names);
+        }
+        found
+    }
+
+    fn unknown(&mut self, column: &str, what: &str, name: &str, names: &[&str]) {
+        let near = suggestion(name, names);
+        self.fault(column, format!("{name:?} is not a {what}; expected {}{near}", names.join(", ")));
+    }
+
+    /// A unit vector out of three columns, normalised in f64.
+    fn direction(&mut self, columns: [&str; 3]) -> Option<DVec3> {
+        let numbers = columns.map(|column| {
+            let text = self.cell(column).to_owned();
+            self.number(column, &text)
+        });
+        let [Some(x), Some(y), Some(z)] = numbers else { return None };
+        let (vector, place) = (DVec3::new(x, y, z), columns.join(","));
+        let length = vector.length();
+        if length == 0.0 {
+            self.fault(&place, "the vector is zero; expected a unit vector");
+            return None;
+        }
+        if (length - 1.0).abs() > LENGTH_TOLERANCE {
+            let what = format!("({x}, {y}, {z}) has length {length}; expected 1 within {LENGTH_TOLERANCE}");
+            self.fault(&place, what);
+            return None;
+        }
+        Some(vector / length)
+    }
+}

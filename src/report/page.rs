@@ -1,0 +1,87 @@
+//! The page: the template, with styles, modules and data written into it.
+//!
+//! Everything from a run is data. Text in markup is escaped by the template engine; the rest stands in JSON script elements
+//! whose `<` is written as `\u003c`, so that no name can end the element. A content security policy in the page forbids every
+//! request, so that what is promised (one offline file) is also enforced.
+
+use super::images::ImageSet;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use minijinja::value::{Serde, Value};
+use minijinja::{AutoEscape, Environment, context};
+use serde::Serialize;
+
+/// Style sheet of the page.
+const STYLE: &str = include_str!("../../assets/report/report.css");
+const TEMPLATE: &str = include_str!("../../assets/report/report.html");
+/// The tone curve of the renderer: the page's shader includes the same text.
+const TONE_CURVE_GLSL: &str = include_str!("../../shaders/lib/tone_curve.glsl");
+const VIEWER_GLSL: &str = include_str!("../../assets/report/viewer.frag");
+
+/// The modules of the page by the name they import each other under. An import map points each to its text.
+const MODULES: [(&str, &str); 9] = [
+    ("report/main", include_str!("../../assets/report/main.js")),
+    ("report/data", include_str!("../../assets/report/data.js")),
+    ("report/state", include_str!("../../assets/report/state.js")),
+    ("report/dom", include_str!("../../assets/report/dom.js")),
+    ("report/chart", include_str!("../../assets/report/chart.js")),
+    ("report/plots", include_str!("../../assets/report/plots.js")),
+    ("report/viewer", include_str!("../../assets/report/viewer.js")),
+    ("report/grid", include_str!("../../assets/report/grid.js")),
+    ("report/tables", include_str!("../../assets/report/tables.js")),
+];
+
+/// What the page shows without its scripts.
+#[derive(Debug, Serialize)]
+pub struct Static {
+    pub name: String,
+    pub question: String,
+    pub number: String,
+    pub unit: String,
+    pub sentence: String,
+    pub facts: Vec<String>,
+    pub warnings: Vec<String>,
+    pub devices: Vec<String>,
+}
+
+/// Renders the page. `model` is what the scripts read; `tables` are CSV files by element id.
+pub fn render(
+    fixed: &Static,
+    model: &serde_json::Value,
+    tables: &[(String, &str)],
+    images: &ImageSet,
+) -> Result<String, minijinja::Error> {
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.add_template("report", TEMPLATE)?;
+    let imports: serde_json::Map<String, serde_json::Value> = MODULES
+        .iter()
+        .map(|(name, text)| {
+            (name.to_string(), format!("data:text/javascript;base64,{}", BASE64_STANDARD.encode(text)).into())
+        })
+        .collect();
+    let shader = VIEWER_GLSL.replace("#include \"tone_curve.glsl\"", TONE_CURVE_GLSL);
+    let element = |id: &str, text: &str| Value::from_pairs([("id", Value::from(id)), ("text", safe(text.to_owned()))]);
+    let tables: Vec<Value> =
+        tables.iter().map(|(id, text)| element(id, &in_script(&serde_json::json!(text)))).collect();
+    let payloads: Vec<Value> =
+        images.payloads.iter().enumerate().map(|(i, text)| element(&format!("pixels-{i}"), text)).collect();
+    environment.get_template("report")?.render(context! {
+        fixed => Serde(fixed),
+        style => safe(STYLE.to_owned()),
+        imports => safe(in_script(&serde_json::json!({ "imports": imports }))),
+        model => safe(in_script(model)),
+        shader => safe(in_script(&serde_json::json!(shader))),
+        tables,
+        payloads,
+    })
+}
+
+fn safe(text: String) -> Value {
+    Value::from_safe_string(text)
+}
+
+/// JSON that can stand in a script element: it holds no `<`, so it cannot close the element or open a comment.
+pub fn in_script(value: &serde_json::Value) -> String {
+    value.to_string().replace('<', "\\u003c")
+}

@@ -1,0 +1,14 @@
+//! What a misspelt name was meant to be.
+
+/// `; did you mean "x"?` for the nearest of `names`, or nothing when none is near.
+///
+/// Near: at most half of the longer word differs (Damerau-Levenshtein), so that noise suggests nothing.
+pub fn suggestion(wrong: &str, names: &[&str]) -> String {
+    names
+        .iter()
+        .map(|name| (strsim::normalized_damerau_levenshtein(&wrong.to_lowercase(), name), name))
+        .filter(|(similarity, _)| *similarity >= 0.5)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| format!("; did you mean {name:?}?"))
+        .unwrap_or_default()
+}
