@@ -77,7 +77,13 @@ describe() {
         has_loader) echo "the Vulkan loader (libvulkan.so.1)" ;;
         has_driver) echo "a Vulkan driver (a manifest in vulkan/icd.d)" ;;
         has_validation) echo "the Vulkan validation layer" ;;
+        has_browser) echo "Chromium" ;;
     esac
+}
+
+# As tests/browser looks for it.
+has_browser() {
+    has_command chromium || has_command chromium-browser || has_command google-chrome || has_command google-chrome-stable
 }
 
 install_packages() {

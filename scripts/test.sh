@@ -36,6 +36,14 @@ else
 fi
 
 [ "$status" -eq 0 ] || say "a check above FAILED; the tests run all the same"
+# The report is tested in a browser; without one those tests say so and skip, but not where they must run.
+if [ -n "${CI:-}${SPLITSUM_REQUIRE_BROWSER:-}" ]; then
+    require has_browser chromium
+    export SPLITSUM_REQUIRE_BROWSER=1
+elif ! has_browser; then
+    (require has_browser chromium) || say "skipped: the browser tests (chromium is not installed)"
+fi
+
 say "cargo test"
 cargo test --release --locked --no-fail-fast || status=1
 exit "$status"

@@ -86,15 +86,21 @@ export function figure(spec) {
     const width = Math.floor(stage.clientWidth);
     if (width < 40 || width === drawn) return;
     drawn = width;
-    const height = typeof spec.height === "function" ? spec.height(width) : spec.height ?? Math.round(Math.min(420, Math.max(240, width * 0.55)));
-    const svg = spec.draw(width, height, tip);
+    // Drawn in units of the text size, so that letters and lines grow with it on very large screens.
+    const unit = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16, w = Math.round(width / unit);
+    const height = spec.height ? spec.height(w, unit) : Math.round(Math.min(420, Math.max(240, w * 0.55)));
+    const svg = spec.draw(w, height, tip);
+    svg.setAttribute("viewBox", `0 0 ${w} ${height}`);
+    svg.setAttribute("width", width);
+    svg.setAttribute("height", Math.round(height * unit));
     svg.setAttribute("role", "img");
     svg.setAttribute("aria-labelledby", id);
     const description = s("desc", {}, spec.description ?? spec.note ?? "");
     svg.prepend(description);
     stage.replaceChildren(svg);
   };
-  new ResizeObserver(draw).observe(stage);
+  // Not within the notification: the drawing changes the size of what is observed.
+  new ResizeObserver(() => requestAnimationFrame(draw)).observe(stage);
   return element;
 }
 
@@ -121,9 +127,8 @@ function standalone(svg) {
     for (const name of ["fill", "stroke", "opacity", "font-size", "font-family", "font-weight", "text-anchor"]) to[i].setAttribute(name, style.getPropertyValue(name));
     to[i].removeAttribute("class");
   });
-  const [width, height] = [svg.getAttribute("width"), svg.getAttribute("height")];
+  const [, , width, height] = svg.getAttribute("viewBox").split(" ");
   copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
-  copy.setAttribute("viewBox", `0 0 ${width} ${height}`);
   copy.querySelector("desc").after(s("rect", { width, height, fill: getComputedStyle(document.body).backgroundColor }));
   return `<?xml version="1.0" encoding="UTF-8"?>\n${new XMLSerializer().serializeToString(copy)}\n`;
 }
@@ -173,7 +178,7 @@ export function xy({ x, y, marks }) {
         const place = sy(mark.rule);
         if (!Number.isFinite(place)) continue;
         layer.append(s("line", { x1: box.left, x2: box.right, y1: place, y2: place, stroke: mark.color, "stroke-width": mark.width ?? 1.5, "stroke-dasharray": mark.dash, opacity: mark.opacity }));
-        if (mark.label) layer.append(s("text", { x: box.right - 4, y: place + (mark.below ? 14 : -5), class: "mark", "text-anchor": "end", fill: mark.color }, mark.label));
+        if (mark.label) layer.append(s("text", { x: box.right - 4, y: place + (mark.below ? 14 : -5), class: "mark", "text-anchor": "end", style: `fill:${mark.color}` }, mark.label));
       } else if (mark.dots) {
         for (const dot of mark.dots) {
           const [px, py] = [sx(dot.x), sy(dot.y)];
@@ -186,7 +191,7 @@ export function xy({ x, y, marks }) {
         }
       } else if (mark.text) {
         const atX = typeof mark.x === "function" ? mark.x(box) : sx(mark.x), atY = typeof mark.y === "function" ? mark.y(box) : sy(mark.y);
-        svg.append(s("text", { x: atX, y: atY, class: "mark", "text-anchor": mark.anchor ?? "start", fill: mark.color }, mark.text));
+        svg.append(s("text", { x: atX, y: atY, class: "mark", "text-anchor": mark.anchor ?? "start", style: `fill:${mark.color}` }, mark.text));
       }
     }
     hover(svg, tip, targets, width);
@@ -199,7 +204,8 @@ function hover(svg, tip, targets, width) {
   const ring = s("circle", { r: 8, class: "ring", visibility: "hidden" });
   svg.append(ring);
   const nearest = (event) => {
-    const box = svg.getBoundingClientRect(), [x, y] = [event.clientX - box.left, event.clientY - box.top];
+    const box = svg.getBoundingClientRect(), unit = box.width / width;
+    const [x, y] = [(event.clientX - box.left) / unit, (event.clientY - box.top) / unit];
     let best = null, distance = 32 ** 2;
     for (const target of targets) {
       const d = (target.px - x) ** 2 + (target.py - y) ** 2;
@@ -216,11 +222,33 @@ function hover(svg, tip, targets, width) {
     ring.setAttribute("cx", target.px);
     ring.setAttribute("cy", target.py);
     tip.textContent = target.dot.text;
-    const right = target.px > width / 2;
-    tip.style.cssText = `top:${Math.max(0, target.py - 14)}px;${right ? `right:${width - target.px + 14}px` : `left:${target.px + 14}px`}`;
+    const unit = svg.getBoundingClientRect().width / width, side = target.px > width / 2 ? "right" : "left";
+    const distance = (side === "right" ? width - target.px : target.px) + 14;
+    tip.style.cssText = `top:${Math.max(0, target.py - 14) * unit}px;${side}:${distance * unit}px`;
   });
   svg.addEventListener("pointerleave", () => { tip.hidden = true; ring.setAttribute("visibility", "hidden"); });
   svg.addEventListener("click", (event) => nearest(event)?.dot.open?.());
+}
+
+/** Stacked bars, one a row: bars are {name, parts: [[part, value]], total}; colours follow the order of `parts`. */
+export function bars({ bars, parts, unit }) {
+  return (width, height) => {
+    const svg = s("svg", { width, height, class: "chart" });
+    const left = Math.min(width * 0.42, 12 + 6.6 * Math.max(...bars.map((bar) => bar.name.length)));
+    const longest = Math.max(...bars.map((bar) => bar.total)), rowHeight = height / bars.length;
+    bars.forEach((bar, i) => {
+      const y = i * rowHeight, middle = y + rowHeight / 2 + 4;
+      let x = left;
+      svg.append(s("text", { x: left - 8, y: middle, class: "tick", "text-anchor": "end" }, bar.name));
+      for (const [part, value] of bar.parts) {
+        const w = (value / longest) * (width - left - 76);
+        svg.append(s("rect", { x, y: y + rowHeight * 0.14, width: Math.max(0.5, w), height: rowHeight * 0.72, fill: COLORS[parts.indexOf(part) % 7] }, s("title", {}, `${bar.name}: ${part} ${number(value)} ${unit}`)));
+        x += w;
+      }
+      svg.append(s("text", { x: x + 6, y: middle, class: "tick" }, `${number(bar.total)} ${unit}`));
+    });
+    return svg;
+  };
 }
 
 /**
@@ -230,12 +258,13 @@ export function heatmap({ rows, columns, rowTitle, columnTitle, cell }) {
   return (width, height, tip) => {
     const left = Math.min(width * 0.3, 14 + 7 * Math.max(4, rowTitle.length, ...rows.map((label) => String(label).length)));
     const longest = Math.max(...columns.map((label) => String(label).length), 1);
-    const w = (width - left - 4) / columns.length;
-    const slanted = w < 6.6 * longest;
+    const slanted = (width - left - 4) / columns.length < 6.6 * longest;
+    // The last slanted label leans out to the right.
+    const w = (width - left - (slanted ? Math.min(60, 4 * longest) : 4)) / columns.length;
     const top = slanted ? Math.min(110, 30 + longest * 4.6) : 40, rowHeight = (height - top - 4) / rows.length;
     const svg = s("svg", { width, height, class: "chart" });
     svg.append(s("text", { x: left - 8, y: top - 8, class: "axis", "text-anchor": "end" }, rowTitle),
-      s("text", { x: (left + width) / 2, y: 12, class: "axis", "text-anchor": "middle" }, columnTitle));
+      s("text", { x: left + (columns.length * w) / 2, y: 12, class: "axis", "text-anchor": "middle" }, columnTitle));
     columns.forEach((label, c) => {
       const x = left + (c + 0.5) * w, y = top - 8;
       svg.append(s("text", slanted ? { transform: `translate(${x} ${y}) rotate(-40)`, class: "tick" } : { x, y, class: "tick", "text-anchor": "middle" }, label));
@@ -249,7 +278,7 @@ export function heatmap({ rows, columns, rowTitle, columnTitle, cell }) {
         const x = left + c * w;
         const group = s("g", { class: value?.open ? "cell open" : "cell" },
           s("rect", { x: x + 1, y: y + 1, width: Math.max(1, w - 2), height: Math.max(1, rowHeight - 2), rx: 3, class: value ? "" : "empty", fill: value?.color }),
-          value && size > 6 && s("text", { x: x + w / 2, y: y + rowHeight / 2 + size * 0.36, "text-anchor": "middle", "font-size": size, fill: value.ink }, value.text),
+          value && size > 6 && s("text", { x: x + w / 2, y: y + rowHeight / 2 + size * 0.36, "text-anchor": "middle", style: `fill:${value.ink};font-size:${size}px` }, value.text),
           value && s("title", {}, value.title));
         if (value?.open) group.addEventListener("click", value.open);
         svg.append(group);

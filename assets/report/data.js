@@ -93,6 +93,11 @@ export const scenes = [];
     row.original = byImage.get(imageKey);
   }
 }
+for (const scene of scenes) {
+  // A cell without some term has a reference without it; the scene's is the one that most of its cells have.
+  const uses = (row) => scene.variants.filter((other) => other.reference === row.reference).length;
+  scene.main = scene.variants.reduce((best, row) => (uses(row) > uses(best) ? row : best));
+}
 /** Labels of all variants, in the order of the rows. */
 export const variantLabels = [...new Set(scenes.flatMap((scene) => scene.variants.map(variantLabel)))];
 

@@ -40,6 +40,7 @@ export async function paint(canvas, row, mode, settings, isReference = false) {
     }
   }
   [canvas.width, canvas.height] = [width, height];
+  canvas.style.aspectRatio = `${width} / ${height}`;
   canvas.getContext("2d").putImageData(picture, 0, 0);
   return true;
 }
@@ -92,7 +93,7 @@ export function showGrid(view, state) {
   const labels = variantLabels.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label)));
   const head = h("tr", {}, h("th", { scope: "col" }, sceneAxes.map(symbol).join(" · ") || "scene"), h("th", { scope: "col" }, "reference"), labels.map((label) => h("th", { scope: "col" }, label)));
   const body = own.map((scene) => {
-    const first = scene.variants[0], settings = settingsOf(first);
+    const first = scene.main, settings = settingsOf(first);
     settings.exposure *= 2 ** stops;
     const best = Math.min(...scene.variants.map((row) => row.scores[headline] ?? Infinity));
     return h("tr", {}, h("th", { scope: "row" }, sceneAxes.map((name) => h("span", {}, `${symbol(name) === name ? "" : `${symbol(name)} `}${short(name, first.axes[name])}`))),

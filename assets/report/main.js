@@ -1,9 +1,9 @@
 // Starts the page: navigation, the first screen, keys.
 
-import { model, scenes, variantLabel } from "report/data";
+import { headline, model, scenes, variantLabel } from "report/data";
 import { byId, h } from "report/dom";
 import { settingsOf, showGrid, thumbnail } from "report/grid";
-import { breakEvenChart, breakEvenMap, pairs, showPlots } from "report/plots";
+import { breakEvenChart, breakEvenMap, convergence, curves, pairs, showPlots } from "report/plots";
 import { go, link, onState, state } from "report/state";
 import { showRun, showTables } from "report/tables";
 import { showViewer, viewerKey, viewerRelease } from "report/viewer";
@@ -24,7 +24,9 @@ function show(current) {
   const known = PAGES.find(([name]) => name === current.view) ?? PAGES[0];
   for (const [name] of PAGES) byId(`view-${name}`).hidden = name !== known[0];
   for (const item of byId("pages").children) item.toggleAttribute("aria-current", item.dataset.view === known[0]);
-  byId("pages").querySelectorAll("[aria-current]").forEach((item) => item.setAttribute("aria-current", "page"));
+  const here = byId("pages").querySelector("[aria-current]");
+  here.setAttribute("aria-current", "page");
+  byId("pages").scrollLeft = here.offsetLeft - 60;
   document.body.dataset.view = known[0];
   known[2](byId(`view-${known[0]}`), current);
 }
@@ -39,6 +41,7 @@ function showAnswer() {
     byId("lead-chart").append(breakEvenChart(pair));
     byId("answer-rest").append(h("div", { class: "two" }, breakEvenMap(pair), strip(pair)));
   } else {
+    if (curves.length) byId("lead-chart").append(convergence());
     byId("answer-rest").append(strip(null));
   }
   if (model.differences.length) byId("answer-rest").append(h("p", { class: "note" }, "Joined runs differ in ", model.differences.map(([name]) => name).join(", "), ". ", h("a", { href: "#run" }, "Details")));
@@ -48,17 +51,18 @@ function showAnswer() {
 function strip(pair) {
   const withPixels = scenes.filter((scene) => scene.variants.some((row) => row.image !== null && model.images[row.image].payload !== null));
   if (!withPixels.length) return h("p", { class: "note" }, model.image_notes.join(" "));
-  const ranked = pair ? [...pair.cases].sort((a, b) => (a.crossing ?? Infinity) - (b.crossing ?? Infinity)) : [];
-  const middle = ranked[Math.floor((ranked.length - 1) / 2)];
+  const cases = pair ? [...pair.cases].sort((a, b) => (a.crossing ?? Infinity) - (b.crossing ?? Infinity)) : [];
+  const middle = cases[Math.floor((cases.length - 1) / 2)];
   const scene = withPixels.find((one) => middle && one.variants.some((row) => row.cell === middle.fixed_cell && row.run === middle.fixed_run)) ?? withPixels[0];
-  const own = scene.variants, settings = settingsOf(own[0]);
+  const own = scene.variants, settings = settingsOf(scene.main);
   const fixed = middle && own.find((row) => row.cell === middle.fixed_cell);
-  const sampled = pair ? own.filter((row) => row.axes.method === pair.sampled) : own;
+  const sampled = own.filter((row) => (pair ? row.axes.method === pair.sampled : row.axes.method !== "none"));
   const at = sampled.find((row) => middle && Number(row.axes.samples) === middle.break_even.n) ?? sampled.at(-1);
-  const chosen = [...new Set([fixed, sampled[0], at].filter(Boolean))];
+  const ranked = [...sampled].sort((a, b) => a.scores[headline] - b.scores[headline]);
+  const chosen = [...new Set((pair ? [fixed, sampled[0], at] : [ranked.at(-1), ranked[ranked.length >> 1], ranked[0]]).filter(Boolean))];
   return h("figure", { class: "figure strip" }, h("figcaption", {}, h("h3", {}, `See it: ${scene.label}`)),
-    h("p", { class: "note" }, pair ? "The scene whose break-even lies in the middle. Above the images, below their relative error (magma, 10⁻³ to 1). Click to compare them pixel by pixel." : "Above the images, below their relative error (magma, 10⁻³ to 1)."),
-    h("div", { class: "strip-images" }, h("div", {}, h("h4", {}, "reference"), thumbnail(own[0], "image", settings, { isReference: true })),
+    h("p", { class: "note" }, pair ? "The scene whose break-even lies in the middle. Above the images, below their relative error (magma, 10⁻³ to 1). Click to compare them pixel by pixel." : "The largest, the middle and the lowest error. Above the images, below their relative error (magma, 10⁻³ to 1)."),
+    h("div", { class: "strip-images" }, h("div", {}, h("h4", {}, "reference"), thumbnail(scene.main, "image", settings, { isReference: true })),
       chosen.map((row) => h("div", {}, h("h4", {}, variantLabel(row)), thumbnail(row, "image", settings), thumbnail(row, "error", settings)))),
     h("p", {}, h("a", { href: "#images" }, `All ${scenes.length} scenes`), " · ", h("a", { href: link({ view: "compare", cell: (fixed ?? own[0]).cell, split: 0.5 }) }, "Compare with the reference")));
 }

@@ -1,6 +1,6 @@
 // The figures: what is drawn of the run's data.
 
-import { COLORS, SHAPES, domain, figure, heatmap, ordinal, xy } from "report/chart";
+import { COLORS, SHAPES, bars as barChart, domain, figure, heatmap, ordinal, xy } from "report/chart";
 import { displayAxes, headline, model, rows, scenes, short, symbol, table, variantLabel, variantLabels } from "report/data";
 import { choice, h, number, quartiles, select } from "report/dom";
 import { go, keep } from "report/state";
@@ -32,6 +32,7 @@ export function breakEvenChart(pair) {
   return figure({
     name: "break-even-curves",
     class: "lead-figure",
+    height: (width, unit) => Math.round(Math.min(Math.max(260, (innerHeight / unit) * 0.56), width * 0.9)),
     title: `Error of ${pair.sampled} over error of ${pair.fixed}`,
     note: `One line a case; bold: the median, shaded: the middle half. Below 1, ${pair.sampled} is closer to the reference. Open marks on the line: where a case crosses.`,
     legend: [...series.map((value, i) => ({ label: seriesAxis < 0 ? "cases" : `${symbol(caseAxes[seriesAxis])} ${short(caseAxes[seriesAxis], value)}`, color: ordinal(i, series.length) })),
@@ -88,21 +89,26 @@ export function breakEvenMap(pair) {
 }
 
 /** Log-log convergence of one facet, with fitted slopes and the reference's noise floor. */
-function convergence(facet) {
+export function convergence(facet = curveFacets[0]) {
   const own = curves.filter((curve) => facetLabel(curve.key) === facet);
   const series = unique(own.map((curve) => curve.key[seriesAxis])), methods = unique(own.map((curve) => curve.method));
-  const floors = own.map((curve) => curve.noise_floor).filter((x) => x > 0);
+  const allFloors = own.map((curve) => curve.noise_floor).filter((x) => x > 0);
+  const lowest = Math.min(...own.flatMap((curve) => curve.points.map((p) => p.error)));
+  // A floor far below every error would press the curves together; it is written out instead.
+  const floors = allFloors.filter((x) => x > lowest / 30), farFloor = Math.max(0, ...allFloors.filter((x) => x <= lowest / 30));
   const fixed = unique(own.map((curve) => JSON.stringify(curve.key))).flatMap((key) => fixedOf(JSON.parse(key)));
   const dash = (method) => [undefined, "7 3", "2 3", "9 3 2 3"][methods.indexOf(method) % 4];
-  const color = (key) => ordinal(series.indexOf(key[seriesAxis]), series.length);
+  // With one series only, colours tell the methods apart.
+  const color = (key, method) => (series.length > 1 ? ordinal(series.indexOf(key[seriesAxis]), series.length) : COLORS[methods.indexOf(method) % 7] ?? "var(--muted)");
+  const shape = (curve) => SHAPES[(series.length > 1 ? series.indexOf(curve.key[seriesAxis]) : methods.indexOf(curve.method)) % SHAPES.length];
   const slopeText = (curve) => (curve.slope ? `slope ${number(curve.slope.value, 2)} [${number(curve.slope.lo, 2)}, ${number(curve.slope.hi, 2)}]` : "no fit");
   const counts = unique(own.flatMap((curve) => curve.points.map((p) => p.samples))).sort((a, b) => a - b);
   return figure({
     name: `convergence-${facet}`,
-    title: `Convergence · ${facet}`,
-    note: "Slopes are fitted to ln(error) over ln(samples) with their 95 % interval; plain Monte Carlo has −1 in squared error. Dotted: the error an exact image would have by the reference's own noise. Flat lines: methods without samples.",
-    legend: [...own.map((curve) => ({ label: `${methods.length > 1 ? `${curve.method} ` : ""}${seriesLabel(curve.key)}: ${slopeText(curve)}`, color: color(curve.key), shape: SHAPES[series.indexOf(curve.key[seriesAxis]) % SHAPES.length], dash: dash(curve.method) })),
-      ...unique(fixed.map((c) => c.fixed)).map((name) => ({ label: name, color: "var(--muted)", dash: "1 0" })), { label: "noise floor", color: "var(--muted)", dash: "1 4" }],
+    title: facet === "all" ? "Convergence" : `Convergence · ${facet}`,
+    note: "Slopes are fitted to ln(error) over ln(samples) with their 95 % interval; plain Monte Carlo has −1 in squared error. Noise floor: the error an exact image would have by the reference's own noise. Flat lines: methods without samples.",
+    legend: [...own.map((curve) => ({ label: `${[methods.length > 1 || !seriesLabel(curve.key) ? curve.method : "", seriesLabel(curve.key)].filter(Boolean).join(" ")}: ${slopeText(curve)}`, color: color(curve.key, curve.method), shape: shape(curve), dash: dash(curve.method) })),
+      ...unique(fixed.map((c) => c.fixed)).map((name) => ({ label: name, color: "var(--muted)", dash: "1 0" })), floors.length ? { label: "noise floor", color: "var(--muted)", dash: "1 4" } : { label: `noise floor: at most ${number(farFloor, 2)}, below the drawing`, line: false }],
     table: {
       columns: [...caseAxes, "method", "samples", headline, "slope", "slope_lo", "slope_hi", "noise_floor"],
       rows: own.flatMap((curve) => curve.points.map((p) => [...curve.key, curve.method, p.samples, p.error, curve.slope?.value ?? null, curve.slope?.lo ?? null, curve.slope?.hi ?? null, curve.noise_floor])),
@@ -114,9 +120,9 @@ function convergence(facet) {
       marks: [
         ...unique(floors).map((floor, i) => ({ rule: floor, color: "var(--muted)", dash: "1 4", opacity: 0.8, label: i === 0 ? "noise floor" : "" })),
         ...fixed.map((c) => ({ rule: c.fixed_error, color: color(c.key), width: 1, opacity: 0.8 })),
-        ...own.filter((curve) => curve.slope).map((curve) => ({ line: counts.map((n) => [n, Math.exp(curve.slope.intercept) * n ** curve.slope.value]), color: color(curve.key), width: 1, dash: "3 3", opacity: 0.6 })),
-        ...own.map((curve) => ({ line: curve.points.map((p) => [p.samples, p.error]), color: color(curve.key), dash: dash(curve.method), width: 2 })),
-        ...own.map((curve) => ({ color: color(curve.key), shape: SHAPES[series.indexOf(curve.key[seriesAxis]) % SHAPES.length], r: 4, dots: curve.points.map((p) => ({ x: p.samples, y: p.error, open: open(p.cell, p.run),
+        ...own.filter((curve) => curve.slope).map((curve) => ({ line: counts.map((n) => [n, Math.exp(curve.slope.intercept) * n ** curve.slope.value]), color: color(curve.key, curve.method), width: 1, dash: "3 3", opacity: 0.6 })),
+        ...own.map((curve) => ({ line: curve.points.map((p) => [p.samples, p.error]), color: color(curve.key, curve.method), dash: dash(curve.method), width: 2 })),
+        ...own.map((curve) => ({ color: color(curve.key, curve.method), shape: shape(curve), r: 4, dots: curve.points.map((p) => ({ x: p.samples, y: p.error, open: open(p.cell, p.run),
           text: `${curve.method} ${p.samples} · ${seriesLabel(curve.key)}\nrelMSE ${number(p.error)}${p.is_resolved ? "" : " (limited by the reference)"}\n${slopeText(curve)}` })) })),
       ],
     }),
@@ -201,7 +207,7 @@ function profile(scene) {
   const methods = unique(own.map(({ row }) => row.axes.method));
   const style = ({ row }) => {
     const same = own.filter((other) => other.row.axes.method === row.axes.method);
-    return row.axes.samples === "" || same.length === 1 ? { color: COLORS[methods.indexOf(row.axes.method) % 7], width: 3, dash: "6 3" } : { color: ordinal(same.findIndex((other) => other.row === row), same.length), width: 1.8 };
+    return row.axes.samples === "" || same.length === 1 ? { color: COLORS[methods.indexOf(row.axes.method) % 7], width: 3, dash: "6 3" } : { color: ordinal(same.findIndex((other) => other.row === row), same.length), width: 1.8, dash: [undefined, "7 3", "2 3", "9 3 2 3"][methods.indexOf(row.axes.method) % 4] };
   };
   const middle = ([lo, hi]) => (lo + hi) / 2;
   return figure({
@@ -221,26 +227,29 @@ function profile(scene) {
   });
 }
 
-/** The visible difference (FLIP) by exposure and contrast. */
-function visibility(variant) {
-  const own = rows.filter((row) => variantLabel(row) === variant && row.scores.flip !== null);
-  const [x, y] = displayAxes.length > 1 ? [displayAxes[0], displayAxes[1]] : [displayAxes[0], null];
-  const columns = unique(rows.map((row) => row.axes[x])), lines = y ? unique(rows.map((row) => row.axes[y])) : [""];
-  const value = (r, c) => quartiles(own.filter((row) => row.axes[x] === columns[c] && (!y || row.axes[y] === lines[r])).map((row) => row.scores.flip))[1];
+/** The visible difference (FLIP) of every variant by exposure and contrast. */
+function visibility() {
+  const own = rows.filter((row) => row.scores.flip !== null);
+  const setting = (row) => displayAxes.map((name) => `${name} ${row.axes[name]}`).join(" · ");
+  const columns = unique(own.map(setting)), lines = variantLabels.filter((name) => own.some((row) => variantLabel(row) === name));
+  const of = (r, c) => own.filter((row) => variantLabel(row) === lines[r] && setting(row) === columns[c]);
+  const value = (r, c) => quartiles(of(r, c).map((row) => row.scores.flip))[1];
+  const largest = Math.max(...own.map((row) => row.scores.flip));
   return figure({
-    name: `visibility-${variant}`,
-    title: `Visible difference (FLIP) · ${variant}`,
-    note: "Median over all scenes; 0 is equal, 1 the largest. The tone curve hides or shows the same linear error.",
-    height: () => 80 + 40 * lines.length,
-    table: { columns: [...(y ? [y] : []), x, "flip_median"], rows: lines.flatMap((line, r) => columns.map((column, c) => [...(y ? [line] : []), column, value(r, c)])) },
+    name: "visibility",
+    class: "wide",
+    title: "Visible difference (FLIP) by exposure and contrast",
+    note: "Median over all scenes; 0 is equal. Columns share one linear image: the tone curve hides or shows its error. Click for the image at that setting.",
+    height: () => 110 + 30 * lines.length,
+    table: { columns: ["variant", ...columns], rows: lines.map((line, r) => [line, ...columns.map((_, c) => value(r, c))]) },
     draw: heatmap({
-      rows: lines.map((line) => line || " "), columns, rowTitle: y ?? "", columnTitle: x,
+      rows: lines, columns, rowTitle: "", columnTitle: "",
       cell: (r, c) => {
         const flip = value(r, c);
         if (!Number.isFinite(flip)) return null;
-        const step = Math.min(6, Math.round(flip * 12));
-        const row = own.find((one) => one.axes[x] === columns[c] && (!y || one.axes[y] === lines[r]));
-        return { text: number(flip, 2), color: `var(--heat-${step})`, ink: `var(--heat-ink-${step})`, title: `${x} ${columns[c]}${y ? `, ${y} ${lines[r]}` : ""}: FLIP ${number(flip)}`, open: open(row.cell, row.run) };
+        const step = Math.round((flip / largest) * 6), row = of(r, c)[0];
+        return { text: number(flip, 2), color: `var(--heat-${step})`, ink: `var(--heat-ink-${step})`, title: `${lines[r]}, ${columns[c]}: FLIP ${number(flip)}`,
+          open: () => go({ view: "compare", cell: row.cell, run: row.run || undefined }) };
       },
     }),
   });
@@ -251,48 +260,26 @@ function passes(phase, title, note) {
   const bars = model.runs.flatMap((run, index) => run.timings.filter((record) => record.phase === phase).map((record) => {
     const words = ["brdf", "method", "samples", "diffuse"].map((name) => record.axes[name]).filter((word) => word && word !== "none");
     const name = [model.runs.length > 1 ? run.label : "", ...words].filter(Boolean).join(" ") || record.environment_size.join("×");
-    return { name, passes: record.passes, total: record.passes.reduce((sum, [, ms]) => sum + ms, 0), order: `${record.axes.brdf} ${record.axes.method} ${String(record.axes.samples).padStart(6, "0")}`, run: index };
+    return { name, parts: record.passes, total: record.passes.reduce((sum, [, ms]) => sum + ms, 0), order: `${record.axes.brdf} ${record.axes.method} ${String(record.axes.samples).padStart(6, "0")}`, run: index };
   })).sort((a, b) => a.run - b.run || (a.order < b.order ? -1 : 1));
   if (!bars.length) return null;
-  const names = unique(bars.flatMap((bar) => bar.passes.map(([name]) => name)));
-  const longest = Math.max(...bars.map((bar) => bar.total));
+  const names = unique(bars.flatMap((bar) => bar.parts.map(([name]) => name)));
   return figure({
     name: `passes-${phase}`,
     title, note,
     legend: names.map((name, i) => ({ label: name, color: COLORS[i % 7], shape: "square", line: false })),
-    height: () => 40 + 22 * bars.length,
-    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => bar.passes.map(([name, ms]) => [bar.name, name, ms])) },
-    draw: (width, height, tip) => passBars(bars, names, longest, width, height, tip),
+    height: () => 22 * bars.length,
+    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => bar.parts.map(([name, ms]) => [bar.name, name, ms])) },
+    draw: barChart({ bars, parts: names, unit: "ms" }),
   });
-}
-
-function passBars(bars, names, longest, width, height) {
-  const draw = xy({ x: { label: "ms", domain: [0, longest] }, y: { label: "", domain: [0, 1], ticks: [] }, marks: [] });
-  const svg = draw(width, height, { hidden: true });
-  const make = (tag, attributes, ...children) => { const element = document.createElementNS("http://www.w3.org/2000/svg", tag); Object.entries(attributes).forEach(([name, value]) => element.setAttribute(name, value)); element.append(...children); return element; };
-  svg.replaceChildren();
-  const left = Math.min(width * 0.42, 12 + 6.6 * Math.max(...bars.map((bar) => bar.name.length)));
-  bars.forEach((bar, i) => {
-    const y = 6 + i * 22;
-    let x = left;
-    svg.append(make("text", { x: left - 8, y: y + 13, class: "tick", "text-anchor": "end" }, bar.name));
-    for (const [name, ms] of bar.passes) {
-      const w = (ms / longest) * (width - left - 70);
-      svg.append(make("rect", { x, y: y + 1, width: Math.max(0.5, w), height: 16, fill: COLORS[names.indexOf(name) % 7] }, make("title", {}, `${bar.name}: ${name} ${number(ms)} ms`)));
-      x += w;
-    }
-    svg.append(make("text", { x: x + 6, y: y + 13, class: "tick" }, `${number(bar.total)} ms`));
-  });
-  return svg;
 }
 
 /** The page of plots. */
 export function showPlots(view, state) {
-  const groups = [];
+  const groups = [], isTimed = rows.some((row) => row.time);
   const facets = curveFacets.length ? curveFacets : ["all"];
   const facet = facets.includes(state.facet) ? state.facet : facets[0];
   const scene = scenes.find((one) => one.key === state.scene) ?? scenes[0];
-  const variants = variantLabels, variant = variants.includes(state.variant) ? state.variant : variants[0];
   const again = (details) => { keep(details); showPlots(view, { ...state, ...details }); };
   const pair = pairs.find((one) => `${one.sampled} ${one.fixed}` === state.pair) ?? pairs[0];
   const bar = h("div", { class: "controls" }, h("h2", {}, "Plots"),
@@ -302,15 +289,14 @@ export function showPlots(view, state) {
   groups.push(timeError(state.all === "1" || !curves.length ? "all" : facet));
   if (pair) groups.push(nDotVMap(pair, facet), breakEvenMap(pair));
   groups.push(profile(scene));
-  if (displayAxes.length) groups.push(visibility(variant));
+  if (displayAxes.length) groups.push(visibility());
   groups.push(passes("frame", "Time of a frame by pass", "Median of each pass, in running order."), passes("precompute", "Made once per environment or model", "Apart from the frame: tables that every frame uses."));
   const extra = h("div", { class: "controls" },
     scenes.length > 1 && select("Profile of", scenes.map((one) => [one.key, one.label]), scene.key, (value) => again({ scene: value })),
-    displayAxes.length > 0 && variants.length > 1 && select("Visibility of", variants.map((name) => [name, name]), variant, (value) => again({ variant: value })),
-    curves.length > 0 && choice("Cells of the time plot", [["0", "This setting"], ["1", "All cells"]], state.all === "1" ? "1" : "0", (value) => again({ all: value })));
+    curves.length > 0 && isTimed && h("span", { class: "choice" }, "Time plot"), curves.length > 0 && isTimed && choice("Cells of the time plot", [["0", "This setting"], ["1", "All cells"]], state.all === "1" ? "1" : "0", (value) => again({ all: value })));
   const links = model.figures.length > 0 && h("p", { class: "note" }, "Data and Vega-Lite specifications beside this report: ",
     model.figures.map((name, i) => [i ? ", " : "", h("a", { href: `${name.split("/").map(encodeURIComponent).join("/")}.vl.json` }, `${name.split("/").at(-1)}.vl.json`)]), ".");
   view.replaceChildren(bar, extra, h("div", { class: "figures" }, groups.filter(Boolean)), links || "");
 }
 
-export { pairs };
+export { curves, pairs };

@@ -1,93 +1,21 @@
 // The comparison of images on linear data: flip in place, split, zoom to texels, error maps, probe. WebGL2.
 
-import { HALF, errorColor, exrLink, headline, mask, model, pixels, rowOf, rows, scenes, shaderText, texelError, variantLabel } from "report/data";
+import { HALF, errorColor, exrLink, headline, model, rowOf, rows, scenes, texelError, variantLabel } from "report/data";
 import { announce, choice, h, number, select } from "report/dom";
 import { keep, link, state as current } from "report/state";
+import { Surface } from "report/surface";
 
-const VERTEX = "#version 300 es\nvoid main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }";
 const SCALE_MAX = 96;
 const MODES = [["image", "Image", "the image through the tone curve"], ["error", "Error", "relative error (E)"], ["signed", "Signed", "signed relative error (S)"]];
 const TONES = [["curve", "Tone curve", "(e L / (e L + 1))^(contrast / 2.2), the project's"], ["srgb", "sRGB", "clipped linear, sRGB-encoded"]];
-/** Texels kept as textures; older scenes are freed. */
-const TEXTURE_MAX = 96;
 
 class Viewer {
   constructor(view) {
     this.view = view;
-    this.textures = new Map();
     this.showsReference = false;
     this.canvas = h("canvas", { tabindex: 0, role: "img", "aria-describedby": "viewer-keys" });
-    this.gl = this.canvas.getContext("webgl2", { antialias: false, alpha: false });
+    this.surface = new Surface(this.canvas, () => this.show(current()));
     this.build();
-    if (this.gl) this.setUp();
-  }
-
-  // --- WebGL ---------------------------------------------------------------------------------------------------------------
-
-  setUp() {
-    const { gl } = this;
-    const program = gl.createProgram();
-    for (const [type, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, shaderText()]]) {
-      const shader = gl.createShader(type);
-      gl.shaderSource(shader, source);
-      gl.compileShader(shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
-      gl.attachShader(program, shader);
-    }
-    gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
-    gl.useProgram(program);
-    this.uniform = {};
-    for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); i++) {
-      const { name } = gl.getActiveUniform(program, i);
-      this.uniform[name] = gl.getUniformLocation(program, name);
-    }
-    ["left_image", "right_image", "left_reference", "right_reference", "mask", "palette"].forEach((name, unit) => gl.uniform1i(this.uniform[name], unit));
-    const { magma, blue_red, relative, signed, nan, off_mask } = model.colors;
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    this.palette = this.texture(gl.RGBA8, 256, 2, gl.RGBA, gl.UNSIGNED_BYTE, Uint8Array.from([...magma, ...blue_red].flatMap((c) => [...c, 255])));
-    this.noMask = this.texture(gl.R8, 1, 1, gl.RED, gl.UNSIGNED_BYTE, Uint8Array.of(255));
-    gl.uniform2fv(this.uniform.relative_range, relative);
-    gl.uniform2fv(this.uniform.signed_range, signed);
-    gl.uniform3fv(this.uniform.nan_color, nan.map((c) => c / 255));
-    gl.uniform3fv(this.uniform.off_mask_color, off_mask.map((c) => c / 255));
-    this.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
-    this.canvas.addEventListener("webglcontextrestored", () => { this.textures.clear(); this.setUp(); this.show(current()); });
-  }
-
-  texture(internal, width, height, format, type, data) {
-    const { gl } = this;
-    const texture = gl.createTexture();
-    gl.activeTexture(gl.TEXTURE7);
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, data);
-    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
-    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
-    return texture;
-  }
-
-  /** Decodes and uploads an image once; a promise of {width, height, rgba, texture}. */
-  async load(index) {
-    if (this.textures.has(index)) return this.textures.get(index);
-    const { gl } = this;
-    const image = await pixels(index);
-    if (!image) return null;
-    if (this.textures.has(index)) return this.textures.get(index);
-    const entry = { ...image, texture: this.texture(gl.RGBA16F, image.width, image.height, gl.RGBA, gl.HALF_FLOAT, image.rgba) };
-    const reference = model.images[index].reference;
-    if (reference === index) {
-      const bytes = await mask(index);
-      entry.maskBytes = bytes;
-      entry.mask = bytes ? this.texture(gl.R8, image.width, image.height, gl.RED, gl.UNSIGNED_BYTE, bytes.map((b) => b * 255)) : this.noMask;
-    }
-    this.textures.set(index, entry);
-    for (const [old, { texture, mask: oldMask }] of this.textures) {
-      if (this.textures.size <= TEXTURE_MAX || this.wanted.has(old)) break;
-      gl.deleteTexture(texture);
-      if (oldMask && oldMask !== this.noMask) gl.deleteTexture(oldMask);
-      this.textures.delete(old);
-    }
-    return entry;
   }
 
   // --- State ---------------------------------------------------------------------------------------------------------------
@@ -95,7 +23,7 @@ class Viewer {
   /** Shows what the address asks for. */
   async show(state) {
     const row = rowOf(state.cell, state.run ?? 0) ?? scenes.find((one) => one.variants.some((v) => v.image !== null))?.variants[0];
-    if (!row || !this.gl) return this.sayNothing(row);
+    if (!row || !this.surface.gl) return this.sayNothing(row);
     const scene = row.scene, real = (text, otherwise) => (text !== undefined && Number.isFinite(Number(text)) ? Number(text) : otherwise);
     this.row = row.original;
     this.other = scene.variants.find((v) => v.cell === state.with) ?? null;
@@ -107,13 +35,13 @@ class Viewer {
     this.split = state.split === undefined ? null : real(state.split, 0.5);
     const isNew = this.scene !== scene;
     this.scene = scene;
-    this.wanted = new Set(scene.variants.flatMap((v) => [v.image, v.reference]).filter((i) => i !== null));
+    this.surface.wanted = new Set(scene.variants.flatMap((v) => [v.image, v.reference]).filter((i) => i !== null));
     this.fillVariants();
     this.syncControls();
     const needed = [this.row.image, this.row.reference, this.other?.image ?? null, this.other?.reference ?? null].filter((i) => i !== null);
-    await Promise.all(needed.map((i) => this.load(i)));
+    await Promise.all(needed.map((i) => this.surface.load(i)));
     if (this.scene !== scene) return undefined;
-    const texels = this.textures.get(this.row.image);
+    const texels = this.surface.images.get(this.row.image);
     if (!texels) return this.sayNothing(row);
     this.stage.classList.remove("empty");
     this.resize();
@@ -124,7 +52,7 @@ class Viewer {
     }
     this.draw();
     // The rest of the scene, so that flipping and the probe are instant.
-    for (const index of this.wanted) await this.load(index);
+    for (const index of this.surface.wanted) await this.surface.load(index);
     this.canvas.dataset.ready = scene.key;
     this.probe();
     return undefined;
@@ -132,12 +60,12 @@ class Viewer {
 
   sayNothing(row) {
     this.stage.classList.add("empty");
-    const why = !this.gl ? "This browser has no WebGL2, which the comparison needs." : "No pixels of this cell are in the page.";
+    const why = !this.surface.gl ? "This browser has no WebGL2, which the comparison needs." : "No pixels of this cell are in the page.";
     this.caption.replaceChildren(why, " ", row?.image != null ? h("a", { href: exrLink(row.image) }, "Its linear EXR") : "");
   }
 
   keepState() {
-    const texels = this.textures.get(this.row.image);
+    const texels = this.surface.images.get(this.row.image);
     const middle = this.scale === this.fitScale ? {} : this.middle();
     keep({
       cell: this.row.cell, run: this.row.run || "", with: this.other?.cell ?? "", mode: this.mode === "image" ? "" : this.mode,
@@ -148,7 +76,7 @@ class Viewer {
   }
 
   choose(row) {
-    if (!this.textures.has(row.image)) {
+    if (!this.surface.images.has(row.image)) {
       this.show({ ...current(), cell: row.cell, run: row.run });
       return;
     }
@@ -184,7 +112,7 @@ class Viewer {
 
   /** Whole texels per canvas pixel where the image is smaller than the canvas: no texel is wider than its neighbour. */
   fit() {
-    const texels = this.textures.get(this.row.image);
+    const texels = this.surface.images.get(this.row.image);
     if (!texels) return;
     const scale = Math.min(this.canvas.width / texels.width, this.canvas.height / texels.height);
     this.scale = this.fitScale = scale >= 1 ? Math.floor(scale) : scale;
@@ -220,30 +148,21 @@ class Viewer {
   // --- Drawing -------------------------------------------------------------------------------------------------------------
 
   draw() {
-    const { gl, canvas, uniform } = this;
-    const reference = this.textures.get(this.row.reference);
-    const left = this.showsReference ? reference : this.textures.get(this.row.image);
+    const { images } = this.surface, reference = images.get(this.row.reference);
+    const left = this.showsReference ? reference : images.get(this.row.image);
     if (!left || !reference) return;
-    const isSplit = this.split !== null;
-    const rightRow = this.other ?? this.row;
-    const right = isSplit ? (this.other ? this.textures.get(this.other.image) : reference) ?? reference : left;
-    const rightReference = isSplit ? this.textures.get(rightRow.reference) ?? reference : reference;
-    [left.texture, right.texture, reference.texture, rightReference.texture, reference.mask ?? this.noMask, this.palette].forEach((texture, unit) => {
-      gl.activeTexture(gl.TEXTURE0 + unit);
-      gl.bindTexture(gl.TEXTURE_2D, texture);
+    const isSplit = this.split !== null, rightRow = this.other ?? this.row;
+    this.surface.draw({
+      left, reference,
+      right: isSplit ? (this.other ? images.get(this.other.image) : reference) ?? reference : left,
+      rightReference: (isSplit ? images.get(rightRow.reference) : null) ?? reference,
+      origin: this.origin, scale: this.scale,
+      split: isSplit ? this.split : null,
+      mode: MODES.findIndex(([name]) => name === this.mode),
+      tone: this.tone === "srgb" ? 1 : 0,
+      exposure: 2 ** this.stops, contrast: this.contrast,
+      clipped: this.clipped,
     });
-    gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.uniform2f(uniform.canvas_size, canvas.width, canvas.height);
-    gl.uniform2fv(uniform.origin, this.origin);
-    gl.uniform1f(uniform.scale, this.scale);
-    gl.uniform1f(uniform.split, isSplit ? this.split * canvas.width : 1e9);
-    gl.uniform1i(uniform.mode, MODES.findIndex(([name]) => name === this.mode));
-    gl.uniform1i(uniform.tone, this.tone === "srgb" ? 1 : 0);
-    gl.uniform1f(uniform.exposure, 2 ** this.stops);
-    gl.uniform1f(uniform.contrast, this.contrast);
-    gl.uniform1i(uniform.shows_clipped, this.clipped ? 1 : 0);
-    gl.uniform3fv(uniform.background, matchMedia("(prefers-color-scheme: dark)").matches ? [0.06, 0.063, 0.07] : [0.93, 0.93, 0.925]);
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
     this.describe(isSplit);
     this.probe();
   }
@@ -292,7 +211,7 @@ class Viewer {
     if (!this.scene || !this.probed) return;
     const [x, y] = this.probed;
     const at = (index) => {
-      const entry = this.textures.get(index);
+      const entry = this.surface.images.get(index);
       if (!entry || x < 0 || y < 0 || x >= entry.width || y >= entry.height) return null;
       return [0, 1, 2].map((c) => HALF[entry.rgba[4 * (y * entry.width + x) + c]]);
     };
@@ -305,7 +224,7 @@ class Viewer {
     const lines = this.scene.variants.map((row) => {
       const [value, truth] = [at(row.image), at(row.reference)];
       if (!references.has(row.reference)) references.set(row.reference, truth);
-      const bytes = this.textures.get(row.reference)?.maskBytes, width = this.textures.get(row.reference)?.width;
+      const bytes = this.surface.images.get(row.reference)?.maskBytes, width = this.surface.images.get(row.reference)?.width;
       const counts = !bytes || bytes[y * width + x] === 1;
       return line(variantLabel(row), row.cell, value, value && truth && counts ? texelError(value, truth) : null);
     });
@@ -354,10 +273,11 @@ class Viewer {
     this.view.replaceChildren(h("div", { class: "viewer" }, this.stage, panel));
     this.listen();
     new ResizeObserver(() => {
-      if (!this.row || !this.textures.has(this.row.image) || !this.stage.clientWidth) return;
+      if (!this.row || !this.surface.images.has(this.row.image) || !this.stage.clientWidth) return;
       const middle = this.middle(), wasFit = this.scale === this.fitScale;
       if (!this.resize()) return;
-      if (wasFit) this.fit(); else this.center(middle.x, middle.y);
+      if (wasFit) this.fit();
+      else this.center(middle.x, middle.y);
       this.draw();
     }).observe(this.stage);
   }
@@ -389,7 +309,7 @@ class Viewer {
     this.scenePicker.replaceChildren(select("Scene", scenes.map((one, i) => [i, one.label]), scenes.indexOf(this.scene), (index) => this.stepScene(Number(index) - scenes.indexOf(this.scene))));
     this.withPicker.replaceChildren(select("", [["", "reference"], ...this.scene.variants.map((v) => [v.cell, variantLabel(v)])], this.other?.cell ?? "", async (cell) => {
       this.other = this.scene.variants.find((v) => v.cell === cell) ?? null;
-      if (this.other) await Promise.all([this.load(this.other.image), this.load(this.other.reference)]);
+      if (this.other) await Promise.all([this.surface.load(this.other.image), this.surface.load(this.other.reference)]);
       this.setSplit(this.split ?? 0.5);
     }));
     this.withPicker.querySelector("select").setAttribute("aria-label", "Split with");

@@ -14,9 +14,12 @@ use std::sync::Arc;
 
 /// Writes prefiltered mips and DFG table of each BRDF model (EXR), SH9 (JSON) and irradiance map (EXR).
 #[derive(Args, Debug)]
-#[command(after_help = "bake.json names the mapping, the axes and the units of every file.\n\n\
+#[command(
+    allow_negative_numbers = true,
+    after_help = "bake.json names the mapping, the axes and the units of every file.\n\n\
     Examples:\n  splitsum bake builtin:sky --out baked\n  \
-    splitsum bake studio.hdr --out baked --set prefilter_size=512x256 --set prefilter_level_count=6")]
+    splitsum bake studio.hdr --out baked --set prefilter_size=512x256 --set prefilter_level_count=6"
+)]
 pub struct Arguments {
     /// builtin:NAME, or an .hdr or .exr file.
     environment: String,

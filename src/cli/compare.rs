@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Scores a linear EXR image against a reference.
 #[derive(Args, Debug)]
-#[command(after_help = "Example:\n  splitsum compare ball.exr reference.exr --json")]
+#[command(allow_negative_numbers = true, after_help = "Example:\n  splitsum compare ball.exr reference.exr --json")]
 pub struct Arguments {
     /// The image to judge.
     test: PathBuf,
@@ -38,15 +38,15 @@ fn number(axis: &str, text: &str) -> Result<f64, String> {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let test = read(&arguments.test)?;
     let reference = read(&arguments.reference)?;
-    let mask = match (&arguments.mask, &reference.alpha) {
-        (Some(path), _) => read(path)?.rgb.map(|texel| texel[0]),
-        (None, Some(alpha)) => alpha.clone(),
-        (None, None) => GrayImage::filled(reference.rgb.width, reference.rgb.height, 1.0),
+    let (mask, mask_source) = match (&arguments.mask, &reference.alpha) {
+        (Some(path), _) => (read(path)?.rgb.map(|texel| texel[0]), format!("--mask {}", path.display())),
+        (None, Some(alpha)) => (alpha.clone(), format!("the alpha channel of {}", arguments.reference.display())),
+        (None, None) => (GrayImage::filled(reference.rgb.width, reference.rgb.height, 1.0), "all pixels".to_owned()),
     };
     let curve = ToneCurve { exposure: arguments.exposure as f32, contrast: arguments.contrast as f32 };
     let comparison = Comparison::new(&test.rgb, &reference.rgb, &mask, curve).map_err(|error| {
         let (test, reference) = (arguments.test.display(), arguments.reference.display());
-        Failure::BadInput(format!("{test} against {reference}: {error}"))
+        Failure::BadInput(format!("{test} against {reference}, masked by {mask_source}: {error}"))
     })?;
     let scores = comparison.evaluate_all();
     if arguments.json {

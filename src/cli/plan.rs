@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 /// Shows the cells of an experiment, what is left out and why, what is done, and a rough cost.
 #[derive(Args, Debug)]
 #[command(
+    allow_negative_numbers = true,
     after_help = "Examples:\n  splitsum plan experiments/quick.toml\n  splitsum plan experiments/quick.toml --json | jq '.cells | length'"
 )]
 pub struct Arguments {

@@ -24,6 +24,7 @@ macro_rules! axis {
 /// Renders one image: linear EXR (R, G, B, A; A is the mask) or tone-mapped PNG.
 #[derive(Args, Debug)]
 #[command(
+    allow_negative_numbers = true,
     after_help = "Examples:\n  splitsum render --method split-sum --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out split-sum.exr\n  \
     splitsum render --method reference --samples 4096 --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out reference.exr\n  \
     splitsum render --environment studio.hdr --scene teapot.obj --camera perspective --background --size 800x600 --out teapot.png"
@@ -197,17 +198,25 @@ fn point(arguments: &Arguments) -> Point {
     point
 }
 
-/// Checked before anything is rendered: the extension and the folder.
+/// Checked before anything is rendered: the extension, and that the folder takes a file.
 fn output(path: &Path) -> Result<Output, Failure> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
         return Err(Failure::BadInput(format!("--out: there is no folder {}", folder.display())));
     }
-    match path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).as_deref() {
-        Some("exr") => Ok(Output::LinearExr),
-        Some("png") => Ok(Output::DisplayPng),
-        _ => Err(Failure::BadInput(format!("--out: {} ends in neither .exr nor .png", path.display()))),
+    let output = match path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).as_deref() {
+        Some("exr") => Output::LinearExr,
+        Some("png") => Output::DisplayPng,
+        _ => return Err(Failure::BadInput(format!("--out: {} ends in neither .exr nor .png", path.display()))),
+    };
+    if path.is_dir() {
+        return Err(Failure::BadInput(format!("--out: {} is a folder; expected a file", path.display())));
     }
+    // Asking the permission bits would not see read-only file systems; the file made here is gone at once.
+    tempfile::tempfile_in(folder).map_err(|error| {
+        Failure::BadInput(format!("--out: no file can be made in the folder {}: {error}", folder.display()))
+    })?;
+    Ok(output)
 }
 
 /// The reflectance of an index of refraction in [1, 10].

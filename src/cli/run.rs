@@ -12,6 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Runs an experiment, or what is left of it.
 #[derive(Args, Debug)]
 #[command(
+    allow_negative_numbers = true,
     after_help = "A run that was stopped (Ctrl-C, a crash, a full disk) goes on where it stopped: give the same command again.\n\n\
     Examples:\n  splitsum run experiments/quick.toml\n  \
     splitsum run experiments/quick.toml --set alpha=0.1,0.5 --set brdf=ggx --out runs/short\n  \

@@ -8,7 +8,7 @@ pub enum GpuError {
     )]
     NoLoader(String),
     #[error(
-        "the Vulkan loader found no device; install a driver (Debian, without a GPU: apt-get install mesa-vulkan-drivers) or check VK_ICD_FILENAMES"
+        "the Vulkan loader found no device; install a driver (Debian, without a GPU: apt-get install mesa-vulkan-drivers) or check VK_DRIVER_FILES and VK_ICD_FILENAMES"
     )]
     NoDevice,
     #[error("device {index} does not exist: there are {count}; `splitsum devices` lists them")]

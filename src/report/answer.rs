@@ -116,7 +116,8 @@ fn breadth(study: &Study, analysis: &Analysis) -> String {
 fn from_variants(study: &Study) -> Answer {
     let axes: Vec<usize> = (0..study.axes.len()).filter(|&axis| study.axes[axis].role == Role::Variant).collect();
     let mut errors: BTreeMap<Vec<&str>, Vec<f64>> = BTreeMap::new();
-    for row in &study.rows {
+    // The image without a specular term is there for scale; it is no way to make one.
+    for row in study.rows.iter().filter(|row| study.value(row, "method") != "none") {
         if let Some(error) = row.error {
             errors.entry(axes.iter().map(|&axis| row.axes[axis].as_str()).collect()).or_default().push(error);
         }
@@ -140,7 +141,7 @@ fn from_variants(study: &Study) -> Answer {
     };
     let text = |error: f64| significant(error, ERROR_DIGITS);
     let at = |p: f64| text(errors[(p * (errors.len() - 1) as f64).round() as usize]);
-    let spread = if errors.len() > 1 {
+    let spread = if errors.first() != errors.last() {
         format!(" (median of {} cells, the middle half from {} to {})", errors.len(), at(0.25), at(0.75))
     } else {
         String::new()

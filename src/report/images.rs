@@ -174,6 +174,7 @@ impl ImageSet {
                 match prepared {
                     Ok(prepared) => {
                         bytes += prepared.payload.base64.len();
+                        bytes += prepared.mask.as_ref().map_or(0, String::len);
                         bytes += prepared.overview.as_ref().map_or(0, |(_, encoded)| encoded.base64.len());
                         texels += u64::from(prepared.window.width) * u64::from(prepared.window.height);
                         if bytes > budget {

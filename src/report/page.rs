@@ -19,13 +19,14 @@ const TONE_CURVE_GLSL: &str = include_str!("../../shaders/lib/tone_curve.glsl");
 const VIEWER_GLSL: &str = include_str!("../../assets/report/viewer.frag");
 
 /// The modules of the page by the name they import each other under. An import map points each to its text.
-const MODULES: [(&str, &str); 9] = [
+const MODULES: [(&str, &str); 10] = [
     ("report/main", include_str!("../../assets/report/main.js")),
     ("report/data", include_str!("../../assets/report/data.js")),
     ("report/state", include_str!("../../assets/report/state.js")),
     ("report/dom", include_str!("../../assets/report/dom.js")),
     ("report/chart", include_str!("../../assets/report/chart.js")),
     ("report/plots", include_str!("../../assets/report/plots.js")),
+    ("report/surface", include_str!("../../assets/report/surface.js")),
     ("report/viewer", include_str!("../../assets/report/viewer.js")),
     ("report/grid", include_str!("../../assets/report/grid.js")),
     ("report/tables", include_str!("../../assets/report/tables.js")),

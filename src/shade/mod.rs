@@ -54,7 +54,7 @@ pub static METHODS: &[Method] = &[
     },
     Method {
         name: "seed0-literal",
-        about: "source document 0 exactly as printed, to show what its slips cost",
+        about: "source document 0's estimator as printed, but for the misprinted G of GGX, to show what its slips cost",
         uses_samples: true,
         uses_point_set: true,
         ..PLAIN

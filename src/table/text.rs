@@ -108,13 +108,13 @@ fn blend(pixel: &mut [u8; 3], color: [u8; 3], coverage: f32) {
     }
 }
 
-/// Breaks a text into lines of at most `max_width`, at spaces, after `-`, `_`, `/` and at line breaks. A part that is too long
-/// for a line of its own stays whole.
+/// Breaks a text into lines of at most `max_width`, at spaces, after `-`, `_`, `/` and at line breaks, but not within `1e-2`. A
+/// part that is too long for a line of its own stays whole.
 pub(super) fn wrap(text: &str, style: Style, max_width: f32) -> Vec<String> {
     let mut lines = Vec::new();
     for paragraph in text.lines() {
         let mut line = String::new();
-        for part in paragraph.split_inclusive([' ', '-', '_', '/']) {
+        for part in parts(paragraph) {
             let longer = format!("{line}{part}");
             if !line.is_empty() && width(longer.trim_end(), style) > max_width {
                 lines.push(line.trim_end().to_owned());
@@ -126,6 +126,19 @@ pub(super) fn wrap(text: &str, style: Style, max_width: f32) -> Vec<String> {
         lines.push(line.trim_end().to_owned());
     }
     lines
+}
+
+/// What a line break may part. A minus before a digit belongs to a number: `1e-` and `2` on two lines would read as two numbers.
+fn parts(paragraph: &str) -> impl Iterator<Item = &str> {
+    let mut rest = paragraph;
+    std::iter::from_fn(move || {
+        let breaks =
+            |(at, mark): &(usize, &str)| *mark != "-" || !rest[at + 1..].starts_with(|c: char| c.is_ascii_digit());
+        let end = rest.match_indices([' ', '-', '_', '/']).find(breaks).map_or(rest.len(), |(at, _)| at + 1);
+        let (part, after) = rest.split_at(end);
+        rest = after;
+        (!part.is_empty()).then_some(part)
+    })
 }
 
 /// Lines of at most `max_width`, at most `max_lines`: cut at any letter and ended by `…` where breaking is not enough.

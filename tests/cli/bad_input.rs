@@ -1,6 +1,7 @@
 //! Bad input ends with one clear message, the promised exit code and no output. None of it needs a device.
 
 use super::{entries, splitsum, stderr, stdout};
+use splitsum::pixels::{GrayImage, RgbImage, exr};
 
 /// Runs in an empty folder and checks the exit code, parts of the message, and that nothing was written.
 fn assert_refused(arguments: &[&str], code: i32, parts: &[&str]) {
@@ -37,6 +38,42 @@ fn a_wrong_value_names_flag_value_and_expectation() {
     );
 }
 
+/// A minus must not turn a value into an unknown flag.
+#[test]
+fn a_negative_value_is_a_value() {
+    let out_of_range = |command: &[&str], flag: &str, range: &str| {
+        let arguments = [command, &[flag, "-1", "--out", "x.png"]].concat();
+        assert_refused(&arguments, 2, &[flag, &format!("-1 is outside {range}")]);
+    };
+    out_of_range(&["render"], "--alpha", "(0, 1]");
+    out_of_range(&["render"], "--samples", "[1, ");
+    out_of_range(&["render"], "--metallic", "[0, 1]");
+    assert_refused(&["compare", "a.exr", "b.exr", "--exposure", "-1"], 2, &["--exposure", "-1 is outside (0, "]);
+    assert_refused(&["run", "e.toml", "--device", "-1"], 2, &["--device", "'-1'"]);
+    assert_refused(&["bake", "builtin:sky", "--out", "baked", "--device", "-1"], 2, &["--device", "'-1'"]);
+}
+
+/// The value alone does not say which of three files holds it.
+#[test]
+fn compare_names_the_mask() {
+    let dir = tempfile::tempdir().unwrap();
+    let write = |name: &str, color: f32, alpha: f32| {
+        let (rgb, alpha) = (RgbImage::filled(4, 2, [color; 3]), GrayImage::filled(4, 2, alpha));
+        exr::write_rgba(&dir.path().join(name), &rgb, &alpha, &[]).unwrap();
+    };
+    write("a.exr", 1.0, 0.5);
+    write("m.exr", 0.25, 1.0);
+    let message = |arguments: &[&str]| {
+        let output = splitsum(dir.path(), &[&["compare", "a.exr", "a.exr"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2));
+        stderr(&output)
+    };
+    let by_alpha = message(&[]);
+    assert!(by_alpha.contains("masked by the alpha channel of a.exr: the mask has value 0.5"), "{by_alpha}");
+    let by_file = message(&["--mask", "m.exr"]);
+    assert!(by_file.contains("masked by --mask m.exr: the mask has value 0.25"), "{by_file}");
+}
+
 #[test]
 fn an_unknown_name_brings_the_nearest_one() {
     assert_refused(&["render", "--method", "splitsum", "--out", "x.png"], 2, &["did you mean \"split-sum\"?"]);
@@ -65,6 +102,14 @@ fn settings_that_do_not_go_together_are_refused() {
 fn the_output_is_checked_before_work() {
     assert_refused(&["render", "--out", "x.jpg"], 2, &["x.jpg ends in neither .exr nor .png"]);
     assert_refused(&["render", "--out", "no/x.png"], 2, &["there is no folder no"]);
+    // A folder that takes no files even from root, and a folder in the place of the file.
+    #[cfg(target_os = "linux")]
+    assert_refused(&["render", "--out", "/proc/x.png"], 2, &["--out", "no file can be made in the folder /proc"]);
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::create_dir(dir.path().join("x.exr")).unwrap();
+    let output = splitsum(dir.path(), &["render", "--out", "x.exr"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--out: x.exr is a folder; expected a file"), "{}", stderr(&output));
 }
 
 #[test]

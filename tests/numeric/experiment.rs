@@ -1,7 +1,7 @@
 //! Experiment files, plans and runs. No test needs a device: runs use a renderer made of formulas.
 
 mod config;
-mod fake;
+pub mod fake;
 mod plan;
 mod run;
 mod statistics;

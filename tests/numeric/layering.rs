@@ -14,6 +14,7 @@ const ROWS: &[&[&[&str]]] = &[
     &[&["metrics"], &["table"]],
     &[&["pipeline"], &["oracle"]],
     &[&["experiment"]],
+    &[&["report"]],
 ];
 
 /// What metrics see: images, a mask and the tone curve, never a method.

@@ -9,6 +9,7 @@ mod oracle;
 mod pixels;
 mod precompute;
 mod reference;
+mod report;
 mod scene;
 mod slips;
 mod table;

@@ -274,6 +274,24 @@ fn every_text_and_the_legend_are_drawn() {
     }
 }
 
+/// `relmse_eps1e-2 9e-6` broken after `1e-` would read as "2 9e-6".
+#[test]
+fn a_line_break_never_parts_a_number() {
+    let page = |reason: String| {
+        let labels = vec![String::new()];
+        let (column_labels, row_labels) = (labels.clone(), labels);
+        ContactSheet { scale: 1, column_labels, row_labels, rows: vec![vec![Tile::Missing(reason)]], ..sheet() }
+            .render()
+            .unwrap()
+    };
+    // Narrow letters: one of these lengths leaves room for all but the last digit.
+    for length in 1..40 {
+        let filler = "i".repeat(length);
+        let broken = page(format!("{filler} 1e-\n2"));
+        assert!(page(format!("{filler} 1e-2")).data != broken.data, "{length} letters before the number");
+    }
+}
+
 #[test]
 fn sheets_that_cannot_be_drawn_say_why() {
     let refused = |change: fn(&mut ContactSheet)| {

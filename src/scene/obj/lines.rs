@@ -187,10 +187,10 @@ fn corner(word: &str, counts: [usize; 3], totals: [usize; 3]) -> Result<[usize; 
         let value: i64 = part.parse().map_err(|_| malformed())?;
         *index = match value {
             0 => return Err(format!("{} index 0 in \"{word}\", indices start at 1", ELEMENTS[k])),
-            1.. => usize::try_from(value)
-                .ok()
-                .filter(|&index| index <= totals[k])
-                .ok_or_else(|| format!("{} index {value} is outside 1 to {}", ELEMENTS[k], totals[k]))?,
+            1.. => usize::try_from(value).ok().filter(|&index| index <= totals[k]).ok_or_else(|| match totals[k] {
+                0 => format!("{} index {value}, but the file defines none", ELEMENTS[k]),
+                total => format!("{} index {value} is outside 1 to {total}", ELEMENTS[k]),
+            })?,
             _ => usize::try_from(value.unsigned_abs())
                 .ok()
                 .and_then(|back| (counts[k] + 1).checked_sub(back))

@@ -47,7 +47,7 @@ pub(super) fn load(spec: &str, path: &Path) -> Result<Scene, SceneError> {
     let mut warnings = Vec::new();
     if !obj.ignored.is_empty() {
         let kinds: Vec<String> = obj.ignored.iter().map(|(kind, count)| format!("{count} x {kind}")).collect();
-        warnings.push(format!("{}: statements that are not read: {}", path.display(), kinds.join(", ")));
+        warnings.push(format!("statements that are not read: {}", kinds.join(", ")));
     }
     let libraries = read_libraries(&obj, path, &mut warnings)?;
     let options = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
@@ -57,8 +57,7 @@ pub(super) fn load(spec: &str, path: &Path) -> Result<Scene, SceneError> {
     let file_materials = file_materials.map_err(|error| file_error(format!("cannot read the materials: {error}")))?;
     for name in &obj.materials {
         if !file_materials.iter().any(|material| material.name == *name) {
-            warnings
-                .push(format!("{}: material \"{name}\" is not defined; the default material is used", path.display()));
+            warnings.push(format!("material \"{name}\" is not defined; the default material is used"));
         }
     }
 
@@ -173,13 +172,10 @@ fn assemble(
         return Err(file_error("every face is degenerate (no area), expected at least one triangle".to_owned()));
     }
     if degenerate_count > 0 {
-        warnings.push(format!("{}: triangles without area that are left out: {degenerate_count}", path.display()));
+        warnings.push(format!("triangles without area that are left out: {degenerate_count}"));
     }
     if crossing_count > 0 {
-        warnings.push(format!(
-            "{}: faces that cross themselves, whose triangles overlap: {crossing_count}",
-            path.display()
-        ));
+        warnings.push(format!("faces that cross themselves, whose triangles overlap: {crossing_count}"));
     }
     normals::fill_missing(&mut meshes);
     meshes.iter_mut().for_each(normals::wind_by_normals);

@@ -1,0 +1,213 @@
+//! A headless Chromium, driven through the DevTools protocol over a pair of pipes: no port, no driver, no crate.
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Names that distributions give the browser.
+const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+/// A machine under load is slow; a browser that hangs must not hang the tests.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+pub struct Page {
+    child: Child,
+    input: ChildStdin,
+    messages: Receiver<Value>,
+    session: Option<String>,
+    last_id: u64,
+    /// Addresses that the page asked for.
+    pub requests: Vec<String>,
+    /// Uncaught exceptions and console errors.
+    pub errors: Vec<String>,
+    _profile: tempfile::TempDir,
+    _turn: MutexGuard<'static, ()>,
+}
+
+/// One browser at a time: times are measured, and each takes more than one core.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// A page in a new browser; `None` (with a line) where there is no browser.
+pub fn open() -> Option<Page> {
+    let found = |name: &&&str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
+    let Some(name) = NAMES.iter().find(found) else {
+        eprintln!("skipped: no Chromium; `apt-get install chromium` adds it");
+        assert!(std::env::var_os("SPLITSUM_REQUIRE_BROWSER").is_none(), "SPLITSUM_REQUIRE_BROWSER is set");
+        return None;
+    };
+    let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let profile = tempfile::tempdir().unwrap();
+    // The protocol's pipes are descriptors 3 (in) and 4 (out).
+    let mut child = Command::new("sh")
+        .args(["-c", r#"exec "$@" 3<&0 4>&1 </dev/null >/dev/null 2>&1"#, "sh", name])
+        .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--no-first-run"])
+        .args(["--disable-background-networking", "--disable-extensions", "--remote-debugging-pipe"])
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let (input, output) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());
+    let mut page = Page {
+        child,
+        input,
+        messages: listen(output),
+        session: None,
+        last_id: 0,
+        requests: Vec::new(),
+        errors: Vec::new(),
+        _profile: profile,
+        _turn: turn,
+    };
+    let target = page.call("Target.createTarget", json!({ "url": "about:blank" }));
+    let attach = json!({ "targetId": target["targetId"], "flatten": true });
+    page.session = Some(page.call("Target.attachToTarget", attach)["sessionId"].as_str().unwrap().to_owned());
+    for domain in ["Page", "Runtime", "Network", "Log"] {
+        page.call(&format!("{domain}.enable"), json!({}));
+    }
+    Some(page)
+}
+
+fn listen(output: ChildStdout) -> Receiver<Value> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        for message in BufReader::new(output).split(0).map_while(Result::ok) {
+            if sender.send(serde_json::from_slice(&message).unwrap()).is_err() {
+                return;
+            }
+        }
+    });
+    receiver
+}
+
+impl Drop for Page {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Page {
+    fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.last_id += 1;
+        let mut message = json!({ "id": self.last_id, "method": method, "params": parameters });
+        if let Some(session) = &self.session {
+            message["sessionId"] = json!(session);
+        }
+        self.input.write_all(format!("{message}\0").as_bytes()).unwrap();
+        let started = Instant::now();
+        loop {
+            let left = PATIENCE.saturating_sub(started.elapsed());
+            let answer = self.messages.recv_timeout(left).unwrap_or_else(|_| panic!("no answer to {method}"));
+            if answer["id"] == self.last_id {
+                assert!(answer["error"].is_null(), "{method}: {}", answer["error"]);
+                return answer["result"].clone();
+            }
+            self.note(&answer);
+        }
+    }
+
+    fn note(&mut self, event: &Value) {
+        let parameters = &event["params"];
+        match event["method"].as_str() {
+            Some("Network.requestWillBeSent") => {
+                self.requests.push(parameters["request"]["url"].as_str().unwrap_or_default().to_owned());
+            }
+            Some("Runtime.exceptionThrown") => self.errors.push(parameters["exceptionDetails"].to_string()),
+            Some("Log.entryAdded") if parameters["entry"]["level"] == "error" => {
+                self.errors.push(parameters["entry"].to_string());
+            }
+            _ => {}
+        }
+    }
+
+    /// Sets the window's size and the colour scheme.
+    pub fn resize(&mut self, width: u32, height: u32, scheme: &str) {
+        let size = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        self.call("Emulation.setDeviceMetricsOverride", size);
+        let features = json!({ "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
+        self.call("Emulation.setEmulatedMedia", features);
+    }
+
+    /// Opens a file with a hash and waits until it is interactive. Returns the milliseconds from navigation until then.
+    pub fn go(&mut self, path: &Path, hash: &str) -> f64 {
+        self.call("Page.navigate", json!({ "url": "about:blank" }));
+        self.requests.clear();
+        self.call("Page.navigate", json!({ "url": format!("file://{}{hash}", path.display()) }));
+        self.wait("document.body?.dataset.ready !== undefined");
+        self.eval("Number(document.body.dataset.ready)").as_f64().unwrap()
+    }
+
+    /// The value of an expression, promises awaited.
+    pub fn eval(&mut self, expression: &str) -> Value {
+        let parameters = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
+        let answer = self.call("Runtime.evaluate", parameters);
+        assert!(answer["exceptionDetails"].is_null(), "{expression}: {}", answer["exceptionDetails"]);
+        answer["result"]["value"].clone()
+    }
+
+    /// Waits until an expression is true.
+    pub fn wait(&mut self, expression: &str) {
+        let started = Instant::now();
+        while self.eval(expression) != json!(true) {
+            assert!(started.elapsed() < PATIENCE, "never true: {expression}; errors: {:?}", self.errors);
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// A text of the page.
+    pub fn text(&mut self, selector: &str) -> String {
+        let value = self.eval(&format!("document.querySelector({}).textContent", json!(selector)));
+        value.as_str().unwrap().to_owned()
+    }
+
+    /// Presses a key; [`Page::release`] lets it go.
+    pub fn press(&mut self, key: &str) {
+        let text = if key.chars().count() == 1 { key } else { "" };
+        self.call("Input.dispatchKeyEvent", json!({ "type": "keyDown", "key": key, "text": text }));
+    }
+
+    pub fn release(&mut self, key: &str) {
+        self.call("Input.dispatchKeyEvent", json!({ "type": "keyUp", "key": key }));
+    }
+
+    /// Presses a key and lets it go.
+    pub fn key(&mut self, key: &str) {
+        self.press(key);
+        self.release(key);
+    }
+
+    /// Clicks the middle of an element.
+    pub fn click(&mut self, selector: &str) {
+        let script = format!(
+            "(() => {{ const e = document.querySelector({}); e.scrollIntoView({{ block: 'center' }}); \
+             const b = e.getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; }})()",
+            json!(selector)
+        );
+        let place = self.eval(&script);
+        self.click_at(place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
+    }
+
+    /// Clicks a place of the window, CSS pixels.
+    pub fn click_at(&mut self, x: f64, y: f64) {
+        for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
+            let button = if kind == "mouseMoved" { "none" } else { "left" };
+            let event = json!({ "type": kind, "x": x, "y": y, "button": button, "clickCount": 1 });
+            self.call("Input.dispatchMouseEvent", event);
+        }
+    }
+
+    /// Saves what is seen as `target/browser/NAME.png`.
+    pub fn screenshot(&mut self, name: &str) {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/browser");
+        std::fs::create_dir_all(&folder).unwrap();
+        let answer = self.call("Page.captureScreenshot", json!({ "format": "png" }));
+        let bytes = BASE64_STANDARD.decode(answer["data"].as_str().unwrap()).unwrap();
+        std::fs::write(folder.join(format!("{name}.png")), bytes).unwrap();
+    }
+}

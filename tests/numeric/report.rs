@@ -1,0 +1,209 @@
+//! The report without a browser: what is computed from a run, what is embedded, what cannot break out of the page.
+
+use crate::experiment::fake::{Fake, Log};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use flate2::read::DeflateDecoder;
+use half::f16;
+use splitsum::experiment::break_even::BreakEven;
+use splitsum::experiment::{Plan, Progress, RenderFault, Renderer, RunOptions, run};
+use splitsum::pixels::{GrayImage, RgbImage};
+use splitsum::report::analysis::{analyse, crossing, slope};
+use splitsum::report::answer::answer;
+use splitsum::report::encode;
+use splitsum::report::images::{BUDGET_BYTES, Choice, Window, collect};
+use splitsum::report::page::in_script;
+use splitsum::report::run_folder::RunFolder;
+use splitsum::report::study::{Role, Study};
+use splitsum::report::{ReportOptions, write};
+use splitsum::table::csv::Table;
+use std::cell::RefCell;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::atomic::AtomicBool;
+
+/// f64 arithmetic of a few logarithms.
+const F64: f64 = 1e-12;
+
+#[test]
+fn a_power_law_has_its_exponent_and_no_spread() {
+    let points: Vec<(f64, f64)> = [1.0, 4.0, 16.0, 64.0].map(|n: f64| (n, 3.0 * n.powf(-0.75))).to_vec();
+    let fit = slope(&points).unwrap();
+    assert!((fit.value + 0.75).abs() < F64 && (fit.intercept - 3f64.ln()).abs() < F64, "{fit:?}");
+    assert!(fit.hi - fit.lo < 1e-6, "{fit:?}");
+}
+
+#[test]
+fn the_interval_of_a_slope_is_students() {
+    // ln x = 0, 1, 2 and ln y = 0, -1.5, -2: slope -1, residuals 1/6, -1/3, 1/6, so s^2 = 1/6 and sxx = 2.
+    let points = [(0.0, 0.0), (1.0, -1.5), (2.0, -2.0)].map(|(x, y): (f64, f64)| (x.exp(), y.exp()));
+    let fit = slope(&points).unwrap();
+    let half = 12.706 * (1.0f64 / 6.0 / 2.0).sqrt();
+    assert!((fit.value + 1.0).abs() < F64 && (fit.hi - fit.value - half).abs() < 1e-9, "{fit:?} {half}");
+    assert!(slope(&points[..2]).is_none(), "two points leave no degree of freedom");
+    assert!(slope(&[(1.0, 1.0), (2.0, 0.0), (4.0, 1.0)]).is_none(), "ln 0");
+}
+
+#[test]
+fn curves_cross_where_their_segment_does() {
+    let curve = [(1, 0.4), (4, 0.2), (16, 0.1)];
+    let n = crossing(&curve, 0.15, BreakEven::From(16)).unwrap();
+    // Error falls as 1/sqrt(n): 0.4 / sqrt(n) = 0.15.
+    assert!((n - (0.4f64 / 0.15).powi(2)).abs() < 1e-9, "{n}");
+    assert_eq!(crossing(&curve, 0.5, BreakEven::From(1)), None, "already better at the first count");
+    assert_eq!(crossing(&curve, 0.01, BreakEven::Above(16)), None);
+}
+
+#[test]
+fn json_in_a_script_element_cannot_end_it() {
+    let value = serde_json::json!({ "</script><!--": ["<script>", "]]>", "\u{2028}", "\"=1+1"] });
+    let text = in_script(&value);
+    assert!(!text.contains('<'), "{text}");
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), value);
+}
+
+/// What the page does: base64, inflate, sum the differences.
+fn decoded(text: &str, plane: usize) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    DeflateDecoder::new(BASE64_STANDARD.decode(text).unwrap().as_slice()).read_to_end(&mut bytes).unwrap();
+    for plane in bytes.chunks_mut(plane) {
+        for i in 1..plane.len() {
+            plane[i] = plane[i].wrapping_add(plane[i - 1]);
+        }
+    }
+    bytes
+}
+
+#[test]
+fn an_encoded_image_decodes_to_its_nearest_halves() {
+    let image = RgbImage::from_fn(5, 3, |x, y| [0.1 * x as f32, 1e-7 * y as f32, 30_000.0 * (x * y) as f32]);
+    let encoded = encode::radiance(&image);
+    let bytes = decoded(&encoded.base64, 15);
+    for (i, texel) in image.data.iter().enumerate() {
+        for channel in 0..3 {
+            let at = channel * 30 + i;
+            let half = f16::from_bits(u16::from_be_bytes([bytes[at], bytes[at + 15]]));
+            assert_eq!(half, f16::from_f32(texel[channel].min(encode::HALF_MAX)), "texel {i}, channel {channel}");
+        }
+    }
+    assert_eq!(encoded.clamped_count, image.data.iter().filter(|texel| texel[2] > encode::HALF_MAX).count());
+    assert!(encoded.clamped_count > 0);
+    let mask = GrayImage::from_fn(4, 4, |x, y| if x > y { 1.0 } else { 0.0 });
+    assert_eq!(decoded(&encode::mask(&mask), 16), mask.data.iter().map(|m| *m as u8).collect::<Vec<u8>>());
+}
+
+const EXPERIMENT: &str = r#"
+name = "tiny"
+question = "When does sampling win?"
+size = [200, 200]
+reference = { samples = 64 }
+[axes]
+environment = ["builtin:constant"]
+alpha = [0.1, 0.5]
+method = ["sampled", "split-sum"]
+samples = [1, 4, 16]
+exposure = [1, 10]
+[timing]
+warmup = 1
+rounds = 3
+"#;
+
+struct Quiet;
+
+impl Progress for Quiet {
+    fn start(&mut self, _: usize, _: usize) {}
+    fn step(&mut self, _: &str, _: Option<&str>) {}
+    fn note(&mut self, _: &str) {}
+}
+
+fn finished_run(dir: &Path) -> PathBuf {
+    let plan = Plan::from_text(Path::new("tiny.toml"), EXPERIMENT, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let stop = AtomicBool::new(false);
+    let options = RunOptions { dir: dir.join("run"), stop: &stop, command_line: Vec::new() };
+    let log = Rc::new(RefCell::new(Log::default()));
+    let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
+    run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
+    options.dir
+}
+
+#[test]
+fn a_run_is_read_back_as_cases_with_their_answer() {
+    let dir = tempfile::tempdir().unwrap();
+    let runs = [RunFolder::read(&finished_run(dir.path())).unwrap()];
+    let study = Study::new(&runs, &["run".to_owned()]);
+    let role = |name: &str| study.axes.iter().find(|axis| axis.name == name).unwrap().role;
+    let found = ["alpha", "samples", "method", "exposure", "brdf"].map(role);
+    assert_eq!(found, [Role::Scene, Role::Variant, Role::Variant, Role::Display, Role::Fixed]);
+    let analysis = analyse(&study, &runs);
+    assert_eq!(analysis.case_axes, ["alpha"]);
+    let [pair] = analysis.pairs.as_slice() else { panic!("{:?}", analysis.pairs) };
+    assert_eq!((pair.cases.len(), &pair.sample_counts), (2, &vec![1, 4, 16]));
+    for case in &pair.cases {
+        // The fake's errors: 0.4 / sqrt(n) against 0.15 of the same radiance.
+        assert_eq!(case.break_even, BreakEven::From(16));
+        assert!((case.crossing.unwrap() - (0.4f64 / 0.15).powi(2)).abs() < 1e-3, "{:?}", case.crossing);
+        assert!(!case.bins.is_empty() && case.bins.iter().all(|bin| bin.break_even == BreakEven::From(16)));
+        let slope = analysis.curves[case.curve].slope.unwrap();
+        assert!((slope.value + 1.0).abs() < 1e-3, "squared error falls as 1/n: {slope:?}");
+    }
+    let answer = answer(&study, &analysis);
+    assert_eq!(answer.number, "16");
+    assert!(answer.facts.iter().any(|fact| fact.contains("18.0 ms against 3.00 ms")), "{:?}", answer.facts);
+}
+
+#[test]
+fn a_report_is_the_same_each_time_and_has_its_figures_beside_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = finished_run(dir.path());
+    let options = ReportOptions::of_run(&run);
+    let written = write(&options).unwrap();
+    let before = std::fs::read(&written.path).unwrap();
+    write(&options).unwrap();
+    assert!(std::fs::read(&written.path).unwrap() == before);
+    let page = String::from_utf8(before).unwrap();
+    assert!(!page.contains("src=\"http") && !page.contains("href=\"http") && page.contains("default-src 'none'"));
+    let figures = run.join("report-figures");
+    for name in ["convergence", "break-even", "break-even-n-dot-v", "time-error"] {
+        let table = Table::read(&figures.join(format!("{name}.csv"))).unwrap();
+        assert!(!table.rows.is_empty());
+        let text = std::fs::read_to_string(figures.join(format!("{name}.vl.json"))).unwrap();
+        let spec: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(spec["data"]["url"], format!("{name}.csv"));
+        for channel in spec["encoding"].as_object().unwrap().values() {
+            if let Some(field) = channel["field"].as_str() {
+                assert!(table.columns.iter().any(|column| column == field), "{name} draws {field}");
+            }
+        }
+    }
+}
+
+#[test]
+fn images_over_the_budget_become_windows_where_the_error_is() {
+    let dir = tempfile::tempdir().unwrap();
+    let runs = [RunFolder::read(&finished_run(dir.path())).unwrap()];
+    let whole = collect(&runs, Choice::Automatic, BUDGET_BYTES);
+    assert_eq!(whole.images.len(), 2 * (1 + 4));
+    assert!(whole.notes.is_empty() && whole.images.iter().all(|image| image.window.unwrap().width == 200));
+    let bytes = |payloads: &[String]| payloads.iter().map(String::len).sum::<usize>();
+    let budget = bytes(&whole.payloads) / 2;
+    let cut = collect(&runs, Choice::Automatic, budget);
+    assert!(cut.notes[0].contains("native texels"), "{:?}", cut.notes);
+    assert!(bytes(&cut.payloads) <= budget && cut.images.iter().all(|image| image.payload.is_some()));
+    let window = cut.images[1].window.unwrap();
+    // The relative error d / sqrt(r^2 + 0.01) of a constant factor is largest where the sphere is brightest: in the middle.
+    assert!((48..200).contains(&window.width) && (window.x + window.width / 2).abs_diff(100) < 8, "{window:?}");
+    assert_eq!(cut.images[1].overview.unwrap().0, [67, 67]);
+    let crop = Window { x: 196, y: 0, width: 10, height: 10 };
+    let cropped = collect(&runs, Choice::Crop(crop), BUDGET_BYTES);
+    assert_eq!(cropped.images[0].window, Some(Window { x: 190, y: 0, width: 10, height: 10 }));
+    let none = collect(&runs, Choice::None, BUDGET_BYTES);
+    assert!(none.payloads.is_empty() && none.notes.len() == 1);
+}
+
+#[test]
+fn a_folder_that_is_no_run_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let error = write(&ReportOptions::of_run(dir.path())).unwrap_err().to_string();
+    assert!(error.contains("has no provenance.json; expected the folder of a run"), "{error}");
+}
