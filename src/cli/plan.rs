@@ -4,12 +4,12 @@ use super::run::default_dir;
 use super::{Failure, print};
 use clap::Args;
 use serde_json::json;
-use splitsum::experiment::store::Store;
+use splitsum::experiment::store::{CellRecord, Store};
 use splitsum::experiment::timing;
 use splitsum::experiment::{Cell, Plan};
 use std::collections::BTreeSet;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Shows the cells of an experiment, what is left out and why, what is done, and a rough cost.
 #[derive(Args, Debug)]
@@ -34,6 +34,15 @@ pub struct Arguments {
 /// Samples a second that a software driver draws on two cores; used until the run itself has records.
 const ASSUMED_SAMPLES_PER_SECOND: f64 = 50e6;
 
+/// Scoring and writing of one cell of 128x128 to 256x256 pixels.
+const ASSUMED_SECONDS_PER_CELL: f64 = 0.1;
+/// f32 R, G, B and A.
+const IMAGE_BYTES_PER_PIXEL: f64 = 16.0;
+/// The same with the three channels of the standard error.
+const REFERENCE_BYTES_PER_PIXEL: f64 = 28.0;
+/// Display image and error map as PNG.
+const PICTURE_BYTES_PER_PIXEL: f64 = 4.0;
+
 /// How far a cell is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum State {
@@ -52,10 +61,11 @@ impl State {
     }
 }
 
-/// What is left to do, in samples and in seconds.
+/// What is left to do: in samples, in seconds, on the disk.
 struct Cost {
     samples: f64,
     seconds: f64,
+    bytes: f64,
     basis: String,
 }
 
@@ -65,7 +75,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let store = Store::at(&dir);
     store.check_identity(&plan).map_err(Failure::input)?;
     let mut states = Vec::new();
-    let mut wall_ms = Vec::new();
+    let mut records = Vec::new();
     for cell in &plan.cells {
         let record = store.cell(&cell.id).map_err(Failure::failed)?;
         let failure = store.failure(&cell.id).map_err(Failure::failed)?;
@@ -74,9 +84,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             (None, Some(_)) => State::Failed,
             (None, None) => State::Open,
         });
-        wall_ms.extend(record.map(|record| record.wall_ms));
+        records.extend(record);
     }
-    let cost = cost(&plan, &states, &wall_ms);
+    let cost = cost(&plan, &states, &records, &dir);
     print(&if arguments.json { as_json(&plan, &states, &cost) } else { as_text(&plan, &states, &cost, &dir) })?;
     if plan.cells.is_empty() {
         return Err(Failure::NothingToDo(format!("{}: no cell is left", arguments.experiment.display())));
@@ -84,36 +94,60 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn cost(plan: &Plan, states: &[State], wall_ms: &[f64]) -> Cost {
+fn cost(plan: &Plan, states: &[State], records: &[CellRecord], dir: &Path) -> Cost {
     let open: Vec<&Cell> = plan.cells.iter().zip(states).filter(|(_, s)| **s != State::Done).map(|(c, _)| c).collect();
-    let pixels = f64::from(plan.config.size[0]) * f64::from(plan.config.size[1]);
-    let radiances: BTreeSet<(&str, u32)> =
-        open.iter().map(|cell| (cell.radiance.as_str(), cell.point.settings().samples)).collect();
-    let references: BTreeSet<&str> = open.iter().map(|cell| cell.reference.as_str()).collect();
-    let drawn: f64 = radiances.iter().map(|(_, samples)| f64::from(*samples)).sum();
-    let samples = pixels * (drawn + references.len() as f64 * f64::from(plan.config.reference.samples));
-    if wall_ms.is_empty() {
-        let basis =
-            format!("at {} million samples a second, a software driver on 2 cores", ASSUMED_SAMPLES_PER_SECOND / 1e6);
-        return Cost { samples, seconds: samples / ASSUMED_SAMPLES_PER_SECOND, basis };
+    let pixels = |cell: &Cell| plan.size_of(cell).iter().map(|&side| f64::from(side)).product::<f64>();
+    let mut seen = BTreeSet::new();
+    let (mut samples, mut bytes) = (0.0, 0.0);
+    for cell in &open {
+        if seen.insert(&cell.reference) {
+            samples += pixels(cell) * f64::from(plan.config.reference.samples);
+            bytes += pixels(cell) * REFERENCE_BYTES_PER_PIXEL;
+        }
+        if seen.insert(&cell.radiance) {
+            let images = 1 + plan.repeats_of(&cell.point).unwrap_or(0);
+            samples += pixels(cell) * f64::from(cell.point.settings().samples * images);
+            bytes += pixels(cell) * IMAGE_BYTES_PER_PIXEL;
+        }
+        bytes += pixels(cell) * PICTURE_BYTES_PER_PIXEL;
     }
-    let mean_ms = wall_ms.iter().sum::<f64>() / wall_ms.len() as f64;
-    let basis = format!("from the {} cells that are done", wall_ms.len());
-    Cost { samples, seconds: open.len() as f64 * mean_ms / 1e3, basis }
+    if records.is_empty() {
+        let seconds = samples / ASSUMED_SAMPLES_PER_SECOND + open.len() as f64 * ASSUMED_SECONDS_PER_CELL;
+        let basis = format!(
+            "{} million samples a second and {ASSUMED_SECONDS_PER_CELL} s a cell, a software driver on 2 cores; images as they are stored",
+            ASSUMED_SAMPLES_PER_SECOND / 1e6
+        );
+        return Cost { samples, seconds, bytes, basis };
+    }
+    let done = records.len() as f64;
+    let mean_ms = records.iter().map(|record| record.wall_ms).sum::<f64>() / done;
+    let basis = format!("from the {done} cells that are done");
+    let seconds = open.len() as f64 * mean_ms / 1e3;
+    Cost { samples, seconds, bytes: open.len() as f64 * folder_bytes(dir) / done, basis }
 }
 
-fn as_text(plan: &Plan, states: &[State], cost: &Cost, dir: &std::path::Path) -> String {
+/// Bytes of all files below a folder.
+fn folder_bytes(dir: &Path) -> f64 {
+    let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
+    entries
+        .map(|entry| match entry.metadata() {
+            Ok(metadata) if metadata.is_dir() => folder_bytes(&entry.path()),
+            Ok(metadata) => metadata.len() as f64,
+            Err(_) => 0.0,
+        })
+        .sum()
+}
+
+fn as_text(plan: &Plan, states: &[State], cost: &Cost, dir: &Path) -> String {
     let mut text = format!("{}: {}\n", plan.config.name, plan.config.question);
     let groups = plan.groups();
     let radiances: usize = groups.iter().map(|group| group.radiances.len()).sum();
     let count = |state: State| states.iter().filter(|s| **s == state).count();
     let _ = writeln!(
         text,
-        "{} cells from {radiances} images and {} references, {} x {} pixels; {} done, {} failed, {} open in {}",
+        "{} cells from {radiances} images and {} references; {} done, {} failed, {} open in {}",
         plan.cells.len(),
         groups.len(),
-        plan.config.size[0],
-        plan.config.size[1],
         count(State::Done),
         count(State::Failed),
         count(State::Open),
@@ -135,9 +169,10 @@ fn as_text(plan: &Plan, states: &[State], cost: &Cost, dir: &std::path::Path) ->
     }
     let _ = writeln!(
         text,
-        "at most {:.0} million samples left to draw: about {} ({})",
+        "at most {:.0} million samples left to draw: about {} and {} of disk ({})",
         cost.samples / 1e6,
         indicatif::HumanDuration(std::time::Duration::from_secs_f64(cost.seconds)),
+        indicatif::HumanBytes(cost.bytes as u64),
         cost.basis
     );
     for (cell, state) in plan.cells.iter().zip(states) {
@@ -160,7 +195,7 @@ fn as_json(plan: &Plan, states: &[State], cost: &Cost) -> String {
         "excluded": exclusions.map(|(e, count)| json!({ "why": e.why, "count": count })).collect::<Vec<_>>(),
         "collapsed": plan.collapsed,
         "timings": timing::jobs(plan).len(),
-        "estimate": { "samples": cost.samples, "seconds": cost.seconds, "basis": cost.basis },
+        "estimate": { "samples": cost.samples, "seconds": cost.seconds, "bytes": cost.bytes, "basis": cost.basis },
     });
     format!("{value:#}\n")
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use splitsum::brdf::f0_from_ior;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::experiment::axis::{self, Point, REFERENCE, Reference, View};
-use splitsum::experiment::config::{CAMERA, IMAGE_SIZE, LIGHT_COLOR, SEED, coordinates, light};
+use splitsum::experiment::config::{CAMERA, LIGHT_COLOR, SEED, coordinates, light};
 use splitsum::experiment::value::{Kind, Range, Value};
 use splitsum::experiment::{RenderFault, write_radiance};
 use splitsum::pixels::png;
@@ -70,7 +70,7 @@ pub struct Arguments {
     #[arg(long, value_name = "E", value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text))]
     relative_error: Option<Value>,
     /// Width and height.
-    #[arg(long, value_name = "WxH", default_value = "256x256", value_parser = |text: &str| IMAGE_SIZE.parse_text(text))]
+    #[arg(long, value_name = "WxH", default_value = "256x256", value_parser = axis!("size"))]
     size: Value,
     /// Factor before the tone curve (PNG only).
     #[arg(long, value_name = "E", value_parser = axis!("exposure"))]
@@ -135,7 +135,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         warnings.iter().for_each(|warning| eprintln!("warning: {name}: {warning}"));
     }
     let view = View {
-        size: arguments.size.pair(),
         camera: CameraKind::by_name(arguments.camera.text()).expect("the flag's parser checked the name"),
         background: arguments.background,
         lights: arguments.lights.clone(),
@@ -187,6 +186,7 @@ fn point(arguments: &Arguments) -> Point {
         ("lod_bias", &arguments.lod_bias),
     ];
     let mut point = Point::default();
+    point.set("size", arguments.size.clone());
     for (axis, value) in flags {
         if let Some(value) = value {
             point.set(axis, value.clone());

@@ -34,6 +34,11 @@ impl Environment {
         Self { name: name.into(), image, hash: hasher.finalize().to_hex().to_string(), warnings: Vec::new() }
     }
 
+    /// The environment with every channel cut off at `limit`, under the same name.
+    pub fn clipped(&self, limit: f32) -> Self {
+        Self::from_image(self.name.clone(), self.image.map(|texel| texel.map(|x| x.min(limit))))
+    }
+
     /// Loads `builtin:NAME`, `builtin:NAME:PARAMETER=VALUE,...` or an image file; a relative path starts at `base_dir`.
     pub fn load(spec: &str, base_dir: &std::path::Path, options: &LoadOptions) -> Result<Self, EnvironmentError> {
         load::load(spec, base_dir, options)

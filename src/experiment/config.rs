@@ -2,7 +2,7 @@
 //!
 //! Reading never stops at the first fault. Paths in the file are relative to the file.
 
-use super::axis::{AXES, Axis, Point, Reference, Terms, index_of, is_precompute};
+use super::axis::{AXES, Axis, Point, Reference, Terms, by_name, index_of, is_precompute};
 use super::fault::{Faults, Place};
 use super::toml_tree::{checked, entries, list, raw, table, unknown_key};
 use super::value::{Kind, Range, Raw, Value};
@@ -54,7 +54,6 @@ pub struct Config {
     pub name: String,
     pub question: String,
     pub seed: u32,
-    pub size: [u32; 2],
     pub camera: CameraKind,
     pub background: bool,
     pub reference: Reference,
@@ -64,6 +63,8 @@ pub struct Config {
     pub base_places: Vec<Place>,
     /// In the order of the file, then of the command line.
     pub axes: Vec<Sweep>,
+    /// Axes (as indices of [`AXES`]) that take their values together, first with first.
+    pub zips: Vec<Vec<usize>>,
     pub exclusions: Vec<Exclusion>,
     pub timing: Option<Timing>,
     /// Renders with further point sets for each image of a sampled method, to part bias from variance.
@@ -90,6 +91,7 @@ const KEYS: &[&str] = &[
     "background",
     "reference",
     "axes",
+    "zip",
     "exclude",
     "timing",
     "bias_variance",
@@ -100,8 +102,6 @@ const KEYS: &[&str] = &[
 /// Radiance and irradiance of analytic lights.
 pub const LIGHT_COLOR: Range = Range::closed(0.0, 1e9);
 const COORDINATE: Range = Range::closed(-1e9, 1e9);
-/// Image sides; 16384 is what Vulkan devices of the last ten years offer.
-pub const IMAGE_SIZE: Kind = Kind::Pair { min: 1, max: 16384 };
 /// Seeds.
 pub const SEED: Kind = Kind::Count { min: 0, max: u32::MAX };
 
@@ -120,13 +120,13 @@ impl Config {
             name: String::new(),
             question: String::new(),
             seed: 1,
-            size: [256, 256],
             camera: CameraKind::default(),
             background: false,
             reference: Reference::default(),
             base: Point::default(),
             base_places: vec![Place::Default; AXES.len()],
             axes: Vec::new(),
+            zips: Vec::new(),
             exclusions: Vec::new(),
             timing: None,
             repeats: None,
@@ -145,6 +145,7 @@ impl Config {
         }
         config.check_double_settings(root, faults);
         config.apply_overrides(faults);
+        config.check_zips(root, faults);
         config
     }
 
@@ -152,9 +153,8 @@ impl Config {
     fn check_double_settings(&self, root: &DeTable, faults: &mut Faults) {
         let precompute = root.get("precompute").and_then(|value| value.get_ref().as_table());
         let fixed = precompute.into_iter().flat_map(entries).map(|(key, _, place)| ("precompute.", key, place));
-        let scene =
-            entries(root).into_iter().filter(|(key, ..)| *key == "scene").map(|(key, _, place)| ("", key, place));
-        for (prefix, key, place) in fixed.chain(scene) {
+        let keys = entries(root).into_iter().filter(|(key, ..)| ["size", "scene"].contains(key));
+        for (prefix, key, place) in fixed.chain(keys.map(|(key, _, place)| ("", key, place))) {
             if self.axes.iter().any(|sweep| AXES[sweep.axis].name == key) {
                 faults.add(&place, format!("{prefix}{key} is also an axis: set it in one place"));
             }
@@ -199,10 +199,9 @@ impl Config {
                 _ => faults.add(&at, format!("question: {raw} is not text")),
             },
             "seed" => self.seed = check(SEED).map_or(self.seed, |v| v.count()),
-            "size" => self.size = check(IMAGE_SIZE).map_or(self.size, |v| v.pair()),
-            "scene" => {
-                if let Some(scene) = check(Kind::Input) {
-                    self.set_base("scene", scene, at.clone());
+            "size" | "scene" => {
+                if let Some(value) = check(by_name(key).kind) {
+                    self.set_base(key, value, at.clone());
                 }
             }
             "camera" => {
@@ -215,6 +214,7 @@ impl Config {
             },
             "reference" => self.read_reference(value, faults),
             "axes" => self.read_axes(value, faults),
+            "zip" => self.read_zips(value, faults),
             "exclude" => self.read_exclusions(value, faults),
             "timing" => self.read_timing(value, faults),
             "bias_variance" => self.read_bias_variance(value, faults),
@@ -255,31 +255,6 @@ impl Config {
                 }
                 _ => unknown_key(&place, "reference.", key, &["method", "samples", "relative_error", "terms"], faults),
             }
-        }
-    }
-
-    fn read_axes(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        for (key, value, place) in table(value, "axes", faults) {
-            let Some(axis) = index_of(key) else {
-                unknown_key(&place, "axes.", key, &axis_names(), faults);
-                continue;
-            };
-            let at = Place::File(value.span().start);
-            let Some(items) = value.get_ref().as_array() else {
-                faults.add(&at, format!("axes.{key}: {} is not a list of values", raw(value.get_ref())));
-                continue;
-            };
-            if items.is_empty() {
-                faults.add(&at, format!("axes.{key}: an axis needs at least one value"));
-            }
-            let mut values: Vec<Placed> = Vec::new();
-            for item in items.iter() {
-                let place = Place::File(item.span().start);
-                if let Some(value) = checked(AXES[axis].kind, &format!("axes.{key}"), item, faults) {
-                    push_new(&mut values, Placed { value, place }, &format!("axes.{key}"), faults);
-                }
-            }
-            self.axes.push(Sweep { axis, values });
         }
     }
 

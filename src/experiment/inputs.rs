@@ -5,14 +5,21 @@ use crate::environment::{Environment, LoadOptions};
 use crate::scene::Scene;
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Everything that the cells of an experiment read, by the name that the experiment uses.
 #[derive(Clone, Debug, Default)]
 pub struct Inputs {
     environments: BTreeMap<String, Arc<Environment>>,
     scenes: BTreeMap<String, Arc<Scene>>,
+    clipped: Arc<Mutex<Vec<Clipped>>>,
 }
+
+/// An environment cut off at 2 to a power: name, power, result.
+type Clipped = (String, f64, Arc<Environment>);
+
+/// Cut-off environments kept at a time: a sweep takes them one after the other.
+const CLIPPED_COUNT: usize = 4;
 
 impl Inputs {
     /// Loads an environment unless it is there; a failure becomes a fault at `place`.
@@ -44,6 +51,23 @@ impl Inputs {
     /// A loaded environment.
     pub fn environment(&self, name: &str) -> &Arc<Environment> {
         self.environments.get(name).unwrap_or_else(|| panic!("the plan loaded no environment {name}"))
+    }
+
+    /// A loaded environment without radiance above 2 to the power `clip_log2`.
+    pub fn clipped(&self, name: &str, clip_log2: Option<f64>) -> Arc<Environment> {
+        let whole = self.environment(name);
+        let Some(power) = clip_log2 else { return whole.clone() };
+        // A thread that panicked left a whole list: entries are added in one step.
+        let mut kept = self.clipped.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((.., environment)) = kept.iter().find(|(known, at, _)| known == name && *at == power) {
+            return environment.clone();
+        }
+        let environment = Arc::new(whole.clipped(power.exp2() as f32));
+        if kept.len() == CLIPPED_COUNT {
+            kept.remove(0);
+        }
+        kept.push((name.to_owned(), power, environment.clone()));
+        environment
     }
 
     /// A loaded scene.

@@ -18,6 +18,7 @@ mod scoring;
 mod sheets;
 pub mod store;
 mod summary;
+mod sweeps;
 mod tables;
 pub mod timing;
 mod toml_tree;

@@ -71,7 +71,7 @@ impl Plan {
         let mut faults = Faults::new(path, text);
         let config = Config::parse(path, text, overrides, &mut faults);
         let inputs = load_inputs(&config, &mut faults);
-        let combinations = config.axes.iter().map(|sweep| sweep.values.len() as u64).fold(1, u64::saturating_mul);
+        let combinations = config.dimensions().iter().map(|(_, steps)| *steps as u64).fold(1, u64::saturating_mul);
         if combinations > COMBINATIONS_MAX {
             faults.add(&Place::File(0), format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"));
         }
@@ -121,9 +121,9 @@ impl Plan {
     /// What to render for a point: the scene with the point's material, framed by the experiment's camera.
     pub fn request(&self, point: &Point) -> RenderRequest {
         let settings = point.settings();
-        let (environment, scene) = (self.inputs.environment(&settings.environment), self.inputs.scene(&settings.scene));
+        let environment = self.inputs.clipped(&settings.environment, settings.environment_clip_log2);
+        let scene = self.inputs.scene(&settings.scene);
         let view = View {
-            size: self.config.size,
             camera: self.config.camera,
             background: self.config.background,
             lights: self.config.lights.clone(),
@@ -131,7 +131,7 @@ impl Plan {
             reference_samples: self.config.reference.samples,
             reference_error: self.config.reference.relative_error,
         };
-        settings.request(environment, scene, &view)
+        settings.request(&environment, scene, &view)
     }
 
     /// How often the image of a point is rendered again with further point sets.
@@ -140,8 +140,8 @@ impl Plan {
     }
 
     /// Width and height of a cell's images.
-    pub fn size_of(&self, _: &Cell) -> [u32; 2] {
-        self.config.size
+    pub fn size_of(&self, cell: &Cell) -> [u32; 2] {
+        cell.point.get("size").pair()
     }
 
     /// The axes of the file with more than one value, in its order.
@@ -234,15 +234,18 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
     Plan { config, inputs, columns, cells, excluded, collapsed, hash }
 }
 
-/// Every combination of the axes' values over the base point, the last axis fastest.
+/// Every combination of the axes' values over the base point, the last axis fastest; zipped axes step together.
 fn product(config: &Config) -> impl Iterator<Item = Point> + '_ {
-    let count: usize = config.axes.iter().map(|sweep| sweep.values.len()).product();
-    (0..count).map(|index| {
+    let dimensions = config.dimensions();
+    let count: usize = dimensions.iter().map(|(_, steps)| steps).product();
+    (0..count).map(move |index| {
         let mut point = config.base.clone();
         let mut rest = index;
-        for sweep in config.axes.iter().rev() {
-            point.0[sweep.axis] = sweep.values[rest % sweep.values.len()].value.clone();
-            rest /= sweep.values.len();
+        for (members, steps) in dimensions.iter().rev() {
+            for sweep in members.iter().map(|&member| &config.axes[member]) {
+                point.0[sweep.axis] = sweep.values[rest % steps].value.clone();
+            }
+            rest /= steps;
         }
         point
     })
@@ -253,7 +256,6 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point) -> String {
     let mut lines = vec![
         format!("schema={SCHEMA_VERSION}"),
         format!("shaders={}", crate::gpu::build_hash()),
-        format!("size={}x{}", config.size[0], config.size[1]),
         format!("seed={}", config.seed),
         format!("camera={}", config.camera.name()),
         format!("background={}", config.background),

@@ -52,7 +52,8 @@ fn state(plan: &Plan, results: &Results, done: &Done) -> String {
     let failed = results.values().filter(|result| matches!(result, CellResult::Failed(_))).count();
     let devices: BTreeSet<String> = done.iter().map(|(_, r)| format!("{} ({})", r.device, r.driver)).collect();
     let devices: Vec<String> = devices.into_iter().collect();
-    let [width, height] = plan.config.size;
+    let sizes: BTreeSet<String> = plan.cells.iter().map(|cell| cell.point.get("size").to_string()).collect();
+    let sizes = sizes.into_iter().collect::<Vec<_>>().join(", ");
     let reference = &plan.config.reference;
     let mut text = format!("{} of {} cells done", done.len(), plan.cells.len());
     if failed > 0 {
@@ -60,7 +61,7 @@ fn state(plan: &Plan, results: &Results, done: &Done) -> String {
     }
     let _ = writeln!(
         text,
-        ". Images of {width} x {height} against `{}` with {} samples a pixel. Device: {}.\n",
+        ". Images of {sizes} against `{}` with {} samples a pixel. Device: {}.\n",
         reference.method,
         reference.samples,
         if devices.is_empty() { "none yet".to_owned() } else { devices.join("; ") }

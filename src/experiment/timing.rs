@@ -74,7 +74,7 @@ pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
                     (name.to_string(), text)
                 })
                 .collect();
-            let key = format!("{phase} {environment_size:?} {:?} {axes:?} {timing:?}", plan.config.size);
+            let key = format!("{phase} {environment_size:?} {:?} {axes:?} {timing:?}", plan.size_of(cell));
             let id = blake3::hash(key.as_bytes()).to_hex()[..16].to_owned();
             if seen.insert(id.clone()) {
                 jobs.push(TimingJob { id, phase, cell, axes, environment_size });

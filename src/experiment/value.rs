@@ -144,7 +144,8 @@ impl Raw {
         }
     }
 
-    fn number(&self) -> Option<f64> {
+    /// The number, where it is one.
+    pub(super) fn number(&self) -> Option<f64> {
         match self {
             Self::Integer(n) => Some(*n as f64),
             Self::Float(x) => Some(*x),
@@ -177,6 +178,9 @@ pub enum Kind {
     /// The name of a builtin or the path of a file; it is checked by loading it.
     Input,
 }
+
+/// Image sides; 16384 is what Vulkan devices of the last ten years offer.
+pub const IMAGE_SIZE: Kind = Kind::Pair { min: 1, max: 16384 };
 
 impl Kind {
     /// The value of `raw`, or a sentence that names it and what was expected.

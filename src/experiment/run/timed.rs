@@ -30,7 +30,7 @@ impl Run<'_> {
                     cell: job.cell.id.clone(),
                     phase: job.phase.to_owned(),
                     environment_size: job.environment_size,
-                    size: self.plan.config.size,
+                    size: self.plan.size_of(job.cell),
                     axes: job.axes.clone(),
                     warmup: timing.warmup,
                     passes: samples

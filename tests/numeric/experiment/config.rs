@@ -180,3 +180,32 @@ fn a_comma_between_the_parameters_of_a_formula_ends_no_value() {
     let names: Vec<String> = plan.cells.iter().map(|c| c.point.get("environment").to_string()).collect();
     assert_eq!(names, ["builtin:cap:half_angle_deg=10,radiance=100", "builtin:sky", "builtin:constant"]);
 }
+
+#[test]
+fn ranges_and_zips_are_checked() {
+    let text = "name = \"x\"\n[axes]\nalpha = { linspace = [0.5, 2, 4] }\nsamples = { pow2 = [3, 1] }\nbrdf = { pow2 = [0, 1] }\n\
+                exposure = { logspace = [0, 1, 3] }\ncontrast = { linspaces = [1, 2, 3] }\n";
+    assert_faults(
+        &faults(text, &[]),
+        &[
+            "e.toml:3:9: axes.alpha: 1.5 is outside (0, 1]",
+            "e.toml:3:9: axes.alpha: 2 is outside (0, 1]",
+            "e.toml:4:11: axes.samples: pow2 = [3, 1]; expected two powers, ascending",
+            "e.toml:5:8: axes.brdf: a range needs an axis of numbers",
+            "e.toml:6:12: axes.exposure: logspace needs two numbers above 0",
+            "e.toml:7:12: axes.contrast: expected a list of values, { linspace = [first, last, count] }",
+        ],
+    );
+    let text = "name = \"x\"\n[axes]\nalpha = [0.1, 0.2]\nsamples = [1, 2, 3]\n[[zip]]\naxes = [\"alpha\", \"samples\"]\n\
+                [[zip]]\naxes = [\"alpha\", \"f0\"]\n[[zip]]\naxes = [\"alhpa\"]\n";
+    assert_faults(
+        &faults(text, &[]),
+        &[
+            "e.toml:5:3: zip: alpha has 2 values, samples has 3 values; expected as many for each",
+            "e.toml:5:3: zip: alpha stands twice",
+            "e.toml:5:3: zip: f0 is not in [axes]",
+            "e.toml:9:1: zip: needs axes = [...] with at least two axes",
+            "e.toml:10:9: zip.axes: \"alhpa\" is not a axis; did you mean \"alpha\"?",
+        ],
+    );
+}

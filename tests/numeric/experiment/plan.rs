@@ -181,3 +181,44 @@ fn what_a_method_ignores_collapses() {
         3
     );
 }
+
+fn values(plan: &Plan, axis: &str) -> Vec<String> {
+    plan.cells.iter().map(|cell| cell.point.get(axis).to_string()).collect()
+}
+
+#[test]
+fn ranges_hold_their_ends_and_even_steps() {
+    let of = |axis: &str, range: &str| values(&plan(&format!("name = \"x\"\n[axes]\n{axis} = {range}\n")), axis);
+    assert_eq!(of("alpha", "{ linspace = [0.25, 1, 4] }"), ["0.25", "0.5", "0.75", "1"]);
+    assert_eq!(of("samples", "{ pow2 = [0, 4] }"), ["1", "2", "4", "8", "16"]);
+    assert_eq!(of("samples", "{ logspace = [1, 1000, 4] }"), ["1", "10", "100", "1000"]);
+    assert_eq!(of("exposure", "{ pow2 = [-2, 1] }"), ["0.25", "0.5", "1", "2"]);
+    let log = of("exposure", "{ logspace = [0.1, 10, 3] }");
+    assert_eq!((log[0].as_str(), log[2].as_str()), ("0.1", "10"));
+    assert!((log[1].parse::<f64>().unwrap() - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn zipped_axes_step_together() {
+    let text = "name = \"x\"\n[axes]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.5]\nsamples = [4, 16]\n[[zip]]\naxes = [\"alpha\", \"samples\"]\n";
+    let plan = plan(text);
+    assert_eq!(values(&plan, "brdf"), ["ggx", "ggx", "phong", "phong"]);
+    assert_eq!(values(&plan, "alpha"), ["0.1", "0.5", "0.1", "0.5"]);
+    assert_eq!(values(&plan, "samples"), ["4", "16", "4", "16"]);
+}
+
+#[test]
+fn size_point_set_and_clip_are_axes() {
+    let plan =
+        plan("name = \"x\"\n[axes]\nsize = [[8, 8], [16, 8]]\npoint_set = [0, 1]\nenvironment_clip_log2 = [-1, 3]\n");
+    assert_eq!(plan.cells.len(), 8);
+    let requests: Vec<_> = plan.cells.iter().map(|cell| plan.request(&cell.point)).collect();
+    assert_eq!((requests[0].size, requests[7].size), ([8, 8], [16, 8]));
+    assert_eq!((requests[0].point_set, requests[7].point_set), (0, 1));
+    let peak = |i: usize| requests[i].environment.image.data.iter().flatten().fold(0.0f32, |a, b| a.max(*b));
+    assert_eq!(peak(0), 0.5);
+    assert!(peak(1) > 0.5 && peak(1) <= 8.0);
+    assert_ne!(requests[0].environment.hash, requests[1].environment.hash);
+    // Each size and clip has its own reference; the point sets share it.
+    assert_eq!(plan.groups().len(), 4);
+}

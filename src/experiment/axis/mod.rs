@@ -1,0 +1,236 @@
+//! Parameters that an experiment can sweep, and points: one value for each. Adding one is one entry of [`AXES`] in `list.rs`.
+
+mod list;
+
+pub use list::AXES;
+
+use super::value::{Kind, Value};
+use crate::brdf::{self, MaskingShadowing};
+use crate::environment::Environment;
+use crate::pipeline::RenderRequest;
+use crate::precompute::PrecomputeSettings;
+use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Scene};
+use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, diffuse_by_name, method_by_name};
+use crate::tonemap::ToneCurve;
+use std::sync::Arc;
+
+/// What one point of an experiment sets; the rest of a request (scene files, camera, lights) is the same for all points.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Width and height of the image.
+    pub size: [u32; 2],
+    /// `builtin:NAME` or a path.
+    pub environment: String,
+    /// Radiance above 2 to this power is cut off, in the reference too.
+    pub environment_clip_log2: Option<f64>,
+    pub environment_rotation_deg: f64,
+    pub environment_scale: f32,
+    /// A scene's name or a path.
+    pub scene: String,
+    pub material: MaterialOverride,
+    pub brdf: &'static dyn brdf::Brdf,
+    pub masking_shadowing: MaskingShadowing,
+    pub method: &'static Method,
+    pub diffuse: &'static Diffuse,
+    pub samples: u32,
+    /// Which set of points a sampled method takes; see `precompute::points`.
+    pub point_set: u32,
+    pub lod_bias: f32,
+    pub precompute: PrecomputeSettings,
+    pub curve: ToneCurve,
+}
+
+/// What every point of an experiment shares.
+#[derive(Clone, Debug)]
+pub struct View {
+    pub camera: CameraKind,
+    pub background: bool,
+    pub lights: Vec<Light>,
+    pub seed: u32,
+    /// Samples of a reference diffuse term beside another method; the reference method itself takes `samples`.
+    pub reference_samples: u32,
+    /// Stops a reference earlier, once the relative standard error of each term is at most this.
+    pub reference_error: Option<f64>,
+}
+
+impl Settings {
+    /// What to render: `scene` with the settings' material, framed by the view's camera.
+    pub fn request(self, environment: &Arc<Environment>, scene: &Scene, view: &View) -> RenderRequest {
+        let scene = Arc::new(scene.apply(&self.material));
+        RenderRequest {
+            environment: environment.clone(),
+            environment_rotation_deg: self.environment_rotation_deg,
+            environment_scale: self.environment_scale,
+            camera: Camera::for_scene(view.camera, &scene, self.size),
+            scene,
+            size: self.size,
+            point_set: self.point_set,
+            reference_error: view.reference_error,
+            reference_samples: if self.method.name == REFERENCE { self.samples } else { view.reference_samples },
+            method: self.method,
+            diffuse: self.diffuse,
+            brdf: self.brdf,
+            masking_shadowing: self.masking_shadowing,
+            samples: self.samples,
+            lod_bias: self.lod_bias,
+            lights: view.lights.clone(),
+            background: view.background,
+            precompute: self.precompute,
+            seed: view.seed,
+        }
+    }
+}
+
+/// Name of the unbiased method, specular and diffuse.
+pub const REFERENCE: &str = "reference";
+
+/// The method and sample count that an experiment measures against.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    pub method: String,
+    pub samples: u32,
+    /// Stops earlier, once the relative standard error of each term is at most this (`shade::reference_pass::Convergence`).
+    pub relative_error: Option<f64>,
+    pub terms: Terms,
+}
+
+/// Which terms the reference of a cell has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Terms {
+    /// Those of the cell: a cell without a specular (or diffuse) term is judged on what it has.
+    #[default]
+    Cell,
+    /// Specular and diffuse always: a cell without a term is judged on what it leaves out, too.
+    All,
+}
+
+impl Terms {
+    /// Every variant with its name.
+    pub const ALL: &[(&str, Self)] = &[("cell", Self::Cell), ("all", Self::All)];
+}
+
+impl Reference {
+    fn leaves_out(&self, value: &Value) -> bool {
+        value.text() == "none" && self.terms == Terms::Cell
+    }
+}
+
+impl Default for Reference {
+    fn default() -> Self {
+        Self { method: REFERENCE.to_owned(), samples: 4096, relative_error: None, terms: Terms::default() }
+    }
+}
+
+/// One sweepable parameter.
+pub struct Axis {
+    /// Name in files, on the command line and in tables.
+    pub name: &'static str,
+    /// One phrase for `splitsum list axes`.
+    pub about: &'static str,
+    pub kind: Kind,
+    /// False for parameters of the tone curve: they never cause a new render.
+    pub changes_radiance: bool,
+    /// The value where the experiment sets none.
+    pub default: fn() -> Value,
+    /// Whether the parameter changes the image at this point; where not, its values collapse into one cell.
+    pub used: fn(&Used) -> bool,
+    /// The value that the reference of a point with this value takes.
+    pub reference: fn(&Reference, &Value) -> Value,
+    /// Writes a set value into the settings.
+    pub apply: fn(&mut Settings, &Value),
+}
+
+/// What decides which parameters change an image.
+pub struct Used {
+    pub method: &'static Method,
+    pub diffuse: &'static Diffuse,
+    pub has_lights: bool,
+}
+
+/// Axes that `[precompute]` may set for all cells at once.
+pub fn is_precompute(axis: &Axis) -> bool {
+    ["prefilter_", "dfg_", "irradiance_"].iter().any(|prefix| axis.name.starts_with(prefix))
+}
+
+/// The index in [`AXES`] of the axis of that name.
+pub fn index_of(name: &str) -> Option<usize> {
+    AXES.iter().position(|axis| axis.name == name)
+}
+
+/// The axis of a name that the program itself wrote.
+pub fn by_name(name: &str) -> &'static Axis {
+    &AXES[index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
+}
+
+fn method(name: &str) -> &'static Method {
+    method_by_name(name).expect("the plan checked the method's name")
+}
+
+fn diffuse(name: &str) -> &'static Diffuse {
+    diffuse_by_name(name).expect("the plan checked the diffuse method's name")
+}
+
+/// One value for every axis, in the order of [`AXES`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point(pub Vec<Value>);
+
+impl Default for Point {
+    fn default() -> Self {
+        Self(AXES.iter().map(|axis| (axis.default)()).collect())
+    }
+}
+
+impl Point {
+    /// The value of the axis of that name.
+    pub fn get(&self, name: &str) -> &Value {
+        &self.0[index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
+    }
+
+    /// Sets the axis of that name.
+    pub fn set(&mut self, name: &str, value: Value) {
+        let index = index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"));
+        self.0[index] = value;
+    }
+
+    /// The point with every unused parameter unset, so that points with the same image are equal.
+    pub fn collapsed(&self, has_lights: bool) -> Self {
+        let (method, diffuse) = (method(self.get("method").text()), diffuse(self.get("diffuse").text()));
+        let used = Used { method, diffuse, has_lights };
+        let values = AXES.iter().zip(&self.0);
+        Self(values.map(|(axis, value)| if (axis.used)(&used) { value.clone() } else { Value::Unset }).collect())
+    }
+
+    /// The point of this point's reference, collapsed.
+    pub fn reference(&self, reference: &Reference, has_lights: bool) -> Self {
+        let values = AXES.iter().zip(&self.0).map(|(axis, value)| (axis.reference)(reference, value));
+        Self(values.collect()).collapsed(has_lights)
+    }
+
+    /// What the point means to the renderer.
+    pub fn settings(&self) -> Settings {
+        let mut settings = Settings {
+            size: [1, 1],
+            environment: String::new(),
+            environment_clip_log2: None,
+            environment_rotation_deg: 0.0,
+            environment_scale: 1.0,
+            scene: String::new(),
+            material: MaterialOverride::default(),
+            brdf: brdf::MODELS[0],
+            masking_shadowing: MaskingShadowing::default(),
+            method: &METHODS[0],
+            diffuse: &DIFFUSE[0],
+            samples: 1,
+            point_set: 0,
+            lod_bias: 0.0,
+            precompute: PrecomputeSettings::default(),
+            curve: ToneCurve::default(),
+        };
+        for (axis, value) in AXES.iter().zip(&self.0) {
+            if *value != Value::Unset {
+                (axis.apply)(&mut settings, value);
+            }
+        }
+        settings
+    }
+}

@@ -1,0 +1,163 @@
+//! `[axes]` and `[[zip]]`: lists, ranges, and axes that vary together.
+
+use super::axis::{AXES, index_of};
+use super::config::{Config, Placed, Sweep, axis_names, push_new};
+use super::fault::{Faults, Place};
+use super::toml_tree::{checked, entries, list, raw, table, unknown_key};
+use super::value::{Kind, Raw};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Longest range.
+const RANGE_LENGTH_MAX: i64 = 100_000;
+/// Largest power of two in a range.
+const POWER_MAX: i64 = 60;
+/// How a range is written.
+const RANGE_FORMS: &str =
+    "{ linspace = [first, last, count] }, { logspace = [first, last, count] } or { pow2 = [from, to] }";
+
+impl Config {
+    pub(super) fn read_axes(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        for (key, value, place) in table(value, "axes", faults) {
+            let Some(axis) = index_of(key) else {
+                unknown_key(&place, "axes.", key, &axis_names(), faults);
+                continue;
+            };
+            let (name, kind) = (format!("axes.{key}"), AXES[axis].kind);
+            let at = Place::File(value.span().start);
+            let mut values: Vec<Placed> = Vec::new();
+            match value.get_ref() {
+                DeValue::Array(items) => {
+                    if items.is_empty() {
+                        faults.add(&at, format!("{name}: an axis needs at least one value"));
+                    }
+                    for item in items.iter() {
+                        let place = Place::File(item.span().start);
+                        if let Some(value) = checked(kind, &name, item, faults) {
+                            push_new(&mut values, Placed { value, place }, &name, faults);
+                        }
+                    }
+                }
+                DeValue::Table(range) => {
+                    let items = range_values(kind, range).unwrap_or_else(|fault| {
+                        faults.add(&at, format!("{name}: {fault}"));
+                        Vec::new()
+                    });
+                    for item in items {
+                        match kind.parse(&item) {
+                            Ok(value) => push_new(&mut values, Placed { value, place: at.clone() }, &name, faults),
+                            Err(fault) => faults.add(&at, format!("{name}: {fault}")),
+                        }
+                    }
+                }
+                other => faults.add(&at, format!("{name}: {} is not a list of values", raw(other))),
+            }
+            self.axes.push(Sweep { axis, values });
+        }
+    }
+
+    pub(super) fn read_zips(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        for item in list(value, "zip", faults) {
+            let mut zip = Vec::new();
+            for (key, value, place) in table(item, "zip", faults) {
+                if key != "axes" {
+                    unknown_key(&place, "zip.", key, &["axes"], faults);
+                    continue;
+                }
+                let kind = Kind::Name { what: "axis", names: axis_names };
+                for name in value.get_ref().as_array().into_iter().flatten() {
+                    let axis = checked(kind, "zip.axes", name, faults).and_then(|v| index_of(v.text()));
+                    zip.extend(axis);
+                }
+            }
+            if zip.len() < 2 {
+                faults.add(&Place::File(item.span().start), "zip: needs axes = [...] with at least two axes");
+            }
+            self.zips.push(zip);
+        }
+    }
+
+    /// Zipped axes are swept, have one length, and belong to one zip. Checked after `--set`, which may change lengths.
+    pub(super) fn check_zips(&self, root: &DeTable, faults: &mut Faults) {
+        let place =
+            entries(root).into_iter().find(|(key, ..)| *key == "zip").map_or(Place::Default, |(.., place)| place);
+        let mut seen = Vec::new();
+        for zip in &self.zips {
+            let mut lengths = Vec::new();
+            for &axis in zip {
+                let name = AXES[axis].name;
+                if seen.contains(&axis) {
+                    faults.add(&place, format!("zip: {name} stands twice"));
+                }
+                seen.push(axis);
+                match self.axes.iter().find(|sweep| sweep.axis == axis) {
+                    Some(sweep) => lengths.push((name, sweep.values.len())),
+                    None => faults.add(&place, format!("zip: {name} is not in [axes]")),
+                }
+            }
+            if lengths.windows(2).any(|pair| pair[0].1 != pair[1].1) {
+                let lengths: Vec<String> = lengths.iter().map(|(name, n)| format!("{name} has {n} values")).collect();
+                faults.add(&place, format!("zip: {}; expected as many for each", lengths.join(", ")));
+            }
+        }
+    }
+
+    /// The axes in groups that vary together, each with its number of steps, in the order of their first axis. Groups hold indices
+    /// into `axes`.
+    pub(super) fn dimensions(&self) -> Vec<(Vec<usize>, usize)> {
+        let mut dimensions: Vec<(Vec<usize>, usize)> = Vec::new();
+        for (index, sweep) in self.axes.iter().enumerate() {
+            let zip = self.zips.iter().find(|zip| zip.contains(&sweep.axis));
+            let known = dimensions.iter_mut().find(|(members, _)| {
+                zip.is_some_and(|zip| members.iter().any(|&member| zip.contains(&self.axes[member].axis)))
+            });
+            match known {
+                Some((members, _)) => members.push(index),
+                None => dimensions.push((vec![index], sweep.values.len())),
+            }
+        }
+        dimensions
+    }
+}
+
+/// The values of a range; those of a whole-number axis are rounded.
+fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
+    let expected = || format!("expected a list of values, {RANGE_FORMS}");
+    if !matches!(kind, Kind::Number(_) | Kind::Count { .. } | Kind::Color(_)) {
+        return Err("a range needs an axis of numbers; expected a list of values".to_owned());
+    }
+    let [(name, value, _)] = &entries(range)[..] else { return Err(expected()) };
+    let Raw::Array(items) = raw(value.get_ref()) else { return Err(expected()) };
+    let is_whole = matches!(kind, Kind::Count { .. });
+    let number = |x: f64| if is_whole { Raw::Integer(x.round() as i64) } else { Raw::Float(x) };
+    match (*name, &items[..]) {
+        ("linspace" | "logspace", [first, last, Raw::Integer(count)]) => {
+            let (Some(first), Some(last)) = (first.number(), last.number()) else { return Err(expected()) };
+            if !(2..=RANGE_LENGTH_MAX).contains(count) {
+                return Err(format!("a range of {count} values; expected 2 to {RANGE_LENGTH_MAX}"));
+            }
+            if *name == "logspace" && (first <= 0.0 || last <= 0.0) {
+                return Err("logspace needs two numbers above 0".to_owned());
+            }
+            let value = |i: i64| {
+                let t = i as f64 / (count - 1) as f64;
+                match *name {
+                    // The ends as they are written, whatever the rounding between.
+                    _ if i == 0 => first,
+                    _ if i == count - 1 => last,
+                    "linspace" => first + t * (last - first),
+                    _ => (first.ln() + t * (last / first).ln()).exp(),
+                }
+            };
+            Ok((0..*count).map(|i| number(value(i))).collect())
+        }
+        ("pow2", [Raw::Integer(from), Raw::Integer(to)]) => {
+            if from > to || *from < -POWER_MAX || *to > POWER_MAX {
+                let range = format!("from -{POWER_MAX} to {POWER_MAX}");
+                return Err(format!("pow2 = [{from}, {to}]; expected two powers, ascending, {range}"));
+            }
+            Ok((*from..=*to).map(|power| number((power as f64).exp2())).collect())
+        }
+        _ => Err(expected()),
+    }
+}
