@@ -120,7 +120,8 @@ impl Progress for Quiet {
 fn finished_run(dir: &Path) -> PathBuf {
     let plan = Plan::from_text(Path::new("tiny.toml"), EXPERIMENT, &[]).unwrap_or_else(|error| panic!("{error}"));
     let stop = AtomicBool::new(false);
-    let options = RunOptions { dir: dir.join("run"), stop: &stop, command_line: Vec::new() };
+    let options =
+        RunOptions { dir: dir.join("run"), stop: &stop, command_line: Vec::new(), fail_fast: false, trace: false };
     let log = Rc::new(RefCell::new(Log::default()));
     let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
     run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
