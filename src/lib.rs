@@ -21,6 +21,7 @@
 //! - Duff17: T. Duff, J. Burgess, P. Christensen, C. Hery, A. Kensler, M. Liani and R. Villemin, "Building an Orthonormal Basis,
 //!   Revisited", Journal of Computer Graphics Techniques 6(1), 2017.
 //! - Dupuy23: J. Dupuy and A. Benyoub, "Sampling Visible GGX Normals with Spherical Caps", Computer Graphics Forum 42(8), 2023.
+//! - Efron79: B. Efron, "Bootstrap Methods: Another Look at the Jackknife", The Annals of Statistics 7(1), 1979.
 //! - Heitz14: E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics
 //!   Techniques 3(2), 2014.
 //! - Heitz18: E. Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer Graphics Techniques 7(4), 2018.
@@ -29,6 +30,7 @@
 //! - HosekWilkie12: L. Hosek and A. Wilkie, "An Analytic Model for Full Spectral Sky-Dome Radiance", ACM Transactions on Graphics
 //!   31(4), 2012.
 //! - HyndmanFan96: R. J. Hyndman and Y. Fan, "Sample Quantiles in Statistical Packages", The American Statistician 50(4), 1996.
+//! - Iglewicz93: B. Iglewicz and D. C. Hoaglin, "How to Detect and Handle Outliers", ASQC Quality Press, 1993.
 //! - Jakob14: W. Jakob, "An Improved Visible Normal Sampling Routine for the Beckmann Distribution", technical report, ETH Zürich,
 //!   2014.
 //! - Karis13: B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH 2013 course notes.
@@ -50,9 +52,12 @@
 //! - Rousselle11: F. Rousselle, C. Knaus and M. Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", ACM
 //!   Transactions on Graphics 30(6), 2011.
 //! - Schlick94: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics Forum 13(3), 1994.
+//! - Sen68: P. K. Sen, "Estimates of the Regression Coefficient Based on Kendall's Tau", Journal of the American Statistical Association
+//!   63(324), 1968.
 //! - Sidi93: A. Sidi, "A New Variable Transformation for Numerical Integration", Numerical Integration IV, 1993.
 //! - Sobol67: I. M. Sobol', "On the Distribution of Points in a Cube and the Approximate Evaluation of Integrals", USSR Computational
 //!   Mathematics and Mathematical Physics 7(4), 1967.
+//! - Steele14: G. L. Steele, D. Lea and C. H. Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
 //! - VeachGuibas95: E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 95.
 //! - Vegdahl21: N. Vegdahl, "Building a Better LK Hash", psychopath.io, 2021.
 //! - Walter07: B. Walter, S. R. Marschner, H. Li and K. E. Torrance, "Microfacet Models for Refraction through Rough Surfaces",

@@ -30,6 +30,9 @@ pub struct Arguments {
     /// Ends the run at the first cell that fails; without it the others are still done.
     #[arg(long)]
     fail_fast: bool,
+    /// Writes the timed passes to trace.json, which Perfetto opens (needs [timing] in the experiment).
+    #[arg(long)]
+    trace: bool,
     /// Index of the device, as `splitsum devices` lists them.
     #[arg(long, value_name = "N")]
     device: Option<usize>,
@@ -65,6 +68,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         stop: &STOP,
         command_line: std::env::args().collect(),
         fail_fast: arguments.fail_fast,
+        trace: arguments.trace,
     };
     let mut open = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(open_device(arguments.device)?)) };
     let outcome = run(&plan, &mut open, &options, &mut progress)?;

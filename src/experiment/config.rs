@@ -36,11 +36,19 @@ pub struct Exclusion {
     pub why: String,
 }
 
+/// What comes before the executions that count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Warmup {
+    /// This many executions.
+    Frames(u32),
+    /// Until the times have settled, at most a few seconds.
+    Stable,
+}
+
 /// How often passes are timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
-    /// Executions that are thrown away.
-    pub warmup: u32,
+    pub warmup: Warmup,
     /// Executions that are kept.
     pub rounds: u32,
 }
@@ -301,12 +309,16 @@ impl Config {
     }
 
     fn read_timing(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let mut timing = Timing { warmup: 3, rounds: 15 };
+        let mut timing = Timing { warmup: Warmup::Stable, rounds: 15 };
         for (key, value, place) in table(value, "timing", faults) {
             match key {
                 "warmup" => {
                     let kind = Kind::Count { min: 1, max: 10_000 };
-                    timing.warmup = checked(kind, "timing.warmup", value, faults).map_or(timing.warmup, |v| v.count());
+                    timing.warmup = match raw(value.get_ref()) {
+                        Raw::Text(text) if text == "stable" => Warmup::Stable,
+                        _ => checked(kind, "timing.warmup", value, faults)
+                            .map_or(timing.warmup, |v| Warmup::Frames(v.count())),
+                    };
                 }
                 "rounds" => {
                     let kind = Kind::Count { min: 1, max: 100_000 };

@@ -16,12 +16,15 @@ mod rows;
 pub mod run;
 mod scoring;
 mod sheets;
+pub mod statistics;
 pub mod store;
 mod summary;
 mod sweeps;
 mod tables;
 pub mod timing;
+pub mod timing_ratios;
 mod toml_tree;
+pub mod trace;
 pub mod value;
 
 pub use config::Config;

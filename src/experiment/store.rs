@@ -116,7 +116,19 @@ pub struct FailureRecord {
 pub struct Store {
     dir: PathBuf,
     /// Held while a run works in the folder; the system releases it when the process ends, however it ends.
-    lock: Option<Arc<File>>,
+    lock: Option<Arc<Lock>>,
+}
+
+/// A locked file.
+#[derive(Debug)]
+struct Lock(File);
+
+impl Drop for Lock {
+    /// Closing alone would not do: a child process that is just being started may hold a copy of the handle for a moment.
+    fn drop(&mut self) {
+        // A lock that cannot be given back goes with the process.
+        let _ = self.0.unlock();
+    }
 }
 
 /// The file that a run locks.
@@ -288,12 +300,12 @@ impl Store {
 }
 
 /// Takes the folder's lock, or says that another run has it.
-fn lock(dir: &Path) -> Result<File, StoreError> {
+fn lock(dir: &Path) -> Result<Lock, StoreError> {
     let path = dir.join(LOCK_FILE);
     let file = File::options().create(true).truncate(false).write(true).open(&path);
     let file = file.map_err(|error| StoreError::Io { path: path.clone(), error })?;
     match file.try_lock() {
-        Ok(()) => Ok(file),
+        Ok(()) => Ok(Lock(file)),
         Err(TryLockError::WouldBlock) => Err(StoreError::Busy { dir: dir.to_owned() }),
         Err(TryLockError::Error(error)) => Err(StoreError::Io { path, error }),
     }

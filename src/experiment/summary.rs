@@ -8,6 +8,7 @@ use super::rows;
 use super::store::CellRecord;
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
 use super::timing::{self, TimingRecord, summarize};
+use super::timing_ratios::ratios;
 use crate::shade::METHODS;
 use crate::table::markdown::{Align, MarkdownTable, significant};
 use std::collections::BTreeSet;
@@ -296,12 +297,43 @@ fn times_section(timings: &[TimingRecord]) -> String {
             frames.row(&cells);
         }
     }
+    let mut pairs = MarkdownTable::new(&[
+        ("brdf", Align::Left),
+        ("diffuse", Align::Left),
+        ("method", Align::Left),
+        ("over", Align::Left),
+        ("ratio", Align::Right),
+        ("95 %", Align::Right),
+        ("verdict", Align::Left),
+        ("tables paid after, frames", Align::Right),
+    ]);
+    let ratios = ratios(timings);
+    for pair in &ratios {
+        let method = format!("{} {}", axis(pair.sampled, "method"), axis(pair.sampled, "samples"));
+        let interval = pair.interval.map(|end| significant(end, DIGITS)).join(" to ");
+        let payback = match pair.payback_frames {
+            frames if frames.is_nan() => String::new(),
+            frames if frames.is_infinite() => "never".to_owned(),
+            frames => format!("{frames}"),
+        };
+        let (brdf, diffuse, fixed) =
+            (axis(pair.sampled, "brdf"), axis(pair.sampled, "diffuse"), axis(pair.fixed, "method"));
+        let verdict = format!("{}{}", pair.verdict, if pair.sampled.device_type == "cpu" { " (CPU)" } else { "" });
+        pairs.row(&[brdf, diffuse, method, fixed, significant(pair.ratio, DIGITS), interval, verdict, payback]);
+    }
+    let pairs = match ratios.len() {
+        0 => String::new(),
+        _ => format!("Ratios of frame times, round by round, with the 95 % interval of their median:\n\n{pairs}\n"),
+    };
     let rounds = timings[0].wall_ms.len();
     let _ = writeln!(text, "Median over {rounds} rounds on {} ({}).", timings[0].device, timings[0].device_type);
     if timings.iter().any(|record| record.device_type == "cpu") {
         text += "**Measured on a CPU driver: these times say nothing about a GPU.**\n";
     }
-    let _ = write!(text, "\n{frames}\nTables that a method needs, made once per environment or model:\n\n{tables}\n");
+    let _ = write!(
+        text,
+        "\n{frames}\nTables that a method needs, made once per environment or model:\n\n{tables}\n{pairs}"
+    );
     text
 }
 

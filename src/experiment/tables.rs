@@ -4,6 +4,7 @@ use super::axis::AXES;
 use super::plan::{Cell, Plan};
 use super::store::{CellRecord, FailureRecord, Scores};
 use super::timing::{TimingRecord, summarize};
+use super::timing_ratios::{Ratio, ratios};
 use crate::metrics::{BiasVariance, METRICS, linear_metrics};
 use crate::table::csv::Cell as Field;
 use std::collections::BTreeMap;
@@ -92,7 +93,8 @@ pub fn timings(records: &[TimingRecord]) -> Rows {
     columns.extend(axes.iter().map(|name| name.to_string()));
     let statistics = ["pass", "n", "median_ms", "mad_ms", "p05_ms", "p95_ms", "min_ms", "wall_median_ms"];
     let judgement = ["passes_over_wall", "wall_check", "device", "device_type"];
-    columns.extend(statistics.iter().chain(&judgement).map(|name| name.to_string()));
+    let spread = ["median_lo_ms", "median_hi_ms", "drift_percent_per_min", "flags"];
+    columns.extend(statistics.iter().chain(&judgement).chain(&spread).map(|name| name.to_string()));
     let mut rows = Vec::new();
     for record in records {
         let wall = summarize(&record.wall_ms);
@@ -106,10 +108,40 @@ pub fn timings(records: &[TimingRecord]) -> Rows {
             let numbers = [s.median, s.mad, s.p05, s.p95, s.min, wall.median, record.passes_over_wall()];
             row.extend(numbers.map(Field::Number));
             row.extend([record.wall_check(), &record.device, &record.device_type].map(Field::from));
+            row.extend(s.interval.map(finite));
+            row.extend([finite(record.drift_percent_per_min(pass)), text_field(&record.flags(pass))]);
             rows.push(row);
         }
     }
     (columns, rows)
+}
+
+/// `timing_ratios.csv`: one row for each sampling method beside each method without samples that was timed in the same rounds.
+pub fn timing_ratios(records: &[TimingRecord]) -> Rows {
+    let axes = ["scene", "brdf", "diffuse", "masking"];
+    let mut columns = vec!["environment_size", "size"];
+    columns.extend(axes);
+    columns.extend(["sampled", "samples", "fixed", "sampled_over_fixed", "ratio_lo", "ratio_hi", "rounds", "verdict"]);
+    columns.extend(["fixed_tables_ms", "payback_frames", "device", "device_type"]);
+    let row = |pair: &Ratio| {
+        let text = |record: &TimingRecord, axis: &str| text_field(record.axes.get(axis).map_or("", String::as_str));
+        let sizes = [pair.sampled.environment_size, pair.sampled.size];
+        let mut row: Vec<Field> = sizes.map(|[w, h]| Field::Text(format!("{w}x{h}"))).to_vec();
+        row.extend(axes.map(|axis| text(pair.sampled, axis)));
+        row.extend(["method", "samples"].map(|axis| text(pair.sampled, axis)));
+        row.push(text(pair.fixed, "method"));
+        row.extend([pair.ratio, pair.interval[0], pair.interval[1]].map(finite));
+        row.extend([Field::Integer(pair.rounds as u64), Field::Text(pair.verdict.to_string())]);
+        row.extend([finite(pair.tables_ms), finite(pair.payback_frames)]);
+        row.extend([&pair.sampled.device, &pair.sampled.device_type].map(|text| Field::from(text.as_str())));
+        row
+    };
+    (columns.into_iter().map(str::to_owned).collect(), ratios(records).iter().map(row).collect())
+}
+
+/// A number, or nothing where it is not defined.
+fn finite(number: f64) -> Field {
+    Some(number).filter(|number| number.is_finite()).into()
 }
 
 fn cell_columns(plan: &Plan) -> Vec<String> {

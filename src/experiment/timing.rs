@@ -5,6 +5,7 @@
 
 use super::axis::{AXES, is_precompute};
 use super::plan::{Cell, Plan};
+use super::statistics::{drift, median_interval, quantile};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,16 +16,32 @@ pub struct TimingRecord {
     pub cell: String,
     /// [`FRAME`] or [`PRECOMPUTE`].
     pub phase: String,
+    /// Names the configurations that were timed in the same rounds.
+    #[serde(default)]
+    pub block: String,
     pub environment_size: [u32; 2],
     pub size: [u32; 2],
     /// The axes that tell configurations apart.
     pub axes: BTreeMap<String, String>,
+    /// Executions before the first round.
     pub warmup: u32,
+    /// When and in which place each round timed this configuration.
+    #[serde(default)]
+    pub rounds: Vec<Place>,
     pub passes: Vec<PassSamples>,
     pub wall_ms: Vec<f64>,
     pub device: String,
     pub device_type: String,
     pub driver: String,
+}
+
+/// Where one sample stands among those of its block.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Place {
+    /// Place within the round, from 0.
+    pub order: usize,
+    /// Seconds since the first round of the block.
+    pub start_s: f64,
 }
 
 /// Times of one pass, ms, one a round.
@@ -35,14 +52,17 @@ pub struct PassSamples {
 }
 
 /// A configuration to time.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct TimingJob<'p> {
     /// Hash of the configuration and the number of rounds: the name of its record.
     pub id: String,
     pub phase: &'static str,
+    /// Configurations of one block are compared, so they are timed in the same rounds.
+    pub block: String,
     pub cell: &'p Cell,
     pub axes: BTreeMap<String, String>,
     pub environment_size: [u32; 2],
+    pub size: [u32; 2],
 }
 
 /// The phase of passes that run once per environment or model.
@@ -55,7 +75,10 @@ const FRAME_AXES: &[&str] = &["scene", "brdf", "method", "diffuse", "samples", "
 /// Axes besides those of the precompute settings that change which tables are made, and their cost.
 const PRECOMPUTE_AXES: &[&str] = &["brdf", "method", "diffuse", "masking"];
 
-/// What is to be timed, in plan order; nothing without `[timing]`.
+/// Axes whose values are compared within a block.
+const COMPARED_AXES: &[&str] = &["method", "samples"];
+
+/// What is to be timed, block after block in plan order; nothing without `[timing]`.
 pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
     let Some(timing) = plan.config.timing else { return Vec::new() };
     let precompute_axes: Vec<&str> =
@@ -77,10 +100,25 @@ pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
             let key = format!("{phase} {environment_size:?} {:?} {axes:?} {timing:?}", plan.size_of(cell));
             let id = blake3::hash(key.as_bytes()).to_hex()[..16].to_owned();
             if seen.insert(id.clone()) {
-                jobs.push(TimingJob { id, phase, cell, axes, environment_size });
+                // Tables are compared with nothing: each configuration is a block of its own.
+                let shared = axes.iter().filter(|(name, _)| phase == FRAME && !COMPARED_AXES.contains(&name.as_str()));
+                let words: Vec<String> = shared.map(|(name, value)| format!("{name}={value}")).collect();
+                let block = match phase {
+                    FRAME => format!("{environment_size:?} {:?} {}", plan.size_of(cell), words.join(" ")),
+                    _ => id.clone(),
+                };
+                jobs.push(TimingJob { id, phase, block, cell, axes, environment_size, size: plan.size_of(cell) });
             }
         }
     }
+    // Blocks in the order of their first member.
+    let mut blocks: Vec<String> = Vec::new();
+    for job in &jobs {
+        if !blocks.contains(&job.block) {
+            blocks.push(job.block.clone());
+        }
+    }
+    jobs.sort_by_key(|job| blocks.iter().position(|block| *block == job.block));
     jobs
 }
 
@@ -94,6 +132,8 @@ pub struct Summary {
     pub p05: f64,
     pub p95: f64,
     pub min: f64,
+    /// 95 % interval of the median by resampling.
+    pub interval: [f64; 2],
 }
 
 /// The statistics of samples; all NaN when there are none.
@@ -110,16 +150,8 @@ pub fn summarize(samples: &[f64]) -> Summary {
         p05: quantile(&sorted, 0.05),
         p95: quantile(&sorted, 0.95),
         min: quantile(&sorted, 0.0),
+        interval: median_interval(samples),
     }
-}
-
-/// Quantile of ascending samples with linear interpolation between them ([HyndmanFan96] type 7); NaN when there are none.
-fn quantile(sorted: &[f64], p: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
-    let place = p * last as f64;
-    let below = place.floor() as usize;
-    let above = (below + 1).min(last);
-    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
 /// Passes may sum to this much more than the host's time: the clocks differ.
@@ -127,7 +159,35 @@ const WALL_RATIO_MAX: f64 = 1.05;
 /// Below this share of the host's time, most of it is spent outside the timed passes.
 const WALL_RATIO_MIN: f64 = 0.5;
 
+/// Fewer samples than this say little about tails.
+const FEW_SAMPLES: usize = 10;
+/// A drift that would move a time by this share within the measurement is named.
+const DRIFT_NAMED: f64 = 0.05;
+/// Samples this many scaled deviations from the median are outliers ([Iglewicz93] as hyperfine uses it).
+const OUTLIER_Z: f64 = 14.826;
+
 impl TimingRecord {
+    /// Trend of a pass, in percent of its median a minute; NaN where the times of the rounds are not known.
+    pub fn drift_percent_per_min(&self, pass: &PassSamples) -> f64 {
+        let points: Vec<(f64, f64)> =
+            self.rounds.iter().zip(&pass.ms).map(|(place, ms)| (place.start_s / 60.0, *ms)).collect();
+        100.0 * drift(&points) / summarize(&pass.ms).median
+    }
+
+    /// What to be wary of, as words with spaces: `few-samples`, `drift`, `outliers`; empty for nothing.
+    pub fn flags(&self, pass: &PassSamples) -> String {
+        let s = summarize(&pass.ms);
+        let minutes = self.rounds.last().map_or(0.0, |place| place.start_s / 60.0);
+        let moved = self.drift_percent_per_min(pass) / 100.0 * minutes;
+        let is_outlier = |ms: &f64| s.mad > 0.0 && (ms - s.median).abs() / s.mad > OUTLIER_Z;
+        let flags = [
+            ("few-samples", s.n < FEW_SAMPLES),
+            ("drift", s.n >= FEW_SAMPLES && moved.abs() > DRIFT_NAMED),
+            ("outliers", pass.ms.iter().any(is_outlier)),
+        ];
+        flags.iter().filter(|(_, is_set)| *is_set).map(|(name, _)| *name).collect::<Vec<_>>().join(" ")
+    }
+
     /// Sum of the passes in each round, ms.
     pub fn sums_ms(&self) -> Vec<f64> {
         let rounds = self.passes.iter().map(|pass| pass.ms.len()).min().unwrap_or(0);

@@ -94,6 +94,17 @@ pub struct TimingSamples {
 }
 
 impl TimingSamples {
+    /// Adds the rounds of `more` after those that are there.
+    pub fn append(&mut self, more: Self) {
+        for (pass, ms) in more.passes {
+            match self.passes.iter_mut().find(|(known, _)| *known == pass) {
+                Some((_, samples)) => samples.extend(ms),
+                None => self.passes.push((pass, ms)),
+            }
+        }
+        self.wall_ms.extend(more.wall_ms);
+    }
+
     /// Adds one round.
     pub(super) fn push(&mut self, round: &[PassTime], wall_ms: f64) {
         for time in round {

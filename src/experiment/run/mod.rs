@@ -12,6 +12,7 @@ use crate::experiment::store::{CellRecord, FailureRecord, Store, StoreError};
 use crate::experiment::summary;
 use crate::experiment::tables::{self, CellResult, Results};
 use crate::experiment::timing::{self, TimingJob, TimingRecord};
+use crate::experiment::trace;
 use crate::pipeline::DeviceInfo;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,6 +29,8 @@ pub struct RunOptions<'a> {
     pub command_line: Vec<String>,
     /// Ends the run at the first cell that fails, instead of going on with the others.
     pub fail_fast: bool,
+    /// Writes the timed passes as a Chrome trace, `trace.json`.
+    pub trace: bool,
 }
 
 /// Follows a run.
@@ -174,9 +177,7 @@ impl<'p> Run<'p> {
     fn work(&mut self, mut renderer: Box<dyn Renderer>, progress: &mut dyn Progress) -> Result<(), RunError> {
         let started = Instant::now();
         self.cells(renderer.as_mut(), progress)?;
-        for index in 0..self.jobs.len() {
-            self.time(index, renderer.as_mut(), progress)?;
-        }
+        self.time(renderer.as_mut(), progress)?;
         let wall_ms = milliseconds(started);
         let reused = match self.references_read {
             0 => String::new(),
@@ -236,6 +237,11 @@ impl<'p> Run<'p> {
         if self.plan.config.timing.is_some() {
             let (columns, rows) = tables::timings(&self.timings);
             self.store.write_table("timings.csv", &columns, &rows)?;
+            let (columns, rows) = tables::timing_ratios(&self.timings);
+            self.store.write_table("timing_ratios.csv", &columns, &rows)?;
+            if self.options.trace {
+                self.store.write_json(&self.store.dir().join("trace.json"), &trace::chrome_trace(&self.timings))?;
+            }
         }
         let summary = summary::markdown(self.plan, &self.results, &self.timings);
         let summary_path = self.store.dir().join("summary.md");

@@ -1,53 +1,162 @@
 //! Times the configurations of a run.
+//!
+//! Configurations that are compared form a block. A block is timed in rounds; each round times every configuration once, in a new random
+//! order, so that drift and disturbances of the machine meet all of them alike (a randomised complete block design).
 
-use super::{Progress, Run, RunError, cell_result};
+use super::{Progress, Run, RunError, cell_result, milliseconds};
+use crate::experiment::config::{Timing, Warmup};
 use crate::experiment::renderer::Renderer;
-use crate::experiment::timing::{self, PassSamples, TimingRecord};
+use crate::experiment::statistics::{Random, median};
+use crate::experiment::timing::{self, PassSamples, Place, TimingJob, TimingRecord};
+use crate::pipeline::{RenderRequest, TimingSamples};
+use std::time::{Duration, Instant};
 
-impl Run<'_> {
-    /// Times one configuration unless it is done. A failure is a note: the errors do not depend on it.
-    pub(super) fn time(
-        &mut self,
-        index: usize,
-        renderer: &mut dyn Renderer,
-        progress: &mut dyn Progress,
-    ) -> Result<(), RunError> {
-        let job = &self.jobs[index];
-        let (Some(timing), false) = (self.plan.config.timing, self.is_stopped()) else { return Ok(()) };
-        if self.store.has_timing(&job.id) {
-            return Ok(());
-        }
-        let request = self.plan.request(&job.cell.point);
-        let samples = match job.phase {
-            timing::PRECOMPUTE => renderer.time_precompute(&request, timing.warmup, timing.rounds),
-            _ => renderer.time(&request, timing.warmup, timing.rounds),
-        };
-        let label = format!("timing {} {}", job.phase, self.plan.label(job.cell));
-        match cell_result(samples)? {
-            Ok(samples) => {
-                let device = renderer.device();
-                let record = TimingRecord {
-                    cell: job.cell.id.clone(),
-                    phase: job.phase.to_owned(),
-                    environment_size: job.environment_size,
-                    size: self.plan.size_of(job.cell),
-                    axes: job.axes.clone(),
-                    warmup: timing.warmup,
-                    passes: samples
-                        .passes
-                        .into_iter()
-                        .map(|(pass, ms)| PassSamples { pass: pass.to_owned(), ms })
-                        .collect(),
-                    wall_ms: samples.wall_ms,
-                    device: device.name,
-                    device_type: device.device_type.to_owned(),
-                    driver: device.driver,
-                };
-                self.store.write_timing(&job.id, &record)?;
-                progress.step(&label, None);
+/// Frames whose median must agree with that of as many before.
+const STABLE_FRAMES: usize = 16;
+/// By how much, relatively.
+const STABLE_WITHIN: f64 = 0.01;
+/// A configuration that is not stable by then is timed all the same; its drift stands in the table.
+const WARMUP_TIME_MAX: Duration = Duration::from_secs(3);
+
+/// A configuration at work.
+struct Timed<'p> {
+    job: TimingJob<'p>,
+    request: RenderRequest,
+    samples: TimingSamples,
+    places: Vec<Place>,
+    warmup: u32,
+}
+
+impl<'p> Run<'p> {
+    /// Times every block that is not done. A failure is a note: the errors do not depend on it.
+    pub(super) fn time(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let Some(timing) = self.plan.config.timing else { return Ok(()) };
+        let jobs = self.jobs.clone();
+        for block in jobs.chunk_by(|a, b| a.block == b.block) {
+            if self.is_stopped() {
+                return Ok(());
             }
-            Err(reason) => progress.step(&label, Some(&reason)),
+            // The samples of a block belong together: one that lacks a record is timed anew as a whole.
+            if block.iter().all(|job| self.store.has_timing(&job.id)) {
+                continue;
+            }
+            let started = Instant::now();
+            let timed = self.time_block(block, timing, renderer);
+            self.device_ms += milliseconds(started);
+            match cell_result(timed)? {
+                Ok(timed) => {
+                    let device = renderer.device();
+                    for configuration in timed {
+                        let record = record(configuration, &device);
+                        let (id, label) = record.0;
+                        self.store.write_timing(&id, &record.1)?;
+                        progress.step(&format!("timing {label}"), None);
+                    }
+                }
+                Err(reason) => {
+                    for job in block {
+                        progress.step(&format!("timing {} {}", job.phase, self.plan.label(job.cell)), Some(&reason));
+                    }
+                }
+            }
         }
         Ok(())
     }
+
+    fn time_block(
+        &self,
+        block: &[TimingJob<'p>],
+        timing: Timing,
+        renderer: &mut dyn Renderer,
+    ) -> Result<Vec<Timed<'p>>, crate::experiment::renderer::RenderFault> {
+        let mut timed: Vec<Timed> = block
+            .iter()
+            .map(|job| Timed {
+                job: job.clone(),
+                request: self.plan.request(&job.cell.point),
+                samples: TimingSamples::default(),
+                places: Vec::new(),
+                warmup: 0,
+            })
+            .collect();
+        for configuration in &mut timed {
+            configuration.warm_up(timing.warmup, renderer)?;
+        }
+        let (started, mut random) = (Instant::now(), Random::new(u64::from(self.plan.config.seed)));
+        for _ in 0..timing.rounds {
+            for (order, index) in random.order(timed.len()).into_iter().enumerate() {
+                let configuration = &mut timed[index];
+                let start_s = started.elapsed().as_secs_f64();
+                // The first frame after another configuration pays for the change and does not count.
+                let change = u32::from(block.len() > 1);
+                let sample = configuration.sample(change, 1, renderer)?;
+                configuration.samples.append(sample);
+                configuration.places.push(Place { order, start_s });
+            }
+        }
+        Ok(timed)
+    }
+}
+
+impl Timed<'_> {
+    fn sample(
+        &self,
+        warmup: u32,
+        rounds: u32,
+        renderer: &mut dyn Renderer,
+    ) -> Result<TimingSamples, crate::experiment::renderer::RenderFault> {
+        match self.job.phase {
+            timing::PRECOMPUTE => renderer.time_precompute(&self.request, warmup, rounds),
+            _ => renderer.time(&self.request, warmup, rounds),
+        }
+    }
+
+    fn warm_up(
+        &mut self,
+        warmup: Warmup,
+        renderer: &mut dyn Renderer,
+    ) -> Result<(), crate::experiment::renderer::RenderFault> {
+        if let Warmup::Frames(frames) = warmup {
+            self.sample(frames - 1, 1, renderer)?;
+            self.warmup = frames;
+            return Ok(());
+        }
+        let started = Instant::now();
+        let mut frames_ms: Vec<f64> = Vec::new();
+        while started.elapsed() < WARMUP_TIME_MAX {
+            frames_ms.extend(self.sample(0, 1, renderer)?.wall_ms);
+            if let Some(settled) = frames_ms.len().checked_sub(2 * STABLE_FRAMES) {
+                let (before, after) = frames_ms[settled..].split_at(STABLE_FRAMES);
+                if (median(after) / median(before) - 1.0).abs() <= STABLE_WITHIN {
+                    break;
+                }
+            }
+        }
+        self.warmup = frames_ms.len() as u32;
+        Ok(())
+    }
+}
+
+/// Name of the record, words for the progress, and the record.
+fn record(timed: Timed, device: &crate::pipeline::DeviceInfo) -> ((String, String), TimingRecord) {
+    let job = timed.job;
+    let words: Vec<&str> = job.axes.values().map(String::as_str).filter(|value| !value.is_empty()).collect();
+    let label = format!("{} {}", job.phase, words.join(" "));
+    let passes = timed.samples.passes.into_iter().map(|(pass, ms)| PassSamples { pass: pass.to_owned(), ms });
+    let record = TimingRecord {
+        cell: job.cell.id.clone(),
+        phase: job.phase.to_owned(),
+        block: job.block,
+        environment_size: job.environment_size,
+        size: job.size,
+        axes: job.axes,
+        warmup: timed.warmup,
+        rounds: timed.places,
+        passes: passes.collect(),
+        wall_ms: timed.samples.wall_ms,
+        device: device.name.clone(),
+        device_type: device.device_type.to_owned(),
+        driver: device.driver.clone(),
+    };
+    ((job.id, label), record)
 }

@@ -2,7 +2,9 @@
 
 use splitsum::experiment::break_even::{BreakEven, break_even, median};
 use splitsum::experiment::date_utc;
+use splitsum::experiment::statistics::{Random, drift, median as median_of, median_interval};
 use splitsum::experiment::timing::summarize;
+use splitsum::experiment::timing_ratios::{Verdict, verdict};
 
 #[test]
 fn break_even_is_the_first_count_from_which_all_are_better() {
@@ -44,4 +46,56 @@ fn dates_around_leap_days_and_centuries() {
     assert_eq!(date_utc(1_709_251_200), "2024-03-01T00:00:00Z");
     assert_eq!(date_utc(1_798_761_599), "2026-12-31T23:59:59Z");
     assert_eq!(date_utc(4_107_542_400), "2100-03-01T00:00:00Z");
+}
+
+#[test]
+fn the_interval_of_a_median_covers_it_as_often_as_it_says() {
+    // 400 sets of 25 uniform numbers: their median's interval must hold 0.5 in about 95 % of them. A binomial count of 400 at 0.95
+    // lies within 361 to 395 but for 1 in 10,000; the percentile bootstrap of a median is a little too wide, hence the upper end.
+    let mut covered = 0;
+    let mut state = 7u64;
+    for _ in 0..400 {
+        let samples: Vec<f64> = (0..25)
+            .map(|_| {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                (state >> 11) as f64 / (1u64 << 53) as f64
+            })
+            .collect();
+        let [lo, hi] = median_interval(&samples);
+        assert!(lo <= median_of(&samples) && median_of(&samples) <= hi);
+        covered += usize::from(lo <= 0.5 && 0.5 <= hi);
+    }
+    assert!((361..=398).contains(&covered), "{covered}");
+    assert!(median_interval(&[1.0])[0].is_nan());
+}
+
+#[test]
+fn drift_is_the_slope_and_no_outlier_moves_it() {
+    let mut points: Vec<(f64, f64)> = (0..20).map(|i| (f64::from(i), 5.0 + 0.25 * f64::from(i))).collect();
+    points[7].1 = 1e6;
+    assert!((drift(&points) - 0.25).abs() < 1e-12);
+    assert!(drift(&[(1.0, 2.0)]).is_nan());
+}
+
+#[test]
+fn an_order_is_a_permutation_and_all_are_equally_likely() {
+    let mut random = Random::new(3);
+    let mut counts = std::collections::BTreeMap::new();
+    for _ in 0..6000 {
+        *counts.entry(random.order(3)).or_insert(0) += 1;
+    }
+    assert_eq!(counts.len(), 6);
+    // Chi-square with 5 degrees of freedom: above 25.7 once in 10,000.
+    let chi2: f64 = counts.values().map(|n| f64::from(n - 1000).powi(2) / 1000.0).sum();
+    assert!(chi2 < 25.7, "{counts:?}");
+}
+
+#[test]
+fn a_verdict_needs_a_clear_interval_and_enough_rounds() {
+    assert_eq!(verdict([0.5, 0.9], 15), Verdict::Fast);
+    assert_eq!(verdict([1.1, 1.9], 15), Verdict::Slow);
+    assert_eq!(verdict([0.99, 1.01], 15), Verdict::Same);
+    assert_eq!(verdict([0.9, 1.01], 15), Verdict::Ambiguous);
+    assert_eq!(verdict([0.5, 0.9], 4), Verdict::Ambiguous);
+    assert_eq!(verdict([f64::NAN; 2], 15), Verdict::Ambiguous);
 }

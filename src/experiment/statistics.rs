@@ -1,0 +1,78 @@
+//! Statistics of timing samples: order statistics, intervals by resampling, drift. Seeds are fixed, so results are repeatable.
+
+/// A small generator of 64-bit numbers: a Weyl sequence, hashed (splitmix64 [Steele14]).
+#[derive(Clone, Debug)]
+pub struct Random(u64);
+
+impl Random {
+    /// A generator whose sequence is determined by `seed`.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut x = self.0;
+        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        x ^ (x >> 31)
+    }
+
+    /// A number in `0..count`; the bias of taking a product's upper half is below count / 2^64.
+    fn below(&mut self, count: usize) -> usize {
+        ((u128::from(self.next()) * count as u128) >> 64) as usize
+    }
+
+    /// `0..count` in random order (Fisher-Yates).
+    pub fn order(&mut self, count: usize) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..count).collect();
+        for last in (1..count).rev() {
+            order.swap(last, self.below(last + 1));
+        }
+        order
+    }
+}
+
+/// Quantile of ascending samples with linear interpolation between them ([HyndmanFan96] type 7); NaN when there are none.
+pub fn quantile(sorted: &[f64], p: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
+    let place = p * last as f64;
+    let below = place.floor() as usize;
+    let above = (below + 1).min(last);
+    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+}
+
+/// Median of samples in any order; NaN when there are none.
+pub fn median(samples: &[f64]) -> f64 {
+    let mut sorted = samples.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    quantile(&sorted, 0.5)
+}
+
+/// Draws of the bootstrap: the ends of a 95 % interval then vary by about 1 % of its width.
+const RESAMPLE_COUNT: usize = 2000;
+const RESAMPLE_SEED: u64 = 1;
+
+/// 95 % percentile interval of the median by resampling with replacement [Efron79]; NaN below two samples.
+pub fn median_interval(samples: &[f64]) -> [f64; 2] {
+    if samples.len() < 2 {
+        return [f64::NAN; 2];
+    }
+    let mut random = Random::new(RESAMPLE_SEED);
+    let mut draw = vec![0.0; samples.len()];
+    let mut medians: Vec<f64> = (0..RESAMPLE_COUNT)
+        .map(|_| {
+            draw.iter_mut().for_each(|x| *x = samples[random.below(samples.len())]);
+            median(&draw)
+        })
+        .collect();
+    medians.sort_by(f64::total_cmp);
+    [quantile(&medians, 0.025), quantile(&medians, 0.975)]
+}
+
+/// Slope of samples over their places: the median of the slopes of all pairs [Sen68]. NaN when no two places differ.
+pub fn drift(points: &[(f64, f64)]) -> f64 {
+    let pairs = points.iter().enumerate().flat_map(|(i, a)| points[i + 1..].iter().map(move |b| (a, b)));
+    let slopes: Vec<f64> = pairs.filter(|(a, b)| a.0 != b.0).map(|(a, b)| (b.1 - a.1) / (b.0 - a.0)).collect();
+    median(&slopes)
+}

@@ -1,0 +1,104 @@
+//! Two methods timed in the same rounds: which is faster, and when a method's tables have paid for themselves.
+
+use super::statistics::{median, median_interval};
+use super::timing::{FRAME, PRECOMPUTE, TimingRecord, summarize};
+use crate::shade::METHODS;
+use std::fmt;
+
+/// Times closer than this count as the same: below it neither is worth a choice.
+const SAME_WITHIN: f64 = 0.02;
+/// Fewer rounds than this decide nothing.
+const ROUNDS_MIN: usize = 5;
+
+/// What an interval of a ratio of times says of the first method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    Fast,
+    Slow,
+    /// The whole interval lies within 2 % of 1.
+    Same,
+    /// The interval reaches across a border, or there are too few rounds.
+    Ambiguous,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::Fast => "FAST",
+            Self::Slow => "SLOW",
+            Self::Same => "SAME",
+            Self::Ambiguous => "AMBIGUOUS",
+        })
+    }
+}
+
+/// The verdict on a median ratio with this 95 % interval over `rounds` pairs.
+pub fn verdict([lo, hi]: [f64; 2], rounds: usize) -> Verdict {
+    match () {
+        () if rounds < ROUNDS_MIN || lo.is_nan() || hi.is_nan() => Verdict::Ambiguous,
+        () if hi < 1.0 - SAME_WITHIN => Verdict::Fast,
+        () if lo > 1.0 + SAME_WITHIN => Verdict::Slow,
+        () if lo >= 1.0 - SAME_WITHIN && hi <= 1.0 + SAME_WITHIN => Verdict::Same,
+        () => Verdict::Ambiguous,
+    }
+}
+
+/// A sampling method beside one that draws no samples, timed in the same rounds.
+#[derive(Clone, Debug)]
+pub struct Ratio<'r> {
+    pub sampled: &'r TimingRecord,
+    pub fixed: &'r TimingRecord,
+    /// Median over rounds of time of `sampled` / time of `fixed`.
+    pub ratio: f64,
+    /// 95 % interval of it; the rounds are resampled, never single samples.
+    pub interval: [f64; 2],
+    pub rounds: usize,
+    /// That of `sampled`.
+    pub verdict: Verdict,
+    /// What the tables of `fixed` cost beyond those of `sampled`, ms; NaN where they were not timed.
+    pub tables_ms: f64,
+    /// Frames after which `fixed` has paid for its tables; infinite when its frames are not faster.
+    pub payback_frames: f64,
+}
+
+/// Every pair of the records that was timed in one block.
+pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
+    let draws = |record: &TimingRecord| {
+        let name = record.axes.get("method").map_or("", String::as_str);
+        METHODS.iter().find(|method| method.name == name).is_some_and(|method| method.uses_samples)
+    };
+    let is_nothing = |record: &TimingRecord| record.axes.get("method").is_none_or(|name| name == "none");
+    let frames: Vec<&TimingRecord> = records.iter().filter(|r| r.phase == FRAME && !is_nothing(r)).collect();
+    let mut found = Vec::new();
+    for fixed in frames.iter().filter(|record| !draws(record)) {
+        for sampled in frames.iter().filter(|record| draws(record) && record.block == fixed.block) {
+            let pairs = sampled.sums_ms().into_iter().zip(fixed.sums_ms());
+            let quotients: Vec<f64> = pairs.map(|(a, b)| a / b).collect();
+            let interval = median_interval(&quotients);
+            let saved_ms = summarize(&sampled.sums_ms()).median - summarize(&fixed.sums_ms()).median;
+            let tables_ms = tables_ms(records, fixed) - tables_ms(records, sampled);
+            found.push(Ratio {
+                sampled,
+                fixed,
+                ratio: median(&quotients),
+                interval,
+                rounds: quotients.len(),
+                verdict: verdict(interval, quotients.len()),
+                tables_ms,
+                payback_frames: if saved_ms > 0.0 { (tables_ms / saved_ms).ceil().max(0.0) } else { f64::INFINITY },
+            });
+        }
+    }
+    found
+}
+
+/// Median time of all tables that a frame's configuration needs, ms.
+fn tables_ms(records: &[TimingRecord], frame: &TimingRecord) -> f64 {
+    let same = |record: &TimingRecord, name: &str| record.axes.get(name) == frame.axes.get(name);
+    let of_frame = |record: &&TimingRecord| {
+        record.phase == PRECOMPUTE
+            && record.environment_size == frame.environment_size
+            && ["brdf", "method", "diffuse", "masking"].iter().all(|name| same(record, name))
+    };
+    records.iter().find(of_frame).map_or(f64::NAN, |record| summarize(&record.sums_ms()).median)
+}
