@@ -22,6 +22,10 @@ pub enum StoreError {
     Busy { dir: PathBuf },
     #[error("{}: is not empty and not a run (it has no provenance.json); give another --out", dir.display())]
     NotARun { dir: PathBuf },
+    #[error("{}: is a file; expected a folder, or the name of one to make", dir.display())]
+    NotAFolder { dir: PathBuf },
+    #[error("{}: cannot be made: {error}; expected a place where this user may write", path.display())]
+    Folder { path: PathBuf, error: std::io::Error },
     #[error("{}: {error}; expected a file that this program wrote (remove it to make it anew)", path.display())]
     Corrupt { path: PathBuf, error: serde_json::Error },
     #[error("{}: {error}", path.display())]
@@ -37,7 +41,12 @@ impl StoreError {
     pub fn is_misuse(&self) -> bool {
         matches!(
             self,
-            Self::OtherExperiment { .. } | Self::OtherShaders { .. } | Self::NotARun { .. } | Self::Busy { .. }
+            Self::OtherExperiment { .. }
+                | Self::OtherShaders { .. }
+                | Self::NotARun { .. }
+                | Self::NotAFolder { .. }
+                | Self::Folder { .. }
+                | Self::Busy { .. }
         )
     }
 }
@@ -139,7 +148,7 @@ impl Store {
         store.check_identity(plan)?;
         for folder in SUBFOLDERS {
             let path = dir.join(folder);
-            std::fs::create_dir_all(&path).map_err(|error| StoreError::Io { path, error })?;
+            std::fs::create_dir_all(&path).map_err(|error| StoreError::Folder { path, error })?;
         }
         store.lock = Some(Arc::new(lock(dir)?));
         // Another run may have made the folder its own between the check and the lock.
@@ -152,6 +161,9 @@ impl Store {
 
     /// Fails when the folder holds something else than a run of this plan.
     pub fn check_identity(&self, plan: &Plan) -> Result<(), StoreError> {
+        if self.dir.is_file() {
+            return Err(StoreError::NotAFolder { dir: self.dir.clone() });
+        }
         if let Some(provenance) = self.read::<serde_json::Value>(&self.provenance_path())? {
             if provenance["plan_hash"] == plan.hash {
                 return Ok(());

@@ -110,8 +110,7 @@ fn rows_of(folder: &RunFolder, run: usize, label: &str, names: &[String]) -> Vec
     let table = &folder.errors;
     let place = |name: &str| table.columns.iter().position(|column| column == name);
     let places: Vec<Option<usize>> = names.iter().map(|name| place(name)).collect();
-    let [cell, error, floor, verdict] =
-        ["cell", HEADLINE, &format!("{HEADLINE}_noise_floor"), "verdict"].map(|name| place(name));
+    let [cell, error, floor, verdict] = ["cell", HEADLINE, &format!("{HEADLINE}_noise_floor"), "verdict"].map(place);
     let text = |fields: &[String], column: Option<usize>| column.map_or_else(String::new, |c| fields[c].clone());
     let row = |fields: &Vec<String>| {
         let axes: Vec<String> = names

@@ -47,7 +47,13 @@ fn finished_run(dir: &Path, name: &str, broken: Option<&'static str>) -> PathBuf
     );
     let plan = Plan::from_text(Path::new("hostile.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let stop = AtomicBool::new(false);
-    let options = RunOptions { dir: dir.join(name), stop: &stop, command_line: vec![HOSTILE.to_owned()] };
+    let options = RunOptions {
+        dir: dir.join(name),
+        stop: &stop,
+        command_line: vec![HOSTILE.to_owned()],
+        fail_fast: false,
+        trace: false,
+    };
     let log = Rc::new(RefCell::new(Log { broken_method: broken, ..Log::default() }));
     let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
     run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));

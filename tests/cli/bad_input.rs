@@ -2,6 +2,7 @@
 
 use super::{entries, splitsum, stderr, stdout};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
+use std::process::Command;
 
 /// Runs in an empty folder and checks the exit code, parts of the message, and that nothing was written.
 fn assert_refused(arguments: &[&str], code: i32, parts: &[&str]) {
@@ -177,4 +178,28 @@ fn every_experiment_of_the_project_has_a_plan() {
         count += 1;
     }
     assert!(count >= 4);
+}
+
+#[test]
+fn a_run_without_a_device_leaves_nothing_behind() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = "name = \"x\"\nquestion = \"?\"\nsize = [8, 8]\n[axes]\nenvironment = [\"builtin:constant\"]\nmethod = [\"split-sum\"]\n";
+    std::fs::write(dir.path().join("x.toml"), text).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_splitsum"))
+        .current_dir(dir.path())
+        .args(["run", "x.toml", "--out", "out"])
+        .env("VK_DRIVER_FILES", "/nonexistent")
+        .env("VK_ICD_FILENAMES", "/nonexistent")
+        .output()
+        .unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("Vulkan"), "{message}");
+    assert!(!dir.path().join("out").exists());
+
+    std::fs::write(dir.path().join("file"), "").unwrap();
+    let output = splitsum(dir.path(), &["run", "x.toml", "--out", "file"]);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("file: is a file; expected a folder"), "{message}");
 }

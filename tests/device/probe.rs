@@ -346,3 +346,27 @@ fn prefilter_and_dfg_mappings() {
         worst.check();
     });
 }
+
+#[test]
+fn sums_carry_what_f32_drops() {
+    // Both parts together are as good as the exact sum rounded once to f32: half a unit in the last place. A plain sum is off by 1e-4
+    // where each term is below that unit.
+    const HALF_UNIT: Tolerance = absolute(6e-8);
+    with_gpu(|gpu| {
+        let cases = [
+            (DVec3::new(1e6, 1.0, -3e4), DVec3::new(0.01, 1e-8, 0.3), 4000),
+            (DVec3::new(0.0, 72_704.0, 1.0), DVec3::new(0.1, 1e-3, -1e-5), 10_000),
+        ];
+        let inputs: Vec<[f32; 4]> =
+            cases.iter().flat_map(|(start, term, count)| [vec4(*start, 0.0), vec4(*term, f64::from(*count))]).collect();
+        let probe = Probe { shader: "probe/compensated_sum.comp", inputs: 2, outputs: 2, ..Probe::default() };
+        let mut worst = Worst::new("compensated sum, relative", HALF_UNIT);
+        for ((start, term, count), out) in cases.iter().zip(probe.run(gpu, &inputs)) {
+            let exact = rounded3(*start) + f64::from(*count) * rounded3(*term);
+            worst.add_rgb((xyz(out[0]) + xyz(out[1]) - exact) / exact, DVec3::ZERO, || {
+                format!("{start} + {count} {term}")
+            });
+        }
+        worst.check();
+    });
+}

@@ -88,7 +88,6 @@ fn environment_sampling_meets_its_twin() {
                 rest: &[Bind::Sample(&image, &sampler), Bind::Read(&words), Bind::Sample(&image, &linear)],
                 rest_slots: &[Slot::Sampled, Slot::Buffer, Slot::Sampled],
                 constants: &[0, u32::from(exact_filter)],
-                ..Probe::default()
             };
             let count = 1024;
             let directions: Vec<DVec3> = (0..count)

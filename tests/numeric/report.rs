@@ -81,10 +81,10 @@ fn an_encoded_image_decodes_to_its_nearest_halves() {
     let encoded = encode::radiance(&image);
     let bytes = decoded(&encoded.base64, 15);
     for (i, texel) in image.data.iter().enumerate() {
-        for channel in 0..3 {
+        for (channel, value) in texel.iter().enumerate() {
             let at = channel * 30 + i;
             let half = f16::from_bits(u16::from_be_bytes([bytes[at], bytes[at + 15]]));
-            assert_eq!(half, f16::from_f32(texel[channel].min(encode::HALF_MAX)), "texel {i}, channel {channel}");
+            assert_eq!(half, f16::from_f32(value.min(encode::HALF_MAX)), "texel {i}, channel {channel}");
         }
     }
     assert_eq!(encoded.clamped_count, image.data.iter().filter(|texel| texel[2] > encode::HALF_MAX).count());

@@ -80,12 +80,22 @@ pub fn run(
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<Outcome, RunError> {
+    // A new run leaves nothing behind when there is no device.
+    let folder = Store::at(&options.dir);
+    folder.check_identity(plan)?;
+    let mut renderer = match folder.provenance_path().exists() {
+        true => None,
+        false => Some(make_renderer().map_err(fault_error)?),
+    };
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
     let steps_left = run.steps_left();
     progress.start(plan.cells.len() + run.jobs.len(), plan.cells.len() + run.jobs.len() - steps_left);
     if steps_left > 0 {
-        let renderer = make_renderer().map_err(fault_error)?;
+        let renderer = match renderer.take() {
+            Some(renderer) => renderer,
+            None => make_renderer().map_err(fault_error)?,
+        };
         run.begin_session(&renderer.device())?;
         let result = run.work(renderer, progress);
         // What is done is kept also when the device was lost.
