@@ -32,10 +32,10 @@ pub struct Arguments {
 }
 
 /// Samples a second that a software driver draws on two cores; used until the run itself has records.
-const ASSUMED_SAMPLES_PER_SECOND: f64 = 50e6;
+const ASSUMED_SAMPLES_PER_SECOND: f64 = 25e6;
 
 /// Scoring and writing of one cell of 128x128 to 256x256 pixels.
-const ASSUMED_SECONDS_PER_CELL: f64 = 0.1;
+const ASSUMED_SECONDS_PER_CELL: f64 = 0.03;
 /// f32 R, G, B and A.
 const IMAGE_BYTES_PER_PIXEL: f64 = 16.0;
 /// The same with the three channels of the standard error.

@@ -6,6 +6,7 @@ pub mod axis;
 pub mod break_even;
 pub mod config;
 pub mod fault;
+mod heat;
 mod images;
 pub mod inputs;
 mod overrides;

@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::break_even::{BreakEven, break_even, median};
+use super::heat;
 use super::images::short_text;
 use super::plan::{Cell, Plan};
 use super::rows;
@@ -43,6 +44,7 @@ pub fn markdown(plan: &Plan, results: &Results, timings: &[TimingRecord]) -> Str
     } else {
         text += &answer;
     }
+    text += &heat::section(plan, &done);
     text += &display_section(plan, &done);
     text += &times_section(timings);
     text += &failures_section(plan, results);

@@ -2,16 +2,15 @@
 //!
 //! The device belongs to this thread; scores and files are made on a second one meanwhile, in the order of the work.
 
-use super::{Run, RunError, cell_result, milliseconds};
+use super::{Progress, Run, RunError, cell_result, milliseconds};
 use crate::experiment::axis::Point;
 use crate::experiment::images;
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::experiment::renderer::Renderer;
-use crate::experiment::run::Progress;
 use crate::experiment::scoring::{ReferenceImage, Rendered, ScoreFault};
 use crate::experiment::store::{CellRecord, Store, StoreError};
 use crate::metrics::{BiasVariance, Repeats};
-use crate::pipeline::{DeviceInfo, Frame};
+use crate::pipeline::{DeviceInfo, Frame, RenderRequest};
 use crate::pixels::Rgb8Image;
 use crate::tonemap::ToneCurve;
 use std::path::PathBuf;
@@ -128,7 +127,7 @@ impl<'p> Run<'p> {
         renderer: &mut dyn Renderer,
     ) -> Result<Result<Frame, String>, RunError> {
         let request = self.plan.request(point);
-        let request = if set == 0 { request } else { crate::pipeline::RenderRequest { point_set: set, ..request } };
+        let request = if set == 0 { request } else { RenderRequest { point_set: set, ..request } };
         let started = Instant::now();
         let result = renderer.render(&request);
         self.device_ms += milliseconds(started);

@@ -5,10 +5,10 @@
 
 use super::{Progress, Run, RunError, cell_result, milliseconds};
 use crate::experiment::config::{Timing, Warmup};
-use crate::experiment::renderer::Renderer;
+use crate::experiment::renderer::{RenderFault, Renderer};
 use crate::experiment::statistics::{Random, median};
 use crate::experiment::timing::{self, PassSamples, Place, TimingJob, TimingRecord};
-use crate::pipeline::{RenderRequest, TimingSamples};
+use crate::pipeline::{DeviceInfo, RenderRequest, TimingSamples};
 use std::time::{Duration, Instant};
 
 /// Frames whose median must agree with that of as many before.
@@ -47,10 +47,10 @@ impl<'p> Run<'p> {
                 Ok(timed) => {
                     let device = renderer.device();
                     for configuration in timed {
-                        let record = record(configuration, &device);
-                        let (id, label) = record.0;
-                        self.store.write_timing(&id, &record.1)?;
-                        progress.step(&format!("timing {label}"), None);
+                        let id = configuration.job.id.clone();
+                        let label = format!("timing {}", configuration.words());
+                        self.store.write_timing(&id, &configuration.into_record(&device))?;
+                        progress.step(&label, None);
                     }
                 }
                 Err(reason) => {
@@ -68,7 +68,7 @@ impl<'p> Run<'p> {
         block: &[TimingJob<'p>],
         timing: Timing,
         renderer: &mut dyn Renderer,
-    ) -> Result<Vec<Timed<'p>>, crate::experiment::renderer::RenderFault> {
+    ) -> Result<Vec<Timed<'p>>, RenderFault> {
         let mut timed: Vec<Timed> = block
             .iter()
             .map(|job| Timed {
@@ -99,23 +99,14 @@ impl<'p> Run<'p> {
 }
 
 impl Timed<'_> {
-    fn sample(
-        &self,
-        warmup: u32,
-        rounds: u32,
-        renderer: &mut dyn Renderer,
-    ) -> Result<TimingSamples, crate::experiment::renderer::RenderFault> {
+    fn sample(&self, warmup: u32, rounds: u32, renderer: &mut dyn Renderer) -> Result<TimingSamples, RenderFault> {
         match self.job.phase {
             timing::PRECOMPUTE => renderer.time_precompute(&self.request, warmup, rounds),
             _ => renderer.time(&self.request, warmup, rounds),
         }
     }
 
-    fn warm_up(
-        &mut self,
-        warmup: Warmup,
-        renderer: &mut dyn Renderer,
-    ) -> Result<(), crate::experiment::renderer::RenderFault> {
+    fn warm_up(&mut self, warmup: Warmup, renderer: &mut dyn Renderer) -> Result<(), RenderFault> {
         if let Warmup::Frames(frames) = warmup {
             self.sample(frames - 1, 1, renderer)?;
             self.warmup = frames;
@@ -135,28 +126,29 @@ impl Timed<'_> {
         self.warmup = frames_ms.len() as u32;
         Ok(())
     }
-}
 
-/// Name of the record, words for the progress, and the record.
-fn record(timed: Timed, device: &crate::pipeline::DeviceInfo) -> ((String, String), TimingRecord) {
-    let job = timed.job;
-    let words: Vec<&str> = job.axes.values().map(String::as_str).filter(|value| !value.is_empty()).collect();
-    let label = format!("{} {}", job.phase, words.join(" "));
-    let passes = timed.samples.passes.into_iter().map(|(pass, ms)| PassSamples { pass: pass.to_owned(), ms });
-    let record = TimingRecord {
-        cell: job.cell.id.clone(),
-        phase: job.phase.to_owned(),
-        block: job.block,
-        environment_size: job.environment_size,
-        size: job.size,
-        axes: job.axes,
-        warmup: timed.warmup,
-        rounds: timed.places,
-        passes: passes.collect(),
-        wall_ms: timed.samples.wall_ms,
-        device: device.name.clone(),
-        device_type: device.device_type.to_owned(),
-        driver: device.driver.clone(),
-    };
-    ((job.id, label), record)
+    /// Phase and axes, for people.
+    fn words(&self) -> String {
+        let values = self.job.axes.values().map(String::as_str).filter(|value| !value.is_empty());
+        std::iter::once(self.job.phase).chain(values).collect::<Vec<_>>().join(" ")
+    }
+
+    fn into_record(self, device: &DeviceInfo) -> TimingRecord {
+        let passes = self.samples.passes.into_iter().map(|(pass, ms)| PassSamples { pass: pass.to_owned(), ms });
+        TimingRecord {
+            cell: self.job.cell.id.clone(),
+            phase: self.job.phase.to_owned(),
+            block: self.job.block,
+            environment_size: self.job.environment_size,
+            size: self.job.size,
+            axes: self.job.axes,
+            warmup: self.warmup,
+            rounds: self.places,
+            passes: passes.collect(),
+            wall_ms: self.samples.wall_ms,
+            device: device.name.clone(),
+            device_type: device.device_type.to_owned(),
+            driver: device.driver.clone(),
+        }
+    }
 }

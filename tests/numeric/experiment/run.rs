@@ -164,6 +164,19 @@ fn the_summary_answers_with_the_break_even_of_the_error_model() {
     assert!(summary.contains("From how many samples on does `sampled` beat `split-sum`?"), "{summary}");
     assert!(summary.contains("Median over all 4 rows: **16** samples a pixel."), "{summary}");
     assert!(summary.contains("## After the tone curve"), "{summary}");
+    // The fake's error is a factor f of radiance, so its relative square is f² less what ε hides of dark pixels.
+    let heat = summary.split("## Error by alpha and n_dot_v").nth(1).unwrap().split("##").next().unwrap();
+    for (method, factor) in [("`sampled 16`:", ERROR_AT_ONE / 4.0), ("`split-sum`:", SPLIT_SUM_ERROR)] {
+        let table = heat.split(method).nth(1).unwrap().split('`').next().unwrap();
+        let rows: Vec<Vec<f64>> = table
+            .lines()
+            .map(|line| line.split('|').filter_map(|field| field.trim().parse().ok()).collect::<Vec<f64>>())
+            .filter(|row| row.len() == 11)
+            .collect();
+        assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), [0.1, 0.5], "{heat}");
+        let square = f64::from(factor).powi(2);
+        assert!(rows.iter().all(|row| row[1..].iter().all(|error| (0.3..1.0).contains(&(error / square)))), "{heat}");
+    }
     assert_eq!(read(dir.path(), "summary.md"), summary.as_bytes());
 }
 
