@@ -4,11 +4,13 @@
 
 mod bake;
 mod cache;
+mod light_tables;
 mod prepare;
 mod request;
 
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, devices};
 pub use bake::BakeRequest;
+pub use light_tables::LightTables;
 pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
 
 use crate::glsl::constants::GROUP_SIDE;
