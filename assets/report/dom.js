@@ -72,7 +72,8 @@ export function choice(label, options, value, onchange) {
 export function slider(label, min, max, step, id, oninput) {
   const output = h("output", { for: id });
   const input = h("input", { type: "range", min, max, step, id, oninput: () => oninput(Number(input.value)) });
-  return { input, output, element: h("label", { class: "slider" }, h("span", {}, label, " ", output), input) };
+  // Named by `for`: the label of an element inside it would be that of the output.
+  return { input, output, element: h("label", { class: "slider", for: id }, h("span", {}, label, " ", output), input) };
 }
 
 /** Lower quartile, median, upper quartile (linear interpolation) of finite numbers. */
