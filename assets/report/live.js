@@ -35,7 +35,7 @@ class Live {
   defaults() {
     const { tables } = this, { albedo, f0 } = tables.material;
     return { environment: 0, brdf: tables.lobes[0].brdf, masking: tables.lobes[0].masking, object: "both", albedo: [albedo, albedo, albedo], metallic: 1, f0, roughness: 0.4,
-      diffuse: true, brightness: 1, stops: 0, contrast: 1, mode: "split", samples: 64, filtered: true, yaw: 25, pitch: 14, distance: 1 };
+      diffuse: true, brightness: 1, stops: 0, contrast: 1, mode: "split", samples: 64, filtered: true, yaw: 25, pitch: 14, distance: 1.2 };
   }
 
   /** The settings that the address asks for; what it does not name, or names wrongly, is the default. */
@@ -208,12 +208,12 @@ class Live {
       bar("samples", "Samples a pixel", 0, this.counts.length - 1, 1, (i) => this.set({ samples: this.counts[i] })),
       h("div", { class: "row checks" }, h("label", { title: "Each sample reads the level whose texels cover its solid angle (sampled); without: level 0 (sampled-unfiltered)" }, this.filterBox, " Mip filter"),
         h("span", { class: "score", title: "Mean over the surface's pixels of the RGB mean of d² / (r² + 0.01), d: split sum less samples, r: samples" }, "relMSE of the split sum ", this.score)),
-      h("div", { class: "row pickers" }, this.environmentPicker, this.modelPicker, this.maskingBox),
+      h("div", { class: "row pickers" }, this.environmentPicker, this.modelPicker, this.maskingBox, h("span", { class: "choice" }, h("span", {}, "Object"), this.objectChoice)),
       h("fieldset", {}, h("legend", {}, "Surface ", this.swatch),
         bar("red", "Albedo red", 0, 1, 0.01, channel(0)), bar("green", "Albedo green", 0, 1, 0.01, channel(1)), bar("blue", "Albedo blue", 0, 1, 0.01, channel(2)),
         bar("metallic", "Metallic", 0, 1, 0.01, (metallic) => this.set({ metallic })), bar("roughness", "Roughness", 0, 1, 0.005, (roughness) => this.set({ roughness })),
         bar("f0", "f0 of the dielectric", 0, 1, 0.01, (f0) => this.set({ f0 })),
-        h("div", { class: "row checks" }, h("label", {}, this.diffuseBox, " Diffuse term (SH9)"), this.objectChoice,
+        h("div", { class: "row checks" }, h("label", {}, this.diffuseBox, " Diffuse (SH9)"),
           ownSurface && h("button", { type: "button", title: "The surface of the run's cells, as far as it is one", onclick: () => this.set(ownSurface) }, "As in the run"),
           h("button", { type: "button", onclick: () => { const { albedo, metallic, f0, roughness, diffuse } = this.defaults(); this.set({ albedo, metallic, f0, roughness, diffuse }); } }, "Reset"))),
       h("fieldset", {}, h("legend", {}, "Light and tone"),
