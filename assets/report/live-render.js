@@ -230,7 +230,7 @@ export class LiveRender {
     this.pass(`sampled:${view.brdf}`, to, shared, (uniform) => {
       this.setParams(uniform, cameraOf(view, this.canvas.width, this.canvas.height));
       gl.uniform1ui(uniform.first_sample, this.done);
-      gl.uniform1ui(uniform.end_sample, this.done + count);
+      gl.uniform1ui(uniform["params.point_count"], count);
       gl.uniform1i(uniform.is_filtered, view.filtered ? 1 : 0);
     });
     targets.sums.reverse();

@@ -13,10 +13,9 @@
 #include "lib/sampling.glsl"
 #include "lib/surface.glsl"
 
-// What samples `first` to `end` - 1 of all N = params.sample_count contribute to the outgoing specular radiance, for environment radiance
-// as stored: the parts of a partition of [0, N) add up to the whole. Filtered: each sample reads the level at which a texel covers its
-// solid angle 1 / (N p_l), moved by lod_bias; else level 0. [Colbert07 section 20.4]
-vec3 importance_sampled_part(Surface s, sampler2D environment, ShadeParams params, bool filtered, uint first, uint end) {
+// What the points of this dispatch add to the outgoing specular radiance, for environment radiance as stored. Filtered: each sample reads the level at which a texel
+// covers its solid angle 1 / (N p_l), moved by lod_bias; else level 0. [Colbert07 section 20.4]
+vec3 importance_sampled_radiance(Surface s, sampler2D environment, ShadeParams params, bool filtered) {
     mat3 frame = frame_from_normal(s.n);
     vec3 v_local = s.v * frame;
     float g1_v = g1(s.n_dot_v, s.alpha, MASKING);
@@ -29,7 +28,7 @@ vec3 importance_sampled_part(Surface s, sampler2D environment, ShadeParams param
     float sin_theta_min = 0.5 * PI / size.y;
 
     vec3 sum = vec3(0.0);
-    for (uint i = first; i < end; ++i) {
+    for (uint i = 0u; i < params.point_count; ++i) {
         LobeSample lobe = sample_lobe_brdf(sample_point(i), s.alpha);
         float v_dot_h = dot(v_local, lobe.h_local);
         vec3 l_local = 2.0 * v_dot_h * lobe.h_local - v_local;
@@ -46,11 +45,6 @@ vec3 importance_sampled_part(Surface s, sampler2D environment, ShadeParams param
         sum += li * f_schlick(v_dot_h, s.f0) * (l_local.z > 0.0 && v_dot_h > 0.0 ? weight : 0.0);
     }
     return sum / (sample_count * s.n_dot_v);
-}
-
-// The whole sum.
-vec3 importance_sampled_radiance(Surface s, sampler2D environment, ShadeParams params, bool filtered) {
-    return importance_sampled_part(s, environment, params, filtered, 0u, params.sample_count);
 }
 
 #endif

@@ -1,4 +1,4 @@
-// Adds samples first_sample to end_sample - 1 of the methods `sampled` and `sampled-unfiltered` to the specular term of one pixel of
+// Adds the params.point_count samples from first_sample on of the methods `sampled` and `sampled-unfiltered` to the specular term of one pixel of
 // the live view. The table may hold the points in any order: their sum is the same.
 #include "page/surface.glsl"
 #include "lib/importance_sampling.glsl"
@@ -9,13 +9,12 @@ uniform sampler2D points;
 // The samples before first_sample.
 uniform sampler2D so_far;
 uniform uint first_sample;
-uniform uint end_sample;
 uniform bool is_filtered;
 
 out vec4 specular;
 
 vec4 sample_point(uint i) {
-    return texelFetch(points, ivec2(int(i), 0), 0);
+    return texelFetch(points, ivec2(int(first_sample + i), 0), 0);
 }
 
 void main() {
@@ -23,7 +22,6 @@ void main() {
     Surface s;
     if (surface_here(s)) {
         Surface local = surface_in_environment(s, params);
-        specular.rgb += params.environment_scale
-                        * importance_sampled_part(local, environment, params, is_filtered, first_sample, end_sample);
+        specular.rgb += params.environment_scale * importance_sampled_radiance(local, environment, params, is_filtered);
     }
 }

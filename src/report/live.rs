@@ -5,6 +5,7 @@
 
 use super::run_folder::RunFolder;
 use crate::experiment::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord};
+use crate::files::read_regular;
 use crate::glsl::constants;
 use crate::precompute::points;
 use crate::scene::camera::{PERSPECTIVE_FOV_DEG, PERSPECTIVE_SPHERE_DISTANCE};
@@ -17,6 +18,8 @@ use serde::Serialize;
 pub const BUDGET_BYTES: usize = 4 << 20;
 /// An environment is not reduced further for the sake of another one.
 const ENVIRONMENT_WIDTH_MIN: u32 = 256;
+/// A larger file is none that a run wrote: the tables of its few environments are far smaller.
+const FILE_BYTES_MAX: u64 = 64 << 20;
 /// Sample counts that the page offers, besides those of the run.
 const SAMPLE_COUNTS: [u32; 15] = [1, 2, 4, 5, 8, 16, 30, 32, 40, 64, 100, 128, 256, 512, 1024];
 
@@ -122,7 +125,7 @@ impl Light {
 /// The record of a run; `None` when it has none.
 fn read(run: &RunFolder) -> Result<Option<LiveRecord>, String> {
     let path = run.dir.join(LIVE_FILE);
-    let text = match std::fs::read(&path) {
+    let text = match read_regular(&path, FILE_BYTES_MAX) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(format!("{}: {error}", path.display())),

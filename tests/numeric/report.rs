@@ -117,7 +117,7 @@ impl Progress for Quiet {
     fn note(&mut self, _: &str) {}
 }
 
-fn finished_run(dir: &Path) -> PathBuf {
+pub fn finished_run(dir: &Path) -> PathBuf {
     let plan = Plan::from_text(Path::new("tiny.toml"), EXPERIMENT, &[]).unwrap_or_else(|error| panic!("{error}"));
     let stop = AtomicBool::new(false);
     let options =

@@ -15,6 +15,8 @@ use crate::experiment::tables::{self, CellResult, Results};
 use crate::experiment::timing::{self, TimingJob, TimingRecord};
 use crate::experiment::trace;
 use crate::pipeline::DeviceInfo;
+use crate::slips;
+use crate::table::csv::Table;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -258,7 +260,14 @@ impl<'p> Run<'p> {
                 self.store.write_json(&self.store.dir().join("trace.json"), &trace::chrome_trace(&self.timings))?;
             }
         }
-        let summary = summary::markdown(self.plan, &self.results, &self.timings);
+        let mut summary = summary::markdown(self.plan, &self.results, &self.timings);
+        if self.plan.config.has_printed_slips {
+            let (columns, rows) = slips::table();
+            self.store.write_table(slips::FILE_NAME, &columns, &rows)?;
+            let table = Table::read(&self.store.dir().join(slips::FILE_NAME)).map_err(StoreError::from)?;
+            let table = slips::markdown(&table).map_err(StoreError::from)?;
+            summary += &format!("## What each slip costs\n\n{}\n{table}", slips::HEADING);
+        }
         let summary_path = self.store.dir().join("summary.md");
         if has_worked || std::fs::read_to_string(&summary_path).ok().as_deref() != Some(&summary) {
             sheets::write_sheets(&self.store, self.plan, &self.results)?;
