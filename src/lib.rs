@@ -74,6 +74,7 @@
 pub mod glsl;
 
 pub mod color;
+pub mod files;
 pub mod math;
 pub mod pixels;
 pub mod spelling;

@@ -12,6 +12,7 @@ mod precompute;
 mod published;
 mod reference;
 mod report;
+mod report_live;
 mod scene;
 mod slips;
 mod table;

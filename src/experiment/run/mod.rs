@@ -4,6 +4,7 @@ mod cells;
 mod timed;
 
 use crate::experiment::images;
+use crate::experiment::live::{self, LIVE_FILE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::provenance;
 use crate::experiment::renderer::{RenderFault, Renderer};
@@ -179,6 +180,7 @@ impl<'p> Run<'p> {
     fn work(&mut self, mut renderer: Box<dyn Renderer>, progress: &mut dyn Progress) -> Result<(), RunError> {
         let started = Instant::now();
         self.cells(renderer.as_mut(), progress)?;
+        self.live(renderer.as_mut(), progress)?;
         self.time(renderer.as_mut(), progress)?;
         let wall_ms = milliseconds(started);
         let reused = match self.references_read {
@@ -190,6 +192,19 @@ impl<'p> Run<'p> {
             wall_ms / 1e3,
             100.0 * (1.0 - self.device_ms / wall_ms).max(0.0)
         ));
+        Ok(())
+    }
+
+    /// Leaves what the live view of the report needs, before timing forgets the tables. Without it the report has no such view.
+    fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let path = self.store.dir().join(LIVE_FILE);
+        if self.is_stopped() || path.exists() {
+            return Ok(());
+        }
+        match cell_result(live::record(self.plan, renderer))? {
+            Ok(record) => self.store.write_json(&path, &record)?,
+            Err(reason) => progress.note(&format!("the report will have no live view: {reason}")),
+        }
         Ok(())
     }
 

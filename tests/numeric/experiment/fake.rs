@@ -1,8 +1,8 @@
 //! A renderer made of formulas: an analytic sphere whose error is known for every method.
 
 use splitsum::experiment::{RenderFault, Renderer};
-use splitsum::pipeline::{DeviceInfo, Frame, FrameTimings, RenderRequest, TimingSamples};
-use splitsum::pixels::{GrayImage, Rgb8Image, RgbImage};
+use splitsum::pipeline::{DeviceInfo, Frame, FrameTimings, LightTables, RenderRequest, TimingSamples};
+use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use splitsum::shade::reference_pass::Convergence;
 use splitsum::tonemap::ToneCurve;
 use std::cell::RefCell;
@@ -112,6 +112,15 @@ impl Renderer for Fake {
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault> {
         self.0.borrow_mut().tonemaps += 1;
         Ok(curve.apply_image(radiance))
+    }
+
+    /// Constant light of radiance 1 in a few texels; the lobe reflects f0 whole.
+    fn light_tables(&mut self, _: &RenderRequest, _: u32) -> Result<LightTables, RenderFault> {
+        let chain = |levels: u32| (0..levels).map(|k| RgbImage::filled(8 >> k, (4 >> k).max(1), [1.0; 3])).collect();
+        let mut sh9 = vec![[0.0; 3]; 9];
+        sh9[0] = [(4.0 * std::f32::consts::PI).sqrt(); 3];
+        let dfg = Pixels::filled(4, 4, [1.0, 0.0]);
+        Ok(LightTables { environment: chain(4), first_level: 0, sh9, prefiltered: chain(2), dfg })
     }
 
     /// The first frame of a configuration takes 4 ms more than its sample count, the next ones 0, 1, 2, 3, 4, 0 ... more.
