@@ -10,6 +10,7 @@ mod pixels;
 mod precompute;
 mod reference;
 mod report;
+mod robustness;
 mod scene;
 mod slips;
 mod table;
