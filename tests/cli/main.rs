@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod end_to_end;
+mod faults;
 mod integrate;
 #[cfg(unix)]
 mod interruptions;

@@ -88,7 +88,7 @@ pub fn run(
     folder.check_identity(plan)?;
     let mut renderer = match folder.provenance_path().exists() {
         true => None,
-        false => Some(make_renderer().map_err(fault_error)?),
+        false => Some(opened(plan, make_renderer)?),
     };
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
@@ -97,7 +97,7 @@ pub fn run(
     if steps_left > 0 {
         let renderer = match renderer.take() {
             Some(renderer) => renderer,
-            None => make_renderer().map_err(fault_error)?,
+            None => opened(plan, make_renderer)?,
         };
         run.begin_session(&renderer.device())?;
         let result = run.work(renderer, progress);
@@ -106,6 +106,15 @@ pub fn run(
         result?;
     }
     run.finish(steps_left > 0)
+}
+
+/// The renderer, if it can serve every cell: a run that cannot be finished is not begun.
+fn opened(plan: &Plan, make_renderer: &mut MakeRenderer) -> Result<Box<dyn Renderer>, RunError> {
+    let renderer = make_renderer().map_err(fault_error)?;
+    for point in plan.points_by_size() {
+        renderer.check(&plan.request(&point)).map_err(fault_error)?;
+    }
+    Ok(renderer)
 }
 
 fn fault_error(fault: RenderFault) -> RunError {
