@@ -14,6 +14,7 @@ use crate::experiment::tables::{self, CellResult, Results};
 use crate::experiment::timing::{self, TimingJob, TimingRecord};
 use crate::experiment::trace;
 use crate::pipeline::DeviceInfo;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -67,6 +68,15 @@ pub enum RunError {
     NoRenderer(String),
 }
 
+/// What one process does of a plan whose other parts are done elsewhere.
+#[derive(Debug, Default)]
+pub struct Share {
+    /// Ids of cells.
+    pub cells: BTreeSet<String>,
+    /// Ids of timed configurations, whole blocks.
+    pub timings: BTreeSet<String>,
+}
+
 /// Makes the renderer when the first step needs it, so that a finished run needs no device.
 pub type MakeRenderer<'a> = dyn FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'a;
 
@@ -105,6 +115,32 @@ pub fn run(
     run.finish(steps_left > 0)
 }
 
+/// Does a share of `plan` in the folder `store`, which must be this process's own. Writes records and images, no tables: those are made
+/// of all shares together. Returns the failed cells and whether it was stopped.
+pub(super) fn run_share(
+    plan: &Plan,
+    share: &Share,
+    store: Store,
+    make_renderer: &mut MakeRenderer,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+) -> Result<(Vec<FailureRecord>, bool), RunError> {
+    let mut run = Run::load(plan, store, options)?;
+    run.jobs.retain(|job| share.timings.contains(&job.id));
+    run.share = Some(share);
+    let steps_left = run.steps_left();
+    progress.start(steps_left, 0);
+    let renderer = make_renderer().map_err(fault_error)?;
+    run.begin_session(&renderer.device())?;
+    run.work(renderer, progress)?;
+    Ok((run.failures(), run.is_stopped() && run.steps_left() > 0))
+}
+
+/// Writes tables, contact sheets and the summary from the records that stand in the run's folder.
+pub(super) fn tabulate(plan: &Plan, store: Store, options: &RunOptions) -> Result<Outcome, RunError> {
+    Run::load(plan, store, options)?.finish(true)
+}
+
 fn fault_error(fault: RenderFault) -> RunError {
     if fault.device_lost { RunError::DeviceLost(fault.message) } else { RunError::NoRenderer(fault.message) }
 }
@@ -114,6 +150,8 @@ struct Run<'p> {
     plan: &'p Plan,
     store: Store,
     options: &'p RunOptions<'p>,
+    /// The part of the plan that is this process's; `None` for all of it.
+    share: Option<&'p Share>,
     results: Results,
     jobs: Vec<TimingJob<'p>>,
     timings: Vec<TimingRecord>,
@@ -139,6 +177,7 @@ impl<'p> Run<'p> {
             plan,
             store,
             options,
+            share: None,
             results,
             jobs,
             timings: Vec::new(),
@@ -149,8 +188,10 @@ impl<'p> Run<'p> {
         })
     }
 
+    /// Whether there is nothing to do for a cell: it has its record, or another process does it.
     fn is_done(&self, cell: &Cell) -> bool {
-        matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
+        let is_ours = self.share.is_none_or(|share| share.cells.contains(&cell.id));
+        !is_ours || matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
     }
 
     fn is_stopped(&self) -> bool {
@@ -207,8 +248,18 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
+    /// The cells that failed, in plan order.
+    fn failures(&self) -> Vec<FailureRecord> {
+        let failure = |cell: &Cell| match self.results.get(&cell.id) {
+            Some(CellResult::Failed(record)) => Some(record.clone()),
+            _ => None,
+        };
+        self.plan.cells.iter().filter_map(failure).collect()
+    }
+
     fn write_tables_sometimes(&mut self) -> Result<(), RunError> {
-        if self.tables_written.elapsed() >= TABLE_INTERVAL { self.write_tables() } else { Ok(()) }
+        let is_time = self.share.is_none() && self.tables_written.elapsed() >= TABLE_INTERVAL;
+        if is_time { self.write_tables() } else { Ok(()) }
     }
 
     fn write_tables(&mut self) -> Result<(), RunError> {
@@ -249,14 +300,10 @@ impl<'p> Run<'p> {
             sheets::write_sheets(&self.store, self.plan, &self.results)?;
             self.store.write_text(&summary_path, &summary)?;
         }
-        let is_failure = |cell: &Cell| match self.results.get(&cell.id) {
-            Some(CellResult::Failed(record)) => Some(record.clone()),
-            _ => None,
-        };
         Ok(Outcome {
             dir: self.store.dir().to_owned(),
             summary,
-            failures: self.plan.cells.iter().filter_map(is_failure).collect(),
+            failures: self.failures(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
         })
     }
