@@ -114,11 +114,14 @@ fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -
     let timed: usize = file.chunks.iter().map(|chunk| chunk.timings.len()).sum();
     let longest = file.chunks.iter().map(|chunk| chunk.seconds).fold(0.0, f64::max);
     print(&format!(
-        "{}: {} cells and {timed} timed configurations in {} chunks, numbered from 0; the longest is reckoned to take {longest:.0} s\n\
+        "{}: {} cells and {timed} timed configurations in {}, numbered from 0; the longest is reckoned to take {longest:.0} s\n\
          at {} million samples a second\nWritten to {}\n",
         file.name,
         plan.cells.len(),
-        file.chunks.len(),
+        match file.chunks.len() {
+            1 => "1 chunk".to_owned(),
+            count => format!("{count} chunks"),
+        },
         rates.samples_per_second / 1e6,
         path.display()
     ))

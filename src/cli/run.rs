@@ -16,6 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
+    override_usage = "splitsum run [OPTIONS] <EXPERIMENT>\n       splitsum run --plan <FILE> --chunk <K> --store <DIR> [--device <N>]",
     after_help = "A run that was stopped (Ctrl-C, a crash, a full disk) goes on where it stopped: give the same command again.\n\n\
     Examples:\n  splitsum run experiments/quick.toml\n  \
     splitsum run experiments/quick.toml --set alpha=0.1,0.5 --set brdf=ggx --out runs/short\n  \
@@ -30,10 +31,10 @@ pub struct Arguments {
     #[arg(conflicts_with_all = ["experiment", "out", "overrides", "trace"])]
     plan: Option<PathBuf>,
     /// Number of the chunk, from 0.
-    #[arg(long, value_name = "K", requires = "plan")]
+    #[arg(long, value_name = "K", requires = "plan", conflicts_with = "experiment")]
     chunk: Option<usize>,
     /// The folder that all chunks share; `splitsum merge` makes one run of it.
-    #[arg(long, value_name = "DIR", requires = "plan")]
+    #[arg(long, value_name = "DIR", requires = "plan", conflicts_with = "experiment")]
     store: Option<PathBuf>,
     /// Ends the run at the first cell that fails; without it the others are still done.
     #[arg(long)]
@@ -101,11 +102,7 @@ fn execute_chunk(arguments: &Arguments, plan_file: &Path, chunk: usize, store: &
     if outcome.is_stopped {
         return Err(stopped());
     }
-    let others = file.chunks.len() - 1;
-    print(&format!(
-        "Chunk {chunk} is done, in {}; {others} others are merged with it by splitsum merge\n",
-        store.display()
-    ))
+    print(&format!("Chunk {chunk} of 0 to {} is done, in {}\n", file.chunks.len() - 1, store.display()))
 }
 
 /// Says what is odd about the experiment and takes Ctrl-C.
