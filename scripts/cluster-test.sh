@@ -138,7 +138,8 @@ compare() {
 }
 
 has_snakemake || install_snakemake
-[ -x target/release/splitsum ] || cargo build --release --locked
+require_rust
+cargo build --release --locked --quiet
 rm -rf "$work"
 mkdir -p "$work"
 write_experiment

@@ -173,7 +173,8 @@ function nDotVMap(pair, facet) {
     title: `Break-even over ${seriesAxis < 0 ? "cases" : symbol(caseAxes[seriesAxis])} and n·v · ${facet}`,
     note: `Samples from which on ${pair.sampled} beats ${pair.fixed}, over the pixels of each bin of n·v: left grazing, right facing the viewer.`,
     height: () => 80 + 34 * own.length,
-    table: { columns: [...caseAxes, "n_dot_v_from", "n_dot_v_to", pair.fixed, "break-even"], rows: own.flatMap((c) => c.bins.map((bin) => [...c.key, bin.lo, bin.hi, bin.fixed_error, breakEvenText(bin.break_even)])) },
+    table: { columns: [...caseAxes, "n_dot_v_from", "n_dot_v_to", pair.fixed, "break-even"], rows: own.flatMap((c) => c.bins.map((bin) => [...c.key, bin.lo, bin.hi, bin.fixed_error, breakEvenText(bin.break_even)])),
+      onrow: (i) => { const c = own.flatMap((one) => one.bins.map(() => one))[i]; open(c.fixed_cell, c.fixed_run)(); } },
     draw: heatmap({
       rows: own.map((c) => short(caseAxes[seriesAxis] ?? "", c.key[seriesAxis] ?? "")), columns: bins.map((lo) => `${number(lo, 2)}–${number(hi[lo], 2)}`), rowTitle: seriesAxis < 0 ? "" : symbol(caseAxes[seriesAxis]), columnTitle: "n·v",
       cell: (r, c) => {
@@ -235,13 +236,15 @@ function visibility() {
   const of = (r, c) => own.filter((row) => variantLabel(row) === lines[r] && setting(row) === columns[c]);
   const value = (r, c) => quartiles(of(r, c).map((row) => row.scores.flip))[1];
   const largest = Math.max(...own.map((row) => row.scores.flip));
+  const places = lines.flatMap((_, r) => columns.map((_, c) => [r, c])).filter(([r, c]) => of(r, c).length);
   return figure({
     name: "visibility",
     class: "wide",
     title: "Visible difference (FLIP) by exposure and contrast",
     note: "Median over all scenes; 0 is equal. Columns share one linear image: the tone curve hides or shows its error. Click for the image at that setting.",
     height: () => 110 + 30 * lines.length,
-    table: { columns: ["variant", ...columns], rows: lines.map((line, r) => [line, ...columns.map((_, c) => value(r, c))]) },
+    table: { columns: ["variant", ...displayAxes, "flip", "cells"], rows: places.map(([r, c]) => [lines[r], ...displayAxes.map((name) => of(r, c)[0].axes[name]), value(r, c), of(r, c).length]),
+      onrow: (i) => { const [row] = of(...places[i]); open(row.cell, row.run)(); } },
     draw: heatmap({
       rows: lines, columns, rowTitle: "", columnTitle: "",
       cell: (r, c) => {
@@ -260,7 +263,9 @@ function passes(phase, title, note) {
   const bars = model.runs.flatMap((run, index) => run.timings.filter((record) => record.phase === phase).map((record) => {
     const words = ["brdf", "method", "samples", "diffuse"].map((name) => record.axes[name]).filter((word) => word && word !== "none");
     const name = [model.runs.length > 1 ? run.label : "", ...words].filter(Boolean).join(" ") || record.environment_size.join("×");
-    return { name, parts: record.passes, total: record.passes.reduce((sum, [, ms]) => sum + ms, 0), order: `${record.axes.brdf} ${record.axes.method} ${String(record.axes.samples).padStart(6, "0")}`, run: index };
+    // The first cell of this configuration stands for all that were timed as one; what is made once has none.
+    const shown = phase === "frame" && rows.find((row) => row.run === index && Object.entries(record.axes).every(([axis, value]) => !value || (row.axes[axis] ?? value) === value));
+    return { name, parts: record.passes, total: record.passes.reduce((sum, [, ms]) => sum + ms, 0), order: `${record.axes.brdf} ${record.axes.method} ${String(record.axes.samples).padStart(6, "0")}`, run: index, open: shown && open(shown.cell, shown.run) };
   })).sort((a, b) => a.run - b.run || (a.order < b.order ? -1 : 1));
   if (!bars.length) return null;
   const names = unique(bars.flatMap((bar) => bar.parts.map(([name]) => name)));
@@ -269,7 +274,8 @@ function passes(phase, title, note) {
     title, note,
     legend: names.map((name, i) => ({ label: name, color: COLORS[i % 7], shape: "square", line: false })),
     height: () => 22 * bars.length,
-    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => bar.parts.map(([name, ms]) => [bar.name, name, ms])) },
+    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => bar.parts.map(([name, ms]) => [bar.name, name, ms])),
+      onrow: bars.some((bar) => bar.open) && ((i) => bars.flatMap((bar) => bar.parts.map(() => bar))[i].open?.()) },
     draw: barChart({ bars, parts: names, unit: "ms" }),
   });
 }

@@ -3,6 +3,7 @@
 mod chromium;
 #[path = "../numeric/experiment/fake.rs"]
 mod fake;
+mod live;
 
 use chromium::Page;
 use fake::{ERROR_AT_ONE, Fake, Log, SPLIT_SUM_ERROR};
@@ -384,7 +385,7 @@ fn pages_fit_phone_laptop_and_4k_in_both_schemes() {
     for (name, width, height) in [("phone", 390, 844), ("laptop", 1440, 900), ("4k", 3840, 2160)] {
         for scheme in ["light", "dark"] {
             page.resize(width, height, scheme);
-            for view in ["answer", "images", "compare", "plots", "tables", "run"] {
+            for view in ["answer", "images", "compare", "live", "plots", "tables", "run"] {
                 let hash = if view == "compare" { format!("#compare?cell={id}&split=0.5") } else { format!("#{view}") };
                 page.go(&report, &hash);
                 page.eval("new Promise((done) => setTimeout(done, 150))");

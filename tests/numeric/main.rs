@@ -10,6 +10,7 @@ mod pixels;
 mod precompute;
 mod reference;
 mod report;
+mod report_live;
 mod scene;
 mod slips;
 mod table;

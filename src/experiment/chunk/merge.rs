@@ -8,6 +8,7 @@ use super::ChunkError;
 use super::file::PlanFile;
 use super::store::{Attempt, ChunkStore};
 use crate::experiment::images;
+use crate::experiment::live::LIVE_FILE;
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::provenance;
 use crate::experiment::run::{Outcome, RunOptions, tabulate};
@@ -216,6 +217,11 @@ fn columns(record: &CellRecord) -> BTreeMap<String, String> {
     columns.extend(record.scores.iter().map(|(name, score)| exact(name.clone(), score)));
     columns.extend(record.bias_variance.iter().map(|(name, score)| exact(name.clone(), score)));
     columns.extend(record.noise_floors.iter().map(|(name, score)| exact(format!("{name}_noise_floor"), score)));
+    if let Some(stop) = &record.reference {
+        columns.insert("reference_samples".to_owned(), stop.samples.to_string());
+        columns.extend([exact("reference_relative_error".to_owned(), &stop.relative_error)]);
+        columns.insert("reference_stopped_by".to_owned(), stop.stopped_by.name().to_owned());
+    }
     columns.insert("verdict".to_owned(), record.verdict.clone());
     for bin in &record.bins {
         let place = |name: &str| format!("{name} at n_dot_v {} to {}", bin.lo, bin.hi);
@@ -225,29 +231,33 @@ fn columns(record: &CellRecord) -> BTreeMap<String, String> {
     columns
 }
 
-/// Brings the chosen records and their images into the run's folder.
+/// Brings the chosen records, with the files that belong to them, into the run's folder.
 fn import_cells<'a>(
     out: &Store,
     plan: &Plan,
     chosen: &BTreeMap<&str, &Found<CellRecord>>,
     attempts: impl Iterator<Item = &'a Attempt> + Clone,
 ) -> Result<(), StoreError> {
-    let mut placed: BTreeSet<PathBuf> = BTreeSet::new();
+    let mut placed: BTreeSet<String> = BTreeSet::new();
     for cell in &plan.cells {
         let Some(found) = chosen.get(cell.id.as_str()).filter(|found| found.store.dir() != out.dir()) else { continue };
+        // What cells share may stand with an earlier attempt only.
+        let stores = std::iter::once(&found.store).chain(attempts.clone().map(|attempt| &attempt.store));
         for name in images::files(plan, cell) {
-            let to = out.image_path(&name);
-            if !placed.insert(to.clone()) {
-                continue;
+            if placed.insert(name.clone()) {
+                let from = stores.clone().map(|store| store.image_path(&name)).find(|path| path.exists());
+                place(&from.unwrap_or_else(|| found.store.image_path(&name)), &out.image_path(&name))?;
             }
-            // An image that cells share may stand with an earlier attempt only.
-            let stores = std::iter::once(&found.store).chain(attempts.clone().map(|attempt| &attempt.store));
-            let from = stores.map(|store| store.image_path(&name)).find(|path| path.exists());
-            place(&from.unwrap_or_else(|| found.store.image_path(&name)), &to)?;
+        }
+        if placed.insert(cell.reference.clone()) {
+            let stop = stores.map(|store| store.reference(&cell.reference).transpose()).find_map(|stop| stop);
+            stop.transpose()?.map_or(Ok(()), |stop| out.write_reference(&cell.reference, &stop))?;
         }
         out.write_cell(&found.record)?;
     }
-    Ok(())
+    let live = out.dir().join(LIVE_FILE);
+    let made = attempts.map(|attempt| attempt.store.dir().join(LIVE_FILE)).find(|path| path.exists());
+    made.filter(|_| !live.exists()).map_or(Ok(()), |from| place(&from, &live))
 }
 
 /// Makes `to` the file `from`: by a link, since images never change, or by a copy where links do not reach.

@@ -83,10 +83,14 @@ impl ChunkStore {
 
     /// The folder as it is.
     pub fn existing(dir: &Path, file: &PlanFile) -> Result<Self, ChunkError> {
-        match std::fs::read_to_string(dir.join(PLAN_FILE)) {
+        let path = dir.join(PLAN_FILE);
+        match std::fs::read_to_string(&path) {
             Ok(text) if text == file.text() => Ok(Self { dir: dir.to_owned(), plan: file.id() }),
             Ok(_) => Err(ChunkError::OtherPlan { dir: dir.to_owned() }),
-            Err(_) => Err(ChunkError::NoStore { dir: dir.to_owned() }),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                Err(ChunkError::NoStore { dir: dir.to_owned() })
+            }
+            Err(error) => Err(StoreError::Io { path, error }.into()),
         }
     }
 

@@ -4,6 +4,7 @@ use super::ChunkError;
 use super::file::PlanFile;
 use super::split::Chunk;
 use super::store::{Attempt, ChunkStore};
+use crate::experiment::live::LIVE_FILE;
 use crate::experiment::plan::Plan;
 use crate::experiment::run::{MakeRenderer, Progress, RunOptions, Share, run_share};
 use crate::experiment::store::FailureRecord;
@@ -76,7 +77,7 @@ pub fn run_chunk(
 
 /// What no attempt has finished. A block of timings counts when one attempt holds all of it: its samples belong together.
 fn left(chunk: &Chunk, plan: &Plan, attempts: &[Attempt]) -> Result<Share, ChunkError> {
-    let mut share = Share { cells: chunk.cells.iter().cloned().collect(), timings: BTreeSet::new() };
+    let mut share = Share { cells: chunk.cells.iter().cloned().collect(), timings: BTreeSet::new(), has_live: false };
     let mut blocks = chunk.blocks(&timing::jobs(plan));
     for attempt in attempts {
         for id in attempt.ids("cells")? {
@@ -85,6 +86,8 @@ fn left(chunk: &Chunk, plan: &Plan, attempts: &[Attempt]) -> Result<Share, Chunk
         let timed: BTreeSet<String> = attempt.ids("timings")?.into_iter().collect();
         blocks.retain(|block| !block.iter().all(|id| timed.contains(id)));
     }
+    // One chunk does it for all; the run is whole without it.
+    share.has_live = chunk.index == 0 && attempts.iter().all(|attempt| !attempt.store.dir().join(LIVE_FILE).exists());
     share.timings = blocks.into_iter().flatten().collect();
     Ok(share)
 }

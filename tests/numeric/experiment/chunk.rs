@@ -179,10 +179,6 @@ fn every_cell_and_timing_is_in_one_chunk_whatever_the_length() {
                 assert_eq!(block.len(), members, "{seconds} s: a block is parted");
             }
         }
-        // References that are rendered again cost no more than the images they are rendered for.
-        let total: f64 = chunks.iter().map(|chunk| chunk.seconds).sum();
-        let tables: f64 = 2.0 * single[0].seconds;
-        assert!(total <= 2.0 * single[0].seconds + tables * chunks.len() as f64, "{seconds} s: {total}");
     }
 }
 
@@ -261,7 +257,7 @@ fn a_plan_file_has_the_same_bytes_each_time_and_refuses_what_changed() {
     edited("\"shader_hash\": \"", "\"shader_hash\": \"0", "other shaders");
     edited("\"flip\": 1", "\"flip\": 7", "another version of the metric flip");
     edited(&bench.plan.cells[3].id, "0123456789abcdef", "its cells or chunks are not those");
-    edited("\"chunk_seconds\": 1.3", "\"chunk_seconds\": 1.5", "its cells or chunks are not those");
+    edited("\"chunk_seconds\": 1.3", "\"chunk_seconds\": 9.3", "its cells or chunks are not those");
     std::fs::write(&path, &text).unwrap();
     write_environment(bench.dir.path(), 2.0);
     refused("the input sky.exr has changed");
@@ -290,7 +286,7 @@ fn a_merge_is_the_run_of_one_machine() {
     for name in ["errors.csv", "errors_by_n_dot_v.csv", "images.csv", "experiment.toml"] {
         assert!(read(bench.path("merged").join(name)) == read(whole.join(name)), "{name} differs");
     }
-    for folder in ["", "images", "tables", "cells", "timings", "failed"] {
+    for folder in ["", "images", "references", "tables", "cells", "timings", "failed"] {
         let files = |root: &Path| bench.names(&root.join(folder));
         assert_eq!(files(&bench.path("merged")), files(&whole), "{folder}");
     }
