@@ -58,6 +58,7 @@ class Live {
 
   keepState() {
     const { settings: s } = this, start = this.defaults();
+    this.isUnkept = false;
     // Only what differs from the start is written.
     const given = (value, otherwise) => (String(value) === String(otherwise) ? "" : value);
     if (current().view !== "live") return;
@@ -86,6 +87,7 @@ class Live {
   /** Changes settings; only mode and tone curve leave the shading alone. */
   set(details) {
     Object.assign(this.settings, details);
+    this.isUnkept = true;
     if (!Object.keys(details).every((name) => ["mode", "stops", "contrast"].includes(name))) return this.apply();
     this.changed = performance.now();
     this.syncControls();
@@ -122,6 +124,7 @@ class Live {
       if (byId("view-live").hidden || !this.render.view || this.render.gl.isContextLost()) return;
       const rested = performance.now() - this.changed > REST_MS;
       const drawn = this.render.step(!rested);
+      if (rested && this.isUnkept) this.keepState();
       this.describe();
       if (drawn && this.render.isComplete && rested) this.finish();
       else this.loop();
@@ -136,7 +139,6 @@ class Live {
     this.canvas.dataset.relmse = this.total ?? "";
     this.describe();
     this.probe();
-    this.keepState();
   }
 
   describe() {

@@ -129,6 +129,14 @@ export function convergence(facet = curveFacets[0]) {
   });
 }
 
+/** The widest 95 % interval of the median frame time over rows, and p05 and p95; without intervals (one round) these stand for it. */
+function timeEnds(of) {
+  const widest = (ends) => [Math.min(...ends.map(([lo]) => lo)), Math.max(...ends.map(([, hi]) => hi))];
+  const [t05, t95] = widest(of.map(({ time }) => [time.p05, time.p95]));
+  const known = of.map(({ time }) => time.interval).filter(([lo, hi]) => lo !== null && hi !== null);
+  return { t05, t95, ends: known.length ? widest(known) : [t05, t95], isInterval: known.length > 0 };
+}
+
 /** Time against error: one mark a variant over the chosen rows, with the Pareto front. */
 function timeError(facet) {
   const own = rows.filter((row) => row.time && row.scores[headline] !== null && (facet === "all" || facetLabel(caseAxes.map((name) => row.axes[name])) === facet));
@@ -137,7 +145,7 @@ function timeError(facet) {
     if (!of.length) return [];
     const [lo, error, hi] = quartiles(of.map((row) => row.scores[headline]));
     const time = quartiles(of.map((row) => row.time.median))[1];
-    return [{ name, method: of[0].axes.method, error, lo, hi, time, t05: Math.min(...of.map((row) => row.time.p05)), t95: Math.max(...of.map((row) => row.time.p95)), row: of[0], n: of.length }];
+    return [{ name, method: of[0].axes.method, error, lo, hi, time, ...timeEnds(of), row: of[0], n: of.length }];
   });
   if (!points.length) return null;
   const front = points.filter((p) => !points.some((q) => q !== p && q.time <= p.time && q.error <= p.error && (q.time < p.time || q.error < p.error))).sort((a, b) => a.time - b.time);
@@ -146,16 +154,16 @@ function timeError(facet) {
   return figure({
     name: `time-error-${facet}`,
     title: `Time against error · ${facet}`,
-    note: `Median over the chosen cells; whiskers: the middle half of the errors, and p05 to p95 of the frame times. Line: the Pareto front. ${cpu ? "Times of a CPU driver say nothing about a GPU." : ""}`,
+    note: `Median over the chosen cells; whiskers: the middle half of the errors, and ${points.every((p) => p.isInterval) ? "the 95 % interval of the median frame time (resampled rounds)" : "p05 to p95 of the frame times"}. Line: the Pareto front. ${cpu ? "Times of a CPU driver say nothing about a GPU." : ""}`,
     legend: [...methods.map((method, i) => ({ label: method, color: COLORS[i % 7], shape: SHAPES[i % SHAPES.length], line: false })), { label: "Pareto front", color: "var(--muted)", dash: "5 3" }],
-    table: { columns: ["variant", "frame_ms", "p05_ms", "p95_ms", headline, "lower_quartile", "upper_quartile", "cells", "on_front"], rows: points.map((p) => [p.name, p.time, p.t05, p.t95, p.error, p.lo, p.hi, p.n, front.includes(p) ? "yes" : "no"]), onrow: (i) => open(points[i].row.cell, points[i].row.run)() },
+    table: { columns: ["variant", "frame_ms", "frame_ms_lo", "frame_ms_hi", "p05_ms", "p95_ms", headline, "lower_quartile", "upper_quartile", "cells", "on_front"], rows: points.map((p) => [p.name, p.time, ...p.ends, p.t05, p.t95, p.error, p.lo, p.hi, p.n, front.includes(p) ? "yes" : "no"]), onrow: (i) => open(points[i].row.cell, points[i].row.run)() },
     draw: xy({
-      x: { label: "frame time, ms", log: true, domain: domain(points.flatMap((p) => [p.t05, p.t95]), true) },
+      x: { label: "frame time, ms", log: true, domain: domain(points.flatMap((p) => p.ends), true) },
       y: { label: "relMSE", log: true, domain: domain(points.flatMap((p) => [p.lo, p.hi]), true) },
       marks: [
         { line: front.map((p) => [p.time, p.error]), color: "var(--muted)", dash: "5 3", width: 1.6 },
-        ...methods.map((method, i) => ({ color: COLORS[i % 7], shape: SHAPES[i % SHAPES.length], r: 5, dots: points.filter((p) => p.method === method).map((p) => ({ x: p.time, y: p.error, xs: [p.t05, p.t95], ys: [p.lo, p.hi], open: open(p.row.cell, p.row.run),
-          text: `${p.name}\n${number(p.time)} ms (${number(p.t05)} to ${number(p.t95)})\nrelMSE ${number(p.error)} (${number(p.lo)} to ${number(p.hi)}, ${p.n} cells)` })) })),
+        ...methods.map((method, i) => ({ color: COLORS[i % 7], shape: SHAPES[i % SHAPES.length], r: 5, dots: points.filter((p) => p.method === method).map((p) => ({ x: p.time, y: p.error, xs: p.ends, ys: [p.lo, p.hi], open: open(p.row.cell, p.row.run),
+          text: `${p.name}\n${number(p.time)} ms (${number(p.ends[0])} to ${number(p.ends[1])})\nrelMSE ${number(p.error)} (${number(p.lo)} to ${number(p.hi)}, ${p.n} cells)` })) })),
         ...points.map((p) => ({ text: p.name.replace(`${p.method} `, ""), x: p.time * 1.03, y: p.error * 0.93, color: "var(--muted)" })),
       ],
     }),

@@ -65,7 +65,12 @@ impl Light {
     pub fn collect(runs: &[RunFolder], budget: usize) -> Self {
         let mut notes = Vec::new();
         let record = runs.iter().find_map(|run| match read(run) {
-            Ok(record) => record,
+            Ok(record) => {
+                if record.is_some() && runs.len() > 1 {
+                    notes.push(format!("Light and tables are those of {}.", run.dir.display()));
+                }
+                record
+            }
             Err(note) => {
                 notes.push(note);
                 None

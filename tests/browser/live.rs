@@ -20,8 +20,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// A smooth sky with a Gaussian sun, and one of sharp edges.
-const ENVIRONMENTS: [&str; 2] = ["tests/golden/env_analytic.exr", "builtin:studio"];
+/// A smooth sky with a Gaussian sun, and an edge between radiances of which one is beyond the half floats.
+const ENVIRONMENTS: [&str; 2] =
+    ["tests/golden/env_analytic.exr", "builtin:cap:radiance=200000,ambient=50000,half_angle_deg=40"];
 const PREFILTER_SAMPLES: u32 = 32;
 
 /// A device; `None` (with a line) where there is none.
@@ -46,7 +47,7 @@ fn plan() -> Plan {
     Plan::from_text(Path::new("live.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The page of a run on the device, with a stage of `size`.
+/// The page of a run on the device.
 struct Bench {
     page: Page,
     pipeline: Pipeline,
@@ -208,6 +209,7 @@ fn pixels_are_those_of_the_renderer() {
     let Some(Bench { mut page, mut pipeline, plan, report, _dir }) = bench() else { return };
     let size = [90, 70];
     open(&mut page, &report, "#live", size);
+    assert_eq!(page.eval("live.tables.environments.map((e) => e.scale)"), json!([1, 4]));
     let settings = [
         Setting::FIRST,
         Setting { metallic: 1.0, roughness: 0.2, yaw: 130.0, pitch: 25.0, ..Setting::FIRST },
