@@ -23,6 +23,8 @@ pub struct Log {
     pub broken_method: Option<&'static str>,
     /// Renders until the device is lost.
     pub renders_left: Option<usize>,
+    /// What the device is called, where not `fake`.
+    pub device: Option<&'static str>,
 }
 
 pub struct Fake(pub Rc<RefCell<Log>>);
@@ -58,7 +60,7 @@ fn set_error(set: u32) -> f32 {
 impl Renderer for Fake {
     fn device(&self) -> DeviceInfo {
         DeviceInfo {
-            name: "fake".to_owned(),
+            name: self.0.borrow().device.unwrap_or("fake").to_owned(),
             device_type: "cpu",
             driver: "formula".to_owned(),
             api_version: "0".to_owned(),
