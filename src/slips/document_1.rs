@@ -19,7 +19,7 @@ pub const SLIPS: &[Slip] = &[
         document: 1,
         printed: "mean as `1/N Σ` from 0 to N",
         right: "N terms: from 1 to N",
-        figures: || vec![figure("mean of 1, N = 1024", 1025.0 / 1024.0, 1.0)],
+        figures: || vec![figure("mean of 1, N = 40", 41.0 / 40.0, 1.0)],
     },
     Slip {
         document: 1,
