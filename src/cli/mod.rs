@@ -99,7 +99,11 @@ impl Failure {
 
     /// A frame that cannot be made.
     fn rendering(fault: RenderFault) -> Self {
-        if fault.device_lost { Self::Passing(fault.message) } else { Self::Failed(fault.message) }
+        match fault {
+            RenderFault { device_lost: true, message, .. } => Self::Passing(message),
+            RenderFault { is_input: true, message, .. } => Self::BadInput(message),
+            RenderFault { message, .. } => Self::Failed(message),
+        }
     }
 }
 

@@ -4,6 +4,7 @@ mod bad_input;
 #[cfg(unix)]
 mod chunks;
 mod end_to_end;
+mod faults;
 mod integrate;
 #[cfg(unix)]
 mod interruptions;

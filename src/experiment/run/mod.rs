@@ -100,7 +100,7 @@ pub fn run(
     folder.check_identity(plan)?;
     let mut renderer = match folder.provenance_path().exists() {
         true => None,
-        false => Some(make_renderer().map_err(fault_error)?),
+        false => Some(opened(plan, make_renderer)?),
     };
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
@@ -109,7 +109,7 @@ pub fn run(
     if steps_left > 0 {
         let renderer = match renderer.take() {
             Some(renderer) => renderer,
-            None => make_renderer().map_err(fault_error)?,
+            None => opened(plan, make_renderer)?,
         };
         run.begin_session(&renderer.device())?;
         let result = run.work(renderer, progress);
@@ -118,6 +118,15 @@ pub fn run(
         result?;
     }
     run.finish(steps_left > 0)
+}
+
+/// The renderer, if it can serve every cell: a run that cannot be finished is not begun.
+fn opened(plan: &Plan, make_renderer: &mut MakeRenderer) -> Result<Box<dyn Renderer>, RunError> {
+    let renderer = make_renderer().map_err(fault_error)?;
+    for point in plan.points_by_size() {
+        renderer.check(&plan.request(&point)).map_err(fault_error)?;
+    }
+    Ok(renderer)
 }
 
 /// Does a share of `plan` in the folder `store`, which must be this process's own. Writes records and images, no tables: those are made
@@ -135,7 +144,7 @@ pub(super) fn run_share(
     run.share = Some(share);
     let steps_left = run.steps_left();
     progress.start(steps_left, 0);
-    let renderer = make_renderer().map_err(fault_error)?;
+    let renderer = opened(plan, make_renderer)?;
     run.begin_session(&renderer.device())?;
     run.work(renderer, progress)?;
     Ok((run.failures(), run.is_stopped() && run.steps_left() > 0))

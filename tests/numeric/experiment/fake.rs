@@ -70,9 +70,14 @@ impl Renderer for Fake {
         }
     }
 
+    fn check(&self, _: &RenderRequest) -> Result<(), RenderFault> {
+        Ok(())
+    }
+
     fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault> {
         let mut log = self.0.borrow_mut();
-        let fault = |message: &str, device_lost| Err(RenderFault { message: message.to_owned(), device_lost });
+        let fault =
+            |message: &str, device_lost| Err(RenderFault { message: message.to_owned(), device_lost, is_input: false });
         if log.broken_method == Some(request.method.name) {
             return fault("the shader is broken", false);
         }
