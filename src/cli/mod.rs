@@ -106,7 +106,7 @@ impl From<RunError> for Failure {
             RunError::DeviceLost(_) => Self::Passing(text),
             RunError::NoRenderer(_) => Self::BadInput(text),
             RunError::Store(error) if error.is_misuse() => Self::BadInput(text),
-            RunError::Store(_) => Self::Failed(text),
+            RunError::Store(_) | RunError::Answers(_) => Self::Failed(text),
         }
     }
 }

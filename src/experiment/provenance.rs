@@ -23,6 +23,7 @@ pub fn provenance(plan: &Plan) -> Value {
         "cell_count": plan.cells.len(),
         "excluded": plan.config.exclusions.iter().zip(&plan.excluded)
             .map(|(exclusion, count)| json!({ "why": exclusion.why, "count": count })).collect::<Vec<_>>(),
+        "reference": { "method": plan.config.reference.method, "samples": plan.config.reference.samples },
         "seed": plan.config.seed,
         "inputs": inputs,
         "input_warnings": plan.inputs.warnings(),

@@ -2,7 +2,7 @@
 //! of each with a reduced overview. Reduced images are never compared: averaging texels would hide noise.
 
 use super::encode::{self, Encoded};
-use super::run_folder::RunFolder;
+use crate::experiment::answers::run_folder::RunFolder;
 use crate::metrics::Comparison;
 use crate::pixels::{Decoded, GrayImage, RgbImage, exr};
 use crate::tonemap::ToneCurve;

@@ -3,13 +3,14 @@
 mod cells;
 mod timed;
 
+use crate::experiment::answers::{Answered, AnswersError};
+use crate::experiment::environments;
 use crate::experiment::images;
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::provenance;
 use crate::experiment::renderer::{RenderFault, Renderer};
 use crate::experiment::sheets;
 use crate::experiment::store::{CellRecord, FailureRecord, Store, StoreError};
-use crate::experiment::summary;
 use crate::experiment::tables::{self, CellResult, Results};
 use crate::experiment::timing::{self, TimingJob, TimingRecord};
 use crate::experiment::trace;
@@ -60,6 +61,9 @@ pub struct Outcome {
 pub enum RunError {
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The tables are written, but not what they answer.
+    #[error(transparent)]
+    Answers(#[from] AnswersError),
     #[error("the device was lost: {0}; what is done is kept, run the same command again to go on")]
     DeviceLost(String),
     /// The renderer could not be made.
@@ -243,19 +247,20 @@ impl<'p> Run<'p> {
                 self.store.write_json(&self.store.dir().join("trace.json"), &trace::chrome_trace(&self.timings))?;
             }
         }
-        let summary = summary::markdown(self.plan, &self.results, &self.timings);
-        let summary_path = self.store.dir().join("summary.md");
-        if has_worked || std::fs::read_to_string(&summary_path).ok().as_deref() != Some(&summary) {
+        let (columns, rows) = environments::environments(self.plan);
+        self.store.write_table("environments.csv", &columns, &rows)?;
+        let answered = Answered::of_run(self.store.dir())?;
+        if has_worked || !answered.is_summary_written() {
             sheets::write_sheets(&self.store, self.plan, &self.results)?;
-            self.store.write_text(&summary_path, &summary)?;
         }
+        answered.write()?;
         let is_failure = |cell: &Cell| match self.results.get(&cell.id) {
             Some(CellResult::Failed(record)) => Some(record.clone()),
             _ => None,
         };
         Ok(Outcome {
             dir: self.store.dir().to_owned(),
-            summary,
+            summary: answered.summary,
             failures: self.plan.cells.iter().filter_map(is_failure).collect(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
         })
