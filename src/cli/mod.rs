@@ -1,5 +1,6 @@
 //! The command line: one file a command, each a thin layer over the library.
 
+mod answers;
 mod bake;
 mod compare;
 mod devices;
@@ -43,6 +44,7 @@ enum Command {
     List(list::Arguments),
     Integrate(integrate::Arguments),
     Report(report::Arguments),
+    Answers(answers::Arguments),
     /// Opens an interactive window.
     View(later::Arguments),
 }
@@ -123,6 +125,7 @@ pub fn main() -> ExitCode {
         Command::List(arguments) => list::execute(&arguments),
         Command::Integrate(arguments) => integrate::execute(&arguments),
         Command::Report(arguments) => report::execute(&arguments),
+        Command::Answers(arguments) => answers::execute(&arguments),
         Command::View(_) => later::execute("view"),
     };
     match result {

@@ -3,7 +3,7 @@
 
 use crate::experiment::answers::run_folder::RunFolder;
 use crate::experiment::answers::study::Study;
-use crate::experiment::answers::tables::{AnswerTable, pass_times, tables};
+use crate::experiment::answers::tables::{AnswerTable, of_figures};
 use crate::experiment::answers::{Answers, exposure};
 use crate::experiment::tables::{DISPLAY_HEADLINE, HEADLINE};
 use crate::table::csv::{TableError, TableWriter};
@@ -23,19 +23,13 @@ pub enum FigureError {
 const VEGA_LITE: &str = "https://vega.github.io/schema/vega-lite/v6.json";
 
 /// Writes `NAME.csv` and `NAME.vl.json` for every figure that the runs have data for. Returns the names.
-pub fn write(
-    folder: &Path,
-    study: &Study,
-    answers: &Answers,
-    runs: &[RunFolder],
-) -> Result<Vec<String>, FigureError> {
+pub fn write(folder: &Path, study: &Study, answers: &Answers, runs: &[RunFolder]) -> Result<Vec<String>, FigureError> {
     let io = |error| FigureError::Io { path: folder.to_owned(), error };
     std::fs::create_dir_all(folder).map_err(io)?;
-    let mut all = tables(study, answers);
-    // Times of different devices never share a figure: the first run that was timed.
-    all.extend(runs.iter().map(|run| pass_times(&run.timings)).find(|table| !table.rows.is_empty()));
+    // Times of different devices never share a figure: those of the first run that was timed.
+    let timings = runs.iter().map(|run| run.timings.as_slice()).find(|timings| !timings.is_empty()).unwrap_or_default();
     let mut names = Vec::new();
-    for table in &all {
+    for table in &of_figures(study, answers, timings) {
         let Some(own) = spec(table, answers) else { continue };
         let columns: Vec<&str> = table.columns.iter().map(String::as_str).collect();
         let mut writer = TableWriter::create(&folder.join(format!("{}.csv", table.name)), &columns)?;

@@ -150,7 +150,8 @@ fn case(study: &Study, curve: &Curve, index: usize, fixed: &Fixed, times: &PairT
     let time = time_match(&levels);
     let whole = whole(curve, fixed, time);
     let bins = fixed.row.bins.iter().map(|bin| {
-        let errors: Vec<(u32, Vec<f64>)> = curve.points.iter().map(|point| (point.samples, point.bin(bin.lo).0)).collect();
+        let errors: Vec<(u32, Vec<f64>)> =
+            curve.points.iter().map(|point| (point.samples, point.bin(bin.lo).0)).collect();
         let errors: Vec<(u32, Vec<f64>)> = errors.into_iter().filter(|(_, errors)| !errors.is_empty()).collect();
         let crossing = cross(&errors, bin.error, None, time);
         BinCrossing { lo: bin.lo, hi: bin.hi, fixed_error: bin.error, crossing }
@@ -159,7 +160,8 @@ fn case(study: &Study, curve: &Curve, index: usize, fixed: &Fixed, times: &PairT
     let time_ratio = whole.crossing.and_then(|samples| ratio_at(&levels, samples));
     let payback = |ratio: f64| {
         let saved_ms = (ratio - 1.0) * last?.fixed_ms;
-        Some((last?.tables_ms / saved_ms).ceil()).filter(|frames| saved_ms > 0.0 && frames.is_finite() && *frames >= 0.0)
+        Some((last?.tables_ms / saved_ms).ceil())
+            .filter(|frames| saved_ms > 0.0 && frames.is_finite() && *frames >= 0.0)
     };
     let is_limited_at = |count: u32| curve.points.iter().any(|point| point.samples <= count && !point.is_resolved);
     Case {

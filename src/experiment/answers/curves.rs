@@ -6,7 +6,6 @@
 use super::slope::{Slope, slope};
 use super::study::{Bin, Row, Study};
 use serde::Serialize;
-use std::collections::BTreeSet;
 
 /// One measured point of an error curve.
 #[derive(Clone, Debug, Serialize)]
@@ -82,15 +81,8 @@ pub fn curves(study: &Study) -> (Vec<Curve>, Vec<Fixed<'_>>) {
     let axes = study.case_axes();
     let mut curves: Vec<Curve> = Vec::new();
     let mut fixed: Vec<Fixed> = Vec::new();
-    let mut seen: BTreeSet<(usize, Vec<&str>)> = BTreeSet::new();
-    let display_axes = study.display_axes();
-    let radiance_axes: Vec<usize> = (0..study.axes.len()).filter(|axis| !display_axes.contains(axis)).collect();
-    for row in &study.rows {
+    for row in study.images() {
         let Some(error) = row.error else { continue };
-        let image = (row.run, radiance_axes.iter().map(|&axis| row.axes[axis].as_str()).collect::<Vec<_>>());
-        if !seen.insert(image) {
-            continue;
-        }
         let (method, key) = (study.value(row, "method"), key(row, &axes));
         let Ok(samples) = study.value(row, "samples").parse::<u32>() else {
             if method != "none" {

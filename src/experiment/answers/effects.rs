@@ -7,7 +7,7 @@
 use super::slope::mean_95;
 use super::study::{Role, Row, Study};
 use crate::experiment::axis::{AXES, Axis};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// The error with one value of an axis over that with the base.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,25 +33,22 @@ const NOT_PARAMETERS: [&str; 3] = ["samples", "point_set", super::study::RUN_AXI
 
 /// Effects of all swept parameters, over all alphas first and then by alpha.
 pub fn effects(study: &Study) -> Vec<Effect> {
-    let swept = study.axes.iter().enumerate().filter(|(_, axis)| {
-        axis.role == Role::Variant && !NOT_PARAMETERS.contains(&axis.name.as_str())
-    });
+    let swept = study
+        .axes
+        .iter()
+        .enumerate()
+        .filter(|(_, axis)| axis.role == Role::Variant && !NOT_PARAMETERS.contains(&axis.name.as_str()));
     swept.flat_map(|(index, _)| of_axis(study, index)).collect()
 }
 
 fn of_axis(study: &Study, axis: usize) -> Vec<Effect> {
     let name = study.axes[axis].name.as_str();
-    // Cells that differ in the tone curve only share their error.
     let display = study.display_axes();
-    let mut seen = BTreeSet::new();
-    let image = |row: &Row| {
-        let axes = row.axes.iter().enumerate().filter(|(index, _)| !display.contains(index));
-        axes.map(|(_, value)| value.clone()).collect::<Vec<_>>()
-    };
-    let rows: Vec<&Row> = study.rows.iter().filter(|row| row.error.is_some() && seen.insert(image(row))).collect();
+    let rows: Vec<&Row> = study.images().into_iter().filter(|row| row.error.is_some()).collect();
     let values = study.axes[axis].values.iter().filter(|value| !value.is_empty() && *value != "none");
     let Some(base) = values.clone().next() else { return Vec::new() };
-    let usual: BTreeMap<&str, String> = AXES.iter().map(|axis: &Axis| (axis.name, (axis.default)().to_string())).collect();
+    let usual: BTreeMap<&str, String> =
+        AXES.iter().map(|axis: &Axis| (axis.name, (axis.default)().to_string())).collect();
     let agrees = |a: &Row, b: &Row| {
         study.axes.iter().enumerate().all(|(index, known)| {
             let (x, y) = (&a.axes[index], &b.axes[index]);

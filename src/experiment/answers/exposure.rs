@@ -56,11 +56,13 @@ pub fn visibility(study: &Study) -> Vec<Visibility> {
     let mut found = Vec::new();
     for method in methods {
         let own: Vec<_> = study.rows.iter().filter(|row| study.method_label(row) == method).collect();
-        let mut settings: Vec<(f64, f64)> = own.iter().map(|r| (number(r, "contrast"), number(r, "exposure"))).collect();
+        let mut settings: Vec<(f64, f64)> =
+            own.iter().map(|r| (number(r, "contrast"), number(r, "exposure"))).collect();
         settings.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         settings.dedup();
         for (contrast, exposure) in settings {
-            let at = own.iter().filter(|row| (number(row, "contrast"), number(row, "exposure")) == (contrast, exposure));
+            let at =
+                own.iter().filter(|row| (number(row, "contrast"), number(row, "exposure")) == (contrast, exposure));
             let errors: Vec<f64> = at.filter_map(|row| row.display_error).collect();
             if let Some(spread) = spread(&errors) {
                 found.push(Visibility {

@@ -16,7 +16,7 @@ pub const FOLDER: &str = "answers";
 /// The summary, beside the tables of the run.
 pub const SUMMARY_FILE: &str = "summary.md";
 /// The answer in words, for programs.
-const ANSWER_FILE: &str = "answer.json";
+pub(super) const ANSWER_FILE: &str = "answer.json";
 
 /// Why a run has no answers.
 #[derive(Debug, thiserror::Error)]
@@ -80,7 +80,7 @@ impl Answered {
         let [run] = &runs;
         let study = Study::new(&runs, &[run.text("/name")]);
         let answers = Answers::new(&study, &runs);
-        let mut files: Vec<(String, String)> = tables::tables(&study, &answers)
+        let mut files: Vec<(String, String)> = tables::of_run(&study, &answers)
             .into_iter()
             .map(|table| {
                 let bytes = csv::to_text(&table.columns, table.rows.iter().map(Vec::as_slice));
@@ -88,7 +88,9 @@ impl Answered {
             })
             .collect();
         files.extend(
-            figures::pictures(&study, &answers)?.into_iter().map(|picture| (format!("{}.svg", picture.name), picture.svg)),
+            figures::pictures(&study, &answers)?
+                .into_iter()
+                .map(|picture| (format!("{}.svg", picture.name), picture.svg)),
         );
         let session = run.last_session();
         let failed = run.failed_count();

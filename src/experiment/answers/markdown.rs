@@ -222,7 +222,9 @@ fn slopes(answers: &Answers) -> String {
         let number = |x: f64| format!("{x:.2}");
         cells.push(curve.method.clone());
         cells.push(curve.slope.map_or_else(|| "no fit".to_owned(), |slope| number(slope.value)));
-        cells.push(curve.slope.map_or_else(String::new, |slope| format!("{} to {}", number(slope.lo), number(slope.hi))));
+        cells.push(
+            curve.slope.map_or_else(String::new, |slope| format!("{} to {}", number(slope.lo), number(slope.hi))),
+        );
         let used = curve.points.iter().filter(|point| point.is_resolved).count();
         cells.push(format!("{used} of {}", curve.points.len()));
         rows.row(&cells);
@@ -375,7 +377,9 @@ fn effects(answers: &Answers) -> String {
             cells.push(format!("{} of {}", effect.better, effect.n));
             cells.extend(alphas.iter().flatten().map(|alpha| {
                 let one = own().find(|other| {
-                    other.alpha.as_deref() == Some(alpha) && other.value == effect.value && other.method == effect.method
+                    other.alpha.as_deref() == Some(alpha)
+                        && other.value == effect.value
+                        && other.method == effect.method
                 });
                 one.map_or_else(String::new, |one| number(one.ratio))
             }));

@@ -22,6 +22,7 @@ mod folder;
 pub mod heat;
 pub mod markdown;
 pub mod plot;
+pub mod publish;
 pub mod run_folder;
 pub mod slope;
 pub mod study;
@@ -87,7 +88,11 @@ pub fn key_label(axes: &[String], key: &[String]) -> String {
         .map(|(axis, value)| {
             let word = short(axis, value);
             // A bare number does not say what it is.
-            if word.starts_with(|c: char| c.is_ascii_digit() || c == '-') { format!("{axis} {word}") } else { word.into_owned() }
+            if word.starts_with(|c: char| c.is_ascii_digit() || c == '-') {
+                format!("{axis} {word}")
+            } else {
+                word.into_owned()
+            }
         })
         .collect();
     if words.is_empty() { "all".to_owned() } else { words.join(" · ") }
@@ -103,8 +108,9 @@ pub fn grouped<'s>(study: &'s Study, axes: &[usize]) -> Vec<(Vec<String>, Vec<&'
             keys.push(key);
         }
     }
-    let lies_within =
-        |key: &Vec<String>, of: &Vec<String>| key.iter().zip(of).all(|(value, other)| value.is_empty() || value == other);
+    let lies_within = |key: &Vec<String>, of: &Vec<String>| {
+        key.iter().zip(of).all(|(value, other)| value.is_empty() || value == other)
+    };
     let whole = keys.iter().filter(|key| !keys.iter().any(|other| other != *key && lies_within(key, other)));
     whole
         .map(|group| {

@@ -122,6 +122,17 @@ impl Study {
         (0..self.axes.len()).filter(|&index| self.axes[index].role == Role::Display).collect()
     }
 
+    /// Rows without their copies that differ in the tone curve only and share their linear errors: the first of each.
+    pub fn images(&self) -> Vec<&Row> {
+        let display = self.display_axes();
+        let mut seen = BTreeSet::new();
+        let is_new = |row: &&Row| {
+            let axes = row.axes.iter().enumerate().filter(|(index, _)| !display.contains(index));
+            seen.insert((row.run, row.error.is_some(), axes.map(|(_, value)| value.clone()).collect::<Vec<_>>()))
+        };
+        self.rows.iter().filter(is_new).collect()
+    }
+
     /// How the image of a row is made: "sampled 16", "split-sum".
     pub fn method_label(&self, row: &Row) -> String {
         format!("{} {}", self.value(row, "method"), self.value(row, "samples")).trim_end().to_owned()

@@ -6,8 +6,7 @@ use super::effects::Effect;
 use super::study::Study;
 use super::{Answers, dynamic_range, times};
 use crate::experiment::tables::{DISPLAY_HEADLINE, HEADLINE};
-use crate::experiment::timing::summarize;
-use crate::experiment::timing::TimingRecord;
+use crate::experiment::timing::{TimingRecord, summarize};
 use crate::table::csv::Cell;
 
 /// One table.
@@ -19,15 +18,14 @@ pub struct AnswerTable {
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// Every table that has rows.
-pub fn tables(study: &Study, answers: &Answers) -> Vec<AnswerTable> {
+/// Every table of a run that has rows.
+pub fn of_run(study: &Study, answers: &Answers) -> Vec<AnswerTable> {
     let all = [
         convergence(answers),
         slopes(answers),
         break_even(answers),
         break_even_by_n_dot_v(answers),
         n_dot_v_and_alpha(answers),
-        n_dot_v_profile(study),
         time_and_error(study),
         visibility(answers),
         range(answers),
@@ -35,6 +33,12 @@ pub fn tables(study: &Study, answers: &Answers) -> Vec<AnswerTable> {
         effects(answers),
     ];
     all.into_iter().filter(|table| !table.rows.is_empty()).collect()
+}
+
+/// What figures draw: also what a run has in a table of its own.
+pub fn of_figures(study: &Study, answers: &Answers, timings: &[TimingRecord]) -> Vec<AnswerTable> {
+    let more = [n_dot_v_profile(study), pass_times(timings)];
+    of_run(study, answers).into_iter().chain(more.into_iter().filter(|table| !table.rows.is_empty())).collect()
 }
 
 fn columns(answers: &Answers, own: &[&str]) -> Vec<String> {
@@ -168,17 +172,11 @@ fn n_dot_v_and_alpha(answers: &Answers) -> AnswerTable {
     AnswerTable { name: "error_by_n_dot_v_and_alpha", columns, rows }
 }
 
-/// One row a cell and bin of `n_dot_v`, without its copies that differ in the tone curve only.
+/// One row an image and bin of `n_dot_v`.
 fn n_dot_v_profile(study: &Study) -> AnswerTable {
     let axes = study.case_axes();
-    let display = study.display_axes();
-    let mut seen = std::collections::BTreeSet::new();
     let mut rows = Vec::new();
-    for row in &study.rows {
-        let image = row.axes.iter().enumerate().filter(|(index, _)| !display.contains(index)).map(|(_, value)| value);
-        if !seen.insert(image.collect::<Vec<_>>()) {
-            continue;
-        }
+    for row in study.images() {
         for bin in &row.bins {
             let mut cells = texts(&super::curves::key(row, &axes));
             cells.extend(texts(&["method", "samples", "point_set"].map(|name| study.value(row, name).to_owned())));
@@ -191,23 +189,19 @@ fn n_dot_v_profile(study: &Study) -> AnswerTable {
     AnswerTable { name: "n_dot_v_profile", columns: names.chain(own.map(str::to_owned)).collect(), rows }
 }
 
-/// One row a timed cell.
+/// One row a timed image.
 fn time_and_error(study: &Study) -> AnswerTable {
     let axes: Vec<usize> = study.case_axes();
     let names = axes.iter().map(|&axis| study.axes[axis].name.clone());
     let own = ["method", "samples", HEADLINE, "frame_ms_median", "frame_ms_p05", "frame_ms_p95"];
-    let rows = study.rows.iter().filter_map(|row| {
+    let rows = study.images().into_iter().filter_map(|row| {
         let (error, time) = (row.error?, row.frame_ms?);
         let mut cells = texts(&super::curves::key(row, &axes));
         cells.extend(texts(&["method", "samples"].map(|name| study.value(row, name).to_owned())));
         cells.extend([error, time.median, time.p05, time.p95].map(Cell::Number));
         Some(cells)
     });
-    AnswerTable {
-        name: "time_and_error",
-        columns: names.chain(own.map(str::to_owned)).collect(),
-        rows: rows.collect(),
-    }
+    AnswerTable { name: "time_and_error", columns: names.chain(own.map(str::to_owned)).collect(), rows: rows.collect() }
 }
 
 /// One row a method and setting of the tone curve.
@@ -219,7 +213,11 @@ fn visibility(answers: &Answers) -> AnswerTable {
         row.extend([Cell::Integer(one.n as u64), Cell::from(if one.is_visible() { "visible" } else { "hidden" })]);
         row
     };
-    let display = [DISPLAY_HEADLINE.to_owned(), format!("{DISPLAY_HEADLINE}_lower_quartile"), format!("{DISPLAY_HEADLINE}_upper_quartile")];
+    let display = [
+        DISPLAY_HEADLINE.to_owned(),
+        format!("{DISPLAY_HEADLINE}_lower_quartile"),
+        format!("{DISPLAY_HEADLINE}_upper_quartile"),
+    ];
     let mut columns = ["method", "exposure", "contrast"].map(str::to_owned).to_vec();
     columns.extend(display);
     columns.extend(["cells", "visibility"].map(str::to_owned));
@@ -262,8 +260,7 @@ fn range_growth(answers: &Answers) -> AnswerTable {
 /// One row an axis, value, method and alpha; an empty alpha is all of them.
 fn effects(answers: &Answers) -> AnswerTable {
     let row = |effect: &Effect| {
-        let mut row =
-            texts(&[&effect.axis, &effect.value, &effect.base, &effect.method].map(|text| text.to_owned()));
+        let mut row = texts(&[&effect.axis, &effect.value, &effect.base, &effect.method].map(|text| text.to_owned()));
         row.push(effect.alpha.as_deref().map_or(Cell::Missing, Cell::from));
         row.extend([effect.ratio, effect.interval[0], effect.interval[1]].map(Cell::Number));
         row.extend([effect.n, effect.better].map(|n| Cell::Integer(n as u64)));
@@ -279,13 +276,14 @@ fn effects(answers: &Answers) -> AnswerTable {
 }
 
 /// One row a timed configuration and pass of one run, in running order.
-pub fn pass_times(records: &[TimingRecord]) -> AnswerTable {
+fn pass_times(records: &[TimingRecord]) -> AnswerTable {
     let axes = ["brdf", "method", "samples", "diffuse"];
     let mut rows = Vec::new();
     for record in records {
         for pass in &record.passes {
             let of_axis = axes.map(|name| record.axes.get(name).cloned().unwrap_or_default());
-            let words: Vec<&str> = of_axis.iter().map(String::as_str).filter(|w| !w.is_empty() && *w != "none").collect();
+            let words: Vec<&str> =
+                of_axis.iter().map(String::as_str).filter(|w| !w.is_empty() && *w != "none").collect();
             let mut row = vec![Cell::from(record.phase.as_str()), Cell::Text(words.join(" "))];
             row.extend(texts(&of_axis));
             row.extend([Cell::from(pass.pass.as_str()), summarize(&pass.ms).median.into()]);

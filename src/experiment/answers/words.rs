@@ -72,9 +72,14 @@ fn from_visibility(answers: &Answers) -> Option<Answer> {
             text(one.peak.1)
         )
     };
-    // Contrast 1 first: the curve as it is.
+    // Contrast 1 first, the curve as it is; methods without samples before the others, and those with most samples next.
     let mut order: Vec<&Hiding> = hiding.iter().collect();
-    order.sort_by(|a, b| (a.contrast - 1.0).abs().total_cmp(&(b.contrast - 1.0).abs()));
+    let samples =
+        |one: &Hiding| one.method.rsplit(' ').next().and_then(|n| n.parse::<f64>().ok()).unwrap_or(f64::INFINITY);
+    order.sort_by(|a, b| {
+        let distance = |one: &Hiding| (one.contrast - 1.0).abs();
+        distance(a).total_cmp(&distance(b)).then(samples(b).total_cmp(&samples(a)))
+    });
     let lead = order[0];
     Some(Answer {
         number: lead.peak.0.to_string(),
@@ -84,6 +89,7 @@ fn from_visibility(answers: &Answers) -> Option<Answer> {
             .iter()
             .skip(1)
             .filter(|one| one.contrast == lead.contrast)
+            .take(FACTS_OF_A_KIND)
             .map(|one| say(one))
             .chain([format!(
                 "The strongest visible error is that of {} at exposure {} and contrast {}: FLIP {}. Hidden means a mean FLIP \
@@ -116,7 +122,7 @@ fn from_range(answers: &Answers) -> Option<Answer> {
         number: format!("×{}", text(first.fit.value)),
         unit: format!("the error of {} per stop of dynamic range of {}, the steepest", first.method, first.series),
         sentence: say(first),
-        facts: rest.iter().map(say).collect(),
+        facts: rest.iter().take(FACTS_OF_A_KIND).map(say).collect(),
     })
 }
 

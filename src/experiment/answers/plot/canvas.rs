@@ -3,7 +3,7 @@
 use plotters::backend::SVGBackend;
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
-use plotters::element::{Circle, DashedPathElement, PathElement, Polygon, Rectangle, Text};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, IntoTextStyle, RGBColor, ShapeStyle, WHITE};
 
@@ -108,6 +108,13 @@ impl Look {
     }
 }
 
+/// `plotters` has no dashes of SVG, and many short lines are no line to restyle: widths that no line has stand for dashed ones until the
+/// text is whole.
+const DASHED: u32 = 1000;
+const DOTTED: u32 = 2000;
+/// The widths of lines in use.
+const WIDTHS: std::ops::RangeInclusive<u32> = 1..=3;
+
 /// A white picture.
 pub struct Canvas<'s> {
     area: Area<'s>,
@@ -126,6 +133,12 @@ pub fn picture(
         let canvas = Canvas { area };
         draw(&canvas)?;
         canvas.area.present().map_err(fault)?;
+    }
+    for width in WIDTHS {
+        for (code, dashes) in [(DASHED, "7 4"), (DOTTED, "2 3")] {
+            let dashed = format!("stroke-width=\"{width}\" stroke-dasharray=\"{dashes}\"");
+            svg = svg.replace(&format!("stroke-width=\"{}\"", code + width), &dashed);
+        }
     }
     let escaped = title.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     Ok(svg.replacen('>', &format!(" role=\"img\">\n<title>{escaped}</title>"), 1))
@@ -146,14 +159,13 @@ impl Canvas<'_> {
         if points.len() < 2 {
             return Ok(());
         }
+        let width = match stroke {
+            Stroke::Solid => width,
+            Stroke::Dashed => DASHED + width,
+            Stroke::Dotted => DOTTED + width,
+        };
         let style = ShapeStyle::from(rgb(color)).stroke_width(width);
-        let dashed = |on: u32, off: u32| DashedPathElement::new(points.iter().copied(), on, off, style);
-        match stroke {
-            Stroke::Solid => self.area.draw(&PathElement::new(points.to_vec(), style)),
-            Stroke::Dashed => self.area.draw(&dashed(7, 4)),
-            Stroke::Dotted => self.area.draw(&dashed(2, 3)),
-        }
-        .map_err(fault)
+        self.area.draw(&PathElement::new(points.to_vec(), style)).map_err(fault)
     }
 
     pub fn filled(&self, points: &[(i32, i32)], color: Rgb, opacity: f64) -> Result<(), PlotError> {
@@ -173,8 +185,12 @@ impl Canvas<'_> {
         match marker {
             Marker::Circle => self.area.draw(&Circle::new((x, y), R, rgb(color).filled())).map_err(fault),
             Marker::Square => self.rectangle((x - R + 1, y - R + 1), (x + R - 1, y + R - 1), color),
-            Marker::Triangle => self.filled(&[(x, y - R - 1), (x + R + 1, y + R - 1), (x - R - 1, y + R - 1)], color, 1.0),
-            Marker::Diamond => self.filled(&[(x, y - R - 1), (x + R + 1, y), (x, y + R + 1), (x - R - 1, y)], color, 1.0),
+            Marker::Triangle => {
+                self.filled(&[(x, y - R - 1), (x + R + 1, y + R - 1), (x - R - 1, y + R - 1)], color, 1.0)
+            }
+            Marker::Diamond => {
+                self.filled(&[(x, y - R - 1), (x + R + 1, y), (x, y + R + 1), (x - R - 1, y)], color, 1.0)
+            }
             Marker::Cross => {
                 self.path(&[(x - R, y - R), (x + R, y + R)], color, 2, Stroke::Solid)?;
                 self.path(&[(x - R, y + R), (x + R, y - R)], color, 2, Stroke::Solid)

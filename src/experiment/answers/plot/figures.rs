@@ -86,7 +86,8 @@ fn facet(answers: &Answers, key: &[String]) -> String {
 }
 
 fn cut_off_note(shown: usize, all: usize) -> Option<String> {
-    (all > shown).then(|| format!("The first {shown} of {all} settings are drawn; the table beside the picture has all."))
+    (all > shown)
+        .then(|| format!("The first {shown} of {all} settings are drawn; the table beside the picture has all."))
 }
 
 /// Error over sample count with the reference's noise floor.
@@ -102,7 +103,8 @@ fn convergence(answers: &Answers) -> Option<LineChart> {
     };
     let counts: Vec<f64> = curves.iter().flat_map(|c| c.points.iter().map(|p| f64::from(p.samples))).collect();
     let lowest = curves.iter().flat_map(|c| c.points.iter().map(|p| p.error)).fold(f64::INFINITY, f64::min);
-    let all_floors: Vec<f64> = curves.iter().filter_map(|curve| curve.noise_floor).filter(|floor| *floor > 0.0).collect();
+    let all_floors: Vec<f64> =
+        curves.iter().filter_map(|curve| curve.noise_floor).filter(|floor| *floor > 0.0).collect();
     let is_near = |floor: &f64| *floor * FLOOR_WITHIN > lowest;
     let mut panels = Vec::new();
     for name in facets.iter().take(PANELS_MAX) {
@@ -156,7 +158,9 @@ fn convergence(answers: &Answers) -> Option<LineChart> {
     }
     let values = panels.iter().flat_map(|panel| {
         let points = panel.series.iter().flat_map(|series| &series.points);
-        points.flat_map(|p| [p.y].into_iter().chain(p.interval.into_iter().flatten())).chain(panel.rules.iter().map(|r| r.y))
+        points
+            .flat_map(|p| [p.y].into_iter().chain(p.interval.into_iter().flatten()))
+            .chain(panel.rules.iter().map(|r| r.y))
     });
     let y = Scale::of(Kind::Log, values)?;
     let x = Scale::of(Kind::Log, counts.iter().copied())?.with_ticks(&counts, TRIED_LABELS);
@@ -166,7 +170,10 @@ fn convergence(answers: &Answers) -> Option<LineChart> {
         notes.push("Points: geometric mean of the point sets; bars: from the best set to the worst.".to_owned());
     }
     notes.extend(far.map(|floor| {
-        format!("Reference noise floor: at most {}, below the drawing; an exact image would score that.", significant(floor, 2))
+        format!(
+            "Reference noise floor: at most {}, below the drawing; an exact image would score that.",
+            significant(floor, 2)
+        )
     }));
     Some(LineChart {
         title: title("Convergence", &fixed),
@@ -185,8 +192,7 @@ fn title(start: &str, fixed: &[&str]) -> String {
 
 /// Break-even of every case over alpha: at equal error, and what fits into the other's time.
 fn break_even(answers: &Answers, pair: &Pair) -> Option<LineChart> {
-    let alphas: Vec<f64> =
-        pair.cases.iter().filter_map(|case| alpha_of(answers, &case.key).parse().ok()).collect();
+    let alphas: Vec<f64> = pair.cases.iter().filter_map(|case| alpha_of(answers, &case.key).parse().ok()).collect();
     if distinct(alphas.iter().map(|alpha| alpha.to_bits())).len() < 2 {
         return None;
     }
@@ -302,6 +308,12 @@ fn break_even_map(answers: &Answers, pair: &Pair) -> Option<HeatChart> {
         column_label: "n·v: grazing to facing the viewer".to_owned(),
         color_label: "samples a pixel".to_owned(),
         range: [smallest, never],
+        color_ticks: pair
+            .sample_counts
+            .iter()
+            .map(|n| (f64::from(*n), n.to_string()))
+            .chain([(never, format!("> {largest}"))])
+            .collect(),
         panels,
     })
 }
@@ -315,6 +327,8 @@ fn error_map(answers: &Answers) -> Option<HeatChart> {
     if lo > hi {
         return None;
     }
+    // One value has no range: a decade about it is as good as any.
+    let range = if hi > lo { [lo, hi] } else { [lo / 3.0, hi * 3.0] };
     let panel = |table: &&heat::HeatTable| HeatPanel {
         title: table.label(),
         rows: table.alphas.iter().map(f64::to_string).collect(),
@@ -331,8 +345,8 @@ fn error_map(answers: &Answers) -> Option<HeatChart> {
         row_label: "α".to_owned(),
         column_label: "n·v: grazing to facing the viewer".to_owned(),
         color_label: "relative squared error".to_owned(),
-        // One value has no range: a decade about it is as good as any.
-        range: if hi > lo { [lo, hi] } else { [lo / 3.0, hi * 3.0] },
+        range,
+        color_ticks: Scale::of(Kind::Log, range)?.ticks,
         panels: shown.iter().map(panel).collect(),
     })
 }
@@ -359,8 +373,7 @@ fn visibility(answers: &Answers) -> Option<LineChart> {
             let own = visibility
                 .iter()
                 .filter(|one| one.method == **method && contrast.is_none_or(|contrast| one.contrast == contrast));
-            let mut points: Vec<Point> =
-                own.map(|one| Point { x: x_of(one), y: one.median, interval: None }).collect();
+            let mut points: Vec<Point> = own.map(|one| Point { x: x_of(one), y: one.median, interval: None }).collect();
             points.sort_by(|a, b| a.x.total_cmp(&b.x));
             Series {
                 label: method.to_string(),
@@ -384,13 +397,15 @@ fn visibility(answers: &Answers) -> Option<LineChart> {
     let xs = if over_exposure { exposures } else { contrasts };
     let y = Scale::of(Kind::Linear, visibility.iter().map(|one| one.median).chain([0.0, VISIBLE_FROM]))?;
     let cuts = distinct(answers.visibility.iter().map(|one| one.contrast.to_bits())).len() > panels.len();
-    let notes = (over_exposure && cuts).then(|| {
-        "Contrasts that were tried at one exposure only are in the table alone.".to_owned()
-    });
+    let notes = (over_exposure && cuts)
+        .then(|| "Contrasts that were tried at one exposure only are in the table alone.".to_owned());
     (!panels.is_empty()).then_some(())?;
     Some(LineChart {
         title: "What the tone curve shows and hides".to_owned(),
-        notes: ["Median FLIP over everything else that is swept; 0: no visible difference.".to_owned()].into_iter().chain(notes).collect(),
+        notes: ["Median FLIP over everything else that is swept; 0: no visible difference.".to_owned()]
+            .into_iter()
+            .chain(notes)
+            .collect(),
         x_label: if over_exposure { "exposure" } else { "contrast" }.to_owned(),
         y_label: "mean FLIP".to_owned(),
         x: Scale::of(Kind::Log, xs.iter().copied())?.with_ticks(&xs, TRIED_LABELS),

@@ -1,8 +1,7 @@
 //! Heat maps: panels of coloured cells with their values written into them, and the colours' scale beside them.
 
-use super::canvas::{Canvas, INK, MUTED, PlotError, Rgb, look, picture, text_width};
+use super::canvas::{Canvas, INK, MUTED, PlotError, Rgb, Stroke, look, picture, text_width};
 use super::lines::wrapped;
-use super::scale::tick_text;
 use crate::table::colormap::{ColorScale, Palette, Range};
 
 /// One cell.
@@ -34,6 +33,8 @@ pub struct HeatChart {
     pub color_label: String,
     /// Ends of the logarithmic colour scale.
     pub range: [f64; 2],
+    /// Values that the scale names.
+    pub color_ticks: Vec<(f64, String)>,
     pub panels: Vec<HeatPanel>,
 }
 
@@ -48,7 +49,8 @@ const CELL: [i32; 2] = [50, 27];
 const GAP: i32 = 14;
 /// Colour scale: width of its bar, and room for its labels.
 const BAR: i32 = 16;
-const BAR_LABELS: i32 = 78;
+const BAR_HEIGHT_MIN: i32 = 130;
+const BAR_LABELS: i32 = 72;
 /// The palette's dark and pale ends are cut off: text must be legible on every colour.
 const PALETTE_FROM: f64 = 0.12;
 const PALETTE_TO: f64 = 1.0;
@@ -66,23 +68,24 @@ impl HeatChart {
         let rows = self.panels.iter().map(|panel| panel.rows.len()).max().unwrap_or(0) as i32;
         let columns = self.panels.iter().map(|panel| panel.columns.len()).max().unwrap_or(0) as i32;
         let names = self.panels.iter().flat_map(|panel| &panel.rows);
-        let left = names.map(|name| text_width(name, LABEL)).max().unwrap_or(0) + 34;
+        let left = names.map(|name| text_width(name, LABEL)).max().unwrap_or(0) + 14;
         let across = COLUMNS_MAX.min(self.panels.len()).max(1);
         let down = self.panels.len().div_ceil(across) as i32;
         let [panel_width, panel_height] = [left + columns * CELL[0] + GAP, ABOVE + rows * CELL[1] + BELOW];
         let full_width = 2 * MARGIN + across as i32 * panel_width + BAR + BAR_LABELS;
         let notes = wrapped(&self.notes, full_width - 2 * MARGIN - left);
-        let full_height = 2 * MARGIN + HEAD + down * panel_height + notes.len() as i32 * (LABEL + 4);
+        let grid_height = (down * panel_height).max(ABOVE + BAR_HEIGHT_MIN + GAP);
+        let full_height = 2 * MARGIN + HEAD + grid_height + notes.len() as i32 * (LABEL + 4);
         picture(&self.title, [full_width, full_height], |canvas| {
             canvas.text(&self.title, (MARGIN + left, MARGIN + TITLE / 2), look(TITLE).bold())?;
             for (i, panel) in self.panels.iter().enumerate() {
                 let x = MARGIN + (i % across) as i32 * panel_width + left;
                 let y = MARGIN + HEAD + (i / across) as i32 * panel_height + ABOVE;
-                self.panel(canvas, panel, (x, y), left)?;
+                self.panel(canvas, panel, (x, y))?;
             }
             let bar = (MARGIN + across as i32 * panel_width, MARGIN + HEAD + ABOVE);
-            self.bar(canvas, bar, (down * panel_height - ABOVE - BELOW).min(10 * CELL[1]))?;
-            let top = MARGIN + HEAD + down * panel_height + 4;
+            self.bar(canvas, bar, (down * panel_height - ABOVE - BELOW).clamp(BAR_HEIGHT_MIN, 10 * CELL[1]))?;
+            let top = MARGIN + HEAD + grid_height + 4;
             for (i, note) in notes.iter().enumerate() {
                 canvas.text(note, (MARGIN + left, top + i as i32 * (LABEL + 4)), look(LABEL).color(MUTED))?;
             }
@@ -90,7 +93,7 @@ impl HeatChart {
         })
     }
 
-    fn panel(&self, canvas: &Canvas, panel: &HeatPanel, (x, y): (i32, i32), left: i32) -> Result<(), PlotError> {
+    fn panel(&self, canvas: &Canvas, panel: &HeatPanel, (x, y): (i32, i32)) -> Result<(), PlotError> {
         canvas.text(&panel.title, (x, y - ABOVE / 2), look(SUBTITLE).bold())?;
         let [width, height] = [panel.columns.len() as i32 * CELL[0], panel.rows.len() as i32 * CELL[1]];
         for (r, row) in panel.cells.iter().enumerate() {
@@ -110,7 +113,7 @@ impl HeatChart {
             canvas.text(name, at, look(LABEL - 1).centred())?;
         }
         canvas.text(&self.column_label, (x + width / 2, y + height + 28), look(SUBTITLE).centred())?;
-        canvas.text(&self.row_label, (x - left + 8, y + height / 2), look(SUBTITLE).centred().upright())
+        canvas.text(&self.row_label, (x - 6, y - ABOVE / 2), look(SUBTITLE).right())
     }
 
     fn bar(&self, canvas: &Canvas, (x, y): (i32, i32), height: i32) -> Result<(), PlotError> {
@@ -120,16 +123,15 @@ impl HeatChart {
             canvas.rectangle((x, y + step), (x + BAR, y + step + 1), self.color(lo * (hi / lo).powf(place)))?;
         }
         canvas.frame((x, y), (x + BAR, y + height), INK)?;
-        let Some(scale) = super::scale::Scale::of(super::scale::Kind::Log, self.range) else { return Ok(()) };
-        for (value, _) in &scale.ticks {
+        for (value, text) in &self.color_ticks {
             let place = (value / lo).ln() / (hi / lo).ln();
             if (0.0..=1.0).contains(&place) {
                 let at = y + ((1.0 - place) * f64::from(height)) as i32;
-                canvas.path(&[(x + BAR, at), (x + BAR + 4, at)], INK, 1, super::canvas::Stroke::Solid)?;
-                canvas.text(&tick_text(*value), (x + BAR + 7, at), look(LABEL))?;
+                canvas.path(&[(x + BAR, at), (x + BAR + 4, at)], INK, 1, Stroke::Solid)?;
+                canvas.text(text, (x + BAR + 7, at), look(LABEL))?;
             }
         }
-        let label = (x + BAR + BAR_LABELS - 14, y + height / 2);
+        let label = (x + BAR + BAR_LABELS - 10, y + height / 2);
         canvas.text(&self.color_label, label, look(LABEL).centred().upright())
     }
 }

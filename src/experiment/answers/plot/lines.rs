@@ -68,6 +68,8 @@ const ABOVE: i32 = 24;
 const GAP: i32 = 14;
 const LEGEND_ROW: i32 = 20;
 const LEGEND_MARK: i32 = 34;
+/// Pixels between series with error bars.
+const ASIDE: i32 = 5;
 /// Panels in a row.
 const COLUMNS_MAX: usize = 3;
 
@@ -187,14 +189,19 @@ impl LineChart {
             let y = frame.y(place);
             canvas.path(&[(frame.left, y), (frame.left + frame.width, y)], rule.color, 1, rule.stroke)?;
         }
-        for series in &panel.series {
-            let shown: Vec<(i32, i32)> = series.points.iter().filter_map(|p| self.at(frame, p.x, p.y)).collect();
+        // Bars at the same place would hide each other: each series stands a little aside.
+        let has_bars = panel.series.iter().any(|series| series.points.iter().any(|point| point.interval.is_some()));
+        let middle = panel.series.len() as i32 - 1;
+        for (index, series) in panel.series.iter().enumerate() {
+            let aside = if has_bars { (2 * index as i32 - middle) * ASIDE / 2 } else { 0 };
+            let at = |p: &Point| self.at(frame, p.x, p.y).map(|(x, y)| (x + aside, y));
+            let shown: Vec<(i32, i32)> = series.points.iter().filter_map(at).collect();
             if let Some(stroke) = series.stroke {
                 canvas.path(&shown, series.color, 2, stroke)?;
             }
             for point in &series.points {
                 let (Some([lo, hi]), Some(x)) = (point.interval, self.x.place(point.x)) else { continue };
-                let x = frame.x(x);
+                let x = frame.x(x) + aside;
                 let end = |value: f64, open: f64| self.y.place(value).map_or(open, |place| place.clamp(0.0, 1.0));
                 let ends = [frame.y(end(lo, 0.0)), frame.y(end(hi, 1.0))];
                 canvas.path(&[(x, ends[0]), (x, ends[1])], series.color, 1, Stroke::Solid)?;
@@ -222,8 +229,12 @@ impl LineChart {
                 marker: s.marker,
                 stroke: s.stroke,
             });
-            let rules =
-                panel.rules.iter().map(|r| Entry { label: &r.label, color: r.color, marker: None, stroke: Some(r.stroke) });
+            let rules = panel.rules.iter().map(|r| Entry {
+                label: &r.label,
+                color: r.color,
+                marker: None,
+                stroke: Some(r.stroke),
+            });
             for entry in series.chain(rules) {
                 if !entry.label.is_empty() && entries.iter().all(|known| known.label != entry.label) {
                     entries.push(entry);
