@@ -5,7 +5,7 @@
 pub mod answers;
 pub mod axis;
 pub mod config;
-mod environments;
+pub mod environments;
 pub mod fault;
 mod images;
 pub mod inputs;

@@ -19,7 +19,7 @@ impl Random {
     }
 
     /// A number in `0..count`; the bias of taking a product's upper half is below count / 2^64.
-    fn below(&mut self, count: usize) -> usize {
+    pub fn below(&mut self, count: usize) -> usize {
         ((u128::from(self.next()) * count as u128) >> 64) as usize
     }
 

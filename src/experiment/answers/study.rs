@@ -1,7 +1,7 @@
 //! The rows of one or more runs as one table, with the part that each axis plays.
 
 use super::run_folder::RunFolder;
-use crate::experiment::axis::{AXES, by_name};
+use crate::experiment::axis::{AXES, Reference, by_name};
 use crate::experiment::images::short_value;
 use crate::experiment::tables::{DISPLAY_HEADLINE, HEADLINE};
 use crate::experiment::timing::{FRAME, TimingRecord, summarize};
@@ -106,7 +106,7 @@ impl Study {
                 let mut seen = BTreeSet::new();
                 let values: Vec<String> =
                     rows.iter().map(|row| &row.axes[index]).filter(|value| seen.insert(*value)).cloned().collect();
-                StudyAxis { name: name.clone(), role: role(runs, &rows, index, name, &values), values }
+                StudyAxis { name: name.clone(), role: role(name, &values), values }
             })
             .collect();
         Self { axes, rows }
@@ -229,7 +229,7 @@ fn frame_time(timings: &[TimingRecord], names: &[String], axes: &[String], cell:
     s.median.is_finite().then_some(FrameTime { median: s.median, p05: s.p05, p95: s.p95, n: s.n })
 }
 
-fn role(runs: &[RunFolder], rows: &[Row], index: usize, name: &str, values: &[String]) -> Role {
+fn role(name: &str, values: &[String]) -> Role {
     // Unset is not a value: a method that does not use the axis leaves it empty.
     if values.iter().filter(|value| !value.is_empty()).count() < 2 && name != "method" {
         return Role::Fixed;
@@ -240,14 +240,18 @@ fn role(runs: &[RunFolder], rows: &[Row], index: usize, name: &str, values: &[St
     if ["method", "samples", "point_set", RUN_AXIS].contains(&name) {
         return Role::Variant;
     }
-    let mut value_of: BTreeMap<(usize, &str), &str> = BTreeMap::new();
-    for row in rows.iter().filter(|row| !row.axes[index].is_empty()) {
-        if let Some(images) = runs[row.run].images.get(&row.cell) {
-            let value = &row.axes[index];
-            if *value_of.entry((row.run, &images.reference)).or_insert(value) != value {
-                return Role::Variant;
-            }
-        }
+    // An axis whose values all have one reference is a way to make the image of that reference.
+    let axis = AXES.iter().find(|axis| axis.name == name);
+    let references: Vec<_> = axis
+        .into_iter()
+        .flat_map(|axis| {
+            values.iter().filter_map(|value| axis.kind.parse_text(value).ok()).map(move |value| (axis, value))
+        })
+        .map(|(axis, value)| (axis.reference)(&Reference::default(), &value))
+        .collect();
+    let are_distinct = references.iter().enumerate().all(|(i, one)| !references[..i].contains(one));
+    if !are_distinct {
+        return Role::Variant;
     }
     Role::Scene
 }
