@@ -111,21 +111,32 @@ impl CellPictures<'_> {
     }
 }
 
+/// Every file of `images/` that belongs to a finished cell.
+pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
+    let mut names = index_names(plan, cell).to_vec();
+    names.extend(sweeps_display(plan).then(|| flip_name(plan, cell)));
+    names
+}
+
+/// The names in `images.csv`, in the order of its columns.
+fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
+    let reference = plan.reference_point(&cell.point);
+    [
+        radiance_name(plan, &cell.point, &cell.radiance),
+        radiance_name(plan, &reference, &cell.reference),
+        picture_name(plan, cell),
+        reference_picture_name(plan, cell),
+        error_name(plan, cell),
+    ]
+}
+
 /// `images.csv`: which files of `images/` belong to a cell. One row a finished cell.
 pub fn index(plan: &Plan, results: &Results) -> Rows {
     let columns =
         ["cell", "radiance", "reference", "picture", "reference_picture", "error"].map(str::to_owned).to_vec();
     let is_done = |cell: &&Cell| matches!(results.get(&cell.id), Some(CellResult::Done(_)));
     let row = |cell: &Cell| {
-        let reference = plan.reference_point(&cell.point);
-        let names = [
-            radiance_name(plan, &cell.point, &cell.radiance),
-            radiance_name(plan, &reference, &cell.reference),
-            picture_name(plan, cell),
-            reference_picture_name(plan, cell),
-            error_name(plan, cell),
-        ];
-        std::iter::once(Field::from(cell.id.as_str())).chain(names.map(Field::Text)).collect()
+        std::iter::once(Field::from(cell.id.as_str())).chain(index_names(plan, cell).map(Field::Text)).collect()
     };
     (columns, plan.cells.iter().filter(is_done).map(row).collect())
 }

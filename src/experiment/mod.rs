@@ -4,11 +4,13 @@
 
 pub mod answers;
 pub mod axis;
+pub mod chunk;
 pub mod config;
 pub mod environments;
 pub mod fault;
 mod images;
 pub mod inputs;
+pub mod live;
 mod overrides;
 pub mod plan;
 mod provenance;

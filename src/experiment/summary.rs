@@ -3,10 +3,13 @@
 use super::answers::run_folder::RunFolder;
 use super::answers::study::Study;
 use super::answers::{AnswerRecord, Answers, markdown};
+use super::store::StopReason;
+use super::tables::REFERENCE_COLUMNS;
 use super::timing::{self, TimingRecord, summarize};
 use super::timing_ratios::ratios;
+use crate::slips;
 use crate::table::markdown::{Align, MarkdownTable, significant};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// Digits of a score in the summary; the CSV has all.
@@ -29,6 +32,9 @@ pub fn markdown(run: &RunFolder, study: &Study, answers: &Answers, record: &Answ
     text += &pictures(record);
     text += &markdown::sections(study, answers);
     text += &times_section(&run.timings);
+    if let Some(table) = run.slips.as_ref().and_then(|table| slips::markdown(table).ok()) {
+        text += &format!("## What each slip costs\n\n{}\n{table}\n", slips::HEADING);
+    }
     text += &failures_section(run);
     text
 }
@@ -43,9 +49,10 @@ fn state(run: &RunFolder, study: &Study, record: &AnswerRecord) -> String {
     }
     let _ = writeln!(
         text,
-        ". Images of {sizes} against `{}` with {} samples a pixel. Device: {}.\n",
+        ". Images of {sizes} against `{}` with {} samples a pixel{}. Device: {}.\n",
         run.text("/reference/method"),
         run.text("/reference/samples"),
+        reference_stops(run),
         if record.devices.is_empty() { "none yet".to_owned() } else { record.devices.join("; ") }
     );
     if record.devices.len() > 1 {
@@ -53,6 +60,36 @@ fn state(run: &RunFolder, study: &Study, record: &AnswerRecord) -> String {
             "**The cells come from more than one device or driver: their scores may differ in the last digits.**\n\n";
     }
     text
+}
+
+/// Where the references stopped, as the end of a sentence; empty where they do not know.
+fn reference_stops(run: &RunFolder) -> String {
+    let table = &run.errors;
+    let place = |name: &str| table.columns.iter().position(|column| column == name);
+    let columns = REFERENCE_COLUMNS.map(place);
+    let (Some(cell), [Some(samples), Some(error), Some(stop)]) = (place("cell"), columns) else { return String::new() };
+    let mut stops: BTreeMap<String, (f64, &str)> = BTreeMap::new();
+    for row in &table.rows {
+        let Ok(relative_error) = row[error].parse::<f64>() else { continue };
+        // Cells of one reference share its file; where files are not known, references that stopped alike count once.
+        let alike = || format!("{} {} {}", row[samples], row[error], row[stop]);
+        let id = run.images.get(&row[cell]).map_or_else(alike, |images| images.reference.clone());
+        stops.insert(id, (relative_error, &row[stop]));
+    }
+    let errors: Vec<f64> = stops.values().map(|(error, _)| *error).collect();
+    let worst = errors.iter().copied().fold(f64::NAN, f64::max);
+    let errors = format!("median {}, largest {}", significant(summarize(&errors).median, 2), significant(worst, 2));
+    match run.provenance.pointer("/reference/relative_error").and_then(serde_json::Value::as_f64) {
+        _ if stops.is_empty() => String::new(),
+        None => format!(" (relative standard error: {errors})"),
+        Some(wanted) => {
+            let met = stops.values().filter(|(_, stop)| *stop == StopReason::RelativeError.name()).count();
+            format!(
+                " at most; {met} of {} references stopped earlier by a relative standard error of {wanted} ({errors})",
+                stops.len()
+            )
+        }
+    }
 }
 
 /// The pictures of `answers/`, where a viewer of Markdown shows them.

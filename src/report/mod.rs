@@ -1,12 +1,12 @@
 //! The report of finished runs: one HTML file that opens from disk and asks for nothing else.
 //!
 //! What the rows say is computed by `experiment::answers`, as for the tables of a run. [`images`] chooses what of the linear images fits,
-//! [`encode`] makes them text, [`page`] writes the file and [`figures`] the data and specifications beside it. The page draws; it decides
-//! nothing that is not shown.
+//! [`live`] what the live view needs, [`page`] writes the file and [`figures`] the data and specifications beside it. The page draws; it
+//! decides nothing that is not shown.
 
-pub mod encode;
 mod figures;
 pub mod images;
+pub mod live;
 pub mod page;
 
 use crate::experiment::answers::run_folder::{RunFolder, RunFolderError};
@@ -71,6 +71,7 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
     let answers = Answers::new(&study, &runs);
     let answer = words::answer(&study, &answers);
     let images = images::collect(&runs, options.images, options.budget);
+    let light = live::Light::collect(&runs, live::BUDGET_BYTES);
     let figures = figures::write(&figures_folder(&path), &study, &answers, &runs)?;
     let fixed = page::Static {
         name: runs[0].text("/name"),
@@ -101,7 +102,7 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
         .enumerate()
         .flat_map(|(i, run)| run.csv.iter().map(move |(name, text)| (format!("csv-{i}-{name}"), text.as_str())))
         .collect();
-    let html = page::render(&fixed, &model, &tables, &images)?;
+    let html = page::render(&fixed, &model, &tables, &images, &light)?;
     write_atomically(&path, |writer| writer.write_all(html.as_bytes()))?;
     Ok(Written { path, bytes: html.len(), notes: images.notes })
 }

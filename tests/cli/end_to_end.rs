@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
 
-const EXPERIMENT: &str = r#"
+pub(super) const EXPERIMENT: &str = r#"
 name = "tiny"
 question = "Does everything run?"
 size = [32, 32]
@@ -142,4 +142,9 @@ fn render_writes_what_compare_reads() {
     let different: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(different["rmse"].as_f64().unwrap() > 0.0);
     assert_eq!(different.as_object().unwrap().len(), splitsum::metrics::METRICS.len());
+    // In the text, since a parsed object is sorted: the order of the list.
+    let text = stdout(&output);
+    let places =
+        splitsum::metrics::METRICS.iter().map(|m| text.find(&format!("\"{}\":", m.description().name)).unwrap());
+    assert!(places.is_sorted(), "{text}");
 }

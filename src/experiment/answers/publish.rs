@@ -2,16 +2,19 @@
 
 use super::folder::{ANSWER_FILE, AnswerRecord, AnswersError, FOLDER, SUMMARY_FILE};
 use crate::pixels::{PixelsError, png, write_atomically};
+use crate::slips;
 use crate::table::markdown::{Align, MarkdownTable};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Files of a run that are published beside its answers.
-const FILES: [&str; 7] = [
+const FILES: [&str; 9] = [
     "experiment.toml",
     "provenance.json",
     "environments.csv",
     "errors.csv",
+    "errors_by_n_dot_v.csv",
+    slips::FILE_NAME,
     "timings.csv",
     "timing_ratios.csv",
     SUMMARY_FILE,
@@ -21,6 +24,8 @@ const FILE_BYTES_MAX: u64 = 1 << 20;
 /// Contact sheets that are published, and their width, pixels.
 const SHEET_COUNT: usize = 2;
 const SHEET_WIDTH_MAX: u32 = 1200;
+/// What a person adds to the published folder of a run: kept, and read into the page.
+const REMARK_FILE: &str = "remark.md";
 /// The page over all runs.
 const PAGE: &str = "README.md";
 
@@ -56,7 +61,10 @@ pub fn publish(dir: &Path, into: &Path) -> Result<Vec<String>, PublishError> {
     let mut notes = Vec::new();
     // What an earlier publication left and this one does not have must not stand beside it.
     for folder in [target.clone(), target.join(FOLDER)] {
-        for entry in std::fs::read_dir(&folder).map_err(io(&folder))?.flatten().filter(|entry| entry.path().is_file()) {
+        for entry in std::fs::read_dir(&folder).map_err(io(&folder))?.flatten() {
+            if !entry.path().is_file() || entry.file_name() == REMARK_FILE {
+                continue;
+            }
             std::fs::remove_file(entry.path()).map_err(io(&folder))?;
         }
     }
@@ -92,37 +100,51 @@ fn sheets(folder: &Path) -> Result<Vec<PathBuf>, PublishError> {
 
 /// Writes `README.md` of a folder of published runs: the answers of all of them. Returns its path.
 pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
-    let mut runs: Vec<(String, AnswerRecord)> = Vec::new();
+    let mut runs: Vec<Published> = Vec::new();
     for entry in std::fs::read_dir(into).map_err(io(into))?.flatten() {
         if entry.path().join(FOLDER).join(ANSWER_FILE).exists() {
             let folder = entry.file_name().to_string_lossy().into_owned();
-            runs.push((folder, AnswerRecord::read(&entry.path())?));
+            // A remark is a person's choice; most runs have none.
+            let remark = std::fs::read_to_string(entry.path().join(REMARK_FILE)).unwrap_or_default();
+            runs.push(Published { folder, remark, run: AnswerRecord::read(&entry.path())? });
         }
     }
-    runs.sort_by(|a, b| a.0.cmp(&b.0));
+    runs.sort_by(|a, b| a.folder.cmp(&b.folder));
     let path = into.join(PAGE);
     let text = page(&runs);
     write_atomically(&path, |writer| writer.write_all(text.as_bytes()))?;
     Ok(path)
 }
 
-/// The page over published runs, each with the name of its folder.
-pub fn page(runs: &[(String, AnswerRecord)]) -> String {
-    let mut text = "# The answers in a page\n\nWritten by `splitsum answers --publish` from the runs in this folder, not by hand. Each run has its \
+/// A run in a folder of published ones.
+struct Published {
+    /// Name of its folder.
+    folder: String,
+    /// What a person wrote of it.
+    remark: String,
+    run: AnswerRecord,
+}
+
+/// The page over published runs.
+fn page(runs: &[Published]) -> String {
+    let mut text = "# The answers in a page\n\nWritten by `splitsum answers --publish` from the runs in this folder; only the remarks are a person's (`NAME/remark.md`). Each run has its \
                     tables, pictures and provenance; its summary says more.\n\n"
         .to_owned();
     let mut table = MarkdownTable::new(&[("run", Align::Left), ("question", Align::Left), ("answer", Align::Left)]);
-    for (folder, run) in runs {
+    for Published { folder, run, .. } in runs {
         table.row(&[&format!("[{}]({folder}/{SUMMARY_FILE})", run.name), &run.question, &run.answer.sentence]);
     }
     text += &format!("{table}\n");
-    if runs.iter().any(|(_, run)| run.is_cpu_timed) {
+    if runs.iter().any(|published| published.run.is_cpu_timed) {
         text += "**All times are those of a CPU driver where it is named below: they say nothing about a GPU.** Errors do not depend on the \
                  device's speed.\n\n";
     }
-    for (folder, run) in runs {
+    for Published { folder, remark, run } in runs {
         text += &format!("## {}\n\n{}\n\n**{}**\n\n", run.name, run.question, run.answer.sentence);
         text.extend(run.answer.facts.iter().map(|fact| format!("- {fact}\n")));
+        if !remark.trim().is_empty() {
+            text += &format!("\n{}\n", remark.trim());
+        }
         let pictures: Vec<&String> = run.files.iter().filter(|name| name.ends_with(".svg")).collect();
         if !pictures.is_empty() {
             text.push('\n');

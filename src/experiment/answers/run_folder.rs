@@ -2,6 +2,8 @@
 
 use crate::experiment::store::FailureRecord;
 use crate::experiment::timing::TimingRecord;
+use crate::files::read_regular;
+use crate::slips;
 use crate::table::csv::{Table, TableError};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
@@ -42,6 +44,8 @@ pub struct RunFolder {
     pub bins: Option<Table>,
     /// What the light is like; `None` for a run that has no such table.
     pub environments: Option<Table>,
+    /// What each slip of the source documents costs, where the experiment asks for it.
+    pub slips: Option<Table>,
     pub timings: Vec<TimingRecord>,
     pub failures: Vec<FailureRecord>,
     /// By cell; empty for runs older than `images.csv`.
@@ -69,6 +73,7 @@ impl RunFolder {
             experiment: text(&dir.join("experiment.toml"))?.unwrap_or_default(),
             bins: table("errors_by_n_dot_v.csv")?,
             environments: table("environments.csv")?,
+            slips: table(slips::FILE_NAME)?,
             timings: records(&dir.join("timings"))?,
             failures: records(&dir.join("failed"))?,
             images: table("images.csv")?.map_or_else(|| Ok(BTreeMap::new()), |table| images(&table))?,
@@ -126,9 +131,12 @@ fn images(table: &Table) -> Result<BTreeMap<String, CellImages>, RunFolderError>
     Ok(table.rows.iter().map(entry).collect())
 }
 
+/// Largest file of a run that is read, bytes.
+const MAX_FILE_BYTES: u64 = 1 << 30;
+
 /// The text of a file, or `None` when it does not exist.
 fn text(path: &Path) -> Result<Option<String>, RunFolderError> {
-    match std::fs::read_to_string(path) {
+    match read_regular(path, MAX_FILE_BYTES).and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other)) {
         Ok(text) => Ok(Some(text)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(RunFolderError::Io { path: path.to_owned(), error }),
