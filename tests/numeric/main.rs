@@ -13,6 +13,7 @@ mod published;
 mod reference;
 mod report;
 mod report_live;
+mod robustness;
 mod scene;
 mod slips;
 mod table;
