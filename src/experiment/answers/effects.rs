@@ -1,8 +1,9 @@
 //! What each parameter of a method does to its error: ratios of pairs of cells that differ in that parameter alone.
 //!
 //! For a swept axis, its first value is the base. Every cell with another value is divided by the cell that has the base and agrees
-//! on all other axes; the ratio's geometric mean over all such pairs has Student's 95 % interval in logarithms. An axis that one of the two
-//! cells does not use stands at its default in the other.
+//! on all other axes; the ratio's geometric mean over all such pairs has Student's 95 % interval in logarithms. Point sets of one case are
+//! averaged first and count as one pair: they share all that makes cases differ, and would narrow the interval without telling more. An axis
+//! that one of the two cells does not use stands at its default in the other.
 
 use super::slope::mean_95;
 use super::study::{Role, Row, Study};
@@ -64,7 +65,8 @@ fn of_axis(study: &Study, axis: usize) -> Vec<Effect> {
     let bases: Vec<&Row> = rows.iter().copied().filter(|row| row.axes[axis] == *base).collect();
     // Pairs by value, method and alpha, in the order of the rows.
     let mut order: Vec<[String; 3]> = Vec::new();
-    let mut logs: BTreeMap<[String; 3], Vec<f64>> = BTreeMap::new();
+    let mut logs: BTreeMap<[String; 3], BTreeMap<Vec<&str>, Vec<f64>>> = BTreeMap::new();
+    let point_set = study.axis("point_set");
     for row in rows.iter().filter(|row| !row.axes[axis].is_empty() && row.axes[axis] != *base) {
         let Some(partner) = bases.iter().find(|other| agrees(row, other)) else { continue };
         let (Some(error), Some(of_base)) = (row.error, partner.error) else { continue };
@@ -75,15 +77,19 @@ fn of_axis(study: &Study, axis: usize) -> Vec<Effect> {
             if !logs.contains_key(key) {
                 order.push(key.clone());
             }
-            logs.entry(key.clone()).or_default().push((error / of_base).ln());
+            let others =
+                row.axes.iter().enumerate().filter(|(index, _)| Some(*index) != point_set && !display.contains(index));
+            let case = others.map(|(_, value)| value.as_str()).collect();
+            logs.entry(key.clone()).or_default().entry(case).or_default().push((error / of_base).ln());
         }
     }
     let is_swept_alpha = study.axis("alpha").is_some_and(|alpha| study.axes[alpha].values.len() > 1);
     order.sort_by_key(|[_, _, alpha]| !alpha.is_empty());
     let effect = |key: &[String; 3]| {
         let [value, method, alpha] = key.clone();
-        let own = &logs[key];
-        let (mean, half) = mean_95(own)?;
+        let own: Vec<f64> =
+            logs[key].values().map(|of_case| of_case.iter().sum::<f64>() / of_case.len() as f64).collect();
+        let (mean, half) = mean_95(&own)?;
         Some(Effect {
             axis: name.to_owned(),
             base: base.clone(),

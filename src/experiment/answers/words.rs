@@ -136,7 +136,11 @@ fn from_effects(answers: &Answers) -> Option<Answer> {
             true => format!("95 % {} to {}, ", text(effect.interval[0]), text(effect.interval[1])),
             false => String::new(),
         };
-        let method = if effect.method.is_empty() { String::new() } else { format!(" of {}", effect.method) };
+        let method = match (effect.axis.as_str(), effect.method.as_str()) {
+            (_, "" | "none") => String::new(),
+            ("method", samples) => format!(" at {samples} samples"),
+            (_, method) => format!(" of {method}"),
+        };
         format!(
             "{} {} instead of {} multiplies the error{method} by {} ({interval}{} {}).",
             effect.axis,

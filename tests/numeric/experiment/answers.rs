@@ -310,6 +310,18 @@ fn an_effect_is_the_ratio_of_cells_that_differ_in_nothing_else() {
     let one = find("lod_bias", "1", "sampled 40", None);
     assert!((one.ratio - 1.0 / 3.0).abs() < F64 && one.interval[0] < 0.01 && one.interval[1] > 10.0, "{one:?}");
     assert!((find("lod_bias", "1", "sampled 40", Some("0.1")).ratio - 0.5 / 3.0).abs() < F64);
+    let mut sets = Made::new(&["alpha", "method", "samples", "lod_bias", "point_set"]);
+    for (alpha, factor) in [("0.1", 2.0), ("0.5", 8.0)] {
+        for (set, luck) in [("0", 1.5), ("1", 1.0 / 1.5), ("2", 1.0)] {
+            sets.add(&[alpha, "sampled", "16", "0", set], 1.0);
+            sets.add(&[alpha, "sampled", "16", "1", set], factor * luck);
+        }
+    }
+    let of_sets = tempfile::tempdir().unwrap();
+    let (of_sets, _) = sets.answers(of_sets.path(), [1.0; 3]);
+    let effect = of_sets.effects.iter().find(|effect| effect.axis == "lod_bias" && effect.alpha.is_none()).unwrap();
+    // Two cases, not six pairs: the geometric mean of 2 and 8, with one degree of freedom.
+    assert!(effect.n == 2 && (effect.ratio - 4.0).abs() < F64 && effect.interval[1] > 1e3, "{effect:?}");
     // The method without bias stands beside the default bias of the other.
     let unfiltered = find("method", "sampled-unfiltered", "16", None);
     assert!((unfiltered.ratio - 10.0).abs() < F64 && unfiltered.n == 2, "{unfiltered:?}");
