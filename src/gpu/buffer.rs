@@ -46,11 +46,17 @@ impl Gpu {
     pub fn buffer_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let buffer = self.buffer(name, bytes.len() as u64)?;
+        self.write_buffer(&buffer, bytes)?;
+        Ok(buffer)
+    }
+
+    /// Fills `buffer`, whose size `bytes` must have.
+    pub fn write_buffer(&self, buffer: &Buffer, bytes: &[u8]) -> Result<(), GpuError> {
+        let name = &buffer.inner.name;
         let staging = self.staging_from(name, bytes)?;
         let mut recorder = self.record(name)?;
-        recorder.copy_buffer(&staging, &buffer)?;
-        recorder.submit()?;
-        Ok(buffer)
+        recorder.copy_buffer(&staging, buffer)?;
+        recorder.submit().map(|_| ())
     }
 
     /// The contents of `buffer`, whose size must be a multiple of `T`'s.

@@ -61,7 +61,7 @@ impl Pipeline {
 
         for diffuse in ["sh9", "irradiance-map"] {
             view.0.diffuse = diffuse_by_name(diffuse).expect("a listed diffuse method");
-            let prepared = self.resources.prepare(&self.gpu, &view.0)?;
+            let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view.0)?;
             let tables = prepared.tables();
             if diffuse == "sh9" {
                 let texels: Vec<[f32; 4]> = self.gpu.read_buffer(tables.sh9)?;
@@ -78,7 +78,7 @@ impl Pipeline {
         view.0.method = method_by_name("split-sum").expect("a listed method");
         for brdf in &request.brdfs {
             view.0.brdf = *brdf;
-            let prepared = self.resources.prepare(&self.gpu, &view.0)?;
+            let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view.0)?;
             let tables = prepared.tables();
             for mip in 0..tables.prefiltered.mip_count() {
                 let path = out.join(format!("prefiltered_{}_{mip}.exr", brdf.name()));

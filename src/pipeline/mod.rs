@@ -1,15 +1,21 @@
 //! Runs environment, precompute, gbuffer, shade and tonemap in this order.
 //!
-//! Tables, scenes and g-buffers are kept by what determines them, so that a sweep makes each once.
+//! Tables, scenes and g-buffers are kept by what determines them, so that a sweep makes each once. With a [`DiskCache`] tables and
+//! references are kept for later runs, too.
 
 mod bake;
 mod cache;
+mod disk_cache;
+mod kept_reference;
 mod prepare;
 mod request;
+mod shared_work;
 
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, devices};
 pub use bake::BakeRequest;
+pub use disk_cache::{DiskCache, DiskCacheError};
 pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
+pub use shared_work::{SharedWork, Tally};
 
 use crate::glsl::constants::GROUP_SIDE;
 use crate::gpu::{Buffer, Gpu, GpuError, Report};
@@ -19,7 +25,9 @@ use crate::shade::pass::{ShadeSettings, light_data};
 use crate::shade::reference_pass::{Convergence, ReferenceRun};
 use crate::tonemap::ToneCurve;
 use crate::tonemap::pass::TonemapPass;
+use kept_reference::Reference;
 use prepare::{Prepared, Resources};
+use shared_work::Kept;
 
 /// Why a frame could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -51,18 +59,41 @@ pub struct Pipeline {
     gpu: Gpu,
     resources: Resources,
     tonemap: TonemapPass,
+    kept: Kept,
 }
 
 impl Pipeline {
     /// Opens a device.
     pub fn new(options: Options) -> Result<Self, PipelineError> {
         let gpu = Gpu::new(options)?;
-        Ok(Self { resources: Resources::new(&gpu)?, tonemap: TonemapPass::new(&gpu)?, gpu })
+        Ok(Self { resources: Resources::new(&gpu)?, tonemap: TonemapPass::new(&gpu)?, kept: Kept::default(), gpu })
     }
 
     /// What is known of the device.
     pub fn device(&self) -> &DeviceInfo {
         self.gpu.info()
+    }
+
+    /// Takes tables and references from `cache` where it has them, and adds those that are made. Timed passes never come from it.
+    pub fn keep_on_disk(&mut self, mut cache: DiskCache) {
+        let DeviceInfo { name, driver, api_version, .. } = self.gpu.info();
+        cache.extend_base(&format!("device={name}\ndriver={driver}\napi_version={api_version}\n"));
+        self.kept.disk = Some(cache);
+    }
+
+    /// What frames shared so far; timing rounds do not count.
+    pub fn shared_work(&self) -> &SharedWork {
+        &self.kept.work
+    }
+
+    /// What went wrong with the cache since the last call: no fault of any frame.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        self.kept.disk.as_mut().map(DiskCache::take_warnings).unwrap_or_default()
+    }
+
+    /// Host time in which the device worked or was waited for so far, ms.
+    pub fn waited_ms(&self) -> f64 {
+        self.gpu.waited_ms()
     }
 
     /// Messages of the validation layer so far; empty without validation.
@@ -72,7 +103,23 @@ impl Pipeline {
 
     /// Renders one radiance image.
     pub fn render(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
-        let prepared = self.resources.prepare(&self.gpu, request)?;
+        let Some(key) = kept_reference::key(request) else { return self.rendered(request) };
+        let kept = self.kept.load("reference", &key).and_then(|bytes| Reference::from_bytes(&bytes, request.size));
+        if let Some(Reference { radiance, standard_error, convergences }) = kept {
+            let (_, target) = self.resources.view(&self.gpu, request)?;
+            let (mask, n_dot_v) = (target.mask.clone(), target.n_dot_v.clone());
+            return Ok(Frame { radiance, standard_error, convergences, mask, n_dot_v, timings: FrameTimings::default() });
+        }
+        let frame = self.rendered(request)?;
+        self.kept.store("reference", &key, || {
+            let (radiance, standard_error) = (frame.radiance.clone(), frame.standard_error.clone());
+            Ok(Reference { radiance, standard_error, convergences: frame.convergences.clone() }.to_bytes())
+        })?;
+        Ok(frame)
+    }
+
+    fn rendered(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
+        let prepared = self.resources.prepare(&self.gpu, &mut self.kept, request)?;
         let (report, convergences) = self.shade(request, &prepared)?;
         let (radiance, standard_error) = read_radiance(&self.gpu, &prepared, request)?;
         Ok(Frame {
@@ -104,7 +151,7 @@ impl Pipeline {
 
     /// Times the per-frame passes, tone curve included: `warmup` rounds that do not count, then `rounds`.
     pub fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, PipelineError> {
-        let prepared = self.resources.prepare(&self.gpu, request)?;
+        let prepared = self.resources.prepare(&self.gpu, &mut self.kept, request)?;
         let packed = TonemapPass::packed(&self.gpu, request.size)?;
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
@@ -121,7 +168,7 @@ impl Pipeline {
         Ok(samples)
     }
 
-    /// Times the precompute passes that `request` needs, each made anew in every round.
+    /// Times the precompute passes that `request` needs, each made anew in every round: nothing comes from memory or from the disk.
     pub fn time_precompute(
         &mut self,
         request: &RenderRequest,
@@ -131,7 +178,7 @@ impl Pipeline {
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
             self.resources.forget_tables();
-            let report = self.resources.prepare(&self.gpu, request)?.precompute;
+            let report = self.resources.prepare(&self.gpu, &mut Kept::default(), request)?.precompute;
             if round >= warmup {
                 samples.push(&report.passes, report.wall_ms);
             }
@@ -225,7 +272,7 @@ fn settings(request: &RenderRequest, prepared: &Prepared) -> ShadeSettings {
         camera: request.camera,
         environment_rotation_deg: request.environment_rotation_deg,
         environment_scale: request.environment_scale,
-        environment_size: prepared.environment.image.mip_size(0),
+        environment_size: prepared.environment.mip_size(0),
         sample_count: request.samples,
         lod_bias: request.lod_bias,
         prefilter_level_count: prepared.prefiltered.mip_count(),

@@ -76,7 +76,7 @@ pub struct Frame {
 /// Device times of one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameTimings {
-    /// Precompute passes that ran for this frame: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty when all tables were cached.
+    /// Precompute passes that ran for this frame: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty when all tables were there already.
     pub precompute: Vec<PassTime>,
     /// Per-frame passes: `gbuffer`, `shade-specular`, `shade-diffuse`, `shade-lights`, `background`, `tonemap`.
     pub frame: Vec<PassTime>,
