@@ -13,7 +13,7 @@ use crate::experiment::summary;
 use crate::experiment::tables::{self, CellResult, Results};
 use crate::experiment::timing::{self, TimingJob, TimingRecord};
 use crate::experiment::trace;
-use crate::pipeline::DeviceInfo;
+use crate::pipeline::{DeviceInfo, SharedWork, Tally};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -53,6 +53,38 @@ pub struct Outcome {
     pub failures: Vec<FailureRecord>,
     /// Whether it was stopped before all steps were tried.
     pub is_stopped: bool,
+    /// What this invocation did; nothing where all was done before.
+    pub work: Option<Work>,
+}
+
+/// What an invocation spent and shared.
+#[derive(Clone, Debug, Default)]
+pub struct Work {
+    /// Host time in which the device worked or was waited for, ms.
+    pub waited_ms: f64,
+    pub shared: SharedWork,
+    /// References that an earlier invocation had left in the run's folder.
+    pub references_read_back: usize,
+}
+
+impl Work {
+    /// One line for the user, after `wall_ms` of the whole invocation.
+    pub fn line(&self, wall_ms: f64) -> String {
+        let mut made = Vec::new();
+        for (kind, Tally { made: count, read }) in &self.shared {
+            let from_disk = if *read > 0 { format!(" (and {read} from the cache)") } else { String::new() };
+            made.push(format!("{kind} {count}{from_disk}"));
+        }
+        if self.references_read_back > 0 {
+            made.push(format!("references of the run read back {}", self.references_read_back));
+        }
+        format!(
+            "{:.1} s, {:.0} % of it without the device. Made once and shared: {}",
+            wall_ms / 1e3,
+            100.0 * (1.0 - self.waited_ms / wall_ms).max(0.0),
+            if made.is_empty() { "nothing".to_owned() } else { made.join(", ") }
+        )
+    }
 }
 
 /// Why a run ended early.
@@ -80,6 +112,7 @@ pub fn run(
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<Outcome, RunError> {
+    let started = Instant::now();
     // A new run leaves nothing behind when there is no device.
     let folder = Store::at(&options.dir);
     folder.check_identity(plan)?;
@@ -97,12 +130,19 @@ pub fn run(
             None => make_renderer().map_err(fault_error)?,
         };
         run.begin_session(&renderer.device())?;
-        let result = run.work(renderer, progress);
+        let mut renderer = renderer;
+        let result = run.work(renderer.as_mut(), progress);
         // What is done is kept also when the device was lost.
         run.write_tables()?;
+        run.work = Some(Work {
+            waited_ms: renderer.waited_ms(),
+            shared: renderer.shared_work(),
+            references_read_back: run.references_read,
+        });
+        run.end_session(&renderer.device(), started)?;
         result?;
     }
-    run.finish(steps_left > 0)
+    run.finish()
 }
 
 fn fault_error(fault: RenderFault) -> RunError {
@@ -120,10 +160,10 @@ struct Run<'p> {
     tables_written: Instant,
     /// Whether a failure ended the run.
     is_halted: bool,
-    /// Host time in which the device worked or was waited for, ms.
-    device_ms: f64,
     /// References that an earlier invocation had rendered.
     references_read: usize,
+    /// There when this invocation did something.
+    work: Option<Work>,
 }
 
 impl<'p> Run<'p> {
@@ -144,8 +184,8 @@ impl<'p> Run<'p> {
             timings: Vec::new(),
             tables_written: Instant::now(),
             is_halted: false,
-            device_ms: 0.0,
             references_read: 0,
+            work: None,
         })
     }
 
@@ -174,21 +214,20 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    fn work(&mut self, mut renderer: Box<dyn Renderer>, progress: &mut dyn Progress) -> Result<(), RunError> {
-        let started = Instant::now();
-        self.cells(renderer.as_mut(), progress)?;
-        self.time(renderer.as_mut(), progress)?;
-        let wall_ms = milliseconds(started);
-        let reused = match self.references_read {
-            0 => String::new(),
-            count => format!("; {count} references were read back"),
-        };
-        progress.note(&format!(
-            "{:.1} s, {:.0} % of it without the device{reused}",
-            wall_ms / 1e3,
-            100.0 * (1.0 - self.device_ms / wall_ms).max(0.0)
-        ));
-        Ok(())
+    /// Completes this invocation's entry in the provenance.
+    fn end_session(&self, device: &DeviceInfo, started: Instant) -> Result<(), RunError> {
+        let (path, Some(work)) = (self.store.provenance_path(), &self.work) else { return Ok(()) };
+        let Some(mut value) = self.store.read::<serde_json::Value>(&path)? else { return Ok(()) };
+        if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {
+            provenance::end_session(session, device, work, milliseconds(started));
+        }
+        Ok(self.store.write_json(&path, &value)?)
+    }
+
+    fn work(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let result = self.cells(renderer, progress).and_then(|()| self.time(renderer, progress));
+        renderer.take_warnings().iter().for_each(|warning| progress.note(&format!("warning: {warning}")));
+        result
     }
 
     fn remember(&mut self, record: CellRecord) {
@@ -222,7 +261,7 @@ impl<'p> Run<'p> {
 
     /// Tables, contact sheets and the summary of all that is done. The summary comes last: where it stands and nothing was
     /// added, the sheets are whole.
-    fn finish(mut self, has_worked: bool) -> Result<Outcome, RunError> {
+    fn finish(mut self) -> Result<Outcome, RunError> {
         for job in &self.jobs {
             self.timings.extend(self.store.timing::<TimingRecord>(&job.id)?);
         }
@@ -245,7 +284,7 @@ impl<'p> Run<'p> {
         }
         let summary = summary::markdown(self.plan, &self.results, &self.timings);
         let summary_path = self.store.dir().join("summary.md");
-        if has_worked || std::fs::read_to_string(&summary_path).ok().as_deref() != Some(&summary) {
+        if self.work.is_some() || std::fs::read_to_string(&summary_path).ok().as_deref() != Some(&summary) {
             sheets::write_sheets(&self.store, self.plan, &self.results)?;
             self.store.write_text(&summary_path, &summary)?;
         }
@@ -258,6 +297,7 @@ impl<'p> Run<'p> {
             summary,
             failures: self.plan.cells.iter().filter_map(is_failure).collect(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
+            work: self.work.clone(),
         })
     }
 }

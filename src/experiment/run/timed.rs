@@ -3,7 +3,7 @@
 //! Configurations that are compared form a block. A block is timed in rounds; each round times every configuration once, in a new random
 //! order, so that drift and disturbances of the machine meet all of them alike (a randomised complete block design).
 
-use super::{Progress, Run, RunError, cell_result, milliseconds};
+use super::{Progress, Run, RunError, cell_result};
 use crate::experiment::config::{Timing, Warmup};
 use crate::experiment::renderer::{RenderFault, Renderer};
 use crate::experiment::statistics::{Random, median};
@@ -40,9 +40,7 @@ impl<'p> Run<'p> {
             if block.iter().all(|job| self.store.has_timing(&job.id)) {
                 continue;
             }
-            let started = Instant::now();
             let timed = self.time_block(block, timing, renderer);
-            self.device_ms += milliseconds(started);
             match cell_result(timed)? {
                 Ok(timed) => {
                     let device = renderer.device();
