@@ -48,6 +48,7 @@ fn request(brdf: &'static dyn Brdf, method: &str, size: u32, environment_size: [
         brdf,
         masking_shadowing: Default::default(),
         samples: 40,
+        sequence: &splitsum::math::sequence::SEQUENCES[0],
         point_set: 0,
         reference_samples: 4096,
         reference_error: None,

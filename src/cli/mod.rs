@@ -1,6 +1,7 @@
 //! The command line: one file a command, each a thin layer over the library.
 
 mod bake;
+mod cache;
 mod compare;
 mod devices;
 mod integrate;

@@ -1,6 +1,6 @@
 //! `splitsum plan`: what a run would do.
 
-use super::run::default_dir;
+use super::run::{default_dir, load_plan};
 use super::{Failure, print};
 use clap::Args;
 use serde_json::json;
@@ -26,6 +26,9 @@ pub struct Arguments {
     /// Replaces the values of an axis, as axis=v1,v2.
     #[arg(long = "set", value_name = "AXIS=VALUES")]
     overrides: Vec<String>,
+    /// Sets NaN, infinite and negative texels of environments to 0, with a warning, instead of refusing them.
+    #[arg(long)]
+    clamp_invalid: bool,
     /// Prints JSON for programs.
     #[arg(long)]
     json: bool,
@@ -70,7 +73,7 @@ struct Cost {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let plan = Plan::load(&arguments.experiment, &arguments.overrides).map_err(Failure::input)?;
+    let plan = load_plan(&arguments.experiment, &arguments.overrides, arguments.clamp_invalid)?;
     let dir = default_dir(&plan, arguments.out.as_ref());
     let store = Store::at(&dir);
     store.check_identity(&plan).map_err(Failure::input)?;

@@ -1,13 +1,16 @@
 //! `splitsum run`.
 
+use super::cache::CacheArguments;
 use super::progress::Terminal;
 use super::{Failure, print};
 use clap::Args;
+use splitsum::environment::LoadOptions;
 use splitsum::experiment::{Plan, Progress, RenderFault, Renderer, RunOptions, run};
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::report::ReportOptions;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// Runs an experiment, or what is left of it.
 #[derive(Args, Debug)]
@@ -27,12 +30,17 @@ pub struct Arguments {
     /// Replaces the values of an axis, as axis=v1,v2. Paths are relative to the current folder.
     #[arg(long = "set", value_name = "AXIS=VALUES")]
     overrides: Vec<String>,
+    /// Sets NaN, infinite and negative texels of environments to 0, with a warning, instead of refusing them.
+    #[arg(long)]
+    clamp_invalid: bool,
     /// Ends the run at the first cell that fails; without it the others are still done.
     #[arg(long)]
     fail_fast: bool,
     /// Writes the timed passes to trace.json, which Perfetto opens (needs [timing] in the experiment).
     #[arg(long)]
     trace: bool,
+    #[command(flatten)]
+    cache: CacheArguments,
     /// Index of the device, as `splitsum devices` lists them.
     #[arg(long, value_name = "N")]
     device: Option<usize>,
@@ -44,7 +52,8 @@ static STOP: AtomicBool = AtomicBool::new(false);
 const EXIT_INTERRUPTED: i32 = 130;
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let plan = Plan::load(&arguments.experiment, &arguments.overrides).map_err(Failure::input)?;
+    let started = Instant::now();
+    let plan = load_plan(&arguments.experiment, &arguments.overrides, arguments.clamp_invalid)?;
     if plan.cells.is_empty() {
         return Err(Failure::NothingToDo(format!("{}: no cell is left", arguments.experiment.display())));
     }
@@ -70,13 +79,23 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         fail_fast: arguments.fail_fast,
         trace: arguments.trace,
     };
-    let mut open = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(open_device(arguments.device)?)) };
+    let mut open = || -> Result<Box<dyn Renderer>, RenderFault> {
+        let cache = arguments.cache.open()?;
+        let mut pipeline = open_device(arguments.device)?;
+        if let Some(cache) = cache {
+            pipeline.keep_on_disk(cache);
+        }
+        Ok(Box::new(pipeline))
+    };
     let outcome = run(&plan, &mut open, &options, &mut progress)?;
     print(&outcome.summary)?;
     print(&format!("Written to {}\n", outcome.dir.display()))?;
     // The run is kept whatever becomes of its report.
     let report = splitsum::report::write(&ReportOptions::of_run(&outcome.dir)).map_err(Failure::failed);
     print(&report.as_ref().map_or_else(|failure| format!("No report: {failure}\n"), super::report::line))?;
+    if let Some(work) = &outcome.work {
+        progress.note(&work.line(started.elapsed().as_secs_f64() * 1e3));
+    }
     if outcome.is_stopped && outcome.failures.is_empty() {
         let command: Vec<String> = options.command_line;
         return Err(Failure::Failed(format!("stopped; to go on: {}", command.join(" "))));
@@ -92,6 +111,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         )));
     }
     Ok(())
+}
+
+/// The checked experiment of `run` and `plan`.
+pub fn load_plan(path: &Path, overrides: &[String], clamp_invalid: bool) -> Result<Plan, Failure> {
+    let options = LoadOptions { clamp_invalid, ..LoadOptions::default() };
+    Plan::load_with(path, overrides, &options).map_err(Failure::input)
 }
 
 /// The folder of a run when none is given.

@@ -71,7 +71,7 @@ pub const PRECOMPUTE: &str = "precompute";
 pub const FRAME: &str = "frame";
 
 /// Axes that change the cost of a frame. `alpha` is not one: all widths run the same instructions.
-const FRAME_AXES: &[&str] = &["scene", "brdf", "method", "diffuse", "samples", "masking"];
+const FRAME_AXES: &[&str] = &["scene", "brdf", "method", "diffuse", "samples", "masking", "storage_format"];
 /// Axes besides those of the precompute settings that change which tables are made, and their cost.
 const PRECOMPUTE_AXES: &[&str] = &["brdf", "method", "diffuse", "masking"];
 

@@ -4,6 +4,7 @@ use super::{Pipeline, PipelineError, RenderRequest};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::gpu::{Gpu, Image};
+use crate::math::sequence::SEQUENCES;
 use crate::pixels::{GrayImage, Pixels, RgbImage, exr, write_atomically};
 use crate::precompute::{PrecomputeSettings, prefilter};
 use crate::scene::{Camera, CameraKind, SCENES};
@@ -132,6 +133,7 @@ impl RequestView {
             brdf: &crate::brdf::Ggx,
             masking_shadowing: request.masking_shadowing,
             samples: 1,
+            sequence: &SEQUENCES[0],
             point_set: 0,
             reference_error: None,
             reference_samples: 1,

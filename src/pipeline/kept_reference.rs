@@ -33,6 +33,7 @@ pub(super) fn key(request: &RenderRequest) -> Option<String> {
         precompute,
         seed,
         // Parameters of sampled methods only.
+        sequence: _,
         point_set: _,
         lod_bias: _,
     } = request;

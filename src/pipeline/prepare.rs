@@ -10,6 +10,7 @@ use crate::environment::{
 };
 use crate::gbuffer::pass::{GbufferImages, GbufferPass, SceneData};
 use crate::gpu::{Buffer, Format, Gpu, GpuError, Image, Report};
+use crate::math::sequence::SEQUENCES;
 use crate::pixels::GrayImage;
 use crate::precompute::dfg::pass::DfgPass;
 use crate::precompute::irradiance::pass::IrradiancePass;
@@ -44,7 +45,7 @@ pub(super) struct Resources {
     dfg_tables: Recent<String, Levels>,
     /// Copies of tables in the format that a request asks for.
     halves: Recent<String, Image>,
-    points: Recent<(u32, u32), Buffer>,
+    points: Recent<(u32, &'static str, u32), Buffer>,
     scenes: Recent<String, Arc<SceneData>>,
     targets: Recent<TargetKey, Arc<Target>>,
     /// Stand for tables that a request does not use, because every binding needs something.
@@ -179,8 +180,9 @@ impl Resources {
             false => self.blank_image.clone(),
         };
         let dfg = if needs_dfg { self.dfg_table(maker, request)? } else { self.blank_image.clone() };
-        let points = self.points.get_or_make((samples_per_pixel, request.point_set), || {
-            points::upload(gpu, samples_per_pixel, request.point_set)
+        let (sequence, set) = (request.sequence, request.point_set);
+        let points = self.points.get_or_make((samples_per_pixel, sequence.name, set), || {
+            points::upload(gpu, samples_per_pixel, sequence, set)
         })?;
         let (scene, target) = self.view(gpu, request)?;
         let lights = light_bytes(request).map(|bytes| gpu.buffer_from("lights", &bytes)).transpose()?;
@@ -282,7 +284,10 @@ impl Resources {
         if let Entry::Vacant(entry) = self.prefilter.entry(name) {
             entry.insert(PrefilterPass::new(gpu, request.brdf)?);
         }
-        let points = self.points.get_or_make((sample_count, 0), || points::upload(gpu, sample_count, 0))?;
+        let sequence = &SEQUENCES[0];
+        let points = self.points.get_or_make((sample_count, sequence.name, 0), || {
+            points::upload(gpu, sample_count, sequence, 0)
+        })?;
         let (pass, sampler) = (&self.prefilter[name], self.shade.equirect_sampler());
         let key = format!(
             "environment={}\nbrdf={name}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n",

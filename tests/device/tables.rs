@@ -12,6 +12,7 @@ use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, uv_from_dir
 use splitsum::math::quadrature;
 use splitsum::math::spherical_harmonics::{COUNT, irradiance};
 use splitsum::pixels::{Pixels, RgbImage};
+use splitsum::math::sequence::SEQUENCES;
 use splitsum::precompute::dfg::pass::DfgPass;
 use splitsum::precompute::dfg::{self, reference::dfg};
 use splitsum::precompute::irradiance::{pass::IrradiancePass, reference::irradiance as exact_irradiance};
@@ -217,7 +218,7 @@ pub fn prefiltered(
 ) -> Vec<Pixels<DVec3>> {
     let map = PrefilterPass::map(gpu, size, levels).unwrap();
     poison_image(gpu, &map);
-    let points = points::upload(gpu, sample_count, 0).unwrap();
+    let points = points::upload(gpu, sample_count, &SEQUENCES[0], 0).unwrap();
     let pass = PrefilterPass::new(gpu, model).unwrap();
     pass.run(gpu, image, &equirect_sampler(gpu), &points, sample_count, &map).unwrap();
     (0..levels).map(|level| read_level(gpu, &map, level)).collect()
