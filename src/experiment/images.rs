@@ -9,6 +9,8 @@ use crate::pipeline::Frame;
 use crate::pixels::{GrayImage, PixelsError, Rgb8Image, exr, png};
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::csv::Cell as Field;
+use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The layer of a reference that holds its standard error.
@@ -106,21 +108,38 @@ impl CellPictures<'_> {
     }
 }
 
+/// The file names of a cell's images, in the order of the columns of `images.csv`.
+pub(super) fn names(plan: &Plan, cell: &Cell) -> [String; 5] {
+    let reference = plan.reference_point(&cell.point);
+    [
+        radiance_name(plan, &cell.point, &cell.radiance),
+        radiance_name(plan, &reference, &cell.reference),
+        picture_name(plan, cell),
+        reference_picture_name(plan, cell),
+        error_name(plan, cell),
+    ]
+}
+
+/// Files of finished cells that are missing or not whole, in the order of their names.
+pub(super) fn damaged<'p>(plan: &Plan, store: &Store, cells: impl Iterator<Item = &'p Cell>) -> BTreeSet<String> {
+    let files: BTreeSet<String> = cells.flat_map(|cell| names(plan, cell)).collect();
+    let is_whole = |name: &str| {
+        let path = store.image_path(name);
+        match name.ends_with(".exr") {
+            true => exr::check_whole(&path).is_ok(),
+            false => std::fs::metadata(&path).is_ok_and(|metadata| metadata.len() > 0),
+        }
+    };
+    files.into_par_iter().filter(|name| !is_whole(name)).collect()
+}
+
 /// `images.csv`: which files of `images/` belong to a cell. One row a finished cell.
 pub fn index(plan: &Plan, results: &Results) -> Rows {
     let columns =
         ["cell", "radiance", "reference", "picture", "reference_picture", "error"].map(str::to_owned).to_vec();
     let is_done = |cell: &&Cell| matches!(results.get(&cell.id), Some(CellResult::Done(_)));
     let row = |cell: &Cell| {
-        let reference = plan.reference_point(&cell.point);
-        let names = [
-            radiance_name(plan, &cell.point, &cell.radiance),
-            radiance_name(plan, &reference, &cell.reference),
-            picture_name(plan, cell),
-            reference_picture_name(plan, cell),
-            error_name(plan, cell),
-        ];
-        std::iter::once(Field::from(cell.id.as_str())).chain(names.map(Field::Text)).collect()
+        std::iter::once(Field::from(cell.id.as_str())).chain(names(plan, cell).map(Field::Text)).collect()
     };
     (columns, plan.cells.iter().filter(is_done).map(row).collect())
 }

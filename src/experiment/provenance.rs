@@ -46,6 +46,7 @@ pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
         "date_utc": date_utc(seconds),
         "command_line": command_line,
         "program_version": env!("CARGO_PKG_VERSION"),
+        "program_hash": crate::pipeline::program_hash(),
         "commit": commit(),
         "device": {
             "name": device.name,

@@ -5,7 +5,8 @@ use super::plan::{Cell, Plan};
 use super::store::{BinRecord, CellRecord, Exact, Scores, Store, StoreError};
 use super::tables::HEADLINE;
 use crate::metrics::{
-    BiasVariance, BinRow, Comparison, METRICS, Metric, N_DOT_V_BIN_EDGES, Space, linear_metrics, metric, noise_floor, verdict,
+    BiasVariance, BinRow, Comparison, METRICS, Metric, N_DOT_V_BIN_EDGES, Space, linear_metrics, metric, noise_floor,
+    verdict,
 };
 use crate::pipeline::{DeviceInfo, Frame};
 use crate::pixels::{GrayImage, Rgb8Image, RgbImage, exr};
@@ -106,7 +107,8 @@ impl Rendered<'_> {
         let bins_of = |metrics: &[&dyn Metric]| -> Result<Vec<BinRecord>, ScoreFault> {
             let bins = comparison.evaluate_bins(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES, metrics);
             let bins = bins.map_err(|error| bad(&error))?.into_iter();
-            let record = |b: BinRow| BinRecord { lo: b.lo, hi: b.hi, pixel_count: b.pixel_count, scores: by_name(b.values) };
+            let record =
+                |b: BinRow| BinRecord { lo: b.lo, hi: b.hi, pixel_count: b.pixel_count, scores: by_name(b.values) };
             Ok(bins.map(record).collect())
         };
         let linear = match self.linear.get() {

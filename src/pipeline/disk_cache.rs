@@ -190,8 +190,8 @@ fn payload(mut bytes: Vec<u8>, key: &str) -> Option<Vec<u8>> {
     })
 }
 
-/// Hash of the running program's file, read once.
-fn program_hash() -> Option<&'static str> {
+/// Hash of the running program's file, read once; `None` where it cannot be read.
+pub fn program_hash() -> Option<&'static str> {
     static HASH: OnceLock<Option<String>> = OnceLock::new();
     let read = || Some(blake3::hash(&std::fs::read(std::env::current_exe().ok()?).ok()?).to_hex().to_string());
     HASH.get_or_init(read).as_deref()

@@ -13,7 +13,7 @@ mod shared_work;
 
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, devices};
 pub use bake::BakeRequest;
-pub use disk_cache::{DiskCache, DiskCacheError};
+pub use disk_cache::{DiskCache, DiskCacheError, program_hash};
 pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
 pub use shared_work::{SharedWork, Tally};
 
@@ -28,6 +28,7 @@ use crate::tonemap::pass::TonemapPass;
 use kept_reference::Reference;
 use prepare::{Prepared, Resources};
 use shared_work::Kept;
+use std::path::PathBuf;
 
 /// Why a frame could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -41,6 +42,8 @@ pub enum PipelineError {
     InvalidRadiance { stage: &'static str, count: usize, x: u32, y: u32, value: [f32; 3] },
     #[error(transparent)]
     File(#[from] PixelsError),
+    #[error("{}: cannot be removed ({error}); expected to replace what an earlier bake left", path.display())]
+    Stale { path: PathBuf, error: std::io::Error },
     #[error("{field} is 0; expected at least 1")]
     NoSamples { field: &'static str },
     #[error(transparent)]
@@ -108,7 +111,14 @@ impl Pipeline {
         if let Some(Reference { radiance, standard_error, convergences }) = kept {
             let (_, target) = self.resources.view(&self.gpu, request)?;
             let (mask, n_dot_v) = (target.mask.clone(), target.n_dot_v.clone());
-            return Ok(Frame { radiance, standard_error, convergences, mask, n_dot_v, timings: FrameTimings::default() });
+            return Ok(Frame {
+                radiance,
+                standard_error,
+                convergences,
+                mask,
+                n_dot_v,
+                timings: FrameTimings::default(),
+            });
         }
         let frame = self.rendered(request)?;
         self.kept.store("reference", &key, || {

@@ -247,9 +247,13 @@ impl Resources {
     fn coefficients(&mut self, maker: &mut Maker, hash: &str, environment: &Image) -> Result<Buffer, PipelineError> {
         let (pass, gpu) = (&self.sh9, maker.gpu);
         let key = format!("environment={hash}\n");
-        maker.table(&mut self.coefficients, "sh9", key, || Sh9Pass::coefficients(gpu), |coefficients| {
-            submit_pass(gpu, "sh9", |r| pass.record(r, environment, coefficients))
-        })
+        maker.table(
+            &mut self.coefficients,
+            "sh9",
+            key,
+            || Sh9Pass::coefficients(gpu),
+            |coefficients| submit_pass(gpu, "sh9", |r| pass.record(r, environment, coefficients)),
+        )
     }
 
     fn irradiance_map(
@@ -264,9 +268,7 @@ impl Resources {
         let key = format!("environment={}\nsize={size:?}\nsamples={sample_count:?}\n", request.environment.hash);
         let empty = || IrradiancePass::map(gpu, size).map(Levels::all);
         let made = maker.table(&mut self.irradiance_maps, "irradiance", key.clone(), empty, |map| {
-            submit_pass(gpu, "irradiance", |r| {
-                pass.record_integrate(r, environment, sampler, sample_count, &map.image)
-            })
+            submit_pass(gpu, "irradiance", |r| pass.record_integrate(r, environment, sampler, sample_count, &map.image))
         })?;
         self.stored(gpu, "irradiance", key, made.image, storage)
     }
@@ -285,9 +287,9 @@ impl Resources {
             entry.insert(PrefilterPass::new(gpu, request.brdf)?);
         }
         let sequence = &SEQUENCES[0];
-        let points = self.points.get_or_make((sample_count, sequence.name, 0), || {
-            points::upload(gpu, sample_count, sequence, 0)
-        })?;
+        let points = self
+            .points
+            .get_or_make((sample_count, sequence.name, 0), || points::upload(gpu, sample_count, sequence, 0))?;
         let (pass, sampler) = (&self.prefilter[name], self.shade.equirect_sampler());
         let key = format!(
             "environment={}\nbrdf={name}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n",
@@ -327,7 +329,9 @@ impl Resources {
     ) -> Result<Image, PipelineError> {
         match storage {
             StorageFormat::F32 => Ok(table),
-            StorageFormat::F16 => Ok(self.halves.get_or_make(format!("{kind} {key}"), || half_copy(gpu, kind, &table))?),
+            StorageFormat::F16 => {
+                Ok(self.halves.get_or_make(format!("{kind} {key}"), || half_copy(gpu, kind, &table))?)
+            }
         }
     }
 

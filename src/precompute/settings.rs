@@ -13,7 +13,15 @@ pub enum StorageFormat {
 
 impl StorageFormat {
     /// Every format with its name.
-    pub const ALL: &[(&str, Self)] = &[("f32", Self::F32), ("f16", Self::F16)];
+    pub const ALL: &[(&str, Self)] = &[(Self::F32.name(), Self::F32), (Self::F16.name(), Self::F16)];
+
+    /// Name in files and tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F16 => "f16",
+        }
+    }
 }
 
 /// The largest half. Brighter texels (a sun) are cut off here, as engines do: an infinite one would spoil every texel filtered with it.

@@ -17,7 +17,11 @@ pub struct LevelBias {
 /// Every bias, by value.
 pub static LEVEL_BIASES: &[LevelBias] = &[
     LevelBias { name: "unbiased", about: "the texel covers the sample's solid angle", levels: 0.0 },
-    LevelBias { name: "filament", about: "K = 4 times the solid angle: 1/2 log2 4; Babylon.js has the same", levels: 1.0 },
+    LevelBias {
+        name: "filament",
+        about: "K = 4 times the solid angle: 1/2 log2 4; Babylon.js has the same",
+        levels: 1.0,
+    },
     // log2(2 pi) - 3/2: its largest level less 1.5 stands for log2(W / 2 pi) of a W x W/2 map.
     LevelBias {
         name: "materialx",

@@ -62,7 +62,8 @@ impl<'p> Run<'p> {
         let is_over = AtomicBool::new(false);
         let (jobs, queue) = sync_channel(queue_length(plan));
         let queue = Mutex::new(queue);
-        let worker = Worker { queue: &queue, plan, store: &store, device: &device, stop: self.options.stop, is_over: &is_over };
+        let worker =
+            Worker { queue: &queue, plan, store: &store, device: &device, stop: self.options.stop, is_over: &is_over };
         std::thread::scope(|scope| {
             let (results, answers) = channel();
             for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
@@ -236,12 +237,7 @@ impl<'p> Run<'p> {
     }
 
     /// Keeps what came back, in the order of the work; `to_the_end` waits until the workers are gone.
-    fn collect(
-        &mut self,
-        desk: &mut Desk<'p>,
-        to_the_end: bool,
-        progress: &mut dyn Progress,
-    ) -> Result<(), RunError> {
+    fn collect(&mut self, desk: &mut Desk<'p>, to_the_end: bool, progress: &mut dyn Progress) -> Result<(), RunError> {
         loop {
             let answer = if to_the_end { desk.answers.recv().ok() } else { desk.answers.try_recv().ok() };
             let Some((number, answer)) = answer else { return Ok(()) };

@@ -122,6 +122,7 @@ pub fn run(
     };
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
+    run.forget_damaged(progress)?;
     let steps_left = run.steps_left();
     progress.start(plan.cells.len() + run.jobs.len(), plan.cells.len() + run.jobs.len() - steps_left);
     if steps_left > 0 {
@@ -187,6 +188,24 @@ impl<'p> Run<'p> {
             references_read: 0,
             work: None,
         })
+    }
+
+    /// Cells whose images are gone or not whole are made again: their scores come out the same, on the same device.
+    fn forget_damaged(&mut self, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let plan = self.plan;
+        let done = plan.cells.iter().filter(|cell| self.is_done(cell));
+        let damaged = images::damaged(plan, &self.store, done);
+        let Some(name) = damaged.first() else { return Ok(()) };
+        progress.note(&format!(
+            "{} images of finished cells are missing or not whole, the first images/{name}; their cells are made again",
+            damaged.len()
+        ));
+        damaged.iter().try_for_each(|name| self.store.remove_image(name))?;
+        let is_hit = |cell: &&Cell| images::names(plan, cell).iter().any(|name| damaged.contains(name));
+        for cell in plan.cells.iter().filter(is_hit) {
+            self.results.remove(&cell.id);
+        }
+        Ok(())
     }
 
     fn is_done(&self, cell: &Cell) -> bool {

@@ -5,6 +5,7 @@
 
 use super::{Progress, Run, RunError, cell_result};
 use crate::experiment::config::{Timing, Warmup};
+use crate::experiment::host::HostState;
 use crate::experiment::renderer::{RenderFault, Renderer};
 use crate::experiment::statistics::{Random, median};
 use crate::experiment::timing::{self, PassSamples, Place, TimingJob, TimingRecord};
@@ -25,6 +26,7 @@ struct Timed<'p> {
     samples: TimingSamples,
     places: Vec<Place>,
     warmup: u32,
+    host: [HostState; 2],
 }
 
 impl<'p> Run<'p> {
@@ -75,11 +77,13 @@ impl<'p> Run<'p> {
                 samples: TimingSamples::default(),
                 places: Vec::new(),
                 warmup: 0,
+                host: Default::default(),
             })
             .collect();
         for configuration in &mut timed {
             configuration.warm_up(timing.warmup, renderer)?;
         }
+        let before = HostState::observe(&renderer.device());
         let (started, mut random) = (Instant::now(), Random::new(u64::from(self.plan.config.seed)));
         for _ in 0..timing.rounds {
             for (order, index) in random.order(timed.len()).into_iter().enumerate() {
@@ -92,6 +96,8 @@ impl<'p> Run<'p> {
                 configuration.places.push(Place { order, start_s });
             }
         }
+        let host = [before, HostState::observe(&renderer.device())];
+        timed.iter_mut().for_each(|configuration| configuration.host = host.clone());
         Ok(timed)
     }
 }
@@ -147,6 +153,7 @@ impl Timed<'_> {
             device: device.name.clone(),
             device_type: device.device_type.to_owned(),
             driver: device.driver.clone(),
+            host: self.host,
         }
     }
 }
