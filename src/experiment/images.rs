@@ -108,8 +108,14 @@ impl CellPictures<'_> {
     }
 }
 
-/// The file names of a cell's images, in the order of the columns of `images.csv`.
-pub(super) fn names(plan: &Plan, cell: &Cell) -> [String; 5] {
+/// The file names of all images of a cell.
+pub(super) fn all_names(plan: &Plan, cell: &Cell) -> Vec<String> {
+    let flip = sweeps_display(plan).then(|| flip_name(plan, cell));
+    names(plan, cell).into_iter().chain(flip).collect()
+}
+
+/// Those of the columns of `images.csv`, in their order.
+fn names(plan: &Plan, cell: &Cell) -> [String; 5] {
     let reference = plan.reference_point(&cell.point);
     [
         radiance_name(plan, &cell.point, &cell.radiance),
@@ -122,7 +128,7 @@ pub(super) fn names(plan: &Plan, cell: &Cell) -> [String; 5] {
 
 /// Files of finished cells that are missing or not whole, in the order of their names.
 pub(super) fn damaged<'p>(plan: &Plan, store: &Store, cells: impl Iterator<Item = &'p Cell>) -> BTreeSet<String> {
-    let files: BTreeSet<String> = cells.flat_map(|cell| names(plan, cell)).collect();
+    let files: BTreeSet<String> = cells.flat_map(|cell| all_names(plan, cell)).collect();
     let is_whole = |name: &str| {
         let path = store.image_path(name);
         match name.ends_with(".exr") {

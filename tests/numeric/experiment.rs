@@ -2,6 +2,7 @@
 
 mod config;
 pub mod fake;
+mod host;
 mod plan;
 mod run;
 mod statistics;

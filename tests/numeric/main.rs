@@ -1,5 +1,6 @@
 //! numeric tests
 mod brdf;
+mod disk_cache;
 mod environment;
 mod experiment;
 mod layering;
@@ -11,6 +12,7 @@ mod precompute;
 mod reference;
 mod report;
 mod scene;
+mod sequence;
 mod slips;
 mod table;
 mod tonemap;

@@ -201,7 +201,7 @@ impl<'p> Run<'p> {
             damaged.len()
         ));
         damaged.iter().try_for_each(|name| self.store.remove_image(name))?;
-        let is_hit = |cell: &&Cell| images::names(plan, cell).iter().any(|name| damaged.contains(name));
+        let is_hit = |cell: &&Cell| images::all_names(plan, cell).iter().any(|name| damaged.contains(name));
         for cell in plan.cells.iter().filter(is_hit) {
             self.results.remove(&cell.id);
         }
