@@ -10,6 +10,7 @@ mod heat;
 pub mod host;
 mod images;
 pub mod inputs;
+pub mod live;
 mod overrides;
 pub mod plan;
 mod provenance;

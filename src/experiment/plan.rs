@@ -6,6 +6,7 @@ use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
 use crate::environment::LoadOptions;
+use crate::files::read_stream;
 use crate::pipeline::RenderRequest;
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -14,6 +15,8 @@ use std::path::Path;
 pub const SCHEMA_VERSION: u32 = 1;
 /// Above this many combinations a file is taken for a mistake.
 const COMBINATIONS_MAX: u64 = 1_000_000;
+/// Largest experiment file, bytes.
+const MAX_FILE_BYTES: u64 = 1 << 24;
 /// Hex digits of an id: 64 bits, so that a million cells collide with probability 3e-8.
 const ID_LENGTH: usize = 16;
 
@@ -64,7 +67,7 @@ impl Plan {
 
     /// As [`Plan::load`], with a say in what environments may hold.
     pub fn load_with(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<Self, ConfigError> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
+        let text = read_stream(path, MAX_FILE_BYTES).and_then(text_of).map_err(|error| {
             let mut faults = Faults::new(path, "");
             faults.add(&Place::Default, format!("cannot be read: {error}; expected an experiment file (TOML)"));
             faults.into_result().expect_err("one fault was added")
@@ -169,6 +172,10 @@ impl Plan {
         let idle = self.config.exclusions.iter().zip(&self.excluded).filter(|(_, count)| **count == 0);
         idle.map(|(exclusion, _)| exclusion.why.as_str()).collect()
     }
+}
+
+fn text_of(bytes: Vec<u8>) -> std::io::Result<String> {
+    String::from_utf8(bytes).map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
 }
 
 /// The folder that a path written at `place` is relative to: the file's, or for `--set` the current one.

@@ -87,6 +87,11 @@ impl Gpu {
         self.shared.instance.messages.lock().map(|messages| messages.clone()).unwrap_or_default()
     }
 
+    /// Bits of a pixel's fraction to which the rasteriser rounds vertices: at least 4.
+    pub fn sub_pixel_precision_bits(&self) -> u32 {
+        self.shared.limits.sub_pixel_precision_bits
+    }
+
     /// Largest width and height of an image.
     pub fn max_image_side(&self) -> u32 {
         self.shared.limits.max_image_dimension2_d

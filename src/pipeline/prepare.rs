@@ -15,7 +15,7 @@ use crate::pixels::GrayImage;
 use crate::precompute::dfg::pass::DfgPass;
 use crate::precompute::irradiance::pass::IrradiancePass;
 use crate::precompute::mips::{level_count, pass::MipsPass};
-use crate::precompute::points;
+use crate::precompute::points::Points;
 use crate::precompute::prefilter::pass::PrefilterPass;
 use crate::precompute::sh9::pass::Sh9Pass;
 use crate::precompute::{HALF_MAX, PrecomputeSettings, StorageFormat};
@@ -45,7 +45,7 @@ pub(super) struct Resources {
     dfg_tables: Recent<String, Levels>,
     /// Copies of tables in the format that a request asks for.
     halves: Recent<String, Image>,
-    points: Recent<(u32, &'static str, u32), Buffer>,
+    points: Recent<(u32, &'static str, u32), Points>,
     scenes: Recent<String, Arc<SceneData>>,
     targets: Recent<TargetKey, Arc<Target>>,
     /// Stand for tables that a request does not use, because every binding needs something.
@@ -94,7 +94,7 @@ pub(super) struct Prepared {
     dfg: Image,
     irradiance_map: Image,
     sh9: Buffer,
-    points: Buffer,
+    points: Points,
 }
 
 impl Prepared {
@@ -182,7 +182,7 @@ impl Resources {
         let dfg = if needs_dfg { self.dfg_table(maker, request)? } else { self.blank_image.clone() };
         let (sequence, set) = (request.sequence, request.point_set);
         let points = self.points.get_or_make((samples_per_pixel, sequence.name, set), || {
-            points::upload(gpu, samples_per_pixel, sequence, set)
+            Points::upload(gpu, samples_per_pixel, sequence, set)
         })?;
         let (scene, target) = self.view(gpu, request)?;
         let lights = light_bytes(request).map(|bytes| gpu.buffer_from("lights", &bytes)).transpose()?;
@@ -289,7 +289,7 @@ impl Resources {
         let sequence = &SEQUENCES[0];
         let points = self
             .points
-            .get_or_make((sample_count, sequence.name, 0), || points::upload(gpu, sample_count, sequence, 0))?;
+            .get_or_make((sample_count, sequence.name, 0), || Points::upload(gpu, sample_count, sequence, 0))?;
         let (pass, sampler) = (&self.prefilter[name], self.shade.equirect_sampler());
         let key = format!(
             "environment={}\nbrdf={name}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n",

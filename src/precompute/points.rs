@@ -1,9 +1,13 @@
 //! The table of sample points that the sampling shaders read: `(u, cos φ, sin φ, -ln(1 - u))` of each point of a sequence.
 //!
+//! Every sample of every pixel reads the table. Software drivers read storage buffers lane by lane but uniform blocks once for all
+//! lanes, which makes a sample a sixth cheaper; a uniform block holds [`POINTS_PER_DISPATCH`] points, so a dispatch adds that many.
+//!
 //! No point of `math::sequence` sits at u = 0 or 1, where the Phong lobe and the level formula degenerate. The trigonometry and the
 //! logarithm are taken here in f64, once, and not per pixel.
 
-use crate::gpu::{Buffer, Gpu, GpuError};
+use crate::glsl::constants::POINTS_PER_DISPATCH;
+use crate::gpu::{Bind, Buffer, Gpu, GpuError};
 use crate::math::sequence::Sequence;
 use std::f64::consts::TAU;
 
@@ -18,6 +22,46 @@ pub fn table(count: u32, sequence: &Sequence, set: u32) -> Vec<[f32; 4]> {
 }
 
 /// The table on the device.
-pub fn upload(gpu: &Gpu, count: u32, sequence: &Sequence, set: u32) -> Result<Buffer, GpuError> {
-    gpu.buffer_from("sample points", &table(count.max(1), sequence, set))
+#[derive(Clone)]
+pub struct Points {
+    count: u32,
+    /// Filled up to whole dispatches.
+    buffer: Buffer,
+}
+
+/// The points of one dispatch.
+#[derive(Clone, Copy)]
+pub struct PointRange<'a> {
+    points: &'a Points,
+    /// A multiple of [`POINTS_PER_DISPATCH`].
+    pub first: u32,
+    /// At most [`POINTS_PER_DISPATCH`].
+    pub count: u32,
+}
+
+impl Points {
+    /// `count` points of set `set` of a sequence.
+    pub fn upload(gpu: &Gpu, count: u32, sequence: &Sequence, set: u32) -> Result<Self, GpuError> {
+        let mut texels = table(count, sequence, set);
+        texels.resize(count.next_multiple_of(POINTS_PER_DISPATCH) as usize, [0.0; 4]);
+        Ok(Self { count, buffer: gpu.uniform_from("sample points", &texels)? })
+    }
+
+    /// The points in the order of their dispatches.
+    pub fn ranges(&self) -> impl Iterator<Item = PointRange<'_>> {
+        (0..self.count).step_by(POINTS_PER_DISPATCH as usize).map(|first| PointRange {
+            points: self,
+            first,
+            count: POINTS_PER_DISPATCH.min(self.count - first),
+        })
+    }
+}
+
+impl<'a> PointRange<'a> {
+    /// The uniform block `vec4 points[POINTS_PER_DISPATCH]`.
+    pub fn bind(self) -> Bind<'a> {
+        const BLOCK: u64 = POINTS_PER_DISPATCH as u64 * size_of::<[f32; 4]>() as u64;
+        let start = u64::from(self.first) * size_of::<[f32; 4]>() as u64;
+        Bind::Uniform(&self.points.buffer, start..start + BLOCK)
+    }
 }

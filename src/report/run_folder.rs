@@ -2,6 +2,7 @@
 
 use crate::experiment::store::FailureRecord;
 use crate::experiment::timing::TimingRecord;
+use crate::files::read_regular;
 use crate::table::csv::{Table, TableError};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
@@ -104,9 +105,12 @@ fn images(table: &Table) -> Result<BTreeMap<String, CellImages>, RunFolderError>
     Ok(table.rows.iter().map(entry).collect())
 }
 
+/// Largest file of a run that is read, bytes.
+const MAX_FILE_BYTES: u64 = 1 << 30;
+
 /// The text of a file, or `None` when it does not exist.
 fn text(path: &Path) -> Result<Option<String>, RunFolderError> {
-    match std::fs::read_to_string(path) {
+    match read_regular(path, MAX_FILE_BYTES).and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other)) {
         Ok(text) => Ok(Some(text)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(RunFolderError::Io { path: path.to_owned(), error }),

@@ -1,5 +1,6 @@
 //! numeric tests
 mod brdf;
+mod color;
 mod disk_cache;
 mod environment;
 mod experiment;
@@ -9,8 +10,10 @@ mod metrics;
 mod oracle;
 mod pixels;
 mod precompute;
+mod published;
 mod reference;
 mod report;
+mod report_live;
 mod scene;
 mod sequence;
 mod slips;

@@ -185,8 +185,7 @@ fn level_biases_have_names_and_sequences_and_formats_are_checked() {
 fn names_that_stand_twice_are_named() {
     let text = "name = \"x\"\n[axes]\nalpha = [0.1]\nalpha = [0.2]\nbrdf = [\"ggx\", \"ggx\"]\nscene = [\"no.obj\"]\n";
     let found = faults(text, &[]);
-    for expected in ["e.toml:4:1: not TOML: ", "e.toml:5:16: axes.brdf: ggx stands twice", "e.toml:6:10: no.obj: "]
-    {
+    for expected in ["e.toml:4:1: not TOML: ", "e.toml:5:16: axes.brdf: ggx stands twice", "e.toml:6:10: no.obj: "] {
         assert!(found.iter().any(|fault| fault.starts_with(expected)), "{expected:?}: {found:#?}");
     }
 }
