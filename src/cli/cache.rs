@@ -27,7 +27,7 @@ impl CacheArguments {
         match DiskCache::open(&dir, self.cache_limit << 20) {
             Ok(cache) => Ok(Some(cache)),
             Err(error) if self.cache.is_some() => {
-                Err(RenderFault { message: format!("--cache: {error}"), device_lost: false })
+                Err(RenderFault { message: format!("--cache: {error}"), device_lost: false, is_input: true })
             }
             Err(error) => {
                 eprintln!("warning: cache: {error}; nothing is kept for later runs");

@@ -7,13 +7,16 @@ mod devices;
 mod integrate;
 mod later;
 mod list;
+mod merge;
 mod plan;
 mod progress;
 mod render;
 mod report;
 mod run;
+mod subject;
 
 use clap::{Parser, Subcommand};
+use splitsum::experiment::chunk::ChunkError;
 use splitsum::experiment::{RenderFault, RunError};
 use std::process::ExitCode;
 
@@ -36,6 +39,7 @@ struct Cli {
 enum Command {
     Run(run::Arguments),
     Plan(plan::Arguments),
+    Merge(merge::Arguments),
     Render(Box<render::Arguments>),
     Compare(compare::Arguments),
     Bake(bake::Arguments),
@@ -96,7 +100,11 @@ impl Failure {
 
     /// A frame that cannot be made.
     fn rendering(fault: RenderFault) -> Self {
-        if fault.device_lost { Self::Passing(fault.message) } else { Self::Failed(fault.message) }
+        match fault {
+            RenderFault { device_lost: true, message, .. } => Self::Passing(message),
+            RenderFault { is_input: true, message, .. } => Self::BadInput(message),
+            RenderFault { message, .. } => Self::Failed(message),
+        }
     }
 }
 
@@ -112,11 +120,22 @@ impl From<RunError> for Failure {
     }
 }
 
+impl From<ChunkError> for Failure {
+    fn from(error: ChunkError) -> Self {
+        match error {
+            ChunkError::Run(error) => error.into(),
+            error if error.is_misuse() => Self::input(error),
+            error => Self::failed(error),
+        }
+    }
+}
+
 /// Parses the arguments and runs the command.
 pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Plan(arguments) => plan::execute(&arguments),
+        Command::Merge(arguments) => merge::execute(&arguments),
         Command::Render(arguments) => render::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Bake(arguments) => bake::execute(&arguments),

@@ -108,14 +108,15 @@ impl CellPictures<'_> {
     }
 }
 
-/// The file names of all images of a cell.
-pub(super) fn all_names(plan: &Plan, cell: &Cell) -> Vec<String> {
-    let flip = sweeps_display(plan).then(|| flip_name(plan, cell));
-    names(plan, cell).into_iter().chain(flip).collect()
+/// Every file of `images/` that belongs to a finished cell.
+pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
+    let mut names = index_names(plan, cell).to_vec();
+    names.extend(sweeps_display(plan).then(|| flip_name(plan, cell)));
+    names
 }
 
-/// Those of the columns of `images.csv`, in their order.
-fn names(plan: &Plan, cell: &Cell) -> [String; 5] {
+/// The names in `images.csv`, in the order of its columns.
+fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
     let reference = plan.reference_point(&cell.point);
     [
         radiance_name(plan, &cell.point, &cell.radiance),
@@ -128,7 +129,7 @@ fn names(plan: &Plan, cell: &Cell) -> [String; 5] {
 
 /// Files of finished cells that are missing or not whole, in the order of their names.
 pub(super) fn damaged<'p>(plan: &Plan, store: &Store, cells: impl Iterator<Item = &'p Cell>) -> BTreeSet<String> {
-    let files: BTreeSet<String> = cells.flat_map(|cell| all_names(plan, cell)).collect();
+    let files: BTreeSet<String> = cells.flat_map(|cell| files(plan, cell)).collect();
     let is_whole = |name: &str| {
         let path = store.image_path(name);
         match name.ends_with(".exr") {
@@ -145,7 +146,7 @@ pub fn index(plan: &Plan, results: &Results) -> Rows {
         ["cell", "radiance", "reference", "picture", "reference_picture", "error"].map(str::to_owned).to_vec();
     let is_done = |cell: &&Cell| matches!(results.get(&cell.id), Some(CellResult::Done(_)));
     let row = |cell: &Cell| {
-        std::iter::once(Field::from(cell.id.as_str())).chain(names(plan, cell).map(Field::Text)).collect()
+        std::iter::once(Field::from(cell.id.as_str())).chain(index_names(plan, cell).map(Field::Text)).collect()
     };
     (columns, plan.cells.iter().filter(is_done).map(row).collect())
 }

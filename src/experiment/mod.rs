@@ -4,6 +4,7 @@
 
 pub mod axis;
 pub mod break_even;
+pub mod chunk;
 pub mod config;
 pub mod fault;
 mod heat;

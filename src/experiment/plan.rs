@@ -89,7 +89,7 @@ impl Plan {
         let mut faults = Faults::new(path, text);
         let config = Config::parse(path, text, overrides, &mut faults);
         let inputs = load_inputs(&config, options, &mut faults);
-        let combinations = config.dimensions().iter().map(|(_, steps)| *steps as u64).fold(1, u64::saturating_mul);
+        let combinations = config.combination_count();
         if combinations > COMBINATIONS_MAX {
             faults.add(&Place::File(0), format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"));
         }
@@ -150,6 +150,19 @@ impl Plan {
             reference_error: self.config.reference.relative_error,
         };
         settings.request(&environment, scene, &view)
+    }
+
+    /// Points of which each needs memory of its own size: the cells and their references that differ in a size or an input.
+    pub fn points_by_size(&self) -> Vec<Point> {
+        let mut seen = HashSet::new();
+        let points = self.cells.iter().flat_map(|cell| [cell.point.clone(), self.reference_point(&cell.point)]);
+        let names = ["environment", "method", "diffuse"];
+        let is_size = |axis: &Axis| axis.name.ends_with("size") || names.contains(&axis.name);
+        let key = |point: &Point| {
+            let sizes = AXES.iter().zip(&point.0).filter(|(axis, _)| is_size(axis));
+            sizes.map(|(_, value)| value.to_string()).collect::<Vec<_>>()
+        };
+        points.filter(|point| seen.insert(key(point))).collect()
     }
 
     /// How often the image of a point is rendered again with further point sets.

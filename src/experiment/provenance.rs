@@ -41,9 +41,8 @@ pub fn provenance(plan: &Plan) -> Value {
 
 /// One invocation that did work: program, device, host, time. `command_line` is what the user typed.
 pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
-    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
     json!({
-        "date_utc": date_utc(seconds),
+        "date_utc": now_utc(),
         "command_line": command_line,
         "program_version": env!("CARGO_PKG_VERSION"),
         "program_hash": crate::pipeline::program_hash(),
@@ -125,6 +124,18 @@ fn host_memory() -> Option<u64> {
 
 fn read_line(path: &str) -> Option<String> {
     Some(std::fs::read_to_string(path).ok()?.trim().to_owned())
+}
+
+/// The machine's name, for people; `host` where it has none.
+pub fn host_name() -> String {
+    let text = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
+    let name = text.or_else(|| std::env::var("HOSTNAME").ok()).or_else(|| std::env::var("COMPUTERNAME").ok());
+    name.map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).unwrap_or_else(|| "host".to_owned())
+}
+
+/// The time now as [`date_utc`] writes it.
+pub fn now_utc() -> String {
+    date_utc(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs()))
 }
 
 /// `2026-01-31T23:59:59Z` of seconds since 1970-01-01, Gregorian calendar.

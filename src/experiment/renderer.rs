@@ -13,12 +13,16 @@ pub struct RenderFault {
     pub message: String,
     /// The device is gone: nothing more can be rendered in this process, but a new one may succeed.
     pub device_lost: bool,
+    /// The request cannot be served whatever is tried: it must be changed.
+    pub is_input: bool,
 }
 
 /// Renders, tone-maps and times.
 pub trait Renderer {
     /// What it renders on.
     fn device(&self) -> DeviceInfo;
+    /// Whether a request can be served, as far as that can be told before any work.
+    fn check(&self, request: &RenderRequest) -> Result<(), RenderFault>;
     /// One radiance image.
     fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault>;
     /// The display image of a radiance image.
@@ -44,13 +48,17 @@ pub trait Renderer {
 
 impl From<PipelineError> for RenderFault {
     fn from(error: PipelineError) -> Self {
-        Self { message: error.to_string(), device_lost: error.is_transient() }
+        Self { message: error.to_string(), device_lost: error.is_transient(), is_input: error.is_input() }
     }
 }
 
 impl Renderer for Pipeline {
     fn device(&self) -> DeviceInfo {
         Pipeline::device(self).clone()
+    }
+
+    fn check(&self, request: &RenderRequest) -> Result<(), RenderFault> {
+        Ok(Pipeline::check(self, request)?)
     }
 
     fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault> {

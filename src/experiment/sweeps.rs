@@ -102,6 +102,11 @@ impl Config {
         }
     }
 
+    /// How many combinations of values the axes span, before exclusions.
+    pub fn combination_count(&self) -> u64 {
+        self.dimensions().iter().map(|(_, steps)| *steps as u64).fold(1, u64::saturating_mul)
+    }
+
     /// The axes in groups that vary together, each with its number of steps, in the order of their first axis. Groups hold indices
     /// into `axes`.
     pub(super) fn dimensions(&self) -> Vec<(Vec<usize>, usize)> {

@@ -6,6 +6,7 @@
 mod bake;
 mod cache;
 mod disk_cache;
+mod fit;
 mod kept_reference;
 mod light_tables;
 mod prepare;
@@ -50,9 +51,17 @@ pub enum PipelineError {
     NoSamples { field: &'static str },
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// Found before anything was allocated.
+    #[error("{part} is too large for the device: it needs {needed}, the limit is {limit}")]
+    TooLarge { part: String, needed: String, limit: String },
 }
 
 impl PipelineError {
+    /// Whether something else must be asked for: the request cannot be served whatever is tried.
+    pub fn is_input(&self) -> bool {
+        matches!(self, Self::TooLarge { .. } | Self::NoSamples { .. } | Self::Settings(_))
+    }
+
     /// Whether a retry on a fresh device may succeed.
     pub fn is_transient(&self) -> bool {
         matches!(self, Self::Gpu(error) if error.is_transient())
@@ -106,9 +115,34 @@ impl Pipeline {
         self.gpu.validation_messages()
     }
 
+    /// Whether the device can serve `request`, as far as that can be told before anything is allocated.
+    pub fn check(&self, request: &RenderRequest) -> Result<(), PipelineError> {
+        fit::check(&self.gpu, request)
+    }
+
+    fn prepare(&mut self, request: &RenderRequest) -> Result<Prepared, PipelineError> {
+        let mut kept = std::mem::take(&mut self.kept);
+        let prepared = self.prepare_with(&mut kept, request);
+        self.kept = kept;
+        prepared
+    }
+
+    /// What `request` needs. When memory runs out, what earlier requests left is given back first and all is tried once more.
+    fn prepare_with(&mut self, kept: &mut Kept, request: &RenderRequest) -> Result<Prepared, PipelineError> {
+        self.check(request)?;
+        match self.resources.prepare(&self.gpu, kept, request) {
+            Err(PipelineError::Gpu(error)) if error.is_out_of_memory() => {
+                self.resources.forget_all();
+                self.resources.prepare(&self.gpu, kept, request)
+            }
+            prepared => prepared,
+        }
+    }
+
     /// Renders one radiance image.
     pub fn render(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
         let Some(key) = kept_reference::key(request) else { return self.rendered(request) };
+        self.check(request)?;
         let kept = self.kept.load("reference", &key).and_then(|bytes| Reference::from_bytes(&bytes, request.size));
         if let Some(Reference { radiance, standard_error, convergences }) = kept {
             let (_, target) = self.resources.view(&self.gpu, request)?;
@@ -131,7 +165,7 @@ impl Pipeline {
     }
 
     fn rendered(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
-        let prepared = self.resources.prepare(&self.gpu, &mut self.kept, request)?;
+        let prepared = self.prepare(request)?;
         let (report, convergences) = self.shade(request, &prepared)?;
         let (radiance, standard_error) = read_radiance(&self.gpu, &prepared, request)?;
         Ok(Frame {
@@ -163,7 +197,7 @@ impl Pipeline {
 
     /// Times the per-frame passes, tone curve included: `warmup` rounds that do not count, then `rounds`.
     pub fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, PipelineError> {
-        let prepared = self.resources.prepare(&self.gpu, &mut self.kept, request)?;
+        let prepared = self.prepare(request)?;
         let packed = TonemapPass::packed(&self.gpu, request.size)?;
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
@@ -190,7 +224,7 @@ impl Pipeline {
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
             self.resources.forget_tables();
-            let report = self.resources.prepare(&self.gpu, &mut Kept::default(), request)?.precompute;
+            let report = self.prepare_with(&mut Kept::default(), request)?.precompute;
             if round >= warmup {
                 samples.push(&report.passes, report.wall_ms);
             }

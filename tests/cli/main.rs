@@ -2,7 +2,10 @@
 
 mod bad_input;
 mod cache;
+#[cfg(unix)]
+mod chunks;
 mod end_to_end;
+mod faults;
 mod integrate;
 #[cfg(unix)]
 mod interruptions;

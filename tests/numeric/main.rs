@@ -14,6 +14,7 @@ mod published;
 mod reference;
 mod report;
 mod report_live;
+mod robustness;
 mod scene;
 mod sequence;
 mod slips;

@@ -1,5 +1,7 @@
 //! The tables in docs/estimators.md are those of the published runs. `GOLDEN=update` writes them anew from `results/`.
 
+use splitsum::brdf::{MODELS, MaskingShadowing, alpha_from_perceptual_roughness};
+use splitsum::precompute::dfg::reference::dfg;
 use splitsum::slips;
 use splitsum::table::csv::Table;
 use splitsum::table::markdown::{Align, MarkdownTable, significant};
@@ -95,6 +97,38 @@ fn albedos(errors: &Table, part: &[(&str, &str)]) -> String {
     text.to_string()
 }
 
+/// Error of a DFG lookup beyond the outermost texel centres, where the table is constant, by its side.
+fn table_edges() -> String {
+    const ALONG: u32 = 16;
+    let mut text = MarkdownTable::new(&[
+        ("side", Align::Right),
+        ("A at alpha 1", Align::Right),
+        ("B at alpha 1", Align::Right),
+        ("A at n·v 1", Align::Right),
+        ("B at n·v 1", Align::Right),
+    ]);
+    for side in [16, 32, 64, 128, 256] {
+        let outermost = 1.0 - 0.5 / f64::from(side);
+        let mut worst = [0.0f64; 4];
+        for model in MODELS {
+            let at = |n_dot_v, perceptual_roughness| {
+                let alpha = alpha_from_perceptual_roughness(perceptual_roughness);
+                dfg(*model, MaskingShadowing::Separable, n_dot_v, alpha)
+            };
+            for i in 0..ALONG {
+                let along = (f64::from(i) + 0.5) / f64::from(ALONG);
+                let pairs = [[at(along, outermost), at(along, 1.0)], [at(outermost, along), at(1.0, along)]];
+                for (edge, [held, right]) in pairs.into_iter().enumerate() {
+                    worst[2 * edge] = worst[2 * edge].max((held.f0_scale - right.f0_scale).abs());
+                    worst[2 * edge + 1] = worst[2 * edge + 1].max((held.f90_scale - right.f90_scale).abs());
+                }
+            }
+        }
+        text.row(&[side.to_string()].into_iter().chain(worst.map(|error| significant(error, 2))).collect::<Vec<_>>());
+    }
+    text.to_string()
+}
+
 #[test]
 fn the_page_shows_the_published_runs() {
     let published = table("printed-slips/printed_slips.csv");
@@ -106,6 +140,7 @@ fn the_page_shows_the_published_runs() {
         ("slips", format!("{}\n{}", slips::HEADING, slips::markdown(&published).unwrap())),
         ("printed estimator", printed_run(&table("printed-slips/errors.csv"))),
         ("energy", energy),
+        ("table edges", table_edges()),
     ];
     let page = std::fs::read_to_string(file(PAGE)).unwrap();
     let fresh = blocks.iter().fold(page.clone(), |page, (name, text)| with_block(&page, name, text));

@@ -17,6 +17,7 @@ use crate::experiment::trace;
 use crate::pipeline::{DeviceInfo, SharedWork, Tally};
 use crate::slips;
 use crate::table::csv::Table;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -102,6 +103,17 @@ pub enum RunError {
     NoRenderer(String),
 }
 
+/// What one process does of a plan whose other parts are done elsewhere.
+#[derive(Debug, Default)]
+pub struct Share {
+    /// Ids of cells.
+    pub cells: BTreeSet<String>,
+    /// Ids of timed configurations, whole blocks.
+    pub timings: BTreeSet<String>,
+    /// Whether it makes what the live view of the whole run needs.
+    pub has_live: bool,
+}
+
 /// Makes the renderer when the first step needs it, so that a finished run needs no device.
 pub type MakeRenderer<'a> = dyn FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'a;
 
@@ -121,7 +133,7 @@ pub fn run(
     folder.check_identity(plan)?;
     let mut renderer = match folder.provenance_path().exists() {
         true => None,
-        false => Some(make_renderer().map_err(fault_error)?),
+        false => Some(opened(plan, make_renderer)?),
     };
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
@@ -131,22 +143,56 @@ pub fn run(
     if steps_left > 0 {
         let renderer = match renderer.take() {
             Some(renderer) => renderer,
-            None => make_renderer().map_err(fault_error)?,
+            None => opened(plan, make_renderer)?,
         };
         run.begin_session(&renderer.device())?;
         let mut renderer = renderer;
         let result = run.work(renderer.as_mut(), progress);
         // What is done is kept also when the device was lost.
         run.write_tables()?;
-        run.work = Some(Work {
-            waited_ms: renderer.waited_ms(),
-            shared: renderer.shared_work(),
-            references_read_back: run.references_read,
-        });
-        run.end_session(&renderer.device(), started)?;
+        run.end_session(renderer.as_ref(), started)?;
         result?;
     }
-    run.finish()
+    let has_worked = run.work.is_some();
+    run.finish(has_worked)
+}
+
+/// The renderer, if it can serve every cell: a run that cannot be finished is not begun.
+fn opened(plan: &Plan, make_renderer: &mut MakeRenderer) -> Result<Box<dyn Renderer>, RunError> {
+    let renderer = make_renderer().map_err(fault_error)?;
+    for point in plan.points_by_size() {
+        renderer.check(&plan.request(&point)).map_err(fault_error)?;
+    }
+    Ok(renderer)
+}
+
+/// Does a share of `plan` in the folder `store`, which must be this process's own. Writes records and images, no tables: those are made
+/// of all shares together. Returns the failed cells and whether it was stopped.
+pub(super) fn run_share(
+    plan: &Plan,
+    share: &Share,
+    store: Store,
+    make_renderer: &mut MakeRenderer,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+) -> Result<(Vec<FailureRecord>, bool), RunError> {
+    let mut run = Run::load(plan, store, options)?;
+    run.jobs.retain(|job| share.timings.contains(&job.id));
+    run.share = Some(share);
+    let steps_left = run.steps_left();
+    progress.start(steps_left, 0);
+    let started = Instant::now();
+    let mut renderer = opened(plan, make_renderer)?;
+    run.begin_session(&renderer.device())?;
+    let result = run.work(renderer.as_mut(), progress);
+    run.end_session(renderer.as_ref(), started)?;
+    result?;
+    Ok((run.failures(), run.is_stopped() && run.steps_left() > 0))
+}
+
+/// Writes tables, contact sheets and the summary from the records that stand in the run's folder.
+pub(super) fn tabulate(plan: &Plan, store: Store, options: &RunOptions) -> Result<Outcome, RunError> {
+    Run::load(plan, store, options)?.finish(true)
 }
 
 fn fault_error(fault: RenderFault) -> RunError {
@@ -158,6 +204,8 @@ struct Run<'p> {
     plan: &'p Plan,
     store: Store,
     options: &'p RunOptions<'p>,
+    /// The part of the plan that is this process's; `None` for all of it.
+    share: Option<&'p Share>,
     results: Results,
     jobs: Vec<TimingJob<'p>>,
     timings: Vec<TimingRecord>,
@@ -183,6 +231,7 @@ impl<'p> Run<'p> {
             plan,
             store,
             options,
+            share: None,
             results,
             jobs,
             timings: Vec::new(),
@@ -204,15 +253,17 @@ impl<'p> Run<'p> {
             damaged.len()
         ));
         damaged.iter().try_for_each(|name| self.store.remove_image(name))?;
-        let is_hit = |cell: &&Cell| images::all_names(plan, cell).iter().any(|name| damaged.contains(name));
+        let is_hit = |cell: &&Cell| images::files(plan, cell).iter().any(|name| damaged.contains(name));
         for cell in plan.cells.iter().filter(is_hit) {
             self.results.remove(&cell.id);
         }
         Ok(())
     }
 
+    /// Whether there is nothing to do for a cell: it has its record, or another process does it.
     fn is_done(&self, cell: &Cell) -> bool {
-        matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
+        let is_ours = self.share.is_none_or(|share| share.cells.contains(&cell.id));
+        !is_ours || matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
     }
 
     fn is_stopped(&self) -> bool {
@@ -237,12 +288,18 @@ impl<'p> Run<'p> {
     }
 
     /// Completes this invocation's entry in the provenance.
-    fn end_session(&self, device: &DeviceInfo, started: Instant) -> Result<(), RunError> {
-        let (path, Some(work)) = (self.store.provenance_path(), &self.work) else { return Ok(()) };
+    fn end_session(&mut self, renderer: &dyn Renderer, started: Instant) -> Result<(), RunError> {
+        let work = Work {
+            waited_ms: renderer.waited_ms(),
+            shared: renderer.shared_work(),
+            references_read_back: self.references_read,
+        };
+        let path = self.store.provenance_path();
         let Some(mut value) = self.store.read::<serde_json::Value>(&path)? else { return Ok(()) };
         if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {
-            provenance::end_session(session, device, work, milliseconds(started));
+            provenance::end_session(session, &renderer.device(), &work, milliseconds(started));
         }
+        self.work = Some(work);
         Ok(self.store.write_json(&path, &value)?)
     }
 
@@ -258,7 +315,8 @@ impl<'p> Run<'p> {
     /// Leaves what the live view of the report needs, before timing forgets the tables. Without it the report has no such view.
     fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
         let path = self.store.dir().join(LIVE_FILE);
-        if self.is_stopped() || path.exists() {
+        let is_ours = self.share.is_none_or(|share| share.has_live);
+        if !is_ours || self.is_stopped() || path.exists() {
             return Ok(());
         }
         match cell_result(live::record(self.plan, renderer))? {
@@ -284,8 +342,18 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
+    /// The cells that failed, in plan order.
+    fn failures(&self) -> Vec<FailureRecord> {
+        let failure = |cell: &Cell| match self.results.get(&cell.id) {
+            Some(CellResult::Failed(record)) => Some(record.clone()),
+            _ => None,
+        };
+        self.plan.cells.iter().filter_map(failure).collect()
+    }
+
     fn write_tables_sometimes(&mut self) -> Result<(), RunError> {
-        if self.tables_written.elapsed() >= TABLE_INTERVAL { self.write_tables() } else { Ok(()) }
+        let is_time = self.share.is_none() && self.tables_written.elapsed() >= TABLE_INTERVAL;
+        if is_time { self.write_tables() } else { Ok(()) }
     }
 
     fn write_tables(&mut self) -> Result<(), RunError> {
@@ -299,7 +367,7 @@ impl<'p> Run<'p> {
 
     /// Tables, contact sheets and the summary of all that is done. The summary comes last: where it stands and nothing was
     /// added, the sheets are whole.
-    fn finish(mut self) -> Result<Outcome, RunError> {
+    fn finish(mut self, has_worked: bool) -> Result<Outcome, RunError> {
         for job in &self.jobs {
             self.timings.extend(self.store.timing::<TimingRecord>(&job.id)?);
         }
@@ -329,18 +397,14 @@ impl<'p> Run<'p> {
             summary += &format!("## What each slip costs\n\n{}\n{table}", slips::HEADING);
         }
         let summary_path = self.store.dir().join("summary.md");
-        if self.work.is_some() || std::fs::read_to_string(&summary_path).ok().as_deref() != Some(&summary) {
+        if has_worked || std::fs::read_to_string(&summary_path).ok().as_deref() != Some(&summary) {
             sheets::write_sheets(&self.store, self.plan, &self.results)?;
             self.store.write_text(&summary_path, &summary)?;
         }
-        let is_failure = |cell: &Cell| match self.results.get(&cell.id) {
-            Some(CellResult::Failed(record)) => Some(record.clone()),
-            _ => None,
-        };
         Ok(Outcome {
             dir: self.store.dir().to_owned(),
             summary,
-            failures: self.plan.cells.iter().filter_map(is_failure).collect(),
+            failures: self.failures(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
             work: self.work.clone(),
         })

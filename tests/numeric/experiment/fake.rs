@@ -25,6 +25,8 @@ pub struct Log {
     pub broken_method: Option<&'static str>,
     /// Renders until the device is lost.
     pub renders_left: Option<usize>,
+    /// What the device is called, where not `fake`.
+    pub device: Option<&'static str>,
 }
 
 pub struct Fake(pub Rc<RefCell<Log>>);
@@ -60,7 +62,7 @@ fn set_error(set: u32) -> f32 {
 impl Renderer for Fake {
     fn device(&self) -> DeviceInfo {
         DeviceInfo {
-            name: "fake".to_owned(),
+            name: self.0.borrow().device.unwrap_or("fake").to_owned(),
             device_type: "cpu",
             driver: "formula".to_owned(),
             api_version: "0".to_owned(),
@@ -70,9 +72,14 @@ impl Renderer for Fake {
         }
     }
 
+    fn check(&self, _: &RenderRequest) -> Result<(), RenderFault> {
+        Ok(())
+    }
+
     fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault> {
         let mut log = self.0.borrow_mut();
-        let fault = |message: &str, device_lost| Err(RenderFault { message: message.to_owned(), device_lost });
+        let fault =
+            |message: &str, device_lost| Err(RenderFault { message: message.to_owned(), device_lost, is_input: false });
         if log.broken_method == Some(request.method.name) {
             return fault("the shader is broken", false);
         }
