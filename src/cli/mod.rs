@@ -2,6 +2,7 @@
 
 mod answers;
 mod bake;
+mod cache;
 mod compare;
 mod devices;
 mod integrate;

@@ -108,6 +108,10 @@ fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -
     if plan.cells.is_empty() {
         return Err(arguments.subject.nothing_to_do());
     }
+    if arguments.subject.clamp_invalid {
+        let text = "--clamp-invalid: a plan file does not keep it; expected environments without invalid texels";
+        return Err(Failure::BadInput(text.to_owned()));
+    }
     let rates = Rates { samples_per_second: arguments.samples_per_second, ..Rates::default() };
     let file = PlanFile::new(plan, seconds, rates);
     file.write(path).map_err(Failure::input)?;

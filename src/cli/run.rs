@@ -1,5 +1,6 @@
 //! `splitsum run`.
 
+use super::cache::CacheArguments;
 use super::progress::Terminal;
 use super::subject::Subject;
 use super::{Failure, print};
@@ -11,6 +12,7 @@ use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::report::ReportOptions;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// Runs an experiment, or what is left of it.
 #[derive(Args, Debug)]
@@ -42,6 +44,8 @@ pub struct Arguments {
     /// Writes the timed passes to trace.json, which Perfetto opens (needs [timing] in the experiment).
     #[arg(long)]
     trace: bool,
+    #[command(flatten)]
+    cache: CacheArguments,
     /// Index of the device, as `splitsum devices` lists them.
     #[arg(long, value_name = "N")]
     device: Option<usize>,
@@ -62,6 +66,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure> {
+    let started = Instant::now();
     let plan = subject.plan()?;
     if plan.cells.is_empty() {
         return Err(subject.nothing_to_do());
@@ -74,9 +79,12 @@ fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure
         fail_fast: arguments.fail_fast,
         trace: arguments.trace,
     };
-    let mut open = opener(arguments.device);
+    let mut open = opener(arguments);
     let outcome = run(&plan, &mut open, &options, &mut progress)?;
     let failed = conclude(&outcome, plan.cells.len())?;
+    if let Some(work) = &outcome.work {
+        progress.note(&work.line(started.elapsed().as_secs_f64() * 1e3));
+    }
     if outcome.is_stopped && failed.is_none() {
         return Err(stopped());
     }
@@ -94,7 +102,7 @@ fn execute_chunk(arguments: &Arguments, plan_file: &Path, chunk: usize, store: &
         command_line: std::env::args().collect(),
         fail_fast: arguments.fail_fast,
     };
-    let mut open = opener(arguments.device);
+    let mut open = opener(arguments);
     let outcome = run_chunk(&file, &plan, &mut open, &options, &mut progress)?;
     if let Some(failure) = cells_failed(&outcome.failures, outcome.cell_count) {
         return Err(failure);
@@ -144,8 +152,16 @@ fn stopped() -> Failure {
     Failure::Failed(format!("stopped; to go on: {}", std::env::args().collect::<Vec<_>>().join(" ")))
 }
 
-fn opener(device: Option<usize>) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> {
-    move || Ok(Box::new(open_device(device)?))
+/// Opens the device, with the cache beside it.
+fn opener(arguments: &Arguments) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> {
+    || {
+        let cache = arguments.cache.open()?;
+        let mut pipeline = open_device(arguments.device)?;
+        if let Some(cache) = cache {
+            pipeline.keep_on_disk(cache);
+        }
+        Ok(Box::new(pipeline))
+    }
 }
 
 /// Opens the device of `--device`.

@@ -2,6 +2,7 @@
 
 use super::Failure;
 use clap::Args;
+use splitsum::environment::LoadOptions;
 use splitsum::experiment::Plan;
 use std::path::PathBuf;
 
@@ -16,12 +17,16 @@ pub struct Subject {
     /// Replaces the values of an axis, as axis=v1,v2. Paths are relative to the current folder.
     #[arg(long = "set", value_name = "AXIS=VALUES")]
     pub overrides: Vec<String>,
+    /// Sets NaN, infinite and negative texels of environments to 0, with a warning, instead of refusing them.
+    #[arg(long)]
+    pub clamp_invalid: bool,
 }
 
 impl Subject {
     /// The checked experiment.
     pub fn plan(&self) -> Result<Plan, Failure> {
-        Plan::load(&self.experiment, &self.overrides).map_err(Failure::input)
+        let options = LoadOptions { clamp_invalid: self.clamp_invalid, ..LoadOptions::default() };
+        Plan::load_with(&self.experiment, &self.overrides, &options).map_err(Failure::input)
     }
 
     /// The folder of its run.

@@ -9,7 +9,9 @@ use crate::pipeline::Frame;
 use crate::pixels::{GrayImage, PixelsError, Rgb8Image, exr, png};
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::csv::Cell as Field;
+use rayon::prelude::*;
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The layer of a reference that holds its standard error.
@@ -128,6 +130,19 @@ fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
         reference_picture_name(plan, cell),
         error_name(plan, cell),
     ]
+}
+
+/// Files of finished cells that are missing or not whole, in the order of their names.
+pub(super) fn damaged<'p>(plan: &Plan, store: &Store, cells: impl Iterator<Item = &'p Cell>) -> BTreeSet<String> {
+    let files: BTreeSet<String> = cells.flat_map(|cell| files(plan, cell)).collect();
+    let is_whole = |name: &str| {
+        let path = store.image_path(name);
+        match name.ends_with(".exr") {
+            true => exr::check_whole(&path).is_ok(),
+            false => std::fs::metadata(&path).is_ok_and(|metadata| metadata.len() > 0),
+        }
+    };
+    files.into_par_iter().filter(|name| !is_whole(name)).collect()
 }
 
 /// `images.csv`: which files of `images/` belong to a cell. One row a finished cell.

@@ -13,6 +13,7 @@ use crate::pixels::png;
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::contact_sheet::{ContactSheet, Legend, Tile};
 use crate::table::markdown::significant;
+use rayon::prelude::*;
 
 /// Smaller images are magnified to this side, pixels.
 const TILE_SIDE_MIN: u32 = 128;
@@ -207,10 +208,11 @@ impl Page<'_> {
     /// Adds a row: of all `cells` of a column, the first that was done stands for it.
     fn row(&self, sheet: &mut ContactSheet, label: String, cells: &[&Cell], shown: Shown) {
         let mut tiles = vec![self.reference_tile(cells, shown)];
-        for column in self.columns {
+        // Pictures are read and shrunk side by side: a large sheet has hundreds.
+        tiles.par_extend(self.columns.par_iter().map(|column| {
             let of_column = cells.iter().copied().filter(|cell| same(cell, column[0], self.column_axes));
-            tiles.push(self.tile(&of_column.collect::<Vec<_>>(), shown));
-        }
+            self.tile(&of_column.collect::<Vec<_>>(), shown)
+        }));
         sheet.row_labels.push(label);
         sheet.rows.push(tiles);
     }

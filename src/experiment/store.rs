@@ -265,6 +265,11 @@ impl Store {
         self.dir.join("images").join(name)
     }
 
+    /// Removes a file of `images/`, if it is there.
+    pub fn remove_image(&self, name: &str) -> Result<(), StoreError> {
+        remove(self.image_path(name))
+    }
+
     /// A file in `tables/`.
     pub fn table_path(&self, name: &str) -> PathBuf {
         self.dir.join("tables").join(name)
@@ -283,11 +288,7 @@ impl Store {
     /// Keeps a finished cell and forgets its earlier failure.
     pub fn write_cell(&self, record: &CellRecord) -> Result<(), StoreError> {
         self.write_record(&self.cell_path(&record.cell), record)?;
-        let failure = self.record_path("failed", &record.cell);
-        match std::fs::remove_file(&failure) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::Io { path: failure, error }),
-            _ => Ok(()),
-        }
+        remove(self.record_path("failed", &record.cell))
     }
 
     /// Why a cell failed the last time it was tried.
@@ -369,6 +370,14 @@ impl Store {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err(StoreError::Io { path: path.to_owned(), error }),
         }
+    }
+}
+
+/// Removes a file, if it is there.
+fn remove(path: PathBuf) -> Result<(), StoreError> {
+    match std::fs::remove_file(&path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::Io { path, error }),
+        _ => Ok(()),
     }
 }
 

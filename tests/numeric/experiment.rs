@@ -4,6 +4,7 @@ mod answers;
 mod chunk;
 mod config;
 pub mod fake;
+mod host;
 mod plan;
 mod run;
 mod statistics;

@@ -15,7 +15,7 @@ use crate::experiment::store::{CellRecord, FailureRecord, Store, StoreError};
 use crate::experiment::tables::{self, CellResult, Results};
 use crate::experiment::timing::{self, TimingJob, TimingRecord};
 use crate::experiment::trace;
-use crate::pipeline::DeviceInfo;
+use crate::pipeline::{DeviceInfo, SharedWork, Tally};
 use crate::slips;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -57,6 +57,38 @@ pub struct Outcome {
     pub failures: Vec<FailureRecord>,
     /// Whether it was stopped before all steps were tried.
     pub is_stopped: bool,
+    /// What this invocation did; nothing where all was done before.
+    pub work: Option<Work>,
+}
+
+/// What an invocation spent and shared.
+#[derive(Clone, Debug, Default)]
+pub struct Work {
+    /// Host time in which the device worked or was waited for, ms.
+    pub waited_ms: f64,
+    pub shared: SharedWork,
+    /// References that an earlier invocation had left in the run's folder.
+    pub references_read_back: usize,
+}
+
+impl Work {
+    /// One line for the user, after `wall_ms` of the whole invocation.
+    pub fn line(&self, wall_ms: f64) -> String {
+        let mut made = Vec::new();
+        for (kind, Tally { made: count, read }) in &self.shared {
+            let from_disk = if *read > 0 { format!(" (and {read} from the cache)") } else { String::new() };
+            made.push(format!("{kind} {count}{from_disk}"));
+        }
+        if self.references_read_back > 0 {
+            made.push(format!("references of the run read back {}", self.references_read_back));
+        }
+        format!(
+            "{:.1} s, {:.0} % of it without the device. Made once and shared: {}",
+            wall_ms / 1e3,
+            100.0 * (1.0 - self.waited_ms / wall_ms).max(0.0),
+            if made.is_empty() { "nothing".to_owned() } else { made.join(", ") }
+        )
+    }
 }
 
 /// Why a run ended early.
@@ -98,6 +130,7 @@ pub fn run(
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<Outcome, RunError> {
+    let started = Instant::now();
     // A new run leaves nothing behind when there is no device.
     let folder = Store::at(&options.dir);
     folder.check_identity(plan)?;
@@ -107,6 +140,7 @@ pub fn run(
     };
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
+    run.forget_damaged(progress)?;
     let steps_left = run.steps_left();
     progress.start(plan.cells.len() + run.jobs.len(), plan.cells.len() + run.jobs.len() - steps_left);
     if steps_left > 0 {
@@ -115,12 +149,15 @@ pub fn run(
             None => opened(plan, make_renderer)?,
         };
         run.begin_session(&renderer.device())?;
-        let result = run.work(renderer, progress);
+        let mut renderer = renderer;
+        let result = run.work(renderer.as_mut(), progress);
         // What is done is kept also when the device was lost.
         run.write_tables()?;
+        run.end_session(renderer.as_ref(), started)?;
         result?;
     }
-    run.finish(steps_left > 0)
+    let has_worked = run.work.is_some();
+    run.finish(has_worked)
 }
 
 /// The renderer, if it can serve every cell: a run that cannot be finished is not begun.
@@ -147,9 +184,12 @@ pub(super) fn run_share(
     run.share = Some(share);
     let steps_left = run.steps_left();
     progress.start(steps_left, 0);
-    let renderer = opened(plan, make_renderer)?;
+    let started = Instant::now();
+    let mut renderer = opened(plan, make_renderer)?;
     run.begin_session(&renderer.device())?;
-    run.work(renderer, progress)?;
+    let result = run.work(renderer.as_mut(), progress);
+    run.end_session(renderer.as_ref(), started)?;
+    result?;
     Ok((run.failures(), run.is_stopped() && run.steps_left() > 0))
 }
 
@@ -175,10 +215,10 @@ struct Run<'p> {
     tables_written: Instant,
     /// Whether a failure ended the run.
     is_halted: bool,
-    /// Host time in which the device worked or was waited for, ms.
-    device_ms: f64,
     /// References that an earlier invocation had rendered.
     references_read: usize,
+    /// There when this invocation did something.
+    work: Option<Work>,
 }
 
 impl<'p> Run<'p> {
@@ -200,9 +240,27 @@ impl<'p> Run<'p> {
             timings: Vec::new(),
             tables_written: Instant::now(),
             is_halted: false,
-            device_ms: 0.0,
             references_read: 0,
+            work: None,
         })
+    }
+
+    /// Cells whose images are gone or not whole are made again: their scores come out the same, on the same device.
+    fn forget_damaged(&mut self, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let plan = self.plan;
+        let done = plan.cells.iter().filter(|cell| self.is_done(cell));
+        let damaged = images::damaged(plan, &self.store, done);
+        let Some(name) = damaged.first() else { return Ok(()) };
+        progress.note(&format!(
+            "{} images of finished cells are missing or not whole, the first images/{name}; their cells are made again",
+            damaged.len()
+        ));
+        damaged.iter().try_for_each(|name| self.store.remove_image(name))?;
+        let is_hit = |cell: &&Cell| images::files(plan, cell).iter().any(|name| damaged.contains(name));
+        for cell in plan.cells.iter().filter(is_hit) {
+            self.results.remove(&cell.id);
+        }
+        Ok(())
     }
 
     /// Whether there is nothing to do for a cell: it has its record, or another process does it.
@@ -232,22 +290,29 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    fn work(&mut self, mut renderer: Box<dyn Renderer>, progress: &mut dyn Progress) -> Result<(), RunError> {
-        let started = Instant::now();
-        self.cells(renderer.as_mut(), progress)?;
-        self.live(renderer.as_mut(), progress)?;
-        self.time(renderer.as_mut(), progress)?;
-        let wall_ms = milliseconds(started);
-        let reused = match self.references_read {
-            0 => String::new(),
-            count => format!("; {count} references were read back"),
+    /// Completes this invocation's entry in the provenance.
+    fn end_session(&mut self, renderer: &dyn Renderer, started: Instant) -> Result<(), RunError> {
+        let work = Work {
+            waited_ms: renderer.waited_ms(),
+            shared: renderer.shared_work(),
+            references_read_back: self.references_read,
         };
-        progress.note(&format!(
-            "{:.1} s, {:.0} % of it without the device{reused}",
-            wall_ms / 1e3,
-            100.0 * (1.0 - self.device_ms / wall_ms).max(0.0)
-        ));
-        Ok(())
+        let path = self.store.provenance_path();
+        let Some(mut value) = self.store.read::<serde_json::Value>(&path)? else { return Ok(()) };
+        if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {
+            provenance::end_session(session, &renderer.device(), &work, milliseconds(started));
+        }
+        self.work = Some(work);
+        Ok(self.store.write_json(&path, &value)?)
+    }
+
+    fn work(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let result = self
+            .cells(renderer, progress)
+            .and_then(|()| self.live(renderer, progress))
+            .and_then(|()| self.time(renderer, progress));
+        renderer.take_warnings().iter().for_each(|warning| progress.note(&format!("warning: {warning}")));
+        result
     }
 
     /// Leaves what the live view of the report needs, before timing forgets the tables. Without it the report has no such view.
@@ -342,6 +407,7 @@ impl<'p> Run<'p> {
             summary: answered.summary,
             failures: self.failures(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
+            work: self.work.clone(),
         })
     }
 }
