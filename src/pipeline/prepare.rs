@@ -18,7 +18,7 @@ use crate::precompute::prefilter::pass::PrefilterPass;
 use crate::precompute::sh9::pass::Sh9Pass;
 use crate::scene::Camera;
 use crate::shade::pass::{ShadePass, Tables};
-use crate::shade::reference_pass::{Lobe, ReferencePass, Sums};
+use crate::shade::reference_pass::{DistributionBuffers, Lobe, ReferencePass, Sums};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
@@ -34,7 +34,7 @@ pub(super) struct Resources {
     prefilter: HashMap<&'static str, PrefilterPass>,
     dfg: HashMap<(&'static str, MaskingShadowing), DfgPass>,
     environments: Recent<String, Arc<EnvironmentData>>,
-    distributions: Recent<String, Buffer>,
+    distributions: Recent<String, DistributionBuffers>,
     coefficients: Recent<String, Buffer>,
     irradiance_maps: Recent<(String, [u32; 2], [u32; 2]), Image>,
     prefiltered: Recent<(String, &'static str, [u32; 2], u32, u32), Image>,
@@ -55,7 +55,7 @@ pub(super) struct EnvironmentData {
 
 /// What only a reference needs.
 pub(super) struct ReferenceData {
-    pub(super) distribution: Buffer,
+    pub(super) distribution: DistributionBuffers,
     pub(super) sums: Sums,
     /// A vec4 a pixel.
     pub(super) squared_error: Buffer,
@@ -236,7 +236,7 @@ impl Resources {
     fn reference_data(&mut self, gpu: &Gpu, request: &RenderRequest) -> Result<ReferenceData, PipelineError> {
         let environment = &request.environment;
         let distribution = self.distributions.get_or_make(environment.hash.clone(), || {
-            gpu.buffer_from("environment distribution", EnvironmentDistribution::new(&environment.image).words())
+            DistributionBuffers::new(gpu, &EnvironmentDistribution::new(&environment.image))
         })?;
         let bytes = 16 * u64::from(request.size[0]) * u64::from(request.size[1]);
         let (sums, squared_error) = (Sums::new(gpu, request.size)?, gpu.buffer("squared error", bytes)?);
