@@ -32,8 +32,6 @@
 //!   31(4), 2012.
 //! - HyndmanFan96: R. J. Hyndman and Y. Fan, "Sample Quantiles in Statistical Packages", The American Statistician 50(4), 1996.
 //! - Iglewicz93: B. Iglewicz and D. C. Hoaglin, "How to Detect and Handle Outliers", ASQC Quality Press, 1993.
-//! - Jakob14: W. Jakob, "An Improved Visible Normal Sampling Routine for the Beckmann Distribution", technical report, ETH Zürich,
-//!   2014.
 //! - Karis13: B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH 2013 course notes.
 //! - Karlik19: O. Karlík, M. Šik, P. Vévoda, T. Skřivan and J. Křivánek, "MIS Compensation: Optimizing Sampling Techniques in Multiple
 //!   Importance Sampling", ACM Transactions on Graphics 38(6), 2019.

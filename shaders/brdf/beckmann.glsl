@@ -30,7 +30,7 @@ float g1_exact_brdf(float n_dot_w, float alpha) {
         return 0.0;
     }
     float sin_theta = sqrt(max((1.0 - n_dot_w) * (1.0 + n_dot_w), 0.0));
-    return n_dot_w / visible_slopes(n_dot_w, alpha * sin_theta).area;
+    return n_dot_w / visible_area(n_dot_w, alpha * sin_theta);
 }
 
 // Half vector with density D(h) n_dot_h: tan^2 = -alpha^2 ln(1 - u). [Walter07 eq. 28, 29]

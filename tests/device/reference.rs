@@ -88,7 +88,12 @@ fn environment_sampling_meets_its_twin() {
                 shader: "probe/environment_sampling.comp",
                 inputs: 2,
                 outputs: 3,
-                rest: &[Bind::Sample(&image, &sampler), Bind::Read(&words), Bind::Sample(&image, &linear), Bind::Uniform(&slots, 0..slots.size())],
+                rest: &[
+                    Bind::Sample(&image, &sampler),
+                    Bind::Read(&words),
+                    Bind::Sample(&image, &linear),
+                    Bind::Uniform(&slots, 0..slots.size()),
+                ],
                 rest_slots: &[Slot::Sampled, Slot::Buffer, Slot::Sampled, Slot::Uniform],
                 constants: &[0, u32::from(exact_filter)],
             };
@@ -127,10 +132,16 @@ fn environment_sampling_meets_its_twin() {
 
                 let unit = DVec2::new(f64::from(xi[0]) + 0.5, f64::from(xi[1]) + 0.5) / 2f64.powi(32);
                 let (l, pdf) = distribution.guided_sample(&guide, unit);
-                // A texel's place in f32, and the roots of both inversions.
-                assert!((xyz(outputs[1]) - l).length() < 2e-5, "{place}: sampled {:?}, {l}", outputs[1]);
+                // A texel's place in f32, and the roots of both inversions; and in a cell of little light the place says more than
+                // the sums of the guide in f32, over up to 512 cells.
+                let displacement = 2e-5 + 6e-6 / pdf;
+                assert!((xyz(outputs[1]) - l).length() < displacement, "{place}: sampled {:?}, {l}", outputs[1]);
                 if l.x.hypot(l.z) > 1e-2 {
-                    assert!((outputs[1][3] / pdf - 1.0).abs() < 2e-3, "{place}: density {:?}, {pdf}", outputs[1]);
+                    assert!(
+                        (outputs[1][3] / pdf - 1.0).abs() < 2e-3 + 20.0 * displacement,
+                        "{place}: density {:?}, {pdf}",
+                        outputs[1]
+                    );
                 }
                 let error = (xyz(outputs[2]) - environment.radiance(l)).abs().max_element();
                 assert!(error <= LOOKUP * peak, "{place}: radiance {:?} from {l}", outputs[2]);
