@@ -73,6 +73,7 @@
 pub mod glsl;
 
 pub mod color;
+pub mod files;
 pub mod math;
 pub mod pixels;
 pub mod spelling;
@@ -93,6 +94,7 @@ pub mod table;
 
 pub mod oracle;
 pub mod pipeline;
+pub mod slips;
 
 pub mod experiment;
 

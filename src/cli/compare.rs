@@ -2,6 +2,7 @@
 
 use super::{Failure, print};
 use clap::Args;
+use serde::{Serialize, Serializer};
 use splitsum::experiment::axis;
 use splitsum::metrics::{Comparison, METRICS};
 use splitsum::pixels::{Decoded, GrayImage, exr};
@@ -11,7 +12,11 @@ use std::path::{Path, PathBuf};
 
 /// Scores a linear EXR image against a reference.
 #[derive(Args, Debug)]
-#[command(allow_negative_numbers = true, after_help = "Example:\n  splitsum compare ball.exr reference.exr --json")]
+#[command(
+    allow_negative_numbers = true,
+    after_help = "Example:\n  splitsum render --method split-sum --out ball.exr\n  \
+    splitsum render --method reference --out reference.exr\n  splitsum compare ball.exr reference.exr --json"
+)]
 pub struct Arguments {
     /// The image to judge.
     test: PathBuf,
@@ -50,11 +55,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     })?;
     let scores = comparison.evaluate_all();
     if arguments.json {
-        // JSON has no infinity: PSNR of equal images becomes the text "inf".
-        let value = |x: f64| if x.is_finite() { serde_json::json!(x) } else { serde_json::json!(x.to_string()) };
-        let object: serde_json::Map<String, serde_json::Value> =
-            scores.iter().map(|(name, x)| (name.to_string(), value(*x))).collect();
-        return print(&format!("{:#}\n", serde_json::Value::Object(object)));
+        let text = serde_json::to_string_pretty(&InOrder(&scores)).map_err(Failure::failed)?;
+        return print(&(text + "\n"));
     }
     let mut table = MarkdownTable::new(&[
         ("metric", Align::Left),
@@ -67,6 +69,17 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         table.row(&[*name, &value.to_string(), d.better.name(), d.space.name()]);
     }
     print(&table.to_string())
+}
+
+/// Scores as a JSON object in the order of [`METRICS`]; a map of `serde_json` would sort them.
+struct InOrder<'a>(&'a [(&'static str, f64)]);
+
+impl Serialize for InOrder<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        // JSON has no infinity: PSNR of equal images becomes the text "inf".
+        let value = |x: f64| if x.is_finite() { serde_json::json!(x) } else { serde_json::json!(x.to_string()) };
+        serializer.collect_map(self.0.iter().map(|(name, x)| (name, value(*x))))
+    }
 }
 
 fn read(path: &Path) -> Result<Decoded, Failure> {

@@ -2,7 +2,7 @@
 
 use super::{Environment, builtin};
 use crate::color::luminance;
-use crate::pixels::{Decoded, PixelsError, RgbImage, exr, radiance};
+use crate::pixels::{Decoded, PixelsError, RgbImage, exr, radiance, read_bounded};
 use std::path::{Path, PathBuf};
 
 /// An image format that an environment can be read from.
@@ -13,7 +13,8 @@ pub struct Format {
     pub extension: &'static str,
     /// One sentence for `splitsum list`.
     pub about: &'static str,
-    read: fn(&Path) -> Result<Decoded, PixelsError>,
+    /// Decodes the bytes of the file that the path names.
+    read: fn(&Path, &[u8]) -> Result<Decoded, PixelsError>,
 }
 
 /// Every format; the extension of the file chooses.
@@ -22,13 +23,13 @@ pub static FORMATS: &[Format] = &[
         name: "radiance",
         extension: "hdr",
         about: "Radiance RGBE or XYZE, run-length coded or flat, any orientation; EXPOSURE is divided out",
-        read: radiance::read,
+        read: radiance::read_bytes,
     },
     Format {
         name: "openexr",
         extension: "exr",
         about: "OpenEXR, first part with colour: RGB or luminance-chroma, half, float or uint, scan lines or tiles",
-        read: exr::read,
+        read: exr::read_bytes,
     },
 ];
 
@@ -90,12 +91,32 @@ pub(super) fn load(spec: &str, base_dir: &Path, options: &LoadOptions) -> Result
         let path = (path.as_os_str() != spec && !spec.is_empty()).then_some(path);
         return Err(EnvironmentError::Missing { spec: spec.to_owned(), path, hint });
     }
+    let format = format_of(spec, &path)?;
+    decode(spec, &path, &read_bounded(&path)?, format, options)
+}
+
+/// As [`load`] of the file at `path`, whose bytes are given.
+pub(super) fn from_bytes(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Environment, EnvironmentError> {
+    let spec = path.to_string_lossy();
+    decode(&spec, path, bytes, format_of(&spec, path)?, options)
+}
+
+fn format_of(spec: &str, path: &Path) -> Result<&'static Format, EnvironmentError> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let format = FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
+    FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
         let expected = FORMATS.iter().map(|format| format!(".{}", format.extension)).collect::<Vec<_>>().join(", ");
         EnvironmentError::UnknownFormat { spec: spec.to_owned(), extension, expected }
-    })?;
-    let Decoded { rgb: mut image, mut warnings, .. } = (format.read)(&path)?;
+    })
+}
+
+fn decode(
+    spec: &str,
+    path: &Path,
+    bytes: &[u8],
+    format: &Format,
+    options: &LoadOptions,
+) -> Result<Environment, EnvironmentError> {
+    let Decoded { rgb: mut image, mut warnings, .. } = (format.read)(path, bytes)?;
     if let Some(found) = invalid_texels(&image) {
         if !options.clamp_invalid {
             return Err(EnvironmentError::InvalidTexels { spec: spec.to_owned(), found });

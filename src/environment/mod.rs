@@ -44,6 +44,11 @@ impl Environment {
         load::load(spec, base_dir, options)
     }
 
+    /// The environment in the bytes of the image file at `path`, whose extension names the format. Nothing is read from disk.
+    pub fn from_bytes(path: &std::path::Path, bytes: &[u8], options: &LoadOptions) -> Result<Self, EnvironmentError> {
+        load::from_bytes(path, bytes, options)
+    }
+
     /// Radiance from `direction` (any length but 0): bilinear between texel centres; u wraps, v clamps at the poles.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         let uv = equirect::uv_from_direction(direction);

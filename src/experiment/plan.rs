@@ -5,6 +5,7 @@ use super::config::{Config, Sweep};
 use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
+use crate::files::read_stream;
 use crate::pipeline::RenderRequest;
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -13,6 +14,8 @@ use std::path::Path;
 pub const SCHEMA_VERSION: u32 = 1;
 /// Above this many combinations a file is taken for a mistake.
 const COMBINATIONS_MAX: u64 = 1_000_000;
+/// Largest experiment file, bytes.
+const MAX_FILE_BYTES: u64 = 1 << 24;
 /// Hex digits of an id: 64 bits, so that a million cells collide with probability 3e-8.
 const ID_LENGTH: usize = 16;
 
@@ -58,7 +61,7 @@ pub struct ReferenceGroup<'p> {
 impl Plan {
     /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
+        let text = read_stream(path, MAX_FILE_BYTES).and_then(text_of).map_err(|error| {
             let mut faults = Faults::new(path, "");
             faults.add(&Place::Default, format!("cannot be read: {error}; expected an experiment file (TOML)"));
             faults.into_result().expect_err("one fault was added")
@@ -71,7 +74,7 @@ impl Plan {
         let mut faults = Faults::new(path, text);
         let config = Config::parse(path, text, overrides, &mut faults);
         let inputs = load_inputs(&config, &mut faults);
-        let combinations = config.dimensions().iter().map(|(_, steps)| *steps as u64).fold(1, u64::saturating_mul);
+        let combinations = config.combination_count();
         if combinations > COMBINATIONS_MAX {
             faults.add(&Place::File(0), format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"));
         }
@@ -134,6 +137,19 @@ impl Plan {
         settings.request(&environment, scene, &view)
     }
 
+    /// Points of which each needs memory of its own size: the cells and their references that differ in a size or an input.
+    pub fn points_by_size(&self) -> Vec<Point> {
+        let mut seen = HashSet::new();
+        let points = self.cells.iter().flat_map(|cell| [cell.point.clone(), self.reference_point(&cell.point)]);
+        let names = ["environment", "method", "diffuse"];
+        let is_size = |axis: &Axis| axis.name.ends_with("size") || names.contains(&axis.name);
+        let key = |point: &Point| {
+            let sizes = AXES.iter().zip(&point.0).filter(|(axis, _)| is_size(axis));
+            sizes.map(|(_, value)| value.to_string()).collect::<Vec<_>>()
+        };
+        points.filter(|point| seen.insert(key(point))).collect()
+    }
+
     /// How often the image of a point is rendered again with further point sets.
     pub fn repeats_of(&self, point: &Point) -> Option<u32> {
         repeats_of(&self.config, point)
@@ -154,6 +170,10 @@ impl Plan {
         let idle = self.config.exclusions.iter().zip(&self.excluded).filter(|(_, count)| **count == 0);
         idle.map(|(exclusion, _)| exclusion.why.as_str()).collect()
     }
+}
+
+fn text_of(bytes: Vec<u8>) -> std::io::Result<String> {
+    String::from_utf8(bytes).map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
 }
 
 /// The folder that a path written at `place` is relative to: the file's, or for `--set` the current one.

@@ -23,6 +23,8 @@ pub fn provenance(plan: &Plan) -> Value {
         "cell_count": plan.cells.len(),
         "excluded": plan.config.exclusions.iter().zip(&plan.excluded)
             .map(|(exclusion, count)| json!({ "why": exclusion.why, "count": count })).collect::<Vec<_>>(),
+        "reference": { "method": plan.config.reference.method, "samples": plan.config.reference.samples,
+            "relative_error": plan.config.reference.relative_error },
         "seed": plan.config.seed,
         "inputs": inputs,
         "input_warnings": plan.inputs.warnings(),
@@ -39,9 +41,8 @@ pub fn provenance(plan: &Plan) -> Value {
 
 /// One invocation that did work: program, device, host, time. `command_line` is what the user typed.
 pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
-    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
     json!({
-        "date_utc": date_utc(seconds),
+        "date_utc": now_utc(),
         "command_line": command_line,
         "program_version": env!("CARGO_PKG_VERSION"),
         "commit": commit(),
@@ -89,6 +90,18 @@ fn host_cpu() -> Option<String> {
 fn load_average() -> Option<Vec<f64>> {
     let text = std::fs::read_to_string("/proc/loadavg").ok()?;
     Some(text.split_whitespace().take(3).filter_map(|word| word.parse().ok()).collect())
+}
+
+/// The machine's name, for people; `host` where it has none.
+pub fn host_name() -> String {
+    let text = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
+    let name = text.or_else(|| std::env::var("HOSTNAME").ok()).or_else(|| std::env::var("COMPUTERNAME").ok());
+    name.map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).unwrap_or_else(|| "host".to_owned())
+}
+
+/// The time now as [`date_utc`] writes it.
+pub fn now_utc() -> String {
+    date_utc(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs()))
 }
 
 /// `2026-01-31T23:59:59Z` of seconds since 1970-01-01, Gregorian calendar.

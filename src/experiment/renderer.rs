@@ -1,6 +1,6 @@
 //! What a run needs of a renderer, so that runs can be tested without a device.
 
-use crate::pipeline::{DeviceInfo, Frame, Pipeline, PipelineError, RenderRequest, TimingSamples};
+use crate::pipeline::{DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, TimingSamples};
 use crate::pixels::{Rgb8Image, RgbImage};
 use crate::tonemap::ToneCurve;
 
@@ -11,16 +11,22 @@ pub struct RenderFault {
     pub message: String,
     /// The device is gone: nothing more can be rendered in this process, but a new one may succeed.
     pub device_lost: bool,
+    /// The request cannot be served whatever is tried: it must be changed.
+    pub is_input: bool,
 }
 
 /// Renders, tone-maps and times.
 pub trait Renderer {
     /// What it renders on.
     fn device(&self) -> DeviceInfo;
+    /// Whether a request can be served, as far as that can be told before any work.
+    fn check(&self, request: &RenderRequest) -> Result<(), RenderFault>;
     /// One radiance image.
     fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault>;
     /// The display image of a radiance image.
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault>;
+    /// The tables that light a surface, without the levels of the environment that are wider than `width_max` texels.
+    fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, RenderFault>;
     /// Times of the passes that run for every frame; `warmup` executions come first and do not count.
     fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, RenderFault>;
     /// Times of the passes that run once per environment or model.
@@ -34,7 +40,7 @@ pub trait Renderer {
 
 impl From<PipelineError> for RenderFault {
     fn from(error: PipelineError) -> Self {
-        Self { message: error.to_string(), device_lost: error.is_transient() }
+        Self { message: error.to_string(), device_lost: error.is_transient(), is_input: error.is_input() }
     }
 }
 
@@ -43,12 +49,20 @@ impl Renderer for Pipeline {
         Pipeline::device(self).clone()
     }
 
+    fn check(&self, request: &RenderRequest) -> Result<(), RenderFault> {
+        Ok(Pipeline::check(self, request)?)
+    }
+
     fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault> {
         Ok(Pipeline::render(self, request)?)
     }
 
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault> {
         Ok(Pipeline::tonemap(self, radiance, curve)?.0)
+    }
+
+    fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, RenderFault> {
+        Ok(Pipeline::light_tables(self, request, width_max)?)
     }
 
     fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, RenderFault> {

@@ -2,6 +2,7 @@
 
 use super::plan::Plan;
 use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
+use crate::shade::reference_pass::Convergence;
 use crate::table::csv;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -73,6 +74,50 @@ impl TryFrom<String> for Exact {
 /// Scores by metric name.
 pub type Scores = BTreeMap<String, Exact>;
 
+/// Where a reference stopped: the least certain of its terms.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct ReferenceStop {
+    /// Samples a pixel and term; the fewest of the terms.
+    pub samples: u64,
+    /// Relative standard error of the image (`shade::reference_pass::Convergence`); the largest of the terms.
+    pub relative_error: Exact,
+    /// Which of the limits the experiment names was met.
+    pub stopped_by: StopReason,
+}
+
+/// What ended a reference.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopReason {
+    /// The sample count: no error was asked for, or a term did not reach it before.
+    Samples,
+    /// Every term reached the requested relative standard error.
+    RelativeError,
+}
+
+impl StopReason {
+    /// The word in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Samples => "samples",
+            Self::RelativeError => "relative-error",
+        }
+    }
+}
+
+impl ReferenceStop {
+    /// Of the terms of one image; `None` when none of them is a reference. `wanted` is the relative error that was asked for.
+    pub fn of(terms: &[Convergence], wanted: Option<f64>) -> Option<Self> {
+        let samples = terms.iter().map(|term| term.sample_count).min()?;
+        let is_met = wanted.is_some() && terms.iter().all(|term| term.is_met);
+        Some(Self {
+            samples,
+            relative_error: Exact(terms.iter().map(|term| term.relative_error).fold(0.0, f64::max)),
+            stopped_by: if is_met { StopReason::RelativeError } else { StopReason::Samples },
+        })
+    }
+}
+
 /// What is kept of one finished cell.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct CellRecord {
@@ -85,6 +130,9 @@ pub struct CellRecord {
     pub bias_variance: Scores,
     /// Score to expect of an exact test, where the reference knows its own error.
     pub noise_floors: Scores,
+    /// Where the reference stopped, where it is one that stops.
+    #[serde(default)]
+    pub reference: Option<ReferenceStop>,
     pub verdict: String,
     pub bins: Vec<BinRecord>,
     pub device: String,
@@ -134,7 +182,12 @@ impl Drop for Lock {
 /// The file that a run locks.
 const LOCK_FILE: &str = ".lock";
 
-const SUBFOLDERS: &[&str] = &["cells", "failed", "images", "tables", "timings"];
+/// Where the chunks of a plan file are done, when the folder is that of a run in chunks.
+pub const CHUNKS_FOLDER: &str = "chunks";
+/// The plan file of a run in chunks.
+pub const PLAN_FILE: &str = "plan.json";
+
+const SUBFOLDERS: &[&str] = &["cells", "failed", "images", "references", "tables", "timings"];
 
 impl Store {
     /// The run's folder as it is, for reading.
@@ -146,17 +199,20 @@ impl Store {
     pub fn open(dir: &Path, plan: &Plan) -> Result<Self, StoreError> {
         let mut store = Self::at(dir);
         store.check_identity(plan)?;
-        for folder in SUBFOLDERS {
-            let path = dir.join(folder);
-            std::fs::create_dir_all(&path).map_err(|error| StoreError::Folder { path, error })?;
-        }
-        store.lock = Some(Arc::new(lock(dir)?));
+        make_subfolders(dir)?;
+        store.lock = lock(dir)?.map(Arc::new);
         // Another run may have made the folder its own between the check and the lock.
         store.check_identity(plan)?;
         for folder in [""].iter().chain(SUBFOLDERS) {
             remove_parts(&dir.join(folder))?;
         }
         Ok(store)
+    }
+
+    /// A folder that only this process writes to, so that it needs no lock.
+    pub fn own(dir: &Path) -> Result<Self, StoreError> {
+        make_subfolders(dir)?;
+        Ok(Self::at(dir))
     }
 
     /// Fails when the folder holds something else than a run of this plan.
@@ -182,8 +238,10 @@ impl Store {
         // A run that was stopped before its first file leaves empty folders only.
         let has_files = |dir: &Path| {
             let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
-            let is_own =
-                |name: &str, is_dir: bool| name == LOCK_FILE || is_part(name) || (is_dir && SUBFOLDERS.contains(&name));
+            let is_own = |name: &str, is_dir: bool| match is_dir {
+                true => name == CHUNKS_FOLDER || SUBFOLDERS.contains(&name),
+                false => [LOCK_FILE, PLAN_FILE].contains(&name) || is_part(name),
+            };
             entries.into_iter().any(|e| !is_own(&e.file_name().to_string_lossy(), e.path().is_dir()))
         };
         if has_files(&self.dir) {
@@ -212,14 +270,19 @@ impl Store {
         self.dir.join("tables").join(name)
     }
 
+    /// Where the record of a finished cell stands.
+    pub fn cell_path(&self, id: &str) -> PathBuf {
+        self.record_path("cells", id)
+    }
+
     /// The record of a finished cell.
     pub fn cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
-        self.read(&self.record_path("cells", id))
+        self.read(&self.cell_path(id))
     }
 
     /// Keeps a finished cell and forgets its earlier failure.
     pub fn write_cell(&self, record: &CellRecord) -> Result<(), StoreError> {
-        self.write_record(&self.record_path("cells", &record.cell), record)?;
+        self.write_record(&self.cell_path(&record.cell), record)?;
         let failure = self.record_path("failed", &record.cell);
         match std::fs::remove_file(&failure) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::Io { path: failure, error }),
@@ -235,6 +298,16 @@ impl Store {
     /// Keeps the reason of a failure.
     pub fn write_failure(&self, record: &FailureRecord) -> Result<(), StoreError> {
         self.write_json(&self.record_path("failed", &record.cell), record)
+    }
+
+    /// Where the reference image of this id stopped, as an earlier invocation left it.
+    pub fn reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
+        self.read(&self.record_path("references", id))
+    }
+
+    /// Keeps where a reference stopped.
+    pub fn write_reference(&self, id: &str, stop: &ReferenceStop) -> Result<(), StoreError> {
+        self.write_record(&self.record_path("references", id), stop)
     }
 
     /// A timing record.
@@ -299,13 +372,21 @@ impl Store {
     }
 }
 
-/// Takes the folder's lock, or says that another run has it.
-fn lock(dir: &Path) -> Result<Lock, StoreError> {
+fn make_subfolders(dir: &Path) -> Result<(), StoreError> {
+    SUBFOLDERS.iter().try_for_each(|folder| {
+        let path = dir.join(folder);
+        std::fs::create_dir_all(&path).map_err(|error| StoreError::Folder { path, error })
+    })
+}
+
+/// Takes the folder's lock, or says that another run has it. `None` on a file system that has no locks, as some shared ones.
+fn lock(dir: &Path) -> Result<Option<Lock>, StoreError> {
     let path = dir.join(LOCK_FILE);
     let file = File::options().create(true).truncate(false).write(true).open(&path);
     let file = file.map_err(|error| StoreError::Io { path: path.clone(), error })?;
     match file.try_lock() {
-        Ok(()) => Ok(Lock(file)),
+        Ok(()) => Ok(Some(Lock(file))),
+        Err(TryLockError::Error(error)) if error.kind() == std::io::ErrorKind::Unsupported => Ok(None),
         Err(TryLockError::WouldBlock) => Err(StoreError::Busy { dir: dir.to_owned() }),
         Err(TryLockError::Error(error)) => Err(StoreError::Io { path, error }),
     }

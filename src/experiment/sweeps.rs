@@ -102,6 +102,11 @@ impl Config {
         }
     }
 
+    /// How many combinations of values the axes span, before exclusions.
+    pub fn combination_count(&self) -> u64 {
+        self.dimensions().iter().map(|(_, steps)| *steps as u64).fold(1, u64::saturating_mul)
+    }
+
     /// The axes in groups that vary together, each with its number of steps, in the order of their first axis. Groups hold indices
     /// into `axes`.
     pub(super) fn dimensions(&self) -> Vec<(Vec<usize>, usize)> {
@@ -123,7 +128,7 @@ impl Config {
 /// The values of a range; those of a whole-number axis are rounded.
 fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
     let expected = || format!("expected a list of values, {RANGE_FORMS}");
-    if !matches!(kind, Kind::Number(_) | Kind::Count { .. } | Kind::Color(_)) {
+    if !matches!(kind, Kind::Number(_) | Kind::Alpha | Kind::Count { .. } | Kind::Color(_)) {
         return Err("a range needs an axis of numbers; expected a list of values".to_owned());
     }
     let [(name, value, _)] = &entries(range)[..] else { return Err(expected()) };

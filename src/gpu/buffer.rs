@@ -101,7 +101,7 @@ impl Gpu {
         let device = &self.shared;
         // Vulkan has no empty buffers; four bytes keep callers free of a special case.
         let size = size.max(4);
-        let limit = u64::from(device.limits.max_storage_buffer_range);
+        let limit = self.max_buffer_bytes();
         if usage.contains(vk::BufferUsageFlags::STORAGE_BUFFER) && size > limit {
             return Err(GpuError::Limit { what: "storage buffer", name: name.into(), needed: size, limit });
         }

@@ -1,5 +1,6 @@
 //! The device with its one queue, and the memory allocator.
 
+use super::inject::{Injector, Site};
 use super::instance::Instance;
 use super::{DeviceInfo, GpuError, Options};
 use ash::{ext, vk};
@@ -23,6 +24,7 @@ pub(super) struct Shared {
     pub(super) limits: vk::PhysicalDeviceLimits,
     pub(super) timestamp_mask: u64,
     pub(super) info: DeviceInfo,
+    pub(super) injector: Injector,
     allocator: Mutex<Option<Allocator>>,
     debug: Option<ext::debug_utils::Device>,
     /// Dropped last.
@@ -32,6 +34,7 @@ pub(super) struct Shared {
 impl Gpu {
     /// Opens a device; the error names what is missing.
     pub fn new(options: Options) -> Result<Self, GpuError> {
+        let injector = Injector::from_environment()?;
         let instance = Instance::new(options.validation)?;
         let (physical, info) = instance.choose(options.device)?;
         let family = queue_family(&instance, physical, &info)?;
@@ -51,6 +54,7 @@ impl Gpu {
             limits,
             timestamp_mask: family.timestamp_mask,
             info,
+            injector,
             allocator: Mutex::new(None),
             debug,
             instance,
@@ -76,6 +80,16 @@ impl Gpu {
     /// Messages of the validation layer since the device was opened; empty without validation.
     pub fn validation_messages(&self) -> Vec<String> {
         self.shared.instance.messages.lock().map(|messages| messages.clone()).unwrap_or_default()
+    }
+
+    /// Bits of a pixel's fraction to which the rasteriser rounds vertices: at least 4.
+    pub fn sub_pixel_precision_bits(&self) -> u32 {
+        self.shared.limits.sub_pixel_precision_bits
+    }
+
+    /// Largest storage buffer, bytes.
+    pub fn max_buffer_bytes(&self) -> u64 {
+        self.shared.limits.max_storage_buffer_range.into()
     }
 
     /// Largest width and height of an image.
@@ -111,8 +125,9 @@ impl Shared {
         linear: bool,
     ) -> Result<Allocation, GpuError> {
         if requirements.size > self.info.memory_bytes {
-            return Err(GpuError::OutOfMemory { name: name.into(), bytes: requirements.size });
+            return Err(GpuError::OutOfMemory { name: name.into(), bytes: Some(requirements.size) });
         }
+        self.injector.reach(Site::Allocate).map_err(GpuError::call("vkAllocateMemory", name))?;
         let mut allocator = self.allocator();
         let allocator = allocator.as_mut().expect("the allocator lives as long as the device");
         let description = AllocationCreateDesc {
@@ -124,7 +139,7 @@ impl Shared {
         };
         allocator.allocate(&description).map_err(|source| match source {
             gpu_allocator::AllocationError::OutOfMemory => {
-                GpuError::OutOfMemory { name: name.into(), bytes: requirements.size }
+                GpuError::OutOfMemory { name: name.into(), bytes: Some(requirements.size) }
             }
             source => GpuError::Memory { name: name.into(), source },
         })

@@ -21,10 +21,12 @@ pub enum GpuError {
     NoValidationLayer,
     #[error("{what} '{name}' needs {needed}, the device's limit is {limit}")]
     Limit { what: &'static str, name: String, needed: u64, limit: u64 },
-    #[error("out of device memory: '{name}' needs {bytes} bytes")]
-    OutOfMemory { name: String, bytes: u64 },
+    #[error("out of device memory for '{name}'{}", bytes.map_or_else(String::new, |bytes| format!(", which needs {bytes} bytes")))]
+    OutOfMemory { name: String, bytes: Option<u64> },
     #[error("the device was lost during '{during}'; a retry may succeed")]
     DeviceLost { during: String },
+    #[error("{variable}: '{word}' is no fault that can be asked for")]
+    UnknownTestFault { variable: &'static str, word: String },
     #[error("no shader named '{0}' was built")]
     NoShader(String),
     #[error("{call} failed with {result:?} ('{name}')")]
@@ -39,8 +41,16 @@ impl GpuError {
         let name = name.to_string();
         move |result| match result {
             vk::Result::ERROR_DEVICE_LOST => Self::DeviceLost { during: name },
+            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
+                Self::OutOfMemory { name, bytes: None }
+            }
             result => Self::Call { call, name, result },
         }
+    }
+
+    /// Whether the device has no room left.
+    pub fn is_out_of_memory(&self) -> bool {
+        matches!(self, Self::OutOfMemory { .. })
     }
 
     /// Whether a retry on a fresh device may succeed.

@@ -82,7 +82,8 @@ impl Instance {
         }
         // SAFETY: every pointer in `info` outlives the call.
         let raw = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
-            vk::Result::ERROR_INCOMPATIBLE_DRIVER => GpuError::NoDevice,
+            // The loader says the second of driver manifests that it cannot parse.
+            vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_OUT_OF_HOST_MEMORY => GpuError::NoDevice,
             result => GpuError::call("vkCreateInstance", "instance")(result),
         })?;
         let messages = Arc::new(Mutex::new(Vec::new()));

@@ -9,6 +9,7 @@ mod buffer;
 mod device;
 mod error;
 mod image;
+mod inject;
 mod instance;
 mod pipeline;
 mod recorder;

@@ -3,6 +3,7 @@
 use super::{Kind, KindColumns, Query};
 use crate::brdf::{self, Brdf, MODELS, MaskingShadowing};
 use crate::environment::{Environment, LoadOptions};
+use crate::files::read_stream;
 use crate::shade::reference::Surface;
 use crate::spelling::suggestion;
 use crate::table::csv::Cell;
@@ -10,6 +11,8 @@ use glam::DVec3;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+/// Largest file that is read, bytes.
+const MAX_FILE_BYTES: u64 = 1 << 30;
 /// Largest departure of a direction's length from 1; within it the direction is normalised. Five digits a coordinate suffice.
 pub const LENGTH_TOLERANCE: f64 = 1e-5;
 
@@ -56,15 +59,16 @@ impl std::error::Error for QueryFaults {}
 impl Queries {
     /// Reads a CSV file with a header. Environments are loaded once each; relative paths start at the folder of the file.
     pub fn read(path: &Path, kind: Kind, options: &LoadOptions) -> Result<Self, QueryFaults> {
-        let whole = |what: String| QueryFaults {
-            path: path.to_owned(),
-            faults: vec![Fault { line: 1, column: String::new(), what }],
-        };
-        let bytes = std::fs::read(path)
-            .map_err(|error| whole(format!("cannot be read ({error}); expected a CSV file of queries")))?;
-        let text = std::str::from_utf8(&bytes).map_err(|error| {
+        let bytes = read_stream(path, MAX_FILE_BYTES)
+            .map_err(|error| whole(path, format!("cannot be read ({error}); expected a CSV file of queries")))?;
+        Self::from_bytes(path, &bytes, kind, options)
+    }
+
+    /// As [`Queries::read`], of the bytes of the file at `path`.
+    pub fn from_bytes(path: &Path, bytes: &[u8], kind: Kind, options: &LoadOptions) -> Result<Self, QueryFaults> {
+        let text = std::str::from_utf8(bytes).map_err(|error| {
             let line = bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
-            whole(format!("line {} is not UTF-8 text", line + 1))
+            whole(path, format!("line {} is not UTF-8 text", line + 1))
         })?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         Reader::new(path, kind, options).read(text).map_err(|faults| QueryFaults { path: path.to_owned(), faults })
@@ -84,6 +88,11 @@ impl Queries {
     pub fn warnings(&self) -> impl Iterator<Item = String> {
         self.environments.iter().flat_map(|e| e.warnings.iter().map(move |warning| format!("{}: {warning}", e.name)))
     }
+}
+
+/// A fault of the file as a whole.
+fn whole(path: &Path, what: String) -> QueryFaults {
+    QueryFaults { path: path.to_owned(), faults: vec![Fault { line: 1, column: String::new(), what }] }
 }
 
 /// An environment by what the rows call it.

@@ -4,11 +4,14 @@
 
 mod bake;
 mod cache;
+mod fit;
+mod light_tables;
 mod prepare;
 mod request;
 
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, devices};
 pub use bake::BakeRequest;
+pub use light_tables::LightTables;
 pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
 
 use crate::glsl::constants::{GROUP_SIDE, POINTS_PER_DISPATCH};
@@ -37,9 +40,17 @@ pub enum PipelineError {
     NoSamples { field: &'static str },
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// Found before anything was allocated.
+    #[error("{part} is too large for the device: it needs {needed}, the limit is {limit}")]
+    TooLarge { part: String, needed: String, limit: String },
 }
 
 impl PipelineError {
+    /// Whether something else must be asked for: the request cannot be served whatever is tried.
+    pub fn is_input(&self) -> bool {
+        matches!(self, Self::TooLarge { .. } | Self::NoSamples { .. } | Self::Settings(_))
+    }
+
     /// Whether a retry on a fresh device may succeed.
     pub fn is_transient(&self) -> bool {
         matches!(self, Self::Gpu(error) if error.is_transient())
@@ -70,9 +81,26 @@ impl Pipeline {
         self.gpu.validation_messages()
     }
 
+    /// Whether the device can serve `request`, as far as that can be told before anything is allocated.
+    pub fn check(&self, request: &RenderRequest) -> Result<(), PipelineError> {
+        fit::check(&self.gpu, request)
+    }
+
+    /// What `request` needs. When memory runs out, what earlier requests left is given back first and all is tried once more.
+    fn prepare(&mut self, request: &RenderRequest) -> Result<Prepared, PipelineError> {
+        self.check(request)?;
+        match self.resources.prepare(&self.gpu, request) {
+            Err(PipelineError::Gpu(error)) if error.is_out_of_memory() => {
+                self.resources.forget_all();
+                self.resources.prepare(&self.gpu, request)
+            }
+            prepared => prepared,
+        }
+    }
+
     /// Renders one radiance image.
     pub fn render(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
-        let prepared = self.resources.prepare(&self.gpu, request)?;
+        let prepared = self.prepare(request)?;
         let (report, convergences) = self.shade(request, &prepared)?;
         let (radiance, standard_error) = read_radiance(&self.gpu, &prepared, request)?;
         Ok(Frame {
@@ -104,7 +132,7 @@ impl Pipeline {
 
     /// Times the per-frame passes, tone curve included: `warmup` rounds that do not count, then `rounds`.
     pub fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, PipelineError> {
-        let prepared = self.resources.prepare(&self.gpu, request)?;
+        let prepared = self.prepare(request)?;
         let packed = TonemapPass::packed(&self.gpu, request.size)?;
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
@@ -131,7 +159,7 @@ impl Pipeline {
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
             self.resources.forget_tables();
-            let report = self.resources.prepare(&self.gpu, request)?.precompute;
+            let report = self.prepare(request)?.precompute;
             if round >= warmup {
                 samples.push(&report.passes, report.wall_ms);
             }

@@ -152,6 +152,15 @@ impl Resources {
         self.dfg_tables = Recent::new(9);
     }
 
+    /// Forgets all that can be made again; the passes stay.
+    pub(super) fn forget_all(&mut self) {
+        self.forget_tables();
+        self.distributions = Recent::new(2);
+        self.points = Recent::new(16);
+        self.scenes = Recent::new(4);
+        self.targets = Recent::new(4);
+    }
+
     /// Makes what `request` needs and is not there yet.
     pub(super) fn prepare(&mut self, gpu: &Gpu, request: &RenderRequest) -> Result<Prepared, PipelineError> {
         validate(request)?;

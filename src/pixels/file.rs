@@ -1,7 +1,8 @@
 //! Files as a whole: bounded reading, replacement in one step, the error that all image formats share.
 
+use crate::files::read_regular;
 use std::fs::File;
-use std::io::{BufWriter, Read, Write};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Largest image that is read or made, texels (32768 x 4096): 1.5 GiB as RGB floats.
@@ -36,21 +37,10 @@ impl Fault {
     }
 }
 
-/// The whole file. Refuses folders, pipes and devices (which may never end) and files over [`MAX_FILE_BYTES`].
-pub(super) fn read_bounded(path: &Path) -> Result<Vec<u8>, PixelsError> {
-    let expected = || "a readable image file".to_owned();
-    let io = |error: std::io::Error| Fault::new(format!("cannot be read ({error})"), expected()).at(path);
-    // The type is asked for first: opening a pipe blocks until somebody writes.
-    let metadata = std::fs::metadata(path).map_err(io)?;
-    if !metadata.is_file() {
-        return Err(Fault::new("is not a regular file", expected()).at(path));
-    }
-    let mut bytes = Vec::new();
-    File::open(path).map_err(io)?.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(io)?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(Fault::new("is larger than 4 GiB", "a smaller file").at(path));
-    }
-    Ok(bytes)
+/// The whole file, which must be a regular one.
+pub(crate) fn read_bounded(path: &Path) -> Result<Vec<u8>, PixelsError> {
+    read_regular(path, MAX_FILE_BYTES)
+        .map_err(|error| Fault::new(format!("cannot be read ({error})"), "a readable image file").at(path))
 }
 
 /// Checks a size that a header claims; `file_bytes * texels_per_byte` bounds what the file can plausibly hold.

@@ -5,12 +5,13 @@
 
 pub mod exr;
 mod file;
+pub mod packed;
 pub mod png;
 pub mod radiance;
 mod shrink;
 
 pub use file::PixelsError;
-pub(crate) use file::{MAX_TEXELS, PART_PREFIX, write_atomically};
+pub(crate) use file::{MAX_TEXELS, PART_PREFIX, read_bounded, write_atomically};
 
 /// What a reader of float images returns.
 #[derive(Clone, Debug)]

@@ -24,8 +24,12 @@ const EXPONENT_BIAS: i32 = 136;
 
 /// Reads a Radiance picture as linear Rec.709, row 0 at the top whatever the orientation in the file.
 pub fn read(path: &Path) -> Result<Decoded, PixelsError> {
-    let bytes = read_bounded(path)?;
-    decode(&bytes).map_err(|fault| fault.at(path))
+    read_bytes(path, &read_bounded(path)?)
+}
+
+/// As [`read`], of the bytes of the file at `path`, which only errors name.
+pub fn read_bytes(path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
+    decode(bytes).map_err(|fault| fault.at(path))
 }
 
 /// Order of the texels in the file: the first axis of the resolution line is the slow one.

@@ -12,6 +12,7 @@ pub use camera::{Camera, CameraKind, Projection};
 pub use light::{Light, LightKind};
 pub use material::{Material, MaterialOverride};
 pub use mesh::Mesh;
+pub use obj::SceneFiles;
 
 use crate::pixels::RgbImage;
 use glam::DVec3;
@@ -84,10 +85,15 @@ impl Scene {
         let path = base_dir.join(spec);
         let extension = Path::new(spec).extension().map(|extension| extension.to_string_lossy().to_lowercase());
         match extension.as_deref() {
-            Some("obj") => obj::load(spec, &path),
+            Some("obj") => obj::load(spec, &path, &obj::Disk),
             Some(_) if path.exists() => Err(SceneError::Format { path }),
             _ => Err(SceneError::Unknown { name: spec.to_owned(), suggestion: suggestion(spec) }),
         }
+    }
+
+    /// The scene of the OBJ file at `path` of `files`, which also give what it names.
+    pub fn from_obj(path: &Path, files: &dyn SceneFiles) -> Result<Self, SceneError> {
+        obj::load(&path.to_string_lossy(), path, files)
     }
 
     /// The same scene with the override's values in every material.

@@ -7,6 +7,7 @@
 //! R and DuckDB read. A missing value is an empty cell. Text that begins with `=`, `+`, `-` or `@` is written as it is: this is
 //! data for programs, the names are the user's own, and a protecting apostrophe would be a wrong name when read back.
 
+use crate::files::read_regular;
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -176,10 +177,13 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
+/// Largest table that is read, bytes: a million rows of a kilobyte.
+const MAX_FILE_BYTES: u64 = 1 << 30;
+
 impl Table {
     /// Reads a whole table; every row must have as many cells as the header.
     pub fn read(path: &Path) -> Result<Self, TableError> {
-        let bytes = std::fs::read(path).map_err(|source| file_error(path, source))?;
+        let bytes = read_regular(path, MAX_FILE_BYTES).map_err(|source| file_error(path, source))?;
         Self::parse(path, &bytes)
     }
 

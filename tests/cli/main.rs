@@ -1,7 +1,10 @@
 //! The binary as a user runs it: messages, exit codes, files.
 
 mod bad_input;
+#[cfg(unix)]
+mod chunks;
 mod end_to_end;
+mod faults;
 mod integrate;
 #[cfg(unix)]
 mod interruptions;

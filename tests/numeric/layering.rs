@@ -8,17 +8,17 @@ use std::path::{Path, PathBuf};
 /// Rows from low to high; a row holds columns that do not know each other, and a column its modules in order. A module imports only
 /// from lower rows or from earlier in its own column.
 const ROWS: &[&[&[&str]]] = &[
-    &[&["glsl", "math", "color", "pixels", "spelling"]],
+    &[&["glsl", "math", "color", "files", "pixels", "spelling"]],
     &[&["brdf", "environment", "scene"], &["gpu"]],
     &[&["precompute", "gbuffer", "shade", "tonemap"]],
     &[&["metrics"], &["table"]],
-    &[&["pipeline"], &["oracle"]],
+    &[&["pipeline"], &["oracle"], &["slips"]],
     &[&["experiment"]],
     &[&["report"]],
 ];
 
 /// What metrics see: images, a mask and the tone curve, never a method.
-const SEEN_BY_METRICS: &[&str] = &["glsl", "math", "color", "pixels", "tonemap"];
+const SEEN_BY_METRICS: &[&str] = &["glsl", "math", "color", "files", "pixels", "tonemap"];
 
 /// Names that say nothing about a file's subject.
 const EMPTY_NAMES: &[&str] = &["util", "utils", "helper", "helpers", "common", "misc"];

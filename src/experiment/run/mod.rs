@@ -3,17 +3,21 @@
 mod cells;
 mod timed;
 
+use crate::experiment::answers::{Answered, AnswersError};
+use crate::experiment::environments;
 use crate::experiment::images;
+use crate::experiment::live::{self, LIVE_FILE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::provenance;
 use crate::experiment::renderer::{RenderFault, Renderer};
 use crate::experiment::sheets;
 use crate::experiment::store::{CellRecord, FailureRecord, Store, StoreError};
-use crate::experiment::summary;
 use crate::experiment::tables::{self, CellResult, Results};
 use crate::experiment::timing::{self, TimingJob, TimingRecord};
 use crate::experiment::trace;
 use crate::pipeline::DeviceInfo;
+use crate::slips;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -60,11 +64,25 @@ pub struct Outcome {
 pub enum RunError {
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The tables are written, but not what they answer.
+    #[error(transparent)]
+    Answers(#[from] AnswersError),
     #[error("the device was lost: {0}; what is done is kept, run the same command again to go on")]
     DeviceLost(String),
     /// The renderer could not be made.
     #[error("{0}")]
     NoRenderer(String),
+}
+
+/// What one process does of a plan whose other parts are done elsewhere.
+#[derive(Debug, Default)]
+pub struct Share {
+    /// Ids of cells.
+    pub cells: BTreeSet<String>,
+    /// Ids of timed configurations, whole blocks.
+    pub timings: BTreeSet<String>,
+    /// Whether it makes what the live view of the whole run needs.
+    pub has_live: bool,
 }
 
 /// Makes the renderer when the first step needs it, so that a finished run needs no device.
@@ -85,7 +103,7 @@ pub fn run(
     folder.check_identity(plan)?;
     let mut renderer = match folder.provenance_path().exists() {
         true => None,
-        false => Some(make_renderer().map_err(fault_error)?),
+        false => Some(opened(plan, make_renderer)?),
     };
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
@@ -94,7 +112,7 @@ pub fn run(
     if steps_left > 0 {
         let renderer = match renderer.take() {
             Some(renderer) => renderer,
-            None => make_renderer().map_err(fault_error)?,
+            None => opened(plan, make_renderer)?,
         };
         run.begin_session(&renderer.device())?;
         let result = run.work(renderer, progress);
@@ -103,6 +121,41 @@ pub fn run(
         result?;
     }
     run.finish(steps_left > 0)
+}
+
+/// The renderer, if it can serve every cell: a run that cannot be finished is not begun.
+fn opened(plan: &Plan, make_renderer: &mut MakeRenderer) -> Result<Box<dyn Renderer>, RunError> {
+    let renderer = make_renderer().map_err(fault_error)?;
+    for point in plan.points_by_size() {
+        renderer.check(&plan.request(&point)).map_err(fault_error)?;
+    }
+    Ok(renderer)
+}
+
+/// Does a share of `plan` in the folder `store`, which must be this process's own. Writes records and images, no tables: those are made
+/// of all shares together. Returns the failed cells and whether it was stopped.
+pub(super) fn run_share(
+    plan: &Plan,
+    share: &Share,
+    store: Store,
+    make_renderer: &mut MakeRenderer,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+) -> Result<(Vec<FailureRecord>, bool), RunError> {
+    let mut run = Run::load(plan, store, options)?;
+    run.jobs.retain(|job| share.timings.contains(&job.id));
+    run.share = Some(share);
+    let steps_left = run.steps_left();
+    progress.start(steps_left, 0);
+    let renderer = opened(plan, make_renderer)?;
+    run.begin_session(&renderer.device())?;
+    run.work(renderer, progress)?;
+    Ok((run.failures(), run.is_stopped() && run.steps_left() > 0))
+}
+
+/// Writes tables, contact sheets and the summary from the records that stand in the run's folder.
+pub(super) fn tabulate(plan: &Plan, store: Store, options: &RunOptions) -> Result<Outcome, RunError> {
+    Run::load(plan, store, options)?.finish(true)
 }
 
 fn fault_error(fault: RenderFault) -> RunError {
@@ -114,6 +167,8 @@ struct Run<'p> {
     plan: &'p Plan,
     store: Store,
     options: &'p RunOptions<'p>,
+    /// The part of the plan that is this process's; `None` for all of it.
+    share: Option<&'p Share>,
     results: Results,
     jobs: Vec<TimingJob<'p>>,
     timings: Vec<TimingRecord>,
@@ -139,6 +194,7 @@ impl<'p> Run<'p> {
             plan,
             store,
             options,
+            share: None,
             results,
             jobs,
             timings: Vec::new(),
@@ -149,8 +205,10 @@ impl<'p> Run<'p> {
         })
     }
 
+    /// Whether there is nothing to do for a cell: it has its record, or another process does it.
     fn is_done(&self, cell: &Cell) -> bool {
-        matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
+        let is_ours = self.share.is_none_or(|share| share.cells.contains(&cell.id));
+        !is_ours || matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
     }
 
     fn is_stopped(&self) -> bool {
@@ -177,6 +235,7 @@ impl<'p> Run<'p> {
     fn work(&mut self, mut renderer: Box<dyn Renderer>, progress: &mut dyn Progress) -> Result<(), RunError> {
         let started = Instant::now();
         self.cells(renderer.as_mut(), progress)?;
+        self.live(renderer.as_mut(), progress)?;
         self.time(renderer.as_mut(), progress)?;
         let wall_ms = milliseconds(started);
         let reused = match self.references_read {
@@ -188,6 +247,20 @@ impl<'p> Run<'p> {
             wall_ms / 1e3,
             100.0 * (1.0 - self.device_ms / wall_ms).max(0.0)
         ));
+        Ok(())
+    }
+
+    /// Leaves what the live view of the report needs, before timing forgets the tables. Without it the report has no such view.
+    fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let path = self.store.dir().join(LIVE_FILE);
+        let is_ours = self.share.is_none_or(|share| share.has_live);
+        if !is_ours || self.is_stopped() || path.exists() {
+            return Ok(());
+        }
+        match cell_result(live::record(self.plan, renderer))? {
+            Ok(record) => self.store.write_json(&path, &record)?,
+            Err(reason) => progress.note(&format!("the report will have no live view: {reason}")),
+        }
         Ok(())
     }
 
@@ -207,8 +280,18 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
+    /// The cells that failed, in plan order.
+    fn failures(&self) -> Vec<FailureRecord> {
+        let failure = |cell: &Cell| match self.results.get(&cell.id) {
+            Some(CellResult::Failed(record)) => Some(record.clone()),
+            _ => None,
+        };
+        self.plan.cells.iter().filter_map(failure).collect()
+    }
+
     fn write_tables_sometimes(&mut self) -> Result<(), RunError> {
-        if self.tables_written.elapsed() >= TABLE_INTERVAL { self.write_tables() } else { Ok(()) }
+        let is_time = self.share.is_none() && self.tables_written.elapsed() >= TABLE_INTERVAL;
+        if is_time { self.write_tables() } else { Ok(()) }
     }
 
     fn write_tables(&mut self) -> Result<(), RunError> {
@@ -243,20 +326,21 @@ impl<'p> Run<'p> {
                 self.store.write_json(&self.store.dir().join("trace.json"), &trace::chrome_trace(&self.timings))?;
             }
         }
-        let summary = summary::markdown(self.plan, &self.results, &self.timings);
-        let summary_path = self.store.dir().join("summary.md");
-        if has_worked || std::fs::read_to_string(&summary_path).ok().as_deref() != Some(&summary) {
-            sheets::write_sheets(&self.store, self.plan, &self.results)?;
-            self.store.write_text(&summary_path, &summary)?;
+        let (columns, rows) = environments::environments(self.plan);
+        self.store.write_table("environments.csv", &columns, &rows)?;
+        if self.plan.config.has_printed_slips {
+            let (columns, rows) = slips::table();
+            self.store.write_table(slips::FILE_NAME, &columns, &rows)?;
         }
-        let is_failure = |cell: &Cell| match self.results.get(&cell.id) {
-            Some(CellResult::Failed(record)) => Some(record.clone()),
-            _ => None,
-        };
+        let answered = Answered::of_run(self.store.dir())?;
+        if has_worked || !answered.is_summary_written() {
+            sheets::write_sheets(&self.store, self.plan, &self.results)?;
+        }
+        answered.write()?;
         Ok(Outcome {
             dir: self.store.dir().to_owned(),
-            summary,
-            failures: self.plan.cells.iter().filter_map(is_failure).collect(),
+            summary: answered.summary,
+            failures: self.failures(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
         })
     }

@@ -7,6 +7,7 @@ pub use binding::Bind;
 pub use commands::{DrawCall, Targets};
 
 use super::device::Shared;
+use super::inject::Site;
 use super::{Gpu, GpuError};
 use ash::vk;
 use std::any::Any;
@@ -144,9 +145,10 @@ impl Recorder {
         {
             let _one_at_a_time = shared.submission.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
             started = Instant::now();
+            let call = || GpuError::call("vkQueueSubmit2", &self.name);
+            shared.injector.reach(Site::Submit).map_err(call())?;
             // SAFETY: the command buffer is complete and what it uses is kept alive until the fence is signalled.
-            unsafe { self.device().queue_submit2(shared.queue, &submit, fence.raw) }
-                .map_err(GpuError::call("vkQueueSubmit2", &self.name))?;
+            unsafe { self.device().queue_submit2(shared.queue, &submit, fence.raw) }.map_err(call())?;
         }
         // SAFETY: the fence was just submitted.
         unsafe { self.device().wait_for_fences(&[fence.raw], true, u64::MAX) }

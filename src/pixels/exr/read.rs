@@ -19,10 +19,18 @@ pub fn read(path: &Path) -> Result<Decoded, PixelsError> {
 
 /// As [`read`], but of the layer called `layer`: the channels `layer.R` ..., or the part of that name.
 pub fn read_layer(path: &Path, layer: Option<&str>) -> Result<Decoded, PixelsError> {
-    let bytes = read_bounded(path)?;
+    read_layer_bytes(path, &read_bounded(path)?, layer)
+}
+
+/// As [`read`], of the bytes of the file at `path`, which only errors name.
+pub fn read_bytes(path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
+    read_layer_bytes(path, bytes, None)
+}
+
+fn read_layer_bytes(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Decoded, PixelsError> {
     // A last resort: the codecs of the crate `exr` index by what they read. No damaged file we have makes one panic, but if one does,
     // it is bad input and must not end a run. The bytes are only borrowed, so nothing half-changed can be seen afterwards.
-    std::panic::catch_unwind(|| decode(&bytes, layer))
+    std::panic::catch_unwind(|| decode(bytes, layer))
         .unwrap_or_else(|_| Err(Fault::new("is damaged in a way that its decoder cannot name", "a valid OpenEXR file")))
         .map_err(|fault| fault.at(path))
 }

@@ -4,18 +4,19 @@
 //! left out. Missing normals are computed smooth (see [`normals`]), missing texture coordinates are (0, 0).
 
 mod lines;
+mod maps;
 mod mtl;
 mod normals;
+mod source;
 mod triangulate;
 
 use super::mesh::{Mesh, position};
 use super::{Material, Scene, SceneError};
-use crate::color::srgb_decode;
-use crate::pixels::{Pixels, RgbImage};
 use glam::{DVec3, Vec3};
 use lines::ObjText;
+use source::existing;
+pub use source::{Disk, SceneFiles};
 use std::collections::HashMap;
-use std::io;
 use std::path::Path;
 
 /// Automatic cameras look from this far to the right of +z and this far above the horizon: a front, a side and a top are seen.
@@ -25,9 +26,9 @@ const VIEW_ELEVATION_DEG: f64 = 20.0;
 /// A triangle is degenerate if its height is below this part of its longest edge: f64 rounding alone, its normal would be noise.
 const DEGENERATE_HEIGHT: f64 = 1e-12;
 
-/// Loads the file at `path`; `spec` is what the user wrote.
-pub(super) fn load(spec: &str, path: &Path) -> Result<Scene, SceneError> {
-    let bytes = read_regular(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
+/// Loads the file at `path` of `files`; `spec` is what the user wrote.
+pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
+    let bytes = files.read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
     let file_error = |message: String| SceneError::File { path: path.to_owned(), message };
     // Comments and names are the only places for other text; in Latin-1 they must not stop the geometry.
     let obj = lines::read(&String::from_utf8_lossy(&bytes)).map_err(|error| SceneError::Line {
@@ -49,7 +50,7 @@ pub(super) fn load(spec: &str, path: &Path) -> Result<Scene, SceneError> {
         let kinds: Vec<String> = obj.ignored.iter().map(|(kind, count)| format!("{count} x {kind}")).collect();
         warnings.push(format!("statements that are not read: {}", kinds.join(", ")));
     }
-    let libraries = read_libraries(&obj, path, &mut warnings)?;
+    let libraries = read_libraries(files, &obj, path, &mut warnings)?;
     let options = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
     let load_libraries = |_: &Path| tobj::load_mtl_buf(&mut libraries.text.as_bytes());
     let (models, file_materials) = tobj::load_obj_buf(&mut obj.text.as_bytes(), &options, load_libraries)
@@ -62,7 +63,7 @@ pub(super) fn load(spec: &str, path: &Path) -> Result<Scene, SceneError> {
     }
 
     let (meshes, used) = assemble(&models, path, &mut warnings)?;
-    let (textures, maps) = read_maps(&libraries, &mut warnings);
+    let (textures, maps) = maps::read(files, &libraries, &mut warnings);
     let material = |index: &Option<usize>| {
         index.map_or_else(Material::default, |index| mtl::material(&file_materials[index], &maps))
     };
@@ -74,52 +75,25 @@ pub(super) fn load(spec: &str, path: &Path) -> Result<Scene, SceneError> {
     Ok(scene.hashed())
 }
 
-/// The bytes of a regular file. A file may name others: a device or pipe among them would never end.
-fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(io::Error::other("not a regular file"));
-    }
-    std::fs::read(path)
-}
-
 /// Reads what the `mtllib` statements name: one file whose name may hold spaces, or else several.
-fn read_libraries(obj: &ObjText, path: &Path, warnings: &mut Vec<String>) -> Result<mtl::Libraries, SceneError> {
+fn read_libraries(
+    files: &dyn SceneFiles,
+    obj: &ObjText,
+    path: &Path,
+    warnings: &mut Vec<String>,
+) -> Result<mtl::Libraries, SceneError> {
     let mut libraries = mtl::Libraries::default();
     for names in &obj.libraries {
-        let whole = mtl::existing(path, names);
-        if whole.is_file() || !names.contains(char::is_whitespace) {
-            libraries.add(&whole, warnings)?;
+        let whole = existing(files, path, names);
+        if files.has(&whole) || !names.contains(char::is_whitespace) {
+            libraries.add(files, &whole, warnings)?;
             continue;
         }
         for name in names.split_whitespace() {
-            libraries.add(&mtl::existing(path, name), warnings)?;
+            libraries.add(files, &existing(files, path, name), warnings)?;
         }
     }
     Ok(libraries)
-}
-
-/// Decodes the albedo maps to linear RGB: the textures, and the texture of each map. A map that cannot be read adds a warning only.
-fn read_maps(libraries: &mtl::Libraries, warnings: &mut Vec<String>) -> (Vec<RgbImage>, Vec<Option<usize>>) {
-    let mut textures = Vec::new();
-    let mut texture_of = Vec::new();
-    for path in &libraries.maps {
-        let decoded = read_regular(path)
-            .map_err(|error| error.to_string())
-            .and_then(|bytes| image::load_from_memory(&bytes).map_err(|error| error.to_string()));
-        texture_of.push(match decoded {
-            Ok(image) => {
-                let rgb = image.into_rgb32f();
-                let texels = rgb.pixels().map(|texel| texel.0.map(srgb_decode)).collect();
-                textures.push(Pixels::new(rgb.width(), rgb.height(), texels));
-                Some(textures.len() - 1)
-            }
-            Err(error) => {
-                warnings.push(format!("{}: cannot read the albedo map: {error}; it is left out", path.display()));
-                None
-            }
-        });
-    }
-    (textures, texture_of)
 }
 
 /// One mesh a material in order of first use, and for each the material of the file (`None`: the default).

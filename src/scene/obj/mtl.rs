@@ -13,7 +13,7 @@
 //! write who know no index of refraction, so it counts as absent. Values outside their range are clamped with a warning.
 
 use super::lines::{logical_lines, number};
-use super::read_regular;
+use super::source::{SceneFiles, existing};
 use crate::brdf;
 use crate::glsl::constants::ALPHA_MIN;
 use crate::scene::SceneError;
@@ -32,8 +32,8 @@ pub struct Libraries {
 
 impl Libraries {
     /// Adds the library at `path`. A library that cannot be read adds a warning only.
-    pub fn add(&mut self, path: &Path, warnings: &mut Vec<String>) -> Result<(), SceneError> {
-        let bytes = match read_regular(path) {
+    pub fn add(&mut self, files: &dyn SceneFiles, path: &Path, warnings: &mut Vec<String>) -> Result<(), SceneError> {
+        let bytes = match files.read(path) {
             Ok(bytes) => bytes,
             Err(source) => {
                 warnings.push(format!(
@@ -84,7 +84,7 @@ impl Libraries {
                     if has_options {
                         warnings.push(warn_at_line("the options of map_Kd are not read".to_owned()));
                     }
-                    let map = existing(path, file);
+                    let map = existing(files, path, file);
                     let index = self.maps.iter().position(|known| *known == map).unwrap_or_else(|| {
                         self.maps.push(map);
                         self.maps.len() - 1
@@ -152,13 +152,6 @@ fn map_file(rest: &str) -> Result<(&str, bool), String> {
 fn take_word(text: &str) -> (&str, &str) {
     let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     (word, rest.trim_start())
-}
-
-/// `file` relative to the folder of `from`; with `/` for `\` if only that exists.
-pub fn existing(from: &Path, file: &str) -> PathBuf {
-    let folder = from.parent().unwrap_or(Path::new(""));
-    let slashes = folder.join(file.replace('\\', "/"));
-    if slashes.exists() { slashes } else { folder.join(file) }
 }
 
 /// The material of a checked library. `maps` gives the texture of each of [`Libraries::maps`], `None` for those that could not be read.

@@ -1,0 +1,162 @@
+//! Reading the folder of a finished run: only its files, so that a report needs neither the device nor the inputs.
+
+use crate::experiment::store::FailureRecord;
+use crate::experiment::timing::TimingRecord;
+use crate::files::read_regular;
+use crate::slips;
+use crate::table::csv::{Table, TableError};
+use serde::de::DeserializeOwned;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Why a folder cannot be reported.
+#[derive(Debug, thiserror::Error)]
+pub enum RunFolderError {
+    #[error("{}: has no {file}; expected the folder of a run of `splitsum run`", dir.display())]
+    NotARun { dir: PathBuf, file: &'static str },
+    #[error("{}: {error}", path.display())]
+    Io { path: PathBuf, error: std::io::Error },
+    #[error("{}: {error}; expected a file that `splitsum run` wrote", path.display())]
+    Json { path: PathBuf, error: serde_json::Error },
+    #[error(transparent)]
+    Table(#[from] TableError),
+}
+
+/// The files of `images/` that belong to a cell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CellImages {
+    /// Linear EXR of the cell.
+    pub radiance: String,
+    /// Linear EXR of its reference.
+    pub reference: String,
+}
+
+/// A finished run as its files tell it.
+#[derive(Debug)]
+pub struct RunFolder {
+    pub dir: PathBuf,
+    /// `provenance.json`, shown whole and searched by [`RunFolder::text`].
+    pub provenance: serde_json::Value,
+    /// The frozen experiment file.
+    pub experiment: String,
+    pub errors: Table,
+    /// By `n_dot_v`; `None` for a run that has no such table.
+    pub bins: Option<Table>,
+    /// What the light is like; `None` for a run that has no such table.
+    pub environments: Option<Table>,
+    /// What each slip of the source documents costs, where the experiment asks for it.
+    pub slips: Option<Table>,
+    pub timings: Vec<TimingRecord>,
+    pub failures: Vec<FailureRecord>,
+    /// By cell; empty for runs older than `images.csv`.
+    pub images: BTreeMap<String, CellImages>,
+    /// Name and text of each CSV file, as it stands.
+    pub csv: Vec<(&'static str, String)>,
+}
+
+/// The tables of a run that a report embeds.
+const CSV_FILES: [&str; 3] = ["errors.csv", "errors_by_n_dot_v.csv", "timings.csv"];
+
+impl RunFolder {
+    /// Reads everything but the images themselves.
+    pub fn read(dir: &Path) -> Result<Self, RunFolderError> {
+        let not_a_run = |file| RunFolderError::NotARun { dir: dir.to_owned(), file };
+        let provenance = json(&dir.join("provenance.json"))?.ok_or_else(|| not_a_run("provenance.json"))?;
+        let table = |name: &str| {
+            let path = dir.join(name);
+            path.exists().then(|| Table::read(&path)).transpose()
+        };
+        let errors = table("errors.csv")?.ok_or_else(|| not_a_run("errors.csv"))?;
+        let csv = CSV_FILES.iter().filter_map(|&name| text(&dir.join(name)).transpose().map(|t| Ok((name, t?))));
+        Ok(Self {
+            provenance,
+            experiment: text(&dir.join("experiment.toml"))?.unwrap_or_default(),
+            bins: table("errors_by_n_dot_v.csv")?,
+            environments: table("environments.csv")?,
+            slips: table(slips::FILE_NAME)?,
+            timings: records(&dir.join("timings"))?,
+            failures: records(&dir.join("failed"))?,
+            images: table("images.csv")?.map_or_else(|| Ok(BTreeMap::new()), |table| images(&table))?,
+            csv: csv.collect::<Result<_, RunFolderError>>()?,
+            errors,
+            dir: dir.to_owned(),
+        })
+    }
+
+    /// A text of the provenance by JSON pointer; empty when it is not there.
+    pub fn text(&self, pointer: &str) -> String {
+        match self.provenance.pointer(pointer) {
+            Some(serde_json::Value::String(text)) => text.clone(),
+            Some(serde_json::Value::Null) | None => String::new(),
+            Some(value) => value.to_string(),
+        }
+    }
+
+    /// Cells of `errors.csv` without scores.
+    pub fn failed_count(&self) -> usize {
+        let verdict = self.errors.columns.iter().position(|name| name == "verdict");
+        self.errors.rows.iter().filter(|row| verdict.is_some_and(|column| row[column] == "failed")).count()
+    }
+
+    /// Every device that did work, with its driver, each once.
+    pub fn devices(&self) -> Vec<String> {
+        let mut devices: Vec<String> = Vec::new();
+        for session in 0..self.provenance["sessions"].as_array().map_or(0, Vec::len) {
+            let text = |name: &str| self.text(&format!("/sessions/{session}/device/{name}"));
+            let device = format!("{} ({})", text("name"), text("driver"));
+            if !devices.contains(&device) {
+                devices.push(device);
+            }
+        }
+        devices
+    }
+
+    /// The last invocation that did work, as a JSON pointer prefix.
+    pub fn last_session(&self) -> String {
+        let count = self.provenance["sessions"].as_array().map_or(0, Vec::len);
+        format!("/sessions/{}", count.saturating_sub(1))
+    }
+
+    /// Whether any of its times, or the run itself, comes from a driver that computes on the CPU.
+    pub fn is_cpu_timed(&self) -> bool {
+        self.timings.iter().any(|record| record.device_type == "cpu")
+    }
+}
+
+fn images(table: &Table) -> Result<BTreeMap<String, CellImages>, RunFolderError> {
+    let [cell, radiance, reference] = [table.column("cell")?, table.column("radiance")?, table.column("reference")?];
+    let entry = |row: &Vec<String>| {
+        (row[cell].clone(), CellImages { radiance: row[radiance].clone(), reference: row[reference].clone() })
+    };
+    Ok(table.rows.iter().map(entry).collect())
+}
+
+/// Largest file of a run that is read, bytes.
+const MAX_FILE_BYTES: u64 = 1 << 30;
+
+/// The text of a file, or `None` when it does not exist.
+fn text(path: &Path) -> Result<Option<String>, RunFolderError> {
+    match read_regular(path, MAX_FILE_BYTES).and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other)) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(RunFolderError::Io { path: path.to_owned(), error }),
+    }
+}
+
+fn json<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, RunFolderError> {
+    let parse = |text: String| {
+        serde_json::from_str(&text).map_err(|error| RunFolderError::Json { path: path.to_owned(), error })
+    };
+    text(path)?.map(parse).transpose()
+}
+
+/// Every JSON record of a folder, by file name.
+fn records<T: DeserializeOwned>(dir: &Path) -> Result<Vec<T>, RunFolderError> {
+    let mut paths: Vec<PathBuf> = match std::fs::read_dir(dir) {
+        Ok(entries) => entries.flatten().map(|entry| entry.path()).collect(),
+        Err(_) => Vec::new(),
+    };
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
+    paths.sort();
+    paths.iter().filter_map(|path| json(path).transpose()).collect()
+}

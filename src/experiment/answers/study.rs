@@ -1,0 +1,259 @@
+//! The rows of one or more runs as one table, with the part that each axis plays.
+
+use super::run_folder::RunFolder;
+use crate::experiment::axis::{AXES, Reference, by_name};
+use crate::experiment::images::short_value;
+use crate::experiment::tables::{DISPLAY_HEADLINE, HEADLINE};
+use crate::experiment::timing::{FRAME, TimingRecord, summarize};
+use serde::Serialize;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What an axis tells apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// One value only.
+    Fixed,
+    /// Rows with different values have different references.
+    Scene,
+    /// Ways to make the image of one reference.
+    Variant,
+    /// Tone curve: the linear image is the same.
+    Display,
+}
+
+/// An axis of the joined table.
+#[derive(Clone, Debug, Serialize)]
+pub struct StudyAxis {
+    pub name: String,
+    pub role: Role,
+    /// Distinct values in row order; an unset value is empty.
+    pub values: Vec<String>,
+}
+
+/// One cell of a run.
+#[derive(Clone, Debug)]
+pub struct Row {
+    pub run: usize,
+    pub cell: String,
+    /// Values by axis index.
+    pub axes: Vec<String>,
+    /// The headline metric; `None` for a failed cell.
+    pub error: Option<f64>,
+    pub noise_floor: Option<f64>,
+    pub verdict: String,
+    /// The display metric: what a viewer notices.
+    pub display_error: Option<f64>,
+    /// The headline metric by `n_dot_v`; empty for a run that has no such table.
+    pub bins: Vec<Bin>,
+    /// Dynamic range of the environment, stops (log2 of peak over mean luminance), where the run knows it.
+    pub range_stops: Option<f64>,
+    pub frame_ms: Option<FrameTime>,
+}
+
+impl Row {
+    /// Whether the reference's own noise is far below the error.
+    pub fn is_resolved(&self) -> bool {
+        ["resolved", "no-noise-floor"].contains(&self.verdict.as_str())
+    }
+}
+
+/// The headline error over the pixels with `n_dot_v` in [`lo`, `hi`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bin {
+    pub lo: f64,
+    pub hi: f64,
+    pub pixel_count: f64,
+    pub error: f64,
+}
+
+/// Time of a frame over the rounds, ms.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FrameTime {
+    pub median: f64,
+    pub p05: f64,
+    pub p95: f64,
+    /// 95 % interval of the median by resampling; NaN (in JSON null) below two rounds.
+    pub interval: [f64; 2],
+    pub n: usize,
+}
+
+/// Joined runs.
+#[derive(Debug)]
+pub struct Study {
+    pub axes: Vec<StudyAxis>,
+    pub rows: Vec<Row>,
+}
+
+/// The axis that tells joined runs apart.
+pub const RUN_AXIS: &str = "run";
+/// Axes that tell no case apart: how an image is made, and which set of points it happens to use.
+const NOT_CASE: [&str; 3] = ["method", "samples", "point_set"];
+
+impl Study {
+    /// Joins runs; `labels` name them, one each.
+    pub fn new(runs: &[RunFolder], labels: &[String]) -> Self {
+        let mut names: Vec<String> = vec![RUN_AXIS.to_owned()];
+        for run in runs {
+            let columns = run.errors.columns.iter().filter(|name| AXES.iter().any(|axis| axis.name == *name));
+            let new: Vec<String> = columns.filter(|name| !names.contains(name)).cloned().collect();
+            names.extend(new);
+        }
+        let rows: Vec<Row> = (0..runs.len()).flat_map(|run| rows_of(&runs[run], run, &labels[run], &names)).collect();
+        let axes = names
+            .iter()
+            .enumerate()
+            .map(|(index, name)| {
+                let mut seen = BTreeSet::new();
+                let values: Vec<String> =
+                    rows.iter().map(|row| &row.axes[index]).filter(|value| seen.insert(*value)).cloned().collect();
+                StudyAxis { name: name.clone(), role: role(name, &values), values }
+            })
+            .collect();
+        Self { axes, rows }
+    }
+
+    /// The index of an axis.
+    pub fn axis(&self, name: &str) -> Option<usize> {
+        self.axes.iter().position(|axis| axis.name == name)
+    }
+
+    /// Swept axes of the tone curve.
+    pub fn display_axes(&self) -> Vec<usize> {
+        (0..self.axes.len()).filter(|&index| self.axes[index].role == Role::Display).collect()
+    }
+
+    /// Rows without their copies that differ in the tone curve only and share their linear errors: the first of each.
+    pub fn images(&self) -> Vec<&Row> {
+        let display = self.display_axes();
+        let mut seen = BTreeSet::new();
+        let is_new = |row: &&Row| {
+            let axes = row.axes.iter().enumerate().filter(|(index, _)| !display.contains(index));
+            seen.insert((row.run, row.error.is_some(), axes.map(|(_, value)| value.clone()).collect::<Vec<_>>()))
+        };
+        self.rows.iter().filter(is_new).collect()
+    }
+
+    /// How the image of a row is made: "sampled 16", "split-sum".
+    pub fn method_label(&self, row: &Row) -> String {
+        format!("{} {}", self.value(row, "method"), self.value(row, "samples")).trim_end().to_owned()
+    }
+
+    /// The value of a row on an axis; empty when the axis is unknown or unset.
+    pub fn value<'r>(&self, row: &'r Row, name: &str) -> &'r str {
+        self.axis(name).map_or("", |index| &row.axes[index])
+    }
+
+    /// Swept axes that tell cases apart: all but method, samples, point sets and the tone curve.
+    pub fn case_axes(&self) -> Vec<usize> {
+        let is_case = |axis: &StudyAxis| {
+            matches!(axis.role, Role::Scene | Role::Variant) && !NOT_CASE.contains(&axis.name.as_str())
+        };
+        (0..self.axes.len()).filter(|&index| is_case(&self.axes[index])).collect()
+    }
+}
+
+fn rows_of(folder: &RunFolder, run: usize, label: &str, names: &[String]) -> Vec<Row> {
+    let table = &folder.errors;
+    let place = |name: &str| table.columns.iter().position(|column| column == name);
+    let places: Vec<Option<usize>> = names.iter().map(|name| place(name)).collect();
+    let [cell, error, floor, verdict, display] =
+        ["cell", HEADLINE, &format!("{HEADLINE}_noise_floor"), "verdict", DISPLAY_HEADLINE].map(place);
+    let mut bins = bins_by_cell(folder);
+    let ranges = range_stops(folder);
+    let text = |fields: &[String], column: Option<usize>| column.map_or_else(String::new, |c| fields[c].clone());
+    let row = |fields: &Vec<String>| {
+        let axes: Vec<String> = names
+            .iter()
+            .zip(&places)
+            .map(|(name, place)| if name == RUN_AXIS { label.to_owned() } else { text(fields, *place) })
+            .collect();
+        Row {
+            run,
+            cell: text(fields, cell),
+            error: text(fields, error).parse().ok(),
+            noise_floor: text(fields, floor).parse().ok(),
+            verdict: text(fields, verdict),
+            display_error: text(fields, display).parse().ok(),
+            bins: bins.remove(&text(fields, cell)).unwrap_or_default(),
+            range_stops: ranges.get(&RANGE_AXES.map(|name| text(fields, place(name)))).copied(),
+            frame_ms: frame_time(&folder.timings, names, &axes, &text(fields, cell)),
+            axes,
+        }
+    };
+    table.rows.iter().map(row).collect()
+}
+
+fn bins_by_cell(folder: &RunFolder) -> BTreeMap<String, Vec<Bin>> {
+    let mut by_cell: BTreeMap<String, Vec<Bin>> = BTreeMap::new();
+    let Some(table) = &folder.bins else { return by_cell };
+    let columns = ["cell", "n_dot_v_from", "n_dot_v_to", "pixel_count", HEADLINE].map(|name| table.column(name).ok());
+    let [Some(cell), Some(lo), Some(hi), Some(count), Some(error)] = columns else { return by_cell };
+    for row in &table.rows {
+        if let [Ok(lo), Ok(hi), Ok(pixel_count), Ok(error)] = [lo, hi, count, error].map(|column| row[column].parse()) {
+            by_cell.entry(row[cell].clone()).or_default().push(Bin { lo, hi, pixel_count, error });
+        }
+    }
+    by_cell
+}
+
+/// The axes that a dynamic range hangs on.
+const RANGE_AXES: [&str; 2] = ["environment", "environment_clip_log2"];
+
+fn range_stops(folder: &RunFolder) -> BTreeMap<[String; 2], f64> {
+    let Some(table) = &folder.environments else { return BTreeMap::new() };
+    let columns = [RANGE_AXES[0], RANGE_AXES[1], RANGE_COLUMN].map(|name| table.column(name).ok());
+    let [Some(name), Some(clip), Some(stops)] = columns else { return BTreeMap::new() };
+    let entry = |row: &Vec<String>| Some(([row[name].clone(), row[clip].clone()], row[stops].parse().ok()?));
+    table.rows.iter().filter_map(entry).collect()
+}
+
+/// The column of `environments.csv` with the dynamic range.
+pub const RANGE_COLUMN: &str = "dynamic_range_stops";
+
+/// A value as people say it: builtins without their prefix, files without folder and extension.
+pub fn short<'v>(axis: &str, value: &'v str) -> Cow<'v, str> {
+    if AXES.iter().all(|known| known.name != axis) { value.into() } else { short_value(by_name(axis), value) }
+}
+
+/// The timed configuration that a row belongs to: the axes that a record names are all the row's.
+fn frame_time(timings: &[TimingRecord], names: &[String], axes: &[String], cell: &str) -> Option<FrameTime> {
+    let own: BTreeMap<&str, &str> = names.iter().map(String::as_str).zip(axes.iter().map(String::as_str)).collect();
+    let fits = |record: &&TimingRecord| {
+        let named = record.axes.iter().filter(|(_, value)| !value.is_empty());
+        record.phase == FRAME && named.into_iter().all(|(name, value)| own.get(name.as_str()) == Some(&value.as_str()))
+    };
+    let mut fitting = timings.iter().filter(fits);
+    let first = fitting.next()?;
+    let record = if first.cell == cell { first } else { fitting.find(|record| record.cell == cell).unwrap_or(first) };
+    let s = summarize(&record.sums_ms());
+    s.median.is_finite().then_some(FrameTime { median: s.median, p05: s.p05, p95: s.p95, interval: s.interval, n: s.n })
+}
+
+fn role(name: &str, values: &[String]) -> Role {
+    // Unset is not a value: a method that does not use the axis leaves it empty.
+    if values.iter().filter(|value| !value.is_empty()).count() < 2 && name != "method" {
+        return Role::Fixed;
+    }
+    if AXES.iter().any(|axis| axis.name == name && !axis.changes_radiance) {
+        return Role::Display;
+    }
+    if ["method", "samples", "point_set", RUN_AXIS].contains(&name) {
+        return Role::Variant;
+    }
+    // An axis whose values all have one reference is a way to make the image of that reference.
+    let axis = AXES.iter().find(|axis| axis.name == name);
+    let references: Vec<_> = axis
+        .into_iter()
+        .flat_map(|axis| {
+            values.iter().filter_map(|value| axis.kind.parse_text(value).ok()).map(move |value| (axis, value))
+        })
+        .map(|(axis, value)| (axis.reference)(&Reference::default(), &value))
+        .collect();
+    let are_distinct = references.iter().enumerate().all(|(i, one)| !references[..i].contains(one));
+    if !are_distinct {
+        return Role::Variant;
+    }
+    Role::Scene
+}

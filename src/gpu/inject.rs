@@ -1,0 +1,68 @@
+//! Faults on demand, for tests only: real devices are lost and run out of memory at moments that no test can choose.
+//!
+//! The environment variable `SPLITSUM_TEST_FAULTS` holds `SITE:COUNT:FAULT` words separated by commas: the COUNT-th call at the site
+//! (from 1) and, for faults that do not pass, every later one fails as the driver would let it.
+//!
+//! | site | call | faults |
+//! |---|---|---|
+//! | `submit` | `vkQueueSubmit2` | `device-lost` (stays lost) |
+//! | `allocate` | memory for a buffer or an image | `out-of-memory` (once), `memory-is-full` (from then on) |
+
+use super::GpuError;
+use ash::vk;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+const VARIABLE: &str = "SPLITSUM_TEST_FAULTS";
+
+/// A call that can be made to fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Site {
+    Submit,
+    Allocate,
+}
+
+#[derive(Debug)]
+struct Fault {
+    site: Site,
+    count: u64,
+    /// Whether later calls fail too.
+    stays: bool,
+    result: vk::Result,
+}
+
+/// The faults of one device and how often each site was reached.
+#[derive(Debug, Default)]
+pub(super) struct Injector {
+    faults: Vec<Fault>,
+    calls: [AtomicU64; 2],
+}
+
+impl Injector {
+    /// What the environment variable asks for; nothing without it.
+    pub(super) fn from_environment() -> Result<Self, GpuError> {
+        let text = std::env::var(VARIABLE).unwrap_or_default();
+        let faults = text.split(',').filter(|word| !word.is_empty()).map(|word| {
+            parse(word).ok_or_else(|| GpuError::UnknownTestFault { variable: VARIABLE, word: word.to_owned() })
+        });
+        Ok(Self { faults: faults.collect::<Result<_, _>>()?, calls: Default::default() })
+    }
+
+    /// Counts a call and says how it is to fail.
+    pub(super) fn reach(&self, site: Site) -> Result<(), vk::Result> {
+        let call = self.calls[site as usize].fetch_add(1, Ordering::Relaxed) + 1;
+        let is_due =
+            |fault: &&Fault| fault.site == site && (call == fault.count || (fault.stays && call > fault.count));
+        self.faults.iter().find(is_due).map_or(Ok(()), |fault| Err(fault.result))
+    }
+}
+
+fn parse(word: &str) -> Option<Fault> {
+    let [site, count, fault] = word.split(':').collect::<Vec<_>>()[..] else { return None };
+    let (site, stays, result) = match (site, fault) {
+        ("submit", "device-lost") => (Site::Submit, true, vk::Result::ERROR_DEVICE_LOST),
+        ("allocate", "out-of-memory") => (Site::Allocate, false, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY),
+        ("allocate", "memory-is-full") => (Site::Allocate, true, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY),
+        _ => return None,
+    };
+    Some(Fault { site, count: count.parse().ok()?, stays, result })
+}

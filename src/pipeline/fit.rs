@@ -1,0 +1,91 @@
+//! Whether a request fits the device, estimated before anything is allocated.
+
+use super::{PipelineError, RenderRequest};
+use crate::gpu::Gpu;
+
+/// Bytes of a texel of four f32.
+const VEC4: u64 = 16;
+
+/// One resource, or several of one size and kind.
+struct Need {
+    what: &'static str,
+    size: [u32; 2],
+    /// Bytes in all.
+    bytes: u64,
+    /// Bytes of the largest buffer among them.
+    buffer_bytes: u64,
+    /// Whether images are among them, whose sides are limited.
+    has_images: bool,
+}
+
+/// What `request` needs beside pipelines and geometry, largest parts first in the order of the work.
+fn needs(request: &RenderRequest) -> Vec<Need> {
+    let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
+    // A chain of halved levels takes a third more.
+    let with_mips = |texels: u64| texels * VEC4 * 4 / 3;
+    let image = |what, size, bytes| Need { what, size, bytes, buffer_bytes: 0, has_images: true };
+    let map = &request.environment.image;
+    let (size, map_size) = (request.size, [map.width, map.height]);
+    let (pixels, map_texels) = (texels(size), texels(map_size));
+    // Reading and writing go through host-visible copies, one at a time.
+    let mut needs = vec![
+        // Four attachments, depth, radiance, the copy.
+        Need { buffer_bytes: pixels * VEC4, ..image("image", size, pixels * (6 * VEC4 + 4)) },
+        image("environment", map_size, with_mips(map_texels) + map_texels * VEC4),
+    ];
+    if request.has_reference_term() {
+        // Means, deviations, squared error; starts and guide entries of the map's distribution, one word each, rounded up to powers of two.
+        let words = u64::from(map.height + 2) * (u64::from(map.width) + u64::from(map.width).next_power_of_two() + 2);
+        let bytes = 3 * pixels * VEC4 + 4 * words;
+        let buffer_bytes = (4 * words).max(pixels * VEC4);
+        needs.push(Need { what: "reference", size, bytes, buffer_bytes, has_images: false });
+    }
+    let settings = &request.precompute;
+    if request.method.uses_prefiltered {
+        needs.push(image("prefiltered map", settings.prefilter_size, with_mips(texels(settings.prefilter_size))));
+    }
+    if request.method.needs_dfg(request.diffuse, !request.lights.is_empty()) {
+        let side = [settings.dfg_size; 2];
+        needs.push(image("DFG table", side, VEC4 * texels(side)));
+    }
+    if request.diffuse.uses_irradiance_map {
+        needs.push(image("irradiance map", settings.irradiance_size, VEC4 * texels(settings.irradiance_size)));
+    }
+    needs
+}
+
+/// Refuses a request that no allocation could serve, with the figure that is too large.
+pub(super) fn check(gpu: &Gpu, request: &RenderRequest) -> Result<(), PipelineError> {
+    let needs = needs(request);
+    for Need { what, size, .. } in needs.iter().filter(|need| need.has_images) {
+        let limit = gpu.max_image_side();
+        if size[0].max(size[1]) > limit {
+            let part = format!("the {what} of {}x{}", size[0], size[1]);
+            let needed = format!("{} texels on a side", size[0].max(size[1]));
+            return Err(PipelineError::TooLarge { part, needed, limit: format!("{limit} texels") });
+        }
+    }
+    for Need { what, size, buffer_bytes, .. } in &needs {
+        if *buffer_bytes > gpu.max_buffer_bytes() {
+            let part = format!("the {what} of {}x{}", size[0], size[1]);
+            let needed = format!("a buffer of {}", mebibytes(*buffer_bytes));
+            return Err(PipelineError::TooLarge { part, needed, limit: mebibytes(gpu.max_buffer_bytes()) });
+        }
+    }
+    let total = needs.iter().map(|need| need.bytes).sum::<u64>();
+    if total > gpu.info().memory_bytes {
+        let parts = needs
+            .iter()
+            .map(|Need { what, size, bytes, .. }| format!("{what} of {}x{} {}", size[0], size[1], mebibytes(*bytes)));
+        return Err(PipelineError::TooLarge {
+            part: "the request".to_owned(),
+            needed: format!("about {} of memory ({})", mebibytes(total), parts.collect::<Vec<_>>().join(", ")),
+            limit: mebibytes(gpu.info().memory_bytes),
+        });
+    }
+    Ok(())
+}
+
+fn mebibytes(bytes: u64) -> String {
+    format!("{} MiB", bytes.div_ceil(1 << 20))
+}

@@ -1,0 +1,122 @@
+//! Faults of the device and of the Vulkan installation: each is provoked, and each ends with its message and exit code.
+//!
+//! `SPLITSUM_TEST_FAULTS` (see `src/gpu/inject.rs`) makes a call fail as a driver would let it.
+
+use super::end_to_end::folder;
+use super::{command, splitsum, stderr};
+use std::path::Path;
+use std::process::Output;
+
+const FAULTS: &str = "SPLITSUM_TEST_FAULTS";
+
+fn with_fault(dir: &Path, arguments: &[&str], fault: &str) -> Output {
+    command(dir, arguments).env(FAULTS, fault).output().unwrap()
+}
+
+fn assert_ends(output: &Output, code: i32, parts: &[&str]) {
+    let message = stderr(output);
+    assert_eq!(output.status.code(), Some(code), "{message}");
+    for part in parts {
+        assert!(message.contains(part), "no {part:?} in {message}");
+    }
+    assert!(!message.contains("panicked"), "{message}");
+}
+
+fn errors(dir: &Path, out: &str) -> Vec<u8> {
+    std::fs::read(dir.join(out).join("errors.csv")).unwrap()
+}
+
+/// A small image.
+const RENDER: [&str; 9] =
+    ["render", "--size", "16x16", "--environment", "builtin:constant", "--method", "sampled", "--out", "x.exr"];
+
+#[test]
+fn a_lost_device_ends_a_run_that_resumes_to_the_same_bytes() {
+    let Some(dir) = folder() else { return };
+    assert!(splitsum(dir.path(), &["run", "tiny.toml", "--out", "whole"]).status.success());
+    // Early in the precompute, within a reference, between cells, late.
+    for submit in [1, 6, 23, 60, 120] {
+        let out = format!("lost-{submit}");
+        let arguments = ["run", "tiny.toml", "--out", &out];
+        let output = with_fault(dir.path(), &arguments, &format!("submit:{submit}:device-lost"));
+        assert_ends(&output, 75, &["the device was lost", "run the same command again to go on"]);
+        let resumed = splitsum(dir.path(), &arguments);
+        assert!(resumed.status.success(), "{}", stderr(&resumed));
+        assert!(errors(dir.path(), &out) == errors(dir.path(), "whole"), "lost at submission {submit}");
+    }
+    let output = with_fault(dir.path(), &RENDER, "submit:2:device-lost");
+    assert_ends(&output, 75, &["the device was lost during"]);
+    assert!(!dir.path().join("x.exr").exists());
+}
+
+#[test]
+fn memory_that_runs_out_fails_cells_and_a_later_run_finishes_them() {
+    let Some(dir) = folder() else { return };
+    assert!(splitsum(dir.path(), &["run", "tiny.toml", "--out", "whole"]).status.success());
+    let arguments = ["run", "tiny.toml", "--out", "full"];
+    let output = with_fault(dir.path(), &arguments, "allocate:90:memory-is-full");
+    assert_ends(&output, 4, &["cells failed", "out of device memory"]);
+    let table = String::from_utf8(errors(dir.path(), "full")).unwrap();
+    assert!(table.lines().count() > 1, "what was done before is kept");
+    assert!(splitsum(dir.path(), &arguments).status.success());
+    assert!(errors(dir.path(), "full") == errors(dir.path(), "whole"));
+
+    let output = with_fault(dir.path(), &RENDER, "allocate:8:memory-is-full");
+    assert_ends(&output, 1, &["out of device memory for '"]);
+    assert!(!dir.path().join("x.exr").exists());
+    // Memory that is short for a moment is given back by what earlier requests left.
+    let output = with_fault(dir.path(), &["run", "tiny.toml", "--out", "short"], "allocate:90:out-of-memory");
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(errors(dir.path(), "short") == errors(dir.path(), "whole"));
+}
+
+#[test]
+fn what_no_device_can_hold_is_refused_with_the_figure_before_work() {
+    let Some(dir) = folder() else { return };
+    let huge = ["render", "--size", "16384x16384", "--environment", "builtin:constant", "--out", "x.exr"];
+    assert_ends(&splitsum(dir.path(), &huge), 2, &["16384x16384 is too large for the device", "MiB"]);
+    let huge = ["run", "tiny.toml", "--set", "size=16x16,16384x16384"];
+    assert_ends(&splitsum(dir.path(), &huge), 2, &["16384x16384 is too large for the device", "MiB"]);
+    assert!(!dir.path().join("runs").exists() && !dir.path().join("x.exr").exists());
+}
+
+#[test]
+fn a_vulkan_installation_without_its_parts_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let refused = |variable: &str, value: &Path, parts: &[&str]| {
+        let mut command = command(dir.path(), &RENDER);
+        if variable != "LD_LIBRARY_PATH" {
+            command.env("VK_DRIVER_FILES", value).env("VK_ICD_FILENAMES", value);
+        } else {
+            command.env(variable, value);
+        }
+        assert_ends(&command.output().unwrap(), 2, parts);
+        assert!(!dir.path().join("x.exr").exists());
+    };
+    // A loader with no driver, with a driver file that is no driver, and with one whose library is missing.
+    refused("VK_DRIVER_FILES", Path::new("/nonexistent"), &["found no device", "VK_DRIVER_FILES"]);
+    let manifest = |name: &str, text: &str| {
+        let path = dir.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    refused("VK_DRIVER_FILES", &manifest("garbage.json", "{"), &["found no device"]);
+    let absent =
+        r#"{"file_format_version": "1.0.0", "ICD": {"library_path": "/nonexistent.so", "api_version": "1.3.0"}}"#;
+    refused("VK_DRIVER_FILES", &manifest("absent.json", absent), &["found no device"]);
+    // No loader: a library of that name that is none hides the real one.
+    #[cfg(target_os = "linux")]
+    {
+        let libraries = dir.path().join("libraries");
+        std::fs::create_dir(&libraries).unwrap();
+        std::fs::write(libraries.join("libvulkan.so.1"), "no library").unwrap();
+        refused("LD_LIBRARY_PATH", &libraries, &["no Vulkan loader", "libvulkan"]);
+    }
+}
+
+#[test]
+fn a_slip_in_the_test_switch_is_no_silent_success() {
+    let Some(dir) = folder() else { return };
+    let output = with_fault(dir.path(), &RENDER, "submit:x:device-lost");
+    assert_ends(&output, 2, &["SPLITSUM_TEST_FAULTS: 'submit:x:device-lost'"]);
+}

@@ -1,0 +1,208 @@
+//! What fuzzing calls: one function a kind of input, each from bytes of anyone's making through everything that reads them.
+//!
+//! They panic when a promise is broken: a result that later code could not trust, or a message that does not name the file.
+//! `fuzz/fuzz_targets` and the tests beside this file share them.
+
+use splitsum::environment::{Environment, EnvironmentError, LoadOptions};
+use splitsum::experiment::fault::Faults;
+use splitsum::experiment::{Config, Plan};
+use splitsum::oracle::{Kind, Queries};
+use splitsum::pixels::{GrayImage, RgbImage, exr};
+use splitsum::report::images::{BUDGET_BYTES, Choice};
+use splitsum::report::{ReportOptions, write};
+use splitsum::scene::{Scene, SceneFiles};
+use std::collections::BTreeMap;
+use std::io::{Error, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// A kind of input: the name of its fuzz target and corpus folder, and what reads it.
+pub struct Target {
+    pub name: &'static str,
+    pub run: fn(&[u8]),
+}
+
+/// Every kind of input.
+pub const TARGETS: &[Target] = &[
+    Target { name: "hdr", run: hdr },
+    Target { name: "exr", run: openexr },
+    Target { name: "obj", run: obj },
+    Target { name: "experiment", run: experiment },
+    Target { name: "queries", run: queries },
+    Target { name: "report", run: report },
+];
+
+/// A Radiance picture.
+pub fn hdr(bytes: &[u8]) {
+    environment("x.hdr", bytes);
+}
+
+/// An OpenEXR file.
+pub fn openexr(bytes: &[u8]) {
+    environment("x.exr", bytes);
+}
+
+fn environment(name: &str, bytes: &[u8]) {
+    let load = |clamp_invalid| {
+        Environment::from_bytes(Path::new(name), bytes, &LoadOptions { clamp_invalid, ..LoadOptions::default() })
+    };
+    match load(true) {
+        Ok(environment) => {
+            let image = &environment.image;
+            assert_eq!(image.data.len(), image.width as usize * image.height as usize);
+            assert!(image.data.iter().flatten().all(|x| x.is_finite() && *x >= 0.0), "an invalid texel came through");
+            match load(false) {
+                Ok(strict) => assert_eq!(strict.hash, environment.hash, "reading twice gives two images"),
+                Err(EnvironmentError::InvalidTexels { .. }) => {}
+                Err(error) => panic!("read only the first time: {error}"),
+            }
+        }
+        Err(error) => assert_names(&error.to_string(), name),
+    }
+}
+
+fn assert_names(message: &str, name: &str) {
+    assert!(message.contains(name) && message.lines().count() == 1, "{message:?} should name {name} in one line");
+}
+
+/// Files in memory.
+struct Memory(BTreeMap<PathBuf, Vec<u8>>);
+
+impl SceneFiles for Memory {
+    fn read(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        self.0.get(path).cloned().ok_or_else(|| Error::from(ErrorKind::NotFound))
+    }
+
+    fn has(&self, path: &Path) -> bool {
+        self.0.contains_key(path)
+    }
+}
+
+/// Several files in one: each begins after a line `@@NAME`. What stands before the first such line is left out.
+pub fn files(bytes: &[u8]) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut files: BTreeMap<PathBuf, Vec<u8>> = BTreeMap::new();
+    let mut current = None;
+    for line in bytes.split_inclusive(|byte| *byte == b'\n') {
+        match line.strip_prefix(b"@@").and_then(|name| std::str::from_utf8(name).ok()) {
+            Some(name) => {
+                current = Some(PathBuf::from(name.trim_end()));
+                files.entry(PathBuf::from(name.trim_end())).or_default();
+            }
+            None => {
+                if let Some(file) = current.as_ref().and_then(|name| files.get_mut(name)) {
+                    file.extend(line);
+                }
+            }
+        }
+    }
+    files
+}
+
+/// An OBJ file `x.obj` with the libraries and maps that it names, as [`files`].
+pub fn obj(bytes: &[u8]) {
+    let memory = Memory(files(bytes));
+    match Scene::from_obj(Path::new("x.obj"), &memory) {
+        Ok(scene) => {
+            for mesh in &scene.meshes {
+                assert!(mesh.material < scene.materials.len());
+                assert_eq!(mesh.positions.len(), mesh.normals.len());
+                assert_eq!(mesh.positions.len(), mesh.uvs.len());
+                assert!(mesh.indices.iter().all(|&index| (index as usize) < mesh.positions.len()));
+                let is_unit = |n: &[f32; 3]| (n.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-3;
+                assert!(mesh.indices.iter().all(|&index| is_unit(&mesh.normals[index as usize])), "no unit normal");
+            }
+            for material in &scene.materials {
+                assert!(material.alpha > 0.0 && material.alpha <= 1.0, "alpha {}", material.alpha);
+                assert!((0.0..=1.0).contains(&material.metallic));
+                assert!(material.albedo.iter().chain(&material.f0).all(|x| (0.0..=1.0).contains(x)));
+                assert!(material.albedo_map.is_none_or(|map| map < scene.textures.len()));
+            }
+        }
+        Err(error) => {
+            let message = error.to_string();
+            assert!(
+                message.starts_with("x.obj:") || memory.0.keys().any(|name| message.contains(&*name.to_string_lossy()))
+            );
+        }
+    }
+}
+
+/// An experiment `x.toml`, with the lines of `set` as `--set`, as [`files`].
+pub fn experiment(bytes: &[u8]) {
+    /// Above this many combinations the expansion is only slow.
+    const COMBINATIONS_MAX: u64 = 3000;
+    let files = files(bytes);
+    let text = |name: &str| files.get(Path::new(name)).and_then(|bytes| std::str::from_utf8(bytes).ok());
+    let Some(toml) = text("x.toml") else { return };
+    let sets: Vec<String> = text("set").unwrap_or_default().lines().take(4).map(str::to_owned).collect();
+    // A folder that does not exist: paths of the file lead nowhere.
+    let path = Path::new("nowhere/x.toml");
+    if Config::parse(path, toml, &sets, &mut Faults::new(path, toml)).combination_count() > COMBINATIONS_MAX {
+        return;
+    }
+    match Plan::from_text(path, toml, &sets) {
+        Ok(plan) => {
+            let planned: usize = plan.groups().iter().flat_map(|group| &group.radiances).map(|r| r.1.len()).sum();
+            assert_eq!(planned, plan.cells.len());
+            for cell in &plan.cells {
+                plan.request(&cell.point);
+                plan.label(cell);
+            }
+            splitsum::experiment::timing::jobs(&plan);
+        }
+        Err(error) => {
+            assert!(!error.faults.is_empty());
+            let places = ["nowhere/x.toml", "--set"];
+            for fault in &error.faults {
+                assert!(places.iter().any(|place| fault.to_string().starts_with(place)), "no place in {fault}");
+            }
+        }
+    }
+}
+
+/// A table of queries.
+pub fn queries(bytes: &[u8]) {
+    let options = LoadOptions { builtin_size: [8, 4], ..LoadOptions::default() };
+    for &kind in Kind::ALL {
+        match Queries::from_bytes(Path::new("nowhere/x.csv"), bytes, kind, &options) {
+            Ok(queries) => assert!(queries.len() <= bytes.len()),
+            Err(faults) => assert!(faults.to_string().starts_with("nowhere/x.csv:")),
+        }
+    }
+}
+
+/// The files of a run's folder, as [`files`]; the images are there already. Files are written to a folder of their own, because a
+/// report reads, lists and writes folders.
+pub fn report(bytes: &[u8]) {
+    let dir = tempfile::tempdir().expect("a folder for temporary files");
+    let run = dir.path().join("run");
+    std::fs::create_dir_all(run.join("images")).expect("a folder of our own");
+    for (name, value) in [("a.exr", 1.0), ("b.exr", 0.5), ("r.exr", 0.75)] {
+        let (rgb, mask) = (RgbImage::filled(2, 2, [value; 3]), GrayImage::filled(2, 2, 1.0));
+        exr::write_rgba(&run.join("images").join(name), &rgb, &mask, &[]).expect("a folder of our own");
+    }
+    for (name, content) in files(bytes) {
+        let is_plain =
+            |name: &std::ffi::OsStr| !name.is_empty() && name.len() < 100 && !name.as_encoded_bytes().contains(&0);
+        // At most one folder deep, and never outside.
+        let parts: Vec<_> = name.components().collect();
+        let is_inside = parts.iter().all(|part| matches!(part, std::path::Component::Normal(name) if is_plain(name)));
+        if is_inside && (1..=2).contains(&parts.len()) {
+            let path = run.join(&name);
+            let _ = std::fs::create_dir_all(path.parent().expect("it is joined"));
+            let _ = std::fs::write(path, content);
+        }
+    }
+    let options = ReportOptions {
+        dirs: vec![run],
+        out: Some(dir.path().join("page.html")),
+        images: Choice::Automatic,
+        budget: BUDGET_BYTES,
+    };
+    match write(&options) {
+        Ok(written) => {
+            let page = std::fs::read_to_string(&written.path).expect("the page was written");
+            assert!(page.trim_end().ends_with("</html>"));
+        }
+        Err(error) => assert!(error.to_string().contains("run"), "{error} should name the folder"),
+    }
+}
