@@ -21,7 +21,7 @@ use crate::precompute::sh9::pass::Sh9Pass;
 use crate::precompute::{HALF_MAX, PrecomputeSettings, StorageFormat};
 use crate::scene::Camera;
 use crate::shade::pass::{ShadePass, Tables};
-use crate::shade::reference_pass::{Lobe, ReferencePass, Sums};
+use crate::shade::reference_pass::{DistributionBuffers, Lobe, ReferencePass, Sums};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
@@ -38,7 +38,7 @@ pub(super) struct Resources {
     dfg: HashMap<(&'static str, MaskingShadowing), DfgPass>,
     /// Radiance with its mips.
     environments: Recent<String, Levels>,
-    distributions: Recent<String, Buffer>,
+    distributions: Recent<String, DistributionBuffers>,
     coefficients: Recent<String, Buffer>,
     irradiance_maps: Recent<String, Levels>,
     prefiltered: Recent<String, Levels>,
@@ -55,7 +55,7 @@ pub(super) struct Resources {
 
 /// What only a reference needs.
 pub(super) struct ReferenceData {
-    pub(super) distribution: Buffer,
+    pub(super) distribution: DistributionBuffers,
     pub(super) sums: Sums,
     /// A vec4 a pixel.
     pub(super) squared_error: Buffer,
@@ -246,7 +246,7 @@ impl Resources {
     fn reference_data(&mut self, gpu: &Gpu, request: &RenderRequest) -> Result<ReferenceData, PipelineError> {
         let environment = &request.environment;
         let distribution = self.distributions.get_or_make(environment.hash.clone(), || {
-            gpu.buffer_from("environment distribution", EnvironmentDistribution::new(&environment.image).words())
+            DistributionBuffers::new(gpu, &EnvironmentDistribution::new(&environment.image))
         })?;
         let bytes = 16 * u64::from(request.size[0]) * u64::from(request.size[1]);
         let (sums, squared_error) = (Sums::new(gpu, request.size)?, gpu.buffer("squared error", bytes)?);
