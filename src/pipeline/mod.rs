@@ -4,8 +4,8 @@
 
 mod bake;
 mod cache;
-mod light_tables;
 mod fit;
+mod light_tables;
 mod prepare;
 mod request;
 
