@@ -1,5 +1,6 @@
 //! The command line: one file a command, each a thin layer over the library.
 
+mod answers;
 mod bake;
 mod compare;
 mod devices;
@@ -47,6 +48,7 @@ enum Command {
     List(list::Arguments),
     Integrate(integrate::Arguments),
     Report(report::Arguments),
+    Answers(answers::Arguments),
     /// Opens an interactive window.
     View(later::Arguments),
 }
@@ -114,7 +116,7 @@ impl From<RunError> for Failure {
             RunError::DeviceLost(_) => Self::Passing(text),
             RunError::NoRenderer(_) => Self::BadInput(text),
             RunError::Store(error) if error.is_misuse() => Self::BadInput(text),
-            RunError::Store(_) => Self::Failed(text),
+            RunError::Store(_) | RunError::Answers(_) => Self::Failed(text),
         }
     }
 }
@@ -142,6 +144,7 @@ pub fn main() -> ExitCode {
         Command::List(arguments) => list::execute(&arguments),
         Command::Integrate(arguments) => integrate::execute(&arguments),
         Command::Report(arguments) => report::execute(&arguments),
+        Command::Answers(arguments) => answers::execute(&arguments),
         Command::View(_) => later::execute("view"),
     };
     match result {

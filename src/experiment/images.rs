@@ -9,6 +9,7 @@ use crate::pipeline::Frame;
 use crate::pixels::{GrayImage, PixelsError, Rgb8Image, exr, png};
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::csv::Cell as Field;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// The layer of a reference that holds its standard error.
@@ -18,13 +19,17 @@ const SLUG_LENGTH: usize = 120;
 
 /// A value as people say it: builtins without their prefix, files without folder and extension.
 pub fn short_text(axis: &Axis, point: &Point) -> String {
-    let text = point.get(axis.name).to_string();
+    short_value(axis, &point.get(axis.name).to_string()).into_owned()
+}
+
+/// As [`short_text`], of a value as tables hold it.
+pub fn short_value<'v>(axis: &Axis, text: &'v str) -> Cow<'v, str> {
     if !matches!(axis.kind, super::value::Kind::Input) {
-        return text;
+        return text.into();
     }
     match text.strip_prefix("builtin:") {
-        Some(formula) => formula.to_owned(),
-        None => Path::new(&text).file_stem().map_or_else(|| text.clone(), |stem| stem.to_string_lossy().into_owned()),
+        Some(formula) => formula.into(),
+        None => Path::new(text).file_stem().map_or(text.into(), |stem| stem.to_string_lossy()),
     }
 }
 

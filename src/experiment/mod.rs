@@ -1,13 +1,13 @@
 //! Experiments: a file, its plan, its run.
 //!
-//! `config` reads what is written, `plan` makes it into checked cells, `run` renders and scores them.
+//! `config` reads what is written, `plan` makes it into checked cells, `run` renders and scores them, `answers` says what the rows mean.
 
+pub mod answers;
 pub mod axis;
-pub mod break_even;
 pub mod chunk;
 pub mod config;
+pub mod environments;
 pub mod fault;
-mod heat;
 mod images;
 pub mod inputs;
 pub mod live;
@@ -23,7 +23,7 @@ pub mod statistics;
 pub mod store;
 mod summary;
 mod sweeps;
-mod tables;
+pub mod tables;
 pub mod timing;
 pub mod timing_ratios;
 mod toml_tree;

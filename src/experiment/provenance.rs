@@ -23,6 +23,8 @@ pub fn provenance(plan: &Plan) -> Value {
         "cell_count": plan.cells.len(),
         "excluded": plan.config.exclusions.iter().zip(&plan.excluded)
             .map(|(exclusion, count)| json!({ "why": exclusion.why, "count": count })).collect::<Vec<_>>(),
+        "reference": { "method": plan.config.reference.method, "samples": plan.config.reference.samples,
+            "relative_error": plan.config.reference.relative_error },
         "seed": plan.config.seed,
         "inputs": inputs,
         "input_warnings": plan.inputs.warnings(),

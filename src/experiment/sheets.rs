@@ -35,7 +35,7 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
     let swept: Vec<&Axis> = plan.swept().collect();
     let select = |names: &[&str]| swept.iter().copied().filter(|a| names.contains(&a.name)).collect::<Vec<_>>();
     let (sheet_axes, column_axes) = (select(SHEET_AXES), select(COLUMN_AXES));
-    for cells in grouped(&plan.cells.iter().collect::<Vec<_>>(), &sheet_axes) {
+    for cells in grouped(&of_first_point_set(plan), &sheet_axes) {
         let columns = grouped(&cells, &column_axes);
         let tiles = TileSize::new(plan.size_of(cells[0]));
         let pages = pages(&columns, tiles.columns_max());
@@ -52,6 +52,13 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
         }
     }
     Ok(())
+}
+
+/// The cells that a sheet shows: point sets differ in luck only, so the first one stands for all.
+fn of_first_point_set(plan: &Plan) -> Vec<&Cell> {
+    let set = |cell: &&Cell| cell.point.get("point_set").to_string();
+    let first = plan.cells.iter().map(|cell| set(&cell)).find(|set| !set.is_empty());
+    plan.cells.iter().filter(|cell| set(cell).is_empty() || Some(set(cell)) == first).collect()
 }
 
 /// How images of one size are shown.

@@ -35,7 +35,8 @@ fn floored_names() -> Vec<&'static str> {
 pub const DIFFUSE_WEIGHT: &str = "one-minus-directional-albedo";
 
 /// Where a cell's reference stopped: see [`ReferenceStop`].
-const REFERENCE_COLUMNS: [&str; 3] = ["reference_samples", "reference_relative_error", "reference_stopped_by"];
+pub(super) const REFERENCE_COLUMNS: [&str; 3] =
+    ["reference_samples", "reference_relative_error", "reference_stopped_by"];
 
 fn stop_fields(stop: Option<&ReferenceStop>) -> [Field; 3] {
     stop.map_or([Field::Missing, Field::Missing, Field::Missing], |stop| {

@@ -3,7 +3,7 @@
 //! The tables go into the page as the run packed them. Where they are too large, the finest level of an environment goes first: the page
 //! then reads one level coarser wherever the renderer would have read the finest one.
 
-use super::run_folder::RunFolder;
+use crate::experiment::answers::run_folder::RunFolder;
 use crate::experiment::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord};
 use crate::files::read_regular;
 use crate::glsl::constants;

@@ -3,11 +3,11 @@
 use crate::report::finished_run;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
+use splitsum::experiment::answers::run_folder::RunFolder;
 use splitsum::experiment::live::{LIVE_FILE, LiveRecord, half_scale};
 use splitsum::pixels::packed::HALF_MAX;
 use splitsum::precompute::points;
 use splitsum::report::live::{BUDGET_BYTES, Light};
-use splitsum::report::run_folder::RunFolder;
 use std::path::Path;
 
 fn record(run: &Path) -> LiveRecord {

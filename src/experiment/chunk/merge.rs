@@ -54,6 +54,9 @@ pub struct Hole {
 /// Device and driver: what the scores of a cell may depend on.
 type Device = (String, String);
 
+/// The timings of a block, each with its id.
+type Block = Vec<(String, TimingRecord)>;
+
 /// A record and where it stands.
 struct Found<T> {
     record: T,
@@ -128,14 +131,14 @@ fn find_blocks(
     file: &PlanFile,
     plan: &Plan,
     attempts: &[Vec<Attempt>],
-) -> Result<BTreeMap<String, Vec<Found<Vec<(String, TimingRecord)>>>>, ChunkError> {
+) -> Result<BTreeMap<String, Vec<Found<Block>>>, ChunkError> {
     let jobs = timing::jobs(plan);
-    let mut found: BTreeMap<String, Vec<Found<Vec<(String, TimingRecord)>>>> = BTreeMap::new();
+    let mut found: BTreeMap<String, Vec<Found<Block>>> = BTreeMap::new();
     for (chunk, attempts) in file.chunks.iter().zip(attempts) {
         for attempt in attempts {
             for block in chunk.blocks(&jobs) {
                 let records = block.iter().map(|id| Ok(attempt.store.timing(id)?.map(|record| (id.clone(), record))));
-                let records: Option<Vec<(String, TimingRecord)>> = records.collect::<Result<_, StoreError>>()?;
+                let records: Option<Block> = records.collect::<Result<_, StoreError>>()?;
                 let Some(record) = records else { continue };
                 let device = (record[0].1.device.clone(), record[0].1.driver.clone());
                 let block = Found { record, store: attempt.store.clone(), device };

@@ -3,6 +3,8 @@
 mod cells;
 mod timed;
 
+use crate::experiment::answers::{Answered, AnswersError};
+use crate::experiment::environments;
 use crate::experiment::images;
 use crate::experiment::live::{self, LIVE_FILE};
 use crate::experiment::plan::{Cell, Plan};
@@ -10,13 +12,11 @@ use crate::experiment::provenance;
 use crate::experiment::renderer::{RenderFault, Renderer};
 use crate::experiment::sheets;
 use crate::experiment::store::{CellRecord, FailureRecord, Store, StoreError};
-use crate::experiment::summary;
 use crate::experiment::tables::{self, CellResult, Results};
 use crate::experiment::timing::{self, TimingJob, TimingRecord};
 use crate::experiment::trace;
 use crate::pipeline::DeviceInfo;
 use crate::slips;
-use crate::table::csv::Table;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -64,6 +64,9 @@ pub struct Outcome {
 pub enum RunError {
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The tables are written, but not what they answer.
+    #[error(transparent)]
+    Answers(#[from] AnswersError),
     #[error("the device was lost: {0}; what is done is kept, run the same command again to go on")]
     DeviceLost(String),
     /// The renderer could not be made.
@@ -323,22 +326,20 @@ impl<'p> Run<'p> {
                 self.store.write_json(&self.store.dir().join("trace.json"), &trace::chrome_trace(&self.timings))?;
             }
         }
-        let mut summary = summary::markdown(self.plan, &self.results, &self.timings);
+        let (columns, rows) = environments::environments(self.plan);
+        self.store.write_table("environments.csv", &columns, &rows)?;
         if self.plan.config.has_printed_slips {
             let (columns, rows) = slips::table();
             self.store.write_table(slips::FILE_NAME, &columns, &rows)?;
-            let table = Table::read(&self.store.dir().join(slips::FILE_NAME)).map_err(StoreError::from)?;
-            let table = slips::markdown(&table).map_err(StoreError::from)?;
-            summary += &format!("## What each slip costs\n\n{}\n{table}", slips::HEADING);
         }
-        let summary_path = self.store.dir().join("summary.md");
-        if has_worked || std::fs::read_to_string(&summary_path).ok().as_deref() != Some(&summary) {
+        let answered = Answered::of_run(self.store.dir())?;
+        if has_worked || !answered.is_summary_written() {
             sheets::write_sheets(&self.store, self.plan, &self.results)?;
-            self.store.write_text(&summary_path, &summary)?;
         }
+        answered.write()?;
         Ok(Outcome {
             dir: self.store.dir().to_owned(),
-            summary,
+            summary: answered.summary,
             failures: self.failures(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
         })

@@ -88,8 +88,7 @@ impl Bench {
     fn chunk_on(&self, device: &'static str, chunk: usize) -> usize {
         let log = log(device);
         assert!(self.chunk(chunk, &log).unwrap().failures.is_empty());
-        let renders = log.borrow().renders.len();
-        renders
+        log.borrow().renders.len()
     }
 
     fn merge(&self) -> Result<Merged, ChunkError> {
