@@ -167,6 +167,9 @@ fn every_experiment_of_the_project_has_a_plan() {
     let mut count = 0;
     for entry in std::fs::read_dir(&folder).unwrap() {
         let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
         let output = splitsum(elsewhere.path(), &["plan", path.to_str().unwrap(), "--json"]);
         assert!(output.status.success(), "{}: {}", path.display(), stderr(&output));
         let plan: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

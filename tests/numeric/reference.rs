@@ -291,7 +291,7 @@ fn samples_follow_the_density() {
         (one_hot(8, 4, [3, 0]), 6),
         (one_hot(8, 4, [5, 3]), 7),
     ] {
-        const FINE: usize = 40;
+        const FINE: usize = 160;
         let distribution = EnvironmentDistribution::new(&image);
         let guide = if seed % 2 == 0 { distribution.guide(lopsided) } else { distribution.guide(|_| 1.0) };
         let mut expected = vec![0.0; COLUMNS * ROWS];

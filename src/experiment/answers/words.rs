@@ -31,16 +31,20 @@ pub struct Answer {
     pub facts: Vec<String>,
 }
 
-/// Writes the answer for joined runs. An experiment that sweeps the tone curve asks what the curve shows, one that cuts off the peaks of its
-/// light what they do; else break-even leads where there is one, then what a parameter changes, then which way is best. What does not lead
-/// follows as facts.
+/// Writes the answer for joined runs. An experiment with more tone curves than sample counts asks what the curve shows, one that cuts off the
+/// peaks of its light what they do; else break-even leads where there is one, then what a parameter changes, then which way is best. What
+/// does not lead follows as facts.
 pub fn answer(study: &Study, answers: &Answers) -> Answer {
     let pair = answers.pairs.iter().find_map(|pair| Some(from_pair(study, answers, pair, pair.quartiles()?)));
     let clips = study.axis("environment_clip_log2").is_some_and(|axis| study.axes[axis].values.len() > 1);
     let mut leads: Vec<Answer> = Vec::new();
-    leads.extend(from_visibility(answers));
+    let values = |axis: usize| study.axes[axis].values.len();
+    let curves: usize = study.display_axes().into_iter().map(values).product();
+    let (asks_the_curve, visibility) = (curves > study.axis("samples").map_or(1, values), from_visibility(answers));
+    leads.extend(visibility.clone().filter(|_| asks_the_curve));
     leads.extend(if clips { from_range(answers) } else { None });
     leads.extend(pair);
+    leads.extend(visibility.filter(|_| !asks_the_curve));
     leads.extend(from_effects(answers));
     if leads.is_empty() {
         leads.push(from_variants(study));

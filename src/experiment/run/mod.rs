@@ -308,14 +308,15 @@ impl<'p> Run<'p> {
 
     fn work(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
         let result = self
-            .cells(renderer, progress)
-            .and_then(|()| self.live(renderer, progress))
+            .live(renderer, progress)
+            .and_then(|()| self.cells(renderer, progress))
             .and_then(|()| self.time(renderer, progress));
         renderer.take_warnings().iter().for_each(|warning| progress.note(&format!("warning: {warning}")));
         result
     }
 
-    /// Leaves what the live view of the report needs, before timing forgets the tables. Without it the report has no such view.
+    /// Leaves what the live view of the report needs, before the cells: a run whose cells are all done has nothing left to make. Without
+    /// it the report has no such view.
     fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
         let path = self.store.dir().join(LIVE_FILE);
         let is_ours = self.share.is_none_or(|share| share.has_live);
