@@ -1,6 +1,6 @@
 //! The folder of a run. Records are written last and in one step: no record means not done.
 
-use super::plan::Plan;
+use super::plan::{Plan, SCHEMA_VERSION};
 use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
 use crate::table::csv;
 use serde::de::DeserializeOwned;
@@ -18,6 +18,11 @@ pub enum StoreError {
     OtherExperiment { dir: PathBuf, found: String },
     #[error("{}: holds a run made with other shaders, whose images may differ; give another --out, or remove it", dir.display())]
     OtherShaders { dir: PathBuf },
+    #[error(
+        "{}: holds a run in the format {found}, and this program knows formats up to {SCHEMA_VERSION}; use the newer program that wrote \
+         it, or give another --out", dir.display()
+    )]
+    NewerVersion { dir: PathBuf, found: u64 },
     #[error("{}: another run is at work in it; wait for its end or give another --out", dir.display())]
     Busy { dir: PathBuf },
     #[error("{}: is not empty and not a run (it has no provenance.json); give another --out", dir.display())]
@@ -43,6 +48,7 @@ impl StoreError {
             self,
             Self::OtherExperiment { .. }
                 | Self::OtherShaders { .. }
+                | Self::NewerVersion { .. }
                 | Self::NotARun { .. }
                 | Self::NotAFolder { .. }
                 | Self::Folder { .. }
@@ -165,6 +171,10 @@ impl Store {
             return Err(StoreError::NotAFolder { dir: self.dir.clone() });
         }
         if let Some(provenance) = self.read::<serde_json::Value>(&self.provenance_path())? {
+            let found = provenance["schema_version"].as_u64().unwrap_or(0);
+            if found > SCHEMA_VERSION.into() {
+                return Err(StoreError::NewerVersion { dir: self.dir.clone(), found });
+            }
             if provenance["plan_hash"] == plan.hash {
                 return Ok(());
             }
