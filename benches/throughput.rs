@@ -1,9 +1,11 @@
 //! `cargo bench`: what the passes cost in CPU-seconds of this process, so that a software driver's figures can be compared between
 //! machines with other loads. On a GPU these are the host's costs only; `splitsum run experiments/timing.toml` times the device.
+//!
+//! `cargo bench -- NAME...` runs only the named sections: `sampled`, `tables`, `reference`, `convergence`.
 
 use splitsum::brdf::{Brdf, MODELS};
 use splitsum::environment::{Environment, LoadOptions};
-use splitsum::pipeline::{Options, Pipeline, RenderRequest};
+use splitsum::pipeline::{Frame, Options, Pipeline, RenderRequest};
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::PrecomputeSettings;
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
@@ -13,8 +15,10 @@ use std::sync::Arc;
 
 /// Clock ticks a second of /proc/self/stat on Linux.
 const TICKS: f64 = 100.0;
+/// Least CPU-seconds that one figure is taken over: fifty ticks.
+const SECONDS_MIN: f64 = 0.5;
 
-/// User and system time of this process so far, seconds.
+/// User and system time of every thread of this process so far, seconds.
 fn cpu_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").expect("the bench reads /proc/self/stat");
     let fields: Vec<&str> = text.rsplit(')').next().unwrap_or("").split_whitespace().collect();
@@ -29,11 +33,19 @@ fn cost<T>(work: impl FnOnce() -> T) -> (f64, T) {
     (cpu_seconds() - before, result)
 }
 
-fn request(brdf: &'static dyn Brdf, method: &str, size: u32, environment_size: [u32; 2]) -> RenderRequest {
+/// A sphere of albedo 0 and f0 1 under a builtin environment.
+fn request(
+    brdf: &'static dyn Brdf,
+    method: &str,
+    alpha: f32,
+    size: u32,
+    environment: &str,
+    environment_size: [u32; 2],
+) -> RenderRequest {
     let options = LoadOptions { builtin_size: environment_size, ..LoadOptions::default() };
-    let environment = Environment::load("builtin:studio", Path::new("."), &options).expect("a builtin environment");
+    let environment = Environment::load(environment, Path::new("."), &options).expect("a builtin environment");
     let sphere = Scene::load("sphere", Path::new(".")).expect("a builtin scene");
-    let lobe = MaterialOverride { alpha: Some(0.2), f0: Some([1.0; 3]), albedo: Some([0.0; 3]), metallic: None };
+    let lobe = MaterialOverride { alpha: Some(alpha), f0: Some([1.0; 3]), albedo: Some([0.0; 3]), metallic: None };
     let scene = sphere.apply(&lobe);
     let size = [size; 2];
     RenderRequest {
@@ -59,6 +71,25 @@ fn request(brdf: &'static dyn Brdf, method: &str, size: u32, environment_size: [
     }
 }
 
+/// CPU-seconds of the specular pass of one frame. What is not shading (g-buffer, tone curve, their submissions) costs the same without
+/// a specular term and is taken off. Compiling pipelines, making tables and reading images back are not counted.
+fn shading_seconds(pipeline: &mut Pipeline, request: &RenderRequest) -> f64 {
+    let nothing = RenderRequest { method: method_by_name("none").expect("a listed method"), ..request.clone() };
+    let mut seconds = |request: &RenderRequest| {
+        let mut rounds = 1;
+        pipeline.time(request, 0, 1).expect("compiled pipelines");
+        loop {
+            let (seconds, _) = cost(|| pipeline.time(request, 0, rounds).expect("times"));
+            if seconds >= SECONDS_MIN {
+                return seconds / f64::from(rounds);
+            }
+            rounds = (f64::from(rounds) * (1.2 * SECONDS_MIN / seconds.max(1.0 / TICKS)).clamp(1.5, 50.0)) as u32;
+        }
+    };
+    seconds(request) - seconds(&nothing)
+}
+
+/// Mean square error relative to the squared reference plus 1e-2, over the mask and the channels.
 fn relmse(test: &RgbImage, reference: &RgbImage, mask: &[f32]) -> f64 {
     let hit = test.data.iter().zip(&reference.data).zip(mask).filter(|(_, hit)| **hit > 0.0);
     let squares = hit
@@ -67,35 +98,19 @@ fn relmse(test: &RgbImage, reference: &RgbImage, mask: &[f32]) -> f64 {
     sum / f64::from(count)
 }
 
-fn main() {
-    let mut pipeline = match Pipeline::new(Options::default()) {
-        Ok(pipeline) => pipeline,
-        Err(error) => return println!("skipped: {error}"),
-    };
-    let device = pipeline.device().clone();
-    println!("{} ({}), {}", device.name, device.device_type, device.driver);
-
+fn sampled(pipeline: &mut Pipeline) {
     for &brdf in MODELS {
-        let request = request(brdf, "sampled", 512, [1024, 512]);
+        let request = request(brdf, "sampled", 0.2, 512, "builtin:studio", [1024, 512]);
         let mask = pipeline.render(&request).expect("a frame").mask;
         let pixels: f64 = mask.data.iter().map(|&hit| f64::from(hit)).sum();
-        const ROUNDS: u32 = 10;
-        let mut cost_of = |request: &RenderRequest| {
-            pipeline.render(request).expect("compiled pipelines");
-            cost(|| pipeline.time(request, 0, ROUNDS).expect("times")).0
-        };
-        // What is not shading (g-buffer, tone curve, submissions) costs the same without a specular term.
-        let nothing = RenderRequest { method: method_by_name("none").expect("a listed method"), ..request.clone() };
-        let seconds = cost_of(&request) - cost_of(&nothing);
-        let samples = pixels * 40.0 * f64::from(ROUNDS);
-        println!(
-            "sampled, {}, N = 40, 512x512: {:.1} million samples a CPU-second",
-            brdf.name(),
-            samples / seconds / 1e6
-        );
+        let speed = pixels * 40.0 / shading_seconds(pipeline, &request) / 1e6;
+        println!("sampled, {}, N = 40, 512x512: {speed:.1} million samples a CPU-second", brdf.name());
     }
+}
+
+fn tables(pipeline: &mut Pipeline) {
     for &brdf in MODELS {
-        let mut request = request(brdf, "split-sum", 16, [1024, 512]);
+        let mut request = request(brdf, "split-sum", 0.2, 16, "builtin:studio", [1024, 512]);
         request.precompute.prefilter_size = [1024, 512];
         request.precompute.dfg_size = 256;
         pipeline.time_precompute(&request, 0, 1).expect("compiled pipelines");
@@ -109,22 +124,76 @@ fn main() {
             ms("dfg")
         );
     }
+}
+
+fn reference(pipeline: &mut Pipeline) {
     for &brdf in MODELS {
-        let mut request = request(brdf, "reference", 128, [512, 256]);
-        request.reference_samples = 64;
-        pipeline.render(&request).expect("compiled pipelines");
-        request.reference_samples = 4096;
-        let (seconds, _) = cost(|| pipeline.render(&request).expect("a frame"));
+        let request = request(brdf, "reference", 0.2, 128, "builtin:studio", [512, 256]);
+        let seconds = shading_seconds(pipeline, &request);
         println!("reference, {}, 128x128 x 4096 samples: {seconds:.2} CPU-seconds", brdf.name());
-        request.reference_samples = 65_536;
-        request.seed = 2;
-        let truth = pipeline.render(&request).expect("a frame");
-        request.seed = 1;
-        for target in [1e-2f64, 1e-3, 1e-4] {
-            request.reference_error = Some(target.sqrt());
-            let (seconds, frame) = cost(|| pipeline.render(&request).expect("a frame"));
+    }
+}
+
+/// CPU-seconds to a relative mean square error: both are measured for counts that double, against many more samples with other points,
+/// and interpolated. The last column stops by itself, by its own estimate of the error, and pays for finding its count.
+fn convergence(pipeline: &mut Pipeline) {
+    const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
+    const COUNT_MAX: u32 = 8192;
+    println!("reference, GGX, 128x128, CPU-seconds to relMSE {TARGETS:?} (samples a pixel); stopped by itself at 1e-3");
+    for environment in ["builtin:studio", "builtin:sky", "builtin:checker"] {
+        for alpha in [0.05, 0.2, 0.5] {
+            let base = request(MODELS[0], "reference", alpha, 128, environment, [512, 256]);
+            let at = |samples, seed| RenderRequest { reference_samples: samples, seed, ..base.clone() };
+            let mut render = |request: &RenderRequest| -> Frame { pipeline.render(request).expect("a frame") };
+            let truth = render(&at(4 * COUNT_MAX, 2));
+            let mut error = |frame: &Frame| relmse(&frame.radiance, &truth.radiance, &truth.mask.data);
+            let counts: Vec<u32> = (5..).map(|k| 1 << k).take_while(|count| *count <= COUNT_MAX).collect();
+            let errors: Vec<f64> = counts.iter().map(|&count| error(&render(&at(count, 1)))).collect();
+            let mut cells = Vec::new();
+            for target in TARGETS {
+                let Some(next) = errors.iter().position(|error| *error <= target) else {
+                    cells.push(format!("> {COUNT_MAX} samples"));
+                    continue;
+                };
+                let count = if next == 0 {
+                    f64::from(counts[0])
+                } else {
+                    let slope = (errors[next] / errors[next - 1]).log2();
+                    f64::from(counts[next - 1]) * ((target / errors[next - 1]).log2() / slope).exp2()
+                };
+                let seconds = shading_seconds(pipeline, &at(count.round() as u32, 1));
+                let least = if next == 0 { "< " } else { "" };
+                cells.push(format!("{least}{seconds:.3} ({count:.0})"));
+            }
+            let stopping = RenderRequest { reference_error: Some(TARGETS[1].sqrt()), ..at(1 << 16, 1) };
+            let frame = pipeline.render(&stopping).expect("a frame");
             let found = relmse(&frame.radiance, &truth.radiance, &truth.mask.data);
-            println!("  to relMSE {target:.0e}: {seconds:.2} CPU-seconds, {found:.1e} reached");
+            let seconds = shading_seconds(pipeline, &stopping);
+            println!("{environment:16} alpha {alpha:<5} {:45} {seconds:.3} at {found:.1e}", cells.join("  "));
+        }
+    }
+    println!(
+        "for comparison, Mitsuba 3 to 1e-3 in a studio at alpha 0.2: 0.35 with its best sampler, 3.9 with its default one"
+    );
+}
+
+/// What one section of the bench runs.
+type Section = fn(&mut Pipeline);
+
+fn main() {
+    let mut pipeline = match Pipeline::new(Options::default()) {
+        Ok(pipeline) => pipeline,
+        Err(error) => return println!("skipped: {error}"),
+    };
+    let device = pipeline.device().clone();
+    println!("{} ({}), {}", device.name, device.device_type, device.driver);
+    let sections: [(&str, Section); 4] =
+        [("sampled", sampled), ("tables", tables), ("reference", reference), ("convergence", convergence)];
+    // Cargo itself adds `--bench`.
+    let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    for (name, section) in sections {
+        if wanted.is_empty() || wanted.iter().any(|wanted| wanted == name) {
+            section(&mut pipeline);
         }
     }
 }

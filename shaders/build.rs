@@ -10,6 +10,9 @@
 //! | `selected/diffuse.glsl` | `shade/diffuse/` |
 //! | `selected/lobe.glsl` | `shade/lobe/` |
 //!
+//! The entry points in `page/` are for the report's page: they include the same libraries, but become GLSL ES 3.00 texts, one for
+//! each permutation, which the page's own compiler takes.
+//!
 //! A permutation is named `<entry>[:<candidate>]...`, candidates in the order in which their includes are met, stems with `-` for `_`.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,6 +34,11 @@ const SELECTIONS: [(&str, &str); 4] = [
     ("selected/lobe.glsl", "shade/lobe"),
 ];
 
+/// The folder of the page's entry points.
+const PAGE_FOLDER: &str = "page/";
+/// What comes first in each of them.
+const ES_PRELUDE: &str = "page/es.glsl";
+
 fn main() {
     println!("cargo::rerun-if-changed=shaders");
     println!("cargo::rerun-if-changed=src/glsl");
@@ -51,10 +59,13 @@ fn build() -> Result<(), String> {
     sources.texts.insert("generated/layout.glsl".into(), layout_text());
 
     let compiler = glslang::Compiler::acquire().ok_or("glslang does not initialise")?;
+    let (page_entries, device_entries): (Vec<_>, Vec<_>) =
+        entries(&root)?.into_iter().partition(|entry| entry.starts_with(PAGE_FOLDER));
+    page_shaders(&mut sources, compiler, &page_entries, &out)?;
     let mut table = String::from("pub static SHADERS: &[(&str, &[u8])] = &[\n");
-    for entry in entries(&root)? {
+    for entry in device_entries {
         for (name, choice) in sources.permutations(&entry)? {
-            let text = sources.expand(&entry, &choice)?;
+            let text = sources.expand(&entry, &choice, Language::Vulkan)?;
             let spirv = compile(compiler, &entry, &text).map_err(|log| format!("{name}: {log}"))?;
             let file = out.join(format!("{}.spv", name.replace(['/', ':', '.'], "_")));
             let bytes: Vec<u8> = spirv.iter().flat_map(|word| word.to_ne_bytes()).collect();
@@ -71,6 +82,37 @@ fn build() -> Result<(), String> {
             .expect("a String takes all");
     }
     fs::write(out.join("shaders.rs"), table).map_err(|e| format!("shaders.rs: {e}"))
+}
+
+/// Writes `page_shaders.rs`: the text of every permutation of the page's entry points, checked as GLSL ES 3.00.
+fn page_shaders(
+    sources: &mut Sources,
+    compiler: &'static glslang::Compiler,
+    entries: &[String],
+    out: &Path,
+) -> Result<(), String> {
+    let mut table = String::from("pub static PAGE_SHADERS: &[(&str, &str)] = &[\n");
+    for entry in entries {
+        for (name, choice) in sources.permutations(entry)? {
+            let text = sources.expand(entry, &choice, Language::Es)?;
+            parse(compiler, entry, &text, Language::Es).map_err(|log| format!("{name}: {log}"))?;
+            let file = out.join(format!("{}.es", name.replace(['/', ':', '.'], "_")));
+            fs::write(&file, text).map_err(|e| format!("{}: {e}", file.display()))?;
+            let name = name.trim_start_matches(PAGE_FOLDER).replace(".frag", "");
+            writeln!(table, "    ({name:?}, include_str!({:?})),", file.display().to_string())
+                .expect("a String takes all");
+        }
+    }
+    table.push_str("];\n");
+    fs::write(out.join("page_shaders.rs"), table).map_err(|e| format!("page_shaders.rs: {e}"))
+}
+
+/// What a text is written for.
+#[derive(Clone, Copy, PartialEq)]
+enum Language {
+    Vulkan,
+    /// GLSL ES 3.00.
+    Es,
 }
 
 /// The file that stands behind each `selected/` include in one permutation.
@@ -130,12 +172,18 @@ impl Sources {
         Ok(None)
     }
 
-    /// One text with every include in place, line numbers kept by `#line`.
-    fn expand(&mut self, entry: &str, choice: &Choice) -> Result<String, String> {
-        let mut text = String::from("#version 460\n#extension GL_GOOGLE_cpp_style_line_directive : require\n");
+    /// One text with every include in place, line numbers kept by `#line` where the language has it with file names.
+    fn expand(&mut self, entry: &str, choice: &Choice, language: Language) -> Result<String, String> {
+        let (version, first) = match language {
+            Language::Vulkan => ("#version 460\n#extension GL_GOOGLE_cpp_style_line_directive : require\n", None),
+            Language::Es => ("#version 300 es\n", Some(ES_PRELUDE)),
+        };
+        let mut text = Expanded { text: version.to_string(), has_lines: language == Language::Vulkan };
         let mut done = BTreeSet::new();
-        self.append(entry, choice, &mut done, &mut text)?;
-        Ok(text)
+        for path in first.into_iter().chain([entry]) {
+            self.append(path, choice, &mut done, &mut text)?;
+        }
+        Ok(text.text)
     }
 
     fn append(
@@ -143,25 +191,41 @@ impl Sources {
         path: &str,
         choice: &Choice,
         done: &mut BTreeSet<String>,
-        text: &mut String,
+        expanded: &mut Expanded,
     ) -> Result<(), String> {
         let path = choice.get(path).map_or(path, String::as_str).to_string();
         if !done.insert(path.clone()) {
             return Ok(()); // each file once, as its include guard says
         }
-        writeln!(text, "#line 1 \"shaders/{path}\"").expect("a String takes all");
+        expanded.line(1, &path);
         for (index, line) in self.text(&path)?.lines().enumerate() {
             if let Some(include) = included(line) {
-                self.append(include, choice, done, text)?;
-                writeln!(text, "#line {} \"shaders/{path}\"", index + 2).expect("a String takes all");
+                self.append(include, choice, done, expanded)?;
+                expanded.line(index + 2, &path);
             } else if line.starts_with("#version") || line.starts_with("#extension GL_GOOGLE_include") {
-                text.push('\n'); // every text gets its version above
+                expanded.text.push('\n'); // every text gets its version above
             } else {
-                text.push_str(line);
-                text.push('\n');
+                expanded.text.push_str(line);
+                expanded.text.push('\n');
             }
         }
         Ok(())
+    }
+}
+
+/// A text that grows.
+struct Expanded {
+    text: String,
+    /// Whether the language takes `#line` with a file's name.
+    has_lines: bool,
+}
+
+impl Expanded {
+    /// Says which line of which file follows.
+    fn line(&mut self, number: usize, path: &str) {
+        if self.has_lines {
+            writeln!(self.text, "#line {number} \"shaders/{path}\"").expect("a String takes all");
+        }
     }
 }
 
@@ -180,23 +244,37 @@ fn stage(entry: &str) -> Option<glslang::ShaderStage> {
 }
 
 fn compile(compiler: &'static glslang::Compiler, entry: &str, text: &str) -> Result<Vec<u32>, String> {
+    let (shader, stage) = parse(compiler, entry, text, Language::Vulkan)?;
+    let mut program = compiler.create_program();
+    program.add_shader(&shader);
+    program.compile(stage).map_err(|e| e.to_string())
+}
+
+/// Reads and checks a text.
+fn parse(
+    compiler: &'static glslang::Compiler,
+    entry: &str,
+    text: &str,
+    language: Language,
+) -> Result<(glslang::Shader<'static>, glslang::ShaderStage), String> {
     let stage = stage(entry).ok_or("not a shader entry point")?;
+    let (target, version_profile) = match language {
+        Language::Vulkan => {
+            let (version, spirv_version) = (glslang::VulkanVersion::Vulkan1_3, glslang::SpirvVersion::SPIRV1_6);
+            (glslang::Target::Vulkan { version, spirv_version }, None)
+        }
+        Language::Es => (glslang::Target::None(None), Some((300, glslang::GlslProfile::ES))),
+    };
     let options = glslang::CompilerOptions {
         source_language: glslang::SourceLanguage::GLSL,
-        target: glslang::Target::Vulkan {
-            version: glslang::VulkanVersion::Vulkan1_3,
-            spirv_version: glslang::SpirvVersion::SPIRV1_6,
-        },
-        version_profile: None,
+        target,
+        version_profile,
         messages: glslang::ShaderMessage::DEFAULT,
     };
     let source = glslang::ShaderSource::from(text);
     let input = glslang::ShaderInput::new(&source, stage, &options, None::<&[(&str, Option<&str>)]>, None)
         .map_err(|e| e.to_string())?;
-    let shader = compiler.create_shader(input).map_err(|e| e.to_string())?;
-    let mut program = compiler.create_program();
-    program.add_shader(&shader);
-    program.compile(stage).map_err(|e| e.to_string())
+    Ok((compiler.create_shader(input).map_err(|e| e.to_string())?, stage))
 }
 
 fn constants_text() -> String {

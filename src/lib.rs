@@ -95,6 +95,7 @@ pub mod table;
 
 pub mod oracle;
 pub mod pipeline;
+pub mod slips;
 
 pub mod experiment;
 

@@ -1,6 +1,6 @@
 // Charts as SVG: crisp at any size, readable by screen readers, saved as they are. One drawing serves the page and the file.
 
-import { csvText, download, h, number, s } from "report/dom";
+import { announce, csvText, download, h, number, s } from "report/dom";
 
 /** Okabe and Ito's colours, told apart by the colour-blind too; each theme has its own shades. */
 export const COLORS = Array.from({ length: 7 }, (_, i) => `var(--series-${i})`);
@@ -95,7 +95,7 @@ export function figure(spec) {
     svg.setAttribute("height", Math.round(height * unit));
     svg.setAttribute("role", "img");
     svg.setAttribute("aria-labelledby", id);
-    const description = s("desc", {}, spec.description ?? spec.note ?? "");
+    const description = s("desc", {}, `${spec.description ?? spec.note ?? ""}${svg.dataset.hint ?? ""}`);
     svg.prepend(description);
     stage.replaceChildren(svg);
   };
@@ -199,10 +199,18 @@ export function xy({ x, y, marks }) {
   };
 }
 
-/** Shows the nearest target's text beside the pointer; a click opens it. */
+/** Shows the nearest target's text beside the pointer, a click opens it; with the keyboard see `walk`. */
 function hover(svg, tip, targets, width) {
   const ring = s("circle", { r: 8, class: "ring", visibility: "hidden" });
   svg.append(ring);
+  const show = (target) => {
+    tip.hidden = !target;
+    ring.setAttribute("visibility", target ? "visible" : "hidden");
+    if (!target) return;
+    ring.setAttribute("cx", target.px);
+    ring.setAttribute("cy", target.py);
+    showTip(svg, tip, target, width);
+  };
   const nearest = (event) => {
     const box = svg.getBoundingClientRect(), unit = box.width / width;
     const [x, y] = [(event.clientX - box.left) / unit, (event.clientY - box.top) / unit];
@@ -215,24 +223,75 @@ function hover(svg, tip, targets, width) {
   };
   svg.addEventListener("pointermove", (event) => {
     const target = nearest(event);
-    tip.hidden = !target;
-    ring.setAttribute("visibility", target ? "visible" : "hidden");
     svg.style.cursor = target?.dot.open ? "pointer" : "";
-    if (!target) return;
-    ring.setAttribute("cx", target.px);
-    ring.setAttribute("cy", target.py);
-    tip.textContent = target.dot.text;
-    const unit = svg.getBoundingClientRect().width / width, side = target.px > width / 2 ? "right" : "left";
-    const distance = (side === "right" ? width - target.px : target.px) + 14;
-    tip.style.cssText = `top:${Math.max(0, target.py - 14) * unit}px;${side}:${distance * unit}px`;
+    show(target);
   });
-  svg.addEventListener("pointerleave", () => { tip.hidden = true; ring.setAttribute("visibility", "hidden"); });
+  svg.addEventListener("pointerleave", () => show(null));
   svg.addEventListener("click", (event) => nearest(event)?.dot.open?.());
+  walk(svg, targets, show);
 }
 
-/** Stacked bars, one a row: bars are {name, parts: [[part, value]], total}; colours follow the order of `parts`. */
+function showTip(svg, tip, target, width) {
+  tip.textContent = target.dot.text;
+  const unit = svg.getBoundingClientRect().width / width, side = target.px > width / 2 ? "right" : "left";
+  const distance = (side === "right" ? width - target.px : target.px) + 14;
+  tip.style.cssText = `top:${Math.max(0, target.py - 14) * unit}px;${side}:${distance * unit}px`;
+}
+
+const WALK_HINT = " Arrow keys go from value to value, Enter opens the images.";
+
+/**
+ * Makes every target reachable by keyboard: arrows go to the next one in their direction (left and right also around the ends), Home and
+ * End to the first and last, Enter opens it. `show` draws attention to a target, or with null ends it.
+ */
+function walk(svg, targets, show) {
+  if (!targets.length) return;
+  svg.setAttribute("tabindex", "0");
+  svg.dataset.hint = WALK_HINT;
+  const order = [...targets].sort((a, b) => a.px - b.px || a.py - b.py);
+  let at = null;
+  const go = (target) => {
+    at = target ?? at;
+    if (!at) return;
+    svg.dataset.at = String(order.indexOf(at));
+    show(at);
+    announce(at.dot.text);
+  };
+  const step = (by) => go(order[at ? (order.indexOf(at) + by + order.length) % order.length : by > 0 ? 0 : order.length - 1]);
+  // Up and down stay in the column as far as they can.
+  const vertical = (sign) => {
+    if (!at) return step(1);
+    const beyond = targets.filter((target) => sign * (target.py - at.py) > 0.5);
+    const cost = (target) => Math.abs(target.py - at.py) + 8 * Math.abs(target.px - at.px);
+    return go(beyond.sort((a, b) => cost(a) - cost(b))[0]);
+  };
+  const actions = { ArrowRight: () => step(1), ArrowLeft: () => step(-1), ArrowUp: () => vertical(-1), ArrowDown: () => vertical(1), Home: () => go(order[0]), End: () => go(order.at(-1)), Enter: () => at?.dot.open?.() };
+  svg.addEventListener("keydown", (event) => {
+    if (!(event.key in actions) || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    event.stopPropagation();
+    actions[event.key]();
+  });
+  svg.addEventListener("blur", () => show(null));
+}
+
+/** The keyboard alone, for drawings whose parts take the pointer themselves: the target is framed. */
+function walkOnly(svg, tip, targets, width) {
+  const frame = s("rect", { class: "ring", visibility: "hidden", rx: 3 });
+  svg.append(frame);
+  walk(svg, targets, (target) => {
+    tip.hidden = !target;
+    frame.setAttribute("visibility", target ? "visible" : "hidden");
+    if (!target) return;
+    for (const [name, value] of Object.entries(target.box)) frame.setAttribute(name, value);
+    showTip(svg, tip, target, width);
+  });
+}
+
+/** Stacked bars, one a row: bars are {name, parts: [[part, value]], total, open}; colours follow the order of `parts`. */
 export function bars({ bars, parts, unit }) {
-  return (width, height) => {
+  return (width, height, tip) => {
+    const targets = [];
     const svg = s("svg", { width, height, class: "chart" });
     const left = Math.min(width * 0.42, 12 + 6.6 * Math.max(...bars.map((bar) => bar.name.length)));
     const longest = Math.max(...bars.map((bar) => bar.total)), rowHeight = height / bars.length;
@@ -246,7 +305,12 @@ export function bars({ bars, parts, unit }) {
         x += w;
       }
       svg.append(s("text", { x: x + 6, y: middle, class: "tick" }, `${number(bar.total)} ${unit}`));
+      const text = [`${bar.name}: ${number(bar.total)} ${unit}`, ...bar.parts.map(([part, value]) => `${part} ${number(value)}`)].join("\n");
+      const box = { x: left - 2, y: y + rowHeight * 0.06, width: Math.max(4, x - left + 4), height: rowHeight * 0.88 };
+      targets.push({ px: left, py: y + rowHeight / 2, box, dot: { text, open: bar.open } });
+      if (bar.open) svg.append(s("rect", { ...box, fill: "transparent", class: "open", onclick: bar.open }, s("title", {}, text)));
     });
+    walkOnly(svg, tip, targets, width);
     return svg;
   };
 }
@@ -269,7 +333,7 @@ export function heatmap({ rows, columns, rowTitle, columnTitle, cell }) {
       const x = left + (c + 0.5) * w, y = top - 8;
       svg.append(s("text", slanted ? { transform: `translate(${x} ${y}) rotate(-40)`, class: "tick" } : { x, y, class: "tick", "text-anchor": "middle" }, label));
     });
-    const size = Math.min(14, w / 2.6, rowHeight * 0.6);
+    const size = Math.min(14, w / 2.6, rowHeight * 0.6), targets = [];
     rows.forEach((label, r) => {
       const y = top + r * rowHeight;
       svg.append(s("text", { x: left - 8, y: y + rowHeight / 2 + 4, class: "tick", "text-anchor": "end" }, label));
@@ -281,10 +345,12 @@ export function heatmap({ rows, columns, rowTitle, columnTitle, cell }) {
           value && size > 6 && s("text", { x: x + w / 2, y: y + rowHeight / 2 + size * 0.36, "text-anchor": "middle", style: `fill:${value.ink};font-size:${size}px` }, value.text),
           value && s("title", {}, value.title));
         if (value?.open) group.addEventListener("click", value.open);
+        if (value) targets.push({ px: x + w / 2, py: y + rowHeight / 2, box: { x: x + 1, y: y + 1, width: Math.max(1, w - 2), height: Math.max(1, rowHeight - 2) }, dot: { text: value.title, open: value.open } });
         svg.append(group);
       });
     });
     tip.hidden = true;
+    walkOnly(svg, tip, targets, width);
     return svg;
   };
 }

@@ -4,7 +4,12 @@ import { byId } from "report/dom";
 
 const json = (id) => JSON.parse(byId(id).textContent);
 export const model = json("model");
-export const shaderText = () => json("shader");
+let shaders = null;
+/** The text of one of the page's shaders. */
+export const shaderText = (name) => (shaders ??= json("shaders"))[name];
+let light = null;
+/** The tables of the live view. They stand last in the page and are read when they are needed. */
+export const lightTables = () => (light ??= json("light"));
 export const headline = model.headline;
 export const axisOf = Object.fromEntries(model.axes.map((axis) => [axis.name, axis]));
 const named = (role) => model.axes.filter((axis) => axis.role === role).map((axis) => axis.name);
@@ -108,9 +113,13 @@ for (let bits = 0; bits < 65536; bits++) {
   HALF[bits] = sign * (exponent === 0 ? fraction * 2 ** -24 : exponent === 31 ? (fraction ? NaN : Infinity) : (1 + fraction / 1024) * 2 ** (exponent - 15));
 }
 
-async function inflate(index) {
-  const text = atob(byId(`pixels-${index}`).textContent);
-  const bytes = Uint8Array.from(text, (c) => c.charCodeAt(0));
+const payloadText = (index) => byId(`pixels-${index}`).textContent;
+
+/** The bytes of base64 text. */
+export const base64Bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+
+async function inflate(text) {
+  const bytes = base64Bytes(text);
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
   const data = new Uint8Array(await new Response(stream).arrayBuffer());
   return data;
@@ -121,8 +130,9 @@ function undo(data, start, count) {
   for (let i = start + 1; i < start + count; i++) data[i] = (data[i] + data[i - 1]) & 255;
 }
 
-async function decode(payload, width, height) {
-  const data = await inflate(payload), count = width * height;
+/** A packed image as half-float RGBA: {width, height, rgba}. */
+export async function decode(text, width, height) {
+  const data = await inflate(text), count = width * height;
   const rgba = new Uint16Array(4 * count);
   for (let channel = 0; channel < 3; channel++) {
     const high = 2 * channel * count, low = high + count;
@@ -144,7 +154,7 @@ export function pixels(index) {
   const image = index === null ? null : model.images[index];
   if (!image || image.payload === null) return Promise.resolve(null);
   if (!cache.has(index)) {
-    cache.set(index, decode(image.payload, image.window.width, image.window.height));
+    cache.set(index, decode(payloadText(image.payload), image.window.width, image.window.height));
     cachedTexels += image.window.width * image.window.height;
     for (const old of cache.keys()) {
       if (cachedTexels <= CACHE_TEXELS || old === index) break;
@@ -161,7 +171,7 @@ export function pixels(index) {
 /** The whole image, reduced where only a window of it is embedded. */
 export function overview(index) {
   const image = index === null ? null : model.images[index];
-  return image?.overview ? decode(image.overview[1], ...image.overview[0]) : pixels(index);
+  return image?.overview ? decode(payloadText(image.overview[1]), ...image.overview[0]) : pixels(index);
 }
 
 const masks = new Map();
@@ -170,7 +180,7 @@ export function mask(reference) {
   const image = reference === null ? null : model.images[reference];
   if (!image || image.mask === null) return Promise.resolve(null);
   if (!masks.has(image.mask)) {
-    masks.set(image.mask, inflate(image.mask).then((data) => { undo(data, 0, data.length); return data; }));
+    masks.set(image.mask, inflate(payloadText(image.mask)).then((data) => { undo(data, 0, data.length); return data; }));
   }
   return masks.get(image.mask);
 }

@@ -28,6 +28,9 @@ export function number(x, digits = 3) {
   return text.replace("-", "−");
 }
 
+/** Exposure in stops with its factor. */
+export const stopsText = (stops) => `${stops >= 0 ? "+" : "−"}${number(Math.abs(Number(stops.toFixed(2))))} EV (× ${number(2 ** stops)})`;
+
 /** Offers `text` as a file. */
 export function download(name, text, type) {
   const link = h("a", { href: URL.createObjectURL(new Blob([text], { type })), download: name });
@@ -63,6 +66,14 @@ export function choice(label, options, value, onchange) {
   press(value);
   group.press = press;
   return group;
+}
+
+/** A labelled slider with its value written beside the label; `oninput` gets numbers. */
+export function slider(label, min, max, step, id, oninput) {
+  const output = h("output", { for: id });
+  const input = h("input", { type: "range", min, max, step, id, oninput: () => oninput(Number(input.value)) });
+  // Named by `for`: the label of an element inside it would be that of the output.
+  return { input, output, element: h("label", { class: "slider", for: id }, h("span", {}, label, " ", output), input) };
 }
 
 /** Lower quartile, median, upper quartile (linear interpolation) of finite numbers. */

@@ -4,21 +4,23 @@ import { headline, model, scenes, variantLabel } from "report/data";
 import { byId, h } from "report/dom";
 import { settingsOf, showGrid, thumbnail } from "report/grid";
 import { breakEvenChart, breakEvenMap, convergence, curves, pairs, showPlots } from "report/plots";
+import { liveKey, liveRelease, showLive } from "report/live";
 import { go, link, onState, state } from "report/state";
 import { showRun, showTables } from "report/tables";
 import { showViewer, viewerKey, viewerRelease } from "report/viewer";
 
 const PAGES = [
-  ["answer", "Answer", showAnswer], ["images", "Images", showGrid], ["compare", "Compare", showViewer],
+  ["answer", "Answer", showAnswer], ["images", "Images", showGrid], ["compare", "Compare", showViewer], ["live", "Live", showLive],
   ["plots", "Plots", showPlots], ["tables", "Tables", showTables], ["run", "Run", showRun],
 ];
 
 const KEYS = [
   ["1 … 9", "show an image of the scene"], ["space (hold)", "show the reference"], ["← →", "previous, next image"], ["↑ ↓", "previous, next scene"],
   ["E", "relative error"], ["S", "signed error"], ["T", "tone curve or sRGB"], ["[ ]", "half a stop darker, brighter"], ["C", "mark clipped pixels"],
-  ["D", "split with the reference"], ["+ − 0", "zoom in, out, fit"], ["click", "pin the probe"], ["G A I M P B R", "go to Answer (G or A), Images, coMpare, Plots, taBles, Run"], ["?", "this list"],
+  ["D", "split with the reference"], ["+ − 0", "zoom in, out, fit"], ["click", "pin the probe"], ["live: 1 … 4", "split sum, sampled, error, signed error"], ["live: arrows, drag", "turn; + − and the wheel come nearer, 0 returns"], ["live: space (hold)", "show the other of split sum and sampled"],
+  ["G A I M L P B R", "go to Answer (G or A), Images, coMpare, Live, Plots, taBles, Run"], ["?", "this list"],
 ];
-const GO = { a: "answer", g: "answer", i: "images", m: "compare", p: "plots", b: "tables", r: "run" };
+const GO = { a: "answer", g: "answer", i: "images", m: "compare", l: "live", p: "plots", b: "tables", r: "run" };
 
 function show(current) {
   const known = PAGES.find(([name]) => name === current.view) ?? PAGES[0];
@@ -81,11 +83,11 @@ const isTyping = (element) => element?.matches("input:not([type=range]):not([typ
 
 function onKey(event) {
   if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target) || byId("help").open) return;
-  const isCompare = document.body.dataset.view === "compare";
+  const ownKey = { compare: viewerKey, live: liveKey }[document.body.dataset.view];
   // Space and arrows keep their meaning on buttons and sliders.
   const isOwn = event.target.matches("button, a, summary") && [" ", "Enter"].includes(event.key);
   const isSlider = event.target.matches("input[type=range]") && event.key.startsWith("Arrow");
-  if (isCompare && !(isOwn && event.key === "Enter") && !isSlider && viewerKey(event)) {
+  if (ownKey && !(isOwn && event.key === "Enter") && !isSlider && ownKey(event)) {
     event.preventDefault();
   } else if (event.key === "?") {
     help();
@@ -94,13 +96,19 @@ function onKey(event) {
   }
 }
 
+/** The held key is up, or out of sight. */
+function release() {
+  viewerRelease();
+  liveRelease();
+}
+
 /** Called once, by the page. */
 export function start() {
   byId("pages").append(...PAGES.map(([name, title]) => h("a", { href: `#${name}`, "data-view": name }, title)));
   byId("tools").append(h("button", { type: "button", onclick: help, "aria-label": "Keys", title: "Keys (?)" }, "?"));
   addEventListener("keydown", onKey);
-  addEventListener("keyup", (event) => { if (event.key === " ") viewerRelease(); });
-  addEventListener("blur", viewerRelease);
+  addEventListener("keyup", (event) => { if (event.key === " ") release(); });
+  addEventListener("blur", release);
   onState(show);
   const begin = () => { show(state()); document.body.dataset.ready = String(Math.round(performance.now())); };
   // The images stand after the script; they are needed only once the page is parsed.

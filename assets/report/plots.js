@@ -129,6 +129,14 @@ export function convergence(facet = curveFacets[0]) {
   });
 }
 
+/** The widest 95 % interval of the median frame time over rows, and p05 and p95; without intervals (one round) these stand for it. */
+function timeEnds(of) {
+  const widest = (ends) => [Math.min(...ends.map(([lo]) => lo)), Math.max(...ends.map(([, hi]) => hi))];
+  const [t05, t95] = widest(of.map(({ time }) => [time.p05, time.p95]));
+  const known = of.map(({ time }) => time.interval).filter(([lo, hi]) => lo !== null && hi !== null);
+  return { t05, t95, ends: known.length ? widest(known) : [t05, t95], isInterval: known.length > 0 };
+}
+
 /** Time against error: one mark a variant over the chosen rows, with the Pareto front. */
 function timeError(facet) {
   const own = rows.filter((row) => row.time && row.scores[headline] !== null && (facet === "all" || facetLabel(caseAxes.map((name) => row.axes[name])) === facet));
@@ -137,7 +145,7 @@ function timeError(facet) {
     if (!of.length) return [];
     const [lo, error, hi] = quartiles(of.map((row) => row.scores[headline]));
     const time = quartiles(of.map((row) => row.time.median))[1];
-    return [{ name, method: of[0].axes.method, error, lo, hi, time, t05: Math.min(...of.map((row) => row.time.p05)), t95: Math.max(...of.map((row) => row.time.p95)), row: of[0], n: of.length }];
+    return [{ name, method: of[0].axes.method, error, lo, hi, time, ...timeEnds(of), row: of[0], n: of.length }];
   });
   if (!points.length) return null;
   const front = points.filter((p) => !points.some((q) => q !== p && q.time <= p.time && q.error <= p.error && (q.time < p.time || q.error < p.error))).sort((a, b) => a.time - b.time);
@@ -146,16 +154,16 @@ function timeError(facet) {
   return figure({
     name: `time-error-${facet}`,
     title: `Time against error · ${facet}`,
-    note: `Median over the chosen cells; whiskers: the middle half of the errors, and p05 to p95 of the frame times. Line: the Pareto front. ${cpu ? "Times of a CPU driver say nothing about a GPU." : ""}`,
+    note: `Median over the chosen cells; whiskers: the middle half of the errors, and ${points.every((p) => p.isInterval) ? "the 95 % interval of the median frame time (resampled rounds)" : "p05 to p95 of the frame times"}. Line: the Pareto front. ${cpu ? "Times of a CPU driver say nothing about a GPU." : ""}`,
     legend: [...methods.map((method, i) => ({ label: method, color: COLORS[i % 7], shape: SHAPES[i % SHAPES.length], line: false })), { label: "Pareto front", color: "var(--muted)", dash: "5 3" }],
-    table: { columns: ["variant", "frame_ms", "p05_ms", "p95_ms", headline, "lower_quartile", "upper_quartile", "cells", "on_front"], rows: points.map((p) => [p.name, p.time, p.t05, p.t95, p.error, p.lo, p.hi, p.n, front.includes(p) ? "yes" : "no"]), onrow: (i) => open(points[i].row.cell, points[i].row.run)() },
+    table: { columns: ["variant", "frame_ms", "frame_ms_lo", "frame_ms_hi", "p05_ms", "p95_ms", headline, "lower_quartile", "upper_quartile", "cells", "on_front"], rows: points.map((p) => [p.name, p.time, ...p.ends, p.t05, p.t95, p.error, p.lo, p.hi, p.n, front.includes(p) ? "yes" : "no"]), onrow: (i) => open(points[i].row.cell, points[i].row.run)() },
     draw: xy({
-      x: { label: "frame time, ms", log: true, domain: domain(points.flatMap((p) => [p.t05, p.t95]), true) },
+      x: { label: "frame time, ms", log: true, domain: domain(points.flatMap((p) => p.ends), true) },
       y: { label: "relMSE", log: true, domain: domain(points.flatMap((p) => [p.lo, p.hi]), true) },
       marks: [
         { line: front.map((p) => [p.time, p.error]), color: "var(--muted)", dash: "5 3", width: 1.6 },
-        ...methods.map((method, i) => ({ color: COLORS[i % 7], shape: SHAPES[i % SHAPES.length], r: 5, dots: points.filter((p) => p.method === method).map((p) => ({ x: p.time, y: p.error, xs: [p.t05, p.t95], ys: [p.lo, p.hi], open: open(p.row.cell, p.row.run),
-          text: `${p.name}\n${number(p.time)} ms (${number(p.t05)} to ${number(p.t95)})\nrelMSE ${number(p.error)} (${number(p.lo)} to ${number(p.hi)}, ${p.n} cells)` })) })),
+        ...methods.map((method, i) => ({ color: COLORS[i % 7], shape: SHAPES[i % SHAPES.length], r: 5, dots: points.filter((p) => p.method === method).map((p) => ({ x: p.time, y: p.error, xs: p.ends, ys: [p.lo, p.hi], open: open(p.row.cell, p.row.run),
+          text: `${p.name}\n${number(p.time)} ms (${number(p.ends[0])} to ${number(p.ends[1])})\nrelMSE ${number(p.error)} (${number(p.lo)} to ${number(p.hi)}, ${p.n} cells)` })) })),
         ...points.map((p) => ({ text: p.name.replace(`${p.method} `, ""), x: p.time * 1.03, y: p.error * 0.93, color: "var(--muted)" })),
       ],
     }),
@@ -173,7 +181,8 @@ function nDotVMap(pair, facet) {
     title: `Break-even over ${seriesAxis < 0 ? "cases" : symbol(caseAxes[seriesAxis])} and n·v · ${facet}`,
     note: `Samples from which on ${pair.sampled} beats ${pair.fixed}, over the pixels of each bin of n·v: left grazing, right facing the viewer.`,
     height: () => 80 + 34 * own.length,
-    table: { columns: [...caseAxes, "n_dot_v_from", "n_dot_v_to", pair.fixed, "break-even"], rows: own.flatMap((c) => c.bins.map((bin) => [...c.key, bin.lo, bin.hi, bin.fixed_error, breakEvenText(bin.break_even)])) },
+    table: { columns: [...caseAxes, "n_dot_v_from", "n_dot_v_to", pair.fixed, "break-even"], rows: own.flatMap((c) => c.bins.map((bin) => [...c.key, bin.lo, bin.hi, bin.fixed_error, breakEvenText(bin.break_even)])),
+      onrow: (i) => { const c = own.flatMap((one) => one.bins.map(() => one))[i]; open(c.fixed_cell, c.fixed_run)(); } },
     draw: heatmap({
       rows: own.map((c) => short(caseAxes[seriesAxis] ?? "", c.key[seriesAxis] ?? "")), columns: bins.map((lo) => `${number(lo, 2)}–${number(hi[lo], 2)}`), rowTitle: seriesAxis < 0 ? "" : symbol(caseAxes[seriesAxis]), columnTitle: "n·v",
       cell: (r, c) => {
@@ -235,13 +244,15 @@ function visibility() {
   const of = (r, c) => own.filter((row) => variantLabel(row) === lines[r] && setting(row) === columns[c]);
   const value = (r, c) => quartiles(of(r, c).map((row) => row.scores.flip))[1];
   const largest = Math.max(...own.map((row) => row.scores.flip));
+  const places = lines.flatMap((_, r) => columns.map((_, c) => [r, c])).filter(([r, c]) => of(r, c).length);
   return figure({
     name: "visibility",
     class: "wide",
     title: "Visible difference (FLIP) by exposure and contrast",
     note: "Median over all scenes; 0 is equal. Columns share one linear image: the tone curve hides or shows its error. Click for the image at that setting.",
     height: () => 110 + 30 * lines.length,
-    table: { columns: ["variant", ...columns], rows: lines.map((line, r) => [line, ...columns.map((_, c) => value(r, c))]) },
+    table: { columns: ["variant", ...displayAxes, "flip", "cells"], rows: places.map(([r, c]) => [lines[r], ...displayAxes.map((name) => of(r, c)[0].axes[name]), value(r, c), of(r, c).length]),
+      onrow: (i) => { const [row] = of(...places[i]); open(row.cell, row.run)(); } },
     draw: heatmap({
       rows: lines, columns, rowTitle: "", columnTitle: "",
       cell: (r, c) => {
@@ -260,7 +271,9 @@ function passes(phase, title, note) {
   const bars = model.runs.flatMap((run, index) => run.timings.filter((record) => record.phase === phase).map((record) => {
     const words = ["brdf", "method", "samples", "diffuse"].map((name) => record.axes[name]).filter((word) => word && word !== "none");
     const name = [model.runs.length > 1 ? run.label : "", ...words].filter(Boolean).join(" ") || record.environment_size.join("×");
-    return { name, parts: record.passes, total: record.passes.reduce((sum, [, ms]) => sum + ms, 0), order: `${record.axes.brdf} ${record.axes.method} ${String(record.axes.samples).padStart(6, "0")}`, run: index };
+    // The first cell of this configuration stands for all that were timed as one; what is made once has none.
+    const shown = phase === "frame" && rows.find((row) => row.run === index && Object.entries(record.axes).every(([axis, value]) => !value || (row.axes[axis] ?? value) === value));
+    return { name, parts: record.passes, total: record.passes.reduce((sum, [, ms]) => sum + ms, 0), order: `${record.axes.brdf} ${record.axes.method} ${String(record.axes.samples).padStart(6, "0")}`, run: index, open: shown && open(shown.cell, shown.run) };
   })).sort((a, b) => a.run - b.run || (a.order < b.order ? -1 : 1));
   if (!bars.length) return null;
   const names = unique(bars.flatMap((bar) => bar.parts.map(([name]) => name)));
@@ -269,7 +282,8 @@ function passes(phase, title, note) {
     title, note,
     legend: names.map((name, i) => ({ label: name, color: COLORS[i % 7], shape: "square", line: false })),
     height: () => 22 * bars.length,
-    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => bar.parts.map(([name, ms]) => [bar.name, name, ms])) },
+    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => bar.parts.map(([name, ms]) => [bar.name, name, ms])),
+      onrow: bars.some((bar) => bar.open) && ((i) => bars.flatMap((bar) => bar.parts.map(() => bar))[i].open?.()) },
     draw: barChart({ bars, parts: names, unit: "ms" }),
   });
 }

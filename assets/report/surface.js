@@ -1,8 +1,8 @@
 // The WebGL2 side of the comparison: the program, the images as half-float textures, one drawing.
 
-import { mask, model, pixels, shaderText } from "report/data";
+import { mask, model, pixels } from "report/data";
+import { makeProgram, paletteTexels, setErrorColors } from "report/program";
 
-const VERTEX = "#version 300 es\nvoid main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }";
 /** Images kept as textures; older scenes are freed. */
 const TEXTURE_MAX = 96;
 /** Texture units in the order of the shader's samplers. */
@@ -32,31 +32,14 @@ export class Surface {
 
   setUp() {
     const { gl } = this;
-    const program = gl.createProgram();
-    for (const [type, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, shaderText()]]) {
-      const shader = gl.createShader(type);
-      gl.shaderSource(shader, source);
-      gl.compileShader(shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
-      gl.attachShader(program, shader);
-    }
-    gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+    const { program, uniform } = makeProgram(gl, "viewer");
     gl.useProgram(program);
-    this.uniform = {};
-    for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); i++) {
-      const { name } = gl.getActiveUniform(program, i);
-      this.uniform[name] = gl.getUniformLocation(program, name);
-    }
+    this.uniform = uniform;
     UNITS.forEach((name, unit) => gl.uniform1i(this.uniform[name], unit));
-    const { magma, blue_red, relative, signed, nan, off_mask } = model.colors;
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    this.palette = this.texture(gl.RGBA8, 256, 2, gl.RGBA, gl.UNSIGNED_BYTE, Uint8Array.from([...magma, ...blue_red].flatMap((c) => [...c, 255])));
+    this.palette = this.texture(gl.RGBA8, 256, 2, gl.RGBA, gl.UNSIGNED_BYTE, paletteTexels(model.colors));
     this.noMask = this.texture(gl.R8, 1, 1, gl.RED, gl.UNSIGNED_BYTE, Uint8Array.of(255));
-    gl.uniform2fv(this.uniform.relative_range, relative);
-    gl.uniform2fv(this.uniform.signed_range, signed);
-    gl.uniform3fv(this.uniform.nan_color, nan.map((c) => c / 255));
-    gl.uniform3fv(this.uniform.off_mask_color, off_mask.map((c) => c / 255));
+    setErrorColors(gl, uniform, model.colors);
   }
 
   texture(internal, width, height, format, type, data) {

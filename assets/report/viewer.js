@@ -1,7 +1,8 @@
 // The comparison of images on linear data: flip in place, split, zoom to texels, error maps, probe. WebGL2.
 
 import { HALF, errorColor, exrLink, headline, model, rowOf, rows, scenes, texelError, variantLabel } from "report/data";
-import { announce, choice, h, number, select } from "report/dom";
+import { announce, choice, h, number, select, slider, stopsText } from "report/dom";
+import { fillErrorLegend } from "report/legend";
 import { keep, link, state as current } from "report/state";
 import { Surface } from "report/surface";
 
@@ -189,13 +190,7 @@ class Viewer {
   fillLegend() {
     this.legend.dataset.mode = this.mode;
     if (this.mode === "image") return;
-    const signed = this.mode === "signed", { magma, blue_red, relative, signed: range, relative_ticks, signed_ticks } = model.colors;
-    const stops = (signed ? blue_red : magma).filter((_, i) => i % 17 === 0).map((c) => `rgb(${c})`);
-    const place = (t) => (signed ? (t - range[0]) / (range[1] - range[0]) : Math.log(t / relative[0]) / Math.log(relative[1] / relative[0])) * 100;
-    this.legend.replaceChildren(
-      h("div", { class: "ramp", style: `background:linear-gradient(90deg,${stops.join(",")})` }),
-      h("div", { class: "ramp-ticks" }, (signed ? signed_ticks : relative_ticks).map((t) => h("span", { style: `left:${place(t)}%` }, number(t)))),
-      h("p", {}, signed ? "mean of d / √(r² + 0.01); blue too dark, red too bright" : "√ of the RGB mean of d² / (r² + 0.01), as in errors.csv; the same range for every image"));
+    fillErrorLegend(this.legend, this.mode === "signed");
   }
 
   // --- Probe ---------------------------------------------------------------------------------------------------------------
@@ -234,11 +229,6 @@ class Viewer {
   // --- Controls ------------------------------------------------------------------------------------------------------------
 
   build() {
-    const slider = (label, min, max, step, id, oninput) => {
-      const output = h("output", { for: id });
-      const input = h("input", { type: "range", min, max, step, id, oninput: () => oninput(Number(input.value)) });
-      return { input, output, element: h("label", { class: "slider" }, h("span", {}, label, " ", output), input) };
-    };
     this.exposure = slider("Exposure", -12, 12, 0.1, "exposure", (stops) => { this.stops = stops; this.redraw(); });
     this.contrastSlider = slider("Contrast", 0.1, 5, 0.05, "contrast", (value) => { this.contrast = value; this.redraw(); });
     this.modeChoice = choice("What is shown", MODES, "image", (mode) => { this.mode = mode; this.redraw(); });
@@ -295,7 +285,7 @@ class Viewer {
 
   syncControls() {
     this.exposure.input.value = this.stops;
-    this.exposure.output.textContent = `${this.stops >= 0 ? "+" : "−"}${number(Math.abs(Number(this.stops.toFixed(2))))} EV (× ${number(2 ** this.stops)})`;
+    this.exposure.output.textContent = stopsText(this.stops);
     this.contrastSlider.input.value = this.contrast;
     this.contrastSlider.output.textContent = number(Number(this.contrast.toFixed(3)));
     this.contrastSlider.input.disabled = this.tone === "srgb";

@@ -60,8 +60,10 @@ float log_one_minus(float x) {
     int exponent = 0;
     float m_minus_1 = -x;
     if (x > 0.25) {
-        float m = frexp(1.0 - x, exponent) * 2.0;
-        exponent -= 1;
+        // Mantissa in [1, 2) and exponent from the bits (GLSL ES has no frexp); 1 - x >= 2^-24 is never subnormal.
+        uint bits = floatBitsToUint(1.0 - x);
+        exponent = int(bits >> 23) - 127;
+        float m = uintBitsToFloat((bits & 0x007fffffu) | 0x3f800000u);
         if (m > 1.41421356) {
             m *= 0.5;
             exponent += 1;

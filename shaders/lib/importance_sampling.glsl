@@ -13,7 +13,7 @@
 #include "lib/sampling.glsl"
 #include "lib/surface.glsl"
 
-// Outgoing specular radiance for environment radiance as stored. Filtered: each sample reads the level at which a texel
+// What the points of this dispatch add to the outgoing specular radiance, for environment radiance as stored. Filtered: each sample reads the level at which a texel
 // covers its solid angle 1 / (N p_l), moved by lod_bias; else level 0. [Colbert07 section 20.4]
 vec3 importance_sampled_radiance(Surface s, sampler2D environment, ShadeParams params, bool filtered) {
     mat3 frame = frame_from_normal(s.n);
@@ -28,7 +28,7 @@ vec3 importance_sampled_radiance(Surface s, sampler2D environment, ShadeParams p
     float sin_theta_min = 0.5 * PI / size.y;
 
     vec3 sum = vec3(0.0);
-    for (uint i = 0u; i < params.sample_count; ++i) {
+    for (uint i = 0u; i < params.point_count; ++i) {
         LobeSample lobe = sample_lobe_brdf(sample_point(i), s.alpha);
         float v_dot_h = dot(v_local, lobe.h_local);
         vec3 l_local = 2.0 * v_dot_h * lobe.h_local - v_local;

@@ -16,14 +16,15 @@ vec3 mirror_radiance(vec3 r, sampler2D environment, PrefilterParams params) {
     return textureLod(environment, uv_from_direction(r), max(lod, 0.0)).rgb;
 }
 
-// sum L (n.l) / sum (n.l) for h with density D(h) (n.h) and l = reflect(-r, h), so p_l = D / 4. [Karis13 eq. 7]
-vec3 prefiltered_radiance(vec3 r, sampler2D environment, PrefilterParams params) {
+// (sum L (n.l), sum (n.l)) over the points of this dispatch, for h with density D(h) (n.h) and l = reflect(-r, h), so p_l = D / 4.
+// [Karis13 eq. 7]
+vec4 lobe_sum(vec3 r, sampler2D environment, PrefilterParams params) {
     mat3 frame = frame_from_normal(r);
     vec2 source_size = vec2(params.source_width, params.source_height);
     float lod_max = float(textureQueryLevels(environment) - 1);
     vec3 sum = vec3(0.0);
     float weight_sum = 0.0;
-    for (uint i = 0u; i < params.sample_count; ++i) {
+    for (uint i = 0u; i < params.point_count; ++i) {
         LobeSample lobe = sample_lobe_brdf(sample_point(i), params.alpha);
         float n_dot_h = lobe.h_local.z;
         // n.l = 2 (n.h)^2 - 1; the sine form keeps l a unit vector at small alpha.
@@ -36,8 +37,7 @@ vec3 prefiltered_radiance(vec3 r, sampler2D environment, PrefilterParams params)
         sum += weight * textureLod(environment, uv_sin_theta.xy, lod).rgb;
         weight_sum += weight;
     }
-    // Every sample can fall below the horizon at large alpha and small counts.
-    return weight_sum > 0.0 ? sum / weight_sum : mirror_radiance(r, environment, params);
+    return vec4(sum, weight_sum);
 }
 
 #endif

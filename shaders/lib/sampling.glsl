@@ -13,7 +13,7 @@ struct LobeSample {
     float pdf_h;
 };
 
-// The i-th point of the entry point's table; each entry point that uses it defines it.
+// The i-th point of this dispatch; each entry point that uses it defines it.
 vec4 sample_point(uint i);
 
 // The sample point of (u, cos and sin of phi).

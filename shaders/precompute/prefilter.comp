@@ -2,7 +2,8 @@
 //     sum L (n.l) / sum (n.l), h with density D(h) (n.h), [Karis13 eq. 7 and listing 2]
 // each lookup from the level at which a texel covers the sample's solid angle. Below ALPHA_MIN: the mirror, filtered to
 // the texel's size.
-// Set 0: 0 environment with its mips; 1 the level to write (rgba32f); 2 sample points (lib/sampling.glsl).
+// A dispatch adds the samples of its points: until the last of them the texel holds sum L (n.l) and, in a, sum (n.l).
+// Set 0: 0 environment with its mips; 1 the level (rgba32f); 2 sample points of this dispatch (lib/sampling.glsl).
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -18,9 +19,9 @@ layout(push_constant) uniform Push {
 };
 
 layout(set = 0, binding = 0) uniform sampler2D environment;
-layout(rgba32f, set = 0, binding = 1) uniform writeonly image2D level;
-layout(std430, set = 0, binding = 2) readonly buffer Points {
-    vec4 points[];
+layout(rgba32f, set = 0, binding = 1) uniform image2D level;
+layout(std140, set = 0, binding = 2) uniform Points {
+    vec4 points[POINTS_PER_DISPATCH];
 };
 
 vec4 sample_point(uint i) {
@@ -34,7 +35,18 @@ void main() {
         return;
     }
     vec3 r = direction_from_uv(uv_from_texel(texel, size));
-    vec3 li = params.alpha < ALPHA_MIN ? mirror_radiance(r, environment, params)
-                                       : prefiltered_radiance(r, environment, params);
-    imageStore(level, ivec2(texel), vec4(li, 1.0));
+    vec4 sum;
+    if (params.alpha < ALPHA_MIN) {
+        sum = vec4(mirror_radiance(r, environment, params), 1.0);
+    } else {
+        sum = lobe_sum(r, environment, params);
+        if (params.first_point > 0u) {
+            sum += imageLoad(level, ivec2(texel));
+        }
+        if (params.first_point + params.point_count == params.sample_count) {
+            // Every sample can fall below the horizon at large alpha and small counts.
+            sum = vec4(sum.a > 0.0 ? sum.rgb / sum.a : mirror_radiance(r, environment, params), 1.0);
+        }
+    }
+    imageStore(level, ivec2(texel), sum);
 }

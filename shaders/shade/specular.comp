@@ -1,6 +1,6 @@
-// One invocation adds the specular image-based radiance of one pixel; pixels with mask 0 are left alone.
+// One invocation adds the specular image-based radiance of one pixel, or what this dispatch's points give of it; pixels with mask 0 are left alone.
 // Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 environment
-// with its mips; 5 prefiltered map with its levels; 6 DFG table; 7 sample points (lib/sampling.glsl); 8 radiance, a
+// with its mips; 5 prefiltered map with its levels; 6 DFG table; 7 sample points of this dispatch (lib/sampling.glsl); 8 radiance, a
 // vec4 a pixel, row-major.
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
 #version 460
@@ -24,8 +24,8 @@ layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
 layout(set = 0, binding = 4) uniform sampler2D environment;
 layout(set = 0, binding = 5) uniform sampler2D prefiltered;
 layout(set = 0, binding = 6) uniform sampler2D dfg;
-layout(std430, set = 0, binding = 7) readonly buffer Points {
-    vec4 points[];
+layout(std140, set = 0, binding = 7) uniform Points {
+    vec4 points[POINTS_PER_DISPATCH];
 };
 layout(std430, set = 0, binding = 8) buffer Radiance {
     vec4 radiance[];

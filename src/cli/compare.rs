@@ -2,6 +2,7 @@
 
 use super::{Failure, print};
 use clap::Args;
+use serde::{Serialize, Serializer};
 use splitsum::experiment::axis;
 use splitsum::metrics::{Comparison, METRICS};
 use splitsum::pixels::{Decoded, GrayImage, exr};
@@ -50,11 +51,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     })?;
     let scores = comparison.evaluate_all();
     if arguments.json {
-        // JSON has no infinity: PSNR of equal images becomes the text "inf".
-        let value = |x: f64| if x.is_finite() { serde_json::json!(x) } else { serde_json::json!(x.to_string()) };
-        let object: serde_json::Map<String, serde_json::Value> =
-            scores.iter().map(|(name, x)| (name.to_string(), value(*x))).collect();
-        return print(&format!("{:#}\n", serde_json::Value::Object(object)));
+        let text = serde_json::to_string_pretty(&InOrder(&scores)).map_err(Failure::failed)?;
+        return print(&(text + "\n"));
     }
     let mut table = MarkdownTable::new(&[
         ("metric", Align::Left),
@@ -67,6 +65,17 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         table.row(&[*name, &value.to_string(), d.better.name(), d.space.name()]);
     }
     print(&table.to_string())
+}
+
+/// Scores as a JSON object in the order of [`METRICS`]; a map of `serde_json` would sort them.
+struct InOrder<'a>(&'a [(&'static str, f64)]);
+
+impl Serialize for InOrder<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        // JSON has no infinity: PSNR of equal images becomes the text "inf".
+        let value = |x: f64| if x.is_finite() { serde_json::json!(x) } else { serde_json::json!(x.to_string()) };
+        serializer.collect_map(self.0.iter().map(|(name, x)| (name, value(*x))))
+    }
 }
 
 fn read(path: &Path) -> Result<Decoded, Failure> {

@@ -48,7 +48,7 @@ pub struct Arguments {
     /// ggx, beckmann or phong.
     #[arg(long, value_name = "NAME", value_parser = axis!("brdf"))]
     brdf: Option<Value>,
-    /// Microfacet width of every material, in (0, 1].
+    /// Microfacet width of every material, in (0, 1] and at least 0.001.
     #[arg(long, value_name = "A", value_parser = axis!("alpha"))]
     alpha: Option<Value>,
     /// Reflectance at normal incidence, x or R,G,B.

@@ -78,6 +78,8 @@ pub struct Config {
     /// Renders with further point sets for each image of a sampled method, to part bias from variance.
     pub repeats: Option<u32>,
     pub lights: Vec<Light>,
+    /// Adds the table of what the source documents' slips cost (`slips`).
+    pub has_printed_slips: bool,
     /// `--set` texts that took part.
     pub overrides: Vec<String>,
 }
@@ -105,6 +107,7 @@ const KEYS: &[&str] = &[
     "bias_variance",
     "precompute",
     "lights",
+    "printed_slips",
 ];
 
 /// Radiance and irradiance of analytic lights.
@@ -139,6 +142,7 @@ impl Config {
             timing: None,
             repeats: None,
             lights: Vec::new(),
+            has_printed_slips: false,
             overrides: overrides.to_vec(),
         };
         let root = root.get_ref();
@@ -216,9 +220,10 @@ impl Config {
                 let camera = check(CAMERA).and_then(|v| CameraKind::by_name(v.text()));
                 self.camera = camera.unwrap_or(self.camera);
             }
-            "background" => match value.get_ref() {
-                DeValue::Boolean(background) => self.background = *background,
-                _ => faults.add(&at, format!("background: {raw} is not true or false")),
+            "background" | "printed_slips" => match (key, value.get_ref()) {
+                ("background", DeValue::Boolean(background)) => self.background = *background,
+                (_, DeValue::Boolean(printed_slips)) => self.has_printed_slips = *printed_slips,
+                _ => faults.add(&at, format!("{key}: {raw} is not true or false")),
             },
             "reference" => self.read_reference(value, faults),
             "axes" => self.read_axes(value, faults),

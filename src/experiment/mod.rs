@@ -9,6 +9,7 @@ pub mod fault;
 mod heat;
 mod images;
 pub mod inputs;
+pub mod live;
 mod overrides;
 pub mod plan;
 mod provenance;

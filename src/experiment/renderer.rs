@@ -1,6 +1,6 @@
 //! What a run needs of a renderer, so that runs can be tested without a device.
 
-use crate::pipeline::{DeviceInfo, Frame, Pipeline, PipelineError, RenderRequest, TimingSamples};
+use crate::pipeline::{DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, TimingSamples};
 use crate::pixels::{Rgb8Image, RgbImage};
 use crate::tonemap::ToneCurve;
 
@@ -25,6 +25,8 @@ pub trait Renderer {
     fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault>;
     /// The display image of a radiance image.
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault>;
+    /// The tables that light a surface, without the levels of the environment that are wider than `width_max` texels.
+    fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, RenderFault>;
     /// Times of the passes that run for every frame; `warmup` executions come first and do not count.
     fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, RenderFault>;
     /// Times of the passes that run once per environment or model.
@@ -57,6 +59,10 @@ impl Renderer for Pipeline {
 
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault> {
         Ok(Pipeline::tonemap(self, radiance, curve)?.0)
+    }
+
+    fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, RenderFault> {
+        Ok(Pipeline::light_tables(self, request, width_max)?)
     }
 
     fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, RenderFault> {

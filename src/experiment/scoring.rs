@@ -2,7 +2,7 @@
 
 use super::images::{self, STANDARD_ERROR_LAYER};
 use super::plan::{Cell, Plan};
-use super::store::{BinRecord, CellRecord, Exact, Scores, Store, StoreError};
+use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, Store, StoreError};
 use super::tables::HEADLINE;
 use crate::metrics::{BiasVariance, Comparison, METRICS, N_DOT_V_BIN_EDGES, metric, noise_floor, verdict};
 use crate::pipeline::{DeviceInfo, Frame};
@@ -16,15 +16,18 @@ pub struct ReferenceImage {
     pub radiance: RgbImage,
     pub standard_error: Option<RgbImage>,
     pub mask: GrayImage,
+    /// Where it stopped, unless its method does not stop by itself.
+    pub stop: Option<ReferenceStop>,
     /// The frame itself, unless the image was read back from an earlier invocation.
     pub rendered: Option<Arc<Frame>>,
     noise_floors: OnceLock<Result<Scores, String>>,
 }
 
 impl ReferenceImage {
-    /// The reference that was just rendered.
-    pub fn of_frame(frame: Arc<Frame>) -> Self {
+    /// The reference that was just rendered; `wanted` is the relative standard error that was asked for.
+    pub fn of_frame(frame: Arc<Frame>, wanted: Option<f64>) -> Self {
         Self {
+            stop: ReferenceStop::of(&frame.convergences, wanted),
             radiance: frame.radiance.clone(),
             standard_error: frame.standard_error.clone(),
             mask: GrayImage::clone(&frame.mask),
@@ -33,16 +36,18 @@ impl ReferenceImage {
         }
     }
 
-    /// The reference that an earlier invocation wrote, bit for bit; `None` when it is not there or not whole.
-    pub fn read(path: &Path, size: [u32; 2], with_error: bool) -> Option<Self> {
+    /// The reference that an earlier invocation wrote, bit for bit; `None` when it is not there or not whole. `stop` is what it left
+    /// beside the image.
+    pub fn read(path: &Path, size: [u32; 2], with_error: bool, stop: Option<ReferenceStop>) -> Option<Self> {
         let image = exr::read(path).ok()?;
         let standard_error = match with_error {
+            true if stop.is_none() => return None,
             true => Some(exr::read_layer(path, Some(STANDARD_ERROR_LAYER)).ok()?.rgb),
             false => None,
         };
         let has_size = [image.rgb.width, image.rgb.height] == size;
         let mask = image.alpha.filter(|_| has_size)?;
-        Some(Self { radiance: image.rgb, standard_error, mask, rendered: None, noise_floors: OnceLock::new() })
+        Some(Self { radiance: image.rgb, standard_error, mask, stop, rendered: None, noise_floors: OnceLock::new() })
     }
 
     /// The score of an exact test by metric, where it is known. Computed once.
@@ -109,6 +114,7 @@ impl Rendered<'_> {
             axes: plan.columns_of(cell).iter().map(|(n, v)| (n.to_string(), v.to_string())).collect(),
             verdict: verdict_name(&scores, &noise_floors),
             noise_floors,
+            reference: reference.stop.clone(),
             scores,
             bias_variance: by_name(bias_variance.into_iter().flatten().collect()),
             bins: bins

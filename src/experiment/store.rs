@@ -2,6 +2,7 @@
 
 use super::plan::{Plan, SCHEMA_VERSION};
 use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
+use crate::shade::reference_pass::Convergence;
 use crate::table::csv;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -79,6 +80,50 @@ impl TryFrom<String> for Exact {
 /// Scores by metric name.
 pub type Scores = BTreeMap<String, Exact>;
 
+/// Where a reference stopped: the least certain of its terms.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct ReferenceStop {
+    /// Samples a pixel and term; the fewest of the terms.
+    pub samples: u64,
+    /// Relative standard error of the image (`shade::reference_pass::Convergence`); the largest of the terms.
+    pub relative_error: Exact,
+    /// Which of the limits the experiment names was met.
+    pub stopped_by: StopReason,
+}
+
+/// What ended a reference.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopReason {
+    /// The sample count: no error was asked for, or a term did not reach it before.
+    Samples,
+    /// Every term reached the requested relative standard error.
+    RelativeError,
+}
+
+impl StopReason {
+    /// The word in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Samples => "samples",
+            Self::RelativeError => "relative-error",
+        }
+    }
+}
+
+impl ReferenceStop {
+    /// Of the terms of one image; `None` when none of them is a reference. `wanted` is the relative error that was asked for.
+    pub fn of(terms: &[Convergence], wanted: Option<f64>) -> Option<Self> {
+        let samples = terms.iter().map(|term| term.sample_count).min()?;
+        let is_met = wanted.is_some() && terms.iter().all(|term| term.is_met);
+        Some(Self {
+            samples,
+            relative_error: Exact(terms.iter().map(|term| term.relative_error).fold(0.0, f64::max)),
+            stopped_by: if is_met { StopReason::RelativeError } else { StopReason::Samples },
+        })
+    }
+}
+
 /// What is kept of one finished cell.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct CellRecord {
@@ -91,6 +136,9 @@ pub struct CellRecord {
     pub bias_variance: Scores,
     /// Score to expect of an exact test, where the reference knows its own error.
     pub noise_floors: Scores,
+    /// Where the reference stopped, where it is one that stops.
+    #[serde(default)]
+    pub reference: Option<ReferenceStop>,
     pub verdict: String,
     pub bins: Vec<BinRecord>,
     pub device: String,
@@ -140,7 +188,7 @@ impl Drop for Lock {
 /// The file that a run locks.
 const LOCK_FILE: &str = ".lock";
 
-const SUBFOLDERS: &[&str] = &["cells", "failed", "images", "tables", "timings"];
+const SUBFOLDERS: &[&str] = &["cells", "failed", "images", "references", "tables", "timings"];
 
 impl Store {
     /// The run's folder as it is, for reading.
@@ -245,6 +293,16 @@ impl Store {
     /// Keeps the reason of a failure.
     pub fn write_failure(&self, record: &FailureRecord) -> Result<(), StoreError> {
         self.write_json(&self.record_path("failed", &record.cell), record)
+    }
+
+    /// Where the reference image of this id stopped, as an earlier invocation left it.
+    pub fn reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
+        self.read(&self.record_path("references", id))
+    }
+
+    /// Keeps where a reference stopped.
+    pub fn write_reference(&self, id: &str, stop: &ReferenceStop) -> Result<(), StoreError> {
+        self.write_record(&self.record_path("references", id), stop)
     }
 
     /// A timing record.

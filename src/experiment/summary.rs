@@ -6,13 +6,13 @@ use super::heat;
 use super::images::short_text;
 use super::plan::{Cell, Plan};
 use super::rows;
-use super::store::CellRecord;
+use super::store::{CellRecord, ReferenceStop, StopReason};
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
 use super::timing::{self, TimingRecord, summarize};
 use super::timing_ratios::ratios;
 use crate::shade::METHODS;
 use crate::table::markdown::{Align, MarkdownTable, significant};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// Digits of a score in the summary; the CSV has all.
@@ -58,13 +58,14 @@ fn state(plan: &Plan, results: &Results, done: &Done) -> String {
     let sizes: BTreeSet<String> = plan.cells.iter().map(|cell| cell.point.get("size").to_string()).collect();
     let sizes = sizes.into_iter().collect::<Vec<_>>().join(", ");
     let reference = &plan.config.reference;
+    let stops = reference_stops(plan, done);
     let mut text = format!("{} of {} cells done", done.len(), plan.cells.len());
     if failed > 0 {
         let _ = write!(text, ", {failed} failed");
     }
     let _ = writeln!(
         text,
-        ". Images of {sizes} against `{}` with {} samples a pixel. Device: {}.\n",
+        ". Images of {sizes} against `{}` with {} samples a pixel{stops}. Device: {}.\n",
         reference.method,
         reference.samples,
         if devices.is_empty() { "none yet".to_owned() } else { devices.join("; ") }
@@ -74,6 +75,26 @@ fn state(plan: &Plan, results: &Results, done: &Done) -> String {
             "**The cells come from more than one device or driver: their scores may differ in the last digits.**\n\n";
     }
     text
+}
+
+/// Where the references stopped, as the end of a sentence; empty where they do not know.
+fn reference_stops(plan: &Plan, done: &Done) -> String {
+    let stops: BTreeMap<&str, &ReferenceStop> =
+        done.iter().filter_map(|(cell, record)| Some((cell.reference.as_str(), record.reference.as_ref()?))).collect();
+    let errors: Vec<f64> = stops.values().map(|stop| stop.relative_error.0).collect();
+    let worst = errors.iter().copied().fold(f64::NAN, f64::max);
+    let errors = format!("median {}, largest {}", significant(summarize(&errors).median, 2), significant(worst, 2));
+    match plan.config.reference.relative_error {
+        _ if stops.is_empty() => String::new(),
+        None => format!(" (relative standard error: {errors})"),
+        Some(wanted) => {
+            let met = stops.values().filter(|stop| stop.stopped_by == StopReason::RelativeError).count();
+            format!(
+                " at most; {met} of {} references stopped earlier by a relative standard error of {wanted} ({errors})",
+                stops.len()
+            )
+        }
+    }
 }
 
 /// The axes that tell the rows of an error table apart. Linear metrics do not see the tone curve.

@@ -2,7 +2,7 @@
 
 use super::axis::AXES;
 use super::plan::{Cell, Plan};
-use super::store::{CellRecord, FailureRecord, Scores};
+use super::store::{CellRecord, FailureRecord, ReferenceStop, Scores};
 use super::timing::{TimingRecord, summarize};
 use super::timing_ratios::{Ratio, ratios};
 use crate::metrics::{BiasVariance, METRICS, linear_metrics};
@@ -34,6 +34,15 @@ fn floored_names() -> Vec<&'static str> {
 /// DFG table (see `shaders/lib/diffuse.glsl`).
 pub const DIFFUSE_WEIGHT: &str = "one-minus-directional-albedo";
 
+/// Where a cell's reference stopped: see [`ReferenceStop`].
+const REFERENCE_COLUMNS: [&str; 3] = ["reference_samples", "reference_relative_error", "reference_stopped_by"];
+
+fn stop_fields(stop: Option<&ReferenceStop>) -> [Field; 3] {
+    stop.map_or([Field::Missing, Field::Missing, Field::Missing], |stop| {
+        [Field::Integer(stop.samples), stop.relative_error.0.into(), stop.stopped_by.name().into()]
+    })
+}
+
 /// Names of all metrics in column order.
 fn metric_names() -> Vec<&'static str> {
     METRICS.iter().map(|metric| metric.description().name).collect()
@@ -50,17 +59,21 @@ pub fn errors(plan: &Plan, results: &Results) -> Rows {
     let floored = floored_names();
     columns.extend(BiasVariance::NAMES.map(str::to_owned));
     columns.extend(floored.iter().map(|name| format!("{name}_noise_floor")));
+    columns.extend(REFERENCE_COLUMNS.map(str::to_owned));
     columns.extend(["verdict", "diffuse_weight"].map(str::to_owned));
     let none = Scores::new();
     let row = |cell: &Cell| {
-        let (scores, parts, floors, verdict) = match results.get(&cell.id)? {
-            CellResult::Done(r) => (&r.scores, &r.bias_variance, &r.noise_floors, r.verdict.as_str()),
-            CellResult::Failed(_) => (&none, &none, &none, "failed"),
+        let (scores, parts, floors, stop, verdict) = match results.get(&cell.id)? {
+            CellResult::Done(r) => {
+                (&r.scores, &r.bias_variance, &r.noise_floors, r.reference.as_ref(), r.verdict.as_str())
+            }
+            CellResult::Failed(_) => (&none, &none, &none, None, "failed"),
         };
         let mut row = cell_fields(plan, cell);
         row.extend(score_fields(scores, &names));
         row.extend(score_fields(parts, &BiasVariance::NAMES));
         row.extend(score_fields(floors, &floored));
+        row.extend(stop_fields(stop));
         row.extend([verdict, DIFFUSE_WEIGHT].map(Field::from));
         Some(row)
     };

@@ -1,5 +1,6 @@
 //! Values as written in a file or on the command line, and how they are checked.
 
+use crate::glsl::constants;
 use crate::spelling::suggestion;
 use std::fmt;
 
@@ -158,6 +159,8 @@ impl Raw {
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     Number(Range),
+    /// A number in (0, 1], at least [`ALPHA_MIN`].
+    Alpha,
     /// A whole number in `[min, max]`.
     Count {
         min: u32,
@@ -179,6 +182,11 @@ pub enum Kind {
     Input,
 }
 
+/// Narrowest lobe that the device shades. A smaller one would be shaded as this one under another label, so it is refused;
+/// materials of files are raised to it as they are read.
+pub const ALPHA_MIN: f64 = 1e-3;
+const _: () = assert!(ALPHA_MIN as f32 == constants::ALPHA_MIN);
+
 /// Image sides; 16384 is what Vulkan devices of the last ten years offer.
 pub const IMAGE_SIZE: Kind = Kind::Pair { min: 1, max: 16384 };
 
@@ -191,6 +199,12 @@ impl Kind {
                 Some(x) if range.holds(x) => Ok(Value::Number(x)),
                 Some(_) => Err(format!("{raw} is outside {range}")),
                 None => expected(&format!("a number in {range}")),
+            },
+            Self::Alpha => match Self::Number(Range::above(0.0, 1.0)).parse(raw)? {
+                Value::Number(alpha) if alpha < ALPHA_MIN => Err(format!(
+                    "{raw} is below {ALPHA_MIN}, the narrowest lobe that the device shades; `splitsum integrate` takes any in (0, 1]"
+                )),
+                alpha => Ok(alpha),
             },
             Self::Count { min, max } => match raw {
                 Raw::Integer(n) => count(*n, *min, *max).map(Value::Count),
@@ -263,6 +277,7 @@ impl Kind {
     pub fn describe(&self) -> String {
         match self {
             Self::Number(range) => format!("number in {range}"),
+            Self::Alpha => format!("number in (0, 1], at least {ALPHA_MIN}"),
             Self::Count { min, max } => format!("whole number in [{min}, {max}]"),
             Self::Color(range) => format!("colour: x or [r, g, b] in {range}; with --set x or r:g:b"),
             Self::Pair { min, max } => format!("pair of whole numbers in [{min}, {max}]; with --set WxH"),

@@ -37,6 +37,8 @@ constants! {
     GROUP_SIDE: u32 = 8;
     /// Invocations of a linear work group (reductions, probes).
     GROUP_LINEAR: u32 = 64;
+    /// Sample points that one dispatch reads: as a uniform block 16 KiB, the least that every device allows.
+    POINTS_PER_DISPATCH: u32 = 1024;
     /// Number of real spherical harmonics up to degree 2.
     SH9_COUNT: u32 = 9;
     /// Masking-shadowing variants; the order is that of `brdf::MaskingShadowing`.

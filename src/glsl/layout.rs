@@ -96,6 +96,9 @@ shared_structs! {
         lod_bias: float,
         /// First row of this dispatch, so that long levels split over several submissions.
         first_row: uint,
+        /// First of the `point_count` sample points of this dispatch. Point 0 starts the sums, the last of all closes them.
+        first_point: uint,
+        point_count: uint,
     }
     /// Push constants of the DFG table.
     DfgParams {
@@ -157,6 +160,9 @@ shared_structs! {
         seed: uint,
         /// Scrambles of this dispatch (reference only).
         scramble_count: uint,
+        /// Sample points of this dispatch (all but the reference), whose radiance is that of its part of `sample_count`.
+        point_count: uint,
+        pad: uint,
     }
     /// An analytic light: position (point) or direction to the light (directional), then its colour (W/sr or irradiance) and kind in w.
     LightData {

@@ -9,7 +9,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
 use std::sync::{Arc, Mutex};
 
-/// A storage buffer. Clones share it.
+/// A storage or uniform buffer. Clones share it.
 #[derive(Clone)]
 pub struct Buffer {
     pub(super) inner: Arc<Inner>,
@@ -46,11 +46,24 @@ impl Gpu {
     pub fn buffer_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let buffer = self.buffer(name, bytes.len() as u64)?;
+        self.upload(name, bytes, &buffer)?;
+        Ok(buffer)
+    }
+
+    /// A buffer that holds `data`, to be bound in parts as uniform blocks. The limit of storage buffers does not bind it.
+    pub fn uniform_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+        let buffer = self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::GpuOnly)?;
+        self.upload(name, bytes, &buffer)?;
+        Ok(buffer)
+    }
+
+    fn upload(&self, name: &str, bytes: &[u8], buffer: &Buffer) -> Result<(), GpuError> {
         let staging = self.staging_from(name, bytes)?;
         let mut recorder = self.record(name)?;
-        recorder.copy_buffer(&staging, &buffer)?;
-        recorder.submit()?;
-        Ok(buffer)
+        recorder.copy_buffer(&staging, buffer)?;
+        recorder.submit().map(|_| ())
     }
 
     /// The contents of `buffer`, whose size must be a multiple of `T`'s.

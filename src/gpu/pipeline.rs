@@ -15,6 +15,8 @@ pub enum Slot {
     StorageImage,
     /// `buffer`.
     Buffer,
+    /// `uniform` block.
+    Uniform,
 }
 
 impl Slot {
@@ -23,6 +25,7 @@ impl Slot {
             Self::Sampled => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
             Self::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
             Self::Buffer => vk::DescriptorType::STORAGE_BUFFER,
+            Self::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
         }
     }
 }

@@ -39,6 +39,16 @@ impl Access {
         vk::ImageLayout::GENERAL,
         true,
     );
+    pub(super) const IMAGE_READ_WRITE: Self = Self::new(
+        vk::PipelineStageFlags2::COMPUTE_SHADER,
+        vk::AccessFlags2::from_raw(
+            vk::AccessFlags2::SHADER_STORAGE_READ.as_raw() | vk::AccessFlags2::SHADER_STORAGE_WRITE.as_raw(),
+        ),
+        vk::ImageLayout::GENERAL,
+        true,
+    );
+    pub(super) const UNIFORM_READ: Self =
+        Self::new(Self::SHADERS, vk::AccessFlags2::UNIFORM_READ, vk::ImageLayout::UNDEFINED, false);
     pub(super) const BUFFER_READ: Self =
         Self::new(Self::SHADERS, vk::AccessFlags2::SHADER_STORAGE_READ, vk::ImageLayout::UNDEFINED, false);
     pub(super) const BUFFER_WRITE: Self = Self::new(

@@ -4,15 +4,20 @@
 
 mod bake;
 mod cache;
+<<<<<<< HEAD
 mod fit;
+=======
+mod light_tables;
+>>>>>>> main
 mod prepare;
 mod request;
 
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, devices};
 pub use bake::BakeRequest;
+pub use light_tables::LightTables;
 pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
 
-use crate::glsl::constants::GROUP_SIDE;
+use crate::glsl::constants::{GROUP_SIDE, POINTS_PER_DISPATCH};
 use crate::gpu::{Buffer, Gpu, GpuError, Report};
 use crate::pixels::{Pixels, PixelsError, Rgb8Image, RgbImage};
 use crate::precompute::SettingsError;
@@ -181,24 +186,28 @@ impl Pipeline {
         let shade = &resources.shade;
         let tables = prepared.tables();
         if prepared.has_specular_pass(request) {
-            let samples_per_row = u64::from(request.size[0]) * u64::from(prepared.samples_per_pixel);
+            let points_per_dispatch = prepared.samples_per_pixel.min(POINTS_PER_DISPATCH);
+            let samples_per_row = u64::from(request.size[0]) * u64::from(points_per_dispatch);
             for rows in self.gpu.row_bands(request.size[1], samples_per_row, GROUP_SIDE) {
-                let mut recorder = self.gpu.record("shade-specular")?;
-                recorder.pass("shade-specular", |r| {
-                    let (brdf, masking) = (request.brdf, request.masking_shadowing);
-                    shade.record_specular(
-                        r,
-                        request.method,
-                        brdf,
-                        masking,
-                        &settings,
-                        tables,
-                        &target.gbuffer,
-                        &target.radiance,
-                        rows,
-                    )
-                })?;
-                report.add(recorder.submit()?);
+                for points in tables.points.ranges() {
+                    let mut recorder = self.gpu.record("shade-specular")?;
+                    recorder.pass("shade-specular", |r| {
+                        let (brdf, masking) = (request.brdf, request.masking_shadowing);
+                        shade.record_specular(
+                            r,
+                            request.method,
+                            brdf,
+                            masking,
+                            &settings,
+                            tables,
+                            &target.gbuffer,
+                            &target.radiance,
+                            points,
+                            rows.clone(),
+                        )
+                    })?;
+                    report.add(recorder.submit()?);
+                }
             }
         }
         let mut convergences = Vec::new();

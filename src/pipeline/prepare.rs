@@ -13,7 +13,7 @@ use crate::pixels::GrayImage;
 use crate::precompute::dfg::pass::DfgPass;
 use crate::precompute::irradiance::pass::IrradiancePass;
 use crate::precompute::mips::{level_count, pass::MipsPass};
-use crate::precompute::points;
+use crate::precompute::points::Points;
 use crate::precompute::prefilter::pass::PrefilterPass;
 use crate::precompute::sh9::pass::Sh9Pass;
 use crate::scene::Camera;
@@ -39,7 +39,7 @@ pub(super) struct Resources {
     irradiance_maps: Recent<(String, [u32; 2], [u32; 2]), Image>,
     prefiltered: Recent<(String, &'static str, [u32; 2], u32, u32), Image>,
     dfg_tables: Recent<(&'static str, MaskingShadowing, u32, u32), Image>,
-    points: Recent<(u32, u32), Buffer>,
+    points: Recent<(u32, u32), Points>,
     scenes: Recent<String, Arc<SceneData>>,
     targets: Recent<TargetKey, Arc<Target>>,
     /// Stand for tables that a request does not use, because every binding needs something.
@@ -94,7 +94,7 @@ pub(super) struct Prepared {
     dfg: Image,
     irradiance_map: Image,
     sh9: Buffer,
-    points: Buffer,
+    points: Points,
 }
 
 impl Prepared {
@@ -183,7 +183,7 @@ impl Resources {
         };
         let dfg = if needs_dfg { self.dfg_table(gpu, request, &mut precompute)? } else { self.blank_image.clone() };
         let points = self.points.get_or_make((samples_per_pixel, request.point_set), || {
-            points::upload(gpu, samples_per_pixel, request.point_set)
+            Points::upload(gpu, samples_per_pixel, request.point_set)
         })?;
         let scene = self
             .scenes
@@ -304,7 +304,7 @@ impl Resources {
         if let Entry::Vacant(entry) = self.prefilter.entry(name) {
             entry.insert(PrefilterPass::new(gpu, request.brdf)?);
         }
-        let points = self.points.get_or_make((sample_count, 0), || points::upload(gpu, sample_count, 0))?;
+        let points = self.points.get_or_make((sample_count, 0), || Points::upload(gpu, sample_count, 0))?;
         let (pass, sampler) = (&self.prefilter[name], self.shade.equirect_sampler());
         let key = (request.environment.hash.clone(), name, size, level_count, sample_count);
         self.prefiltered.get_or_make(key, || {

@@ -1,9 +1,9 @@
 //! Which images go into the page, at what size: all of them whole where they fit the budget, else a window of native texels
 //! of each with a reduced overview. Reduced images are never compared: averaging texels would hide noise.
 
-use super::encode::{self, Encoded};
 use super::run_folder::RunFolder;
 use crate::metrics::Comparison;
+use crate::pixels::packed::{self, Encoded};
 use crate::pixels::{Decoded, GrayImage, RgbImage, exr};
 use crate::tonemap::ToneCurve;
 use rayon::prelude::*;
@@ -305,15 +305,15 @@ fn prepare(
     let is_whole = [width, height] == size;
     let overview = (!is_whole).then(|| {
         let small = reduced(&decoded.rgb, OVERVIEW_SIDE);
-        let encoded = encode::radiance(&small);
+        let encoded = packed::radiance(&small);
         (small, encoded)
     });
     Ok(Prepared {
         size,
         window,
-        payload: encode::radiance(&part),
+        payload: packed::radiance(&part),
         overview,
-        mask: mask.map(|mask| encode::mask(&GrayImage::from_fn(width, height, |i, j| mask.get(x + i, y + j)))),
+        mask: mask.map(|mask| packed::mask(&GrayImage::from_fn(width, height, |i, j| mask.get(x + i, y + j)))),
     })
 }
 

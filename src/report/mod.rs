@@ -1,14 +1,14 @@
 //! The report of finished runs: one HTML file that opens from disk and asks for nothing else.
 //!
 //! [`run_folder`] reads what a run left, [`study`] joins the rows of one or more runs, [`analysis`] computes what they say and
-//! [`answer`] says it in words; [`images`] chooses what of the linear images fits, [`encode`] makes them text, [`page`] writes
-//! the file and [`figures`] the data and specifications beside it. The page draws; it decides nothing that is not shown.
+//! [`answer`] says it in words; [`images`] chooses what of the linear images fits, [`live`] what the live view needs, [`page`]
+//! writes the file and [`figures`] the data and specifications beside it. The page draws; it decides nothing that is not shown.
 
 pub mod analysis;
 pub mod answer;
-pub mod encode;
 mod figures;
 pub mod images;
+pub mod live;
 pub mod page;
 pub mod run_folder;
 pub mod study;
@@ -73,6 +73,7 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
     let analysis = analysis::analyse(&study, &runs);
     let answer = answer::answer(&study, &analysis);
     let images = images::collect(&runs, options.images, options.budget);
+    let light = live::Light::collect(&runs, live::BUDGET_BYTES);
     let figures = figures::write(&figures_folder(&path), &study, &analysis)?;
     let fixed = page::Static {
         name: runs[0].text("/name"),
@@ -103,7 +104,7 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
         .enumerate()
         .flat_map(|(i, run)| run.csv.iter().map(move |(name, text)| (format!("csv-{i}-{name}"), text.as_str())))
         .collect();
-    let html = page::render(&fixed, &model, &tables, &images)?;
+    let html = page::render(&fixed, &model, &tables, &images, &light)?;
     write_atomically(&path, |writer| writer.write_all(html.as_bytes()))?;
     Ok(Written { path, bytes: html.len(), notes: images.notes })
 }

@@ -5,6 +5,7 @@
 //! request, so that what is promised (one offline file) is also enforced.
 
 use super::images::ImageSet;
+use super::live::Light;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use minijinja::value::{Serde, Value};
@@ -14,20 +15,26 @@ use serde::Serialize;
 /// Style sheet of the page.
 const STYLE: &str = include_str!("../../assets/report/report.css");
 const TEMPLATE: &str = include_str!("../../assets/report/report.html");
-/// The tone curve of the renderer: the page's shader includes the same text.
-const TONE_CURVE_GLSL: &str = include_str!("../../shaders/lib/tone_curve.glsl");
-const VIEWER_GLSL: &str = include_str!("../../assets/report/viewer.frag");
+
+/// The page's shaders by name, which the build script wrote from the renderer's libraries (`shaders/page`).
+mod shaders {
+    include!(concat!(env!("OUT_DIR"), "/page_shaders.rs"));
+}
 
 /// The modules of the page by the name they import each other under. An import map points each to its text.
-const MODULES: [(&str, &str); 10] = [
+const MODULES: [(&str, &str); 14] = [
     ("report/main", include_str!("../../assets/report/main.js")),
     ("report/data", include_str!("../../assets/report/data.js")),
     ("report/state", include_str!("../../assets/report/state.js")),
     ("report/dom", include_str!("../../assets/report/dom.js")),
     ("report/chart", include_str!("../../assets/report/chart.js")),
     ("report/plots", include_str!("../../assets/report/plots.js")),
+    ("report/program", include_str!("../../assets/report/program.js")),
     ("report/surface", include_str!("../../assets/report/surface.js")),
+    ("report/legend", include_str!("../../assets/report/legend.js")),
     ("report/viewer", include_str!("../../assets/report/viewer.js")),
+    ("report/live", include_str!("../../assets/report/live.js")),
+    ("report/live-render", include_str!("../../assets/report/live-render.js")),
     ("report/grid", include_str!("../../assets/report/grid.js")),
     ("report/tables", include_str!("../../assets/report/tables.js")),
 ];
@@ -45,12 +52,13 @@ pub struct Static {
     pub devices: Vec<String>,
 }
 
-/// Renders the page. `model` is what the scripts read; `tables` are CSV files by element id.
+/// Renders the page. `model` is what the scripts read; `tables` are CSV files by element id; `light` is what the live view reads.
 pub fn render(
     fixed: &Static,
     model: &serde_json::Value,
     tables: &[(String, &str)],
     images: &ImageSet,
+    light: &Light,
 ) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
@@ -61,7 +69,8 @@ pub fn render(
             (name.to_string(), format!("data:text/javascript;base64,{}", BASE64_STANDARD.encode(text)).into())
         })
         .collect();
-    let shader = VIEWER_GLSL.replace("#include \"tone_curve.glsl\"", TONE_CURVE_GLSL);
+    let shaders: serde_json::Map<String, serde_json::Value> =
+        shaders::PAGE_SHADERS.iter().map(|(name, text)| (name.to_string(), (*text).into())).collect();
     let element = |id: &str, text: &str| Value::from_pairs([("id", Value::from(id)), ("text", safe(text.to_owned()))]);
     let tables: Vec<Value> =
         tables.iter().map(|(id, text)| element(id, &in_script(&serde_json::json!(text)))).collect();
@@ -72,7 +81,8 @@ pub fn render(
         style => safe(STYLE.to_owned()),
         imports => safe(in_script(&serde_json::json!({ "imports": imports }))),
         model => safe(in_script(model)),
-        shader => safe(in_script(&serde_json::json!(shader))),
+        shaders => safe(in_script(&serde_json::json!(shaders))),
+        light => safe(in_script(&serde_json::json!(light))),
         tables,
         payloads,
     })

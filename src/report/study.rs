@@ -49,6 +49,8 @@ pub struct FrameTime {
     pub median: f64,
     pub p05: f64,
     pub p95: f64,
+    /// 95 % interval of the median by resampling; NaN (in JSON null) below two rounds.
+    pub interval: [f64; 2],
     pub n: usize,
 }
 
@@ -142,7 +144,7 @@ fn frame_time(timings: &[TimingRecord], names: &[String], axes: &[String], cell:
     let first = fitting.next()?;
     let record = if first.cell == cell { first } else { fitting.find(|record| record.cell == cell).unwrap_or(first) };
     let s = summarize(&record.sums_ms());
-    s.median.is_finite().then_some(FrameTime { median: s.median, p05: s.p05, p95: s.p95, n: s.n })
+    s.median.is_finite().then_some(FrameTime { median: s.median, p05: s.p05, p95: s.p95, interval: s.interval, n: s.n })
 }
 
 fn role(runs: &[RunFolder], rows: &[Row], index: usize, name: &str, values: &[String]) -> Role {

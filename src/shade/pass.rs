@@ -8,6 +8,7 @@ use crate::glsl::layout::{BackgroundParams, LightData, ShadeParams, SharedStruct
 use crate::gpu::{
     Bind, Buffer, ComputePipeline, Filter, Gpu, GpuError, Image, Recorder, Sampler, Slot, Wrap, has_shader,
 };
+use crate::precompute::points::{PointRange, Points};
 use crate::scene::{Camera, Light, Projection};
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
@@ -36,7 +37,7 @@ pub struct Tables<'a> {
     pub dfg: &'a Image,
     pub irradiance_map: &'a Image,
     pub sh9: &'a Buffer,
-    pub points: &'a Buffer,
+    pub points: &'a Points,
 }
 
 /// The pipelines of the passes, made when they are first needed.
@@ -79,6 +80,8 @@ impl ShadeSettings {
             flags: if self.has_specular { 0 } else { SHADE_FLAG_NO_SPECULAR },
             seed: 0,
             scramble_count: 0,
+            point_count: 0,
+            pad: 0,
         }
     }
 }
@@ -148,7 +151,7 @@ impl ShadePass {
             let general = format!("shade/specular.comp:{}", method.name);
             let special = format!("{general}:{}", brdf.name());
             let shader = if has_shader(&special) { special } else { general };
-            let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled; 3], &[Slot::Buffer; 2]].concat();
+            let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled; 3], &[Slot::Uniform, Slot::Buffer]].concat();
             let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &[masking_shadowing as u32])?;
             entry.insert(pipeline);
         }
@@ -182,7 +185,7 @@ impl ShadePass {
         Ok(())
     }
 
-    /// Adds the specular image-based radiance of the rows `rows`; the pipeline must be prepared.
+    /// Adds what the points `points` give of the specular image-based radiance of the rows `rows`; the pipeline must be prepared.
     #[allow(clippy::too_many_arguments)] // one argument a thing the pass reads; a struct would only rename them
     pub fn record_specular(
         &self,
@@ -194,6 +197,7 @@ impl ShadePass {
         tables: Tables<'_>,
         gbuffer: &GbufferImages,
         radiance: &Buffer,
+        points: PointRange<'_>,
         rows: std::ops::Range<u32>,
     ) -> Result<(), GpuError> {
         let pipeline = &self.specular[&(method.name, brdf.name(), masking_shadowing)];
@@ -201,10 +205,10 @@ impl ShadePass {
             Bind::Sample(tables.environment, &self.equirect),
             Bind::Sample(tables.prefiltered, &self.equirect),
             Bind::Sample(tables.dfg, &self.clamp),
-            Bind::Read(tables.points),
+            points.bind(),
             Bind::ReadWrite(radiance),
         ];
-        let push = settings.params(gbuffer.size, rows.start).to_bytes();
+        let push = ShadeParams { point_count: points.count, ..settings.params(gbuffer.size, rows.start) }.to_bytes();
         let binds = with_gbuffer(gbuffer, &self.nearest, &rest);
         recorder.dispatch(pipeline, &binds, &push, groups(gbuffer.size[0], rows.end - rows.start))
     }

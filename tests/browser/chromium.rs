@@ -143,6 +143,11 @@ impl Page {
         self.eval("Number(document.body.dataset.ready)").as_f64().unwrap()
     }
 
+    /// Runs a script before those of every page that is opened from now on.
+    pub fn before_load(&mut self, script: &str) {
+        self.call("Page.addScriptToEvaluateOnNewDocument", json!({ "source": script }));
+    }
+
     /// The value of an expression, promises awaited.
     pub fn eval(&mut self, expression: &str) -> Value {
         let parameters = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });

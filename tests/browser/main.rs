@@ -3,6 +3,7 @@
 mod chromium;
 #[path = "../numeric/experiment/fake.rs"]
 mod fake;
+mod live;
 
 use chromium::Page;
 use fake::{ERROR_AT_ONE, Fake, Log, SPLIT_SUM_ERROR};
@@ -316,6 +317,25 @@ fn images_and_plots_lead_into_the_comparison() {
     }
     page.click(".figure-tools button");
     assert!(page.eval("document.querySelectorAll('.figure-table tbody tr').length").as_u64().unwrap() > 3);
+    // Every value of every figure is reached by keyboard and leads to its images, in the table too; what is made once has none.
+    let figures = page.eval("document.querySelectorAll('.figure').length").as_u64().unwrap();
+    for i in 0..figures {
+        let script = format!(
+            "(() => {{ const figure = document.querySelectorAll('.figure')[{i}], svg = figure.querySelector('.stage svg'), seen = new Set(); \
+             if (figure.dataset.figure === 'passes-precompute') return [0, 0, 'compare']; \
+             const press = (key) => svg.dispatchEvent(new KeyboardEvent('keydown', {{ key, bubbles: true }})); \
+             svg.focus(); press('Home'); \
+             for (let n = 0; n < 500 && !seen.has(svg.dataset.at); n++) {{ seen.add(svg.dataset.at); press('ArrowRight'); }} \
+             const values = svg.querySelectorAll('.dot.open, .cell.open, rect.open').length; \
+             const table = figure.querySelector('.figure-table'); if (!table.firstChild) figure.querySelector('.figure-tools button').click(); \
+             const rows = [...table.querySelectorAll('tbody tr')].filter((row) => !row.querySelector('button')).length; \
+             const hidden = figure.querySelector('.tip').hidden; press('Enter'); const view = document.body.dataset.view; \
+             history.back(); return [values - seen.size + (hidden ? 1000 : 0), rows, view]; }})()"
+        );
+        assert_eq!(page.eval(&script), json!([0, 0, "compare"]), "figure {i}");
+        page.wait("document.body.dataset.view === 'plots'");
+        page.wait("[...document.querySelectorAll('.figure .stage')].every((stage) => stage.querySelector('svg'))");
+    }
     // Every drawing can be read by a screen reader, and every button has a name.
     let unnamed = page.eval(
         "[...document.querySelectorAll('.stage svg')].filter((svg) => !svg.querySelector('desc') || !svg.getAttribute('aria-labelledby')).length \
@@ -384,7 +404,7 @@ fn pages_fit_phone_laptop_and_4k_in_both_schemes() {
     for (name, width, height) in [("phone", 390, 844), ("laptop", 1440, 900), ("4k", 3840, 2160)] {
         for scheme in ["light", "dark"] {
             page.resize(width, height, scheme);
-            for view in ["answer", "images", "compare", "plots", "tables", "run"] {
+            for view in ["answer", "images", "compare", "live", "plots", "tables", "run"] {
                 let hash = if view == "compare" { format!("#compare?cell={id}&split=0.5") } else { format!("#{view}") };
                 page.go(&report, &hash);
                 page.eval("new Promise((done) => setTimeout(done, 150))");

@@ -19,6 +19,8 @@ fn assert_refused(arguments: &[&str], code: i32, parts: &[&str]) {
 #[test]
 fn a_wrong_value_names_flag_value_and_expectation() {
     assert_refused(&["render", "--alpha", "1.4", "--out", "x.png"], 2, &["--alpha", "1.4 is outside (0, 1]"]);
+    // It would be shaded as 0.001 and labelled 0.0005.
+    assert_refused(&["render", "--alpha", "0.0005", "--out", "x.png"], 2, &["--alpha", "0.0005 is below 0.001"]);
     assert_refused(&["render", "--size", "256", "--out", "x.png"], 2, &["--size", "\"256\" is not WxH"]);
     assert_refused(&["render", "--f0", "1,2", "--out", "x.png"], 2, &["--f0", "[1, 2] is not a colour"]);
     assert_refused(&["render", "--ior", "0.5", "--out", "x.png"], 2, &["--ior", "0.5 is outside [1, 10]"]);

@@ -130,4 +130,9 @@ fn render_writes_what_compare_reads() {
     let different: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(different["rmse"].as_f64().unwrap() > 0.0);
     assert_eq!(different.as_object().unwrap().len(), splitsum::metrics::METRICS.len());
+    // In the text, since a parsed object is sorted: the order of the list.
+    let text = stdout(&output);
+    let places =
+        splitsum::metrics::METRICS.iter().map(|m| text.find(&format!("\"{}\":", m.description().name)).unwrap());
+    assert!(places.is_sorted(), "{text}");
 }

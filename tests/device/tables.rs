@@ -18,7 +18,7 @@ use splitsum::precompute::irradiance::{pass::IrradiancePass, reference::irradian
 use splitsum::precompute::mips::{level_count, pass::MipsPass, reference::chain};
 use splitsum::precompute::prefilter::{alpha_from_mip, mip_from_alpha, pass::PrefilterPass, reference::prefilter};
 use splitsum::precompute::sh9::{pass::Sh9Pass, reference::project_texel_centers};
-use splitsum::precompute::{exact_quadrature, points};
+use splitsum::precompute::{exact_quadrature, points::Points};
 use std::f64::consts::PI;
 
 /// The exact integrals need no more digits than the tables have.
@@ -217,7 +217,7 @@ pub fn prefiltered(
 ) -> Vec<Pixels<DVec3>> {
     let map = PrefilterPass::map(gpu, size, levels).unwrap();
     poison_image(gpu, &map);
-    let points = points::upload(gpu, sample_count, 0).unwrap();
+    let points = Points::upload(gpu, sample_count, 0).unwrap();
     let pass = PrefilterPass::new(gpu, model).unwrap();
     pass.run(gpu, image, &equirect_sampler(gpu), &points, sample_count, &map).unwrap();
     (0..levels).map(|level| read_level(gpu, &map, level)).collect()

@@ -12,7 +12,7 @@ const ROWS: &[&[&[&str]]] = &[
     &[&["brdf", "environment", "scene"], &["gpu"]],
     &[&["precompute", "gbuffer", "shade", "tonemap"]],
     &[&["metrics"], &["table"]],
-    &[&["pipeline"], &["oracle"]],
+    &[&["pipeline"], &["oracle"], &["slips"]],
     &[&["experiment"]],
     &[&["report"]],
 ];

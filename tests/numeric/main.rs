@@ -1,5 +1,6 @@
 //! numeric tests
 mod brdf;
+mod color;
 mod environment;
 mod experiment;
 mod layering;
@@ -8,8 +9,10 @@ mod metrics;
 mod oracle;
 mod pixels;
 mod precompute;
+mod published;
 mod reference;
 mod report;
+mod report_live;
 mod robustness;
 mod scene;
 mod slips;

@@ -7,10 +7,10 @@ use flate2::read::DeflateDecoder;
 use half::f16;
 use splitsum::experiment::break_even::BreakEven;
 use splitsum::experiment::{Plan, Progress, RenderFault, Renderer, RunOptions, run};
+use splitsum::pixels::packed;
 use splitsum::pixels::{GrayImage, RgbImage};
 use splitsum::report::analysis::{analyse, crossing, slope};
 use splitsum::report::answer::answer;
-use splitsum::report::encode;
 use splitsum::report::images::{BUDGET_BYTES, Choice, Window, collect};
 use splitsum::report::page::in_script;
 use splitsum::report::run_folder::RunFolder;
@@ -78,19 +78,19 @@ fn decoded(text: &str, plane: usize) -> Vec<u8> {
 #[test]
 fn an_encoded_image_decodes_to_its_nearest_halves() {
     let image = RgbImage::from_fn(5, 3, |x, y| [0.1 * x as f32, 1e-7 * y as f32, 30_000.0 * (x * y) as f32]);
-    let encoded = encode::radiance(&image);
+    let encoded = packed::radiance(&image);
     let bytes = decoded(&encoded.base64, 15);
     for (i, texel) in image.data.iter().enumerate() {
         for (channel, value) in texel.iter().enumerate() {
             let at = channel * 30 + i;
             let half = f16::from_bits(u16::from_be_bytes([bytes[at], bytes[at + 15]]));
-            assert_eq!(half, f16::from_f32(value.min(encode::HALF_MAX)), "texel {i}, channel {channel}");
+            assert_eq!(half, f16::from_f32(value.min(packed::HALF_MAX)), "texel {i}, channel {channel}");
         }
     }
-    assert_eq!(encoded.clamped_count, image.data.iter().filter(|texel| texel[2] > encode::HALF_MAX).count());
+    assert_eq!(encoded.clamped_count, image.data.iter().filter(|texel| texel[2] > packed::HALF_MAX).count());
     assert!(encoded.clamped_count > 0);
     let mask = GrayImage::from_fn(4, 4, |x, y| if x > y { 1.0 } else { 0.0 });
-    assert_eq!(decoded(&encode::mask(&mask), 16), mask.data.iter().map(|m| *m as u8).collect::<Vec<u8>>());
+    assert_eq!(decoded(&packed::mask(&mask), 16), mask.data.iter().map(|m| *m as u8).collect::<Vec<u8>>());
 }
 
 const EXPERIMENT: &str = r#"
@@ -117,7 +117,7 @@ impl Progress for Quiet {
     fn note(&mut self, _: &str) {}
 }
 
-fn finished_run(dir: &Path) -> PathBuf {
+pub fn finished_run(dir: &Path) -> PathBuf {
     let plan = Plan::from_text(Path::new("tiny.toml"), EXPERIMENT, &[]).unwrap_or_else(|error| panic!("{error}"));
     let stop = AtomicBool::new(false);
     let options =

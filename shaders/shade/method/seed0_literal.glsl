@@ -24,7 +24,7 @@ vec3 specular_radiance(Surface s, sampler2D environment, sampler2D prefiltered, 
     float texels_per_sample = float(params.environment_width) * float(params.environment_height) / sample_count;
 
     vec3 sum = vec3(0.0);
-    for (uint i = 0u; i < params.sample_count; ++i) {
+    for (uint i = 0u; i < params.point_count; ++i) {
         vec3 l = mirror_frame * sample_lobe_brdf(sample_point(i), lobe_alpha).h_local;
         vec3 l_local = l * frame;
         vec3 h_local = normalize(v_local + l_local);

@@ -95,7 +95,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "alpha",
         about: "microfacet width of every material",
-        kind: Kind::Number(Range::above(0.0, 1.0)),
+        kind: Kind::Alpha,
         apply: |s, v| s.material.alpha = Some(v.number() as f32),
         ..PLAIN
     },

@@ -178,15 +178,21 @@ impl<'p> Run<'p> {
     ) -> Result<Result<ReferenceImage, String>, RunError> {
         let path = self.store.image_path(&images::radiance_name(self.plan, point, id));
         let request = self.plan.request(point);
-        if let Some(reference) = ReferenceImage::read(&path, request.size, request.has_reference_term()) {
+        let stop = self.store.reference(id)?;
+        if let Some(reference) = ReferenceImage::read(&path, request.size, request.has_reference_term(), stop) {
             self.references_read += 1;
             return Ok(Ok(reference));
         }
-        Ok(self.render(point, 0, renderer)?.map(|frame| {
-            let frame = Arc::new(frame);
-            desk.hand_in(Job::Keep { path, frame: frame.clone() });
-            ReferenceImage::of_frame(frame)
-        }))
+        let frame = match self.render(point, 0, renderer)? {
+            Ok(frame) => Arc::new(frame),
+            Err(reason) => return Ok(Err(reason)),
+        };
+        desk.hand_in(Job::Keep { path, frame: frame.clone() });
+        let reference = ReferenceImage::of_frame(frame, request.reference_error);
+        if let Some(stop) = &reference.stop {
+            self.store.write_reference(id, stop)?;
+        }
+        Ok(Ok(reference))
     }
 
     /// The display images of a cell and its reference.

@@ -4,6 +4,7 @@ mod cells;
 mod timed;
 
 use crate::experiment::images;
+use crate::experiment::live::{self, LIVE_FILE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::provenance;
 use crate::experiment::renderer::{RenderFault, Renderer};
@@ -14,6 +15,8 @@ use crate::experiment::tables::{self, CellResult, Results};
 use crate::experiment::timing::{self, TimingJob, TimingRecord};
 use crate::experiment::trace;
 use crate::pipeline::DeviceInfo;
+use crate::slips;
+use crate::table::csv::Table;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -186,6 +189,7 @@ impl<'p> Run<'p> {
     fn work(&mut self, mut renderer: Box<dyn Renderer>, progress: &mut dyn Progress) -> Result<(), RunError> {
         let started = Instant::now();
         self.cells(renderer.as_mut(), progress)?;
+        self.live(renderer.as_mut(), progress)?;
         self.time(renderer.as_mut(), progress)?;
         let wall_ms = milliseconds(started);
         let reused = match self.references_read {
@@ -197,6 +201,19 @@ impl<'p> Run<'p> {
             wall_ms / 1e3,
             100.0 * (1.0 - self.device_ms / wall_ms).max(0.0)
         ));
+        Ok(())
+    }
+
+    /// Leaves what the live view of the report needs, before timing forgets the tables. Without it the report has no such view.
+    fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let path = self.store.dir().join(LIVE_FILE);
+        if self.is_stopped() || path.exists() {
+            return Ok(());
+        }
+        match cell_result(live::record(self.plan, renderer))? {
+            Ok(record) => self.store.write_json(&path, &record)?,
+            Err(reason) => progress.note(&format!("the report will have no live view: {reason}")),
+        }
         Ok(())
     }
 
@@ -252,7 +269,14 @@ impl<'p> Run<'p> {
                 self.store.write_json(&self.store.dir().join("trace.json"), &trace::chrome_trace(&self.timings))?;
             }
         }
-        let summary = summary::markdown(self.plan, &self.results, &self.timings);
+        let mut summary = summary::markdown(self.plan, &self.results, &self.timings);
+        if self.plan.config.has_printed_slips {
+            let (columns, rows) = slips::table();
+            self.store.write_table(slips::FILE_NAME, &columns, &rows)?;
+            let table = Table::read(&self.store.dir().join(slips::FILE_NAME)).map_err(StoreError::from)?;
+            let table = slips::markdown(&table).map_err(StoreError::from)?;
+            summary += &format!("## What each slip costs\n\n{}\n{table}", slips::HEADING);
+        }
         let summary_path = self.store.dir().join("summary.md");
         if has_worked || std::fs::read_to_string(&summary_path).ok().as_deref() != Some(&summary) {
             sheets::write_sheets(&self.store, self.plan, &self.results)?;

@@ -19,18 +19,23 @@ pub enum Bind<'a> {
     SampleMip(&'a Image, &'a Sampler, u32),
     /// One level of an image, written only.
     StoreMip(&'a Image, u32),
+    /// One level of an image, read and written.
+    UpdateMip(&'a Image, u32),
     Read(&'a Buffer),
     /// Written only: whatever was in it is lost.
     Write(&'a Buffer),
     ReadWrite(&'a Buffer),
+    /// Bytes of a buffer of [`crate::gpu::Gpu::uniform_from`], as many as the shader's block has.
+    Uniform(&'a Buffer, Range<u64>),
 }
 
 impl Bind<'_> {
     fn slot(&self) -> Slot {
         match self {
             Self::Sample(..) | Self::SampleMip(..) => Slot::Sampled,
-            Self::StoreMip(..) => Slot::StorageImage,
+            Self::StoreMip(..) | Self::UpdateMip(..) => Slot::StorageImage,
             Self::Read(_) | Self::Write(_) | Self::ReadWrite(_) => Slot::Buffer,
+            Self::Uniform(..) => Slot::Uniform,
         }
     }
 }
@@ -84,7 +89,7 @@ impl Recorder {
         let name = self.name.clone();
         if self.sets_left == 0 {
             // Room for sets of 16 bindings of each kind, more than any pass has.
-            let sizes = [Slot::Sampled, Slot::StorageImage, Slot::Buffer]
+            let sizes = [Slot::Sampled, Slot::StorageImage, Slot::Buffer, Slot::Uniform]
                 .map(|slot| vk::DescriptorPoolSize { ty: slot.raw(), descriptor_count: 16 * SETS_PER_POOL });
             let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS_PER_POOL).pool_sizes(&sizes);
             // SAFETY: the device is alive.
@@ -114,12 +119,15 @@ impl Recorder {
                     image = image.sampler(sampler.inner.raw).image_view(i.inner.view(*mip..*mip + 1)?);
                     image.image_layout = Access::SAMPLE.layout;
                 }
-                Bind::StoreMip(i, mip) => {
+                Bind::StoreMip(i, mip) | Bind::UpdateMip(i, mip) => {
                     image = image.image_view(i.inner.view(*mip..*mip + 1)?);
                     image.image_layout = Access::IMAGE_WRITE.layout;
                 }
                 Bind::Read(b) | Bind::Write(b) | Bind::ReadWrite(b) => {
                     buffer = buffer.buffer(b.inner.raw).range(vk::WHOLE_SIZE);
+                }
+                Bind::Uniform(b, bytes) => {
+                    buffer = buffer.buffer(b.inner.raw).offset(bytes.start).range(bytes.end - bytes.start);
                 }
             }
             images.push([image]);
@@ -134,7 +142,7 @@ impl Recorder {
                     .dst_binding(binding)
                     .descriptor_type(bind.slot().raw());
                 match bind.slot() {
-                    Slot::Buffer => write.buffer_info(&buffers[binding as usize]),
+                    Slot::Buffer | Slot::Uniform => write.buffer_info(&buffers[binding as usize]),
                     Slot::Sampled | Slot::StorageImage => write.image_info(&images[binding as usize]),
                 }
             })
@@ -159,6 +167,10 @@ impl Recorder {
                 Bind::StoreMip(image, mip) => {
                     self.access_image(image, *mip..*mip + 1, Access::IMAGE_WRITE, &mut barriers);
                 }
+                Bind::UpdateMip(image, mip) => {
+                    self.access_image(image, *mip..*mip + 1, Access::IMAGE_READ_WRITE, &mut barriers);
+                }
+                Bind::Uniform(buffer, _) => self.access_buffer(buffer, Access::UNIFORM_READ, &mut barriers),
                 Bind::Read(buffer) => self.access_buffer(buffer, Access::BUFFER_READ, &mut barriers),
                 Bind::Write(buffer) => self.access_buffer(buffer, Access::BUFFER_WRITE, &mut barriers),
                 Bind::ReadWrite(buffer) => self.access_buffer(buffer, Access::BUFFER_READ_WRITE, &mut barriers),

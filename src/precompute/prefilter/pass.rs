@@ -1,9 +1,10 @@
 //! The device pass: one dispatch a level and band of rows.
 
 use crate::brdf::Brdf;
-use crate::glsl::constants::GROUP_SIDE;
+use crate::glsl::constants::{GROUP_SIDE, POINTS_PER_DISPATCH};
 use crate::glsl::layout::{PrefilterParams, SharedStruct};
-use crate::gpu::{Bind, Buffer, ComputePipeline, Format, Gpu, GpuError, Image, Report, Sampler, Slot};
+use crate::gpu::{Bind, ComputePipeline, Format, Gpu, GpuError, Image, Report, Sampler, Slot};
+use crate::precompute::points::Points;
 use crate::precompute::prefilter::alpha_from_mip;
 
 pub struct PrefilterPass {
@@ -13,7 +14,7 @@ pub struct PrefilterPass {
 impl PrefilterPass {
     pub fn new(gpu: &Gpu, brdf: &dyn Brdf) -> Result<Self, GpuError> {
         let shader = format!("precompute/prefilter.comp:{}", brdf.name());
-        let slots = [Slot::Sampled, Slot::StorageImage, Slot::Buffer];
+        let slots = [Slot::Sampled, Slot::StorageImage, Slot::Uniform];
         Ok(Self { pipeline: gpu.compute_pipeline(&shader, &slots, PrefilterParams::SIZE, &[])? })
     }
 
@@ -22,13 +23,14 @@ impl PrefilterPass {
         gpu.image("prefiltered map", size, level_count, Format::Rgba32Float)
     }
 
-    /// Fills every level of `map`; `points` holds `sample_count` sample points.
+    /// Fills every level of `map`; `points` holds `sample_count` sample points. A level is made by one dispatch a range of points, each
+    /// of which adds to the sums in its texels.
     pub fn run(
         &self,
         gpu: &Gpu,
         environment: &Image,
         sampler: &Sampler,
-        points: &Buffer,
+        points: &Points,
         sample_count: u32,
         map: &Image,
     ) -> Result<Report, GpuError> {
@@ -37,23 +39,28 @@ impl PrefilterPass {
         for level in 0..map.mip_count() {
             let [width, height] = map.mip_size(level);
             let alpha = alpha_from_mip(f64::from(level), map.mip_count()) as f32;
-            let samples_per_row = u64::from(width) * if alpha > 0.0 { u64::from(sample_count) } else { 1 };
-            for rows in gpu.row_bands(height, samples_per_row, GROUP_SIDE) {
-                let params = PrefilterParams {
-                    width,
-                    height,
-                    source_width,
-                    source_height,
-                    sample_count,
-                    alpha,
-                    lod_bias: 0.0,
-                    first_row: rows.start,
-                };
-                let binds = [Bind::Sample(environment, sampler), Bind::StoreMip(map, level), Bind::Read(points)];
-                let groups = [width.div_ceil(GROUP_SIDE), (rows.end - rows.start).div_ceil(GROUP_SIDE), 1];
-                let mut recorder = gpu.record("prefilter")?;
-                recorder.pass("prefilter", |r| r.dispatch(&self.pipeline, &binds, &params.to_bytes(), groups))?;
-                total.add(recorder.submit()?);
+            let is_mirror = alpha == 0.0;
+            let points_per_texel = if is_mirror { 1 } else { sample_count.min(POINTS_PER_DISPATCH) };
+            for rows in gpu.row_bands(height, u64::from(width) * u64::from(points_per_texel), GROUP_SIDE) {
+                for range in points.ranges().take(if is_mirror { 1 } else { usize::MAX }) {
+                    let params = PrefilterParams {
+                        width,
+                        height,
+                        source_width,
+                        source_height,
+                        sample_count,
+                        alpha,
+                        lod_bias: 0.0,
+                        first_row: rows.start,
+                        first_point: range.first,
+                        point_count: range.count,
+                    };
+                    let binds = [Bind::Sample(environment, sampler), Bind::UpdateMip(map, level), range.bind()];
+                    let groups = [width.div_ceil(GROUP_SIDE), (rows.end - rows.start).div_ceil(GROUP_SIDE), 1];
+                    let mut recorder = gpu.record("prefilter")?;
+                    recorder.pass("prefilter", |r| r.dispatch(&self.pipeline, &binds, &params.to_bytes(), groups))?;
+                    total.add(recorder.submit()?);
+                }
             }
         }
         Ok(total)

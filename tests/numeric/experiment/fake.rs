@@ -1,8 +1,9 @@
 //! A renderer made of formulas: an analytic sphere whose error is known for every method.
 
 use splitsum::experiment::{RenderFault, Renderer};
-use splitsum::pipeline::{DeviceInfo, Frame, FrameTimings, RenderRequest, TimingSamples};
-use splitsum::pixels::{GrayImage, Rgb8Image, RgbImage};
+use splitsum::pipeline::{DeviceInfo, Frame, FrameTimings, LightTables, RenderRequest, TimingSamples};
+use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
+use splitsum::shade::reference_pass::Convergence;
 use splitsum::tonemap::ToneCurve;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -34,6 +35,17 @@ pub const SPLIT_SUM_ERROR: f32 = 0.15;
 pub const NOISE: f32 = 1e-4;
 /// Relative error of each further point set, of alternating sign.
 pub const SET_ERROR: f32 = 0.01;
+
+/// Where the fake reference stops: at a quarter of the samples it may take, with an error of 1/1000, when at least that was asked for.
+fn convergence(request: &RenderRequest) -> Convergence {
+    let is_met = request.reference_error.is_some_and(|wanted| wanted >= 1e-3);
+    Convergence {
+        term: "shade-specular",
+        sample_count: u64::from(request.reference_samples) / if is_met { 4 } else { 1 },
+        relative_error: 1e-3,
+        is_met: is_met || request.reference_error.is_none(),
+    }
+}
 
 fn set_error(set: u32) -> f32 {
     match set {
@@ -94,7 +106,7 @@ impl Renderer for Fake {
             (request.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * NOISE)));
         Ok(Frame {
             radiance,
-            convergences: Vec::new(),
+            convergences: (request.method.name == "reference").then(|| convergence(request)).into_iter().collect(),
             standard_error,
             mask: Arc::new(mask),
             n_dot_v: Arc::new(n_dot_v),
@@ -105,6 +117,15 @@ impl Renderer for Fake {
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault> {
         self.0.borrow_mut().tonemaps += 1;
         Ok(curve.apply_image(radiance))
+    }
+
+    /// Constant light of radiance 1 in a few texels; the lobe reflects f0 whole.
+    fn light_tables(&mut self, _: &RenderRequest, _: u32) -> Result<LightTables, RenderFault> {
+        let chain = |levels: u32| (0..levels).map(|k| RgbImage::filled(8 >> k, (4 >> k).max(1), [1.0; 3])).collect();
+        let mut sh9 = vec![[0.0; 3]; 9];
+        sh9[0] = [(4.0 * std::f32::consts::PI).sqrt(); 3];
+        let dfg = Pixels::filled(4, 4, [1.0, 0.0]);
+        Ok(LightTables { environment: chain(4), first_level: 0, sh9, prefiltered: chain(2), dfg })
     }
 
     /// The first frame of a configuration takes 4 ms more than its sample count, the next ones 0, 1, 2, 3, 4, 0 ... more.

@@ -255,6 +255,37 @@ fn fail_fast_ends_the_run_at_the_first_failure() {
 }
 
 #[test]
+fn each_row_says_where_its_reference_stopped() {
+    // The fake stops at 16 of 64 samples when an error of 1/1000 or more is asked for, else it takes all.
+    for (asked, samples, stopped_by) in [
+        ("", 64.0, "samples"),
+        (", relative_error = 2e-3", 16.0, "relative-error"),
+        (", relative_error = 1e-4", 64.0, "samples"),
+    ] {
+        let text = EXPERIMENT.replace("samples = 64", &format!("samples = 64{asked}"));
+        let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&text));
+        // Stopped between two cells of one reference and gone on with: the second invocation reads that reference back.
+        invoke(&plan, dir.path(), &log(), 3).unwrap();
+        let outcome = invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+        let table = Table::read(&dir.path().join("errors.csv")).unwrap();
+        assert_eq!(table.rows.len(), 32);
+        assert!(table.numbers("reference_samples").unwrap().iter().all(|n| *n == Some(samples)), "{asked}");
+        assert!(table.numbers("reference_relative_error").unwrap().iter().all(|x| *x == Some(1e-3)), "{asked}");
+        let column = table.column("reference_stopped_by").unwrap();
+        assert!(table.rows.iter().all(|row| row[column] == stopped_by), "{asked}");
+        let says = match asked {
+            "" => "64 samples a pixel (relative standard error: median 0.0010, largest 0.0010)",
+            _ if stopped_by == "samples" => "64 samples a pixel at most; 0 of 4 references stopped earlier",
+            _ => "64 samples a pixel at most; 4 of 4 references stopped earlier by a relative standard error of 0.002",
+        };
+        assert!(outcome.summary.contains(says), "{}", outcome.summary);
+        let whole = tempfile::tempdir().unwrap();
+        invoke(&plan, whole.path(), &log(), usize::MAX).unwrap();
+        assert!(read(dir.path(), "errors.csv") == read(whole.path(), "errors.csv"), "{asked}");
+    }
+}
+
+#[test]
 fn a_second_run_in_the_same_folder_is_told() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
     let held = splitsum::experiment::store::Store::open(dir.path(), &plan).unwrap();

@@ -5,7 +5,7 @@
 //! then all low bytes, each as the difference to the byte before it modulo 256. Neighbours share exponent and sign, so most
 //! high differences are zero; measured on a noisy 1024x512 image this saves 28 % over deflating interleaved halves.
 
-use crate::pixels::{GrayImage, RgbImage};
+use super::{GrayImage, RgbImage};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use flate2::Compression;

@@ -1,0 +1,29 @@
+#!/bin/sh
+# Runs the device tests on a second driver: SwiftShader, which Debian's package chromium brings along. Tolerances are those of the first driver.
+#
+# Skips with one line when SwiftShader is not there; SPLITSUM_REQUIRE_SECOND_DRIVER=1 makes that a failure. SPLITSUM_SECOND_DRIVER names
+# another manifest (icd.json). Arguments go to the test binary: `sh scripts/second-driver.sh golden furnace` runs a part.
+#
+# Known limits of SwiftShader (that of chromium 156), none of which a tolerance hides:
+# - Vertices are rounded to 1/16 of a pixel (subPixelPrecisionBits 4, Vulkan's least; lavapipe has 8): edges of meshes move by up to 1/32
+#   pixel. tests/device/gbuffer.rs asks the device for its grid.
+# - Bits differ from those of lavapipe. Bit-identity is tested from run to run on each driver, never between them.
+set -eu
+cd "$(dirname "$0")/.."
+. scripts/setup.sh
+
+manifest=${SPLITSUM_SECOND_DRIVER:-}
+for candidate in /usr/lib/chromium/vk_swiftshader_icd.json /usr/lib64/chromium-browser/vk_swiftshader_icd.json /opt/google/chrome/vk_swiftshader_icd.json; do
+    [ -n "$manifest" ] || [ ! -e "$candidate" ] || manifest=$candidate
+done
+if [ -z "$manifest" ] || [ ! -e "$manifest" ]; then
+    [ -z "${SPLITSUM_REQUIRE_SECOND_DRIVER:-}" ] || stop "no second driver: ${manifest:-SwiftShader} is not there (Debian: apt-get install chromium)"
+    say "skipped: the device tests on a second driver (${manifest:-SwiftShader} is not there; Debian: apt-get install chromium)"
+    exit 0
+fi
+
+say "device tests on a second driver: $manifest"
+# VK_DRIVER_FILES would win over VK_ICD_FILENAMES where both are set.
+unset VK_DRIVER_FILES
+# A device that does not answer fails the tests here, where the driver is known to be there.
+VK_ICD_FILENAMES=$manifest GOLDEN=require exec cargo test --release --locked --test device -- "$@"

@@ -1,0 +1,27 @@
+// Adds the params.point_count samples from first_sample on of the methods `sampled` and `sampled-unfiltered` to the specular term of one pixel of
+// the live view. The table may hold the points in any order: their sum is the same.
+#include "page/surface.glsl"
+#include "lib/importance_sampling.glsl"
+
+uniform sampler2D environment;
+// One row of sample points (lib/sampling.glsl).
+uniform sampler2D points;
+// The samples before first_sample.
+uniform sampler2D so_far;
+uniform uint first_sample;
+uniform bool is_filtered;
+
+out vec4 specular;
+
+vec4 sample_point(uint i) {
+    return texelFetch(points, ivec2(int(first_sample + i), 0), 0);
+}
+
+void main() {
+    specular = first_sample == 0u ? vec4(0.0) : texelFetch(so_far, ivec2(gl_FragCoord.xy), 0);
+    Surface s;
+    if (surface_here(s)) {
+        Surface local = surface_in_environment(s, params);
+        specular.rgb += params.environment_scale * importance_sampled_radiance(local, environment, params, is_filtered);
+    }
+}

@@ -1,0 +1,56 @@
+//! What lights a surface, read back from the device: the tables of one environment, model and masking.
+
+use super::{Pipeline, PipelineError, RenderRequest};
+use crate::gpu::Image;
+use crate::pixels::{Pixels, RgbImage};
+use crate::shade::{diffuse_by_name, method_by_name};
+
+/// The tables by which `split-sum`, the sampled methods and `sh9` shade.
+#[derive(Clone, Debug)]
+pub struct LightTables {
+    /// Radiance level by level, down to one texel; the levels above the wanted width are left out.
+    pub environment: Vec<RgbImage>,
+    /// Number of levels that were left out.
+    pub first_level: u32,
+    /// Radiance coefficients in the order of `shaders/lib/sh.glsl`.
+    pub sh9: Vec<[f32; 3]>,
+    /// Mean radiance of the lobe, level by level.
+    pub prefiltered: Vec<RgbImage>,
+    /// The DFG table: what scales f0, and what is added.
+    pub dfg: Pixels<[f32; 2]>,
+}
+
+impl Pipeline {
+    /// Makes the tables for the environment, model, masking and settings of `request`, or takes those that are there. Levels of the
+    /// environment wider than `width_max` texels are not read.
+    pub fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, PipelineError> {
+        let request = RenderRequest {
+            method: method_by_name("split-sum").expect("a listed method"),
+            diffuse: diffuse_by_name("sh9").expect("a listed diffuse method"),
+            lights: Vec::new(),
+            ..request.clone()
+        };
+        let prepared = self.resources.prepare(&self.gpu, &request)?;
+        let tables = prepared.tables();
+        let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
+        let level = |image: &Image, mip: u32| -> Result<RgbImage, PipelineError> {
+            let [width, height] = image.mip_size(mip);
+            Ok(Pixels::new(width, height, self.gpu.read_image(image, mip)?).map(rgb))
+        };
+        let levels = tables.environment.mip_count();
+        let first_level =
+            (0..levels).find(|&mip| tables.environment.mip_size(mip)[0] <= width_max).unwrap_or(levels - 1);
+        let [width, height] = tables.dfg.mip_size(0);
+        let dfg = Pixels::new(width, height, self.gpu.read_image(tables.dfg, 0)?);
+        let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(tables.sh9)?;
+        Ok(LightTables {
+            environment: (first_level..levels).map(|mip| level(tables.environment, mip)).collect::<Result<_, _>>()?,
+            first_level,
+            sh9: sh9.into_iter().map(rgb).collect(),
+            prefiltered: (0..tables.prefiltered.mip_count())
+                .map(|mip| level(tables.prefiltered, mip))
+                .collect::<Result<_, _>>()?,
+            dfg: dfg.map(|[a, b, ..]: [f32; 4]| [a, b]),
+        })
+    }
+}

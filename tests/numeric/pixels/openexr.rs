@@ -1,0 +1,392 @@
+//! OpenEXR files.
+
+use super::{folder, put, words};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
+    WritableImage, f16,
+};
+use splitsum::pixels::{Decoded, GrayImage, PixelsError, RgbImage, exr as exr_file};
+
+fn test_image(seed: u64, width: u32, height: u32) -> RgbImage {
+    let mut word = words(seed);
+    // All finite bit patterns, subnormals and negative numbers included.
+    let mut float = || loop {
+        let value = f32::from_bits(word() as u32);
+        if value.is_finite() {
+            return value;
+        }
+    };
+    RgbImage::from_fn(width, height, |_, _| [float(), float(), float()])
+}
+
+fn bits(image: &RgbImage) -> Vec<u32> {
+    image.data.iter().flatten().map(|value| value.to_bits()).collect()
+}
+
+#[test]
+fn what_is_written_comes_back_bit_for_bit() {
+    let folder = folder();
+    let path = folder.path().join("frame.exr");
+    let (rgb, error) = (test_image(1, 37, 19), test_image(2, 37, 19));
+    let alpha = GrayImage::from_fn(37, 19, |x, y| ((x + y) % 2) as f32);
+    exr_file::write_rgba(&path, &rgb, &alpha, &[("standard_error", &error)]).unwrap();
+    let frame = exr_file::read(&path).unwrap();
+    assert_eq!(bits(&frame.rgb), bits(&rgb));
+    assert_eq!(frame.alpha.as_ref(), Some(&alpha));
+    assert!(frame.warnings.is_empty(), "{:?}", frame.warnings);
+    let layer = exr_file::read_layer(&path, Some("standard_error")).unwrap();
+    assert_eq!(bits(&layer.rgb), bits(&error));
+    assert!(layer.alpha.is_none());
+    assert!(exr_file::read_layer(&path, Some("depth")).unwrap_err().to_string().contains("in layer \"depth\""));
+
+    // An outside reader finds the channels under the names that viewers group by.
+    let outside = exr::prelude::read_first_flat_layer_from_file(&path).unwrap();
+    let names: Vec<String> = outside.layer_data.channel_data.list.iter().map(|c| c.name.to_string()).collect();
+    assert_eq!(names, ["A", "B", "G", "R", "standard_error.B", "standard_error.G", "standard_error.R"]);
+    let FlatSamples::F32(green) = &outside.layer_data.channel_data.list[2].sample_data else { panic!("not f32") };
+    assert!(green.iter().zip(&rgb.data).all(|(green, texel)| green.to_bits() == texel[1].to_bits()));
+}
+
+#[test]
+fn writing_replaces_and_leaves_nothing_else() {
+    let folder = folder();
+    let path = folder.path().join("frame.exr");
+    let alpha = GrayImage::filled(4, 2, 1.0);
+    for seed in [3, 4] {
+        exr_file::write_rgba(&path, &test_image(seed, 4, 2), &alpha, &[]).unwrap();
+    }
+    assert_eq!(bits(&exr_file::read(&path).unwrap().rgb), bits(&test_image(4, 4, 2)));
+    // A folder in the way: the rename fails after everything was written.
+    let blocked = folder.path().join("blocked.exr");
+    std::fs::create_dir(&blocked).unwrap();
+    assert!(exr_file::write_rgba(&blocked, &test_image(3, 4, 2), &alpha, &[]).is_err());
+    let missing = folder.path().join("none/frame.exr");
+    let message = exr_file::write_rgba(&missing, &test_image(3, 4, 2), &alpha, &[]).unwrap_err().to_string();
+    assert!(message.contains("none/frame.exr: cannot be written"), "{message}");
+    let mut left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    left.sort();
+    assert_eq!(left, ["blocked.exr", "frame.exr"]);
+}
+
+/// Halves that every lossless compression must keep, as written by the crate `exr`, whole or in tiles that do not divide it.
+#[test]
+fn compressions_and_tiles() {
+    let folder = folder();
+    let (width, height) = (45, 37);
+    let value = |channel: usize, x: usize, y: usize| f16::from_f32((channel * 1000 + y * 7 + x * x % 83) as f32 / 64.0);
+    let blocks = [exr::image::Blocks::ScanLines, exr::image::Blocks::Tiles(exr::math::Vec2(16, 8))];
+    for compression in [
+        Compression::Uncompressed,
+        Compression::RLE,
+        Compression::ZIP1,
+        Compression::ZIP16,
+        Compression::PIZ,
+        Compression::PXR24,
+    ] {
+        for blocks in blocks {
+            let channels = ["B", "G", "R"].into_iter().zip([2, 1, 0]).map(|(name, channel)| {
+                let samples = (0..width * height).map(|i| value(channel, i % width, i / width)).collect();
+                AnyChannel::new(name, FlatSamples::F16(samples))
+            });
+            let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
+            let channels = AnyChannels::sort(channels.collect());
+            let path = folder.path().join("lossless.exr");
+            Image::from_encoded_channels((width, height), encoding, channels).write().to_file(&path).unwrap();
+            let image = exr_file::read(&path).unwrap().rgb;
+            let expected = RgbImage::from_fn(width as u32, height as u32, |x, y| {
+                [0, 1, 2].map(|channel| value(channel, x as usize, y as usize).to_f32())
+            });
+            assert!(image == expected, "{compression:?} {blocks:?}");
+        }
+    }
+}
+
+#[test]
+fn mip_maps_show_the_largest_level() {
+    let folder = folder();
+    let path = folder.path().join("mip.exr");
+    let levels = |base: f32| exr::image::Levels::Mip {
+        rounding_mode: exr::math::RoundingMode::Down,
+        level_data: [16usize, 8, 4, 2, 1]
+            .iter()
+            .enumerate()
+            .map(|(level, size)| FlatSamples::F32(vec![if level == 0 { base } else { 99.0 }; size * size]))
+            .collect(),
+    };
+    let channels = [("R", 1.0), ("G", 2.0), ("B", 3.0)].map(|(name, base)| AnyChannel::new(name, levels(base)));
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: exr::image::Blocks::Tiles(exr::math::Vec2(4, 4)),
+        line_order: LineOrder::Increasing,
+    };
+    Image::from_encoded_channels((16, 16), encoding, AnyChannels::sort(channels.into_iter().collect()))
+        .write()
+        .to_file(&path)
+        .unwrap();
+    assert_eq!(exr_file::read(&path).unwrap().rgb, RgbImage::filled(16, 16, [1.0, 2.0, 3.0]));
+}
+
+#[test]
+fn multi_part_files_give_the_first_part_with_colour() {
+    let folder = folder();
+    let path = folder.path().join("parts.exr");
+    let part = |name: &str, channels: &[(&str, f32)]| {
+        let channels = channels.iter().map(|(name, value)| AnyChannel::new(*name, FlatSamples::F32(vec![*value; 8])));
+        Layer::new((4, 2), LayerAttributes::named(name), Encoding::FAST_LOSSLESS, AnyChannels::sort(channels.collect()))
+    };
+    let window = exr::image::Image::from_layers(
+        exr::meta::header::ImageAttributes::with_size((4, 2)),
+        vec![
+            part("depth", &[("Z", 9.0)]),
+            part("beauty", &[("R", 1.0), ("G", 2.0), ("B", 3.0)]),
+            part("albedo", &[("R", 4.0), ("G", 5.0), ("B", 6.0)]),
+        ],
+    );
+    window.write().to_file(&path).unwrap();
+    let image = exr_file::read(&path).unwrap();
+    assert_eq!(image.rgb, RgbImage::filled(4, 2, [1.0, 2.0, 3.0]));
+    assert_eq!(image.warnings, ["Of 3 parts, only part 2 is used."]);
+    let albedo = exr_file::read_layer(&path, Some("albedo")).unwrap();
+    assert_eq!(albedo.rgb, RgbImage::filled(4, 2, [4.0, 5.0, 6.0]));
+}
+
+/// A channel of a file made by hand: name, sample type (0 uint, 1 half, 2 float), subsampling, value at a pixel of the data window.
+struct Channel {
+    name: &'static str,
+    kind: i32,
+    sampling: i32,
+    value: fn(i32, i32) -> f32,
+}
+
+fn channel(name: &'static str, kind: i32, value: fn(i32, i32) -> f32) -> Channel {
+    Channel { name, kind, sampling: 1, value }
+}
+
+/// An uncompressed scan-line file after the format's specification. Returns the bytes and where the table of blocks begins.
+fn handmade(channels: &[Channel], data: [i32; 4], display: [i32; 4], extra: &[u8]) -> (Vec<u8>, usize) {
+    fn attribute(name: &str, kind: &str, value: &[u8]) -> Vec<u8> {
+        let size = (value.len() as i32).to_le_bytes();
+        [name.as_bytes(), &[0], kind.as_bytes(), &[0], &size, value].concat()
+    }
+    let ints = |values: &[i32]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    let mut list = Vec::new();
+    for channel in channels {
+        list.extend([channel.name.as_bytes(), &[0]].concat());
+        list.extend(ints(&[channel.kind, 0, channel.sampling, channel.sampling]));
+    }
+    list.push(0);
+    let mut file = [&[0x76, 0x2f, 0x31, 0x01][..], &ints(&[2])].concat();
+    for (name, kind, value) in [
+        ("channels", "chlist", list),
+        ("compression", "compression", vec![0]),
+        ("dataWindow", "box2i", ints(&data)),
+        ("displayWindow", "box2i", ints(&display)),
+        ("lineOrder", "lineOrder", vec![0]),
+        ("pixelAspectRatio", "float", 1f32.to_le_bytes().to_vec()),
+        ("screenWindowCenter", "v2f", vec![0; 8]),
+        ("screenWindowWidth", "float", 1f32.to_le_bytes().to_vec()),
+    ] {
+        file.extend(attribute(name, kind, &value));
+    }
+    file.extend(extra);
+    file.push(0);
+    let table = file.len();
+    let [left, top, right, bottom] = data;
+    let mut offset = table + 8 * (bottom - top + 1) as usize;
+    let (mut offsets, mut blocks) = (Vec::new(), Vec::new());
+    for y in top..=bottom {
+        let mut line = Vec::new();
+        for channel in channels.iter().filter(|channel| y % channel.sampling == 0) {
+            for x in (left..=right).filter(|x| x % channel.sampling == 0) {
+                let value = (channel.value)(x, y);
+                match channel.kind {
+                    0 => line.extend((value as u32).to_le_bytes()),
+                    1 => line.extend(f16::from_f32(value).to_le_bytes()),
+                    _ => line.extend(value.to_le_bytes()),
+                }
+            }
+        }
+        offsets.extend((offset as u64).to_le_bytes());
+        offset += 8 + line.len();
+        blocks.extend([ints(&[y, line.len() as i32]), line].concat());
+    }
+    file.extend(offsets);
+    file.extend(blocks);
+    (file, table)
+}
+
+const WINDOW: [i32; 4] = [0, 0, 3, 1];
+
+fn read(file: &[u8]) -> Result<Decoded, PixelsError> {
+    let folder = folder();
+    exr_file::read(&put(&folder, "handmade.exr", file))
+}
+
+#[test]
+fn sample_types_and_windows() {
+    let channels = [
+        channel("A", 2, |x, _| x as f32 / 2.0),
+        channel("B", 0, |x, y| (100_000 + x + y) as f32),
+        channel("G", 1, |x, y| (x * y) as f32 - 0.5),
+        channel("R", 2, |x, y| 0.1 * (x + 10 * y) as f32),
+    ];
+    // The data window lies at (-2, 5).
+    let (file, _) = handmade(&channels, [-2, 5, 1, 6], [0, 0, 9, 9], &[]);
+    let image = read(&file).unwrap();
+    let expected = RgbImage::from_fn(4, 2, |column, row| {
+        let (x, y) = (column as i32 - 2, row as i32 + 5);
+        [0.1 * (x + 10 * y) as f32, (x * y) as f32 - 0.5, (100_000 + x + y) as f32]
+    });
+    assert_eq!(image.rgb, expected);
+    assert_eq!(image.alpha.unwrap().data[..4], [-1.0, -0.5, 0.0, 0.5]);
+    assert!(image.warnings[0].contains("4x2 at -2, 5") && image.warnings[0].contains("data window is used"));
+}
+
+#[test]
+fn channel_names() {
+    let at = |names: &[&'static str]| {
+        let channels: Vec<Channel> = names
+            .iter()
+            .enumerate()
+            .map(|(i, name)| channel(name, 2, [|_, _| 1.0, |_, _| 2.0, |_, _| 3.0, |_, _| 4.0][i]))
+            .collect();
+        read(&handmade(&channels, WINDOW, WINDOW, &[]).0)
+    };
+    let first = |names: &[&'static str]| at(names).unwrap().rgb.get(0, 0);
+    assert_eq!(first(&["B", "G", "R"]), [3.0, 2.0, 1.0]);
+    assert_eq!(first(&["Y", "Z"]), [1.0; 3]);
+    assert_eq!(first(&["Z", "beauty.B", "beauty.G", "beauty.R"]), [4.0, 3.0, 2.0]);
+    // Plain channels win over a prefix that sorts before them.
+    assert_eq!(first(&["AO.R", "B", "G", "R"]), [4.0, 3.0, 2.0]);
+    let partial = at(&["B", "R"]).unwrap();
+    assert_eq!(partial.rgb.get(0, 0), [2.0, 0.0, 1.0]);
+    assert_eq!(partial.warnings, ["Channel G is missing; it was set to 0."]);
+    let message = at(&["A", "Z"]).unwrap_err().to_string();
+    assert!(message.contains("has the channels A, Z; expected R, G, B or Y channels"), "{message}");
+}
+
+#[test]
+fn luminance_chroma() {
+    // Rec.709 R = 0.9, G = 0.5, B = 0.1: the chroma is constant, so its subsampling must not show.
+    fn y(_: i32, line: i32) -> f32 {
+        (0.2126 * 0.9 + 0.7152 * 0.5 + 0.0722 * 0.1) * (1 + line) as f32
+    }
+    fn ry(_: i32, _: i32) -> f32 {
+        0.9 / y(0, 0) - 1.0
+    }
+    fn by(_: i32, _: i32) -> f32 {
+        0.1 / y(0, 0) - 1.0
+    }
+    for sampling in [1, 2] {
+        let chroma = |name, value| Channel { name, kind: 2, sampling, value };
+        let channels = [chroma("BY", by), chroma("RY", ry), channel("Y", 2, y)];
+        let image = read(&handmade(&channels, [2, 0, 5, 3], [2, 0, 5, 3], &[]).0).unwrap().rgb;
+        for line in 0..4 {
+            for (value, expected) in image.get(3, line).iter().zip([0.9, 0.5, 0.1]) {
+                let expected = expected * (1 + line) as f32;
+                assert!((value - expected).abs() < 1e-5 * expected, "{sampling}: {value} {expected}");
+            }
+        }
+    }
+    // Chroma that rises by 0.1 a pixel in x is interpolated between its samples at even x.
+    fn ramp(x: i32, _: i32) -> f32 {
+        0.1 * x as f32
+    }
+    let chroma = |name, value| Channel { name, kind: 2, sampling: 2, value };
+    let channels = [chroma("BY", ramp), chroma("RY", ramp), channel("Y", 2, |_, _| 1.0)];
+    let image = read(&handmade(&channels, WINDOW, WINDOW, &[]).0).unwrap().rgb;
+    assert!((image.get(1, 1)[0] - 1.1).abs() < 1e-6, "{:?}", image.get(1, 1));
+}
+
+#[test]
+fn chromaticities_are_converted() {
+    // BT.2020, as an attribute of eight floats; white stays white.
+    let values: Vec<u8> = [0.708f32, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290]
+        .iter()
+        .flat_map(|value| value.to_le_bytes())
+        .collect();
+    let extra = [b"chromaticities\0chromaticities\0", &32i32.to_le_bytes()[..], &values].concat();
+    let channels = [
+        channel("B", 2, |x, _| (x == 0) as i32 as f32),
+        channel("G", 2, |_, _| 1.0),
+        channel("R", 2, |x, _| (x == 0) as i32 as f32),
+    ];
+    let image = read(&handmade(&channels, WINDOW, WINDOW, &extra).0).unwrap();
+    let (white, green) = (image.rgb.get(0, 0), image.rgb.get(1, 0));
+    assert!(white.iter().all(|channel| (channel - 1.0).abs() < 1e-5), "{white:?}");
+    assert!((green[0] + 0.5876).abs() < 1e-3 && (green[1] - 1.1329).abs() < 1e-3, "{green:?}");
+    assert!(image.warnings[0].contains("chromaticities"));
+}
+
+#[test]
+fn bad_files_are_refused_with_place_and_expectation() {
+    let channels = [channel("B", 2, |_, _| 1.0), channel("G", 2, |_, _| 1.0), channel("R", 2, |_, _| 1.0)];
+    let (good, table) = handmade(&channels, WINDOW, WINDOW, &[]);
+    assert_eq!(read(&good).unwrap().rgb, RgbImage::filled(4, 2, [1.0; 3]));
+    let refusal = |file: &[u8]| read(file).unwrap_err().to_string();
+    let edited = |at: usize, bytes: &[u8]| {
+        let mut file = good.clone();
+        file[at..at + bytes.len()].copy_from_slice(bytes);
+        file
+    };
+    let first_block = table + 16;
+    let cases: [(Vec<u8>, &str); 9] = [
+        (Vec::new(), "no usable header"),
+        (b"plain text, no image".to_vec(), "no usable header"),
+        (good[..good.len() - 1].to_vec(), "block 1 of 2 is missing or cut off"),
+        (good[..table + 9].to_vec(), "ends within the table of blocks"),
+        // An unfinished file: the table holds zeros.
+        (edited(table + 8, &[0; 8]), "block 1 of 2 is missing or cut off"),
+        // Two entries for the first block.
+        (edited(table + 8, &good[table..table + 8]), "block 1 of 2: its position comes twice"),
+        (edited(first_block, &7i32.to_le_bytes()), "block 0 of 2: its position is outside"),
+        (edited(first_block + 4, &4i32.to_le_bytes()), "block 0 of 2: 4 bytes for 48 bytes of pixels"),
+        (edited(first_block + 4, &i32::MAX.to_le_bytes()), "block 0 of 2 is missing or cut off"),
+    ];
+    for (file, expected) in cases {
+        let message = refusal(&file);
+        assert!(message.contains(expected), "{expected}: {message}");
+        assert!(message.contains("handmade.exr") && message.contains("; expected "), "{message}");
+    }
+    // A window of 2^30 pixels in a small file.
+    let window = [0, 0, (1 << 20) - 1, (1 << 10) - 1];
+    let at = good.windows(11).position(|bytes| bytes == b"dataWindow\0").unwrap() + 11 + 6 + 4;
+    let sizes: Vec<u8> = window.iter().flat_map(|value: &i32| value.to_le_bytes()).collect();
+    assert!(refusal(&edited(at, &sizes)).contains("1048576x1024 pixels"));
+}
+
+/// Damage at random places of small files of several codecs: an image or an error, in bounded time and memory.
+#[test]
+fn mutated_files_do_no_harm() {
+    let folder = folder();
+    let path = folder.path().join("mutated.exr");
+    let mut word = words(0x9e37_79b9_7f4a_7c15);
+    for compression in [Compression::RLE, Compression::ZIP16, Compression::PIZ, Compression::PXR24, Compression::B44A] {
+        let channels = ["B", "G", "R"].map(|name| {
+            let samples = (0..32 * 20).map(|i| f16::from_f32((i % 57) as f32)).collect();
+            AnyChannel::new(name, FlatSamples::F16(samples))
+        });
+        let encoding =
+            Encoding { compression, blocks: exr::image::Blocks::ScanLines, line_order: LineOrder::Increasing };
+        let channels = AnyChannels::sort(channels.into_iter().collect());
+        Image::from_encoded_channels((32, 20), encoding, channels).write().to_file(&path).unwrap();
+        let original = std::fs::read(&path).unwrap();
+        let mut refused = 0;
+        for _ in 0..200 {
+            let mut file = original.clone();
+            for _ in 0..1 + word() % 4 {
+                let at = word() as usize % file.len();
+                file[at] = word() as u8;
+            }
+            std::fs::write(&path, &file).unwrap();
+            match exr_file::read(&path) {
+                Ok(image) => assert!(image.rgb.data.len() < 1 << 24),
+                Err(error) => {
+                    assert!(!error.what.contains("cannot name"), "a codec panicked: {error}");
+                    refused += 1;
+                }
+            }
+        }
+        assert!(refused > 20, "{compression:?}: {refused} of 200");
+    }
+}

@@ -1,0 +1,145 @@
+//! The tables in docs/estimators.md are those of the published runs. `GOLDEN=update` writes them anew from `results/`.
+
+use splitsum::slips;
+use splitsum::table::csv::Table;
+use splitsum::table::markdown::{Align, MarkdownTable, significant};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+const PAGE: &str = "docs/estimators.md";
+/// Digits of a score in the page.
+const DIGITS: usize = 3;
+
+fn file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+fn table(name: &str) -> Table {
+    Table::read(&file("results").join(name)).unwrap()
+}
+
+/// The page with what stands between the markers of block `name` replaced by `text`.
+fn with_block(page: &str, name: &str, text: &str) -> String {
+    let (begin, end) =
+        (format!("<!-- {name}: written by tests/numeric/published.rs -->\n"), format!("<!-- /{name} -->"));
+    let start = page.find(&begin).unwrap_or_else(|| panic!("{PAGE} has no {begin}")) + begin.len();
+    let length = page[start..].find(&end).unwrap_or_else(|| panic!("{PAGE} has no {end}"));
+    format!("{}\n{text}\n{}", &page[..start], &page[start + length..])
+}
+
+/// Values of a column, each once, in order.
+fn values(table: &Table, name: &str) -> Vec<String> {
+    let column = table.column(name).unwrap();
+    let mut found: Vec<String> = Vec::new();
+    for row in &table.rows {
+        if !found.contains(&row[column]) {
+            found.push(row[column].clone());
+        }
+    }
+    found
+}
+
+/// The numbers of `name` in the rows that have these values.
+fn numbers(table: &Table, name: &str, wanted: &[(&str, &str)]) -> Vec<f64> {
+    let columns: Vec<usize> = wanted.iter().map(|(name, _)| table.column(name).unwrap()).collect();
+    let is_wanted = |row: &[String]| columns.iter().zip(wanted).all(|(column, (_, value))| row[*column] == *value);
+    let all = table.numbers(name).unwrap();
+    table.rows.iter().zip(all).filter(|(row, _)| is_wanted(row)).map(|(_, x)| x.unwrap()).collect()
+}
+
+fn median(mut numbers: Vec<f64>) -> f64 {
+    assert!(numbers.len() % 2 == 1, "{numbers:?}");
+    numbers.sort_by(f64::total_cmp);
+    numbers[numbers.len() / 2]
+}
+
+/// relMSE of the printed and the right estimator by environment and alpha: the median over the models.
+fn printed_run(errors: &Table) -> String {
+    let alphas = values(errors, "alpha");
+    let header: Vec<String> = alphas.iter().map(|alpha| format!("alpha {alpha}")).collect();
+    let mut columns = vec![("environment", Align::Left), ("method", Align::Left)];
+    columns.extend(header.iter().map(|name| (name.as_str(), Align::Right)));
+    let mut text = MarkdownTable::new(&columns);
+    for environment in values(errors, "environment") {
+        for method in values(errors, "method") {
+            let mut row = vec![environment.clone(), method.clone()];
+            row.extend(alphas.iter().map(|alpha| {
+                let cell = [("environment", environment.as_str()), ("method", &method), ("alpha", alpha)];
+                significant(median(numbers(errors, "relmse_eps1e-2", &cell)), DIGITS)
+            }));
+            text.row(&row);
+        }
+    }
+    text.to_string()
+}
+
+/// Directional albedo by model, masking and alpha: the mean over a part of the sphere. Above 1 in bold.
+fn albedos(errors: &Table, part: &[(&str, &str)]) -> String {
+    let alphas = values(errors, "alpha");
+    let header: Vec<String> = alphas.iter().map(|alpha| format!("alpha {alpha}")).collect();
+    let mut columns = vec![("model", Align::Left), ("masking", Align::Left)];
+    columns.extend(header.iter().map(|name| (name.as_str(), Align::Right)));
+    let mut text = MarkdownTable::new(&columns);
+    for model in values(errors, "brdf") {
+        for masking in values(errors, "masking") {
+            let mut row = vec![model.clone(), masking.clone()];
+            row.extend(alphas.iter().map(|alpha| {
+                let cell = [&[("brdf", model.as_str()), ("masking", &masking), ("alpha", alpha)], part].concat();
+                let [bias] = numbers(errors, "bias_rel", &cell)[..] else { panic!("{cell:?}") };
+                let albedo = significant(1.0 + bias, DIGITS);
+                if albedo.parse::<f64>().unwrap() > 1.0 { format!("**{albedo}**") } else { albedo }
+            }));
+            text.row(&row);
+        }
+    }
+    text.to_string()
+}
+
+#[test]
+fn the_page_shows_the_published_runs() {
+    let published = table("printed-slips/printed_slips.csv");
+    let mut energy = String::from("The whole sphere:\n\n");
+    energy += &albedos(&table("energy/errors.csv"), &[]);
+    let _ = write!(energy, "\nThe rim, n·v from 0 to 0.1:\n\n");
+    energy += &albedos(&table("energy/errors_by_n_dot_v.csv"), &[("n_dot_v_from", "0")]);
+    let blocks = [
+        ("slips", format!("{}\n{}", slips::HEADING, slips::markdown(&published).unwrap())),
+        ("printed estimator", printed_run(&table("printed-slips/errors.csv"))),
+        ("energy", energy),
+    ];
+    let page = std::fs::read_to_string(file(PAGE)).unwrap();
+    let fresh = blocks.iter().fold(page.clone(), |page, (name, text)| with_block(&page, name, text));
+    if std::env::var("GOLDEN").is_ok_and(|value| value == "update") {
+        std::fs::write(file(PAGE), &fresh).unwrap();
+        return;
+    }
+    for (shown, due) in page.lines().zip(fresh.lines()) {
+        assert_eq!(shown, due, "{PAGE} differs from results/; GOLDEN=update writes it anew");
+    }
+    assert_eq!(page.len(), fresh.len(), "{PAGE}: lines are missing");
+}
+
+#[test]
+fn the_published_slips_are_those_of_the_program() {
+    let published = table("printed-slips/printed_slips.csv");
+    let (columns, rows) = slips::table();
+    assert_eq!(published.columns, columns);
+    assert_eq!(published.rows.len(), rows.len());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("now.csv");
+    let text = splitsum::table::csv::to_text(&columns, rows.iter().map(Vec::as_slice));
+    std::fs::write(&path, text).unwrap();
+    let now = Table::read(&path).unwrap();
+    for (then, now) in published.rows.iter().zip(&now.rows) {
+        assert_eq!(then[..4], now[..4]);
+    }
+    for column in ["printed_value", "right_value"] {
+        let [then, now] = [&published, &now].map(|table| table.numbers(column).unwrap());
+        for (i, (then, now)) in then.into_iter().zip(now).enumerate() {
+            let (then, now) = (then.unwrap(), now.unwrap());
+            // Elementary functions differ in the last digit from platform to platform.
+            let is_same = (then - now).abs() <= 1e-9 * now.abs() + 1e-12 || (then.is_nan() && now.is_nan());
+            assert!(is_same, "{column} of row {}: {then} published, {now} now", i + 1);
+        }
+    }
+}
