@@ -128,9 +128,12 @@ fn decode(
         clamp_invalid(&mut image);
         warnings.push(format!("{found}; these channels were set to 0."));
     }
-    let (index, peak) = image.data.as_flattened().iter().enumerate().fold((0, 0.0), |most, (i, &value)| {
-        if value > most.1 { (i / 3, value) } else { most }
-    });
+    let (index, peak) = image
+        .data
+        .as_flattened()
+        .iter()
+        .enumerate()
+        .fold((0, 0.0), |most, (i, &value)| if value > most.1 { (i / 3, value) } else { most });
     if peak > MAX_RADIANCE {
         let width = image.width as usize;
         return Err(EnvironmentError::TooBright { spec: spec.to_owned(), peak, x: index % width, y: index / width });

@@ -82,15 +82,14 @@ impl Gpu {
         self.shared.instance.messages.lock().map(|messages| messages.clone()).unwrap_or_default()
     }
 
-<<<<<<< HEAD
     /// Largest storage buffer, bytes.
     pub fn max_buffer_bytes(&self) -> u64 {
         self.shared.limits.max_storage_buffer_range.into()
-=======
+    }
+
     /// Bits of a pixel's fraction to which the rasteriser rounds vertices: at least 4.
     pub fn sub_pixel_precision_bits(&self) -> u32 {
         self.shared.limits.sub_pixel_precision_bits
->>>>>>> main
     }
 
     /// Largest width and height of an image.

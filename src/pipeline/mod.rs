@@ -4,11 +4,8 @@
 
 mod bake;
 mod cache;
-<<<<<<< HEAD
 mod fit;
-=======
 mod light_tables;
->>>>>>> main
 mod prepare;
 mod request;
 

@@ -416,6 +416,9 @@ mod loading {
         image.data[6] = [1.0, 1.1e15, 1.0];
         write(&folder, "map.exr", &image);
         let message = Environment::load("map.exr", folder.path(), &LoadOptions::default()).unwrap_err().to_string();
-        assert!(message.contains("map.exr: the largest value is 1.1e15, at column 2, row 1; expected at most 1e15"), "{message}");
+        assert!(
+            message.contains("map.exr: the largest value is 1.1e15, at column 2, row 1; expected at most 1e15"),
+            "{message}"
+        );
     }
 }
