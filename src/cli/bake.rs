@@ -40,7 +40,7 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
     let environment = Environment::load(&arguments.environment, Path::new(""), &options).map_err(Failure::input)?;
-    environment.warnings.iter().for_each(|warning| eprintln!("warning: {}: {warning}", environment.name));
+    environment.warnings.iter().for_each(|warning| super::warn(&environment.name, warning));
     let mut point = Point::default();
     for (name, value) in &arguments.settings {
         point.set(name, value.clone());

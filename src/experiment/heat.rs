@@ -2,7 +2,7 @@
 
 use super::plan::{Cell, Plan};
 use super::statistics::median;
-use super::store::CellRecord;
+use super::store::{CellRecord, Store};
 use super::tables::HEADLINE;
 use crate::table::markdown::{Align, MarkdownTable, significant};
 use std::collections::BTreeSet;
@@ -11,7 +11,7 @@ const DIGITS: usize = 2;
 
 /// A table for each method with its largest sample count: rows are alphas, columns bins of `n_dot_v`, values medians of the headline
 /// error over everything else that is swept. Empty where alpha is not swept.
-pub fn section(plan: &Plan, done: &[(&Cell, &CellRecord)]) -> String {
+pub fn section(plan: &Plan, done: &[(&Cell, &CellRecord)], store: &Store) -> String {
     if !plan.swept().any(|axis| axis.name == "alpha") {
         return String::new();
     }
@@ -24,8 +24,11 @@ pub fn section(plan: &Plan, done: &[(&Cell, &CellRecord)]) -> String {
             continue;
         }
         let largest = done.iter().filter(|(cell, _)| method(cell) == name).map(|(cell, _)| samples(cell)).max();
-        let of_method: Vec<_> =
-            done.iter().filter(|(cell, _)| method(cell) == name && Some(samples(cell)) == largest).collect();
+        let of_method: Vec<(&Cell, Vec<BinError>)> = done
+            .iter()
+            .filter(|(cell, _)| method(cell) == name && Some(samples(cell)) == largest)
+            .map(|(cell, _)| (*cell, bin_errors(store, cell)))
+            .collect();
         let count = of_method[0].0.point.get("samples").to_string();
         let _ = std::fmt::Write::write_fmt(
             &mut text,
@@ -35,8 +38,17 @@ pub fn section(plan: &Plan, done: &[(&Cell, &CellRecord)]) -> String {
     format!("## Error by alpha and n_dot_v\n\nMedian {HEADLINE}; grazing angles on the left.\n\n{text}")
 }
 
-fn table(cells: &[&(&Cell, &CellRecord)]) -> MarkdownTable {
-    let bins: Vec<(f64, f64)> = cells[0].1.bins.iter().map(|bin| (bin.lo, bin.hi)).collect();
+/// A bin's edges and its headline error; none where no pixel fell into it.
+type BinError = (f64, f64, Option<f64>);
+
+/// The bins of a finished cell, whose record holds them on disk only. A record that is gone leaves blanks.
+fn bin_errors(store: &Store, cell: &Cell) -> Vec<BinError> {
+    let bins = store.cell(&cell.id).ok().flatten().map_or_else(Vec::new, |record| record.bins);
+    bins.iter().map(|bin| (bin.lo, bin.hi, bin.scores.get(HEADLINE).map(|score| score.0))).collect()
+}
+
+fn table(cells: &[(&Cell, Vec<BinError>)]) -> MarkdownTable {
+    let bins: Vec<(f64, f64)> = cells[0].1.iter().map(|(lo, hi, _)| (*lo, *hi)).collect();
     let names: Vec<String> = bins.iter().map(|(lo, hi)| format!("{lo} to {}", hi.min(1.0))).collect();
     let mut header = vec![("alpha", Align::Right)];
     header.extend(names.iter().map(|name| (name.as_str(), Align::Right)));
@@ -48,10 +60,8 @@ fn table(cells: &[&(&Cell, &CellRecord)]) -> MarkdownTable {
         let mut row = vec![alpha.to_string()];
         for (lo, _) in &bins {
             let of_alpha = cells.iter().filter(|(cell, _)| cell.point.get("alpha").number() == alpha);
-            let errors: Vec<f64> = of_alpha
-                .filter_map(|(_, record)| record.bins.iter().find(|bin| bin.lo == *lo)?.scores.get(HEADLINE))
-                .map(|score| score.0)
-                .collect();
+            let errors: Vec<f64> =
+                of_alpha.filter_map(|(_, errors)| errors.iter().find(|(from, ..)| from == lo)?.2).collect();
             row.push(if errors.is_empty() { String::new() } else { significant(median(&errors), DIGITS) });
         }
         table.row(&row);

@@ -10,6 +10,7 @@ mod heat;
 mod images;
 pub mod inputs;
 pub mod live;
+mod names;
 mod overrides;
 pub mod plan;
 mod provenance;

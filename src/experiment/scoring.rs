@@ -129,7 +129,7 @@ impl Rendered<'_> {
 }
 
 fn by_name(values: Vec<(&'static str, f64)>) -> Scores {
-    values.into_iter().map(|(name, value)| (name.to_owned(), Exact(value))).collect()
+    values.into_iter().map(|(name, value)| (name.into(), Exact(value))).collect()
 }
 
 /// The verdict of the headline metric; `no-noise-floor` when the reference does not know its own error.

@@ -1,5 +1,6 @@
 //! The folder of a run. Records are written last and in one step: no record means not done.
 
+use super::names::Name;
 use super::plan::{Plan, SCHEMA_VERSION};
 use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
 use crate::shade::reference_pass::Convergence;
@@ -78,7 +79,7 @@ impl TryFrom<String> for Exact {
 }
 
 /// Scores by metric name.
-pub type Scores = BTreeMap<String, Exact>;
+pub type Scores = BTreeMap<Name, Exact>;
 
 /// Where a reference stopped: the least certain of its terms.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -155,6 +156,13 @@ pub struct BinRecord {
     pub pixel_count: usize,
     /// Empty when no pixel fell into the bin.
     pub scores: Scores,
+}
+
+impl CellRecord {
+    /// What is kept in memory of a record that is on disk: what the plan says of the cell as well, and the bins, are left out.
+    pub fn without_bins(self) -> Self {
+        Self { axes: BTreeMap::new(), bins: Vec::new(), ..self }
+    }
 }
 
 /// Why a cell failed.
@@ -320,12 +328,18 @@ impl Store {
         self.write_record(&self.record_path("timings", id), record)
     }
 
-    /// A table of the run, replaced in one step.
-    pub fn write_table(&self, name: &str, columns: &[String], rows: &[Vec<csv::Cell>]) -> Result<(), StoreError> {
+    /// A table of the run, replaced in one step. Rows are made one at a time: all together they would take far more memory than
+    /// what they are made of.
+    pub fn write_table(
+        &self,
+        name: &str,
+        columns: &[String],
+        rows: impl IntoIterator<Item = Result<Vec<csv::Cell>, StoreError>>,
+    ) -> Result<(), StoreError> {
         let (path, part) = (self.dir.join(name), self.dir.join(format!("{name}.part")));
         let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
         let mut writer = csv::TableWriter::create(&part, &columns)?;
-        rows.iter().try_for_each(|row| writer.append(row))?;
+        rows.into_iter().try_for_each(|row| Ok::<_, StoreError>(writer.append(&row?)?))?;
         std::fs::rename(&part, &path).map_err(|error| StoreError::Io { path, error })
     }
 

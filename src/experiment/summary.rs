@@ -6,7 +6,7 @@ use super::heat;
 use super::images::short_text;
 use super::plan::{Cell, Plan};
 use super::rows;
-use super::store::{CellRecord, ReferenceStop, StopReason};
+use super::store::{CellRecord, ReferenceStop, StopReason, Store};
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
 use super::timing::{self, TimingRecord, summarize};
 use super::timing_ratios::ratios;
@@ -24,7 +24,7 @@ const NOISE_MARK: &str = " ~";
 type Done<'r> = Vec<(&'r Cell, &'r CellRecord)>;
 
 /// The text of `summary.md`.
-pub fn markdown(plan: &Plan, results: &Results, timings: &[TimingRecord]) -> String {
+pub fn markdown(plan: &Plan, results: &Results, timings: &[TimingRecord], store: &Store) -> String {
     let done: Done = plan
         .cells
         .iter()
@@ -44,7 +44,7 @@ pub fn markdown(plan: &Plan, results: &Results, timings: &[TimingRecord]) -> Str
     } else {
         text += &answer;
     }
-    text += &heat::section(plan, &done);
+    text += &heat::section(plan, &done, store);
     text += &display_section(plan, &done);
     text += &times_section(timings);
     text += &failures_section(plan, results);

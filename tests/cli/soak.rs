@@ -15,7 +15,7 @@ question = "Does a long sweep stay small?"
 size = [16, 16]
 reference = { samples = 64 }
 [axes]
-alpha = { linear = [0.05, 1.0, 56] }
+alpha = { linspace = [0.05, 1.0, 56] }
 environment = ["builtin:constant", "builtin:gradient", "builtin:checker", "builtin:studio", "builtin:cap"]
 brdf = ["ggx", "beckmann", "phong"]
 method = ["split-sum", "sampled"]

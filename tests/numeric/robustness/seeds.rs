@@ -175,7 +175,7 @@ environment = ["builtin:constant"]
 brdf = ["ggx", "beckmann", "phong"]
 method = ["sampled", "split-sum"]
 samples = [1, 4]
-alpha = { log = [0.1, 1.0, 3] }
+alpha = { logspace = [0.1, 1.0, 3] }
 exposure = [1, 10]
 [[exclude]]
 method = "split-sum"
