@@ -146,7 +146,7 @@ fn convergence(pipeline: &mut Pipeline) {
             let at = |samples, seed| RenderRequest { reference_samples: samples, seed, ..base.clone() };
             let mut render = |request: &RenderRequest| -> Frame { pipeline.render(request).expect("a frame") };
             let truth = render(&at(4 * COUNT_MAX, 2));
-            let mut error = |frame: &Frame| relmse(&frame.radiance, &truth.radiance, &truth.mask.data);
+            let error = |frame: &Frame| relmse(&frame.radiance, &truth.radiance, &truth.mask.data);
             let counts: Vec<u32> = (5..).map(|k| 1 << k).take_while(|count| *count <= COUNT_MAX).collect();
             let errors: Vec<f64> = counts.iter().map(|&count| error(&render(&at(count, 1)))).collect();
             let mut cells = Vec::new();

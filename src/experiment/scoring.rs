@@ -53,7 +53,7 @@ impl ReferenceImage {
     /// The score of an exact test by metric, where it is known. Computed once.
     fn noise_floors(&self) -> Result<Scores, String> {
         let compute = || {
-            let Some(standard_error) = &self.standard_error else { return Ok(Scores::new()) };
+            let Some(standard_error) = &self.standard_error else { return Ok(Scores::default()) };
             let floors = noise_floor(&self.radiance, standard_error, &self.mask).map_err(|error| error.to_string())?;
             Ok(by_name(floors.into_iter().filter_map(|(name, floor)| Some((name, floor?))).collect()))
         };
@@ -129,7 +129,7 @@ impl Rendered<'_> {
 }
 
 fn by_name(values: Vec<(&'static str, f64)>) -> Scores {
-    values.into_iter().map(|(name, value)| (name.into(), Exact(value))).collect()
+    values.into_iter().map(|(name, value)| (name, Exact(value))).collect()
 }
 
 /// The verdict of the headline metric; `no-noise-floor` when the reference does not know its own error.

@@ -1,6 +1,5 @@
 //! The folder of a run. Records are written last and in one step: no record means not done.
 
-use super::names::Name;
 use super::plan::{Plan, SCHEMA_VERSION};
 use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
 use crate::shade::reference_pass::Convergence;
@@ -78,8 +77,7 @@ impl TryFrom<String> for Exact {
     }
 }
 
-/// Scores by metric name.
-pub type Scores = BTreeMap<Name, Exact>;
+pub use super::scores::Scores;
 
 /// Where a reference stopped: the least certain of its terms.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]

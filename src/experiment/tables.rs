@@ -52,8 +52,6 @@ fn metric_names() -> Vec<&'static str> {
 /// Columns and rows of a table.
 pub type Rows = (Vec<String>, Vec<Vec<Field>>);
 
-const NONE: &Scores = &Scores::new();
-
 /// `errors.csv`: one row a cell that was tried.
 pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
     let names = metric_names();
@@ -64,12 +62,13 @@ pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Ite
     columns.extend(floored.iter().map(|name| format!("{name}_noise_floor")));
     columns.extend(REFERENCE_COLUMNS.map(str::to_owned));
     columns.extend(["verdict", "diffuse_weight"].map(str::to_owned));
+    let none = Scores::default();
     let row = move |cell: &Cell| {
         let (scores, parts, floors, stop, verdict) = match results.get(&cell.id)? {
             CellResult::Done(r) => {
                 (&r.scores, &r.bias_variance, &r.noise_floors, r.reference.as_ref(), r.verdict.as_str())
             }
-            CellResult::Failed(_) => (NONE, NONE, NONE, None, "failed"),
+            CellResult::Failed(_) => (&none, &none, &none, None, "failed"),
         };
         let mut row = cell_fields(plan, cell);
         row.extend(score_fields(scores, &names));
@@ -181,5 +180,5 @@ fn text_field(text: &str) -> Field {
 }
 
 fn score_fields(scores: &Scores, names: &[&str]) -> Vec<Field> {
-    names.iter().map(|name| scores.get(*name).map(|score| score.0).into()).collect()
+    names.iter().map(|name| scores.get(name).map(|score| score.0).into()).collect()
 }

@@ -198,7 +198,9 @@ unsafe extern "system" fn on_message(
     user: *mut c_void,
 ) -> vk::Bool32 {
     // SAFETY: the loader passes a valid message.
-    let message = unsafe { (*data).message_as_c_str() };
+    let data = unsafe { &*data };
+    // SAFETY: its text is null or ends in a zero.
+    let message = unsafe { data.message_as_c_str() };
     let text = message.map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     // SAFETY: the user data points to the mutex that the instance keeps alive longer than the messenger.
     let messages = unsafe { &*(user as *const Mutex<Vec<String>>) };
