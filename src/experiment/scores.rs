@@ -2,25 +2,26 @@
 
 use super::store::Exact;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-/// A name of a metric or column. The text lives as long as the process; there are a few dozen.
+/// A name of a metric or column: one thin pointer. The text lives as long as the process; there are a few dozen.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
-struct Name(&'static str);
+struct Name(&'static &'static str);
 
-static KNOWN: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+static KNOWN: Mutex<BTreeMap<&'static str, Name>> = Mutex::new(BTreeMap::new());
 
 impl From<&str> for Name {
     fn from(text: &str) -> Self {
-        // A thread that panicked left a whole set: names are added in one step.
+        // A thread that panicked left a whole map: names are added in one step.
         let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(name) = known.get(text) {
-            return Self(name);
+            return *name;
         }
-        let name: &'static str = Box::leak(text.into());
-        known.insert(name);
-        Self(name)
+        let text: &'static str = Box::leak(text.into());
+        let name = Self(Box::leak(Box::new(text)));
+        known.insert(text, name);
+        name
     }
 }
 
@@ -31,7 +32,7 @@ pub struct Scores(Box<[(Name, Exact)]>);
 impl Scores {
     /// The score of that name.
     pub fn get(&self, name: &str) -> Option<&Exact> {
-        let index = self.0.binary_search_by(|(known, _)| known.0.cmp(name)).ok()?;
+        let index = self.0.binary_search_by(|(known, _)| (*known.0).cmp(name)).ok()?;
         Some(&self.0[index].1)
     }
 }
@@ -45,7 +46,7 @@ impl<N: AsRef<str>> FromIterator<(N, Exact)> for Scores {
 
 impl Serialize for Scores {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|(name, score)| (name.0, score)))
+        serializer.collect_map(self.0.iter().map(|(name, score)| (*name.0, score)))
     }
 }
 

@@ -159,7 +159,7 @@ pub struct BinRecord {
 impl CellRecord {
     /// What is kept in memory of a record that is on disk: what the plan says of the cell as well, and the bins, are left out.
     pub fn without_bins(self) -> Self {
-        Self { axes: BTreeMap::new(), bins: Vec::new(), ..self }
+        Self { cell: String::new(), axes: BTreeMap::new(), bins: Vec::new(), ..self }
     }
 }
 
