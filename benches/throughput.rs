@@ -60,6 +60,7 @@ fn request(
         brdf,
         masking_shadowing: Default::default(),
         samples: 40,
+        sequence: &splitsum::math::sequence::SEQUENCES[0],
         point_set: 0,
         reference_samples: 4096,
         reference_error: None,

@@ -25,5 +25,6 @@ fi
 say "device tests on a second driver: $manifest"
 # VK_DRIVER_FILES would win over VK_ICD_FILENAMES where both are set.
 unset VK_DRIVER_FILES
+VK_ICD_FILENAMES=$manifest cargo run --release --locked --quiet -- devices
 # A device that does not answer fails the tests here, where the driver is known to be there.
 VK_ICD_FILENAMES=$manifest GOLDEN=require exec cargo test --release --locked --test device -- "$@"

@@ -61,6 +61,16 @@ elif ! has_browser; then
     (require has_browser chromium) || say "skipped: the browser tests (chromium is not installed)"
 fi
 
+# Snakemake is large, so it comes only where it must, or is there already.
+if [ -n "${CI:-}${SPLITSUM_CLUSTER_TEST:-}" ] || [ -d target/cluster-venv ]; then
+    sh scripts/cluster-test.sh local || status=1
+else
+    say "skipped: scripts/cluster-test.sh local (it installs Snakemake; SPLITSUM_CLUSTER_TEST=1 asks for it)"
+fi
+
 say "cargo test"
 cargo test --release --locked --no-fail-fast || status=1
+
+# The parts that a driver can move; without arguments it runs all. It says so where there is no second driver.
+sh scripts/second-driver.sh golden furnace methods tables || status=1
 exit "$status"

@@ -14,7 +14,8 @@
 //!   Cartography and Geographic Information Science 30(1), 2003.
 //! - Burley12: B. Burley, "Physically-Based Shading at Disney", SIGGRAPH 2012 course notes.
 //! - Burley20: B. Burley, "Practical Hash-based Owen Scrambling", Journal of Computer Graphics Techniques 9(4), 2020.
-//! - Chen74: H.-C. Chen and Y. Asau, "On Generating Random Variates from an Empirical Distribution", AIIE Transactions 6(2), 1974.
+//! - Clarberg08: P. Clarberg and T. Akenine-Möller, "Practical Product Importance Sampling for Direct Illumination", Computer Graphics
+//!   Forum 27(2), 2008.
 //! - Colbert07: M. Colbert and J. Křivánek, "GPU-Based Importance Sampling", GPU Gems 3, chapter 20, 2007.
 //! - CranleyPatterson76: R. Cranley and T. N. L. Patterson, "Randomization of Number Theoretic Methods for Multiple Integration", SIAM
 //!   Journal on Numerical Analysis 13(6), 1976.
@@ -31,8 +32,6 @@
 //!   31(4), 2012.
 //! - HyndmanFan96: R. J. Hyndman and Y. Fan, "Sample Quantiles in Statistical Packages", The American Statistician 50(4), 1996.
 //! - Iglewicz93: B. Iglewicz and D. C. Hoaglin, "How to Detect and Handle Outliers", ASQC Quality Press, 1993.
-//! - Jakob14: W. Jakob, "An Improved Visible Normal Sampling Routine for the Beckmann Distribution", technical report, ETH Zürich,
-//!   2014.
 //! - Karis13: B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH 2013 course notes.
 //! - Karlik19: O. Karlík, M. Šik, P. Vévoda, T. Skřivan and J. Křivánek, "MIS Compensation: Optimizing Sampling Techniques in Multiple
 //!   Importance Sampling", ACM Transactions on Graphics 38(6), 2019.

@@ -7,11 +7,13 @@ import { makeProgram, paletteTexels, setErrorColors } from "report/program";
 const GBUFFER = ["gbuffer_position", "gbuffer_normal", "gbuffer_albedo", "gbuffer_f0"];
 /** Time that the samples of one frame may take, ms. */
 const FRAME_MS = 24;
-/** A frame of one sample that takes longer than this, ms, is drawn with fewer pixels while the view moves. */
-const SLOW_MS = 45;
+/** While the view moves, a frame of one sample is drawn with so few pixels that it takes about this long, ms, where all take longer. */
+const MOVING_MS = 40;
 const SAMPLES_A_FRAME_MAX = 128;
+/** Bands of rows in which one sample of every pixel is drawn where it takes longer than a frame may. */
+const BANDS_MAX = 24;
 /** Sides of a drawn pixel, in canvas pixels, while the view moves. */
-const PIXEL_SIDE_MAX = 4;
+const PIXEL_SIDE_MAX = 6;
 /** What there is to see: sphere (centre, radius) and rectangle (height, half sides). A size of 0 leaves one out. */
 export const OBJECTS = {
   both: { sphere: [0, 0, 0, 1], rectangle: [-1, 3, 3] },
@@ -56,7 +58,12 @@ export class LiveRender {
     this.palette = this.texture(gl.RGBA8, 256, 2, gl.RGBA, gl.UNSIGNED_BYTE, paletteTexels(model.colors));
     this.done = 0;
     this.batch = 1;
+    this.bands = 1;
+    this.pending = null;
+    this.isShown = false;
     this.pixelSide = 1;
+    this.movingSide = 1;
+    this.frameMs = 0;
     this.fence = null;
     this.stale = true;
   }
@@ -223,16 +230,21 @@ export class LiveRender {
     this.pass("split_sum", targets.split, shared, (uniform) => this.setParams(uniform, camera));
   }
 
-  /** Adds `count` samples to those that are done. */
-  drawSamples(count) {
+  /** Adds `count` samples to those that are done, in one of `bands` bands of rows; they count when the last band is drawn. */
+  drawSamples(count, band = 0, bands = 1) {
     const { gl, view, targets } = this, [from, to] = targets.sums;
     const shared = { ...targets.gbuffer.named, environment: view.environment, points: this.points(view.samples), so_far: from.named.color };
+    const row = (i) => Math.round((i * to.height) / bands);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(0, row(band), to.width, row(band + 1) - row(band));
     this.pass(`sampled:${view.brdf}`, to, shared, (uniform) => {
       this.setParams(uniform, cameraOf(view, this.canvas.width, this.canvas.height));
       gl.uniform1ui(uniform.first_sample, this.done);
       gl.uniform1ui(uniform["params.point_count"], count);
       gl.uniform1i(uniform.is_filtered, view.filtered ? 1 : 0);
     });
+    gl.disable(gl.SCISSOR_TEST);
+    if (band + 1 < bands) return;
     targets.sums.reverse();
     this.done += count;
   }
@@ -260,11 +272,13 @@ export class LiveRender {
   restart() {
     this.stale = true;
     this.done = 0;
+    this.pending = null;
   }
 
   /** Changes what acts after shading: mode and tone curve. */
   display(details) {
     if (this.view) Object.assign(this.view, details);
+    this.isShown = false;
   }
 
   get isSampling() {
@@ -282,38 +296,53 @@ export class LiveRender {
       if (gl.getSyncParameter(this.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
       gl.deleteSync(this.fence);
       this.fence = null;
-      this.adapt(performance.now() - this.submitted, isMoving);
+      this.adapt(performance.now() - this.submitted);
     }
-    const side = isMoving ? this.movingSide ?? 1 : 1;
+    const side = isMoving ? this.movingSide : 1;
     if (side !== this.pixelSide) { this.pixelSide = side; this.restart(); }
     this.resize();
     this.lastCount = 0;
+    // Every pass is drawn, as it is in every frame while the view moves.
+    this.wasWhole = this.stale;
     if (this.stale) {
-      this.done = 0;
+      this.restart();
       this.drawBase();
       this.stale = false;
+      this.isShown = false;
     }
-    if (this.isSampling && this.done < this.view.samples) {
-      this.lastCount = Math.min(this.batch, this.view.samples - this.done);
-      this.drawSamples(this.lastCount);
-    }
-    this.drawResult(this.view.mode, false);
+    if (this.isSampling && this.done < this.view.samples) this.sampleSome();
+    if (!this.isShown) this.drawResult(this.view.mode, false);
+    this.isShown = true;
     this.submitted = performance.now();
     this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
     return true;
   }
 
+  /** One pass of samples, or a band of it where a pass takes longer than a frame may. */
+  sampleSome() {
+    this.pending ??= { count: Math.min(this.batch, this.view.samples - this.done), band: 0, bands: this.wasWhole ? 1 : this.bands };
+    const { count, band, bands } = this.pending;
+    this.drawSamples(count, band, bands);
+    this.lastCount = count;
+    this.lastBands = bands;
+    this.pending.band += 1;
+    if (this.pending.band < bands) return;
+    this.pending = null;
+    this.isShown = false;
+  }
+
   /** Fits the samples a frame, and the pixels while moving, to the time that the last frame took. */
-  adapt(ms, isMoving) {
+  adapt(ms) {
+    this.frameMs = ms;
     if (this.lastCount) {
-      const factor = Math.min(2, Math.max(0.25, FRAME_MS / Math.max(1, ms)));
+      const pass = Math.max(1, ms) * this.lastBands, factor = Math.min(2, Math.max(0.25, FRAME_MS / pass));
       this.batch = Math.max(1, Math.min(SAMPLES_A_FRAME_MAX, Math.round(this.lastCount * factor)));
+      this.bands = this.lastCount === 1 ? Math.max(1, Math.min(BANDS_MAX, Math.round(pass / FRAME_MS))) : 1;
     }
-    if (!isMoving) return;
-    const side = this.movingSide ?? 1;
-    if (ms > SLOW_MS && this.batch === 1) this.movingSide = Math.min(PIXEL_SIDE_MAX, side * 2);
-    else if (ms < SLOW_MS / 6) this.movingSide = Math.max(1, side / 2);
+    if (!this.wasWhole) return;
+    const allPixels = (ms / Math.max(1, this.lastCount)) * this.pixelSide ** 2;
+    this.movingSide = Math.min(PIXEL_SIDE_MAX, Math.max(1, Math.ceil(Math.sqrt(allPixels / MOVING_MS))));
   }
 
   // --- Values --------------------------------------------------------------------------------------------------------------

@@ -122,7 +122,8 @@ class Live {
     this.frame ||= requestAnimationFrame(() => {
       this.frame = 0;
       if (byId("view-live").hidden || !this.render.view || this.render.gl.isContextLost()) return;
-      const rested = performance.now() - this.changed > REST_MS;
+      // Where a frame takes long, changes come no faster than frames.
+      const rested = performance.now() - this.changed > Math.max(REST_MS, 2 * this.render.frameMs);
       const drawn = this.render.step(!rested);
       if (rested && this.isUnkept) this.keepState();
       this.describe();

@@ -73,13 +73,18 @@ float log_one_minus(float x) {
     // ln m = 2 atanh((m - 1) / (m + 1)); |q| < 0.172, so the first dropped term is below 1e-9.
     float q = m_minus_1 / (m_minus_1 + 2.0);
     float t = q * q;
-    float series = (((t / 9.0 + 1.0 / 7.0) * t + 1.0 / 5.0) * t + 1.0 / 3.0) * t + 1.0;
+    float series = ((((1.0 / 9.0) * t + 1.0 / 7.0) * t + 1.0 / 5.0) * t + 1.0 / 3.0) * t + 1.0;
     return 2.0 * q * series + float(exponent) * 0.693147181;
 }
 
 // 1 - exp(-x) for x >= 0; relative error below 1e-6, also as x goes to 0.
 float one_minus_exp(float x) {
-    float series = x * (1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0)))));
+    // Taylor's series. Compilers keep divisions by constants, so there are none.
+    float series = 1.0 / 120.0 - x * (1.0 / 720.0);
+    series = 1.0 / 24.0 - x * series;
+    series = 1.0 / 6.0 - x * series;
+    series = 0.5 - x * series;
+    series = x * (1.0 - x * series);
     return x < 0.25 ? series : 1.0 - exp(-x);
 }
 

@@ -1,5 +1,6 @@
 // The environment as a light: exact bilinear radiance, and importance sampling proportional to its luminance above a threshold,
-// with the density of the bilinear map itself. Where the density is 0 the lobe must sample. The tables, their layout and the derivation: src/environment/distribution.rs.
+// guided to the cells where a lobe is, with the density of just that. Where the density is 0 the lobe must sample. The tables, their
+// layout and the derivation: src/environment/distribution.rs.
 //
 // A texel of the environment holds its radiance (rgb) and its sampling weight (a). Directions are in the environment's frame.
 //
@@ -16,15 +17,38 @@ uint environment_word(uint index);
 // 1 when the driver's bilinear filter computes in f32.
 layout(constant_id = 1) const uint EXACT_FILTER = 0u;
 
+const uint CELL_COUNT = CELL_COLUMNS * CELL_ROWS;
+
 // Where the tables lie.
 struct EnvironmentTables {
     uint width;
     uint height;
-    uint band_shift;
-    uint column_shift;
-    uint conditional_base;
-    uint conditional_stride;
+    uint cell_width;
+    uint cell_height;
+    uint cells_base;
+    uint slots_base;
+    uint blocks_base;
 };
+
+// The guide of this invocation: of each slot its weight, and the sum of mass times weight up to it and with it. `environment_guide`
+// must have been called for every slot, in order.
+float environment_guide_weights[CELL_COUNT];
+float environment_guide_ends[CELL_COUNT];
+uint environment_guide_count = 0u;
+float environment_guide_sum = 0.0;
+
+// Gives the next slot, which holds the share `mass` of all light, its weight.
+void environment_guide(float mass, float weight) {
+    environment_guide_sum += mass * weight;
+    environment_guide_weights[environment_guide_count] = weight;
+    environment_guide_ends[environment_guide_count] = environment_guide_sum;
+    environment_guide_count += 1u;
+}
+
+// Guided over plain density in a slot's cell.
+float environment_guide_factor(uint slot) {
+    return environment_guide_sum > 0.0 ? environment_guide_weights[slot] / environment_guide_sum : 0.0;
+}
 
 // Radiance from a direction and the density (1/sr) with which `environment_sample` returns that direction.
 struct EnvironmentSample {
@@ -33,26 +57,19 @@ struct EnvironmentSample {
     float pdf_l;
 };
 
-// log2 of the guide entries of a distribution over `count` intervals; the twin is `guide_bits`.
-uint environment_guide_bits(uint count) {
-    return uint(max(findMSB(count - 1u) + 1, 1));
-}
-
 EnvironmentTables environment_tables(uint width, uint height) {
     uint band_count = height + 1u;
-    uint band_bits = environment_guide_bits(band_count);
-    uint column_bits = environment_guide_bits(width);
-    return EnvironmentTables(width, height, 32u - band_bits, 32u - column_bits,
-        band_count + (band_count + 1u) + (1u << band_bits), (width + 1u) + (1u << column_bits));
+    uint slots_base = band_count + CELL_COUNT;
+    return EnvironmentTables(width, height, (width + CELL_COLUMNS - 1u) / CELL_COLUMNS,
+        (band_count + CELL_ROWS - 1u) / CELL_ROWS, band_count, slots_base, slots_base + CELL_COUNT);
 }
 
-// Interval of the distribution at `base` that holds `xi`; `fraction` is the place inside it, in (0, 1).
-uint environment_invert(uint base, uint count, uint shift, uint xi, out float fraction) {
+// Interval of the distribution over `count` intervals at `base` that holds `xi`; `fraction` is the place inside it, in (0, 1).
+uint environment_invert(uint base, uint count, uint xi, out float fraction) {
     // The largest value is the end of the last interval, which belongs to none.
     xi = min(xi, 0xfffffffeu);
-    uint span = environment_word(base + count + 1u + (xi >> shift));
-    uint low = span & 0xffffu;
-    uint high = span >> 16;
+    uint low = 0u;
+    uint high = count - 1u;
     while (low < high) {
         uint middle = (low + high + 1u) >> 1;
         if (environment_word(base + middle) <= xi) {
@@ -67,8 +84,30 @@ uint environment_invert(uint base, uint count, uint shift, uint xi, out float fr
     return low;
 }
 
-// The four texels around cell `column` of `band`: (x0, y0), (x1, y0), (x0, y1), (x1, y1).
-void environment_cell(sampler2D environment, EnvironmentTables tables, uint band, uint column, out vec4 texels[4]) {
+// Slot of the guide that holds `xi`; `fraction` is the place inside it as fixed point.
+uint environment_invert_guide(uint xi, out uint fraction) {
+    float place = float(xi >> 8) * exp2(-24.0) * environment_guide_sum;
+    uint low = 0u;
+    uint high = environment_guide_count - 1u;
+    while (low < high) {
+        uint middle = (low + high) >> 1;
+        if (environment_guide_ends[middle] <= place) {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    float start = low > 0u ? environment_guide_ends[low - 1u] : 0.0;
+    // The bits that `place` has no digits for count inside a slot of little light.
+    float inside = (place - start) + (float(xi & 0xffu) + 0.5) * exp2(-32.0) * environment_guide_sum;
+    float size = max(environment_guide_ends[low] - start, 1e-30);
+    // Below 1, where the product would not fit.
+    fraction = uint(clamp(inside / size, 0.0, 1.0 - 6e-8) * 4294967296.0);
+    return low;
+}
+
+// The four texels around the place right of `column` in `band`: (x0, y0), (x1, y0), (x0, y1), (x1, y1).
+void environment_texels(sampler2D environment, EnvironmentTables tables, uint band, uint column, out vec4 texels[4]) {
     int x0 = int(column);
     int x1 = column + 1u == tables.width ? 0 : x0 + 1;
     int y0 = max(int(band) - 1, 0);
@@ -109,30 +148,38 @@ EnvironmentSample environment_eval(sampler2D environment, sampler2D environment_
     vec2 texel = uv_sin_theta.xy * vec2(tables.width, tables.height) - 0.5;
     vec2 corner = floor(texel);
     uint band = uint(clamp(int(corner.y) + 1, 0, int(tables.height)));
+    int column = int(corner.x);
+    column = column < 0 ? column + int(tables.width) : min(column, int(tables.width) - 1);
+    uint cell = band / tables.cell_height * CELL_COLUMNS + uint(column) / tables.cell_width;
     vec4 light;
     if (EXACT_FILTER != 0u) {
         light = textureLod(environment_linear, uv_sin_theta.xy, 0.0);
     } else {
-        int x0 = int(corner.x);
-        x0 = x0 < 0 ? x0 + int(tables.width) : min(x0, int(tables.width) - 1);
         vec4 texels[4];
-        environment_cell(environment, tables, band, uint(x0), texels);
+        environment_texels(environment, tables, band, uint(column), texels);
         light = environment_bilinear(texels, texel - corner);
     }
-    return EnvironmentSample(l, light.rgb, environment_pdf(light.a, band, uv_sin_theta.z));
+    float factor = environment_guide_factor(environment_word(tables.slots_base + cell));
+    return EnvironmentSample(l, light.rgb, factor * environment_pdf(light.a, band, uv_sin_theta.z));
 }
 
-// A direction from a fixed-point pair: x selects the column, y the band. Density 0 means that no light is above the threshold
+// A direction from a fixed-point pair: y selects slot and band, x the column. Density 0 means that no light is above the threshold
 // anywhere: the sample must not be used.
 EnvironmentSample environment_sample(sampler2D environment, EnvironmentTables tables, uvec2 xi) {
+    uint fraction_in_slot;
+    uint slot = environment_invert_guide(xi.y, fraction_in_slot);
+    uint cell = environment_word(tables.cells_base + slot);
+    uint row_len = tables.cell_width + 1u;
+    uint block = tables.blocks_base + slot * (tables.cell_height + 1u + tables.cell_height * row_len);
     vec2 fraction;
-    uint band_count = tables.height + 1u;
-    uint band = environment_invert(band_count, band_count, tables.band_shift, xi.y, fraction.y);
-    uint row = tables.conditional_base + band * tables.conditional_stride;
-    uint column = environment_invert(row, tables.width, tables.column_shift, xi.x, fraction.x);
+    uint row = environment_invert(block, tables.cell_height, fraction_in_slot, fraction.y);
+    uint row_base = block + tables.cell_height + 1u + row * row_len;
+    uint column = cell % CELL_COLUMNS * tables.cell_width
+        + environment_invert(row_base, tables.cell_width, xi.x, fraction.x);
+    uint band = cell / CELL_COLUMNS * tables.cell_height + row;
 
     vec4 texels[4];
-    environment_cell(environment, tables, band, column, texels);
+    environment_texels(environment, tables, band, column, texels);
     vec2 t;
     t.y = environment_invert_linear(texels[0].a + texels[1].a, texels[2].a + texels[3].a, fraction.y);
     t.x = environment_invert_linear(mix(texels[0].a, texels[2].a, t.y), mix(texels[1].a, texels[3].a, t.y), fraction.x);
@@ -143,7 +190,8 @@ EnvironmentSample environment_sample(sampler2D environment, EnvironmentTables ta
     float bottom = min(float(band) + 0.5, float(tables.height));
     vec3 l = direction_from_uv(
         vec2((float(column) + 0.5 + t.x) / float(tables.width), mix(top, bottom, t.y) / float(tables.height)));
-    return EnvironmentSample(l, light.rgb, environment_pdf(light.a, band, length(l.xz)));
+    float pdf_l = environment_guide_factor(slot) * environment_pdf(light.a, band, length(l.xz));
+    return EnvironmentSample(l, light.rgb, pdf_l);
 }
 
 #endif

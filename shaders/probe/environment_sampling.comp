@@ -1,8 +1,8 @@
 // One invocation evaluates the functions of lib/environment_sampling.glsl for one item, on a map of the bound environment's size.
-// In: (unit direction, 0), (xi.x high, low, xi.y high, low) with 16 bits a channel.
+// In: (unit direction, count of slots), (xi.x high, low, xi.y high, low) with 16 bits a channel.
 // Out: (radiance from the direction, its density), (sampled direction, its density), (radiance from the sampled direction, 0).
 // Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 3 vec4 an item; 2 environment (sampler2D, level 0); 3 words of its distribution;
-// 4 the environment through a bilinear sampler. Specialization constant 1: EXACT_FILTER.
+// 4 the environment through a bilinear sampler; 5 the slots of its distribution. Specialization constant 1: EXACT_FILTER.
 // Dispatch: ceil(count / GROUP_LINEAR) groups.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -29,8 +29,17 @@ layout(std430, set = 0, binding = 3) readonly buffer EnvironmentWords {
     uint environment_words[];
 };
 
+layout(std140, set = 0, binding = 5) uniform Slots {
+    vec4 slots[CELL_COLUMNS * CELL_ROWS];
+};
+
 uint environment_word(uint index) {
     return environment_words[index];
+}
+
+// A lobe about +x with a floor.
+float guide_weight(vec3 d) {
+    return 0.1 + max(d.x, 0.0);
 }
 
 void main() {
@@ -40,6 +49,9 @@ void main() {
     }
     uvec2 size = uvec2(textureSize(environment, 0));
     EnvironmentTables tables = environment_tables(size.x, size.y);
+    for (uint slot = 0u; slot < uint(inputs[item * 2u].w); ++slot) {
+        environment_guide(slots[slot].w, guide_weight(slots[slot].xyz));
+    }
     EnvironmentSample seen = environment_eval(environment, environment_linear, tables, inputs[item * 2u].xyz);
     uvec4 halves = uvec4(inputs[item * 2u + 1u]);
     EnvironmentSample light = environment_sample(environment, tables, halves.xz << 16 | halves.yw);

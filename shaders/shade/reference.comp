@@ -13,7 +13,8 @@
 //
 // Set 0: 0 position and mask, 1 normal and alpha, 2 albedo and metallic, 3 f0 and id (sampler2D, level 0);
 // 4 environment (sampler2D, level 0 in f32); 5 tables of the environment (see lib/environment_sampling.glsl);
-// 6 mean over scrambles (rgb) and their count (a); 7 sum of squared deviations (rgb). Scramble 0 overwrites 6 and 7.
+// 6 mean over scrambles (rgb) and their count (a); 7 sum of squared deviations (rgb). Scramble 0 overwrites 6 and 7;
+// 8 as 4, through a bilinear sampler; 9 mean direction and mass of each slot of 5.
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE), rows counted from `first_row`.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -49,6 +50,10 @@ layout(std430, set = 0, binding = 7) buffer SquaredDeviations {
     vec4 squared_deviations[];
 };
 
+layout(std140, set = 0, binding = 9) uniform Slots {
+    vec4 slots[CELL_COLUMNS * CELL_ROWS];
+};
+
 uint environment_word(uint index) {
     return environment_words[index];
 }
@@ -80,6 +85,9 @@ void main() {
     // The floor of n_dot_v holds for the lobe too: at 0 it has no sampler.
     v_local.z = max(v_local.z, COSINE_MIN);
 
+    for (uint slot = 0u; slot < params.slot_count; ++slot) {
+        environment_guide(slots[slot].w, GUIDE_FLOOR + lobe_guide(surface, v_local, slots[slot].xyz * frame));
+    }
     EnvironmentTables tables = environment_tables(params.environment_width, params.environment_height);
     uint pair_count = (params.sample_count + 1u) / 2u;
     vec4 mean = vec4(0.0);

@@ -42,7 +42,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let environment = Environment::load(&arguments.environment, Path::new(""), &options).map_err(Failure::input)?;
     environment.warnings.iter().for_each(|warning| super::warn(&environment.name, warning));
     let mut point = Point::default();
-    for (name, value) in &arguments.settings {
+    for (index, (name, value)) in arguments.settings.iter().enumerate() {
+        if arguments.settings[..index].iter().any(|(earlier, _)| earlier == name) {
+            return Err(Failure::BadInput(format!("--set {name}: stands twice; expected one value")));
+        }
         point.set(name, value.clone());
     }
     let settings = point.settings();

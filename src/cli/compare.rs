@@ -12,7 +12,11 @@ use std::path::{Path, PathBuf};
 
 /// Scores a linear EXR image against a reference.
 #[derive(Args, Debug)]
-#[command(allow_negative_numbers = true, after_help = "Example:\n  splitsum compare ball.exr reference.exr --json")]
+#[command(
+    allow_negative_numbers = true,
+    after_help = "Example:\n  splitsum render --method split-sum --out ball.exr\n  \
+    splitsum render --method reference --out reference.exr\n  splitsum compare ball.exr reference.exr --json"
+)]
 pub struct Arguments {
     /// The image to judge.
     test: PathBuf,

@@ -4,6 +4,8 @@ use super::{Failure, print};
 use clap::{Args, ValueEnum};
 use splitsum::environment::{BUILTINS, FORMATS};
 use splitsum::experiment::axis::AXES;
+use splitsum::math::sequence::SEQUENCES;
+use splitsum::shade::level_bias::LEVEL_BIASES;
 use splitsum::table::markdown::{Align, MarkdownTable};
 use splitsum::{brdf, metrics, scene, shade};
 
@@ -24,6 +26,8 @@ enum What {
     Scenes,
     Metrics,
     Axes,
+    Sequences,
+    LevelBiases,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -62,6 +66,10 @@ fn listing(what: What) -> String {
                 let d = metric.description();
                 add(d.name, &format!("{}; {} values, {} is better", d.formula, d.space.name(), d.better.name()));
             }
+        }
+        What::Sequences => SEQUENCES.iter().for_each(|sequence| add(sequence.name, sequence.about)),
+        What::LevelBiases => {
+            LEVEL_BIASES.iter().for_each(|bias| add(bias.name, &format!("{:.4} levels: {}", bias.levels, bias.about)));
         }
         What::Axes => {
             for axis in AXES {

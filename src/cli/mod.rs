@@ -1,18 +1,23 @@
 //! The command line: one file a command, each a thin layer over the library.
 
+mod answers;
 mod bake;
+mod cache;
 mod compare;
 mod devices;
 mod integrate;
 mod later;
 mod list;
+mod merge;
 mod plan;
 mod progress;
 mod render;
 mod report;
 mod run;
+mod subject;
 
 use clap::{Parser, Subcommand};
+use splitsum::experiment::chunk::ChunkError;
 use splitsum::experiment::{RenderFault, RunError};
 use splitsum::spelling::printable;
 use std::process::ExitCode;
@@ -36,6 +41,7 @@ struct Cli {
 enum Command {
     Run(run::Arguments),
     Plan(plan::Arguments),
+    Merge(merge::Arguments),
     Render(Box<render::Arguments>),
     Compare(compare::Arguments),
     Bake(bake::Arguments),
@@ -44,6 +50,7 @@ enum Command {
     List(list::Arguments),
     Integrate(integrate::Arguments),
     Report(report::Arguments),
+    Answers(answers::Arguments),
     /// Opens an interactive window.
     View(later::Arguments),
 }
@@ -111,7 +118,17 @@ impl From<RunError> for Failure {
             RunError::DeviceLost(_) => Self::Passing(text),
             RunError::NoRenderer(_) => Self::BadInput(text),
             RunError::Store(error) if error.is_misuse() => Self::BadInput(text),
-            RunError::Store(_) => Self::Failed(text),
+            RunError::Store(_) | RunError::Answers(_) => Self::Failed(text),
+        }
+    }
+}
+
+impl From<ChunkError> for Failure {
+    fn from(error: ChunkError) -> Self {
+        match error {
+            ChunkError::Run(error) => error.into(),
+            error if error.is_misuse() => Self::input(error),
+            error => Self::failed(error),
         }
     }
 }
@@ -121,6 +138,7 @@ pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Plan(arguments) => plan::execute(&arguments),
+        Command::Merge(arguments) => merge::execute(&arguments),
         Command::Render(arguments) => render::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Bake(arguments) => bake::execute(&arguments),
@@ -128,6 +146,7 @@ pub fn main() -> ExitCode {
         Command::List(arguments) => list::execute(&arguments),
         Command::Integrate(arguments) => integrate::execute(&arguments),
         Command::Report(arguments) => report::execute(&arguments),
+        Command::Answers(arguments) => answers::execute(&arguments),
         Command::View(_) => later::execute("view"),
     };
     match result {

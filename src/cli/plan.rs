@@ -1,41 +1,48 @@
 //! `splitsum plan`: what a run would do.
 
-use super::run::default_dir;
+use super::subject::Subject;
 use super::{Failure, print};
 use clap::Args;
 use serde_json::json;
+use splitsum::experiment::chunk::{PlanFile, Rates};
 use splitsum::experiment::store::{CellRecord, Store};
 use splitsum::experiment::timing;
 use splitsum::experiment::{Cell, Plan};
 use std::collections::BTreeSet;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Shows the cells of an experiment, what is left out and why, what is done, and a rough cost.
+/// Shows the cells of an experiment, what is left out and why, what is done, and a rough cost; or cuts it into chunks for several machines.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    after_help = "Examples:\n  splitsum plan experiments/quick.toml\n  splitsum plan experiments/quick.toml --json | jq '.cells | length'"
+    mut_arg("out", |out| out.value_name("PATH").help(
+        "Folder of the run to compare with; runs/NAME when left out. With --chunk-seconds: the plan file to write"
+    )),
+    after_help = "Chunks are a function of the experiment, its inputs, --chunk-seconds and --samples-per-second only: the same on every machine.\n\n\
+    Examples:\n  splitsum plan experiments/quick.toml\n  splitsum plan experiments/quick.toml --json | jq '.cells | length'\n  \
+    splitsum plan experiments/quick.toml --chunk-seconds 60 --out plan.json"
 )]
 pub struct Arguments {
-    /// The experiment file.
-    experiment: PathBuf,
-    /// Folder of the run to compare with; runs/NAME when left out.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replaces the values of an axis, as axis=v1,v2.
-    #[arg(long = "set", value_name = "AXIS=VALUES")]
-    overrides: Vec<String>,
+    #[command(flatten)]
+    subject: Subject,
     /// Prints JSON for programs.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "chunk_seconds")]
     json: bool,
+    /// Cuts the experiment into chunks of about this many seconds and writes the plan file --out.
+    #[arg(long, value_name = "S", requires = "out", value_parser = positive)]
+    chunk_seconds: Option<f64>,
+    /// The speed that the lengths of chunks are reckoned with. Nothing is measured, so that chunks do not depend on the machine.
+    #[arg(long, value_name = "RATE", requires = "chunk_seconds", value_parser = positive)]
+    #[arg(default_value_t = Rates::default().samples_per_second)]
+    samples_per_second: f64,
 }
 
-/// Samples a second that a software driver draws on two cores; used until the run itself has records.
-const ASSUMED_SAMPLES_PER_SECOND: f64 = 25e6;
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "expected a number above 0".to_owned())
+}
 
-/// Scoring and writing of one cell of 128x128 to 256x256 pixels.
-const ASSUMED_SECONDS_PER_CELL: f64 = 0.03;
 /// f32 R, G, B and A.
 const IMAGE_BYTES_PER_PIXEL: f64 = 16.0;
 /// The same with the three channels of the standard error.
@@ -70,8 +77,11 @@ struct Cost {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let plan = Plan::load(&arguments.experiment, &arguments.overrides).map_err(Failure::input)?;
-    let dir = default_dir(&plan, arguments.out.as_ref());
+    let plan = arguments.subject.plan()?;
+    if let (Some(seconds), Some(path)) = (arguments.chunk_seconds, &arguments.subject.out) {
+        return write_chunks(arguments, &plan, seconds, path);
+    }
+    let dir = arguments.subject.dir(&plan);
     let store = Store::at(&dir);
     store.check_identity(&plan).map_err(Failure::input)?;
     let mut states = Vec::new();
@@ -89,9 +99,36 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let cost = cost(&plan, &states, &records, &dir);
     print(&if arguments.json { as_json(&plan, &states, &cost) } else { as_text(&plan, &states, &cost, &dir) })?;
     if plan.cells.is_empty() {
-        return Err(Failure::NothingToDo(format!("{}: no cell is left", arguments.experiment.display())));
+        return Err(arguments.subject.nothing_to_do());
     }
     Ok(())
+}
+
+fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -> Result<(), Failure> {
+    if plan.cells.is_empty() {
+        return Err(arguments.subject.nothing_to_do());
+    }
+    if arguments.subject.clamp_invalid {
+        let text = "--clamp-invalid: a plan file does not keep it; expected environments without invalid texels";
+        return Err(Failure::BadInput(text.to_owned()));
+    }
+    let rates = Rates { samples_per_second: arguments.samples_per_second, ..Rates::default() };
+    let file = PlanFile::new(plan, seconds, rates);
+    file.write(path).map_err(Failure::input)?;
+    let timed: usize = file.chunks.iter().map(|chunk| chunk.timings.len()).sum();
+    let longest = file.chunks.iter().map(|chunk| chunk.seconds).fold(0.0, f64::max);
+    print(&format!(
+        "{}: {} cells and {timed} timed configurations in {}, numbered from 0; the longest is reckoned to take {longest:.0} s\n\
+         at {} million samples a second\nWritten to {}\n",
+        file.name,
+        plan.cells.len(),
+        match file.chunks.len() {
+            1 => "1 chunk".to_owned(),
+            count => format!("{count} chunks"),
+        },
+        rates.samples_per_second / 1e6,
+        path.display()
+    ))
 }
 
 fn cost(plan: &Plan, states: &[State], records: &[CellRecord], dir: &Path) -> Cost {
@@ -112,10 +149,12 @@ fn cost(plan: &Plan, states: &[State], records: &[CellRecord], dir: &Path) -> Co
         bytes += pixels(cell) * PICTURE_BYTES_PER_PIXEL;
     }
     if records.is_empty() {
-        let seconds = samples / ASSUMED_SAMPLES_PER_SECOND + open.len() as f64 * ASSUMED_SECONDS_PER_CELL;
+        let rates = Rates::default();
+        let seconds = samples / rates.samples_per_second + open.len() as f64 * rates.seconds_per_cell;
         let basis = format!(
-            "{} million samples a second and {ASSUMED_SECONDS_PER_CELL} s a cell, a software driver on 2 cores; images as they are stored",
-            ASSUMED_SAMPLES_PER_SECOND / 1e6
+            "{} million samples a second and {} s a cell, a software driver on 2 cores; images as they are stored",
+            rates.samples_per_second / 1e6,
+            rates.seconds_per_cell
         );
         return Cost { samples, seconds, bytes, basis };
     }

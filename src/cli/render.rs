@@ -96,6 +96,12 @@ pub struct Arguments {
     /// Added to the mip level of filtered samples.
     #[arg(long, value_name = "B", allow_hyphen_values = true, value_parser = axis!("lod_bias"))]
     lod_bias: Option<Value>,
+    /// Where a sampled method takes its points from; `splitsum list sequences`.
+    #[arg(long, value_name = "NAME", value_parser = axis!("sequence"))]
+    sequence: Option<Value>,
+    /// Numbers of the precomputed tables, f32 or f16.
+    #[arg(long, value_name = "NAME", value_parser = axis!("storage_format"))]
+    storage_format: Option<Value>,
     /// Sets NaN, infinite and negative texels of the environment to 0, with a warning, instead of refusing them.
     #[arg(long)]
     clamp_invalid: bool,
@@ -184,6 +190,8 @@ fn point(arguments: &Arguments) -> Point {
         ("environment_scale", &arguments.scale),
         ("masking", &arguments.masking),
         ("lod_bias", &arguments.lod_bias),
+        ("sequence", &arguments.sequence),
+        ("storage_format", &arguments.storage_format),
     ];
     let mut point = Point::default();
     point.set("size", arguments.size.clone());

@@ -1,38 +1,51 @@
 //! `splitsum run`.
 
+use super::cache::CacheArguments;
 use super::progress::Terminal;
+use super::subject::Subject;
 use super::{Failure, print};
 use clap::Args;
-use splitsum::experiment::{Plan, Progress, RenderFault, Renderer, RunOptions, run};
+use splitsum::experiment::chunk::{ChunkOptions, PlanFile, run_chunk};
+use splitsum::experiment::store::FailureRecord;
+use splitsum::experiment::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run};
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::report::ReportOptions;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// Runs an experiment, or what is left of it.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
+    override_usage = "splitsum run [OPTIONS] <EXPERIMENT>\n       splitsum run --plan <FILE> --chunk <K> --store <DIR> [--device <N>]",
     after_help = "A run that was stopped (Ctrl-C, a crash, a full disk) goes on where it stopped: give the same command again.\n\n\
     Examples:\n  splitsum run experiments/quick.toml\n  \
     splitsum run experiments/quick.toml --set alpha=0.1,0.5 --set brdf=ggx --out runs/short\n  \
-    splitsum run experiments/real.toml --set environment=sky.hdr --set scene=teapot.obj --out runs/teapot"
+    splitsum run experiments/real.toml --set environment=sky.hdr --set scene=teapot.obj --out runs/teapot\n  \
+    splitsum run --plan plan.json --chunk 17 --store shared/sweep"
 )]
 pub struct Arguments {
-    /// The experiment file.
-    experiment: PathBuf,
-    /// Folder of the run; runs/NAME when left out.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replaces the values of an axis, as axis=v1,v2. Paths are relative to the current folder.
-    #[arg(long = "set", value_name = "AXIS=VALUES")]
-    overrides: Vec<String>,
+    #[command(flatten)]
+    subject: Option<Subject>,
+    /// Runs one chunk of this plan file (see `splitsum plan --chunk-seconds`) instead of a whole experiment.
+    #[arg(long, value_name = "FILE", requires_all = ["chunk", "store"])]
+    #[arg(conflicts_with_all = ["experiment", "out", "overrides", "trace"])]
+    plan: Option<PathBuf>,
+    /// Number of the chunk, from 0.
+    #[arg(long, value_name = "K", requires = "plan", conflicts_with = "experiment")]
+    chunk: Option<usize>,
+    /// The folder that all chunks share; `splitsum merge` makes one run of it.
+    #[arg(long, value_name = "DIR", requires = "plan", conflicts_with = "experiment")]
+    store: Option<PathBuf>,
     /// Ends the run at the first cell that fails; without it the others are still done.
     #[arg(long)]
     fail_fast: bool,
     /// Writes the timed passes to trace.json, which Perfetto opens (needs [timing] in the experiment).
     #[arg(long)]
     trace: bool,
+    #[command(flatten)]
+    cache: CacheArguments,
     /// Index of the device, as `splitsum devices` lists them.
     #[arg(long, value_name = "N")]
     device: Option<usize>,
@@ -44,10 +57,64 @@ static STOP: AtomicBool = AtomicBool::new(false);
 const EXIT_INTERRUPTED: i32 = 130;
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let plan = Plan::load(&arguments.experiment, &arguments.overrides).map_err(Failure::input)?;
-    if plan.cells.is_empty() {
-        return Err(Failure::NothingToDo(format!("{}: no cell is left", arguments.experiment.display())));
+    match (&arguments.subject, &arguments.plan, arguments.chunk, &arguments.store) {
+        (_, Some(plan), Some(chunk), Some(store)) => execute_chunk(arguments, plan, chunk, store),
+        (Some(subject), ..) => execute_whole(arguments, subject),
+        // The parser lets nothing else through.
+        _ => Err(Failure::BadInput("expected an experiment file, or --plan, --chunk and --store".to_owned())),
     }
+}
+
+fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure> {
+    let started = Instant::now();
+    let plan = subject.plan()?;
+    if plan.cells.is_empty() {
+        return Err(subject.nothing_to_do());
+    }
+    let mut progress = begin(&plan)?;
+    let options = RunOptions {
+        dir: subject.dir(&plan),
+        stop: &STOP,
+        command_line: std::env::args().collect(),
+        fail_fast: arguments.fail_fast,
+        trace: arguments.trace,
+    };
+    let mut open = opener(arguments);
+    let outcome = run(&plan, &mut open, &options, &mut progress)?;
+    let failed = conclude(&outcome, plan.cells.len())?;
+    if let Some(work) = &outcome.work {
+        progress.note(&work.line(started.elapsed().as_secs_f64() * 1e3));
+    }
+    if outcome.is_stopped && failed.is_none() {
+        return Err(stopped());
+    }
+    failed.map_or(Ok(()), Err)
+}
+
+fn execute_chunk(arguments: &Arguments, plan_file: &Path, chunk: usize, store: &Path) -> Result<(), Failure> {
+    let (file, plan) = PlanFile::load(plan_file)?;
+    let mut progress = begin(&plan)?;
+    let options = ChunkOptions {
+        plan_file: plan_file.to_owned(),
+        chunk,
+        store: store.to_owned(),
+        stop: &STOP,
+        command_line: std::env::args().collect(),
+        fail_fast: arguments.fail_fast,
+    };
+    let mut open = opener(arguments);
+    let outcome = run_chunk(&file, &plan, &mut open, &options, &mut progress)?;
+    if let Some(failure) = cells_failed(&outcome.failures, outcome.cell_count) {
+        return Err(failure);
+    }
+    if outcome.is_stopped {
+        return Err(stopped());
+    }
+    print(&format!("Chunk {chunk} of 0 to {} is done, in {}\n", file.chunks.len() - 1, store.display()))
+}
+
+/// Says what is odd about the experiment and takes Ctrl-C.
+fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     let mut progress = Terminal::default();
     for warning in plan.inputs.warnings() {
         progress.note(&format!("warning: {warning}"));
@@ -62,41 +129,39 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         eprintln!("\nstopping after the current cell (Ctrl-C again: at once)");
     })
     .map_err(|error| Failure::Failed(format!("Ctrl-C cannot be handled: {error}")))?;
+    Ok(progress)
+}
 
-    let options = RunOptions {
-        dir: default_dir(&plan, arguments.out.as_ref()),
-        stop: &STOP,
-        command_line: std::env::args().collect(),
-        fail_fast: arguments.fail_fast,
-        trace: arguments.trace,
-    };
-    let mut open = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(open_device(arguments.device)?)) };
-    let outcome = run(&plan, &mut open, &options, &mut progress)?;
+/// Prints the summary of a run's folder and writes its report; the result says which of its `cell_count` cells failed.
+pub fn conclude(outcome: &Outcome, cell_count: usize) -> Result<Option<Failure>, Failure> {
     print(&outcome.summary)?;
     print(&format!("Written to {}\n", outcome.dir.display()))?;
     // The run is kept whatever becomes of its report.
     let report = splitsum::report::write(&ReportOptions::of_run(&outcome.dir)).map_err(Failure::failed);
     print(&report.as_ref().map_or_else(|failure| format!("No report: {failure}\n"), super::report::line))?;
-    if outcome.is_stopped && outcome.failures.is_empty() {
-        let command: Vec<String> = options.command_line;
-        return Err(Failure::Failed(format!("stopped; to go on: {}", command.join(" "))));
-    }
-    if !outcome.failures.is_empty() {
-        let lines: Vec<String> =
-            outcome.failures.iter().map(|f| format!("  {} {}: {}", f.cell, f.label, f.reason)).collect();
-        let count = outcome.failures.len();
-        return Err(Failure::CellsFailed(format!(
-            "{count} of {} cells failed:\n{}",
-            plan.cells.len(),
-            lines.join("\n")
-        )));
-    }
-    Ok(())
+    Ok(cells_failed(&outcome.failures, cell_count))
 }
 
-/// The folder of a run when none is given.
-pub fn default_dir(plan: &Plan, out: Option<&PathBuf>) -> PathBuf {
-    out.cloned().unwrap_or_else(|| PathBuf::from("runs").join(&plan.config.name))
+fn cells_failed(failures: &[FailureRecord], cell_count: usize) -> Option<Failure> {
+    let lines: Vec<String> = failures.iter().map(|f| format!("  {} {}: {}", f.cell, f.label, f.reason)).collect();
+    let text = format!("{} of {cell_count} cells failed:\n{}", failures.len(), lines.join("\n"));
+    (!failures.is_empty()).then_some(Failure::CellsFailed(text))
+}
+
+fn stopped() -> Failure {
+    Failure::Failed(format!("stopped; to go on: {}", std::env::args().collect::<Vec<_>>().join(" ")))
+}
+
+/// Opens the device, with the cache beside it.
+fn opener(arguments: &Arguments) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> {
+    || {
+        let cache = arguments.cache.open()?;
+        let mut pipeline = open_device(arguments.device)?;
+        if let Some(cache) = cache {
+            pipeline.keep_on_disk(cache);
+        }
+        Ok(Box::new(pipeline))
+    }
 }
 
 /// Opens the device of `--device`.

@@ -19,9 +19,21 @@
 //! ```
 //!
 //! which is proportional to Y up to s_b / sin θ, 1 within a fraction of a band. So the density of *any* direction costs little
-//! beyond the four texels that are looked up anyway. Sampling inverts p exactly: a band from the marginal distribution, a cell of
-//! the band from its conditional one, and the place in the cell from the bilinear density: t from its linear marginal,
-//! then s from its linear conditional.
+//! beyond the four texels that are looked up anyway. Sampling inverts p exactly: a band, a column of the band, and the place between
+//! the texels from the bilinear density: t from its linear marginal, then s from its linear conditional.
+//!
+//! # Guiding
+//!
+//! Most light is outside the lobe of one pixel. So the map is divided into [`CELL_COLUMNS`] x [`CELL_ROWS`] rectangles of texels,
+//! its cells. A [`Guide`] gives each cell a weight g, such as the density of a lobe at the mean direction of the cell's light. With the
+//! share M of all light that a cell holds, a cell is chosen with probability `P = M g / Σ M g`, and inside it the place by p / M:
+//!
+//! ```text
+//! p_guided(l) = p_l(l) P / M = p_l(l) g / Σ M g
+//! ```
+//!
+//! This is a step towards sampling the product of light and lobe, exact in its density whatever the weights [Clarberg08]. Next to a
+//! lobe sampler it needs no weight where the lobe is unlikely, but a floor keeps the tails of long-tailed lobes in reach.
 //!
 //! With threshold 0 the density is positive wherever the radiance is (all three luminance weights are). Next to a lobe sampler
 //! that covers all directions a positive threshold stays unbiased and is better: the lobe serves dim light well, so that the
@@ -33,27 +45,31 @@
 //!
 //! # Words
 //!
-//! The device reads one buffer of 32-bit words ([`EnvironmentDistribution::words`]): w_b of each band as
-//! f32; then the marginal distribution over the H + 1 bands; then for each band the conditional distribution over the W cells.
-//! A distribution over n intervals is n + 1 starts in fixed point (0 to 2^32 - 1, each exact to half a unit) and a guide of
-//! 2^k ≥ n entries [Chen74]: entry g holds the first (low half) and last (high half) interval that a fixed-point xi with
-//! upper bits g can fall in, so that the binary search mostly has nothing left to do.
+//! The device reads one buffer of 32-bit words ([`EnvironmentDistribution::words`]): w_b of each band as f32; the cell of each
+//! slot; the slot of each cell (cells without light have none and share slot 0); then a block for each slot. A block holds the
+//! distribution over the cell's bands, then for each of them that over its columns. A distribution over n intervals is n + 1 starts
+//! in fixed point, 0 to 2^32 - 1, each exact to half a unit. Cells at the right and lower edge may be smaller: intervals past their
+//! end are empty.
 //!
-//! The rounding of the starts moves a probability by at most 2^-32 of its band's (or of the whole) light; that is the
-//! only difference between the sampled and the stated density.
+//! The rounding of the starts moves a probability by at most 2^-32 of its cell's light, and the sums of a guide in f32 by 2^-24 of
+//! all light: that is the only difference between the sampled and the stated density.
 
 use crate::color;
-use crate::glsl::constants::ENVIRONMENT_SIN_THETA_MIN;
+use crate::glsl::constants::{CELL_COLUMNS, CELL_ROWS, ENVIRONMENT_SIN_THETA_MIN};
 use crate::math::equirect;
 use crate::pixels::{Pixels, RgbImage};
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::iter;
+use std::ops::Range;
 
 /// The end of the last interval of a fixed-point distribution.
 const FIXED_ONE: u32 = u32::MAX;
 
-/// Largest side of a map: the guide stores two intervals in one word.
+/// Cells of a map.
+const CELL_COUNT: u32 = CELL_COLUMNS * CELL_ROWS;
+
+/// Largest side of a map.
 pub const SIDE_MAX: u32 = 1 << 16;
 
 /// Threshold of the weights in units of the map's mean luminance over the sphere.
@@ -66,7 +82,31 @@ pub struct EnvironmentDistribution {
     weights: Pixels<f64>,
     /// w_b of each band; all 0 when no texel is above the threshold.
     band_weights: Vec<f64>,
+    /// Columns and bands of a cell.
+    cell_size: [u32; 2],
+    slots: Vec<Slot>,
     words: Vec<u32>,
+    /// The guide of weight 1 everywhere.
+    even: Guide,
+}
+
+/// A cell that holds light.
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    cell: u32,
+    /// Mean direction of its light.
+    direction: DVec3,
+    /// Its share of all light.
+    mass: f64,
+}
+
+/// How many samples each cell shall have; see the module's text.
+#[derive(Clone, Debug)]
+pub struct Guide {
+    /// g of each slot.
+    weights: Vec<f64>,
+    /// Sum of mass times weight up to each slot and with it.
+    ends: Vec<f64>,
 }
 
 /// One interval of a distribution and the place inside it.
@@ -76,8 +116,8 @@ struct Place {
     fraction: f64,
 }
 
-/// One cell between texel centres: the weight at (s, t) = (0, 0), (1, 0), (0, 1), (1, 1).
-struct Cell {
+/// Four texels between whose centres a place lies: the weight at (s, t) = (0, 0), (1, 0), (0, 1), (1, 1).
+struct Quad {
     corners: [f64; 4],
 }
 
@@ -107,42 +147,60 @@ impl EnvironmentDistribution {
         assert!((1..SIDE_MAX).contains(&height), "height {height} of an environment, 1 to {SIDE_MAX} - 1 expected");
         // Rounded as the device holds them, so that both sample the same map.
         let weights = sampling_weights(image, compensation).map(f64::from);
-        let columns = width as usize;
-        let stride = distribution_len(columns);
         let band_count = height as usize + 1;
-        let marginal_base = band_count;
-        let conditional_base = marginal_base + distribution_len(band_count);
-        let mut words = vec![0; conditional_base + band_count * stride];
-
-        let (head, conditionals) = words.split_at_mut(conditional_base);
-        let band_masses: Vec<f64> = conditionals
-            .par_chunks_mut(stride)
-            .enumerate()
-            .map(|(band, table)| {
-                let [above, below] = rows_of_band(band, height);
-                let cells: Vec<f64> = (0..width)
-                    .map(|column| {
-                        let right = (column + 1) % width;
-                        (weights.get(column, above)
-                            + weights.get(right, above)
-                            + weights.get(column, below)
-                            + weights.get(right, below))
-                            / 4.0
-                    })
-                    .collect();
-                let total = write_distribution(&cells, table);
-                let [top, bottom] = band_limits(band, height);
-                total / f64::from(width) * (bottom - top) * mean_sine(band, height)
-            })
-            .collect();
-        let total = write_distribution(&band_masses, &mut head[marginal_base..]);
+        // Light of the place right of each column in each band, from the texels that bound it.
+        let light = |band: usize, column: u32| {
+            let [above, below] = rows_of_band(band, height);
+            let [top, bottom] = band_limits(band, height);
+            let right = (column + 1) % width;
+            let at = |x, y| weights.get(x, y);
+            let mean = (at(column, above) + at(right, above) + at(column, below) + at(right, below)) / 4.0;
+            mean / f64::from(width) * (bottom - top) * mean_sine(band, height)
+        };
+        let total: f64 = (0..band_count).map(|band| (0..width).map(|column| light(band, column)).sum::<f64>()).sum();
         let band_weights: Vec<f64> = (0..band_count)
             .map(|band| if total > 0.0 { mean_sine(band, height) / (2.0 * PI * PI * total) } else { 0.0 })
             .collect();
-        for (word, weight) in head.iter_mut().zip(&band_weights) {
-            *word = (*weight as f32).to_bits();
+
+        let cell_size = [width.div_ceil(CELL_COLUMNS), (height + 1).div_ceil(CELL_ROWS)];
+        let (mut slots, mut blocks) = (Vec::new(), Vec::new());
+        let mut slot_of_cell = vec![0; CELL_COUNT as usize];
+        for cell in 0..CELL_COUNT {
+            let [columns, bands] = cell_range(cell, cell_size, [width, height + 1]);
+            let light_of_bands: Vec<Vec<f64>> = bands
+                .clone()
+                .map(|band| columns.clone().map(|column| light(band as usize, column)).collect())
+                .collect();
+            let band_masses: Vec<f64> = light_of_bands.iter().map(|band| band.iter().sum()).collect();
+            let mass: f64 = band_masses.iter().sum();
+            // A black map has one slot, so that every index is good.
+            if mass == 0.0 && (total > 0.0 || cell > 0) {
+                continue;
+            }
+            slot_of_cell[cell as usize] = slots.len() as u32;
+            write_distribution(&band_masses, cell_size[1], &mut blocks);
+            for row in 0..cell_size[1] as usize {
+                write_distribution(light_of_bands.get(row).map_or(&[], Vec::as_slice), cell_size[0], &mut blocks);
+            }
+            let moment: DVec3 = bands
+                .zip(&light_of_bands)
+                .flat_map(|(band, light)| columns.clone().zip(light).map(move |(column, light)| (band, column, *light)))
+                .map(|(band, column, light)| {
+                    let [top, bottom] = band_limits(band as usize, height);
+                    let uv = DVec2::new((f64::from(column) + 1.0) / f64::from(width), 0.5 * (top + bottom));
+                    light * equirect::direction_from_uv(uv)
+                })
+                .sum();
+            // Light of a cell that spans the sphere may have no mean direction; any will do.
+            let direction = moment.try_normalize().unwrap_or(DVec3::Y);
+            slots.push(Slot { cell, direction, mass: if total > 0.0 { mass / total } else { 0.0 } });
         }
-        Self { weights, band_weights, words }
+        let mut words: Vec<u32> = band_weights.iter().map(|weight| (*weight as f32).to_bits()).collect();
+        words.extend((0..CELL_COUNT as usize).map(|slot| slots.get(slot).map_or(0, |slot| slot.cell)));
+        words.extend(slot_of_cell);
+        words.extend(blocks);
+        let even = Guide::new(&slots, |_| 1.0);
+        Self { weights, band_weights, cell_size, slots, words, even }
     }
 
     /// The buffer that `shaders/lib/environment_sampling.glsl` reads.
@@ -156,50 +214,115 @@ impl EnvironmentDistribution {
         self.band_weights[0] == 0.0
     }
 
+    /// Cells that hold light, one at least.
+    pub fn slot_count(&self) -> u32 {
+        self.slots.len() as u32
+    }
+
+    /// Mean direction and mass of each slot, filled up to the uniform block that `shaders/shade/reference.comp` reads.
+    pub fn slot_texels(&self) -> Vec<[f32; 4]> {
+        let texel = |slot: &Slot| slot.direction.extend(slot.mass).as_vec4().to_array();
+        let mut texels: Vec<[f32; 4]> = self.slots.iter().map(texel).collect();
+        texels.resize(CELL_COUNT as usize, [0.0; 4]);
+        texels
+    }
+
+    /// The guide by the weight (> 0) of each direction.
+    pub fn guide(&self, weight: impl Fn(DVec3) -> f64) -> Guide {
+        Guide::new(&self.slots, weight)
+    }
+
     /// Density (1/sr) with which [`Self::sample`] returns the unit direction `d`, in the environment's frame.
     pub fn pdf(&self, d: DVec3) -> f64 {
+        self.guided_pdf(&self.even, d)
+    }
+
+    /// As [`Self::pdf`], for [`Self::guided_sample`].
+    pub fn guided_pdf(&self, guide: &Guide, d: DVec3) -> f64 {
         let (width, height) = (self.weights.width, self.weights.height);
         let uv = equirect::uv_from_direction(d);
         let texel = uv * DVec2::new(f64::from(width), f64::from(height)) - 0.5;
         let corner = texel.floor();
         let column = (corner.x as i64).rem_euclid(i64::from(width)) as u32;
-        let band = (corner.y as i64 + 1).clamp(0, i64::from(height)) as usize;
-        self.density(self.cell(band, column).weight(texel - corner), band, d)
+        let band = (corner.y as i64 + 1).clamp(0, i64::from(height)) as u32;
+        let [cell_width, cell_height] = self.cell_size;
+        let cell = band / cell_height * CELL_COLUMNS + column / cell_width;
+        let slot = self.words[self.band_weights.len() + (CELL_COUNT + cell) as usize] as usize;
+        let band = band as usize;
+        self.density(self.quad(band, column).weight(texel - corner), band, d) * guide.factor(slot)
     }
 
-    /// A unit direction from `xi` in [0, 1)² and its density (1/sr): x selects the column, y the band.
+    /// A unit direction from `xi` in [0, 1)² and its density (1/sr): y selects cell and band, x the column.
     pub fn sample(&self, xi: DVec2) -> (DVec3, f64) {
-        let (width, height) = (self.weights.width, self.weights.height);
-        let columns = width as usize;
-        let band_count = height as usize + 1;
-        let (_, distributions) = self.words.split_at(band_count);
-        let (marginal, conditionals) = distributions.split_at(distribution_len(band_count));
-        let row = invert(marginal, band_count, xi.y);
-        let stride = distribution_len(columns);
-        let column = invert(&conditionals[row.interval * stride..][..stride], columns, xi.x);
+        self.guided_sample(&self.even, xi)
+    }
 
-        let cell = self.cell(row.interval, column.interval as u32);
-        let place = cell.invert(DVec2::new(column.fraction, row.fraction));
-        let [top, bottom] = band_limits(row.interval, height);
-        let u = (column.interval as f64 + 0.5 + place.x) / f64::from(width);
-        let v = top + (bottom - top) * place.y;
+    /// As [`Self::sample`], guided.
+    pub fn guided_sample(&self, guide: &Guide, xi: DVec2) -> (DVec3, f64) {
+        let (width, height) = (self.weights.width, self.weights.height);
+        let (slot, fraction) = guide.invert(xi.y);
+        let [cell_width, cell_height] = self.cell_size.map(|side| side as usize);
+        let block_len = (cell_height + 1) + cell_height * (cell_width + 1);
+        let blocks = &self.words[self.band_weights.len() + 2 * CELL_COUNT as usize..];
+        let (bands, columns) = blocks[slot * block_len..][..block_len].split_at(cell_height + 1);
+        let row = invert(bands, fraction);
+        let place = invert(&columns[row.interval * (cell_width + 1)..][..=cell_width], xi.x);
+        let cell = self.slots[slot].cell as usize;
+        let band = cell / CELL_COLUMNS as usize * cell_height + row.interval;
+        let column = cell % CELL_COLUMNS as usize * cell_width + place.interval;
+
+        let quad = self.quad(band, column as u32);
+        let inner = quad.invert(DVec2::new(place.fraction, row.fraction));
+        let [top, bottom] = band_limits(band, height);
+        let u = (column as f64 + 0.5 + inner.x) / f64::from(width);
+        let v = top + (bottom - top) * inner.y;
         let d = equirect::direction_from_uv(DVec2::new(u, v));
-        (d, self.density(cell.weight(place), row.interval, d))
+        (d, self.density(quad.weight(inner), band, d) * guide.factor(slot))
     }
 
     fn density(&self, weight: f64, band: usize, d: DVec3) -> f64 {
         weight * self.band_weights[band] / d.x.hypot(d.z).max(f64::from(ENVIRONMENT_SIN_THETA_MIN))
     }
 
-    fn cell(&self, band: usize, column: u32) -> Cell {
+    fn quad(&self, band: usize, column: u32) -> Quad {
         let [above, below] = rows_of_band(band, self.weights.height);
         let right = (column + 1) % self.weights.width;
         let at = |x, y| self.weights.get(x, y);
-        Cell { corners: [at(column, above), at(right, above), at(column, below), at(right, below)] }
+        Quad { corners: [at(column, above), at(right, above), at(column, below), at(right, below)] }
     }
 }
 
-impl Cell {
+impl Guide {
+    fn new(slots: &[Slot], weight: impl Fn(DVec3) -> f64) -> Self {
+        let weights: Vec<f64> = slots.iter().map(|slot| weight(slot.direction)).collect();
+        let mut sum = 0.0;
+        let mut end = |(slot, weight): (&Slot, &f64)| {
+            sum += slot.mass * weight;
+            sum
+        };
+        Self { ends: slots.iter().zip(&weights).map(&mut end).collect(), weights }
+    }
+
+    fn sum(&self) -> f64 {
+        *self.ends.last().expect("a distribution has one slot at least")
+    }
+
+    /// Guided over plain density in a slot's cell.
+    fn factor(&self, slot: usize) -> f64 {
+        if self.sum() > 0.0 { self.weights[slot] / self.sum() } else { 0.0 }
+    }
+
+    /// The slot that `xi` in [0, 1) falls in, and the place inside it, in [0, 1].
+    fn invert(&self, xi: f64) -> (usize, f64) {
+        let place = xi * self.sum();
+        let slot = self.ends.partition_point(|end| *end <= place).min(self.ends.len() - 1);
+        let start = if slot > 0 { self.ends[slot - 1] } else { 0.0 };
+        let size = self.ends[slot] - start;
+        (slot, if size > 0.0 { ((place - start) / size).clamp(0.0, 1.0) } else { 0.0 })
+    }
+}
+
+impl Quad {
     fn weight(&self, place: DVec2) -> f64 {
         let [y00, y10, y01, y11] = self.corners;
         let lerp = |a: f64, b: f64, x: f64| a * (1.0 - x) + b * x;
@@ -244,51 +367,32 @@ fn mean_sine(band: usize, height: u32) -> f64 {
     2.0 * (0.5 * (top + bottom)).sin() * (0.5 * (bottom - top)).sin() / (bottom - top)
 }
 
-/// log2 of the guide's entries for `count` intervals: as many entries as intervals, at least 2 so that a shift stays below 32.
-fn guide_bits(count: usize) -> u32 {
-    count.next_power_of_two().trailing_zeros().max(1)
+/// Columns and bands of a cell; none past the edges of the map.
+fn cell_range(cell: u32, [cell_width, cell_height]: [u32; 2], [width, band_count]: [u32; 2]) -> [Range<u32>; 2] {
+    let range = |index: u32, size: u32, count: u32| (index * size).min(count)..((index + 1) * size).min(count);
+    [range(cell % CELL_COLUMNS, cell_width, width), range(cell / CELL_COLUMNS, cell_height, band_count)]
 }
 
-/// Words of a distribution over `count` intervals.
-fn distribution_len(count: usize) -> usize {
-    count + 1 + (1 << guide_bits(count))
-}
-
-/// Writes the distribution over intervals of the given masses; returns their sum. Masses that are all 0 count as equal.
-fn write_distribution(masses: &[f64], words: &mut [u32]) -> f64 {
-    let count = masses.len();
+/// Appends the distribution over `count` intervals, of which the first have the given masses and the others none. Masses that are all
+/// 0 count as equal.
+fn write_distribution(masses: &[f64], count: u32, words: &mut Vec<u32>) {
     let total: f64 = masses.iter().sum();
     let mut below = 0.0;
     for (interval, mass) in masses.iter().enumerate() {
-        let share = if total > 0.0 { below / total } else { interval as f64 / count as f64 };
-        words[interval] = (share * f64::from(FIXED_ONE)).round() as u32;
+        let share = if total > 0.0 { below / total } else { interval as f64 / masses.len() as f64 };
+        words.push((share * f64::from(FIXED_ONE)).round() as u32);
         below += mass;
     }
-    words[count] = FIXED_ONE;
-
-    let bits = guide_bits(count);
-    let (starts, guide) = words.split_at_mut(count + 1);
-    let mut last = 0;
-    for (entry, word) in guide.iter_mut().enumerate().take(1 << bits) {
-        let interval_of = |xi: u32, from: usize| {
-            from + starts[from..=count].partition_point(|start| *start <= xi.min(FIXED_ONE - 1)) - 1
-        };
-        let lowest = (entry as u32) << (32 - bits);
-        let first = interval_of(lowest, last);
-        last = interval_of(lowest + ((1 << (32 - bits)) - 1), first);
-        *word = first as u32 | (last as u32) << 16;
-    }
-    total
+    words.extend(iter::repeat_n(FIXED_ONE, count as usize + 1 - masses.len()));
 }
 
-/// The interval of a distribution that holds `xi` in [0, 1).
-fn invert(words: &[u32], count: usize, xi: f64) -> Place {
+/// The interval of a distribution that holds `xi` in [0, 1].
+fn invert(starts: &[u32], xi: f64) -> Place {
     let position = xi * f64::from(FIXED_ONE);
+    // The end of the last interval belongs to none.
     let fixed = (position as u32).min(FIXED_ONE - 1);
-    let guide = words[count + 1 + (fixed >> (32 - guide_bits(count))) as usize];
-    let (first, last) = ((guide & 0xffff) as usize, (guide >> 16) as usize);
-    let interval = first + words[first..=last].partition_point(|start| *start <= fixed) - 1;
-    let (start, end) = (f64::from(words[interval]), f64::from(words[interval + 1]));
+    let interval = starts.partition_point(|start| *start <= fixed) - 1;
+    let (start, end) = (f64::from(starts[interval]), f64::from(starts[interval + 1]));
     Place { interval, fraction: ((position - start) / (end - start)).clamp(0.0, 1.0) }
 }
 

@@ -9,6 +9,9 @@ use crate::pipeline::Frame;
 use crate::pixels::{GrayImage, PixelsError, Rgb8Image, exr, png};
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::csv::Cell as Field;
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The layer of a reference that holds its standard error.
@@ -18,13 +21,17 @@ const SLUG_LENGTH: usize = 120;
 
 /// A value as people say it: builtins without their prefix, files without folder and extension.
 pub fn short_text(axis: &Axis, point: &Point) -> String {
-    let text = point.get(axis.name).to_string();
+    short_value(axis, &point.get(axis.name).to_string()).into_owned()
+}
+
+/// As [`short_text`], of a value as tables hold it.
+pub fn short_value<'v>(axis: &Axis, text: &'v str) -> Cow<'v, str> {
     if !matches!(axis.kind, super::value::Kind::Input) {
-        return text;
+        return text.into();
     }
     match text.strip_prefix("builtin:") {
-        Some(formula) => formula.to_owned(),
-        None => Path::new(&text).file_stem().map_or_else(|| text.clone(), |stem| stem.to_string_lossy().into_owned()),
+        Some(formula) => formula.into(),
+        None => Path::new(text).file_stem().map_or(text.into(), |stem| stem.to_string_lossy()),
     }
 }
 
@@ -106,21 +113,45 @@ impl CellPictures<'_> {
     }
 }
 
+/// Every file of `images/` that belongs to a finished cell.
+pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
+    let mut names = index_names(plan, cell).to_vec();
+    names.extend(sweeps_display(plan).then(|| flip_name(plan, cell)));
+    names
+}
+
+/// The names in `images.csv`, in the order of its columns.
+fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
+    let reference = plan.reference_point(&cell.point);
+    [
+        radiance_name(plan, &cell.point, &cell.radiance),
+        radiance_name(plan, &reference, &cell.reference),
+        picture_name(plan, cell),
+        reference_picture_name(plan, cell),
+        error_name(plan, cell),
+    ]
+}
+
+/// Files of finished cells that are missing or not whole, in the order of their names.
+pub(super) fn damaged<'p>(plan: &Plan, store: &Store, cells: impl Iterator<Item = &'p Cell>) -> BTreeSet<String> {
+    let files: BTreeSet<String> = cells.flat_map(|cell| files(plan, cell)).collect();
+    let is_whole = |name: &str| {
+        let path = store.image_path(name);
+        match name.ends_with(".exr") {
+            true => exr::check_whole(&path).is_ok(),
+            false => std::fs::metadata(&path).is_ok_and(|metadata| metadata.len() > 0),
+        }
+    };
+    files.into_par_iter().filter(|name| !is_whole(name)).collect()
+}
+
 /// `images.csv`: which files of `images/` belong to a cell. One row a finished cell.
 pub fn index(plan: &Plan, results: &Results) -> Rows {
     let columns =
         ["cell", "radiance", "reference", "picture", "reference_picture", "error"].map(str::to_owned).to_vec();
     let is_done = |cell: &&Cell| matches!(results.get(&cell.id), Some(CellResult::Done(_)));
     let row = |cell: &Cell| {
-        let reference = plan.reference_point(&cell.point);
-        let names = [
-            radiance_name(plan, &cell.point, &cell.radiance),
-            radiance_name(plan, &reference, &cell.reference),
-            picture_name(plan, cell),
-            reference_picture_name(plan, cell),
-            error_name(plan, cell),
-        ];
-        std::iter::once(Field::from(cell.id.as_str())).chain(names.map(Field::Text)).collect()
+        std::iter::once(Field::from(cell.id.as_str())).chain(index_names(plan, cell).map(Field::Text)).collect()
     };
     (columns, plan.cells.iter().filter(is_done).map(row).collect())
 }

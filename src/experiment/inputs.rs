@@ -13,6 +13,7 @@ pub struct Inputs {
     environments: BTreeMap<String, Arc<Environment>>,
     scenes: BTreeMap<String, Arc<Scene>>,
     clipped: Arc<Mutex<Vec<Clipped>>>,
+    options: LoadOptions,
 }
 
 /// An environment cut off at 2 to a power: name, power, result.
@@ -22,12 +23,17 @@ type Clipped = (String, f64, Arc<Environment>);
 const CLIPPED_COUNT: usize = 4;
 
 impl Inputs {
+    /// Nothing yet; environments will be loaded so.
+    pub fn new(options: LoadOptions) -> Self {
+        Self { options, ..Self::default() }
+    }
+
     /// Loads an environment unless it is there; a failure becomes a fault at `place`.
     pub fn add_environment(&mut self, name: &str, dir: &Path, place: &Place, faults: &mut Faults) {
         if self.environments.contains_key(name) {
             return;
         }
-        match Environment::load(name, dir, &LoadOptions::default()) {
+        match Environment::load(name, dir, &self.options) {
             Ok(environment) => {
                 self.environments.insert(name.to_owned(), Arc::new(environment));
             }

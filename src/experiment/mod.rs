@@ -1,12 +1,14 @@
 //! Experiments: a file, its plan, its run.
 //!
-//! `config` reads what is written, `plan` makes it into checked cells, `run` renders and scores them.
+//! `config` reads what is written, `plan` makes it into checked cells, `run` renders and scores them, `answers` says what the rows mean.
 
+pub mod answers;
 pub mod axis;
-pub mod break_even;
+pub mod chunk;
 pub mod config;
+pub mod environments;
 pub mod fault;
-mod heat;
+pub mod host;
 mod images;
 pub mod inputs;
 pub mod live;
@@ -23,7 +25,7 @@ pub mod statistics;
 pub mod store;
 mod summary;
 mod sweeps;
-mod tables;
+pub mod tables;
 pub mod timing;
 pub mod timing_ratios;
 mod toml_tree;
@@ -36,4 +38,4 @@ pub use images::{STANDARD_ERROR_LAYER, error_picture, write_radiance};
 pub use plan::{Cell, Plan};
 pub use provenance::date_utc;
 pub use renderer::{RenderFault, Renderer};
-pub use run::{MakeRenderer, Outcome, Progress, RunError, RunOptions, run};
+pub use run::{MakeRenderer, Outcome, Progress, RunError, RunOptions, Work, run};

@@ -12,6 +12,7 @@ const BUILTIN_PREFIX: &str = "builtin:";
 impl Config {
     /// Replaces axes by `--set` texts; an axis the file does not have is added.
     pub(super) fn apply_overrides(&mut self, faults: &mut Faults) {
+        let mut seen: Vec<usize> = Vec::new();
         for text in self.overrides.clone() {
             let Some((name, list)) = text.split_once('=') else {
                 faults.add(&Place::Set(text.clone()), "is not axis=value or axis=value,value");
@@ -23,6 +24,11 @@ impl Config {
                 unknown_key(&place, "axes.", name, &axis_names(), faults);
                 continue;
             };
+            if seen.contains(&axis) {
+                faults.add(&place, format!("stands twice; give all values at once: --set {name}=v1,v2"));
+                continue;
+            }
+            seen.push(axis);
             let kind = AXES[axis].kind;
             let mut values = Vec::new();
             for item in items(kind, list) {

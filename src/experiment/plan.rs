@@ -5,6 +5,7 @@ use super::config::{Config, Sweep};
 use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
+use crate::environment::LoadOptions;
 use crate::files::read_stream;
 use crate::pipeline::RenderRequest;
 use std::collections::{BTreeMap, HashSet};
@@ -61,19 +62,33 @@ pub struct ReferenceGroup<'p> {
 impl Plan {
     /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
+        Self::load_with(path, overrides, &LoadOptions::default())
+    }
+
+    /// As [`Plan::load`], with a say in what environments may hold.
+    pub fn load_with(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<Self, ConfigError> {
         let text = read_stream(path, MAX_FILE_BYTES).and_then(text_of).map_err(|error| {
             let mut faults = Faults::new(path, "");
             faults.add(&Place::Default, format!("cannot be read: {error}; expected an experiment file (TOML)"));
             faults.into_result().expect_err("one fault was added")
         })?;
-        Self::from_text(path, &text, overrides)
+        Self::from_text_with(path, &text, overrides, options)
     }
 
     /// As [`Plan::load`], of a text that stands for the file at `path`.
     pub fn from_text(path: &Path, text: &str, overrides: &[String]) -> Result<Self, ConfigError> {
+        Self::from_text_with(path, text, overrides, &LoadOptions::default())
+    }
+
+    fn from_text_with(
+        path: &Path,
+        text: &str,
+        overrides: &[String],
+        options: &LoadOptions,
+    ) -> Result<Self, ConfigError> {
         let mut faults = Faults::new(path, text);
         let config = Config::parse(path, text, overrides, &mut faults);
-        let inputs = load_inputs(&config, &mut faults);
+        let inputs = load_inputs(&config, options, &mut faults);
         let combinations = config.combination_count();
         if combinations > COMBINATIONS_MAX {
             faults.add(&Place::File(0), format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"));
@@ -184,8 +199,8 @@ fn base_dir<'c>(config: &'c Config, place: &Place) -> &'c Path {
     }
 }
 
-fn load_inputs(config: &Config, faults: &mut Faults) -> Inputs {
-    let mut inputs = Inputs::default();
+fn load_inputs(config: &Config, options: &LoadOptions, faults: &mut Faults) -> Inputs {
+    let mut inputs = Inputs::new(options.clone());
     let swept = |name: &str| config.axes.iter().find(|sweep: &&Sweep| AXES[sweep.axis].name == name);
     match swept("environment") {
         Some(sweep) => {

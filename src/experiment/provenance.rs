@@ -1,6 +1,8 @@
 //! Where a run comes from: enough to do it again.
 
+use super::host::{HostState, UNKNOWN};
 use super::plan::{Plan, SCHEMA_VERSION};
+use super::run::Work;
 use crate::pipeline::DeviceInfo;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -23,6 +25,8 @@ pub fn provenance(plan: &Plan) -> Value {
         "cell_count": plan.cells.len(),
         "excluded": plan.config.exclusions.iter().zip(&plan.excluded)
             .map(|(exclusion, count)| json!({ "why": exclusion.why, "count": count })).collect::<Vec<_>>(),
+        "reference": { "method": plan.config.reference.method, "samples": plan.config.reference.samples,
+            "relative_error": plan.config.reference.relative_error },
         "seed": plan.config.seed,
         "inputs": inputs,
         "input_warnings": plan.inputs.warnings(),
@@ -39,11 +43,11 @@ pub fn provenance(plan: &Plan) -> Value {
 
 /// One invocation that did work: program, device, host, time. `command_line` is what the user typed.
 pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
-    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
     json!({
-        "date_utc": date_utc(seconds),
+        "date_utc": now_utc(),
         "command_line": command_line,
         "program_version": env!("CARGO_PKG_VERSION"),
+        "program_hash": crate::pipeline::program_hash(),
         "commit": commit(),
         "device": {
             "name": device.name,
@@ -55,12 +59,40 @@ pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
         },
         "host": {
             "os": std::env::consts::OS,
+            "kernel": read_line("/proc/sys/kernel/osrelease"),
             "arch": std::env::consts::ARCH,
             "cpu": host_cpu(),
             "cpu_count": std::thread::available_parallelism().map_or(0, usize::from),
-            "load_average": load_average(),
+            "memory_bytes": host_memory(),
         },
+        "state_before": state(device),
+        // Written at the end; a run that was killed leaves them so.
+        "state_after": UNKNOWN,
+        "wall_s": UNKNOWN,
     })
+}
+
+/// Adds what is known at the end of an invocation.
+pub(super) fn end_session(session: &mut Value, device: &DeviceInfo, work: &Work, wall_ms: f64) {
+    session["state_after"] = state(device);
+    session["wall_s"] = json!(wall_ms / 1e3);
+    session["device_s"] = json!(work.waited_ms / 1e3);
+    session["shared_work"] = json!(work.shared);
+    session["references_read_back"] = json!(work.references_read_back);
+}
+
+/// Load, clocks and throttling; what nobody tells reads "unknown".
+fn state(device: &DeviceInfo) -> Value {
+    fn name_unknown(value: &mut Value) {
+        match value {
+            Value::Null => *value = json!(UNKNOWN),
+            Value::Object(fields) => fields.values_mut().for_each(name_unknown),
+            _ => {}
+        }
+    }
+    let mut value = json!(HostState::observe(device));
+    name_unknown(&mut value);
+    value
 }
 
 /// Commit and state of the working tree that the program stands in, or null when it stands in none.
@@ -85,10 +117,27 @@ fn host_cpu() -> Option<String> {
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// Runnable tasks over the last 1, 5 and 15 minutes; a busy host disturbs times.
-fn load_average() -> Option<Vec<f64>> {
-    let text = std::fs::read_to_string("/proc/loadavg").ok()?;
-    Some(text.split_whitespace().take(3).filter_map(|word| word.parse().ok()).collect())
+/// Size of the host's memory.
+fn host_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let kib = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?.trim().strip_suffix(" kB")?;
+    kib.parse::<u64>().ok().map(|kib| kib << 10)
+}
+
+fn read_line(path: &str) -> Option<String> {
+    Some(std::fs::read_to_string(path).ok()?.trim().to_owned())
+}
+
+/// The machine's name, for people; `host` where it has none.
+pub fn host_name() -> String {
+    let text = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
+    let name = text.or_else(|| std::env::var("HOSTNAME").ok()).or_else(|| std::env::var("COMPUTERNAME").ok());
+    name.map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).unwrap_or_else(|| "host".to_owned())
+}
+
+/// The time now as [`date_utc`] writes it.
+pub fn now_utc() -> String {
+    date_utc(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs()))
 }
 
 /// `2026-01-31T23:59:59Z` of seconds since 1970-01-01, Gregorian calendar.

@@ -1,6 +1,8 @@
 //! What a run needs of a renderer, so that runs can be tested without a device.
 
-use crate::pipeline::{DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, TimingSamples};
+use crate::pipeline::{
+    DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, SharedWork, TimingSamples,
+};
 use crate::pixels::{Rgb8Image, RgbImage};
 use crate::tonemap::ToneCurve;
 
@@ -36,6 +38,12 @@ pub trait Renderer {
         warmup: u32,
         rounds: u32,
     ) -> Result<TimingSamples, RenderFault>;
+    /// Host time in which the device worked or was waited for so far, ms.
+    fn waited_ms(&self) -> f64;
+    /// What was made once for several images so far, and what of it the disk had.
+    fn shared_work(&self) -> SharedWork;
+    /// Warnings since the last call. None is a fault of a cell.
+    fn take_warnings(&mut self) -> Vec<String>;
 }
 
 impl From<PipelineError> for RenderFault {
@@ -76,5 +84,17 @@ impl Renderer for Pipeline {
         rounds: u32,
     ) -> Result<TimingSamples, RenderFault> {
         Ok(Pipeline::time_precompute(self, request, warmup, rounds)?)
+    }
+
+    fn waited_ms(&self) -> f64 {
+        Pipeline::waited_ms(self)
+    }
+
+    fn shared_work(&self) -> SharedWork {
+        Pipeline::shared_work(self).clone()
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        Pipeline::take_warnings(self)
     }
 }

@@ -35,6 +35,16 @@ impl Scores {
         let index = self.0.binary_search_by(|(known, _)| (*known.0).cmp(name)).ok()?;
         Some(&self.0[index].1)
     }
+
+    /// Names and scores in the order of the names.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Exact)> {
+        self.0.iter().map(|(name, score)| (*name.0, score))
+    }
+
+    /// These and further scores.
+    pub fn with(&self, more: &Self) -> Self {
+        self.iter().chain(more.iter()).map(|(name, score)| (name, *score)).collect()
+    }
 }
 
 impl<N: AsRef<str>> FromIterator<(N, Exact)> for Scores {
@@ -46,7 +56,7 @@ impl<N: AsRef<str>> FromIterator<(N, Exact)> for Scores {
 
 impl Serialize for Scores {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|(name, score)| (*name.0, score)))
+        serializer.collect_map(self.iter())
     }
 }
 

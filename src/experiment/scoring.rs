@@ -1,10 +1,13 @@
-//! From images to the record of a cell. Pure host work: it runs beside the device.
+//! From images to the record of a cell. Pure host work: it runs beside the device, several cells at a time.
 
 use super::images::{self, STANDARD_ERROR_LAYER};
 use super::plan::{Cell, Plan};
 use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, Store, StoreError};
 use super::tables::HEADLINE;
-use crate::metrics::{BiasVariance, Comparison, METRICS, N_DOT_V_BIN_EDGES, metric, noise_floor, verdict};
+use crate::metrics::{
+    BiasVariance, BinRow, Comparison, METRICS, Metric, N_DOT_V_BIN_EDGES, Space, linear_metrics, metric, noise_floor,
+    verdict,
+};
 use crate::pipeline::{DeviceInfo, Frame};
 use crate::pixels::{GrayImage, Rgb8Image, RgbImage, exr};
 use std::path::Path;
@@ -70,6 +73,16 @@ pub struct Rendered<'p> {
     /// Display images of test and reference.
     pub pictures: [Arc<Rgb8Image>; 2],
     pub bias_variance: Option<BiasVariance>,
+    /// What cells that differ in the tone curve only share.
+    pub linear: Arc<OnceLock<Linear>>,
+}
+
+/// Everything about a cell that does not depend on the tone curve.
+#[derive(Debug)]
+pub struct Linear {
+    scores: Scores,
+    bins: Vec<BinRecord>,
+    error: Rgb8Image,
 }
 
 /// Why a cell has no record.
@@ -96,15 +109,36 @@ impl Rendered<'_> {
         let curve = cell.point.settings().curve;
         let comparison =
             Comparison::new(&self.frame.radiance, &reference.radiance, mask, curve).map_err(|error| bad(&error))?;
-        let scores = by_name(comparison.evaluate_all());
-        let bins =
-            comparison.evaluate_bins(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES, METRICS).map_err(|error| bad(&error))?;
+        let bins_of = |metrics: &[&dyn Metric]| -> Result<Vec<BinRecord>, ScoreFault> {
+            let bins = comparison.evaluate_bins(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES, metrics);
+            let bins = bins.map_err(|error| bad(&error))?.into_iter();
+            let record =
+                |b: BinRow| BinRecord { lo: b.lo, hi: b.hi, pixel_count: b.pixel_count, scores: by_name(b.values) };
+            Ok(bins.map(record).collect())
+        };
+        let linear = match self.linear.get() {
+            Some(linear) => linear,
+            // Two threads may both compute it: they find the same, and the first one's is kept.
+            None => {
+                let metrics = linear_metrics();
+                let error = images::error_picture(&comparison, mask);
+                let found = Linear { scores: by_name(comparison.evaluate(&metrics)), bins: bins_of(&metrics)?, error };
+                self.linear.get_or_init(|| found)
+            }
+        };
+        let display_metrics: Vec<&dyn Metric> =
+            METRICS.iter().copied().filter(|metric| metric.description().space == Space::Display).collect();
+        let scores = linear.scores.with(&by_name(comparison.evaluate(&display_metrics)));
+        let mut bins = linear.bins.clone();
+        bins.iter_mut()
+            .zip(bins_of(&display_metrics)?)
+            .for_each(|(bin, display)| bin.scores = bin.scores.with(&display.scores));
         let noise_floors = reference.noise_floors().map_err(ScoreFault::Cell)?;
         let flip = images::sweeps_display(plan).then(|| images::flip_picture(&comparison, mask));
         let pictures = images::CellPictures {
             test: &self.pictures[0],
             reference: &self.pictures[1],
-            error: &images::error_picture(&comparison, mask),
+            error: &linear.error,
             flip: flip.as_ref(),
         };
         pictures.write(store, plan, cell).map_err(StoreError::from)?;
@@ -117,10 +151,7 @@ impl Rendered<'_> {
             reference: reference.stop.clone(),
             scores,
             bias_variance: by_name(bias_variance.into_iter().flatten().collect()),
-            bins: bins
-                .into_iter()
-                .map(|b| BinRecord { lo: b.lo, hi: b.hi, pixel_count: b.pixel_count, scores: by_name(b.values) })
-                .collect(),
+            bins,
             device: device.name.clone(),
             driver: device.driver.clone(),
             wall_ms: 0.0,

@@ -13,6 +13,7 @@ use crate::pixels::png;
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::contact_sheet::{ContactSheet, Legend, Tile};
 use crate::table::markdown::significant;
+use rayon::prelude::*;
 
 /// Smaller images are magnified to this side, pixels.
 const TILE_SIDE_MIN: u32 = 128;
@@ -35,7 +36,7 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
     let swept: Vec<&Axis> = plan.swept().collect();
     let select = |names: &[&str]| swept.iter().copied().filter(|a| names.contains(&a.name)).collect::<Vec<_>>();
     let (sheet_axes, column_axes) = (select(SHEET_AXES), select(COLUMN_AXES));
-    for cells in grouped(&plan.cells.iter().collect::<Vec<_>>(), &sheet_axes) {
+    for cells in grouped(&of_first_point_set(plan), &sheet_axes) {
         let columns = grouped(&cells, &column_axes);
         let tiles = TileSize::new(plan.size_of(cells[0]));
         let pages = pages(&columns, tiles.columns_max());
@@ -52,6 +53,13 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
         }
     }
     Ok(())
+}
+
+/// The cells that a sheet shows: point sets differ in luck only, so the first one stands for all.
+fn of_first_point_set(plan: &Plan) -> Vec<&Cell> {
+    let set = |cell: &&Cell| cell.point.get("point_set").to_string();
+    let first = plan.cells.iter().map(|cell| set(&cell)).find(|set| !set.is_empty());
+    plan.cells.iter().filter(|cell| set(cell).is_empty() || Some(set(cell)) == first).collect()
 }
 
 /// How images of one size are shown.
@@ -200,10 +208,11 @@ impl Page<'_> {
     /// Adds a row: of all `cells` of a column, the first that was done stands for it.
     fn row(&self, sheet: &mut ContactSheet, label: String, cells: &[&Cell], shown: Shown) {
         let mut tiles = vec![self.reference_tile(cells, shown)];
-        for column in self.columns {
+        // Pictures are read and shrunk side by side: a large sheet has hundreds.
+        tiles.par_extend(self.columns.par_iter().map(|column| {
             let of_column = cells.iter().copied().filter(|cell| same(cell, column[0], self.column_axes));
-            tiles.push(self.tile(&of_column.collect::<Vec<_>>(), shown));
-        }
+            self.tile(&of_column.collect::<Vec<_>>(), shown)
+        }));
         sheet.row_labels.push(label);
         sheet.rows.push(tiles);
     }

@@ -19,7 +19,7 @@ impl Random {
     }
 
     /// A number in `0..count`; the bias of taking a product's upper half is below count / 2^64.
-    fn below(&mut self, count: usize) -> usize {
+    pub fn below(&mut self, count: usize) -> usize {
         ((u128::from(self.next()) * count as u128) >> 64) as usize
     }
 
@@ -75,4 +75,22 @@ pub fn drift(points: &[(f64, f64)]) -> f64 {
     let pairs = points.iter().enumerate().flat_map(|(i, a)| points[i + 1..].iter().map(move |b| (a, b)));
     let slopes: Vec<f64> = pairs.filter(|(a, b)| a.0 != b.0).map(|(a, b)| (b.1 - a.1) / (b.0 - a.0)).collect();
     median(&slopes)
+}
+
+/// The middle of numbers in any order, and the ends of their middle half.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    pub n: usize,
+    pub lower_quartile: f64,
+    pub median: f64,
+    pub upper_quartile: f64,
+}
+
+/// Median and quartiles; `None` without numbers.
+pub fn spread(numbers: &[f64]) -> Option<Spread> {
+    let mut sorted = numbers.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |p: f64| quantile(&sorted, p);
+    let found = Spread { n: sorted.len(), lower_quartile: at(0.25), median: at(0.5), upper_quartile: at(0.75) };
+    (found.n > 0).then_some(found)
 }

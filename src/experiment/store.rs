@@ -194,6 +194,11 @@ impl Drop for Lock {
 /// The file that a run locks.
 const LOCK_FILE: &str = ".lock";
 
+/// Where the chunks of a plan file are done, when the folder is that of a run in chunks.
+pub const CHUNKS_FOLDER: &str = "chunks";
+/// The plan file of a run in chunks.
+pub const PLAN_FILE: &str = "plan.json";
+
 const SUBFOLDERS: &[&str] = &["cells", "failed", "images", "references", "tables", "timings"];
 
 impl Store {
@@ -206,17 +211,20 @@ impl Store {
     pub fn open(dir: &Path, plan: &Plan) -> Result<Self, StoreError> {
         let mut store = Self::at(dir);
         store.check_identity(plan)?;
-        for folder in SUBFOLDERS {
-            let path = dir.join(folder);
-            std::fs::create_dir_all(&path).map_err(|error| StoreError::Folder { path, error })?;
-        }
-        store.lock = Some(Arc::new(lock(dir)?));
+        make_subfolders(dir)?;
+        store.lock = lock(dir)?.map(Arc::new);
         // Another run may have made the folder its own between the check and the lock.
         store.check_identity(plan)?;
         for folder in [""].iter().chain(SUBFOLDERS) {
             remove_parts(&dir.join(folder))?;
         }
         Ok(store)
+    }
+
+    /// A folder that only this process writes to, so that it needs no lock.
+    pub fn own(dir: &Path) -> Result<Self, StoreError> {
+        make_subfolders(dir)?;
+        Ok(Self::at(dir))
     }
 
     /// Fails when the folder holds something else than a run of this plan.
@@ -246,8 +254,10 @@ impl Store {
         // A run that was stopped before its first file leaves empty folders only.
         let has_files = |dir: &Path| {
             let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
-            let is_own =
-                |name: &str, is_dir: bool| name == LOCK_FILE || is_part(name) || (is_dir && SUBFOLDERS.contains(&name));
+            let is_own = |name: &str, is_dir: bool| match is_dir {
+                true => name == CHUNKS_FOLDER || SUBFOLDERS.contains(&name),
+                false => [LOCK_FILE, PLAN_FILE].contains(&name) || is_part(name),
+            };
             entries.into_iter().any(|e| !is_own(&e.file_name().to_string_lossy(), e.path().is_dir()))
         };
         if has_files(&self.dir) {
@@ -271,24 +281,30 @@ impl Store {
         self.dir.join("images").join(name)
     }
 
+    /// Removes a file of `images/`, if it is there.
+    pub fn remove_image(&self, name: &str) -> Result<(), StoreError> {
+        remove(self.image_path(name))
+    }
+
     /// A file in `tables/`.
     pub fn table_path(&self, name: &str) -> PathBuf {
         self.dir.join("tables").join(name)
     }
 
+    /// Where the record of a finished cell stands.
+    pub fn cell_path(&self, id: &str) -> PathBuf {
+        self.record_path("cells", id)
+    }
+
     /// The record of a finished cell.
     pub fn cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
-        self.read(&self.record_path("cells", id))
+        self.read(&self.cell_path(id))
     }
 
     /// Keeps a finished cell and forgets its earlier failure.
     pub fn write_cell(&self, record: &CellRecord) -> Result<(), StoreError> {
-        self.write_record(&self.record_path("cells", &record.cell), record)?;
-        let failure = self.record_path("failed", &record.cell);
-        match std::fs::remove_file(&failure) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::Io { path: failure, error }),
-            _ => Ok(()),
-        }
+        self.write_record(&self.cell_path(&record.cell), record)?;
+        remove(self.record_path("failed", &record.cell))
     }
 
     /// Why a cell failed the last time it was tried.
@@ -379,13 +395,29 @@ impl Store {
     }
 }
 
-/// Takes the folder's lock, or says that another run has it.
-fn lock(dir: &Path) -> Result<Lock, StoreError> {
+/// Removes a file, if it is there.
+fn remove(path: PathBuf) -> Result<(), StoreError> {
+    match std::fs::remove_file(&path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::Io { path, error }),
+        _ => Ok(()),
+    }
+}
+
+fn make_subfolders(dir: &Path) -> Result<(), StoreError> {
+    SUBFOLDERS.iter().try_for_each(|folder| {
+        let path = dir.join(folder);
+        std::fs::create_dir_all(&path).map_err(|error| StoreError::Folder { path, error })
+    })
+}
+
+/// Takes the folder's lock, or says that another run has it. `None` on a file system that has no locks, as some shared ones.
+fn lock(dir: &Path) -> Result<Option<Lock>, StoreError> {
     let path = dir.join(LOCK_FILE);
     let file = File::options().create(true).truncate(false).write(true).open(&path);
     let file = file.map_err(|error| StoreError::Io { path: path.clone(), error })?;
     match file.try_lock() {
-        Ok(()) => Ok(Lock(file)),
+        Ok(()) => Ok(Some(Lock(file))),
+        Err(TryLockError::Error(error)) if error.kind() == std::io::ErrorKind::Unsupported => Ok(None),
         Err(TryLockError::WouldBlock) => Err(StoreError::Busy { dir: dir.to_owned() }),
         Err(TryLockError::Error(error)) => Err(StoreError::Io { path, error }),
     }

@@ -128,7 +128,8 @@ impl Config {
 /// The values of a range; those of a whole-number axis are rounded.
 fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
     let expected = || format!("expected a list of values, {RANGE_FORMS}");
-    if !matches!(kind, Kind::Number(_) | Kind::Alpha | Kind::Count { .. } | Kind::Color(_)) {
+    let is_number = matches!(kind, Kind::Number(_) | Kind::NumberOrName { .. } | Kind::Alpha | Kind::Count { .. });
+    if !is_number && !matches!(kind, Kind::Color(_)) {
         return Err("a range needs an axis of numbers; expected a list of values".to_owned());
     }
     let [(name, value, _)] = &entries(range)[..] else { return Err(expected()) };

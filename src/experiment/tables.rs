@@ -1,6 +1,7 @@
 //! The rows of a run's tables, in plan order, so that the bytes do not depend on the order of work.
 
 use super::axis::AXES;
+use super::host::UNKNOWN;
 use super::plan::{Cell, Plan};
 use super::store::{BinRecord, CellRecord, FailureRecord, ReferenceStop, Scores, Store, StoreError};
 use super::timing::{TimingRecord, summarize};
@@ -36,7 +37,8 @@ fn floored_names() -> Vec<&'static str> {
 pub const DIFFUSE_WEIGHT: &str = "one-minus-directional-albedo";
 
 /// Where a cell's reference stopped: see [`ReferenceStop`].
-const REFERENCE_COLUMNS: [&str; 3] = ["reference_samples", "reference_relative_error", "reference_stopped_by"];
+pub(super) const REFERENCE_COLUMNS: [&str; 3] =
+    ["reference_samples", "reference_relative_error", "reference_stopped_by"];
 
 fn stop_fields(stop: Option<&ReferenceStop>) -> [Field; 3] {
     stop.map_or([Field::Missing, Field::Missing, Field::Missing], |stop| {
@@ -116,7 +118,8 @@ pub fn timings(records: &[TimingRecord]) -> Rows {
     let statistics = ["pass", "n", "median_ms", "mad_ms", "p05_ms", "p95_ms", "min_ms", "wall_median_ms"];
     let judgement = ["passes_over_wall", "wall_check", "device", "device_type"];
     let spread = ["median_lo_ms", "median_hi_ms", "drift_percent_per_min", "flags"];
-    columns.extend(statistics.iter().chain(&judgement).chain(&spread).map(|name| name.to_string()));
+    let machine = ["clock_before_mhz", "clock_after_mhz", "slowdown", "load_before"];
+    columns.extend(statistics.iter().chain(&judgement).chain(&spread).chain(&machine).map(|name| name.to_string()));
     let mut rows = Vec::new();
     for record in records {
         let wall = summarize(&record.wall_ms);
@@ -132,6 +135,10 @@ pub fn timings(records: &[TimingRecord]) -> Rows {
             row.extend([record.wall_check(), &record.device, &record.device_type].map(Field::from));
             row.extend(s.interval.map(finite));
             row.extend([finite(record.drift_percent_per_min(pass)), text_field(&record.flags(pass))]);
+            let known = |number: Option<f64>| number.map_or_else(|| UNKNOWN.into(), Field::Number);
+            row.extend(record.host.each_ref().map(|host| known(host.clock_mhz(&record.device_type))));
+            let load = record.host[0].load_average.as_ref().and_then(|load| load.first().copied());
+            row.extend([text_field(&record.slowdown()), known(load)]);
             rows.push(row);
         }
     }

@@ -4,6 +4,7 @@
 //! environment or model are timed apart from them.
 
 use super::axis::{AXES, is_precompute};
+use super::host::{HostState, UNKNOWN};
 use super::plan::{Cell, Plan};
 use super::statistics::{drift, median_interval, quantile};
 use serde::{Deserialize, Serialize};
@@ -33,6 +34,9 @@ pub struct TimingRecord {
     pub device: String,
     pub device_type: String,
     pub driver: String,
+    /// The machine before the block's first round and after its last.
+    #[serde(default)]
+    pub host: [HostState; 2],
 }
 
 /// Where one sample stands among those of its block.
@@ -71,7 +75,7 @@ pub const PRECOMPUTE: &str = "precompute";
 pub const FRAME: &str = "frame";
 
 /// Axes that change the cost of a frame. `alpha` is not one: all widths run the same instructions.
-const FRAME_AXES: &[&str] = &["scene", "brdf", "method", "diffuse", "samples", "masking"];
+const FRAME_AXES: &[&str] = &["scene", "brdf", "method", "diffuse", "samples", "masking", "storage_format"];
 /// Axes besides those of the precompute settings that change which tables are made, and their cost.
 const PRECOMPUTE_AXES: &[&str] = &["brdf", "method", "diffuse", "masking"];
 
@@ -174,7 +178,19 @@ impl TimingRecord {
         100.0 * drift(&points) / summarize(&pass.ms).median
     }
 
-    /// What to be wary of, as words with spaces: `few-samples`, `drift`, `outliers`; empty for nothing.
+    /// Why the clock was low before or after the rounds, as words with spaces; empty for nothing, `unknown` where nobody tells.
+    pub fn slowdown(&self) -> String {
+        let [before, after] = self.host.each_ref().map(HostState::slowdown);
+        if before == after || after.is_empty() {
+            before
+        } else if before.is_empty() {
+            after
+        } else {
+            format!("{before} {after}")
+        }
+    }
+
+    /// What to be wary of, as words with spaces: `few-samples`, `drift`, `outliers`, `throttled`; empty for nothing.
     pub fn flags(&self, pass: &PassSamples) -> String {
         let s = summarize(&pass.ms);
         let minutes = self.rounds.last().map_or(0.0, |place| place.start_s / 60.0);
@@ -184,6 +200,7 @@ impl TimingRecord {
             ("few-samples", s.n < FEW_SAMPLES),
             ("drift", s.n >= FEW_SAMPLES && moved.abs() > DRIFT_NAMED),
             ("outliers", pass.ms.iter().any(is_outlier)),
+            ("throttled", self.host.iter().any(|host| !["", UNKNOWN].contains(&host.slowdown().as_str()))),
         ];
         flags.iter().filter(|(_, is_set)| *is_set).map(|(name, _)| *name).collect::<Vec<_>>().join(" ")
     }

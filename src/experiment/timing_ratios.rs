@@ -71,7 +71,9 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
     let frames: Vec<&TimingRecord> = records.iter().filter(|r| r.phase == FRAME && !is_nothing(r)).collect();
     let mut found = Vec::new();
     for fixed in frames.iter().filter(|record| !draws(record)) {
-        for sampled in frames.iter().filter(|record| draws(record) && record.block == fixed.block) {
+        for sampled in
+            frames.iter().filter(|record| draws(record) && record.block == fixed.block && is_same_device(record, fixed))
+        {
             let pairs = sampled.sums_ms().into_iter().zip(fixed.sums_ms());
             let quotients: Vec<f64> = pairs.map(|(a, b)| a / b).collect();
             let interval = median_interval(&quotients);
@@ -92,11 +94,17 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
     found
 }
 
+/// Times of two devices, or of two drivers of one, are never compared: a run in chunks may hold both.
+fn is_same_device(a: &TimingRecord, b: &TimingRecord) -> bool {
+    (&a.device, &a.driver) == (&b.device, &b.driver)
+}
+
 /// Median time of all tables that a frame's configuration needs, ms.
 fn tables_ms(records: &[TimingRecord], frame: &TimingRecord) -> f64 {
     let same = |record: &TimingRecord, name: &str| record.axes.get(name) == frame.axes.get(name);
     let of_frame = |record: &&TimingRecord| {
         record.phase == PRECOMPUTE
+            && is_same_device(record, frame)
             && record.environment_size == frame.environment_size
             && ["brdf", "method", "diffuse", "masking"].iter().all(|name| same(record, name))
     };

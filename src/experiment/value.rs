@@ -178,6 +178,12 @@ pub enum Kind {
         what: &'static str,
         names: fn() -> Vec<&'static str>,
     },
+    /// A number in the range, or a name that stands for one. Its value is the number: tables and ids never see the name.
+    NumberOrName {
+        range: Range,
+        what: &'static str,
+        named: fn() -> Vec<(&'static str, f64)>,
+    },
     /// The name of a builtin or the path of a file; it is checked by loading it.
     Input,
 }
@@ -212,11 +218,8 @@ impl Kind {
             },
             Self::Color(range) => match raw {
                 Raw::Array(items) if items.len() == 3 => {
-                    let mut color = [0.0; 3];
-                    for (channel, item) in color.iter_mut().zip(items) {
-                        *channel = Self::Number(*range).parse(item)?.number() as f32;
-                    }
-                    Ok(Value::Color(color))
+                    let channels = parse_all(&Self::Number(*range), items)?;
+                    Ok(Value::Color(std::array::from_fn(|channel| channels[channel].number() as f32)))
                 }
                 Raw::Array(_) | Raw::Text(_) | Raw::Other(_) => {
                     expected(&format!("a colour: one number in {range} or [r, g, b]"))
@@ -225,11 +228,8 @@ impl Kind {
             },
             Self::Pair { min, max } => match raw {
                 Raw::Array(items) if matches!(items[..], [Raw::Integer(_), Raw::Integer(_)]) => {
-                    let mut pair = [0; 2];
-                    for (n, item) in pair.iter_mut().zip(items) {
-                        *n = Self::Count { min: *min, max: *max }.parse(item)?.count();
-                    }
-                    Ok(Value::Pair(pair))
+                    let sides = parse_all(&Self::Count { min: *min, max: *max }, items)?;
+                    Ok(Value::Pair(std::array::from_fn(|side| sides[side].count())))
                 }
                 _ => expected(&format!("a pair of whole numbers in [{min}, {max}], such as [256, 128]")),
             },
@@ -247,6 +247,21 @@ impl Kind {
                     }
                 }
                 _ => expected(&format!("the name of a {what} in quotes")),
+            },
+            Self::NumberOrName { range, what, named } => match raw {
+                Raw::Text(text) => {
+                    let named = named();
+                    let number = named.iter().find(|(name, _)| name == text).map(|(_, number)| Value::Number(*number));
+                    number.ok_or_else(|| {
+                        let names: Vec<&str> = named.iter().map(|(name, _)| *name).collect();
+                        format!(
+                            "{text:?} is not a {what}{}; expected a number in {range}, or {}",
+                            suggestion(text, &names),
+                            names.join(", ")
+                        )
+                    })
+                }
+                _ => Self::Number(*range).parse(raw),
             },
             Self::Input => match raw {
                 Raw::Text(text) if !text.is_empty() => Ok(Value::Text(text.clone())),
@@ -282,9 +297,20 @@ impl Kind {
             Self::Color(range) => format!("colour: x or [r, g, b] in {range}; with --set x or r:g:b"),
             Self::Pair { min, max } => format!("pair of whole numbers in [{min}, {max}]; with --set WxH"),
             Self::Name { names, .. } => names().join(" | "),
+            Self::NumberOrName { range, named, .. } => {
+                let names: Vec<&str> = named().iter().map(|(name, _)| *name).collect();
+                format!("number in {range} | {}", names.join(" | "))
+            }
             Self::Input => "builtin name or file".to_owned(),
         }
     }
+}
+
+/// The values of all items, or everything that is wrong with any of them.
+fn parse_all(kind: &Kind, items: &[Raw]) -> Result<Vec<Value>, String> {
+    let (values, faults): (Vec<_>, Vec<_>) = items.iter().map(|item| kind.parse(item)).partition(Result::is_ok);
+    let faults: Vec<String> = faults.into_iter().filter_map(Result::err).collect();
+    if faults.is_empty() { Ok(values.into_iter().flatten().collect()) } else { Err(faults.join("; ")) }
 }
 
 fn count(n: i64, min: u32, max: u32) -> Result<u32, String> {

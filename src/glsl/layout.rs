@@ -162,7 +162,8 @@ shared_structs! {
         scramble_count: uint,
         /// Sample points of this dispatch (all but the reference), whose radiance is that of its part of `sample_count`.
         point_count: uint,
-        pad: uint,
+        /// Slots of the environment's distribution (reference only).
+        slot_count: uint,
     }
     /// An analytic light: position (point) or direction to the light (directional), then its colour (W/sr or irradiance) and kind in w.
     LightData {

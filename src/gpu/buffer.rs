@@ -46,7 +46,7 @@ impl Gpu {
     pub fn buffer_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let buffer = self.buffer(name, bytes.len() as u64)?;
-        self.upload(name, bytes, &buffer)?;
+        self.write_buffer(&buffer, bytes)?;
         Ok(buffer)
     }
 
@@ -55,11 +55,13 @@ impl Gpu {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
         let buffer = self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::GpuOnly)?;
-        self.upload(name, bytes, &buffer)?;
+        self.write_buffer(&buffer, bytes)?;
         Ok(buffer)
     }
 
-    fn upload(&self, name: &str, bytes: &[u8], buffer: &Buffer) -> Result<(), GpuError> {
+    /// Fills `buffer`, whose size `bytes` must have.
+    pub fn write_buffer(&self, buffer: &Buffer, bytes: &[u8]) -> Result<(), GpuError> {
+        let name = &buffer.inner.name;
         let staging = self.staging_from(name, bytes)?;
         let mut recorder = self.record(name)?;
         recorder.copy_buffer(&staging, buffer)?;

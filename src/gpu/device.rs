@@ -7,6 +7,7 @@ use ash::{ext, vk};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
 use std::ffi::CString;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 /// An open device. Clones share it.
@@ -21,6 +22,8 @@ pub(super) struct Shared {
     pub(super) queue_family: u32,
     /// One submission at a time: the queue is externally synchronised.
     pub(super) submission: Mutex<()>,
+    /// Host time from submission to completion, summed over all submissions, ns.
+    pub(super) waited_ns: AtomicU64,
     pub(super) limits: vk::PhysicalDeviceLimits,
     pub(super) timestamp_mask: u64,
     pub(super) info: DeviceInfo,
@@ -51,6 +54,7 @@ impl Gpu {
             queue,
             queue_family: family.index,
             submission: Mutex::new(()),
+            waited_ns: AtomicU64::new(0),
             limits,
             timestamp_mask: family.timestamp_mask,
             info,
@@ -77,19 +81,24 @@ impl Gpu {
         &self.shared.info
     }
 
+    /// Host time in which the device worked or was waited for since it was opened, ms.
+    pub fn waited_ms(&self) -> f64 {
+        self.shared.waited_ns.load(Ordering::Relaxed) as f64 * 1e-6
+    }
+
     /// Messages of the validation layer since the device was opened; empty without validation.
     pub fn validation_messages(&self) -> Vec<String> {
         self.shared.instance.messages.lock().map(|messages| messages.clone()).unwrap_or_default()
     }
 
-    /// Largest storage buffer, bytes.
-    pub fn max_buffer_bytes(&self) -> u64 {
-        self.shared.limits.max_storage_buffer_range.into()
-    }
-
     /// Bits of a pixel's fraction to which the rasteriser rounds vertices: at least 4.
     pub fn sub_pixel_precision_bits(&self) -> u32 {
         self.shared.limits.sub_pixel_precision_bits
+    }
+
+    /// Largest storage buffer, bytes.
+    pub fn max_buffer_bytes(&self) -> u64 {
+        self.shared.limits.max_storage_buffer_range.into()
     }
 
     /// Largest width and height of an image.

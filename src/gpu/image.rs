@@ -15,6 +15,8 @@ use std::sync::{Arc, Mutex};
 pub enum Format {
     /// Four f32; sampled, stored, rendered to.
     Rgba32Float,
+    /// Four halves; sampled, and written by the host only: no shader declares it.
+    Rgba16Float,
     /// Depth in f32; rendered to only.
     Depth32Float,
 }
@@ -23,13 +25,14 @@ impl Format {
     pub(super) fn raw(self) -> vk::Format {
         match self {
             Self::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
+            Self::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
             Self::Depth32Float => vk::Format::D32_SFLOAT,
         }
     }
 
     pub(super) fn aspect(self) -> vk::ImageAspectFlags {
         match self {
-            Self::Rgba32Float => vk::ImageAspectFlags::COLOR,
+            Self::Rgba32Float | Self::Rgba16Float => vk::ImageAspectFlags::COLOR,
             Self::Depth32Float => vk::ImageAspectFlags::DEPTH,
         }
     }
@@ -42,6 +45,9 @@ impl Format {
                     | vk::ImageUsageFlags::COLOR_ATTACHMENT
                     | vk::ImageUsageFlags::TRANSFER_SRC
                     | vk::ImageUsageFlags::TRANSFER_DST
+            }
+            Self::Rgba16Float => {
+                vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST
             }
             Self::Depth32Float => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
         }
@@ -165,23 +171,37 @@ impl Gpu {
         Ok(Image { inner: Arc::new(inner) })
     }
 
-    /// Fills level `mip` of an [`Format::Rgba32Float`] image.
+    /// Fills level `mip` of a colour image; halves are rounded to the nearest, ties to even.
     pub fn write_image(&self, image: &Image, mip: u32, texels: &[[f32; 4]]) -> Result<(), GpuError> {
         let [width, height] = image.mip_size(mip);
         assert_eq!(texels.len(), width as usize * height as usize, "texels of '{}'", image.inner.name);
-        let staging = self.staging_from(&image.inner.name, bytemuck::cast_slice(texels))?;
+        let halves: Vec<[u16; 4]>;
+        let bytes = match image.inner.format {
+            Format::Rgba16Float => {
+                halves = texels.iter().map(|texel| texel.map(|x| half::f16::from_f32(x).to_bits())).collect();
+                bytemuck::cast_slice(&halves)
+            }
+            _ => bytemuck::cast_slice(texels),
+        };
+        let staging = self.staging_from(&image.inner.name, bytes)?;
         let mut recorder = self.record(&image.inner.name)?;
         recorder.copy_buffer_to_image(&staging, image, mip);
         recorder.submit().map(|_| ())
     }
 
-    /// The texels of level `mip` of an [`Format::Rgba32Float`] image, row by row.
+    /// The texels of level `mip` of a colour image, row by row.
     pub fn read_image(&self, image: &Image, mip: u32) -> Result<Vec<[f32; 4]>, GpuError> {
         let [width, height] = image.mip_size(mip);
-        let staging = self.readback(&image.inner.name, 16 * u64::from(width) * u64::from(height))?;
+        let is_half = image.inner.format == Format::Rgba16Float;
+        let texel_bytes = if is_half { 8 } else { 16 };
+        let staging = self.readback(&image.inner.name, texel_bytes * u64::from(width) * u64::from(height))?;
         let mut recorder = self.record(&image.inner.name)?;
         recorder.copy_image_to_buffer(image, mip, &staging);
         recorder.submit()?;
+        if is_half {
+            let bits: Vec<[u16; 4]> = staging.host_copy();
+            return Ok(bits.iter().map(|texel| texel.map(|bits| half::f16::from_bits(bits).to_f32())).collect());
+        }
         Ok(staging.host_copy())
     }
 }

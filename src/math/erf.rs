@@ -27,46 +27,6 @@ pub fn erfc(x: f64) -> f64 {
     }
 }
 
-/// Inverse of [`erf`] for `y` in (-1, 1), by Newton's method.
-///
-/// At ±1 the result is finite: the root is sought within ±[`INVERSE_END`].
-pub fn erf_inverse(y: f64) -> f64 {
-    let magnitude = y.abs();
-    let root = monotone_root(0.0, INVERSE_END, |x| {
-        // Each form keeps the digits of its half of the range.
-        let excess = if magnitude < 0.5 { erf(x) - magnitude } else { (1.0 - magnitude) - erfc(x) };
-        (excess, 2.0 / PI.sqrt() * (-x * x).exp())
-    });
-    root.copysign(y)
-}
-
-/// `erfc(6) = 2e-17` is below the spacing of f64 at 1.
-const INVERSE_END: f64 = 6.0;
-
-/// Root of an increasing function in `[low, high]`: Newton steps, replaced by bisection where they leave the bracket.
-///
-/// `f` gives the value and its derivative. Returns the nearer end if the sign does not change.
-pub fn monotone_root(mut low: f64, mut high: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
-    // Bisection alone ends in 64 steps; Newton usually in 6.
-    const MAX_STEPS: u32 = 100;
-    let mut x = 0.5 * (low + high);
-    for _ in 0..MAX_STEPS {
-        let (value, slope) = f(x);
-        if value > 0.0 {
-            high = x;
-        } else {
-            low = x;
-        }
-        let newton = x - value / slope;
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if (next - x).abs() <= f64::EPSILON * x.abs().max(f64::MIN_POSITIVE) {
-            return next;
-        }
-        x = next;
-    }
-    x
-}
-
 fn erf_series(x: f64) -> f64 {
     let mut term = x;
     let mut sum = x;

@@ -6,4 +6,5 @@ pub mod frame;
 pub mod incomplete_beta;
 pub mod quadrature;
 pub mod sampling;
+pub mod sequence;
 pub mod spherical_harmonics;

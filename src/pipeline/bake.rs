@@ -4,6 +4,7 @@ use super::{Pipeline, PipelineError, RenderRequest};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::gpu::{Gpu, Image};
+use crate::math::sequence::SEQUENCES;
 use crate::pixels::{GrayImage, Pixels, RgbImage, exr, write_atomically};
 use crate::precompute::{PrecomputeSettings, prefilter};
 use crate::scene::{Camera, CameraKind, SCENES};
@@ -12,6 +13,9 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// The list of files, and what they hold.
+const MANIFEST: &str = "bake.json";
 
 /// What to bake.
 #[derive(Clone, Debug)]
@@ -46,22 +50,24 @@ struct BakeFile<'a> {
     prefilter_alphas: Vec<f64>,
     prefilter_sample_count: u32,
     dfg_sample_count: u32,
+    storage_format: &'static str,
     device: &'a str,
     files: Vec<String>,
 }
 
 impl Pipeline {
     /// Writes prefiltered levels and DFG table of each model (EXR), SH9 (JSON) and the irradiance map (EXR) into the folder `out`,
-    /// and `bake.json` last. Returns the paths.
+    /// and `bake.json` last. Levels that an earlier bake left beyond these are removed. Returns the paths.
     pub fn bake(&mut self, request: &BakeRequest, out: &Path) -> Result<Vec<PathBuf>, PipelineError> {
         let environment = &request.environment;
         let settings = &request.precompute;
+        remove_stale(request, out)?;
         let mut files = Vec::new();
         let mut view = RequestView::new(request);
 
         for diffuse in ["sh9", "irradiance-map"] {
             view.0.diffuse = diffuse_by_name(diffuse).expect("a listed diffuse method");
-            let prepared = self.resources.prepare(&self.gpu, &view.0)?;
+            let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view.0)?;
             let tables = prepared.tables();
             if diffuse == "sh9" {
                 let texels: Vec<[f32; 4]> = self.gpu.read_buffer(tables.sh9)?;
@@ -78,10 +84,10 @@ impl Pipeline {
         view.0.method = method_by_name("split-sum").expect("a listed method");
         for brdf in &request.brdfs {
             view.0.brdf = *brdf;
-            let prepared = self.resources.prepare(&self.gpu, &view.0)?;
+            let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view.0)?;
             let tables = prepared.tables();
             for mip in 0..tables.prefiltered.mip_count() {
-                let path = out.join(format!("prefiltered_{}_{mip}.exr", brdf.name()));
+                let path = out.join(level_name(*brdf, mip));
                 write_image(&self.gpu, tables.prefiltered, mip, &path)?;
                 files.push(path);
             }
@@ -103,14 +109,38 @@ impl Pipeline {
                 .collect(),
             prefilter_sample_count: settings.prefilter_sample_count,
             dfg_sample_count: settings.dfg_sample_count,
+            storage_format: settings.storage.name(),
             device: &self.device().name,
             files: names.collect(),
         };
-        let path = out.join("bake.json");
+        let path = out.join(MANIFEST);
         write_json(&path, &manifest)?;
         files.push(path);
         Ok(files)
     }
+}
+
+/// Removes what would not be written anew: the list of files, which is about to be wrong, and levels beyond the last.
+fn remove_stale(request: &BakeRequest, out: &Path) -> Result<(), PipelineError> {
+    let beyond = |brdf: &dyn Brdf| {
+        let first = request.precompute.prefilter_level_count;
+        let levels = (first..).map(|mip| out.join(level_name(brdf, mip)));
+        levels.take_while(|path| path.exists()).collect::<Vec<_>>()
+    };
+    let stale = request.brdfs.iter().flat_map(|brdf| beyond(*brdf)).chain([out.join(MANIFEST)]);
+    for path in stale {
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(PipelineError::Stale { path, error });
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn level_name(brdf: &dyn Brdf, mip: u32) -> String {
+    format!("prefiltered_{}_{mip}.exr", brdf.name())
 }
 
 /// The smallest request that makes the tables: nothing of it is ever shaded.
@@ -132,6 +162,7 @@ impl RequestView {
             brdf: &crate::brdf::Ggx,
             masking_shadowing: request.masking_shadowing,
             samples: 1,
+            sequence: &SEQUENCES[0],
             point_set: 0,
             reference_error: None,
             reference_samples: 1,

@@ -30,7 +30,7 @@ impl Pipeline {
             lights: Vec::new(),
             ..request.clone()
         };
-        let prepared = self.resources.prepare(&self.gpu, &request)?;
+        let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &request)?;
         let tables = prepared.tables();
         let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
         let level = |image: &Image, mip: u32| -> Result<RgbImage, PipelineError> {

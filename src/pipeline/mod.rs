@@ -1,18 +1,24 @@
 //! Runs environment, precompute, gbuffer, shade and tonemap in this order.
 //!
-//! Tables, scenes and g-buffers are kept by what determines them, so that a sweep makes each once.
+//! Tables, scenes and g-buffers are kept by what determines them, so that a sweep makes each once. With a [`DiskCache`] tables and
+//! references are kept for later runs, too.
 
 mod bake;
 mod cache;
+mod disk_cache;
 mod fit;
+mod kept_reference;
 mod light_tables;
 mod prepare;
 mod request;
+mod shared_work;
 
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, devices};
 pub use bake::BakeRequest;
+pub use disk_cache::{DiskCache, DiskCacheError, program_hash};
 pub use light_tables::LightTables;
 pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
+pub use shared_work::{SharedWork, Tally};
 
 use crate::glsl::constants::{GROUP_SIDE, POINTS_PER_DISPATCH};
 use crate::gpu::{Buffer, Gpu, GpuError, Report};
@@ -22,7 +28,10 @@ use crate::shade::pass::{ShadeSettings, light_data};
 use crate::shade::reference_pass::{Convergence, ReferenceRun};
 use crate::tonemap::ToneCurve;
 use crate::tonemap::pass::TonemapPass;
+use kept_reference::Reference;
 use prepare::{Prepared, Resources};
+use shared_work::Kept;
+use std::path::PathBuf;
 
 /// Why a frame could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -36,6 +45,8 @@ pub enum PipelineError {
     InvalidRadiance { stage: &'static str, count: usize, x: u32, y: u32, value: [f32; 3] },
     #[error(transparent)]
     File(#[from] PixelsError),
+    #[error("{}: cannot be removed ({error}); expected to replace what an earlier bake left", path.display())]
+    Stale { path: PathBuf, error: std::io::Error },
     #[error("{field} is 0; expected at least 1")]
     NoSamples { field: &'static str },
     #[error(transparent)]
@@ -62,18 +73,41 @@ pub struct Pipeline {
     gpu: Gpu,
     resources: Resources,
     tonemap: TonemapPass,
+    kept: Kept,
 }
 
 impl Pipeline {
     /// Opens a device.
     pub fn new(options: Options) -> Result<Self, PipelineError> {
         let gpu = Gpu::new(options)?;
-        Ok(Self { resources: Resources::new(&gpu)?, tonemap: TonemapPass::new(&gpu)?, gpu })
+        Ok(Self { resources: Resources::new(&gpu)?, tonemap: TonemapPass::new(&gpu)?, kept: Kept::default(), gpu })
     }
 
     /// What is known of the device.
     pub fn device(&self) -> &DeviceInfo {
         self.gpu.info()
+    }
+
+    /// Takes tables and references from `cache` where it has them, and adds those that are made. Timed passes never come from it.
+    pub fn keep_on_disk(&mut self, mut cache: DiskCache) {
+        let DeviceInfo { name, driver, api_version, .. } = self.gpu.info();
+        cache.extend_base(&format!("device={name}\ndriver={driver}\napi_version={api_version}\n"));
+        self.kept.disk = Some(cache);
+    }
+
+    /// What frames shared so far; timing rounds do not count.
+    pub fn shared_work(&self) -> &SharedWork {
+        &self.kept.work
+    }
+
+    /// What went wrong with the cache since the last call: no fault of any frame.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        self.kept.disk.as_mut().map(DiskCache::take_warnings).unwrap_or_default()
+    }
+
+    /// Host time in which the device worked or was waited for so far, ms.
+    pub fn waited_ms(&self) -> f64 {
+        self.gpu.waited_ms()
     }
 
     /// Messages of the validation layer so far; empty without validation.
@@ -86,13 +120,20 @@ impl Pipeline {
         fit::check(&self.gpu, request)
     }
 
-    /// What `request` needs. When memory runs out, what earlier requests left is given back first and all is tried once more.
     fn prepare(&mut self, request: &RenderRequest) -> Result<Prepared, PipelineError> {
+        let mut kept = std::mem::take(&mut self.kept);
+        let prepared = self.prepare_with(&mut kept, request);
+        self.kept = kept;
+        prepared
+    }
+
+    /// What `request` needs. When memory runs out, what earlier requests left is given back first and all is tried once more.
+    fn prepare_with(&mut self, kept: &mut Kept, request: &RenderRequest) -> Result<Prepared, PipelineError> {
         self.check(request)?;
-        match self.resources.prepare(&self.gpu, request) {
+        match self.resources.prepare(&self.gpu, kept, request) {
             Err(PipelineError::Gpu(error)) if error.is_out_of_memory() => {
                 self.resources.forget_all();
-                self.resources.prepare(&self.gpu, request)
+                self.resources.prepare(&self.gpu, kept, request)
             }
             prepared => prepared,
         }
@@ -100,6 +141,30 @@ impl Pipeline {
 
     /// Renders one radiance image.
     pub fn render(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
+        let Some(key) = kept_reference::key(request) else { return self.rendered(request) };
+        self.check(request)?;
+        let kept = self.kept.load("reference", &key).and_then(|bytes| Reference::from_bytes(&bytes, request.size));
+        if let Some(Reference { radiance, standard_error, convergences }) = kept {
+            let (_, target) = self.resources.view(&self.gpu, request)?;
+            let (mask, n_dot_v) = (target.mask.clone(), target.n_dot_v.clone());
+            return Ok(Frame {
+                radiance,
+                standard_error,
+                convergences,
+                mask,
+                n_dot_v,
+                timings: FrameTimings::default(),
+            });
+        }
+        let frame = self.rendered(request)?;
+        self.kept.store("reference", &key, || {
+            let (radiance, standard_error) = (frame.radiance.clone(), frame.standard_error.clone());
+            Ok(Reference { radiance, standard_error, convergences: frame.convergences.clone() }.to_bytes())
+        })?;
+        Ok(frame)
+    }
+
+    fn rendered(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
         let prepared = self.prepare(request)?;
         let (report, convergences) = self.shade(request, &prepared)?;
         let (radiance, standard_error) = read_radiance(&self.gpu, &prepared, request)?;
@@ -149,7 +214,7 @@ impl Pipeline {
         Ok(samples)
     }
 
-    /// Times the precompute passes that `request` needs, each made anew in every round.
+    /// Times the precompute passes that `request` needs, each made anew in every round: nothing comes from memory or from the disk.
     pub fn time_precompute(
         &mut self,
         request: &RenderRequest,
@@ -159,7 +224,7 @@ impl Pipeline {
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
             self.resources.forget_tables();
-            let report = self.prepare(request)?.precompute;
+            let report = self.prepare_with(&mut Kept::default(), request)?.precompute;
             if round >= warmup {
                 samples.push(&report.passes, report.wall_ms);
             }
@@ -257,7 +322,7 @@ fn settings(request: &RenderRequest, prepared: &Prepared) -> ShadeSettings {
         camera: request.camera,
         environment_rotation_deg: request.environment_rotation_deg,
         environment_scale: request.environment_scale,
-        environment_size: prepared.environment.image.mip_size(0),
+        environment_size: prepared.environment.mip_size(0),
         sample_count: request.samples,
         lod_bias: request.lod_bias,
         prefilter_level_count: prepared.prefiltered.mip_count(),

@@ -1,6 +1,7 @@
 //! What a request needs before it can be shaded: tables, scene, targets, pipelines.
 
 use super::cache::Recent;
+use super::shared_work::{Kept, Levels, Maker, submit_pass};
 use super::{PipelineError, RenderRequest, light_bytes};
 use crate::brdf::MaskingShadowing;
 use crate::environment::{
@@ -8,7 +9,8 @@ use crate::environment::{
     distribution::{EnvironmentDistribution, weighted_texels},
 };
 use crate::gbuffer::pass::{GbufferImages, GbufferPass, SceneData};
-use crate::gpu::{Buffer, Format, Gpu, Image, Report};
+use crate::gpu::{Buffer, Format, Gpu, GpuError, Image, Report};
+use crate::math::sequence::SEQUENCES;
 use crate::pixels::GrayImage;
 use crate::precompute::dfg::pass::DfgPass;
 use crate::precompute::irradiance::pass::IrradiancePass;
@@ -16,9 +18,10 @@ use crate::precompute::mips::{level_count, pass::MipsPass};
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::pass::PrefilterPass;
 use crate::precompute::sh9::pass::Sh9Pass;
+use crate::precompute::{HALF_MAX, PrecomputeSettings, StorageFormat};
 use crate::scene::Camera;
 use crate::shade::pass::{ShadePass, Tables};
-use crate::shade::reference_pass::{Lobe, ReferencePass, Sums};
+use crate::shade::reference_pass::{DistributionBuffers, Lobe, ReferencePass, Sums};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
@@ -33,13 +36,16 @@ pub(super) struct Resources {
     irradiance: IrradiancePass,
     prefilter: HashMap<&'static str, PrefilterPass>,
     dfg: HashMap<(&'static str, MaskingShadowing), DfgPass>,
-    environments: Recent<String, Arc<EnvironmentData>>,
-    distributions: Recent<String, Buffer>,
+    /// Radiance with its mips.
+    environments: Recent<String, Levels>,
+    distributions: Recent<String, DistributionBuffers>,
     coefficients: Recent<String, Buffer>,
-    irradiance_maps: Recent<(String, [u32; 2], [u32; 2]), Image>,
-    prefiltered: Recent<(String, &'static str, [u32; 2], u32, u32), Image>,
-    dfg_tables: Recent<(&'static str, MaskingShadowing, u32, u32), Image>,
-    points: Recent<(u32, u32), Points>,
+    irradiance_maps: Recent<String, Levels>,
+    prefiltered: Recent<String, Levels>,
+    dfg_tables: Recent<String, Levels>,
+    /// Copies of tables in the format that a request asks for.
+    halves: Recent<String, Image>,
+    points: Recent<(u32, &'static str, u32), Points>,
     scenes: Recent<String, Arc<SceneData>>,
     targets: Recent<TargetKey, Arc<Target>>,
     /// Stand for tables that a request does not use, because every binding needs something.
@@ -47,15 +53,9 @@ pub(super) struct Resources {
     blank_buffer: Buffer,
 }
 
-/// An environment on the device.
-pub(super) struct EnvironmentData {
-    /// Radiance with its mips.
-    pub(super) image: Image,
-}
-
 /// What only a reference needs.
 pub(super) struct ReferenceData {
-    pub(super) distribution: Buffer,
+    pub(super) distribution: DistributionBuffers,
     pub(super) sums: Sums,
     /// A vec4 a pixel.
     pub(super) squared_error: Buffer,
@@ -79,7 +79,7 @@ pub(super) struct Target {
 
 /// Everything that one request shades with.
 pub(super) struct Prepared {
-    pub(super) environment: Arc<EnvironmentData>,
+    pub(super) environment: Image,
     pub(super) scene: Arc<SceneData>,
     pub(super) target: Arc<Target>,
     pub(super) prefiltered: Image,
@@ -100,7 +100,7 @@ pub(super) struct Prepared {
 impl Prepared {
     pub(super) fn tables(&self) -> Tables<'_> {
         Tables {
-            environment: &self.environment.image,
+            environment: &self.environment,
             prefiltered: &self.prefiltered,
             dfg: &self.dfg,
             irradiance_map: &self.irradiance_map,
@@ -135,6 +135,7 @@ impl Resources {
             irradiance_maps: Recent::new(4),
             prefiltered: Recent::new(6),
             dfg_tables: Recent::new(9),
+            halves: Recent::new(9),
             points: Recent::new(16),
             scenes: Recent::new(4),
             targets: Recent::new(4),
@@ -150,6 +151,7 @@ impl Resources {
         self.irradiance_maps = Recent::new(4);
         self.prefiltered = Recent::new(6);
         self.dfg_tables = Recent::new(9);
+        self.halves = Recent::new(9);
     }
 
     /// Forgets all that can be made again; the passes stay.
@@ -162,33 +164,36 @@ impl Resources {
     }
 
     /// Makes what `request` needs and is not there yet.
-    pub(super) fn prepare(&mut self, gpu: &Gpu, request: &RenderRequest) -> Result<Prepared, PipelineError> {
+    pub(super) fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        kept: &mut Kept,
+        request: &RenderRequest,
+    ) -> Result<Prepared, PipelineError> {
         validate(request)?;
-        let mut precompute = Report::default();
-        let environment = self.environment(gpu, &request.environment, &mut precompute)?;
+        let maker = &mut Maker { gpu, kept, total: Report::default() };
+        let environment = self.environment(maker, &request.environment)?;
         let samples_per_pixel = if request.method.uses_samples { request.samples } else { 1 };
         let needs_dfg = request.method.needs_dfg(request.diffuse, !request.lights.is_empty());
 
         let sh9 = match request.diffuse.name {
-            "sh9" => self.coefficients(gpu, &request.environment.hash, &environment, &mut precompute)?,
+            "sh9" => self.coefficients(maker, &request.environment.hash, &environment)?,
             _ => self.blank_buffer.clone(),
         };
         let irradiance_map = match request.diffuse.uses_irradiance_map {
-            true => self.irradiance_map(gpu, request, &environment, &mut precompute)?,
+            true => self.irradiance_map(maker, request, &environment)?,
             false => self.blank_image.clone(),
         };
         let prefiltered = match request.method.uses_prefiltered {
-            true => self.prefiltered(gpu, request, &environment, &mut precompute)?,
+            true => self.prefiltered(maker, request, &environment)?,
             false => self.blank_image.clone(),
         };
-        let dfg = if needs_dfg { self.dfg_table(gpu, request, &mut precompute)? } else { self.blank_image.clone() };
-        let points = self.points.get_or_make((samples_per_pixel, request.point_set), || {
-            Points::upload(gpu, samples_per_pixel, request.point_set)
+        let dfg = if needs_dfg { self.dfg_table(maker, request)? } else { self.blank_image.clone() };
+        let (sequence, set) = (request.sequence, request.point_set);
+        let points = self.points.get_or_make((samples_per_pixel, sequence.name, set), || {
+            Points::upload(gpu, samples_per_pixel, sequence, set)
         })?;
-        let scene = self
-            .scenes
-            .get_or_make(request.scene.hash.clone(), || SceneData::new(gpu, &request.scene).map(Arc::new))?;
-        let target = self.target(gpu, request, &scene)?;
+        let (scene, target) = self.view(gpu, request)?;
         let lights = light_bytes(request).map(|bytes| gpu.buffer_from("lights", &bytes)).transpose()?;
 
         let (brdf, masking) = (request.brdf, request.masking_shadowing);
@@ -212,7 +217,7 @@ impl Resources {
             target,
             prefiltered,
             lights,
-            precompute,
+            precompute: std::mem::take(&mut maker.total),
             samples_per_pixel,
             reference,
             lobes,
@@ -223,110 +228,133 @@ impl Resources {
         })
     }
 
-    fn environment(
-        &mut self,
-        gpu: &Gpu,
-        environment: &Environment,
-        total: &mut Report,
-    ) -> Result<Arc<EnvironmentData>, PipelineError> {
-        let mips = &self.mips;
-        self.environments.get_or_make(environment.hash.clone(), || {
-            let pixels = &environment.image;
-            let size = [pixels.width, pixels.height];
+    fn environment(&mut self, maker: &mut Maker, environment: &Environment) -> Result<Image, PipelineError> {
+        let (mips, gpu, pixels) = (&self.mips, maker.gpu, &environment.image);
+        let size = [pixels.width, pixels.height];
+        let empty = || {
             let image = gpu.image("environment", size, level_count(size), Format::Rgba32Float)?;
             gpu.write_image(&image, 0, &weighted_texels(pixels))?;
-            let mut recorder = gpu.record("mips")?;
-            recorder.pass("mips", |r| mips.record(r, &image))?;
-            total.add(recorder.submit()?);
-            Ok(Arc::new(EnvironmentData { image }))
-        })
+            Ok(Levels { image, first: 1 })
+        };
+        let key = format!("environment={}\n", environment.hash);
+        let made = maker.table(&mut self.environments, "mips", key, empty, |levels| {
+            submit_pass(gpu, "mips", |r| mips.record(r, &levels.image))
+        })?;
+        Ok(made.image)
     }
 
     fn reference_data(&mut self, gpu: &Gpu, request: &RenderRequest) -> Result<ReferenceData, PipelineError> {
         let environment = &request.environment;
         let distribution = self.distributions.get_or_make(environment.hash.clone(), || {
-            gpu.buffer_from("environment distribution", EnvironmentDistribution::new(&environment.image).words())
+            DistributionBuffers::new(gpu, &EnvironmentDistribution::new(&environment.image))
         })?;
         let bytes = 16 * u64::from(request.size[0]) * u64::from(request.size[1]);
         let (sums, squared_error) = (Sums::new(gpu, request.size)?, gpu.buffer("squared error", bytes)?);
         Ok(ReferenceData { distribution, sums, squared_error })
     }
 
-    fn coefficients(
-        &mut self,
-        gpu: &Gpu,
-        hash: &str,
-        environment: &EnvironmentData,
-        total: &mut Report,
-    ) -> Result<Buffer, PipelineError> {
-        let pass = &self.sh9;
-        self.coefficients.get_or_make(hash.to_string(), || {
-            let coefficients = Sh9Pass::coefficients(gpu)?;
-            let mut recorder = gpu.record("sh9")?;
-            recorder.pass("sh9", |r| pass.record(r, &environment.image, &coefficients))?;
-            total.add(recorder.submit()?);
-            Ok(coefficients)
-        })
+    fn coefficients(&mut self, maker: &mut Maker, hash: &str, environment: &Image) -> Result<Buffer, PipelineError> {
+        let (pass, gpu) = (&self.sh9, maker.gpu);
+        let key = format!("environment={hash}\n");
+        maker.table(
+            &mut self.coefficients,
+            "sh9",
+            key,
+            || Sh9Pass::coefficients(gpu),
+            |coefficients| submit_pass(gpu, "sh9", |r| pass.record(r, environment, coefficients)),
+        )
     }
 
     fn irradiance_map(
         &mut self,
-        gpu: &Gpu,
+        maker: &mut Maker,
         request: &RenderRequest,
-        environment: &EnvironmentData,
-        total: &mut Report,
+        environment: &Image,
     ) -> Result<Image, PipelineError> {
-        let settings = &request.precompute;
-        let key = (request.environment.hash.clone(), settings.irradiance_size, settings.irradiance_sample_count);
-        let (pass, sampler) = (&self.irradiance, self.shade.equirect_sampler());
-        self.irradiance_maps.get_or_make(key, || {
-            let map = IrradiancePass::map(gpu, settings.irradiance_size)?;
-            let mut recorder = gpu.record("irradiance")?;
-            recorder.pass("irradiance", |r| {
-                pass.record_integrate(r, &environment.image, sampler, settings.irradiance_sample_count, &map)
-            })?;
-            total.add(recorder.submit()?);
-            Ok(map)
-        })
+        let PrecomputeSettings { irradiance_size: size, irradiance_sample_count: sample_count, storage, .. } =
+            request.precompute;
+        let (pass, sampler, gpu) = (&self.irradiance, self.shade.equirect_sampler(), maker.gpu);
+        let key = format!("environment={}\nsize={size:?}\nsamples={sample_count:?}\n", request.environment.hash);
+        let empty = || IrradiancePass::map(gpu, size).map(Levels::all);
+        let made = maker.table(&mut self.irradiance_maps, "irradiance", key.clone(), empty, |map| {
+            submit_pass(gpu, "irradiance", |r| pass.record_integrate(r, environment, sampler, sample_count, &map.image))
+        })?;
+        self.stored(gpu, "irradiance", key, made.image, storage)
     }
 
     fn prefiltered(
         &mut self,
-        gpu: &Gpu,
+        maker: &mut Maker,
         request: &RenderRequest,
-        environment: &EnvironmentData,
-        total: &mut Report,
+        environment: &Image,
     ) -> Result<Image, PipelineError> {
         let settings = &request.precompute;
         let (size, level_count) = (settings.prefilter_size, settings.prefilter_level_count);
         let sample_count = settings.prefilter_sample_count;
-        let name = request.brdf.name();
+        let (name, gpu) = (request.brdf.name(), maker.gpu);
         if let Entry::Vacant(entry) = self.prefilter.entry(name) {
             entry.insert(PrefilterPass::new(gpu, request.brdf)?);
         }
-        let points = self.points.get_or_make((sample_count, 0), || Points::upload(gpu, sample_count, 0))?;
+        let sequence = &SEQUENCES[0];
+        let points = self
+            .points
+            .get_or_make((sample_count, sequence.name, 0), || Points::upload(gpu, sample_count, sequence, 0))?;
         let (pass, sampler) = (&self.prefilter[name], self.shade.equirect_sampler());
-        let key = (request.environment.hash.clone(), name, size, level_count, sample_count);
-        self.prefiltered.get_or_make(key, || {
-            let map = PrefilterPass::map(gpu, size, level_count)?;
-            total.add(pass.run(gpu, &environment.image, sampler, &points, sample_count, &map)?);
-            Ok(map)
-        })
+        let key = format!(
+            "environment={}\nbrdf={name}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n",
+            request.environment.hash
+        );
+        let empty = || PrefilterPass::map(gpu, size, level_count).map(Levels::all);
+        let made = maker.table(&mut self.prefiltered, "prefilter", key.clone(), empty, |map| {
+            pass.run(gpu, environment, sampler, &points, sample_count, &map.image)
+        })?;
+        self.stored(gpu, "prefilter", key, made.image, settings.storage)
     }
 
-    fn dfg_table(&mut self, gpu: &Gpu, request: &RenderRequest, total: &mut Report) -> Result<Image, PipelineError> {
+    fn dfg_table(&mut self, maker: &mut Maker, request: &RenderRequest) -> Result<Image, PipelineError> {
         let settings = &request.precompute;
         let (side, sample_count) = (settings.dfg_size, settings.dfg_sample_count);
-        let key = (request.brdf.name(), request.masking_shadowing);
-        if let Entry::Vacant(entry) = self.dfg.entry(key) {
-            entry.insert(DfgPass::new(gpu, request.brdf, request.masking_shadowing)?);
+        let (name, masking, gpu) = (request.brdf.name(), request.masking_shadowing, maker.gpu);
+        if let Entry::Vacant(entry) = self.dfg.entry((name, masking)) {
+            entry.insert(DfgPass::new(gpu, request.brdf, masking)?);
         }
-        let pass = &self.dfg[&key];
-        self.dfg_tables.get_or_make((key.0, key.1, side, sample_count), || {
-            let table = DfgPass::table(gpu, side)?;
-            total.add(pass.run(gpu, sample_count, &table)?);
-            Ok(table)
-        })
+        let pass = &self.dfg[&(name, masking)];
+        let key = format!("brdf={name}\nmasking={masking:?}\nsize={side}\nsamples={sample_count}\n");
+        let empty = || DfgPass::table(gpu, side).map(Levels::all);
+        let made = maker.table(&mut self.dfg_tables, "dfg", key.clone(), empty, |table| {
+            pass.run(gpu, sample_count, &table.image)
+        })?;
+        self.stored(gpu, "dfg", key, made.image, settings.storage)
+    }
+
+    /// The table as `storage` holds it.
+    fn stored(
+        &mut self,
+        gpu: &Gpu,
+        kind: &str,
+        key: String,
+        table: Image,
+        storage: StorageFormat,
+    ) -> Result<Image, PipelineError> {
+        match storage {
+            StorageFormat::F32 => Ok(table),
+            StorageFormat::F16 => {
+                Ok(self.halves.get_or_make(format!("{kind} {key}"), || half_copy(gpu, kind, &table))?)
+            }
+        }
+    }
+
+    /// The scene on the device and what its camera sees of it.
+    pub(super) fn view(
+        &mut self,
+        gpu: &Gpu,
+        request: &RenderRequest,
+    ) -> Result<(Arc<SceneData>, Arc<Target>), PipelineError> {
+        let scene = self
+            .scenes
+            .get_or_make(request.scene.hash.clone(), || SceneData::new(gpu, &request.scene).map(Arc::new))?;
+        let target = self.target(gpu, request, &scene)?;
+        Ok((scene, target))
     }
 
     fn target(&mut self, gpu: &Gpu, request: &RenderRequest, scene: &SceneData) -> Result<Arc<Target>, PipelineError> {
@@ -344,6 +372,17 @@ impl Resources {
             Ok(Arc::new(Target { gbuffer, radiance, mask, n_dot_v }))
         })
     }
+}
+
+/// The same texels in halves, each at most [`HALF_MAX`].
+fn half_copy(gpu: &Gpu, name: &str, table: &Image) -> Result<Image, GpuError> {
+    let copy = gpu.image(&format!("{name} in halves"), table.mip_size(0), table.mip_count(), Format::Rgba16Float)?;
+    for mip in 0..table.mip_count() {
+        let texels = gpu.read_image(table, mip)?;
+        let bounded: Vec<[f32; 4]> = texels.iter().map(|texel| texel.map(|x| x.min(HALF_MAX))).collect();
+        gpu.write_image(&copy, mip, &bounded)?;
+    }
+    Ok(copy)
 }
 
 /// The terms that `request` takes from the reference.

@@ -3,6 +3,7 @@
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::gpu::PassTime;
+use crate::math::sequence::Sequence;
 use crate::pixels::{GrayImage, RgbImage};
 use crate::precompute::PrecomputeSettings;
 use crate::scene::{Camera, Light, Scene};
@@ -27,7 +28,9 @@ pub struct RenderRequest {
     pub masking_shadowing: MaskingShadowing,
     /// Samples a pixel of a sampled method.
     pub samples: u32,
-    /// Which set of sample points a sampled method takes: 0 the plain Hammersley set, k > 0 its k-th shift (`precompute::points`).
+    /// Where a sampled method takes its points from.
+    pub sequence: &'static Sequence,
+    /// Which set of the sequence: 0 the plain one, k > 0 randomised copies.
     pub point_set: u32,
     /// Samples a pixel of the reference, wherever it is the method or the diffuse term.
     pub reference_samples: u32,
@@ -76,7 +79,7 @@ pub struct Frame {
 /// Device times of one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameTimings {
-    /// Precompute passes that ran for this frame: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty when all tables were cached.
+    /// Precompute passes that ran for this frame: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty when all tables were there already.
     pub precompute: Vec<PassTime>,
     /// Per-frame passes: `gbuffer`, `shade-specular`, `shade-diffuse`, `shade-lights`, `background`, `tonemap`.
     pub frame: Vec<PassTime>,

@@ -7,7 +7,7 @@ pub mod prefilter;
 mod settings;
 pub mod sh9;
 
-pub use settings::{PrecomputeSettings, SettingsError};
+pub use settings::{HALF_MAX, PrecomputeSettings, SettingsError, StorageFormat};
 
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::pixels::RgbImage;

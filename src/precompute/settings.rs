@@ -1,5 +1,32 @@
 //! Sizes and sample counts of the precompute passes, and which of them go together.
 
+/// In which numbers the prefiltered map, the DFG table and the irradiance map are kept on the device.
+///
+/// Passes always compute in f32; `F16` rounds their results once, to the nearest half, ties to even.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StorageFormat {
+    #[default]
+    F32,
+    /// What engines ship: 11 bits of precision, nothing above [`HALF_MAX`].
+    F16,
+}
+
+impl StorageFormat {
+    /// Every format with its name.
+    pub const ALL: &[(&str, Self)] = &[(Self::F32.name(), Self::F32), (Self::F16.name(), Self::F16)];
+
+    /// Name in files and tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F16 => "f16",
+        }
+    }
+}
+
+/// The largest half. Brighter texels (a sun) are cut off here, as engines do: an infinite one would spoil every texel filtered with it.
+pub const HALF_MAX: f32 = 65504.0;
+
 /// Sizes and sample counts of every precompute pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrecomputeSettings {
@@ -14,6 +41,7 @@ pub struct PrecomputeSettings {
     pub irradiance_size: [u32; 2],
     /// Azimuth and polar samples of the numerical irradiance integration.
     pub irradiance_sample_count: [u32; 2],
+    pub storage: StorageFormat,
 }
 
 impl Default for PrecomputeSettings {
@@ -26,6 +54,7 @@ impl Default for PrecomputeSettings {
             dfg_sample_count: 1024,
             irradiance_size: [64, 32],
             irradiance_sample_count: [128, 32],
+            storage: StorageFormat::default(),
         }
     }
 }

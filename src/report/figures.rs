@@ -1,10 +1,12 @@
 //! The figures beside the report: for each a CSV of what is drawn and a Vega-Lite specification that draws it, for people who
-//! want to restyle it or put it into a paper.
+//! want to restyle it or put it into a paper. The tables are those of `experiment::answers`.
 
-use super::analysis::Analysis;
-use super::study::{HEADLINE, Study};
-use crate::experiment::break_even::BreakEven;
-use crate::table::csv::{Cell, TableError, TableWriter};
+use crate::experiment::answers::run_folder::RunFolder;
+use crate::experiment::answers::study::Study;
+use crate::experiment::answers::tables::{AnswerTable, of_figures};
+use crate::experiment::answers::{Answers, exposure};
+use crate::experiment::tables::{DISPLAY_HEADLINE, HEADLINE};
+use crate::table::csv::{TableError, TableWriter};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -21,153 +23,113 @@ pub enum FigureError {
 const VEGA_LITE: &str = "https://vega.github.io/schema/vega-lite/v6.json";
 
 /// Writes `NAME.csv` and `NAME.vl.json` for every figure that the runs have data for. Returns the names.
-pub fn write(folder: &Path, study: &Study, analysis: &Analysis) -> Result<Vec<String>, FigureError> {
+pub fn write(folder: &Path, study: &Study, answers: &Answers, runs: &[RunFolder]) -> Result<Vec<String>, FigureError> {
     let io = |error| FigureError::Io { path: folder.to_owned(), error };
     std::fs::create_dir_all(folder).map_err(io)?;
-    let figures = [convergence(analysis), break_even(analysis), by_n_dot_v(analysis), time_error(study)];
+    // Times of different devices never share a figure: those of the first run that was timed.
+    let timings = runs.iter().map(|run| run.timings.as_slice()).find(|timings| !timings.is_empty()).unwrap_or_default();
     let mut names = Vec::new();
-    for figure in figures.into_iter().filter(|figure| !figure.rows.is_empty()) {
-        let columns: Vec<&str> = figure.columns.iter().map(String::as_str).collect();
-        let mut table = TableWriter::create(&folder.join(format!("{}.csv", figure.name)), &columns)?;
-        figure.rows.iter().try_for_each(|row| table.append(row))?;
-        let mut spec = json!({ "$schema": VEGA_LITE, "data": { "url": format!("{}.csv", figure.name) } });
-        if let (Some(spec), Value::Object(own)) = (spec.as_object_mut(), figure.spec) {
+    for table in &of_figures(study, answers, timings) {
+        let Some(own) = spec(table, answers) else { continue };
+        let columns: Vec<&str> = table.columns.iter().map(String::as_str).collect();
+        let mut writer = TableWriter::create(&folder.join(format!("{}.csv", table.name)), &columns)?;
+        table.rows.iter().try_for_each(|row| writer.append(row))?;
+        let mut spec = json!({ "$schema": VEGA_LITE, "data": { "url": format!("{}.csv", table.name) } });
+        if let (Some(spec), Value::Object(own)) = (spec.as_object_mut(), own) {
             spec.extend(own);
         }
-        let path = folder.join(format!("{}.vl.json", figure.name));
+        let path = folder.join(format!("{}.vl.json", table.name));
         std::fs::write(&path, format!("{spec:#}\n")).map_err(|error| FigureError::Io { path, error })?;
-        names.push(figure.name.to_owned());
+        names.push(table.name.to_owned());
     }
     Ok(names)
-}
-
-struct Figure {
-    name: &'static str,
-    columns: Vec<String>,
-    rows: Vec<Vec<Cell>>,
-    spec: Value,
-}
-
-fn columns(analysis: &Analysis, own: &[&str]) -> Vec<String> {
-    analysis.case_axes.iter().cloned().chain(own.iter().map(|name| name.to_string())).collect()
-}
-
-fn texts(key: &[String]) -> Vec<Cell> {
-    key.iter().map(|value| Cell::from(value.as_str())).collect()
-}
-
-/// One small chart for each value of the first case axis that is not alpha.
-fn facet(analysis: &Analysis) -> Value {
-    match analysis.case_axes.iter().find(|name| *name != "alpha") {
-        Some(name) => json!({ "field": name, "type": "nominal" }),
-        None => Value::Null,
-    }
 }
 
 fn log(field: &str) -> Value {
     json!({ "field": field, "type": "quantitative", "scale": { "type": "log" } })
 }
 
-/// The sample count, and whether it lies above the tried ones.
-fn break_even_cells(result: BreakEven) -> [Cell; 2] {
-    match result {
-        BreakEven::From(n) => [Cell::Integer(u64::from(n)), Cell::from("no")],
-        BreakEven::Above(n) => [Cell::Integer(u64::from(n)), Cell::from("yes")],
-    }
+fn nominal(field: &str) -> Value {
+    json!({ "field": field, "type": "nominal" })
 }
 
-fn convergence(analysis: &Analysis) -> Figure {
-    let rows = analysis.curves.iter().flat_map(|curve| {
-        curve.points.iter().map(|point| {
-            let mut row = texts(&curve.key);
-            row.extend([
-                Cell::from(curve.method.as_str()),
-                Cell::Integer(u64::from(point.samples)),
-                point.error.into(),
-            ]);
-            row.push(curve.noise_floor.into());
-            row
-        })
-    });
-    Figure {
-        name: "convergence",
-        columns: columns(analysis, &["method", "samples", HEADLINE, "noise_floor"]),
-        rows: rows.collect(),
-        spec: json!({
+/// How a table is drawn; `None` for one that has no figure of its own.
+fn spec(table: &AnswerTable, answers: &Answers) -> Option<Value> {
+    let has = |name: &str| table.columns.iter().any(|column| column == name);
+    // One small chart for each value of the first case axis that is not alpha.
+    let facet = match answers.case_axes.iter().find(|name| *name != "alpha") {
+        Some(name) => nominal(name),
+        None => Value::Null,
+    };
+    let alpha = if has("alpha") { json!({ "field": "alpha", "type": "ordinal" }) } else { Value::Null };
+    let detail: Vec<Value> = answers.case_axes.iter().map(|name| nominal(name)).collect();
+    let counts = json!({ "field": "break_even", "type": "ordinal", "scale": { "scheme": "viridis" } });
+    let n_dot_v = json!({ "field": "n_dot_v_from", "type": "ordinal" });
+    Some(without_nulls(match table.name {
+        "convergence" => json!({
             "mark": { "type": "line", "point": true },
-            "encoding": { "x": log("samples"), "y": log(HEADLINE), "color": { "field": "alpha", "type": "ordinal" },
-                "strokeDash": { "field": "method" }, "detail": analysis.case_axes.iter().map(|n| json!({ "field": n })).collect::<Vec<_>>(),
-                "facet": facet(analysis) }
+            "encoding": { "x": log("samples"), "y": log(HEADLINE), "color": alpha, "strokeDash": nominal("method"),
+                "detail": detail, "facet": facet }
         }),
-    }
-}
-
-fn break_even(analysis: &Analysis) -> Figure {
-    let rows = analysis.pairs.iter().flat_map(|pair| {
-        pair.cases.iter().map(|case| {
-            let mut row = texts(&case.key);
-            row.extend([Cell::from(pair.sampled.as_str()), Cell::from(pair.fixed.as_str()), case.fixed_error.into()]);
-            row.extend(break_even_cells(case.break_even));
-            row.push(case.crossing.into());
-            row
-        })
-    });
-    Figure {
-        name: "break-even",
-        columns: columns(analysis, &["sampled", "fixed", "fixed_error", "break_even", "is_above_tried", "crossing"]),
-        rows: rows.collect(),
-        spec: json!({
+        "break_even" => json!({
             "mark": "rect",
-            "encoding": { "y": { "field": "alpha", "type": "ordinal" }, "x": facet(analysis),
-                "color": { "field": "break_even", "type": "ordinal", "scale": { "scheme": "viridis" } } }
+            "encoding": { "y": alpha, "x": facet, "color": counts }
         }),
-    }
-}
-
-fn by_n_dot_v(analysis: &Analysis) -> Figure {
-    let rows = analysis.pairs.iter().flat_map(|pair| {
-        pair.cases.iter().flat_map(|case| {
-            case.bins.iter().map(|bin| {
-                let mut row = texts(&case.key);
-                row.extend([Cell::from(pair.sampled.as_str()), Cell::from(pair.fixed.as_str())]);
-                row.extend([bin.lo.into(), bin.hi.into(), bin.fixed_error.into()]);
-                row.extend(break_even_cells(bin.break_even));
-                row
-            })
-        })
-    });
-    let own = ["sampled", "fixed", "n_dot_v_from", "n_dot_v_to", "fixed_error", "break_even", "is_above_tried"];
-    Figure {
-        name: "break-even-n-dot-v",
-        columns: columns(analysis, &own),
-        rows: rows.collect(),
-        spec: json!({
+        "break_even_by_n_dot_v" => json!({
             "mark": "rect",
-            "encoding": { "x": { "field": "n_dot_v_from", "type": "ordinal" }, "y": { "field": "alpha", "type": "ordinal" },
-                "color": { "field": "break_even", "type": "ordinal", "scale": { "scheme": "viridis" } }, "facet": facet(analysis) }
+            "encoding": { "x": n_dot_v, "y": alpha, "color": counts, "facet": facet }
         }),
-    }
-}
-
-fn time_error(study: &Study) -> Figure {
-    let axes: Vec<usize> = study.case_axes();
-    let names = axes.iter().map(|&axis| study.axes[axis].name.clone());
-    let own = ["method", "samples", HEADLINE, "frame_ms_median", "frame_ms_p05", "frame_ms_p95"];
-    let rows = study.rows.iter().filter_map(|row| {
-        let (error, time) = (row.error?, row.frame_ms?);
-        let mut cells: Vec<Cell> = axes.iter().map(|&axis| Cell::from(row.axes[axis].as_str())).collect();
-        cells.extend(["method", "samples"].map(|name| Cell::from(study.value(row, name))));
-        cells.extend([error, time.median, time.p05, time.p95].map(Cell::Number));
-        Some(cells)
-    });
-    Figure {
-        name: "time-error",
-        columns: names.chain(own.map(str::to_owned)).collect(),
-        rows: rows.collect(),
-        spec: json!({
+        "error_by_n_dot_v_and_alpha" => json!({
+            "mark": "rect",
+            "transform": [{ "calculate": "datum.method + ' ' + (datum.samples || '')", "as": "method_and_samples" }],
+            "encoding": { "x": n_dot_v, "y": alpha,
+                "color": { "field": HEADLINE, "type": "quantitative", "scale": { "type": "log", "scheme": "magma", "reverse": true } },
+                "facet": { "field": "method_and_samples", "type": "nominal", "columns": 3 } }
+        }),
+        "n_dot_v_profile" => json!({
+            "mark": { "type": "line", "point": true },
+            "transform": [{ "calculate": "(+datum.n_dot_v_from + +datum.n_dot_v_to) / 2", "as": "n_dot_v" }],
+            "encoding": { "x": { "field": "n_dot_v", "type": "quantitative" }, "y": log(HEADLINE), "color": nominal("method"),
+                "strokeDash": { "field": "samples", "type": "ordinal" }, "detail": detail, "facet": facet }
+        }),
+        "time_and_error" => json!({
             "mark": "point",
-            "encoding": { "x": log("frame_ms_median"), "y": log(HEADLINE), "color": { "field": "method" },
+            "encoding": { "x": log("frame_ms_median"), "y": log(HEADLINE), "color": nominal("method"),
                 "size": { "field": "samples", "type": "ordinal" } }
         }),
+        "exposure_and_contrast" => json!({
+            "layer": [
+                { "mark": { "type": "line", "point": true },
+                    "encoding": { "x": log("exposure"), "y": { "field": DISPLAY_HEADLINE, "type": "quantitative" },
+                        "color": nominal("method"), "strokeDash": { "field": "contrast", "type": "ordinal" } } },
+                { "mark": { "type": "rule", "strokeDash": [4, 4] }, "encoding": { "y": { "datum": exposure::VISIBLE_FROM } } }
+            ]
+        }),
+        "dynamic_range" => json!({
+            "mark": { "type": "line", "point": true },
+            "encoding": { "x": { "field": "dynamic_range_stops", "type": "quantitative" }, "y": log(HEADLINE),
+                "color": nominal("method"), "facet": { "field": "environment", "type": "nominal", "columns": 2 } }
+        }),
+        "effects" => json!({
+            "mark": { "type": "point", "filled": true },
+            "transform": [{ "filter": "datum.alpha == null || datum.alpha === ''" }],
+            "encoding": { "x": nominal("value"), "y": log("error_ratio"), "color": nominal("method"), "facet": nominal("axis") }
+        }),
+        "pass_times" => json!({
+            "mark": "bar",
+            "encoding": { "y": { "field": "configuration", "type": "nominal", "sort": null },
+                "x": { "field": "median_ms", "type": "quantitative", "stack": "zero" }, "color": nominal("pass"),
+                "row": nominal("phase") },
+            "resolve": { "scale": { "x": "independent", "y": "independent" } }
+        }),
+        _ => return None,
+    }))
+}
+
+/// Channels that have nothing to show are left out: `null` would remove what Vega-Lite adds by itself.
+fn without_nulls(mut spec: Value) -> Value {
+    if let Some(encoding) = spec["encoding"].as_object_mut() {
+        encoding.retain(|_, channel| !channel.is_null());
     }
+    spec
 }

@@ -1,7 +1,7 @@
 //! Which images go into the page, at what size: all of them whole where they fit the budget, else a window of native texels
 //! of each with a reduced overview. Reduced images are never compared: averaging texels would hide noise.
 
-use super::run_folder::RunFolder;
+use crate::experiment::answers::run_folder::RunFolder;
 use crate::metrics::Comparison;
 use crate::pixels::packed::{self, Encoded};
 use crate::pixels::{Decoded, GrayImage, RgbImage, exr};

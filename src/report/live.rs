@@ -3,10 +3,11 @@
 //! The tables go into the page as the run packed them. Where they are too large, the finest level of an environment goes first: the page
 //! then reads one level coarser wherever the renderer would have read the finest one.
 
-use super::run_folder::RunFolder;
+use crate::experiment::answers::run_folder::RunFolder;
 use crate::experiment::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord};
 use crate::files::read_regular;
 use crate::glsl::constants;
+use crate::math::sequence::SEQUENCES;
 use crate::precompute::points;
 use crate::scene::camera::{PERSPECTIVE_FOV_DEG, PERSPECTIVE_SPHERE_DISTANCE};
 use crate::scene::material::{DEFAULT_ALBEDO, DEFAULT_F0};
@@ -163,6 +164,8 @@ fn point_tables(counts: impl Iterator<Item = u32>) -> Vec<PointTable> {
     let mut counts: Vec<u32> = counts.collect();
     counts.sort_unstable();
     counts.dedup();
-    let bytes = |count| points::table(count, 0).iter().flatten().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let bytes = |count| {
+        points::table(count, &SEQUENCES[0], 0).iter().flatten().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>()
+    };
     counts.into_iter().map(|count| PointTable { count, base64: BASE64_STANDARD.encode(bytes(count)) }).collect()
 }

@@ -1,27 +1,25 @@
 //! The report of finished runs: one HTML file that opens from disk and asks for nothing else.
 //!
-//! [`run_folder`] reads what a run left, [`study`] joins the rows of one or more runs, [`analysis`] computes what they say and
-//! [`answer`] says it in words; [`images`] chooses what of the linear images fits, [`live`] what the live view needs, [`page`]
-//! writes the file and [`figures`] the data and specifications beside it. The page draws; it decides nothing that is not shown.
+//! What the rows say is computed by `experiment::answers`, as for the tables of a run. [`images`] chooses what of the linear images fits,
+//! [`live`] what the live view needs, [`page`] writes the file and [`figures`] the data and specifications beside it. The page draws; it
+//! decides nothing that is not shown.
 
-pub mod analysis;
-pub mod answer;
 mod figures;
 pub mod images;
 pub mod live;
 pub mod page;
-pub mod run_folder;
-pub mod study;
 
+use crate::experiment::answers::run_folder::{RunFolder, RunFolderError};
+use crate::experiment::answers::study::{Row, Study};
+use crate::experiment::answers::{Answers, words};
+use crate::experiment::tables::HEADLINE;
 use crate::pixels::{PixelsError, write_atomically};
 use crate::table::colormap::{NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR};
 use images::{Choice, ImageSet};
-use run_folder::{RunFolder, RunFolderError};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use study::{HEADLINE, Study};
 
 /// How a report is to be made.
 #[derive(Clone, Debug)]
@@ -70,11 +68,11 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
     let path = options.out.clone().unwrap_or_else(|| options.dirs[0].join("report.html"));
     let labels = labels(&runs);
     let study = Study::new(&runs, &labels);
-    let analysis = analysis::analyse(&study, &runs);
-    let answer = answer::answer(&study, &analysis);
+    let answers = Answers::new(&study, &runs);
+    let answer = words::answer(&study, &answers);
     let images = images::collect(&runs, options.images, options.budget);
     let light = live::Light::collect(&runs, live::BUDGET_BYTES);
-    let figures = figures::write(&figures_folder(&path), &study, &analysis)?;
+    let figures = figures::write(&figures_folder(&path), &study, &answers, &runs)?;
     let fixed = page::Static {
         name: runs[0].text("/name"),
         question: runs[0].text("/question"),
@@ -93,7 +91,7 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
         "axes": study.axes,
         "metrics": runs[0].provenance["metrics"],
         "cells": cells(&study, &runs, &images),
-        "analysis": analysis,
+        "analysis": answers,
         "images": images.images,
         "image_notes": images.notes,
         "figures": figures.iter().map(|name| format!("{}/{name}", figures_name(&path))).collect::<Vec<_>>(),
@@ -208,7 +206,7 @@ fn run_model(run: &RunFolder, label: &str, here: &Path) -> Value {
 
 /// Images and times by run and cell.
 fn cells(study: &Study, runs: &[RunFolder], images: &ImageSet) -> Value {
-    let entry = |row: &study::Row| {
+    let entry = |row: &Row| {
         let files = runs[row.run].images.get(&row.cell);
         let index = |file: &str| images.index.get(&(row.run, file.to_owned())).copied();
         json!({

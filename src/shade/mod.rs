@@ -1,5 +1,6 @@
 //! Image-based lighting: the methods that turn a g-buffer and an environment into radiance.
 
+pub mod level_bias;
 pub mod pass;
 pub mod reference;
 pub mod reference_pass;
@@ -14,7 +15,7 @@ pub struct Method {
     pub about: &'static str,
     /// The sample count.
     pub uses_samples: bool,
-    /// The choice among sets of Hammersley points (`precompute::points`).
+    /// The sequence of points and the choice among its sets (`math::sequence`).
     pub uses_point_set: bool,
     /// The bias of the mip level.
     pub uses_lod_bias: bool,
@@ -39,7 +40,7 @@ const PLAIN: Method = Method {
 pub static METHODS: &[Method] = &[
     Method {
         name: "sampled",
-        about: "per-pixel half-vector importance sampling with Hammersley points, filtered by mip level",
+        about: "per-pixel half-vector importance sampling, filtered by mip level",
         uses_samples: true,
         uses_point_set: true,
         uses_lod_bias: true,

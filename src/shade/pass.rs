@@ -81,7 +81,7 @@ impl ShadeSettings {
             seed: 0,
             scramble_count: 0,
             point_count: 0,
-            pad: 0,
+            slot_count: 0,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::pass::{GBUFFER_SLOTS, ShadeSettings, groups, with_gbuffer};
 use crate::brdf::{Brdf, MaskingShadowing};
+use crate::environment::distribution::EnvironmentDistribution;
 use crate::gbuffer::pass::GbufferImages;
 use crate::glsl::constants::GROUP_SIDE;
 use crate::glsl::layout::{ShadeParams, SharedStruct};
@@ -68,7 +69,7 @@ impl ScramblePlan {
 }
 
 /// Samples of the first look at the error of a reference that stops by it.
-const PILOT_SAMPLES: u32 = 256;
+const PILOT_SAMPLES: u32 = 64;
 /// Such a reference then starts afresh with as many samples as the error suggests: longer nets pay more than more of the short ones,
 /// so that keeping the pilot would save less than it costs. The variance of scrambled nets falls with about this power of the count (measured between 256 and 11,520 samples: 1.39, 1.55).
 const VARIANCE_EXPONENT: f64 = 1.4;
@@ -154,6 +155,24 @@ impl Sums {
     }
 }
 
+/// An environment's distribution on the device.
+#[derive(Clone)]
+pub struct DistributionBuffers {
+    words: Buffer,
+    slots: Buffer,
+    slot_count: u32,
+}
+
+impl DistributionBuffers {
+    pub fn new(gpu: &Gpu, distribution: &EnvironmentDistribution) -> Result<Self, GpuError> {
+        Ok(Self {
+            words: gpu.buffer_from("environment distribution", distribution.words())?,
+            slots: gpu.uniform_from("slots of the environment distribution", &distribution.slot_texels())?,
+            slot_count: distribution.slot_count(),
+        })
+    }
+}
+
 /// What one term of the reference reads and writes.
 pub struct ReferenceRun<'a> {
     pub settings: &'a ShadeSettings,
@@ -162,8 +181,7 @@ pub struct ReferenceRun<'a> {
     /// 1 where a surface is hit.
     pub mask: &'a GrayImage,
     pub environment: &'a Image,
-    /// [`crate::environment::EnvironmentDistribution::words`].
-    pub distribution: &'a Buffer,
+    pub distribution: &'a DistributionBuffers,
     pub dfg: &'a Image,
     pub gbuffer: &'a GbufferImages,
     pub radiance: &'a Buffer,
@@ -187,7 +205,8 @@ impl ReferencePass {
         let key = lobe.key();
         let constants = [key.1 as u32, u32::from(gpu.info().has_exact_filter)];
         if let Entry::Vacant(entry) = self.integrate.entry(key) {
-            let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled], &[Slot::Buffer; 3], &[Slot::Sampled]].concat();
+            let slots =
+                [&GBUFFER_SLOTS[..], &[Slot::Sampled], &[Slot::Buffer; 3], &[Slot::Sampled, Slot::Uniform]].concat();
             let shader = format!("shade/reference.comp:{}", lobe.permutation());
             let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &constants)?;
             entry.insert(pipeline);
@@ -252,14 +271,16 @@ impl ReferencePass {
                     scramble,
                     scramble_count: scrambles_per_dispatch.min(scramble_count - scramble),
                     seed: run.seed,
+                    slot_count: run.distribution.slot_count,
                     ..run.settings.params(run.gbuffer.size, rows.start)
                 };
                 let rest = [
                     Bind::Sample(run.environment, &self.nearest),
-                    Bind::Read(run.distribution),
+                    Bind::Read(&run.distribution.words),
                     Bind::ReadWrite(&sums.mean),
                     Bind::ReadWrite(&sums.squared_deviations),
                     Bind::SampleMip(run.environment, &self.linear, 0),
+                    Bind::Uniform(&run.distribution.slots, 0..run.distribution.slots.size()),
                 ];
                 let binds = with_gbuffer(run.gbuffer, &self.nearest, &rest);
                 let groups = groups(width, rows.end - rows.start);

@@ -264,6 +264,21 @@ fn pixels_are_those_of_the_renderer() {
         assert!((shown - wanted).abs() < 0.02 * wanted + 1e-6, "{setting:?}: relMSE {shown} for {wanted}");
         assert!(wanted > 2e-6, "{setting:?}: the methods do not differ, so the test cannot fail: {wanted}");
     }
+    // A page without the finest level reads the others as the renderer does.
+    page.eval(
+        "(() => { const e = live.tables.environments[0]; e.levels.shift(); e.first_level += 1; live.render.chains.clear(); })()",
+    );
+    let setting = Setting { metallic: 1.0, roughness: 0.8, ..Setting::FIRST };
+    page.eval(&format!("{}.then(() => null)", setting.script()));
+    rest(&mut page);
+    let truth = pipeline.render(&setting.request(&plan, "sampled", size)).unwrap();
+    let shown = linear(&mut page, "sampled");
+    let mask = page.eval("Array.from(live.render.mask())");
+    for i in (0..shown.len()).filter(|&i| mask[i].as_f64() == Some(1.0) && truth.mask.data[i] == 1.0) {
+        for (a, b) in shown[i].iter().zip(truth.radiance.data[i].map(f64::from)) {
+            assert!(is_storage_error("sampled", (a - b).abs() / b.max(1e-3)), "pixel {i}: {a} for {b}");
+        }
+    }
     for (width, height, scheme) in [(1440, 900, "light"), (390, 1500, "dark")] {
         page.resize(width, height, scheme);
         page.go(&report, "#live?n=12&mode=sampled&albedo=0.9,0.5,0.2&roughness=0.25");

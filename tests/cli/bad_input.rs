@@ -152,6 +152,8 @@ fn list_prints_every_name() {
     let text = stdout(&splitsum(dir.path(), &["list"]));
     let names = splitsum::experiment::axis::AXES.iter().map(|axis| axis.name);
     let names = names.chain(splitsum::shade::METHODS.iter().map(|method| method.name));
+    let names = names.chain(splitsum::math::sequence::SEQUENCES.iter().map(|sequence| sequence.name));
+    let names = names.chain(splitsum::shade::level_bias::LEVEL_BIASES.iter().map(|bias| bias.name));
     let names = names.chain(splitsum::metrics::METRICS.iter().map(|metric| metric.description().name));
     for name in names {
         assert!(text.contains(&format!("| {name} ")), "{name} is not listed");

@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
 
-const EXPERIMENT: &str = r#"
+pub(super) const EXPERIMENT: &str = r#"
 name = "tiny"
 question = "Does everything run?"
 size = [32, 32]
@@ -66,6 +66,18 @@ fn a_run_leaves_the_promised_files_and_a_second_one_changes_nothing() {
     assert!(again.status.success());
     assert_eq!(stdout(&again), text);
     assert!(errors(dir.path()) == before);
+
+    // The answers can be had again from the folder alone.
+    let summary = std::fs::read(run.join("summary.md")).unwrap();
+    std::fs::remove_dir_all(run.join("answers")).unwrap();
+    let rebuilt = splitsum(dir.path(), &["answers", "runs/tiny", "--publish", "results"]);
+    assert!(rebuilt.status.success(), "{}", stderr(&rebuilt));
+    assert!(run.join("answers/convergence.svg").exists() && std::fs::read(run.join("summary.md")).unwrap() == summary);
+    assert!(entries(&dir.path().join("results/tiny")).contains(&"ggx.png".to_owned()));
+    assert!(std::fs::read_to_string(dir.path().join("results/README.md")).unwrap().contains("[tiny](tiny/summary.md)"));
+    let nothing = splitsum(dir.path(), &["answers", "nowhere"]);
+    assert_eq!(nothing.status.code(), Some(2));
+    assert!(stderr(&nothing).contains("nowhere: has no provenance.json"), "{}", stderr(&nothing));
 
     let plan = stdout(&splitsum(dir.path(), &["plan", "tiny.toml"]));
     assert!(plan.contains(&format!("{CELLS} done, 0 failed, 0 open")), "{plan}");

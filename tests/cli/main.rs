@@ -1,6 +1,9 @@
 //! The binary as a user runs it: messages, exit codes, files.
 
 mod bad_input;
+mod cache;
+#[cfg(unix)]
+mod chunks;
 mod end_to_end;
 mod faults;
 mod integrate;
@@ -19,6 +22,8 @@ fn splitsum(dir: &std::path::Path, arguments: &[&str]) -> Output {
 fn command(dir: &std::path::Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_splitsum"));
     command.current_dir(dir).args(arguments);
+    // Tests neither read nor fill the user's cache.
+    command.env_remove("XDG_CACHE_HOME").env_remove("LOCALAPPDATA").env_remove("HOME");
     command
 }
 

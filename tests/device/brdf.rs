@@ -36,7 +36,6 @@ fn items(model: &dyn Brdf) -> Vec<Item> {
         for n_dot_v in N_DOT_V {
             let count = 12;
             for i in 0..count {
-                // Off the edge of the square: at xi.y = 0 Beckmann's slope is infinite, and f32 and f64 cut it off elsewhere.
                 let xi = hammersley(i, count) + DVec2::new(0.0, 0.02);
                 let sine = |cosine: f64| ((1.0 - cosine) * (1.0 + cosine)).sqrt();
                 let v = direction_from_polar(sine(n_dot_v), n_dot_v, 0.7 * xi.y + 0.1);
@@ -141,8 +140,7 @@ fn visible_samples_and_their_density() {
     with_gpu(|gpu| {
         for model in MODELS {
             let items = items(*model);
-            // In units of alpha. Beckmann inverts its distribution by Newton's method; beyond these points, at xi.x = 1 - 1e-5, it is off by
-            // up to 2e-3 where the density of the slope is small.
+            // In units of alpha.
             const F32_SLOPE: Tolerance = absolute(4e-6);
             let mut slope = Worst::new(format!("{} visible slope", model.name()), F32_SLOPE);
             let mut pdf =

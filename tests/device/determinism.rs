@@ -10,7 +10,7 @@ use splitsum::gpu::{Format, Gpu};
 use splitsum::pipeline::{Pipeline, RenderRequest};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::pass::ShadeSettings;
-use splitsum::shade::reference_pass::{Lobe, ReferencePass, ReferenceRun, Stop, Sums};
+use splitsum::shade::reference_pass::{DistributionBuffers, Lobe, ReferencePass, ReferenceRun, Stop, Sums};
 use splitsum::shade::{DIFFUSE, METHODS};
 
 /// Every method and diffuse method on the grid of spheres.
@@ -92,8 +92,7 @@ fn the_reference_reads_nothing_it_has_not_written() {
         let bytes = 16 * 24 * 24;
         let request = request(&environment, lobe_sphere(0.3), CameraKind::Ortho, size);
         let image = environment_image(gpu, &environment.image);
-        let words = EnvironmentDistribution::new(&environment.image);
-        let distribution = gpu.buffer_from("distribution", words.words()).unwrap();
+        let distribution = DistributionBuffers::new(gpu, &EnvironmentDistribution::new(&environment.image)).unwrap();
         let dfg = gpu.image("blank", [1, 1], 1, Format::Rgba32Float).unwrap();
         let gbuffer = GbufferImages::new(gpu, size).unwrap();
         let scene = SceneData::new(gpu, &request.scene).unwrap();

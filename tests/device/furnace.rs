@@ -105,7 +105,8 @@ fn split_sum_is_the_reference_under_constant_radiance() {
             for (i, mask) in reference.mask.data.iter().enumerate().filter(|(_, mask)| **mask > 0.0) {
                 for c in 0..3 {
                     let off = f64::from(split.radiance.data[i][c] - reference.radiance.data[i][c]) / radiance_of[c];
-                    let allowed = 5.0 * f64::from(sigma.data[i][c]) / radiance_of[c] + 5e-4;
+                    // The error of 16 scrambles is itself uncertain, hence 6 sigma.
+                    let allowed = 6.0 * f64::from(sigma.data[i][c]) / radiance_of[c] + 5e-4;
                     worst.add(off / allowed, 0.0, || format!("pixel {i} channel {c} mask {mask} off {off}"));
                 }
             }

@@ -168,6 +168,7 @@ pub fn request(environment: &Arc<Environment>, scene: Scene, kind: CameraKind, s
         brdf: &Ggx,
         masking_shadowing: MaskingShadowing::Separable,
         samples: 64,
+        sequence: &splitsum::math::sequence::SEQUENCES[0],
         point_set: 0,
         reference_error: None,
         reference_samples: 1024,

@@ -9,6 +9,7 @@ mod furnace;
 mod gbuffer;
 mod golden;
 mod harness;
+mod kept;
 mod lights;
 mod lists;
 mod methods;

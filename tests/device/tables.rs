@@ -10,6 +10,7 @@ use splitsum::brdf::{self, MODELS, MaskingShadowing};
 use splitsum::gpu::{Buffer, Filter, Format, Gpu, Image, Sampler, Wrap};
 use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, uv_from_direction};
 use splitsum::math::quadrature;
+use splitsum::math::sequence::SEQUENCES;
 use splitsum::math::spherical_harmonics::{COUNT, irradiance};
 use splitsum::pixels::{Pixels, RgbImage};
 use splitsum::precompute::dfg::pass::DfgPass;
@@ -217,7 +218,7 @@ pub fn prefiltered(
 ) -> Vec<Pixels<DVec3>> {
     let map = PrefilterPass::map(gpu, size, levels).unwrap();
     poison_image(gpu, &map);
-    let points = Points::upload(gpu, sample_count, 0).unwrap();
+    let points = Points::upload(gpu, sample_count, &SEQUENCES[0], 0).unwrap();
     let pass = PrefilterPass::new(gpu, model).unwrap();
     pass.run(gpu, image, &equirect_sampler(gpu), &points, sample_count, &map).unwrap();
     (0..levels).map(|level| read_level(gpu, &map, level)).collect()

@@ -1,7 +1,10 @@
 //! Experiment files, plans and runs. No test needs a device: runs use a renderer made of formulas.
 
+mod answers;
+mod chunk;
 mod config;
 pub mod fake;
+mod host;
 mod plan;
 mod run;
 mod statistics;

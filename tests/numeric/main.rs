@@ -1,6 +1,7 @@
 //! numeric tests
 mod brdf;
 mod color;
+mod disk_cache;
 mod environment;
 mod experiment;
 mod layering;
@@ -15,6 +16,7 @@ mod report;
 mod report_live;
 mod robustness;
 mod scene;
+mod sequence;
 mod slips;
 mod table;
 mod tonemap;

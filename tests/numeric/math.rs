@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, uv_from_direction};
-use splitsum::math::erf::{erf, erf_inverse, erfc};
+use splitsum::math::erf::{erf, erfc};
 use splitsum::math::frame::Frame;
 use splitsum::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
 use splitsum::math::quadrature::{Bounded, GaussLegendre, Rectangle, Tolerance, integrate_rectangle};
@@ -91,9 +91,6 @@ fn error_function_matches_published_digits() {
     // erfc(3), erfc(5): the tail keeps its relative precision.
     for (x, value) in [(3.0, 2.209_049_699_858_544e-5), (5.0, 1.537_459_794_428_035e-12)] {
         assert!((erfc(x) / value - 1.0).abs() < 1e-13, "erfc({x}) = {}", erfc(x));
-    }
-    for y in [-0.999_999, -0.7, -1e-6, 0.0, 1e-3, 0.3, 0.5, 0.95, 1.0 - 1e-12] {
-        assert!((erf(erf_inverse(y)) - y).abs() < 4e-16, "{y}");
     }
 }
 

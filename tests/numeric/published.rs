@@ -1,5 +1,7 @@
 //! The tables in docs/estimators.md are those of the published runs. `GOLDEN=update` writes them anew from `results/`.
 
+use splitsum::brdf::{MODELS, MaskingShadowing, alpha_from_perceptual_roughness};
+use splitsum::precompute::dfg::reference::dfg;
 use splitsum::slips;
 use splitsum::table::csv::Table;
 use splitsum::table::markdown::{Align, MarkdownTable, significant};
@@ -95,6 +97,37 @@ fn albedos(errors: &Table, part: &[(&str, &str)]) -> String {
     text.to_string()
 }
 
+/// Error of a DFG lookup beyond the outermost texel centres, where the table is constant, by its side.
+fn table_edges() -> String {
+    const SIDES: [u32; 2] = [32, 128];
+    const ALONG: u32 = 8;
+    let mut worst = SIDES.map(|_| [0.0f64; 4]);
+    for model in MODELS {
+        let at = |n_dot_v, perceptual_roughness| {
+            let alpha = alpha_from_perceptual_roughness(perceptual_roughness);
+            dfg(*model, MaskingShadowing::Separable, n_dot_v, alpha)
+        };
+        for along in (0..ALONG).map(|i| (f64::from(i) + 0.5) / f64::from(ALONG)) {
+            let right = [at(along, 1.0), at(1.0, along)];
+            for (side, worst) in SIDES.iter().zip(&mut worst) {
+                let outermost = 1.0 - 0.5 / f64::from(*side);
+                for (edge, held) in [at(along, outermost), at(outermost, along)].iter().enumerate() {
+                    let errors = [held.f0_scale - right[edge].f0_scale, held.f90_scale - right[edge].f90_scale];
+                    for (k, error) in errors.into_iter().enumerate() {
+                        worst[2 * edge + k] = worst[2 * edge + k].max(error.abs());
+                    }
+                }
+            }
+        }
+    }
+    let names = ["side", "A at alpha 1", "B at alpha 1", "A at n·v 1", "B at n·v 1"];
+    let mut text = MarkdownTable::new(&names.map(|name| (name, Align::Right)));
+    for (side, worst) in SIDES.iter().zip(worst) {
+        text.row(&[side.to_string()].into_iter().chain(worst.map(|error| significant(error, 2))).collect::<Vec<_>>());
+    }
+    text.to_string()
+}
+
 #[test]
 fn the_page_shows_the_published_runs() {
     let published = table("printed-slips/printed_slips.csv");
@@ -106,6 +139,7 @@ fn the_page_shows_the_published_runs() {
         ("slips", format!("{}\n{}", slips::HEADING, slips::markdown(&published).unwrap())),
         ("printed estimator", printed_run(&table("printed-slips/errors.csv"))),
         ("energy", energy),
+        ("table edges", table_edges()),
     ];
     let page = std::fs::read_to_string(file(PAGE)).unwrap();
     let fresh = blocks.iter().fold(page.clone(), |page, (name, text)| with_block(&page, name, text));

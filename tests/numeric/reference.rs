@@ -6,7 +6,7 @@ use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
 use splitsum::brdf::{Brdf, Ggx, MaskingShadowing, eval_without_fresnel, reflect};
 use splitsum::color::{REC709_LUMINANCE, luminance};
 use splitsum::environment::distribution::{COMPENSATION, EnvironmentDistribution};
-use splitsum::glsl::constants::{LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED};
+use splitsum::glsl::constants::{GUIDE_ALPHA_MIN, GUIDE_FLOOR, LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED};
 use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
 use splitsum::math::frame::Frame;
 use splitsum::math::quadrature::GaussLegendre;
@@ -203,6 +203,11 @@ fn integrate_cells(width: u32, height: u32, f: impl Fn(DVec3) -> f64) -> f64 {
     sum
 }
 
+/// A guide that changes fast from cell to cell.
+fn lopsided(d: DVec3) -> f64 {
+    0.01 + (4.0 * d.x + 2.0 * d.y).exp()
+}
+
 #[test]
 fn both_languages_weigh_luminance_alike() {
     assert_eq!([LUMINANCE_RED, LUMINANCE_GREEN, LUMINANCE_BLUE], REC709_LUMINANCE.map(|weight| weight as f32));
@@ -222,8 +227,10 @@ fn the_density_integrates_to_one() {
     ];
     for image in maps {
         let distribution = EnvironmentDistribution::new(&image);
-        let integral = integrate_cells(image.width, image.height, |d| distribution.pdf(d));
-        assert!((integral - 1.0).abs() < 1e-9, "{} x {}: {integral}", image.width, image.height);
+        for guide in [distribution.guide(|_| 1.0), distribution.guide(lopsided)] {
+            let integral = integrate_cells(image.width, image.height, |d| distribution.guided_pdf(&guide, d));
+            assert!((integral - 1.0).abs() < 1e-9, "{} x {}: {integral}", image.width, image.height);
+        }
     }
 }
 
@@ -255,11 +262,14 @@ fn the_density_is_the_weight_over_a_band_constant() {
 fn samples_carry_the_density_of_their_direction() {
     for image in [lively(16, 8), lively(7, 5), lively(1, 1), one_hot(8, 4, [0, 2]), one_hot(8, 4, [3, 0])] {
         let distribution = EnvironmentDistribution::new(&image);
+        let guide = distribution.guide(lopsided);
         let mut random = Random(5);
         for _ in 0..5000 {
             let (d, pdf) = distribution.sample(random.xi());
             assert!((d.length() - 1.0).abs() < 1e-12);
             assert!((distribution.pdf(d) / pdf - 1.0).abs() < 1e-6, "{d}: {} and {pdf}", distribution.pdf(d));
+            let (d, pdf) = distribution.guided_sample(&guide, random.xi());
+            assert!((distribution.guided_pdf(&guide, d) / pdf - 1.0).abs() < 1e-6, "guided {d}: {pdf}");
         }
     }
 }
@@ -273,6 +283,7 @@ fn samples_follow_the_density() {
     const RARE: f64 = 10.0;
     for (image, seed) in [
         (lively(16, 8), 1),
+        (lively(75, 38), 8),
         (lively(7, 5), 2),
         (lively(1, 3), 3),
         (one_hot(8, 4, [0, 2]), 4),
@@ -282,6 +293,7 @@ fn samples_follow_the_density() {
     ] {
         const FINE: usize = 40;
         let distribution = EnvironmentDistribution::new(&image);
+        let guide = if seed % 2 == 0 { distribution.guide(lopsided) } else { distribution.guide(|_| 1.0) };
         let mut expected = vec![0.0; COLUMNS * ROWS];
         for i in 0..COLUMNS * FINE {
             for j in 0..ROWS * FINE {
@@ -289,13 +301,13 @@ fn samples_follow_the_density() {
                     DVec2::new(i as f64 + 0.5, j as f64 + 0.5) / DVec2::new(COLUMNS as f64, ROWS as f64) / FINE as f64;
                 let area = 2.0 * PI * PI * (PI * place.y).sin() / (COLUMNS * ROWS * FINE * FINE) as f64;
                 expected[j / FINE * COLUMNS + i / FINE] +=
-                    COUNT as f64 * area * distribution.pdf(direction_from_uv(place));
+                    COUNT as f64 * area * distribution.guided_pdf(&guide, direction_from_uv(place));
             }
         }
         let mut observed = vec![0.0; COLUMNS * ROWS];
         let mut random = Random(seed);
         for _ in 0..COUNT {
-            let uv = uv_from_direction(distribution.sample(random.xi()).0);
+            let uv = uv_from_direction(distribution.guided_sample(&guide, random.xi()).0);
             let column = ((uv.x * COLUMNS as f64) as usize).min(COLUMNS - 1);
             observed[((uv.y * ROWS as f64) as usize).min(ROWS - 1) * COLUMNS + column] += 1.0;
         }
@@ -359,6 +371,12 @@ fn scramble_estimate(
 ) -> f64 {
     let frame = Frame::from_normal(n);
     let v_local = frame.to_local(v);
+    let guide = distribution.guide(|l| {
+        let l_local = frame.to_local(l);
+        let h = (v_local + l_local).normalize();
+        let width = alpha.max(f64::from(GUIDE_ALPHA_MIN));
+        f64::from(GUIDE_FLOOR) + if l_local.z > 0.0 { Ggx.pdf_visible_l(v_local, h, width) } else { 0.0 }
+    });
     let [lobe_key, environment_key] = pair_keys([1, 2], scramble);
     let term = |l: DVec3, pdf_environment: f64| {
         let l_local = frame.to_local(l);
@@ -374,8 +392,8 @@ fn scramble_estimate(
         .map(|i| {
             let h = Ggx.sample_visible(to_unit(sobol_point(i, lobe_key)), v_local, alpha);
             let l = frame.to_world(reflect(v_local, h));
-            let (l_environment, pdf) = distribution.sample(to_unit(sobol_point(i, environment_key)));
-            term(l, distribution.pdf(l)) + if pdf > 0.0 { term(l_environment, pdf) } else { 0.0 }
+            let (l_environment, pdf) = distribution.guided_sample(&guide, to_unit(sobol_point(i, environment_key)));
+            term(l, distribution.guided_pdf(&guide, l)) + if pdf > 0.0 { term(l_environment, pdf) } else { 0.0 }
         })
         .sum();
     sum / f64::from(pair_count)

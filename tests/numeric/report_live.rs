@@ -3,11 +3,11 @@
 use crate::report::finished_run;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
+use splitsum::experiment::answers::run_folder::RunFolder;
 use splitsum::experiment::live::{LIVE_FILE, LiveRecord, half_scale};
 use splitsum::pixels::packed::HALF_MAX;
 use splitsum::precompute::points;
 use splitsum::report::live::{BUDGET_BYTES, Light};
-use splitsum::report::run_folder::RunFolder;
 use std::path::Path;
 
 fn record(run: &Path) -> LiveRecord {
@@ -39,7 +39,7 @@ fn a_run_leaves_its_tables_and_the_report_its_points() {
     let of_16 = light.points.iter().find(|table| table.count == 16).unwrap();
     let bytes = BASE64_STANDARD.decode(&of_16.base64).unwrap();
     let numbers: Vec<f32> = bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-    assert_eq!(numbers, points::table(16, 0).concat());
+    assert_eq!(numbers, points::table(16, &splitsum::math::sequence::SEQUENCES[0], 0).concat());
 }
 
 #[test]

@@ -23,6 +23,11 @@ LobeValue lobe_eval(Surface surface, vec3 v_local, vec3 l_local) {
     return LobeValue(vec3(cos_over_pi), cos_over_pi);
 }
 
+// The density of l, which guides the environment's samples.
+float lobe_guide(Surface surface, vec3 v_local, vec3 l_local) {
+    return max(l_local.z, 0.0) / PI;
+}
+
 // Cosine-weighted direction [Malley88]: a uniform point of the disk, lifted to the hemisphere.
 vec3 lobe_sample(Surface surface, vec3 v_local, vec2 xi) {
     float r = sqrt(xi.x);

@@ -24,6 +24,12 @@ LobeValue lobe_eval(Surface surface, vec3 v_local, vec3 l_local) {
         pdf_visible_l_brdf(v_local, h_local, surface.alpha));
 }
 
+// The density of l that guides the environment's samples, of a lobe no narrower than the cells that it is meant for.
+float lobe_guide(Surface surface, vec3 v_local, vec3 l_local) {
+    vec3 h_local = normalize(v_local + l_local);
+    return l_local.z > 0.0 ? pdf_visible_l_brdf(v_local, h_local, max(surface.alpha, GUIDE_ALPHA_MIN)) : 0.0;
+}
+
 vec3 lobe_sample(Surface surface, vec3 v_local, vec2 xi) {
     return reflect(-v_local, sample_visible_brdf(xi, v_local, surface.alpha));
 }

@@ -3,7 +3,9 @@
 use super::{Axis, REFERENCE, diffuse, method};
 use crate::brdf::{self, MaskingShadowing};
 use crate::experiment::value::{IMAGE_SIZE, Kind, Range, Value};
-use crate::precompute::PrecomputeSettings;
+use crate::math::sequence::{SEQUENCES, sequence_by_name};
+use crate::precompute::{PrecomputeSettings, StorageFormat};
+use crate::shade::level_bias::LEVEL_BIASES;
 use crate::shade::{DIFFUSE, METHODS};
 
 /// Sample counts of precompute passes stop here: more only costs time.
@@ -84,8 +86,17 @@ pub static AXES: &[Axis] = &[
         ..PLAIN
     },
     Axis {
+        name: "sequence",
+        about: "where a sampled method takes its points from; `splitsum list sequences`",
+        kind: Kind::Name { what: "sequence", names: || SEQUENCES.iter().map(|s| s.name).collect() },
+        default: || Value::Text(SEQUENCES[0].name.to_owned()),
+        used: |u| u.method.uses_point_set,
+        apply: |s, v| s.sequence = sequence_by_name(v.text()).expect("the plan checked the sequence's name"),
+        ..PLAIN
+    },
+    Axis {
         name: "point_set",
-        about: "set of sample points: 0 plain Hammersley, k its k-th shift on the torus",
+        about: "set of the sequence: 0 the plain one, k > 0 randomised copies",
         kind: Kind::Count { min: 0, max: 1 << 20 },
         default: || Value::Count(0),
         used: |u| u.method.uses_point_set,
@@ -177,9 +188,13 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "lod_bias",
-        about: "added to the mip level of filtered samples",
+        about: "added to the mip level of filtered samples; names are those of `splitsum list level-biases`",
         used: |u| u.method.uses_lod_bias,
-        kind: Kind::Number(Range::closed(-16.0, 16.0)),
+        kind: Kind::NumberOrName {
+            range: Range::closed(-16.0, 16.0),
+            what: "level bias",
+            named: || LEVEL_BIASES.iter().map(|bias| (bias.name, bias.levels)).collect(),
+        },
         default: || Value::Number(0.0),
         reference: |_, _| Value::Number(0.0),
         apply: |s, v| s.lod_bias = v.number() as f32,
@@ -253,6 +268,21 @@ pub static AXES: &[Axis] = &[
         default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
         reference: |_, _| Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
         apply: |s, v| s.precompute.irradiance_sample_count = v.pair(),
+        ..PLAIN
+    },
+    Axis {
+        name: "storage_format",
+        about: "numbers of the prefiltered map, the DFG table and the irradiance map on the device; f16 ends at 65504",
+        used: |u| {
+            u.method.uses_prefiltered || u.method.needs_dfg(u.diffuse, u.has_lights) || u.diffuse.uses_irradiance_map
+        },
+        kind: Kind::Name { what: "format", names: || StorageFormat::ALL.iter().map(|(name, _)| *name).collect() },
+        default: || Value::Text(StorageFormat::ALL[0].0.to_owned()),
+        reference: |_, _| Value::Text(StorageFormat::ALL[0].0.to_owned()),
+        apply: |s, v| {
+            let named = StorageFormat::ALL.iter().find(|(name, _)| *name == v.text());
+            s.precompute.storage = named.expect("the plan checked the format's name").1;
+        },
         ..PLAIN
     },
 ];

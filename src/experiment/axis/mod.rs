@@ -7,6 +7,7 @@ pub use list::AXES;
 use super::value::{Kind, Value};
 use crate::brdf::{self, MaskingShadowing};
 use crate::environment::Environment;
+use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pipeline::RenderRequest;
 use crate::precompute::PrecomputeSettings;
 use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Scene};
@@ -33,7 +34,9 @@ pub struct Settings {
     pub method: &'static Method,
     pub diffuse: &'static Diffuse,
     pub samples: u32,
-    /// Which set of points a sampled method takes; see `precompute::points`.
+    /// Where a sampled method takes its points from.
+    pub sequence: &'static Sequence,
+    /// Which set of the sequence.
     pub point_set: u32,
     pub lod_bias: f32,
     pub precompute: PrecomputeSettings,
@@ -64,6 +67,7 @@ impl Settings {
             camera: Camera::for_scene(view.camera, &scene, self.size),
             scene,
             size: self.size,
+            sequence: self.sequence,
             point_set: self.point_set,
             reference_error: view.reference_error,
             reference_samples: if self.method.name == REFERENCE { self.samples } else { view.reference_samples },
@@ -149,7 +153,7 @@ pub struct Used {
 
 /// Axes that `[precompute]` may set for all cells at once.
 pub fn is_precompute(axis: &Axis) -> bool {
-    ["prefilter_", "dfg_", "irradiance_"].iter().any(|prefix| axis.name.starts_with(prefix))
+    ["prefilter_", "dfg_", "irradiance_", "storage_"].iter().any(|prefix| axis.name.starts_with(prefix))
 }
 
 /// The index in [`AXES`] of the axis of that name.
@@ -221,6 +225,7 @@ impl Point {
             method: &METHODS[0],
             diffuse: &DIFFUSE[0],
             samples: 1,
+            sequence: &SEQUENCES[0],
             point_set: 0,
             lod_bias: 0.0,
             precompute: PrecomputeSettings::default(),

@@ -1,6 +1,7 @@
 //! Renders each reference and each radiance once and has every cell scored.
 //!
-//! The device belongs to this thread; scores and files are made on a second one meanwhile, in the order of the work.
+//! The device belongs to this thread. Scores and files are made by others meanwhile, in any order; what they did is kept in the order of
+//! the work, so that a record never comes before the images it stands for.
 
 use super::{Progress, Run, RunError, cell_result, milliseconds};
 use crate::experiment::axis::Point;
@@ -13,13 +14,18 @@ use crate::metrics::{BiasVariance, Repeats};
 use crate::pipeline::{DeviceInfo, Frame, RenderRequest};
 use crate::pixels::Rgb8Image;
 use crate::tonemap::ToneCurve;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
-/// Rendered cells that may wait for their scores: enough to keep both threads busy, few enough to bound memory.
-const QUEUE_LENGTH: usize = 4;
+/// Pixels of rendered cells that may wait for their scores, some 30 bytes each: enough that the device goes on to the next reference,
+/// few enough to bound memory.
+const QUEUE_PIXELS: u64 = 1 << 22;
+/// Cells that may wait, whatever their size.
+const QUEUE_LENGTHS: std::ops::RangeInclusive<u64> = 4..=256;
 
 /// Host work that follows a render.
 enum Job<'p> {
@@ -29,13 +35,21 @@ enum Job<'p> {
     Score { rendered: Box<Rendered<'p>>, device_ms: f64 },
 }
 
-/// A cell that was scored, or the fault of a file.
-type Answer<'p> = Result<(&'p Cell, Result<CellRecord, String>), StoreError>;
+/// A cell that was scored; nothing for an image that was written.
+type Scored<'p> = Option<(&'p Cell, Result<CellRecord, String>)>;
 
-/// Where work is handed in and results come back.
+/// What a job led to, or the fault of a file.
+type Answer<'p> = Result<Scored<'p>, StoreError>;
+
+/// Where work is handed in and results come back, numbered in the order of the work.
 struct Desk<'p> {
-    jobs: SyncSender<Job<'p>>,
-    answers: Receiver<Answer<'p>>,
+    /// Gone when all is handed in.
+    jobs: Option<SyncSender<(usize, Job<'p>)>>,
+    answers: Receiver<(usize, Answer<'p>)>,
+    handed_in: usize,
+    kept: usize,
+    /// Answers that came before an earlier one.
+    early: BTreeMap<usize, Scored<'p>>,
 }
 
 /// The display images of a reference, by tone curve.
@@ -45,15 +59,24 @@ impl<'p> Run<'p> {
     /// All cells that are not done.
     pub(super) fn cells(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
         let (plan, store, device) = (self.plan, self.store.clone(), renderer.device());
+        let is_over = AtomicBool::new(false);
+        let (jobs, queue) = sync_channel(queue_length(plan));
+        let queue = Mutex::new(queue);
+        let worker =
+            Worker { queue: &queue, plan, store: &store, device: &device, stop: self.options.stop, is_over: &is_over };
         std::thread::scope(|scope| {
-            let (jobs, queue) = sync_channel(QUEUE_LENGTH);
             let (results, answers) = channel();
-            scope.spawn(move || work_off(queue, &results, plan, &store, &device));
-            let desk = Desk { jobs, answers };
-            let result = plan.groups().iter().try_for_each(|group| self.group(group, renderer, &desk, progress));
-            // Without its sender the second thread ends when all is scored. What was rendered is kept also when the device was lost.
-            drop(desk.jobs);
-            let rest = desk.answers.iter().try_for_each(|answer| self.keep(answer, progress));
+            for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+                let results = results.clone();
+                scope.spawn(move || worker.work_off(&results));
+            }
+            drop(results);
+            let mut desk = Desk { jobs: Some(jobs), answers, handed_in: 0, kept: 0, early: BTreeMap::new() };
+            let result = plan.groups().iter().try_for_each(|group| self.group(group, renderer, &mut desk, progress));
+            is_over.store(self.is_stopped() || matches!(result, Err(RunError::Store(_))), Ordering::Relaxed);
+            // Without their sender the workers end when all is scored. What was rendered is kept also when the device was lost.
+            desk.jobs = None;
+            let rest = self.collect(&mut desk, true, progress);
             result.and(rest)
         })
     }
@@ -63,7 +86,7 @@ impl<'p> Run<'p> {
         &mut self,
         group: &ReferenceGroup<'p>,
         renderer: &mut dyn Renderer,
-        desk: &Desk<'p>,
+        desk: &mut Desk<'p>,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
         let started = Instant::now();
@@ -89,6 +112,7 @@ impl<'p> Run<'p> {
                 None => self.radiance(id, &first.point, &reference, renderer, desk)?,
             };
             device_ms += milliseconds(started);
+            let linear = Arc::new(OnceLock::new());
             for cell in todo {
                 if self.is_stopped() {
                     return Ok(());
@@ -103,6 +127,7 @@ impl<'p> Run<'p> {
                             reference: reference.clone(),
                             pictures,
                             bias_variance: *bias_variance,
+                            linear: linear.clone(),
                         }),
                     Err(reason) => Err(reason.clone()),
                 };
@@ -112,7 +137,7 @@ impl<'p> Run<'p> {
                     Err(reason) => self.fail(&[cell], &reason, progress)?,
                 }
                 device_ms = 0.0;
-                desk.answers.try_iter().try_for_each(|answer| self.keep(answer, progress))?;
+                self.collect(desk, false, progress)?;
                 self.write_tables_sometimes()?;
             }
         }
@@ -128,10 +153,7 @@ impl<'p> Run<'p> {
     ) -> Result<Result<Frame, String>, RunError> {
         let request = self.plan.request(point);
         let request = if set == 0 { request } else { RenderRequest { point_set: set, ..request } };
-        let started = Instant::now();
-        let result = renderer.render(&request);
-        self.device_ms += milliseconds(started);
-        cell_result(result)
+        cell_result(renderer.render(&request))
     }
 
     /// The image of a point, and its bias and variance where the experiment asks for them.
@@ -142,7 +164,7 @@ impl<'p> Run<'p> {
         point: &Point,
         reference: &ReferenceImage,
         renderer: &mut dyn Renderer,
-        desk: &Desk<'p>,
+        desk: &mut Desk<'p>,
     ) -> Result<Result<(Arc<Frame>, Option<BiasVariance>), String>, RunError> {
         let frame = match self.render(point, point.settings().point_set, renderer)? {
             Ok(frame) => Arc::new(frame),
@@ -174,7 +196,7 @@ impl<'p> Run<'p> {
         id: &str,
         point: &Point,
         renderer: &mut dyn Renderer,
-        desk: &Desk<'p>,
+        desk: &mut Desk<'p>,
     ) -> Result<Result<ReferenceImage, String>, RunError> {
         let path = self.store.image_path(&images::radiance_name(self.plan, point, id));
         let request = self.plan.request(point);
@@ -205,14 +227,12 @@ impl<'p> Run<'p> {
         renderer: &mut dyn Renderer,
     ) -> Result<Result<[Arc<Rgb8Image>; 2], String>, RunError> {
         let curve = cell.point.settings().curve;
-        let started = Instant::now();
         let mut picture = |radiance| cell_result(renderer.tonemap(radiance, curve)).map(|r| r.map(Arc::new));
         let test = picture(&frame.radiance)?;
         let of_reference = match reference_pictures.iter().find(|(known, _)| *known == curve) {
             Some((_, picture)) => Ok(picture.clone()),
             None => picture(&reference.radiance)?,
         };
-        self.device_ms += milliseconds(started);
         Ok(test.and_then(|test| {
             let of_reference = of_reference?;
             if reference_pictures.iter().all(|(known, _)| *known != curve) {
@@ -222,9 +242,22 @@ impl<'p> Run<'p> {
         }))
     }
 
-    /// Keeps what came back. After a stop it is dropped, so that the user never waits for more than the current cell.
-    fn keep(&mut self, answer: Answer<'p>, progress: &mut dyn Progress) -> Result<(), RunError> {
-        let (cell, scored) = answer?;
+    /// Keeps what came back, in the order of the work; `to_the_end` waits until the workers are gone.
+    fn collect(&mut self, desk: &mut Desk<'p>, to_the_end: bool, progress: &mut dyn Progress) -> Result<(), RunError> {
+        loop {
+            let answer = if to_the_end { desk.answers.recv().ok() } else { desk.answers.try_recv().ok() };
+            let Some((number, answer)) = answer else { return Ok(()) };
+            desk.early.insert(number, answer?);
+            while let Some(scored) = desk.early.remove(&desk.kept) {
+                desk.kept += 1;
+                self.keep(scored, progress)?;
+            }
+        }
+    }
+
+    /// Keeps a cell. After a stop it is dropped, so that the user never waits for more than the current one.
+    fn keep(&mut self, scored: Scored<'p>, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let Some((cell, scored)) = scored else { return Ok(()) };
         if self.is_stopped() {
             return Ok(());
         }
@@ -241,41 +274,65 @@ impl<'p> Run<'p> {
 }
 
 impl<'p> Desk<'p> {
-    /// Waits while the queue is full. A second thread that is gone has panicked, and the scope passes that on.
-    fn hand_in(&self, job: Job<'p>) {
-        let _ = self.jobs.send(job);
+    /// Waits while the queue is full. Workers that are gone have panicked, and the scope passes that on.
+    fn hand_in(&mut self, job: Job<'p>) {
+        let _ = self.jobs.as_ref().map(|jobs| jobs.send((self.handed_in, job)));
+        self.handed_in += 1;
     }
 }
 
-/// The second thread: does the jobs in order, until a file cannot be written.
-fn work_off<'p>(
-    queue: Receiver<Job<'p>>,
-    answers: &Sender<Answer<'p>>,
-    plan: &Plan,
-    store: &Store,
-    device: &DeviceInfo,
-) {
-    for job in queue {
-        let answer = match job {
-            Job::Keep { path, frame } => match images::write_radiance(&path, &frame) {
-                Ok(()) => continue,
-                Err(error) => Err(error.into()),
-            },
+fn queue_length(plan: &Plan) -> usize {
+    let pixels = |cell: &Cell| plan.size_of(cell).iter().map(|&side| u64::from(side)).product::<u64>();
+    let largest = plan.cells.iter().map(pixels).max().unwrap_or(1);
+    (QUEUE_PIXELS / largest).clamp(*QUEUE_LENGTHS.start(), *QUEUE_LENGTHS.end()) as usize
+}
+
+/// What each of the other threads needs.
+#[derive(Clone, Copy)]
+struct Worker<'w, 'p> {
+    queue: &'w Mutex<Receiver<(usize, Job<'p>)>>,
+    plan: &'p Plan,
+    store: &'w Store,
+    device: &'w DeviceInfo,
+    stop: &'w AtomicBool,
+    /// Set when a file could not be written: then the run ends.
+    is_over: &'w AtomicBool,
+}
+
+impl<'p> Worker<'_, 'p> {
+    /// Does jobs until there are none or the run ends.
+    fn work_off(&self, answers: &Sender<(usize, Answer<'p>)>) {
+        loop {
+            let job = self.queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
+            let Ok((number, job)) = job else { return };
+            // Answers after a stop would be dropped: nobody waits for them.
+            if self.stop.load(Ordering::Relaxed) || self.is_over.load(Ordering::Relaxed) {
+                continue;
+            }
+            let answer = self.answer(job);
+            if answer.is_err() {
+                self.is_over.store(true, Ordering::Relaxed);
+            }
+            if answers.send((number, answer)).is_err() {
+                return;
+            }
+        }
+    }
+
+    fn answer(&self, job: Job<'p>) -> Answer<'p> {
+        match job {
+            Job::Keep { path, frame } => Ok(images::write_radiance(&path, &frame).map(|()| None)?),
             Job::Score { rendered, device_ms } => {
                 let started = Instant::now();
-                match rendered.score(plan, store, device) {
+                match rendered.score(self.plan, self.store, self.device) {
                     Ok(record) => {
                         let wall_ms = device_ms + milliseconds(started);
-                        Ok((rendered.cell, Ok(CellRecord { wall_ms, ..record })))
+                        Ok(Some((rendered.cell, Ok(CellRecord { wall_ms, ..record }))))
                     }
-                    Err(ScoreFault::Cell(reason)) => Ok((rendered.cell, Err(reason))),
+                    Err(ScoreFault::Cell(reason)) => Ok(Some((rendered.cell, Err(reason)))),
                     Err(ScoreFault::Store(error)) => Err(error),
                 }
             }
-        };
-        let is_over = answer.is_err();
-        if answers.send(answer).is_err() || is_over {
-            return;
         }
     }
 }

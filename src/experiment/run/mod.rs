@@ -3,6 +3,8 @@
 mod cells;
 mod timed;
 
+use crate::experiment::answers::{Answered, AnswersError};
+use crate::experiment::environments;
 use crate::experiment::images;
 use crate::experiment::live::{self, LIVE_FILE};
 use crate::experiment::plan::{Cell, Plan};
@@ -10,13 +12,12 @@ use crate::experiment::provenance;
 use crate::experiment::renderer::{RenderFault, Renderer};
 use crate::experiment::sheets;
 use crate::experiment::store::{CellRecord, FailureRecord, Store, StoreError};
-use crate::experiment::summary;
 use crate::experiment::tables::{self, CellResult, Results};
 use crate::experiment::timing::{self, TimingJob, TimingRecord};
 use crate::experiment::trace;
-use crate::pipeline::DeviceInfo;
+use crate::pipeline::{DeviceInfo, SharedWork, Tally};
 use crate::slips;
-use crate::table::csv::Table;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -56,6 +57,38 @@ pub struct Outcome {
     pub failures: Vec<FailureRecord>,
     /// Whether it was stopped before all steps were tried.
     pub is_stopped: bool,
+    /// What this invocation did; nothing where all was done before.
+    pub work: Option<Work>,
+}
+
+/// What an invocation spent and shared.
+#[derive(Clone, Debug, Default)]
+pub struct Work {
+    /// Host time in which the device worked or was waited for, ms.
+    pub waited_ms: f64,
+    pub shared: SharedWork,
+    /// References that an earlier invocation had left in the run's folder.
+    pub references_read_back: usize,
+}
+
+impl Work {
+    /// One line for the user, after `wall_ms` of the whole invocation.
+    pub fn line(&self, wall_ms: f64) -> String {
+        let mut made = Vec::new();
+        for (kind, Tally { made: count, read }) in &self.shared {
+            let from_disk = if *read > 0 { format!(" (and {read} from the cache)") } else { String::new() };
+            made.push(format!("{kind} {count}{from_disk}"));
+        }
+        if self.references_read_back > 0 {
+            made.push(format!("references of the run read back {}", self.references_read_back));
+        }
+        format!(
+            "{:.1} s, {:.0} % of it without the device. Made once and shared: {}",
+            wall_ms / 1e3,
+            100.0 * (1.0 - self.waited_ms / wall_ms).max(0.0),
+            if made.is_empty() { "nothing".to_owned() } else { made.join(", ") }
+        )
+    }
 }
 
 /// Why a run ended early.
@@ -63,11 +96,25 @@ pub struct Outcome {
 pub enum RunError {
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The tables are written, but not what they answer.
+    #[error(transparent)]
+    Answers(#[from] AnswersError),
     #[error("the device was lost: {0}; what is done is kept, run the same command again to go on")]
     DeviceLost(String),
     /// The renderer could not be made.
     #[error("{0}")]
     NoRenderer(String),
+}
+
+/// What one process does of a plan whose other parts are done elsewhere.
+#[derive(Debug, Default)]
+pub struct Share {
+    /// Ids of cells.
+    pub cells: BTreeSet<String>,
+    /// Ids of timed configurations, whole blocks.
+    pub timings: BTreeSet<String>,
+    /// Whether it makes what the live view of the whole run needs.
+    pub has_live: bool,
 }
 
 /// Makes the renderer when the first step needs it, so that a finished run needs no device.
@@ -83,6 +130,7 @@ pub fn run(
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<Outcome, RunError> {
+    let started = Instant::now();
     // A new run leaves nothing behind when there is no device.
     let folder = Store::at(&options.dir);
     folder.check_identity(plan)?;
@@ -92,6 +140,7 @@ pub fn run(
     };
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
+    run.forget_damaged(progress)?;
     let steps_left = run.steps_left();
     progress.start(plan.cells.len() + run.jobs.len(), plan.cells.len() + run.jobs.len() - steps_left);
     if steps_left > 0 {
@@ -100,12 +149,15 @@ pub fn run(
             None => opened(plan, make_renderer)?,
         };
         run.begin_session(&renderer.device())?;
-        let result = run.work(renderer, progress);
+        let mut renderer = renderer;
+        let result = run.work(renderer.as_mut(), progress);
         // What is done is kept also when the device was lost.
         run.write_tables()?;
+        run.end_session(renderer.as_ref(), started)?;
         result?;
     }
-    run.finish(steps_left > 0)
+    let has_worked = run.work.is_some();
+    run.finish(has_worked)
 }
 
 /// The renderer, if it can serve every cell: a run that cannot be finished is not begun.
@@ -117,6 +169,35 @@ fn opened(plan: &Plan, make_renderer: &mut MakeRenderer) -> Result<Box<dyn Rende
     Ok(renderer)
 }
 
+/// Does a share of `plan` in the folder `store`, which must be this process's own. Writes records and images, no tables: those are made
+/// of all shares together. Returns the failed cells and whether it was stopped.
+pub(super) fn run_share(
+    plan: &Plan,
+    share: &Share,
+    store: Store,
+    make_renderer: &mut MakeRenderer,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+) -> Result<(Vec<FailureRecord>, bool), RunError> {
+    let mut run = Run::load(plan, store, options)?;
+    run.jobs.retain(|job| share.timings.contains(&job.id));
+    run.share = Some(share);
+    let steps_left = run.steps_left();
+    progress.start(steps_left, 0);
+    let started = Instant::now();
+    let mut renderer = opened(plan, make_renderer)?;
+    run.begin_session(&renderer.device())?;
+    let result = run.work(renderer.as_mut(), progress);
+    run.end_session(renderer.as_ref(), started)?;
+    result?;
+    Ok((run.failures(), run.is_stopped() && run.steps_left() > 0))
+}
+
+/// Writes tables, contact sheets and the summary from the records that stand in the run's folder.
+pub(super) fn tabulate(plan: &Plan, store: Store, options: &RunOptions) -> Result<Outcome, RunError> {
+    Run::load(plan, store, options)?.finish(true)
+}
+
 fn fault_error(fault: RenderFault) -> RunError {
     if fault.device_lost { RunError::DeviceLost(fault.message) } else { RunError::NoRenderer(fault.message) }
 }
@@ -126,16 +207,18 @@ struct Run<'p> {
     plan: &'p Plan,
     store: Store,
     options: &'p RunOptions<'p>,
+    /// The part of the plan that is this process's; `None` for all of it.
+    share: Option<&'p Share>,
     results: Results,
     jobs: Vec<TimingJob<'p>>,
     timings: Vec<TimingRecord>,
     tables_written: Instant,
     /// Whether a failure ended the run.
     is_halted: bool,
-    /// Host time in which the device worked or was waited for, ms.
-    device_ms: f64,
     /// References that an earlier invocation had rendered.
     references_read: usize,
+    /// There when this invocation did something.
+    work: Option<Work>,
 }
 
 impl<'p> Run<'p> {
@@ -151,18 +234,39 @@ impl<'p> Run<'p> {
             plan,
             store,
             options,
+            share: None,
             results,
             jobs,
             timings: Vec::new(),
             tables_written: Instant::now(),
             is_halted: false,
-            device_ms: 0.0,
             references_read: 0,
+            work: None,
         })
     }
 
+    /// Cells whose images are gone or not whole are made again: their scores come out the same, on the same device.
+    fn forget_damaged(&mut self, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let plan = self.plan;
+        let done = plan.cells.iter().filter(|cell| self.is_done(cell));
+        let damaged = images::damaged(plan, &self.store, done);
+        let Some(name) = damaged.first() else { return Ok(()) };
+        progress.note(&format!(
+            "{} images of finished cells are missing or not whole, the first images/{name}; their cells are made again",
+            damaged.len()
+        ));
+        damaged.iter().try_for_each(|name| self.store.remove_image(name))?;
+        let is_hit = |cell: &&Cell| images::files(plan, cell).iter().any(|name| damaged.contains(name));
+        for cell in plan.cells.iter().filter(is_hit) {
+            self.results.remove(&cell.id);
+        }
+        Ok(())
+    }
+
+    /// Whether there is nothing to do for a cell: it has its record, or another process does it.
     fn is_done(&self, cell: &Cell) -> bool {
-        matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
+        let is_ours = self.share.is_none_or(|share| share.cells.contains(&cell.id));
+        !is_ours || matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
     }
 
     fn is_stopped(&self) -> bool {
@@ -186,28 +290,36 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    fn work(&mut self, mut renderer: Box<dyn Renderer>, progress: &mut dyn Progress) -> Result<(), RunError> {
-        let started = Instant::now();
-        self.cells(renderer.as_mut(), progress)?;
-        self.live(renderer.as_mut(), progress)?;
-        self.time(renderer.as_mut(), progress)?;
-        let wall_ms = milliseconds(started);
-        let reused = match self.references_read {
-            0 => String::new(),
-            count => format!("; {count} references were read back"),
+    /// Completes this invocation's entry in the provenance.
+    fn end_session(&mut self, renderer: &dyn Renderer, started: Instant) -> Result<(), RunError> {
+        let work = Work {
+            waited_ms: renderer.waited_ms(),
+            shared: renderer.shared_work(),
+            references_read_back: self.references_read,
         };
-        progress.note(&format!(
-            "{:.1} s, {:.0} % of it without the device{reused}",
-            wall_ms / 1e3,
-            100.0 * (1.0 - self.device_ms / wall_ms).max(0.0)
-        ));
-        Ok(())
+        let path = self.store.provenance_path();
+        let Some(mut value) = self.store.read::<serde_json::Value>(&path)? else { return Ok(()) };
+        if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {
+            provenance::end_session(session, &renderer.device(), &work, milliseconds(started));
+        }
+        self.work = Some(work);
+        Ok(self.store.write_json(&path, &value)?)
+    }
+
+    fn work(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let result = self
+            .cells(renderer, progress)
+            .and_then(|()| self.live(renderer, progress))
+            .and_then(|()| self.time(renderer, progress));
+        renderer.take_warnings().iter().for_each(|warning| progress.note(&format!("warning: {warning}")));
+        result
     }
 
     /// Leaves what the live view of the report needs, before timing forgets the tables. Without it the report has no such view.
     fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
         let path = self.store.dir().join(LIVE_FILE);
-        if self.is_stopped() || path.exists() {
+        let is_ours = self.share.is_none_or(|share| share.has_live);
+        if !is_ours || self.is_stopped() || path.exists() {
             return Ok(());
         }
         match cell_result(live::record(self.plan, renderer))? {
@@ -233,8 +345,18 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
+    /// The cells that failed, in plan order.
+    fn failures(&self) -> Vec<FailureRecord> {
+        let failure = |cell: &Cell| match self.results.get(&cell.id) {
+            Some(CellResult::Failed(record)) => Some(record.clone()),
+            _ => None,
+        };
+        self.plan.cells.iter().filter_map(failure).collect()
+    }
+
     fn write_tables_sometimes(&mut self) -> Result<(), RunError> {
-        if self.tables_written.elapsed() >= TABLE_INTERVAL { self.write_errors() } else { Ok(()) }
+        let is_time = self.share.is_none() && self.tables_written.elapsed() >= TABLE_INTERVAL;
+        if is_time { self.write_errors() } else { Ok(()) }
     }
 
     fn write_errors(&mut self) -> Result<(), RunError> {
@@ -273,28 +395,23 @@ impl<'p> Run<'p> {
                 self.store.write_json(&self.store.dir().join("trace.json"), &trace::chrome_trace(&self.timings))?;
             }
         }
-        let mut summary = summary::markdown(self.plan, &self.results, &self.timings, &self.store);
+        let (columns, rows) = environments::environments(self.plan);
+        self.store.write_table("environments.csv", &columns, rows.into_iter().map(Ok))?;
         if self.plan.config.has_printed_slips {
             let (columns, rows) = slips::table();
             self.store.write_table(slips::FILE_NAME, &columns, rows.into_iter().map(Ok))?;
-            let table = Table::read(&self.store.dir().join(slips::FILE_NAME)).map_err(StoreError::from)?;
-            let table = slips::markdown(&table).map_err(StoreError::from)?;
-            summary += &format!("## What each slip costs\n\n{}\n{table}", slips::HEADING);
         }
-        let summary_path = self.store.dir().join("summary.md");
-        if has_worked || std::fs::read_to_string(&summary_path).ok().as_deref() != Some(&summary) {
+        let answered = Answered::of_run(self.store.dir())?;
+        if has_worked || !answered.is_summary_written() {
             sheets::write_sheets(&self.store, self.plan, &self.results)?;
-            self.store.write_text(&summary_path, &summary)?;
         }
-        let is_failure = |cell: &Cell| match self.results.get(&cell.id) {
-            Some(CellResult::Failed(record)) => Some(record.clone()),
-            _ => None,
-        };
+        answered.write()?;
         Ok(Outcome {
             dir: self.store.dir().to_owned(),
-            summary,
-            failures: self.plan.cells.iter().filter_map(is_failure).collect(),
+            summary: answered.summary,
+            failures: self.failures(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
+            work: self.work.clone(),
         })
     }
 }

@@ -3,8 +3,9 @@
 //! Configurations that are compared form a block. A block is timed in rounds; each round times every configuration once, in a new random
 //! order, so that drift and disturbances of the machine meet all of them alike (a randomised complete block design).
 
-use super::{Progress, Run, RunError, cell_result, milliseconds};
+use super::{Progress, Run, RunError, cell_result};
 use crate::experiment::config::{Timing, Warmup};
+use crate::experiment::host::HostState;
 use crate::experiment::renderer::{RenderFault, Renderer};
 use crate::experiment::statistics::{Random, median};
 use crate::experiment::timing::{self, PassSamples, Place, TimingJob, TimingRecord};
@@ -25,6 +26,7 @@ struct Timed<'p> {
     samples: TimingSamples,
     places: Vec<Place>,
     warmup: u32,
+    host: [HostState; 2],
 }
 
 impl<'p> Run<'p> {
@@ -40,9 +42,7 @@ impl<'p> Run<'p> {
             if block.iter().all(|job| self.store.has_timing(&job.id)) {
                 continue;
             }
-            let started = Instant::now();
             let timed = self.time_block(block, timing, renderer);
-            self.device_ms += milliseconds(started);
             match cell_result(timed)? {
                 Ok(timed) => {
                     let device = renderer.device();
@@ -77,11 +77,13 @@ impl<'p> Run<'p> {
                 samples: TimingSamples::default(),
                 places: Vec::new(),
                 warmup: 0,
+                host: Default::default(),
             })
             .collect();
         for configuration in &mut timed {
             configuration.warm_up(timing.warmup, renderer)?;
         }
+        let before = HostState::observe(&renderer.device());
         let (started, mut random) = (Instant::now(), Random::new(u64::from(self.plan.config.seed)));
         for _ in 0..timing.rounds {
             for (order, index) in random.order(timed.len()).into_iter().enumerate() {
@@ -94,6 +96,8 @@ impl<'p> Run<'p> {
                 configuration.places.push(Place { order, start_s });
             }
         }
+        let host = [before, HostState::observe(&renderer.device())];
+        timed.iter_mut().for_each(|configuration| configuration.host = host.clone());
         Ok(timed)
     }
 }
@@ -149,6 +153,7 @@ impl Timed<'_> {
             device: device.name.clone(),
             device_type: device.device_type.to_owned(),
             driver: device.driver.clone(),
+            host: self.host,
         }
     }
 }

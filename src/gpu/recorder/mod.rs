@@ -13,6 +13,7 @@ use ash::vk;
 use std::any::Any;
 use std::ffi::CString;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 /// Timed passes of one submission at most.
@@ -153,7 +154,9 @@ impl Recorder {
         // SAFETY: the fence was just submitted.
         unsafe { self.device().wait_for_fences(&[fence.raw], true, u64::MAX) }
             .map_err(GpuError::call("vkWaitForFences", &self.name))?;
-        let wall_ms = started.elapsed().as_secs_f64() * 1e3;
+        let waited = started.elapsed();
+        shared.waited_ns.fetch_add(waited.as_nanos() as u64, Ordering::Relaxed);
+        let wall_ms = waited.as_secs_f64() * 1e3;
         Ok(Report { passes: self.pass_times()?, wall_ms })
     }
 

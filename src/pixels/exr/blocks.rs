@@ -121,6 +121,11 @@ fn block_bytes(header: &Header, bounds: IntegerBounds) -> usize {
         .sum()
 }
 
+/// Fails when a block of the part `index` is missing from the file or cut off; nothing is unpacked.
+pub(super) fn check_blocks(parts: &Parts, index: usize) -> Result<(), Fault> {
+    find_blocks(parts, index).map(|_| ())
+}
+
 /// Every block of the largest level, each exactly once.
 fn find_blocks<'a>(parts: &Parts<'a>, index: usize) -> Result<Vec<Block<'a>>, Fault> {
     let header = &parts.headers[index];

@@ -5,5 +5,5 @@ mod colour;
 mod read;
 mod write;
 
-pub use read::{read, read_bytes, read_layer};
+pub use read::{check_whole, read, read_bytes, read_layer};
 pub use write::{write_channels, write_rgba};

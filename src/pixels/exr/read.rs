@@ -1,6 +1,6 @@
 //! Reading: any flat image whose channels make a colour.
 
-use super::blocks::{Parts, read_planes};
+use super::blocks::{Parts, check_blocks, read_planes};
 use super::colour::{choose_layer, to_rgb};
 use crate::pixels::file::{Fault, read_bounded};
 use crate::pixels::{Decoded, GrayImage, PixelsError};
@@ -35,17 +35,30 @@ fn read_layer_bytes(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<De
         .map_err(|fault| fault.at(path))
 }
 
-fn decode(bytes: &[u8], layer: Option<&str>) -> Result<Decoded, Fault> {
+/// Fails when a file that this program wrote is not whole: a block is missing or cut off. Nothing is unpacked.
+pub fn check_whole(path: &Path) -> Result<(), PixelsError> {
+    let bytes = read_bounded(path)?;
+    let check = || {
+        let (meta, tables_start) = read_header(&bytes)?;
+        let multi_part = meta.requirements.has_multiple_layers;
+        check_blocks(&Parts { bytes: &bytes, headers: &meta.headers, tables_start, multi_part }, 0)
+    };
+    check().map_err(|fault| fault.at(path))
+}
+
+/// The headers, and where the offset tables begin.
+fn read_header(bytes: &[u8]) -> Result<(MetaData, usize), Fault> {
     let mut cursor = Cursor::new(bytes);
     let meta = MetaData::read_from_buffered(&mut cursor, false).map_err(|error| {
         Fault::new(format!("has no usable header ({error})"), "a valid OpenEXR file without deep data")
     })?;
-    let parts = Parts {
-        bytes,
-        headers: &meta.headers,
-        tables_start: cursor.position() as usize,
-        multi_part: meta.requirements.has_multiple_layers,
-    };
+    Ok((meta, cursor.position() as usize))
+}
+
+fn decode(bytes: &[u8], layer: Option<&str>) -> Result<Decoded, Fault> {
+    let (meta, tables_start) = read_header(bytes)?;
+    let parts =
+        Parts { bytes, headers: &meta.headers, tables_start, multi_part: meta.requirements.has_multiple_layers };
     if !parts.multi_part && meta.requirements.is_single_layer_and_tiled != meta.headers[0].blocks.has_tiles() {
         let what = "the version field and the type attribute disagree on tiles";
         return Err(Fault::new(what, "both to name tiles, or neither"));

@@ -141,6 +141,56 @@ fn overrides_replace_an_axis_and_are_checked_like_the_file() {
 }
 
 #[test]
+fn an_axis_is_set_once_on_the_command_line() {
+    let text = "name = \"x\"\n[axes]\nalpha = [0.1, 0.2]\n";
+    assert_faults(
+        &faults(text, &["alpha=0.5", "brdf=ggx", "alpha=0.7"]),
+        &["--set alpha: stands twice; give all values at once: --set alpha=v1,v2"],
+    );
+}
+
+#[test]
+fn every_number_of_a_pair_or_colour_is_checked() {
+    let text = "name = \"x\"\nsize = [0, 99999]\n[axes]\nf0 = [[2, 0.5, -1]]\n";
+    assert_faults(
+        &faults(text, &[]),
+        &[
+            "e.toml:2:8: size: 0 is outside [1, 16384]; 99999 is outside [1, 16384]",
+            "e.toml:4:7: axes.f0: 2 is outside [0, 1]; -1 is outside [0, 1]",
+        ],
+    );
+}
+
+#[test]
+fn level_biases_have_names_and_sequences_and_formats_are_checked() {
+    let text = "name = \"x\"\n[axes]\nlod_bias = [\"filament\", 0.5, \"khronos-sampler\"]\n";
+    let plan = Plan::from_text(Path::new("e.toml"), text, &[]).unwrap();
+    let biases: Vec<f32> = plan.cells.iter().map(|cell| plan.request(&cell.point).lod_bias).collect();
+    assert_eq!(biases, [1.0, 0.5, 0.5 * (4.0 * std::f32::consts::PI).log2()]);
+    let text = "name = \"x\"\n[axes]\nlod_bias = [1, \"filament\", \"filamnt\", 17]\nsequence = [\"sobol\"]\n\
+                storage_format = [\"f8\"]\n";
+    assert_faults(
+        &faults(text, &[]),
+        &[
+            "e.toml:3:16: axes.lod_bias: 1 stands twice",
+            "e.toml:3:28: axes.lod_bias: \"filamnt\" is not a level bias; did you mean \"filament\"?; expected a number in [-16, 16], or",
+            "e.toml:3:39: axes.lod_bias: 17 is outside [-16, 16]",
+            "e.toml:4:13: axes.sequence: \"sobol\" is not a sequence",
+            "e.toml:5:19: axes.storage_format: \"f8\" is not a format",
+        ],
+    );
+}
+
+#[test]
+fn names_that_stand_twice_are_named() {
+    let text = "name = \"x\"\n[axes]\nalpha = [0.1]\nalpha = [0.2]\nbrdf = [\"ggx\", \"ggx\"]\nscene = [\"no.obj\"]\n";
+    let found = faults(text, &[]);
+    for expected in ["e.toml:4:1: not TOML: ", "e.toml:5:16: axes.brdf: ggx stands twice", "e.toml:6:10: no.obj: "] {
+        assert!(found.iter().any(|fault| fault.starts_with(expected)), "{expected:?}: {found:#?}");
+    }
+}
+
+#[test]
 fn text_of_every_default_parses_back_to_the_same_value() {
     for axis in splitsum::experiment::axis::AXES {
         let value = (axis.default)();

@@ -1,7 +1,9 @@
 //! A renderer made of formulas: an analytic sphere whose error is known for every method.
 
 use splitsum::experiment::{RenderFault, Renderer};
-use splitsum::pipeline::{DeviceInfo, Frame, FrameTimings, LightTables, RenderRequest, TimingSamples};
+use splitsum::pipeline::{
+    DeviceInfo, Frame, FrameTimings, LightTables, RenderRequest, SharedWork, Tally, TimingSamples,
+};
 use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use splitsum::shade::reference_pass::Convergence;
 use splitsum::tonemap::ToneCurve;
@@ -23,6 +25,8 @@ pub struct Log {
     pub broken_method: Option<&'static str>,
     /// Renders until the device is lost.
     pub renders_left: Option<usize>,
+    /// What the device is called, where not `fake`.
+    pub device: Option<&'static str>,
 }
 
 pub struct Fake(pub Rc<RefCell<Log>>);
@@ -58,7 +62,7 @@ fn set_error(set: u32) -> f32 {
 impl Renderer for Fake {
     fn device(&self) -> DeviceInfo {
         DeviceInfo {
-            name: "fake".to_owned(),
+            name: self.0.borrow().device.unwrap_or("fake").to_owned(),
             device_type: "cpu",
             driver: "formula".to_owned(),
             api_version: "0".to_owned(),
@@ -145,5 +149,19 @@ impl Renderer for Fake {
     fn time_precompute(&mut self, _: &RenderRequest, _: u32, rounds: u32) -> Result<TimingSamples, RenderFault> {
         self.0.borrow_mut().timings += 1;
         Ok(TimingSamples { passes: vec![("dfg", vec![3.0; rounds as usize])], wall_ms: vec![10.0; rounds as usize] })
+    }
+
+    fn waited_ms(&self) -> f64 {
+        0.0
+    }
+
+    /// As many references as were rendered, and two tables that no disk had.
+    fn shared_work(&self) -> SharedWork {
+        let references = self.0.borrow().renders.iter().filter(|(method, _)| method == "reference").count();
+        [("reference", references), ("dfg", 2)].map(|(kind, made)| (kind.to_owned(), Tally { made, read: 0 })).into()
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        Vec::new()
     }
 }

@@ -208,6 +208,23 @@ fn zipped_axes_step_together() {
 }
 
 #[test]
+fn sequence_and_storage_format_are_axes_of_the_methods_that_use_them() {
+    let plan = plan(
+        "name = \"x\"\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\ndiffuse = [\"none\"]\n\
+         sequence = [\"hammersley\", \"sobol-owen\", \"r2\", \"random\"]\nstorage_format = [\"f32\", \"f16\"]\n",
+    );
+    // Sampled pixels see the sequence, the tables of the split sum the format.
+    assert_eq!(plan.cells.len(), 4 + 2);
+    assert_eq!(plan.groups().len(), 1, "the reference depends on neither");
+    let requests: Vec<_> = plan.cells.iter().map(|cell| plan.request(&cell.point)).collect();
+    let sequences: Vec<&str> = requests[..4].iter().map(|request| request.sequence.name).collect();
+    assert_eq!(sequences, ["hammersley", "sobol-owen", "r2", "random"]);
+    assert_ne!(requests[4].precompute.storage, requests[5].precompute.storage);
+    let reference = plan.request(&plan.reference_point(&plan.cells[5].point));
+    assert_eq!(reference.precompute.storage, Default::default());
+}
+
+#[test]
 fn size_point_set_and_clip_are_axes() {
     let plan =
         plan("name = \"x\"\n[axes]\nsize = [[8, 8], [16, 8]]\npoint_set = [0, 1]\nenvironment_clip_log2 = [-1, 3]\n");

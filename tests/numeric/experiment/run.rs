@@ -351,6 +351,58 @@ fn a_run_stopped_anywhere_ends_like_one_that_was_not() {
 }
 
 #[test]
+fn images_that_are_gone_or_cut_off_are_made_again() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let contents =
+        |dir: &Path| snapshot(dir).into_iter().map(|(name, (bytes, _))| (name, bytes)).collect::<BTreeMap<_, _>>();
+    let before = contents(&dir.path().join("images"));
+    let errors = read(dir.path(), "errors.csv");
+    let of_split_sum = |end: &str| {
+        before
+            .keys()
+            .find(|name| name.contains("split-sum") && name.ends_with(end))
+            .expect("an image of split-sum")
+            .clone()
+    };
+    for name in [of_split_sum(".error.png"), of_split_sum(".flip.png"), of_split_sum(".exr")] {
+        let path = dir.path().join("images").join(&name);
+        match name.ends_with(".exr") {
+            true => std::fs::write(&path, &before[&name][..before[&name].len() - 40]).unwrap(),
+            false => std::fs::remove_file(&path).unwrap(),
+        }
+        let log = log();
+        invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+        // One image; its reference is read back.
+        assert_eq!(log.borrow().renders, [("split-sum".to_owned(), 1)], "{name}");
+        assert!(contents(&dir.path().join("images")) == before, "{name}");
+        assert!(read(dir.path(), "errors.csv") == errors, "{name}");
+    }
+}
+
+#[test]
+fn the_provenance_says_what_a_session_shared_and_how_the_machine_was() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n")));
+    let outcome = invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let line = outcome.work.unwrap().line(1000.0);
+    assert_eq!(line, "1.0 s, 100 % of it without the device. Made once and shared: dfg 2, reference 4");
+    let value: serde_json::Value = serde_json::from_slice(&read(dir.path(), "provenance.json")).unwrap();
+    let session = &value["sessions"][0];
+    assert_eq!(session["shared_work"]["reference"], serde_json::json!({ "made": 4, "read": 0 }));
+    assert_eq!(session["device_s"], 0.0);
+    assert!(session["wall_s"].as_f64().unwrap() > 0.0);
+    assert_eq!(session["program_hash"].as_str().unwrap().len(), 64);
+    for state in [&session["state_before"], &session["state_after"]] {
+        // The fake is no GPU: nobody tells its clocks.
+        assert_eq!(state["gpu"], "unknown");
+        assert!(state["load_average"].is_array() || state["load_average"] == "unknown");
+    }
+    let timings = Table::read(&dir.path().join("timings.csv")).unwrap();
+    let slowdown = timings.column("slowdown").unwrap();
+    assert!(timings.rows.iter().all(|row| row[slowdown] == "unknown"));
+}
+
+#[test]
 fn a_record_that_vanished_is_made_again() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();

@@ -1,6 +1,6 @@
 //! Break-even, order statistics and dates against values worked out by hand.
 
-use splitsum::experiment::break_even::{BreakEven, break_even, median};
+use splitsum::experiment::answers::break_even::{BreakEven, break_even, median};
 use splitsum::experiment::date_utc;
 use splitsum::experiment::statistics::{Random, drift, median as median_of, median_interval};
 use splitsum::experiment::timing::summarize;

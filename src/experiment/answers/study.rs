@@ -1,9 +1,12 @@
 //! The rows of one or more runs as one table, with the part that each axis plays.
 
 use super::run_folder::RunFolder;
-use crate::experiment::axis::AXES;
+use crate::experiment::axis::{AXES, Reference, by_name};
+use crate::experiment::images::short_value;
+use crate::experiment::tables::{DISPLAY_HEADLINE, HEADLINE};
 use crate::experiment::timing::{FRAME, TimingRecord, summarize};
 use serde::Serialize;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What an axis tells apart.
@@ -40,7 +43,29 @@ pub struct Row {
     pub error: Option<f64>,
     pub noise_floor: Option<f64>,
     pub verdict: String,
+    /// The display metric: what a viewer notices.
+    pub display_error: Option<f64>,
+    /// The headline metric by `n_dot_v`; empty for a run that has no such table.
+    pub bins: Vec<Bin>,
+    /// Dynamic range of the environment, stops (log2 of peak over mean luminance), where the run knows it.
+    pub range_stops: Option<f64>,
     pub frame_ms: Option<FrameTime>,
+}
+
+impl Row {
+    /// Whether the reference's own noise is far below the error.
+    pub fn is_resolved(&self) -> bool {
+        ["resolved", "no-noise-floor"].contains(&self.verdict.as_str())
+    }
+}
+
+/// The headline error over the pixels with `n_dot_v` in [`lo`, `hi`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bin {
+    pub lo: f64,
+    pub hi: f64,
+    pub pixel_count: f64,
+    pub error: f64,
 }
 
 /// Time of a frame over the rounds, ms.
@@ -63,8 +88,8 @@ pub struct Study {
 
 /// The axis that tells joined runs apart.
 pub const RUN_AXIS: &str = "run";
-/// The metric that answers and plots use.
-pub const HEADLINE: &str = "relmse_eps1e-2";
+/// Axes that tell no case apart: how an image is made, and which set of points it happens to use.
+const NOT_CASE: [&str; 3] = ["method", "samples", "point_set"];
 
 impl Study {
     /// Joins runs; `labels` name them, one each.
@@ -83,7 +108,7 @@ impl Study {
                 let mut seen = BTreeSet::new();
                 let values: Vec<String> =
                     rows.iter().map(|row| &row.axes[index]).filter(|value| seen.insert(*value)).cloned().collect();
-                StudyAxis { name: name.clone(), role: role(runs, &rows, index, name, &values), values }
+                StudyAxis { name: name.clone(), role: role(name, &values), values }
             })
             .collect();
         Self { axes, rows }
@@ -94,15 +119,36 @@ impl Study {
         self.axes.iter().position(|axis| axis.name == name)
     }
 
+    /// Swept axes of the tone curve.
+    pub fn display_axes(&self) -> Vec<usize> {
+        (0..self.axes.len()).filter(|&index| self.axes[index].role == Role::Display).collect()
+    }
+
+    /// Rows without their copies that differ in the tone curve only and share their linear errors: the first of each.
+    pub fn images(&self) -> Vec<&Row> {
+        let display = self.display_axes();
+        let mut seen = BTreeSet::new();
+        let is_new = |row: &&Row| {
+            let axes = row.axes.iter().enumerate().filter(|(index, _)| !display.contains(index));
+            seen.insert((row.run, row.error.is_some(), axes.map(|(_, value)| value.clone()).collect::<Vec<_>>()))
+        };
+        self.rows.iter().filter(is_new).collect()
+    }
+
+    /// How the image of a row is made: "sampled 16", "split-sum".
+    pub fn method_label(&self, row: &Row) -> String {
+        format!("{} {}", self.value(row, "method"), self.value(row, "samples")).trim_end().to_owned()
+    }
+
     /// The value of a row on an axis; empty when the axis is unknown or unset.
     pub fn value<'r>(&self, row: &'r Row, name: &str) -> &'r str {
         self.axis(name).map_or("", |index| &row.axes[index])
     }
 
-    /// Swept axes that tell cases apart: all but method, samples and the tone curve.
+    /// Swept axes that tell cases apart: all but method, samples, point sets and the tone curve.
     pub fn case_axes(&self) -> Vec<usize> {
         let is_case = |axis: &StudyAxis| {
-            matches!(axis.role, Role::Scene | Role::Variant) && !["method", "samples"].contains(&axis.name.as_str())
+            matches!(axis.role, Role::Scene | Role::Variant) && !NOT_CASE.contains(&axis.name.as_str())
         };
         (0..self.axes.len()).filter(|&index| is_case(&self.axes[index])).collect()
     }
@@ -112,7 +158,10 @@ fn rows_of(folder: &RunFolder, run: usize, label: &str, names: &[String]) -> Vec
     let table = &folder.errors;
     let place = |name: &str| table.columns.iter().position(|column| column == name);
     let places: Vec<Option<usize>> = names.iter().map(|name| place(name)).collect();
-    let [cell, error, floor, verdict] = ["cell", HEADLINE, &format!("{HEADLINE}_noise_floor"), "verdict"].map(place);
+    let [cell, error, floor, verdict, display] =
+        ["cell", HEADLINE, &format!("{HEADLINE}_noise_floor"), "verdict", DISPLAY_HEADLINE].map(place);
+    let mut bins = bins_by_cell(folder);
+    let ranges = range_stops(folder);
     let text = |fields: &[String], column: Option<usize>| column.map_or_else(String::new, |c| fields[c].clone());
     let row = |fields: &Vec<String>| {
         let axes: Vec<String> = names
@@ -126,11 +175,46 @@ fn rows_of(folder: &RunFolder, run: usize, label: &str, names: &[String]) -> Vec
             error: text(fields, error).parse().ok(),
             noise_floor: text(fields, floor).parse().ok(),
             verdict: text(fields, verdict),
+            display_error: text(fields, display).parse().ok(),
+            bins: bins.remove(&text(fields, cell)).unwrap_or_default(),
+            range_stops: ranges.get(&RANGE_AXES.map(|name| text(fields, place(name)))).copied(),
             frame_ms: frame_time(&folder.timings, names, &axes, &text(fields, cell)),
             axes,
         }
     };
     table.rows.iter().map(row).collect()
+}
+
+fn bins_by_cell(folder: &RunFolder) -> BTreeMap<String, Vec<Bin>> {
+    let mut by_cell: BTreeMap<String, Vec<Bin>> = BTreeMap::new();
+    let Some(table) = &folder.bins else { return by_cell };
+    let columns = ["cell", "n_dot_v_from", "n_dot_v_to", "pixel_count", HEADLINE].map(|name| table.column(name).ok());
+    let [Some(cell), Some(lo), Some(hi), Some(count), Some(error)] = columns else { return by_cell };
+    for row in &table.rows {
+        if let [Ok(lo), Ok(hi), Ok(pixel_count), Ok(error)] = [lo, hi, count, error].map(|column| row[column].parse()) {
+            by_cell.entry(row[cell].clone()).or_default().push(Bin { lo, hi, pixel_count, error });
+        }
+    }
+    by_cell
+}
+
+/// The axes that a dynamic range hangs on.
+const RANGE_AXES: [&str; 2] = ["environment", "environment_clip_log2"];
+
+fn range_stops(folder: &RunFolder) -> BTreeMap<[String; 2], f64> {
+    let Some(table) = &folder.environments else { return BTreeMap::new() };
+    let columns = [RANGE_AXES[0], RANGE_AXES[1], RANGE_COLUMN].map(|name| table.column(name).ok());
+    let [Some(name), Some(clip), Some(stops)] = columns else { return BTreeMap::new() };
+    let entry = |row: &Vec<String>| Some(([row[name].clone(), row[clip].clone()], row[stops].parse().ok()?));
+    table.rows.iter().filter_map(entry).collect()
+}
+
+/// The column of `environments.csv` with the dynamic range.
+pub const RANGE_COLUMN: &str = "dynamic_range_stops";
+
+/// A value as people say it: builtins without their prefix, files without folder and extension.
+pub fn short<'v>(axis: &str, value: &'v str) -> Cow<'v, str> {
+    if AXES.iter().all(|known| known.name != axis) { value.into() } else { short_value(by_name(axis), value) }
 }
 
 /// The timed configuration that a row belongs to: the axes that a record names are all the row's.
@@ -147,7 +231,7 @@ fn frame_time(timings: &[TimingRecord], names: &[String], axes: &[String], cell:
     s.median.is_finite().then_some(FrameTime { median: s.median, p05: s.p05, p95: s.p95, interval: s.interval, n: s.n })
 }
 
-fn role(runs: &[RunFolder], rows: &[Row], index: usize, name: &str, values: &[String]) -> Role {
+fn role(name: &str, values: &[String]) -> Role {
     // Unset is not a value: a method that does not use the axis leaves it empty.
     if values.iter().filter(|value| !value.is_empty()).count() < 2 && name != "method" {
         return Role::Fixed;
@@ -155,17 +239,21 @@ fn role(runs: &[RunFolder], rows: &[Row], index: usize, name: &str, values: &[St
     if AXES.iter().any(|axis| axis.name == name && !axis.changes_radiance) {
         return Role::Display;
     }
-    if ["method", "samples", RUN_AXIS].contains(&name) {
+    if ["method", "samples", "point_set", RUN_AXIS].contains(&name) {
         return Role::Variant;
     }
-    let mut value_of: BTreeMap<(usize, &str), &str> = BTreeMap::new();
-    for row in rows.iter().filter(|row| !row.axes[index].is_empty()) {
-        if let Some(images) = runs[row.run].images.get(&row.cell) {
-            let value = &row.axes[index];
-            if *value_of.entry((row.run, &images.reference)).or_insert(value) != value {
-                return Role::Variant;
-            }
-        }
+    // An axis whose values all have one reference is a way to make the image of that reference.
+    let axis = AXES.iter().find(|axis| axis.name == name);
+    let references: Vec<_> = axis
+        .into_iter()
+        .flat_map(|axis| {
+            values.iter().filter_map(|value| axis.kind.parse_text(value).ok()).map(move |value| (axis, value))
+        })
+        .map(|(axis, value)| (axis.reference)(&Reference::default(), &value))
+        .collect();
+    let are_distinct = references.iter().enumerate().all(|(i, one)| !references[..i].contains(one));
+    if !are_distinct {
+        return Role::Variant;
     }
     Role::Scene
 }

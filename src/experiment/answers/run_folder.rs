@@ -4,6 +4,7 @@ use crate::experiment::plan::SCHEMA_VERSION;
 use crate::experiment::store::FailureRecord;
 use crate::experiment::timing::TimingRecord;
 use crate::files::read_regular;
+use crate::slips;
 use crate::table::csv::{Table, TableError};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
@@ -44,6 +45,10 @@ pub struct RunFolder {
     pub errors: Table,
     /// By `n_dot_v`; `None` for a run that has no such table.
     pub bins: Option<Table>,
+    /// What the light is like; `None` for a run that has no such table.
+    pub environments: Option<Table>,
+    /// What each slip of the source documents costs, where the experiment asks for it.
+    pub slips: Option<Table>,
     pub timings: Vec<TimingRecord>,
     pub failures: Vec<FailureRecord>,
     /// By cell; empty for runs older than `images.csv`.
@@ -75,6 +80,8 @@ impl RunFolder {
             provenance,
             experiment: text(&dir.join("experiment.toml"))?.unwrap_or_default(),
             bins: table("errors_by_n_dot_v.csv")?,
+            environments: table("environments.csv")?,
+            slips: table(slips::FILE_NAME)?,
             timings: records(&dir.join("timings"))?,
             failures: records(&dir.join("failed"))?,
             images: table("images.csv")?.map_or_else(|| Ok(BTreeMap::new()), |table| images(&table))?,
@@ -91,6 +98,25 @@ impl RunFolder {
             Some(serde_json::Value::Null) | None => String::new(),
             Some(value) => value.to_string(),
         }
+    }
+
+    /// Cells of `errors.csv` without scores.
+    pub fn failed_count(&self) -> usize {
+        let verdict = self.errors.columns.iter().position(|name| name == "verdict");
+        self.errors.rows.iter().filter(|row| verdict.is_some_and(|column| row[column] == "failed")).count()
+    }
+
+    /// Every device that did work, with its driver, each once.
+    pub fn devices(&self) -> Vec<String> {
+        let mut devices: Vec<String> = Vec::new();
+        for session in 0..self.provenance["sessions"].as_array().map_or(0, Vec::len) {
+            let text = |name: &str| self.text(&format!("/sessions/{session}/device/{name}"));
+            let device = format!("{} ({})", text("name"), text("driver"));
+            if !devices.contains(&device) {
+                devices.push(device);
+            }
+        }
+        devices
     }
 
     /// The last invocation that did work, as a JSON pointer prefix.

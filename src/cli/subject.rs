@@ -1,0 +1,41 @@
+//! What `run` and `plan` are about.
+
+use super::Failure;
+use clap::Args;
+use splitsum::environment::LoadOptions;
+use splitsum::experiment::Plan;
+use std::path::PathBuf;
+
+/// An experiment, narrowed or not, and the folder of its run.
+#[derive(Args, Debug)]
+pub struct Subject {
+    /// The experiment file.
+    pub experiment: PathBuf,
+    /// Folder of the run; runs/NAME when left out.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replaces the values of an axis, as axis=v1,v2. Paths are relative to the current folder.
+    #[arg(long = "set", value_name = "AXIS=VALUES")]
+    pub overrides: Vec<String>,
+    /// Sets NaN, infinite and negative texels of environments to 0, with a warning, instead of refusing them.
+    #[arg(long)]
+    pub clamp_invalid: bool,
+}
+
+impl Subject {
+    /// The checked experiment.
+    pub fn plan(&self) -> Result<Plan, Failure> {
+        let options = LoadOptions { clamp_invalid: self.clamp_invalid, ..LoadOptions::default() };
+        Plan::load_with(&self.experiment, &self.overrides, &options).map_err(Failure::input)
+    }
+
+    /// The folder of its run.
+    pub fn dir(&self, plan: &Plan) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from("runs").join(&plan.config.name))
+    }
+
+    /// What there is to say when no cell is left.
+    pub fn nothing_to_do(&self) -> Failure {
+        Failure::NothingToDo(format!("{}: no cell is left", self.experiment.display()))
+    }
+}

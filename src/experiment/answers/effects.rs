@@ -1,0 +1,106 @@
+//! What each parameter of a method does to its error: ratios of pairs of cells that differ in that parameter alone.
+//!
+//! For a swept axis, its first value is the base. Every cell with another value is divided by the cell that has the base and agrees
+//! on all other axes; the ratio's geometric mean over all such pairs has Student's 95 % interval in logarithms. Point sets of one case are
+//! averaged first and count as one pair: they share all that makes cases differ, and would narrow the interval without telling more. An axis
+//! that one of the two cells does not use stands at its default in the other.
+
+use super::slope::mean_95;
+use super::study::{Role, Row, Study};
+use crate::experiment::axis::{AXES, Axis};
+use std::collections::BTreeMap;
+
+/// The error with one value of an axis over that with the base.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effect {
+    pub axis: String,
+    pub base: String,
+    pub value: String,
+    /// "sampled 16": the method whose parameter it is; for the axis `method` the sample count alone.
+    pub method: String,
+    /// One alpha, or `None` for all.
+    pub alpha: Option<String>,
+    /// Geometric mean of the ratios; below 1 the value is better than the base.
+    pub ratio: f64,
+    /// 95 % interval of it; infinite for a single pair.
+    pub interval: [f64; 2],
+    pub n: usize,
+    /// How many of the pairs are better than the base.
+    pub better: usize,
+}
+
+/// Axes that are no parameters: counts of samples have slopes and break-even, point sets are luck.
+const NOT_PARAMETERS: [&str; 3] = ["samples", "point_set", super::study::RUN_AXIS];
+
+/// Effects of all swept parameters, over all alphas first and then by alpha.
+pub fn effects(study: &Study) -> Vec<Effect> {
+    let swept = study
+        .axes
+        .iter()
+        .enumerate()
+        .filter(|(_, axis)| axis.role == Role::Variant && !NOT_PARAMETERS.contains(&axis.name.as_str()));
+    swept.flat_map(|(index, _)| of_axis(study, index)).collect()
+}
+
+fn of_axis(study: &Study, axis: usize) -> Vec<Effect> {
+    let name = study.axes[axis].name.as_str();
+    let display = study.display_axes();
+    let rows: Vec<&Row> = study.images().into_iter().filter(|row| row.error.is_some()).collect();
+    let values = study.axes[axis].values.iter().filter(|value| !value.is_empty() && *value != "none");
+    let Some(base) = values.clone().next() else { return Vec::new() };
+    let usual: BTreeMap<&str, String> =
+        AXES.iter().map(|axis: &Axis| (axis.name, (axis.default)().to_string())).collect();
+    let agrees = |a: &Row, b: &Row| {
+        study.axes.iter().enumerate().all(|(index, known)| {
+            let (x, y) = (&a.axes[index], &b.axes[index]);
+            let default = usual.get(known.name.as_str());
+            index == axis
+                || display.contains(&index)
+                || x == y
+                // A method that draws no samples has no partner among those that do.
+                || (known.name != "samples"
+                    && ((x.is_empty() && Some(y) == default) || (y.is_empty() && Some(x) == default)))
+        })
+    };
+    let bases: Vec<&Row> = rows.iter().copied().filter(|row| row.axes[axis] == *base).collect();
+    // Pairs by value, method and alpha, in the order of the rows.
+    let mut order: Vec<[String; 3]> = Vec::new();
+    let mut logs: BTreeMap<[String; 3], BTreeMap<Vec<&str>, Vec<f64>>> = BTreeMap::new();
+    let point_set = study.axis("point_set");
+    for row in rows.iter().filter(|row| !row.axes[axis].is_empty() && row.axes[axis] != *base) {
+        let Some(partner) = bases.iter().find(|other| agrees(row, other)) else { continue };
+        let (Some(error), Some(of_base)) = (row.error, partner.error) else { continue };
+        let method = if name == "method" { study.value(row, "samples").to_owned() } else { study.method_label(row) };
+        let alpha = study.value(row, "alpha");
+        let keys = [String::new(), alpha.to_owned()].map(|alpha| [row.axes[axis].clone(), method.clone(), alpha]);
+        for key in &keys[..if alpha.is_empty() { 1 } else { 2 }] {
+            if !logs.contains_key(key) {
+                order.push(key.clone());
+            }
+            let others =
+                row.axes.iter().enumerate().filter(|(index, _)| Some(*index) != point_set && !display.contains(index));
+            let case = others.map(|(_, value)| value.as_str()).collect();
+            logs.entry(key.clone()).or_default().entry(case).or_default().push((error / of_base).ln());
+        }
+    }
+    let is_swept_alpha = study.axis("alpha").is_some_and(|alpha| study.axes[alpha].values.len() > 1);
+    order.sort_by_key(|[_, _, alpha]| !alpha.is_empty());
+    let effect = |key: &[String; 3]| {
+        let [value, method, alpha] = key.clone();
+        let own: Vec<f64> =
+            logs[key].values().map(|of_case| of_case.iter().sum::<f64>() / of_case.len() as f64).collect();
+        let (mean, half) = mean_95(&own)?;
+        Some(Effect {
+            axis: name.to_owned(),
+            base: base.clone(),
+            value,
+            method,
+            alpha: Some(alpha).filter(|alpha| !alpha.is_empty()),
+            ratio: mean.exp(),
+            interval: [(mean - half).exp(), (mean + half).exp()],
+            n: own.len(),
+            better: own.iter().filter(|log| **log < 0.0).count(),
+        })
+    };
+    order.iter().filter(|[_, _, alpha]| is_swept_alpha || alpha.is_empty()).filter_map(effect).collect()
+}

@@ -1,0 +1,121 @@
+//! The analysis step: what the rows of finished runs answer.
+//!
+//! Everything here is computed from the files of a run ([`run_folder`]), so that a finished folder can be answered again without device or
+//! inputs, and `run`, `answers` and the report say the same. [`study`] joins the rows of one or more runs; the answers are
+//!
+//! - [`curves`] and [`slope`]: error over sample count, and how fast it falls,
+//! - [`cases`] with [`break_even`] and [`times`]: from which sample count sampling wins, at equal error and at equal time,
+//! - [`heat`]: error by `n_dot_v` and alpha,
+//! - [`exposure`]: where the tone curve shows a difference and where it hides one,
+//! - [`dynamic_range`]: error over the environment's peaks,
+//! - [`effects`]: what each parameter of a method changes.
+//!
+//! [`words`] says the answer in a sentence; [`tables`], [`markdown`] and [`plot`] write them as CSV, Markdown and SVG.
+
+pub mod break_even;
+pub mod cases;
+pub mod curves;
+pub mod dynamic_range;
+pub mod effects;
+pub mod exposure;
+mod folder;
+pub mod heat;
+pub mod markdown;
+pub mod plot;
+pub mod publish;
+pub mod run_folder;
+pub mod slope;
+pub mod study;
+pub mod tables;
+pub mod times;
+pub mod words;
+
+pub use folder::{AnswerRecord, Answered, AnswersError, FOLDER, SUMMARY_FILE};
+
+use cases::Pair;
+use curves::Curve;
+use dynamic_range::RangePoint;
+use effects::Effect;
+use exposure::Visibility;
+use heat::HeatTable;
+use run_folder::RunFolder;
+use serde::Serialize;
+use study::{Row, Study};
+
+/// Everything that is computed from the rows. The report reads the serialised part.
+#[derive(Debug, Serialize)]
+pub struct Answers {
+    /// Names of the case axes, in key order.
+    pub case_axes: Vec<String>,
+    pub curves: Vec<Curve>,
+    pub pairs: Vec<Pair>,
+    #[serde(skip)]
+    pub heat: Vec<HeatTable>,
+    #[serde(skip)]
+    pub visibility: Vec<Visibility>,
+    #[serde(skip)]
+    pub dynamic_range: Vec<RangePoint>,
+    #[serde(skip)]
+    pub effects: Vec<Effect>,
+}
+
+impl Answers {
+    /// Answers joined runs.
+    pub fn new(study: &Study, runs: &[RunFolder]) -> Self {
+        let (curves, fixed) = curves::curves(study);
+        let pairs = cases::pairs(study, &curves, &fixed, &times::PairTimes::new(runs));
+        Self {
+            case_axes: study.case_axes().iter().map(|&axis| study.axes[axis].name.clone()).collect(),
+            pairs,
+            curves,
+            heat: heat::heat(study),
+            visibility: exposure::visibility(study),
+            dynamic_range: dynamic_range::dynamic_range(study),
+            effects: effects::effects(study),
+        }
+    }
+}
+
+/// A value as people say it: builtins without their prefix, files without folder and extension.
+pub use study::short;
+
+/// "alpha 0.1 · sky · ggx" of a case's key; "all" where nothing is swept.
+pub fn key_label(axes: &[String], key: &[String]) -> String {
+    let words: Vec<String> = axes
+        .iter()
+        .zip(key)
+        .filter(|(_, value)| !value.is_empty())
+        .map(|(axis, value)| {
+            let word = short(axis, value);
+            // A bare number does not say what it is.
+            if word.starts_with(|c: char| c.is_ascii_digit() || c == '-') {
+                format!("{axis} {word}")
+            } else {
+                word.into_owned()
+            }
+        })
+        .collect();
+    if words.is_empty() { "all".to_owned() } else { words.join(" · ") }
+}
+
+/// Rows that agree on some axes, each group with its key; an axis that a row does not use is unset there, and the row stands in every
+/// group that it does not contradict.
+pub fn grouped<'s>(study: &'s Study, axes: &[usize]) -> Vec<(Vec<String>, Vec<&'s Row>)> {
+    let mut keys: Vec<Vec<String>> = Vec::new();
+    for row in &study.rows {
+        let key = curves::key(row, axes);
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    let lies_within = |key: &Vec<String>, of: &Vec<String>| {
+        key.iter().zip(of).all(|(value, other)| value.is_empty() || value == other)
+    };
+    let whole = keys.iter().filter(|key| !keys.iter().any(|other| other != *key && lies_within(key, other)));
+    whole
+        .map(|group| {
+            let own = study.rows.iter().filter(|row| lies_within(&curves::key(row, axes), group)).collect();
+            (group.clone(), own)
+        })
+        .collect()
+}

@@ -1,0 +1,456 @@
+//! Which pictures an experiment's answers make.
+
+use super::canvas::{MUTED, Marker, PlotError, Rgb, Stroke, name_color};
+use super::grid::{HeatCell, HeatChart, HeatPanel};
+use super::lines::{LineChart, Panel, Point, Rule, Series};
+use super::scale::{Kind, Scale};
+use super::{Picture, parameters};
+use crate::experiment::answers::break_even::BreakEven;
+use crate::experiment::answers::cases::{Case, Pair};
+use crate::experiment::answers::exposure::VISIBLE_FROM;
+use crate::experiment::answers::study::Study;
+use crate::experiment::answers::{Answers, heat, key_label};
+use crate::table::colormap::Palette;
+use crate::table::markdown::significant;
+
+/// More panels than this do not fit on a page; the tables have the rest.
+const PANELS_MAX: usize = 12;
+/// A noise floor this far below every error would press the curves together: it is written out instead.
+const FLOOR_WITHIN: f64 = 100.0;
+/// Labels on an axis of tried values.
+const TRIED_LABELS: usize = 9;
+
+/// All pictures that the experiment has the axes for.
+pub fn pictures(study: &Study, answers: &Answers) -> Result<Vec<Picture>, PlotError> {
+    let mut pictures = Vec::new();
+    let mut add = |name: &str, svg: Option<Result<String, PlotError>>| -> Result<(), PlotError> {
+        if let Some(svg) = svg.transpose()? {
+            pictures.push(Picture { name: name.to_owned(), svg });
+        }
+        Ok(())
+    };
+    add("convergence", convergence(answers).map(|chart| chart.svg()))?;
+    for (index, pair) in answers.pairs.iter().enumerate() {
+        // The first pair has the plain name: it is the one that the answer speaks of.
+        let name = |stem: &str| match index {
+            0 => stem.to_owned(),
+            _ => format!("{stem}_{}_{}", pair.sampled, pair.fixed),
+        };
+        add(&name("break_even"), break_even(answers, pair).map(|chart| chart.svg()))?;
+        add(&name("break_even_by_n_dot_v"), break_even_map(answers, pair).map(|chart| chart.svg()))?;
+    }
+    add("error_by_n_dot_v_and_alpha", error_map(answers).map(|chart| chart.svg()))?;
+    add("exposure_and_contrast", visibility(answers).map(|chart| chart.svg()))?;
+    add("dynamic_range", dynamic_range(answers).map(|chart| chart.svg()))?;
+    for (axis, chart) in parameters::charts(answers) {
+        add(&format!("effect_of_{axis}"), Some(chart.svg()))?;
+    }
+    add("time_and_error", parameters::time_and_error(study).map(|chart| chart.svg()))?;
+    Ok(pictures)
+}
+
+/// Colours of ordered values: dark is small.
+pub(super) fn ordinal(index: usize, count: usize) -> Rgb {
+    const FROM: f64 = 0.08;
+    const TO: f64 = 0.78;
+    let place = if count < 2 { 0.3 } else { index as f64 / (count - 1) as f64 };
+    Palette::Magma.color(FROM + (TO - FROM) * place)
+}
+
+/// Distinct values in their order.
+pub(super) fn distinct<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut found: Vec<T> = Vec::new();
+    for value in values {
+        if !found.contains(&value) {
+            found.push(value);
+        }
+    }
+    found
+}
+
+fn alpha_axis(answers: &Answers) -> Option<usize> {
+    answers.case_axes.iter().position(|name| name == "alpha")
+}
+
+fn alpha_of<'k>(answers: &Answers, key: &'k [String]) -> &'k str {
+    alpha_axis(answers).map_or("", |axis| &key[axis])
+}
+
+/// What a panel shows: everything of a case but alpha.
+fn facet(answers: &Answers, key: &[String]) -> String {
+    let kept = |of: &[String]| -> Vec<String> {
+        let alpha = alpha_axis(answers);
+        of.iter().enumerate().filter(|(i, _)| Some(*i) != alpha).map(|(_, text)| text.clone()).collect()
+    };
+    key_label(&kept(&answers.case_axes), &kept(key))
+}
+
+fn cut_off_note(shown: usize, all: usize) -> Option<String> {
+    (all > shown)
+        .then(|| format!("The first {shown} of {all} settings are drawn; the table beside the picture has all."))
+}
+
+/// Error over sample count with the reference's noise floor.
+fn convergence(answers: &Answers) -> Option<LineChart> {
+    let curves: Vec<_> = answers.curves.iter().filter(|curve| curve.points.len() > 1).collect();
+    let facets = distinct(curves.iter().map(|curve| facet(answers, &curve.key)));
+    let alphas = distinct(curves.iter().map(|curve| alpha_of(answers, &curve.key)));
+    let methods = distinct(curves.iter().map(|curve| curve.method.as_str()));
+    let fixed = distinct(answers.pairs.iter().map(|pair| pair.fixed.as_str()));
+    let color = |alpha: &str, method: usize| match alphas.len() {
+        0 | 1 => name_color(method),
+        count => ordinal(alphas.iter().position(|known| *known == alpha).unwrap_or(0), count),
+    };
+    let counts: Vec<f64> = curves.iter().flat_map(|c| c.points.iter().map(|p| f64::from(p.samples))).collect();
+    let lowest = curves.iter().flat_map(|c| c.points.iter().map(|p| p.error)).fold(f64::INFINITY, f64::min);
+    let all_floors: Vec<f64> =
+        curves.iter().filter_map(|curve| curve.noise_floor).filter(|floor| *floor > 0.0).collect();
+    let is_near = |floor: &f64| *floor * FLOOR_WITHIN > lowest;
+    let mut panels = Vec::new();
+    for name in facets.iter().take(PANELS_MAX) {
+        let own: Vec<_> = curves.iter().filter(|curve| facet(answers, &curve.key) == *name).collect();
+        let mut series: Vec<Series> = Vec::new();
+        for curve in &own {
+            let method = methods.iter().position(|known| *known == curve.method).unwrap_or(0);
+            let alpha = alpha_of(answers, &curve.key);
+            let place = alphas.iter().position(|known| *known == alpha).unwrap_or(0);
+            let label = match (alphas.len(), methods.len()) {
+                (0 | 1, _) => curve.method.clone(),
+                (_, 1) => format!("{} α {alpha}", curve.method),
+                _ => format!("α {alpha}, {}", curve.method),
+            };
+            let points = curve.points.iter().map(|point| Point {
+                x: f64::from(point.samples),
+                y: point.error,
+                interval: (point.errors.len() > 1).then(|| {
+                    let end = |f: fn(f64, f64) -> f64| point.errors.iter().copied().reduce(f).unwrap_or(point.error);
+                    [end(f64::min), end(f64::max)]
+                }),
+            });
+            series.push(Series {
+                label,
+                color: color(alpha, method),
+                marker: Some(Marker::of(if alphas.len() > 1 { place } else { method })),
+                stroke: Some([Stroke::Solid, Stroke::Dashed, Stroke::Dotted][method % 3]),
+                points: points.collect(),
+            });
+        }
+        let mut rules: Vec<Rule> = answers
+            .pairs
+            .iter()
+            .flat_map(|pair| pair.cases.iter().map(move |case| (pair, case)))
+            .filter(|(_, case)| facet(answers, &case.key) == *name)
+            .map(|(pair, case)| Rule {
+                label: if alphas.len() > 1 { format!("{}, colour by α", pair.fixed) } else { pair.fixed.clone() },
+                color: if alphas.len() > 1 { color(alpha_of(answers, &case.key), 0) } else { [0, 0, 0] },
+                stroke: Stroke::Dotted,
+                y: case.fixed_error,
+            })
+            .collect();
+        let floor = own.iter().filter_map(|curve| curve.noise_floor).filter(is_near).reduce(f64::max);
+        rules.extend(floor.map(|y| Rule {
+            label: "reference noise floor (largest)".to_owned(),
+            color: MUTED,
+            stroke: Stroke::Dashed,
+            y,
+        }));
+        panels.push(Panel { title: if facets.len() > 1 { name.clone() } else { String::new() }, series, rules });
+    }
+    let values = panels.iter().flat_map(|panel| {
+        let points = panel.series.iter().flat_map(|series| &series.points);
+        points
+            .flat_map(|p| [p.y].into_iter().chain(p.interval.into_iter().flatten()))
+            .chain(panel.rules.iter().map(|r| r.y))
+    });
+    let y = Scale::of(Kind::Log, values)?;
+    let x = Scale::of(Kind::Log, counts.iter().copied())?.with_ticks(&counts, TRIED_LABELS);
+    let far = all_floors.iter().copied().filter(|floor| !is_near(floor)).reduce(f64::max);
+    let mut notes: Vec<String> = cut_off_note(panels.len(), facets.len()).into_iter().collect();
+    if curves.iter().any(|curve| curve.points.iter().any(|point| point.errors.len() > 1)) {
+        notes.push("Points: geometric mean of the point sets; bars: from the best set to the worst.".to_owned());
+    }
+    notes.extend(far.map(|floor| {
+        format!(
+            "Reference noise floor: at most {}, below the drawing; an exact image would score that.",
+            significant(floor, 2)
+        )
+    }));
+    Some(LineChart {
+        title: title("Convergence", &fixed),
+        notes,
+        x_label: "samples a pixel".to_owned(),
+        y_label: "relative squared error".to_owned(),
+        x,
+        y,
+        panels,
+    })
+}
+
+fn title(start: &str, fixed: &[&str]) -> String {
+    if fixed.is_empty() { start.to_owned() } else { format!("{start}, with {}", fixed.join(" and ")) }
+}
+
+/// Break-even of every case over alpha: at equal error, and what fits into the other's time.
+fn break_even(answers: &Answers, pair: &Pair) -> Option<LineChart> {
+    let alphas: Vec<f64> = pair.cases.iter().filter_map(|case| alpha_of(answers, &case.key).parse().ok()).collect();
+    if distinct(alphas.iter().map(|alpha| alpha.to_bits())).len() < 2 {
+        return None;
+    }
+    let facets = distinct(pair.cases.iter().map(|case| facet(answers, &case.key)));
+    let [smallest, largest] = pair.tried().map(f64::from);
+    let crossing = |case: &Case| match (case.whole.crossing, case.whole.break_even) {
+        (Some(crossing), _) => crossing,
+        (None, BreakEven::From(_)) => smallest,
+        (None, BreakEven::Above(_)) => largest,
+    };
+    let mut panels = Vec::new();
+    for name in facets.iter().take(PANELS_MAX) {
+        let mut own: Vec<(f64, &Case)> = pair
+            .cases
+            .iter()
+            .filter(|case| facet(answers, &case.key) == *name)
+            .filter_map(|case| Some((alpha_of(answers, &case.key).parse().ok()?, case)))
+            .collect();
+        own.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let equal_error =
+            own.iter().map(|(alpha, case)| Point { x: *alpha, y: crossing(case), interval: case.whole.interval });
+        let equal_time = own.iter().filter_map(|(alpha, case)| {
+            let time = case.time?;
+            let y = time.samples.clamp(smallest, largest);
+            Some(Point { x: *alpha, y, interval: Some(time.interval) })
+        });
+        let series = [
+            Series {
+                label: format!("equal error: {} is better above", pair.sampled),
+                color: name_color(0),
+                marker: Some(Marker::Circle),
+                stroke: Some(Stroke::Solid),
+                points: equal_error.collect(),
+            },
+            Series {
+                label: format!("equal time: {} is cheaper below", pair.sampled),
+                color: name_color(1),
+                marker: Some(Marker::Square),
+                stroke: Some(Stroke::Dashed),
+                points: equal_time.collect(),
+            },
+        ];
+        panels.push(Panel {
+            title: if facets.len() > 1 { name.clone() } else { String::new() },
+            series: series.into_iter().filter(|series| !series.points.is_empty()).collect(),
+            rules: Vec::new(),
+        });
+    }
+    let counts: Vec<f64> = pair.sample_counts.iter().map(|n| f64::from(*n)).collect();
+    let mut notes = vec![format!(
+        "Bars: 95 % intervals; one that runs out of the drawing is open: fewer than {smallest} or more than {largest} samples. Where the squares \
+         lie above the circles, {} wins in equal frame time.",
+        pair.sampled
+    )];
+    if pair.cases.iter().any(|case| case.time.is_some_and(|time| time.is_cpu)) {
+        notes.push("Times of a CPU driver: they say nothing about a GPU.".to_owned());
+    }
+    notes.extend(cut_off_note(panels.len(), facets.len()));
+    Some(LineChart {
+        title: format!("Break-even of {} with {}", pair.sampled, pair.fixed),
+        notes,
+        x_label: "α (microfacet width)".to_owned(),
+        y_label: "samples a pixel".to_owned(),
+        x: Scale::of(Kind::Log, alphas.iter().copied())?.with_ticks(&alphas, TRIED_LABELS),
+        y: Scale::of(Kind::Log, counts.iter().copied())?.with_ticks(&counts, 2 * TRIED_LABELS),
+        panels,
+    })
+}
+
+/// `0–0.1` of a bin.
+fn bin_name((lo, hi): (f64, f64)) -> String {
+    format!("{lo}–{}", hi.min(1.0))
+}
+
+/// Break-even by alpha and `n_dot_v`.
+fn break_even_map(answers: &Answers, pair: &Pair) -> Option<HeatChart> {
+    let facets = distinct(pair.cases.iter().map(|case| facet(answers, &case.key)));
+    let mut bins = distinct(pair.cases.iter().flat_map(|case| case.bins.iter().map(|bin| (bin.lo, bin.hi))));
+    bins.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if bins.is_empty() {
+        return None;
+    }
+    let [smallest, largest] = pair.tried().map(f64::from);
+    let never = 2.0 * largest;
+    let panel = |name: &String| {
+        let own: Vec<&Case> = pair.cases.iter().filter(|case| facet(answers, &case.key) == *name).collect();
+        let cell = |case: &Case, lo: f64| {
+            let bin = case.bins.iter().find(|bin| bin.lo == lo)?;
+            let value = match bin.crossing.break_even {
+                BreakEven::From(n) => f64::from(n),
+                BreakEven::Above(_) => never,
+            };
+            Some(HeatCell { value, text: bin.crossing.break_even.to_string() })
+        };
+        HeatPanel {
+            title: if facets.len() > 1 { name.clone() } else { String::new() },
+            rows: own.iter().map(|case| alpha_of(answers, &case.key).to_owned()).collect(),
+            columns: bins.iter().map(|bin| bin_name(*bin)).collect(),
+            cells: own.iter().map(|case| bins.iter().map(|(lo, _)| cell(case, *lo)).collect()).collect(),
+        }
+    };
+    let panels: Vec<HeatPanel> = facets.iter().take(PANELS_MAX).map(panel).collect();
+    let mut notes = vec![format!(
+        "Smallest tried sample count from which on {} stays below the error of {} over the pixels of the bin; > {largest}: never up to \
+         there.",
+        pair.sampled, pair.fixed
+    )];
+    notes.extend(cut_off_note(panels.len(), facets.len()));
+    Some(HeatChart {
+        title: format!("Break-even of {} with {} by α and n·v", pair.sampled, pair.fixed),
+        notes,
+        row_label: if alpha_axis(answers).is_some() { "α".to_owned() } else { String::new() },
+        column_label: "n·v: grazing to facing the viewer".to_owned(),
+        color_label: "samples a pixel".to_owned(),
+        range: [smallest, never],
+        color_ticks: pair
+            .sample_counts
+            .iter()
+            .map(|n| (f64::from(*n), n.to_string()))
+            .chain([(never, format!("> {largest}"))])
+            .collect(),
+        panels,
+    })
+}
+
+/// Error by alpha and `n_dot_v`.
+fn error_map(answers: &Answers) -> Option<HeatChart> {
+    let shown = heat::shown(&answers.heat);
+    let values = shown.iter().flat_map(|table| table.errors.iter().flatten().flatten()).filter(|error| **error > 0.0);
+    let (mut lo, mut hi) = (f64::INFINITY, 0.0f64);
+    values.for_each(|error| (lo, hi) = (lo.min(*error), hi.max(*error)));
+    if lo > hi {
+        return None;
+    }
+    // One value has no range: a decade about it is as good as any.
+    let range = if hi > lo { [lo, hi] } else { [lo / 3.0, hi * 3.0] };
+    let panel = |table: &&heat::HeatTable| HeatPanel {
+        title: table.label(),
+        rows: table.alphas.iter().map(f64::to_string).collect(),
+        columns: table.bins.iter().map(|bin| bin_name(*bin)).collect(),
+        cells: table
+            .errors
+            .iter()
+            .map(|row| row.iter().map(|e| e.map(|value| HeatCell { value, text: significant(value, 2) })).collect())
+            .collect(),
+    };
+    Some(HeatChart {
+        title: "Error by α and n·v".to_owned(),
+        notes: vec!["Median relative squared error over everything else that is swept.".to_owned()],
+        row_label: "α".to_owned(),
+        column_label: "n·v: grazing to facing the viewer".to_owned(),
+        color_label: "relative squared error".to_owned(),
+        range,
+        color_ticks: Scale::of(Kind::Log, range)?.ticks,
+        panels: shown.iter().map(panel).collect(),
+    })
+}
+
+/// FLIP over exposure, one panel a contrast; over contrast where only that is swept.
+fn visibility(answers: &Answers) -> Option<LineChart> {
+    let visibility = &answers.visibility;
+    let exposures = distinct(visibility.iter().map(|one| one.exposure));
+    let contrasts = distinct(visibility.iter().map(|one| one.contrast));
+    let methods = distinct(visibility.iter().map(|one| one.method.as_str()));
+    let over_exposure = exposures.len() > 1;
+    let x_of = |one: &crate::experiment::answers::exposure::Visibility| {
+        if over_exposure { one.exposure } else { one.contrast }
+    };
+    let mut panels = Vec::new();
+    let panel_values: Vec<Option<f64>> =
+        if over_exposure { contrasts.iter().copied().map(Some).collect() } else { vec![None] };
+    let is_drawn = |contrast: &Option<f64>| {
+        let own = visibility.iter().filter(|one| contrast.is_none_or(|contrast| one.contrast == contrast));
+        distinct(own.map(|one| x_of(one).to_bits())).len() > 1
+    };
+    for contrast in panel_values.into_iter().filter(is_drawn).take(PANELS_MAX) {
+        let series = methods.iter().enumerate().map(|(index, method)| {
+            let own = visibility
+                .iter()
+                .filter(|one| one.method == **method && contrast.is_none_or(|contrast| one.contrast == contrast));
+            let mut points: Vec<Point> = own.map(|one| Point { x: x_of(one), y: one.median, interval: None }).collect();
+            points.sort_by(|a, b| a.x.total_cmp(&b.x));
+            Series {
+                label: method.to_string(),
+                color: name_color(index),
+                marker: Some(Marker::of(index)),
+                stroke: Some([Stroke::Solid, Stroke::Dashed, Stroke::Dotted][index / 7 % 3]),
+                points,
+            }
+        });
+        panels.push(Panel {
+            title: contrast.map_or_else(String::new, |contrast| format!("contrast {contrast}")),
+            series: series.filter(|series| !series.points.is_empty()).collect(),
+            rules: vec![Rule {
+                label: format!("{VISIBLE_FROM}: hidden below"),
+                color: MUTED,
+                stroke: Stroke::Dashed,
+                y: VISIBLE_FROM,
+            }],
+        });
+    }
+    let xs = if over_exposure { exposures } else { contrasts };
+    let y = Scale::of(Kind::Linear, visibility.iter().map(|one| one.median).chain([0.0, VISIBLE_FROM]))?;
+    let cuts = distinct(answers.visibility.iter().map(|one| one.contrast.to_bits())).len() > panels.len();
+    let notes = (over_exposure && cuts)
+        .then(|| "Contrasts that were tried at one exposure only are in the table alone.".to_owned());
+    (!panels.is_empty()).then_some(())?;
+    Some(LineChart {
+        title: "What the tone curve shows and hides".to_owned(),
+        notes: ["Median FLIP over everything else that is swept; 0: no visible difference.".to_owned()]
+            .into_iter()
+            .chain(notes)
+            .collect(),
+        x_label: if over_exposure { "exposure" } else { "contrast" }.to_owned(),
+        y_label: "mean FLIP".to_owned(),
+        x: Scale::of(Kind::Log, xs.iter().copied())?.with_ticks(&xs, TRIED_LABELS),
+        y,
+        panels,
+    })
+}
+
+/// Error over the dynamic range of the light.
+fn dynamic_range(answers: &Answers) -> Option<LineChart> {
+    let points = &answers.dynamic_range;
+    let names = distinct(points.iter().map(|point| point.series.as_str()));
+    let methods = distinct(points.iter().map(|point| point.method.as_str()));
+    let panel = |name: &&str| Panel {
+        title: name.to_string(),
+        series: methods
+            .iter()
+            .enumerate()
+            .map(|(index, method)| Series {
+                label: method.to_string(),
+                color: name_color(index),
+                marker: Some(Marker::of(index)),
+                stroke: Some(Stroke::Solid),
+                points: points
+                    .iter()
+                    .filter(|point| point.series == *name && point.method == **method)
+                    .map(|point| Point {
+                        x: point.range,
+                        y: point.median,
+                        interval: (point.n > 1).then_some([point.lower_quartile, point.upper_quartile]),
+                    })
+                    .collect(),
+            })
+            .collect(),
+        rules: Vec::new(),
+    };
+    let panels: Vec<Panel> = names.iter().take(PANELS_MAX).map(panel).collect();
+    let ends = points.iter().flat_map(|point| [point.lower_quartile, point.median, point.upper_quartile]);
+    Some(LineChart {
+        title: "Error over the dynamic range of the environment".to_owned(),
+        notes: vec!["Median over everything else that is swept; bars: the middle half.".to_owned()],
+        x_label: "dynamic range, stops (log2 of peak over mean luminance)".to_owned(),
+        y_label: "relative squared error".to_owned(),
+        x: Scale::of(Kind::Linear, points.iter().map(|point| point.range))?,
+        y: Scale::of(Kind::Log, ends)?,
+        panels,
+    })
+}

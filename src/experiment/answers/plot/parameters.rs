@@ -1,0 +1,141 @@
+//! Pictures of what a parameter changes, and of time against error.
+
+use super::canvas::{MUTED, Marker, Stroke, name_color};
+use super::figures::distinct;
+use super::lines::{LineChart, Panel, Point, Rule, Series};
+use super::scale::{Kind, Scale};
+use crate::experiment::answers::Answers;
+use crate::experiment::answers::effects::Effect;
+use crate::experiment::answers::study::Study;
+use crate::experiment::statistics::spread;
+
+/// Steps of an axis whose values are names.
+const LABELS: usize = 12;
+
+/// A chart for each parameter, with its name.
+pub fn charts(answers: &Answers) -> Vec<(String, LineChart)> {
+    let axes = distinct(answers.effects.iter().map(|effect| effect.axis.as_str()));
+    axes.into_iter().filter_map(|axis| Some((axis.to_owned(), chart(answers, axis)?))).collect()
+}
+
+fn chart(answers: &Answers, axis: &str) -> Option<LineChart> {
+    let own: Vec<&Effect> = answers.effects.iter().filter(|effect| effect.axis == axis).collect();
+    let base = &own.first()?.base;
+    // Of the axis `method` the values are series, and the sample counts run along x.
+    let is_method = axis == "method" && own.iter().all(|effect| effect.method.parse::<f64>().is_ok());
+    let x_text = |effect: &Effect| if is_method { effect.method.clone() } else { effect.value.clone() };
+    let name = |effect: &Effect| if is_method { effect.value.clone() } else { effect.method.clone() };
+    let mut texts = distinct(own.iter().map(|effect| x_text(effect)));
+    if !is_method {
+        texts.insert(0, base.clone());
+    }
+    let numbers: Option<Vec<f64>> = texts.iter().map(|text| text.parse().ok()).collect();
+    let x = match &numbers {
+        Some(numbers) if is_method || (numbers.iter().all(|x| *x > 0.0) && spans_decades(numbers)) => {
+            Scale::of(Kind::Log, numbers.iter().copied())?.with_ticks(numbers, LABELS)
+        }
+        Some(numbers) => Scale::of(Kind::Linear, numbers.iter().copied())?.with_ticks(numbers, LABELS),
+        None => {
+            let mut scale = Scale::of(Kind::Linear, [-0.4, texts.len() as f64 - 0.6])?;
+            scale.ticks = texts.iter().enumerate().map(|(i, text)| (i as f64, text.clone())).collect();
+            scale
+        }
+    };
+    let place = |text: &String| match &numbers {
+        Some(_) => text.parse().unwrap_or(f64::NAN),
+        None => texts.iter().position(|known| known == text).map_or(f64::NAN, |i| i as f64),
+    };
+    let alphas = distinct(own.iter().map(|effect| effect.alpha.clone()));
+    let names = distinct(own.iter().map(|effect| name(effect)));
+    let panel = |alpha: &Option<String>| {
+        let series = names.iter().enumerate().map(|(index, label)| {
+            let own = own.iter().filter(|effect| effect.alpha == *alpha && name(effect) == *label);
+            let mut points: Vec<Point> = own
+                .map(|effect| Point {
+                    x: place(&x_text(effect)),
+                    y: effect.ratio,
+                    interval: effect.interval[1].is_finite().then_some(effect.interval),
+                })
+                .collect();
+            if !is_method {
+                points.push(Point { x: place(base), y: 1.0, interval: None });
+            }
+            points.sort_by(|a, b| a.x.total_cmp(&b.x));
+            Series {
+                label: label.clone(),
+                color: name_color(index),
+                marker: Some(Marker::of(index)),
+                stroke: Some(Stroke::Solid),
+                points,
+            }
+        });
+        Panel {
+            title: alpha.as_ref().map_or_else(|| "all".to_owned(), |alpha| format!("α {alpha}")),
+            series: series.collect(),
+            rules: vec![Rule { label: format!("as {axis} {base}"), color: MUTED, stroke: Stroke::Dashed, y: 1.0 }],
+        }
+    };
+    let panels: Vec<Panel> = alphas.iter().map(panel).collect();
+    Some(LineChart {
+        title: format!("What {axis} changes"),
+        notes: vec![
+            "Geometric mean of the error over that of the cell that differs in nothing else; bars: Student's 95 % interval. Below 1 is better."
+                .to_owned(),
+        ],
+        x_label: if is_method { "samples a pixel".to_owned() } else { axis.to_owned() },
+        y_label: format!("error, relative to {base}"),
+        x,
+        y: Scale::of(Kind::Log, own.iter().map(|effect| effect.ratio).chain([1.0]))?,
+        panels,
+    })
+}
+
+fn spans_decades(numbers: &[f64]) -> bool {
+    const FACTOR: f64 = 8.0;
+    let (lo, hi) = numbers.iter().fold((f64::INFINITY, 0.0f64), |(lo, hi), x| (lo.min(*x), hi.max(*x)));
+    hi / lo >= FACTOR
+}
+
+/// Median frame time and error of every method and sample count.
+pub fn time_and_error(study: &Study) -> Option<LineChart> {
+    let timed: Vec<_> = study.rows.iter().filter(|row| row.frame_ms.is_some() && row.error.is_some()).collect();
+    let methods = distinct(timed.iter().map(|row| study.value(row, "method")));
+    let series: Vec<Series> = methods
+        .iter()
+        .enumerate()
+        .map(|(index, method)| {
+            let own = timed.iter().filter(|row| study.value(row, "method") == *method);
+            let counts = distinct(own.clone().map(|row| study.value(row, "samples")));
+            let point = |count: &&str| {
+                let at = own.clone().filter(|row| study.value(row, "samples") == *count);
+                let times: Vec<f64> = at.clone().filter_map(|row| Some(row.frame_ms?.median)).collect();
+                let error = spread(&at.filter_map(|row| row.error).collect::<Vec<_>>())?;
+                let interval = (error.n > 1).then_some([error.lower_quartile, error.upper_quartile]);
+                Some(Point { x: spread(&times)?.median, y: error.median, interval })
+            };
+            Series {
+                label: method.to_string(),
+                color: name_color(index),
+                marker: Some(Marker::of(index)),
+                stroke: Some(Stroke::Solid),
+                points: counts.iter().filter_map(point).collect(),
+            }
+        })
+        .collect();
+    let points = || series.iter().flat_map(|series| &series.points);
+    let x = Scale::of(Kind::Log, points().map(|point| point.x))?;
+    let y = Scale::of(Kind::Log, points().flat_map(|p| [p.y].into_iter().chain(p.interval.into_iter().flatten())))?;
+    Some(LineChart {
+        title: "Frame time against error".to_owned(),
+        notes: vec![
+            "One mark a sample count: medians over everything else that is swept; bars: the middle half of the errors. A CPU driver's times say \
+             nothing about a GPU."
+                .to_owned(),
+        ],
+        x_label: "frame time, ms".to_owned(),
+        y_label: "relative squared error".to_owned(),
+        x,
+        y,
+        panels: vec![Panel { title: String::new(), series, rules: Vec::new() }],
+    })
+}

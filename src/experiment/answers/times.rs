@@ -1,0 +1,119 @@
+//! Frame times of two methods over the sample count: how many samples fit into the time of the method without samples.
+
+use super::break_even::{Level, crossing_interval};
+use super::run_folder::RunFolder;
+use super::study::{Row, Study};
+use crate::experiment::timing::TimingRecord;
+use crate::experiment::timing_ratios::{Ratio, ratios};
+use serde::Serialize;
+
+/// Every pair of methods that was timed in the same rounds, of all runs.
+pub struct PairTimes<'r> {
+    pairs: Vec<(usize, Ratio<'r>)>,
+}
+
+/// Times of a sampling method at one count over those of a fixed method.
+#[derive(Clone, Copy, Debug)]
+pub struct TimeLevel {
+    pub samples: u32,
+    /// Median over rounds of the ratio, with its 95 % interval.
+    pub ratio: f64,
+    pub interval: [f64; 2],
+    /// What the tables of the fixed method cost beyond those of the sampling one, ms.
+    pub tables_ms: f64,
+    /// Median time of the fixed method's frame, ms.
+    pub fixed_ms: f64,
+    pub is_cpu: bool,
+}
+
+/// What a sampling method can do in the time of a method without samples.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TimeMatch {
+    /// Sample count whose frame takes as long as one of the fixed method (log-log interpolation of the tried counts); 0 where even the
+    /// smallest tried count takes longer, infinite where the largest does not.
+    pub samples: f64,
+    /// 95 % interval of it, with the ends of [`crossing_interval`].
+    pub interval: [f64; 2],
+    /// Whether the times come from a CPU driver, which says nothing about a GPU.
+    pub is_cpu: bool,
+}
+
+impl<'r> PairTimes<'r> {
+    /// The timed pairs of joined runs.
+    pub fn new(runs: &'r [RunFolder]) -> Self {
+        let of_run = |(run, folder): (usize, &'r RunFolder)| ratios(&folder.timings).into_iter().map(move |r| (run, r));
+        Self { pairs: runs.iter().enumerate().flat_map(of_run).collect() }
+    }
+
+    /// The times of a sampled row beside those of a fixed one of the same run: those taken with the row's own environment where there
+    /// are any, else those of one with the same shading.
+    pub fn level(&self, study: &Study, sampled: &Row, fixed: &Row) -> Option<TimeLevel> {
+        let environment_of = |cell: &str| {
+            let row = study.rows.iter().find(|row| row.run == sampled.run && row.cell == cell);
+            row.map(|row| study.value(row, "environment"))
+        };
+        let fitting = self.pairs.iter().filter(|(run, pair)| {
+            *run == sampled.run
+                && sampled.run == fixed.run
+                && is_of(study, pair.sampled, sampled)
+                && is_of(study, pair.fixed, fixed)
+        });
+        let fitting: Vec<&Ratio> = fitting.map(|(_, pair)| pair).collect();
+        let own = Some(study.value(sampled, "environment"));
+        let pair = fitting.iter().find(|pair| environment_of(&pair.sampled.cell) == own).or(fitting.first())?;
+        let samples = study.value(sampled, "samples").parse().ok()?;
+        let fixed_ms = crate::experiment::statistics::median(&pair.fixed.sums_ms());
+        pair.ratio.is_finite().then_some(TimeLevel {
+            samples,
+            ratio: pair.ratio,
+            interval: pair.interval,
+            tables_ms: pair.tables_ms,
+            fixed_ms,
+            is_cpu: pair.sampled.device_type == "cpu",
+        })
+    }
+}
+
+/// Whether a record stands for a row: every axis that the record names has the row's value.
+pub fn is_of(study: &Study, record: &TimingRecord, row: &Row) -> bool {
+    record.axes.iter().filter(|(_, value)| !value.is_empty()).all(|(name, value)| study.value(row, name) == value)
+}
+
+/// The count at which the two take equally long. `levels` ascend by count; `None` without any.
+pub fn time_match(levels: &[TimeLevel]) -> Option<TimeMatch> {
+    // Turned over, the ratio falls with the count as that of errors does. An interval of too few rounds is that of the ratio alone.
+    let level = |time: &TimeLevel, [lo, hi]: [f64; 2]| Level {
+        samples: time.samples,
+        ln_ratio: -time.ratio.ln(),
+        lo: -hi.ln(),
+        hi: -lo.ln(),
+    };
+    let sure: Vec<Level> = levels.iter().map(|time| level(time, [time.ratio; 2])).collect();
+    let with_interval = |time: &TimeLevel| {
+        level(time, if time.interval.iter().all(|end| *end > 0.0) { time.interval } else { [time.ratio; 2] })
+    };
+    let [lo, hi] = crossing_interval(&sure)?;
+    // The point estimate: the interval of levels without width, whose ends meet unless the ratio crosses more than once.
+    let samples = match () {
+        () if hi <= f64::from(levels.first()?.samples) && levels.first()?.ratio > 1.0 => 0.0,
+        () if hi == f64::INFINITY => f64::INFINITY,
+        () if lo == 0.0 => hi,
+        () => (lo * hi).sqrt(),
+    };
+    Some(TimeMatch {
+        samples,
+        interval: crossing_interval(&levels.iter().map(with_interval).collect::<Vec<_>>())?,
+        is_cpu: levels.iter().any(|level| level.is_cpu),
+    })
+}
+
+/// Time ratio at a sample count, by log-log interpolation; `None` outside the tried counts.
+pub fn ratio_at(levels: &[TimeLevel], samples: f64) -> Option<f64> {
+    let log = |level: &TimeLevel| (f64::from(level.samples).ln(), level.ratio.ln());
+    if let Some(exact) = levels.iter().find(|level| f64::from(level.samples) == samples) {
+        return Some(exact.ratio);
+    }
+    let next = levels.iter().position(|level| f64::from(level.samples) > samples)?;
+    let ((x0, y0), (x1, y1)) = (log(levels.get(next.checked_sub(1)?)?), log(&levels[next]));
+    Some((y0 + (samples.ln() - x0) / (x1 - x0) * (y1 - y0)).exp())
+}

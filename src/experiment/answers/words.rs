@@ -1,0 +1,307 @@
+//! The answer in words: one headline sentence with its numbers, and what qualifies it.
+
+use super::Answers;
+use super::break_even::BreakEven;
+use super::cases::{Pair, Winner};
+use super::dynamic_range::growth;
+use super::effects::Effect;
+use super::exposure::{Hiding, VISIBLE_FROM, hiding};
+use super::study::{FrameTime, Role, Row, Study};
+use crate::table::markdown::significant;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Digits of an error in a sentence.
+const ERROR_DIGITS: usize = 2;
+/// Digits of a time or a ratio in a sentence.
+const TIME_DIGITS: usize = 3;
+/// Sentences of one kind beside the headline.
+const FACTS_OF_A_KIND: usize = 4;
+
+/// The answer, largest part first.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Answer {
+    /// The number that answers, short enough for large type; empty when no one number does.
+    pub number: String,
+    /// What the number counts.
+    pub unit: String,
+    /// The answer as a sentence with its numbers and interval.
+    pub sentence: String,
+    /// Further facts, one sentence each.
+    pub facts: Vec<String>,
+}
+
+/// Writes the answer for joined runs. An experiment that sweeps the tone curve asks what the curve shows, one that cuts off the peaks of its
+/// light what they do; else break-even leads where there is one, then what a parameter changes, then which way is best. What does not lead
+/// follows as facts.
+pub fn answer(study: &Study, answers: &Answers) -> Answer {
+    let pair = answers.pairs.iter().find_map(|pair| Some(from_pair(study, answers, pair, pair.quartiles()?)));
+    let clips = study.axis("environment_clip_log2").is_some_and(|axis| study.axes[axis].values.len() > 1);
+    let mut leads: Vec<Answer> = Vec::new();
+    leads.extend(from_visibility(answers));
+    leads.extend(if clips { from_range(answers) } else { None });
+    leads.extend(pair);
+    leads.extend(from_effects(answers));
+    if leads.is_empty() {
+        leads.push(from_variants(study));
+    }
+    let mut leads = leads.into_iter();
+    let mut first = leads.next().expect("one was just added");
+    for other in leads {
+        first.facts.push(other.sentence);
+        first.facts.extend(other.facts);
+    }
+    first
+}
+
+fn from_visibility(answers: &Answers) -> Option<Answer> {
+    let hiding = hiding(&answers.visibility);
+    let strongest = hiding.iter().max_by(|a, b| a.peak.1.total_cmp(&b.peak.1))?;
+    let text = |x: f64| significant(x, ERROR_DIGITS);
+    let say = |one: &Hiding| {
+        let hidden = match one.hidden_at.as_slice() {
+            [] => "is visible at every tried exposure".to_owned(),
+            all if all.len() == one.tried.len() => "is hidden at every tried exposure".to_owned(),
+            some => format!("is hidden at {}", some.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")),
+        };
+        format!(
+            "At contrast {} the error of {} shows most at exposure {} (FLIP {}) and {hidden}.",
+            one.contrast,
+            one.method,
+            one.peak.0,
+            text(one.peak.1)
+        )
+    };
+    // Contrast 1 first, the curve as it is; methods without samples before the others, and those with most samples next.
+    let mut order: Vec<&Hiding> = hiding.iter().collect();
+    let samples =
+        |one: &Hiding| one.method.rsplit(' ').next().and_then(|n| n.parse::<f64>().ok()).unwrap_or(f64::INFINITY);
+    order.sort_by(|a, b| {
+        let distance = |one: &Hiding| (one.contrast - 1.0).abs();
+        distance(a).total_cmp(&distance(b)).then(samples(b).total_cmp(&samples(a)))
+    });
+    let lead = order[0];
+    Some(Answer {
+        number: lead.peak.0.to_string(),
+        unit: format!("the exposure at which the error of {} shows most", lead.method),
+        sentence: say(lead),
+        facts: order
+            .iter()
+            .skip(1)
+            .filter(|one| one.contrast == lead.contrast)
+            .take(FACTS_OF_A_KIND)
+            .map(|one| say(one))
+            .chain([format!(
+                "The strongest visible error is that of {} at exposure {} and contrast {}: FLIP {}. Hidden means a mean FLIP \
+                 below {VISIBLE_FROM}.",
+                strongest.method,
+                strongest.peak.0,
+                strongest.contrast,
+                text(strongest.peak.1)
+            )])
+            .collect(),
+    })
+}
+
+fn from_range(answers: &Answers) -> Option<Answer> {
+    let mut growth = growth(&answers.dynamic_range);
+    growth.sort_by(|a, b| b.fit.value.total_cmp(&a.fit.value));
+    let text = |x: f64| significant(x.exp(), ERROR_DIGITS);
+    let say = |one: &super::dynamic_range::Growth| {
+        format!(
+            "The error of {} in {} changes by a factor of {} per stop of dynamic range ({} to {}).",
+            one.method,
+            one.series,
+            text(one.fit.value),
+            text(one.fit.lo),
+            text(one.fit.hi)
+        )
+    };
+    let [first, rest @ ..] = growth.as_slice() else { return None };
+    Some(Answer {
+        number: format!("×{}", text(first.fit.value)),
+        unit: format!("the error of {} per stop of dynamic range of {}, the steepest", first.method, first.series),
+        sentence: say(first),
+        facts: rest.iter().take(FACTS_OF_A_KIND).map(say).collect(),
+    })
+}
+
+fn from_effects(answers: &Answers) -> Option<Answer> {
+    let mut all: Vec<&Effect> = answers.effects.iter().filter(|effect| effect.alpha.is_none()).collect();
+    // The strongest first, whichever its direction.
+    all.sort_by(|a, b| b.ratio.ln().abs().total_cmp(&a.ratio.ln().abs()));
+    let text = |x: f64| significant(x, TIME_DIGITS);
+    let say = |effect: &Effect| {
+        let interval = match effect.interval[1].is_finite() {
+            true => format!("95 % {} to {}, ", text(effect.interval[0]), text(effect.interval[1])),
+            false => String::new(),
+        };
+        let method = match (effect.axis.as_str(), effect.method.as_str()) {
+            (_, "" | "none") => String::new(),
+            ("method", samples) => format!(" at {samples} samples"),
+            (_, method) => format!(" of {method}"),
+        };
+        format!(
+            "{} {} instead of {} multiplies the error{method} by {} ({interval}{} {}).",
+            effect.axis,
+            effect.value,
+            effect.base,
+            text(effect.ratio),
+            effect.n,
+            plural(effect.n, "pair")
+        )
+    };
+    let first = all.first()?;
+    Some(Answer {
+        number: format!("×{}", text(first.ratio)),
+        unit: format!("the error with {} {} instead of {}", first.axis, first.value, first.base),
+        sentence: say(first),
+        facts: all.iter().skip(1).take(FACTS_OF_A_KIND).map(|effect| say(effect)).collect(),
+    })
+}
+
+fn from_pair(study: &Study, answers: &Answers, pair: &Pair, [lower, middle, upper]: [BreakEven; 3]) -> Answer {
+    let (sampled, fixed) = (&pair.sampled, &pair.fixed);
+    let count = pair.cases.len();
+    let breadth = breadth(study, answers);
+    let interval = if lower == upper { lower.to_string() } else { format!("{lower} to {upper}") };
+    let sentence = match middle {
+        BreakEven::From(n) => format!(
+            "From {n} {} a pixel on, {sampled} is closer to the reference than {fixed}: the median of {count} {}{breadth}. \
+             The middle half of them breaks even at {interval} samples.",
+            plural(n as usize, "sample"),
+            plural(count, "case"),
+        ),
+        BreakEven::Above(n) => format!(
+            "Up to {n} samples a pixel, {sampled} does not beat {fixed} in the median of {count} {}{breadth}. \
+             The middle half of them breaks even at {interval} samples.",
+            plural(count, "case"),
+        ),
+    };
+    let mut facts = Vec::new();
+    if let Some([best, worst]) = pair.extremes().filter(|[best, worst]| best != worst) {
+        facts.push(format!("The easiest case breaks even at {best} samples, the hardest at {worst}."));
+    }
+    let mut crossings: Vec<f64> = pair.cases.iter().filter_map(|case| case.whole.crossing).collect();
+    crossings.sort_by(f64::total_cmp);
+    if crossings.len() * 2 > count && crossings.len() > 2 {
+        let at = |p: f64| significant(crossings[(p * (crossings.len() - 1) as f64).round() as usize], ERROR_DIGITS);
+        facts.push(format!(
+            "Between the tried counts, the curves cross at {} samples in the median ({} to {} for the middle half of the {} \
+             cases that cross; log-log interpolation).",
+            at(0.5),
+            at(0.25),
+            at(0.75),
+            crossings.len()
+        ));
+    }
+    if let BreakEven::From(n) = middle {
+        facts.extend(time_fact(study, sampled, n, fixed));
+    }
+    facts.extend(equal_time_fact(pair));
+    Answer {
+        number: middle.to_string(),
+        unit: format!("samples a pixel for {sampled} to beat {fixed}"),
+        sentence,
+        facts,
+    }
+}
+
+/// Who errs less in equal time, over the cases.
+fn equal_time_fact(pair: &Pair) -> Option<String> {
+    let timed: Vec<Winner> =
+        pair.cases.iter().map(|case| case.whole.at_equal_time).filter(|winner| *winner != Winner::NotTimed).collect();
+    let count = |wanted: Winner| timed.iter().filter(|winner| **winner == wanted).count();
+    (!timed.is_empty()).then(|| {
+        format!(
+            "In equal frame time {} errs less in {} of {} cases and {} in {}; {} are undecided.",
+            pair.sampled,
+            count(Winner::Sampled),
+            timed.len(),
+            pair.fixed,
+            count(Winner::Fixed),
+            count(Winner::Undecided)
+        )
+    })
+}
+
+/// What a frame costs at break-even against the method without samples.
+fn time_fact(study: &Study, sampled: &str, samples: u32, fixed: &str) -> Option<String> {
+    let times = |method: &str, samples: &str| -> Vec<FrameTime> {
+        let of_method = |row: &&Row| study.value(row, "method") == method && study.value(row, "samples") == samples;
+        study.rows.iter().filter(of_method).filter_map(|row| row.frame_ms).collect()
+    };
+    let [at_break_even, without] = [times(sampled, &samples.to_string()), times(fixed, "")].map(|times| {
+        let mut medians: Vec<f64> = times.iter().map(|time| time.median).collect();
+        medians.sort_by(f64::total_cmp);
+        medians.get(medians.len() / 2).copied()
+    });
+    let (at_break_even, without) = (at_break_even?, without?);
+    Some(format!(
+        "A frame then takes {} ms against {} ms for {fixed}: {} times as long.",
+        significant(at_break_even, TIME_DIGITS),
+        significant(without, TIME_DIGITS),
+        significant(at_break_even / without, ERROR_DIGITS)
+    ))
+}
+
+/// ` (2 environments, 3 brdfs, 5 alphas)` or nothing.
+fn breadth(study: &Study, answers: &Answers) -> String {
+    let axes = study.axes.iter().filter(|axis| answers.case_axes.contains(&axis.name));
+    let counts: Vec<String> = axes
+        .map(|axis| {
+            let count = axis.values.iter().filter(|value| !value.is_empty()).count();
+            format!("{count} × {}", axis.name)
+        })
+        .collect();
+    if counts.is_empty() { String::new() } else { format!(" ({})", counts.join(", ")) }
+}
+
+/// Without a pair to break even: which way of making the image has the lowest median error.
+fn from_variants(study: &Study) -> Answer {
+    let axes: Vec<usize> = (0..study.axes.len())
+        .filter(|&axis| study.axes[axis].role == Role::Variant && study.axes[axis].name != "point_set")
+        .collect();
+    let mut errors: BTreeMap<Vec<&str>, Vec<f64>> = BTreeMap::new();
+    // The image without a specular term is there for scale; it is no way to make one.
+    for row in study.rows.iter().filter(|row| study.value(row, "method") != "none") {
+        if let Some(error) = row.error {
+            errors.entry(axes.iter().map(|&axis| row.axes[axis].as_str()).collect()).or_default().push(error);
+        }
+    }
+    let mut ranked: Vec<(f64, String, Vec<f64>)> = errors
+        .into_iter()
+        .map(|(words, mut errors)| {
+            errors.sort_by(f64::total_cmp);
+            let words: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
+            (errors[errors.len() / 2], words.join(" "), errors)
+        })
+        .collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((error, name, errors)) = ranked.first() else {
+        return Answer {
+            number: String::new(),
+            unit: String::new(),
+            sentence: "No cell is done yet, so there is no answer.".to_owned(),
+            facts: Vec::new(),
+        };
+    };
+    let text = |error: f64| significant(error, ERROR_DIGITS);
+    let at = |p: f64| text(errors[(p * (errors.len() - 1) as f64).round() as usize]);
+    let spread = if errors.first() != errors.last() {
+        format!(" (median of {} cells, the middle half from {} to {})", errors.len(), at(0.25), at(0.75))
+    } else {
+        String::new()
+    };
+    let facts = ranked.iter().skip(1).take(3).map(|(e, n, _)| format!("Next: {n} with {}.", text(*e)));
+    Answer {
+        number: text(*error),
+        unit: format!("relative squared error of {name}, the lowest of {}", ranked.len()),
+        sentence: format!("{name} comes closest to the reference: relMSE {}{spread}.", text(*error)),
+        facts: facts.collect(),
+    }
+}
+
+fn plural(count: usize, word: &str) -> String {
+    if count == 1 { word.to_owned() } else { format!("{word}s") }
+}

@@ -1,0 +1,57 @@
+//! One experiment on several machines: a plan file cuts it into chunks, each runs by itself, and a merge makes one run of them.
+//!
+//! `cost` says how long work takes without asking a device, `split` cuts by it, `file` is the plan file, `store` the folder that all
+//! chunks write to, `work` one chunk, `merge` the end. Nothing relies on locks between machines: every process writes into a folder of
+//! its own and only reads those of others. Scheduling is left to an engine that exists.
+
+pub mod cost;
+pub mod file;
+pub mod merge;
+pub mod split;
+pub mod store;
+pub mod work;
+
+use super::run::RunError;
+use super::store::StoreError;
+use std::path::PathBuf;
+
+pub use cost::Rates;
+pub use file::PlanFile;
+pub use merge::{Hole, MergeOptions, Merged, merge};
+pub use split::Chunk;
+pub use work::{ChunkOptions, ChunkOutcome, run_chunk};
+
+/// Why a chunk or a merge ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum ChunkError {
+    /// The plan file cannot be used here: what is wrong and what to do.
+    #[error("{}: {what}", path.display())]
+    PlanFile { path: PathBuf, what: String },
+    #[error("{}: has no chunk {chunk}; expected 0 to {last}", path.display())]
+    NoSuchChunk { path: PathBuf, chunk: usize, last: usize },
+    #[error("{}: holds chunks of another plan file; give another --store, or remove it", dir.display())]
+    OtherPlan { dir: PathBuf },
+    #[error("{}: holds no chunk of this plan; expected the --store that `splitsum run --plan` was given", dir.display())]
+    NoStore { dir: PathBuf },
+    /// One sentence for each pair of records.
+    #[error("cells that were done twice on one device do not agree; nothing was merged:\n{}", .0.join("\n"))]
+    Disagreement(Vec<String>),
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+impl ChunkError {
+    /// Whether the user gave a wrong file or folder, rather than the work failing.
+    pub fn is_misuse(&self) -> bool {
+        match self {
+            Self::PlanFile { .. } | Self::NoSuchChunk { .. } | Self::OtherPlan { .. } | Self::NoStore { .. } => true,
+            Self::Disagreement(_) | Self::Run(_) => false,
+        }
+    }
+}
+
+impl From<StoreError> for ChunkError {
+    fn from(error: StoreError) -> Self {
+        Self::Run(error.into())
+    }
+}

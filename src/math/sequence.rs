@@ -1,0 +1,101 @@
+//! Sequences of points in the unit square, and independent sets of each.
+//!
+//! Set 0 is the plain sequence where there is one. Set k > 0 is a randomised copy: sets of one sequence are repetitions that part bias
+//! from variance. No point has a coordinate 0 or 1, where lobes and level formulas are singular.
+
+use super::sampling::hammersley;
+use glam::DVec2;
+
+/// A way to place points; adding one is one entry of [`SEQUENCES`].
+#[derive(Clone, Copy, Debug)]
+pub struct Sequence {
+    pub name: &'static str,
+    /// One phrase for `splitsum list sequences`.
+    pub about: &'static str,
+    /// Point `i` of `count` of a set.
+    pub point: fn(i: u32, count: u32, set: u32) -> DVec2,
+}
+
+/// Every sequence, the default first.
+pub static SEQUENCES: &[Sequence] = &[
+    Sequence {
+        name: "hammersley",
+        about: "((i + 1/2) / n, radical inverse); set k is shifted on the torus by the k-th point of R2 [CranleyPatterson76]",
+        point: |i, count, set| (hammersley(i, count) + (f64::from(set) * R2).fract()).fract(),
+    },
+    Sequence {
+        name: "sobol-owen",
+        about: "the first two Sobol dimensions with a nested uniform scramble by hash; each set has its own [Burley20]",
+        point: |i, _, set| {
+            let key = hash(set);
+            let first = scramble_reversed(i, hash(key ^ 1));
+            let second = scramble_reversed(sobol_second_reversed(i), hash(key ^ 2));
+            centre([first.reverse_bits(), second.reverse_bits()])
+        },
+    },
+    Sequence {
+        name: "r2",
+        about: "the additive recurrence of the plastic number [Roberts18] from (1/2, 1/2); further sets start at a random point",
+        point: |i, _, set| {
+            let start = if set == 0 { DVec2::splat(0.5) } else { random(set, 0) };
+            let point = (start + f64::from(i) * R2).fract() * CELLS;
+            (point.floor() + 0.5) / CELLS
+        },
+    },
+    Sequence {
+        name: "random",
+        about: "independent uniform points by hash: what the other sequences are to be better than",
+        point: |i, _, set| random(set, i),
+    },
+];
+
+/// The sequence of that name.
+pub fn sequence_by_name(name: &str) -> Option<&'static Sequence> {
+    SEQUENCES.iter().find(|sequence| sequence.name == name)
+}
+
+/// The fractions of the R2 sequence: 1/g and 1/g² for the root g of g³ = g + 1.
+const R2: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
+
+/// Cells a side: the most for which f32 holds every centre.
+const CELLS: f64 = (1u32 << 23) as f64;
+
+/// Fixed point to the open unit square: the centre of a cell.
+fn centre(fixed_point: [u32; 2]) -> DVec2 {
+    let [x, y] = fixed_point.map(|bits| (f64::from(bits >> 9) + 0.5) / CELLS);
+    DVec2::new(x, y)
+}
+
+/// Point `i` of a stream of independent uniform points.
+fn random(stream: u32, i: u32) -> DVec2 {
+    let key = hash(i.wrapping_add(hash(stream.wrapping_add(1))));
+    let second = hash(key.wrapping_add(1));
+    centre([key, second])
+}
+
+/// As `sobol_hash` of `shaders/lib/sobol.glsl` [Wellons18].
+fn hash(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+/// As in `shaders/lib/sobol.glsl`: the second Sobol dimension with its bits reversed; that of the first is the index itself.
+fn sobol_second_reversed(mut index: u32) -> u32 {
+    index ^= index >> 16;
+    index ^= (index & 0xff00_ff00) >> 8;
+    index ^= (index & 0xf0f0_f0f0) >> 4;
+    index ^= (index & 0xcccc_cccc) >> 2;
+    index ^ ((index & 0xaaaa_aaaa) >> 1)
+}
+
+/// As `sobol_scramble_reversed` of `shaders/lib/sobol.glsl` [Burley20, Vegdahl21]: bit k is flipped by a function of the lower bits.
+fn scramble_reversed(mut x: u32, key: u32) -> u32 {
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(key);
+    x = x.wrapping_mul((key >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^ x.wrapping_mul(0x53a2_2864)
+}

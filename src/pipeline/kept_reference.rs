@@ -1,0 +1,102 @@
+//! References on the disk: what one is determined by, and its bytes.
+
+use super::RenderRequest;
+use crate::pixels::RgbImage;
+use crate::shade::reference_pass::Convergence;
+
+/// The parts of a reference frame that take long to make.
+#[derive(Debug, PartialEq)]
+pub(super) struct Reference {
+    pub(super) radiance: RgbImage,
+    pub(super) standard_error: Option<RgbImage>,
+    pub(super) convergences: Vec<Convergence>,
+}
+
+/// Everything that determines the frame of `request`; `None` when a term of it is no reference: such frames are cheap.
+pub(super) fn key(request: &RenderRequest) -> Option<String> {
+    let RenderRequest {
+        environment,
+        environment_rotation_deg,
+        environment_scale,
+        scene,
+        camera,
+        size: [width, height],
+        method,
+        diffuse,
+        brdf,
+        masking_shadowing,
+        samples,
+        reference_samples,
+        reference_error,
+        lights,
+        background,
+        precompute,
+        seed,
+        // Parameters of sampled methods only.
+        sequence: _,
+        point_set: _,
+        lod_bias: _,
+    } = request;
+    let is_exact = |name: &str| ["reference", "none"].contains(&name);
+    if !request.has_reference_term() || !is_exact(method.name) || !is_exact(diffuse.name) {
+        return None;
+    }
+    Some(format!(
+        "environment={}\nrotation={environment_rotation_deg}\nscale={environment_scale}\nscene={}\ncamera={camera:?}\n\
+         size={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\nsamples={samples}\n\
+         reference_samples={reference_samples}\nreference_error={reference_error:?}\nlights={lights:?}\n\
+         background={background}\nprecompute={precompute:?}\nseed={seed}\n",
+        environment.hash,
+        scene.hash,
+        method.name,
+        diffuse.name,
+        brdf.name(),
+    ))
+}
+
+/// The passes that [`Convergence::term`] can name.
+const TERMS: [&str; 2] = ["shade-specular", "shade-diffuse"];
+const CONVERGENCE_LENGTH: usize = 18;
+
+impl Reference {
+    /// Radiance, a flag, the standard error where there is one, then the terms.
+    pub(super) fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes: Vec<u8> = bytemuck::cast_slice(&self.radiance.data).to_vec();
+        bytes.push(u8::from(self.standard_error.is_some()));
+        if let Some(image) = &self.standard_error {
+            bytes.extend_from_slice(bytemuck::cast_slice(&image.data));
+        }
+        for Convergence { term, sample_count, relative_error, is_met } in &self.convergences {
+            bytes.push(TERMS.iter().position(|known| known == term).map_or(u8::MAX, |index| index as u8));
+            bytes.extend(sample_count.to_le_bytes());
+            bytes.extend(relative_error.to_le_bytes());
+            bytes.push(u8::from(*is_met));
+        }
+        bytes
+    }
+
+    /// The inverse of `to_bytes`; `None` for bytes that are no frame of this size.
+    pub(super) fn from_bytes(bytes: &[u8], [width, height]: [u32; 2]) -> Option<Self> {
+        let image_length = size_of::<[f32; 3]>() * width as usize * height as usize;
+        let image = |bytes: &[u8]| RgbImage::new(width, height, bytemuck::pod_collect_to_vec(bytes));
+        let (radiance, rest) = bytes.split_at_checked(image_length)?;
+        let (flag, rest) = rest.split_first()?;
+        let (standard_error, rest) = match flag {
+            0 => (None, rest),
+            _ => rest.split_at_checked(image_length).map(|(error, rest)| (Some(image(error)), rest))?,
+        };
+        let term = |bytes: &[u8]| -> Option<Convergence> {
+            let (index, rest) = bytes.split_first()?;
+            let (sample_count, rest) = rest.split_first_chunk()?;
+            let (relative_error, rest) = rest.split_first_chunk()?;
+            Some(Convergence {
+                term: TERMS.get(usize::from(*index))?,
+                sample_count: u64::from_le_bytes(*sample_count),
+                relative_error: f64::from_le_bytes(*relative_error),
+                is_met: *rest.first()? == 1,
+            })
+        };
+        let convergences = rest.chunks(CONVERGENCE_LENGTH).map(term).collect::<Option<Vec<_>>>()?;
+        Some(Self { radiance: image(radiance), standard_error, convergences })
+    }
+}

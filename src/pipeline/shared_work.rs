@@ -1,0 +1,151 @@
+//! What requests share: made once, then taken from memory or from the disk.
+
+use super::PipelineError;
+use super::cache::Recent;
+use super::disk_cache::DiskCache;
+use crate::gpu::{Buffer, Gpu, GpuError, Image, Recorder, Report};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// How often a kind of table was made, and how often it was taken from the disk.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
+pub struct Tally {
+    pub made: usize,
+    pub read: usize,
+}
+
+/// A tally for each kind: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `reference`.
+pub type SharedWork = BTreeMap<String, Tally>;
+
+/// The disk, if there is a cache, and what was shared so far.
+#[derive(Debug, Default)]
+pub(super) struct Kept {
+    pub(super) disk: Option<DiskCache>,
+    pub(super) work: SharedWork,
+}
+
+impl Kept {
+    /// What the disk holds of a kind under a key.
+    pub(super) fn load(&mut self, kind: &str, key: &str) -> Option<Vec<u8>> {
+        let payload = self.disk.as_mut()?.load(&format!("kind={kind}\n{key}"))?;
+        self.work.entry(kind.to_owned()).or_default().read += 1;
+        Some(payload)
+    }
+
+    /// Notes that something was made, and keeps it where there is a disk.
+    pub(super) fn store(
+        &mut self,
+        kind: &str,
+        key: &str,
+        payload: impl FnOnce() -> Result<Vec<u8>, GpuError>,
+    ) -> Result<(), GpuError> {
+        self.work.entry(kind.to_owned()).or_default().made += 1;
+        if let Some(disk) = &mut self.disk {
+            disk.store(&format!("kind={kind}\n{key}"), &payload()?);
+        }
+        Ok(())
+    }
+}
+
+/// What a precompute pass fills.
+pub(super) trait Table: Clone {
+    /// The f32 that passes write, as bytes.
+    fn download(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError>;
+    /// The inverse of `download`; false when `bytes` have another length.
+    fn upload(&self, gpu: &Gpu, bytes: &[u8]) -> Result<bool, GpuError>;
+}
+
+/// The levels of an image from one on: those above it come from elsewhere.
+#[derive(Clone)]
+pub(super) struct Levels {
+    pub(super) image: Image,
+    pub(super) first: u32,
+}
+
+impl Levels {
+    pub(super) fn all(image: Image) -> Self {
+        Self { image, first: 0 }
+    }
+
+    fn mips(&self) -> std::ops::Range<u32> {
+        self.first..self.image.mip_count()
+    }
+}
+
+impl Table for Levels {
+    fn download(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
+        let levels: Result<Vec<_>, _> = self.mips().map(|mip| gpu.read_image(&self.image, mip)).collect();
+        Ok(bytemuck::cast_slice(&levels?.concat()).to_vec())
+    }
+
+    fn upload(&self, gpu: &Gpu, bytes: &[u8]) -> Result<bool, GpuError> {
+        let texel_count = |mip| self.image.mip_size(mip).iter().map(|&side| side as usize).product::<usize>();
+        if bytes.len() != size_of::<[f32; 4]>() * self.mips().map(texel_count).sum::<usize>() {
+            return Ok(false);
+        }
+        let mut texels: &[[f32; 4]] = &bytemuck::pod_collect_to_vec(bytes);
+        for mip in self.mips() {
+            let (level, rest) = texels.split_at(texel_count(mip));
+            gpu.write_image(&self.image, mip, level)?;
+            texels = rest;
+        }
+        Ok(true)
+    }
+}
+
+impl Table for Buffer {
+    fn download(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
+        gpu.read_buffer(self)
+    }
+
+    fn upload(&self, gpu: &Gpu, bytes: &[u8]) -> Result<bool, GpuError> {
+        if bytes.len() as u64 != self.size() {
+            return Ok(false);
+        }
+        gpu.write_buffer(self, bytes)?;
+        Ok(true)
+    }
+}
+
+/// Makes tables that are not there yet and adds up what the passes took.
+pub(super) struct Maker<'a> {
+    pub(super) gpu: &'a Gpu,
+    pub(super) kept: &'a mut Kept,
+    /// Times of the passes that ran; tables that were there add nothing.
+    pub(super) total: Report,
+}
+
+impl Maker<'_> {
+    /// The table of `key`: from the shelf, from the disk, or filled by the pass `kind`.
+    pub(super) fn table<T: Table>(
+        &mut self,
+        shelf: &mut Recent<String, T>,
+        kind: &'static str,
+        key: String,
+        empty: impl FnOnce() -> Result<T, GpuError>,
+        fill: impl FnOnce(&T) -> Result<Report, GpuError>,
+    ) -> Result<T, PipelineError> {
+        shelf.get_or_make(key.clone(), || {
+            let table = empty()?;
+            if let Some(bytes) = self.kept.load(kind, &key)
+                && table.upload(self.gpu, &bytes)?
+            {
+                return Ok(table);
+            }
+            self.total.add(fill(&table)?);
+            self.kept.store(kind, &key, || table.download(self.gpu))?;
+            Ok(table)
+        })
+    }
+}
+
+/// Records and submits one timed pass.
+pub(super) fn submit_pass(
+    gpu: &Gpu,
+    name: &'static str,
+    record: impl FnOnce(&mut Recorder) -> Result<(), GpuError>,
+) -> Result<Report, GpuError> {
+    let mut recorder = gpu.record(name)?;
+    recorder.pass(name, record)?;
+    recorder.submit()
+}

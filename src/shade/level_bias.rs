@@ -1,0 +1,43 @@
+//! Level biases of well-known engines, as offsets to the level whose texel covers the solid angle of a sample.
+//!
+//! The level of filtered importance sampling is `l = 1/2 log2(omega_s / omega_p) + b` [Colbert07], `omega_s = 1 / (N pdf)` the solid angle
+//! of a sample and `omega_p` that of a texel of level 0. A program that uses another `omega_p`, or adds a constant, has a bias `b`
+//! against this formula. Programs whose offset varies over the image are not here: it is no constant.
+
+/// A bias by name.
+#[derive(Clone, Copy, Debug)]
+pub struct LevelBias {
+    pub name: &'static str,
+    /// One phrase for `splitsum list level-biases`.
+    pub about: &'static str,
+    /// Levels that are added.
+    pub levels: f64,
+}
+
+/// Every bias, by value.
+pub static LEVEL_BIASES: &[LevelBias] = &[
+    LevelBias { name: "unbiased", about: "the texel covers the sample's solid angle", levels: 0.0 },
+    LevelBias {
+        name: "filament",
+        about: "K = 4 times the solid angle: 1/2 log2 4; Babylon.js has the same",
+        levels: 1.0,
+    },
+    // log2(2 pi) - 3/2: its largest level less 1.5 stands for log2(W / 2 pi) of a W x W/2 map.
+    LevelBias {
+        name: "materialx",
+        about: "lat-long with the largest level less 1.5: log2(2 pi) - 1.5",
+        levels: 1.151_496_129_472_318_8,
+    },
+    // 1/2 log2 6: the texel of a cube's face where that of one square over the sphere is meant.
+    LevelBias {
+        name: "godot",
+        about: "the constant of a cube map on an octahedral map: 1/2 log2 6",
+        levels: 1.292_481_250_360_578,
+    },
+    // 1/2 log2(4 pi).
+    LevelBias {
+        name: "khronos-sampler",
+        about: "glTF-IBL-Sampler: a factor 4 pi is missing, 1/2 log2(4 pi)",
+        levels: 1.825_748_064_736_159_3,
+    },
+];
