@@ -35,6 +35,23 @@ else
     say "skipped: cargo clippy (clippy is not installed; rustup component add clippy)"
 fi
 
+# Both read what is there and fetch nothing; the data base of advisories is as old as its last `cargo deny fetch`.
+if cargo deny --version >/dev/null 2>&1; then
+    check deny --offline --locked check licenses bans sources
+    if [ -d "${CARGO_HOME:-$HOME/.cargo}/advisory-dbs" ]; then
+        check deny --offline --locked check advisories
+    else
+        say "skipped: cargo deny check advisories (no data base; cargo deny fetch)"
+    fi
+else
+    say "skipped: cargo deny (not installed; cargo install cargo-deny)"
+fi
+if cargo machete --version >/dev/null 2>&1; then
+    check machete
+else
+    say "skipped: cargo machete (not installed; cargo install cargo-machete)"
+fi
+
 [ "$status" -eq 0 ] || say "a check above FAILED; the tests run all the same"
 # The report is tested in a browser; without one those tests say so and skip, but not where they must run.
 if [ -n "${CI:-}${SPLITSUM_REQUIRE_BROWSER:-}" ]; then

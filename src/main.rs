@@ -1,5 +1,7 @@
 //! Argument parsing and exit code only.
 
+#![forbid(unsafe_code)]
+
 mod cli;
 
 fn main() -> std::process::ExitCode {

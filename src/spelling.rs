@@ -1,4 +1,4 @@
-//! What a misspelt name was meant to be.
+//! Names in messages: what a misspelt one was meant to be, and how a hostile one is shown.
 
 /// `; did you mean "x"?` for the nearest of `names`, or nothing when none is near.
 ///
@@ -11,4 +11,16 @@ pub fn suggestion(wrong: &str, names: &[&str]) -> String {
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, name)| format!("; did you mean {name:?}?"))
         .unwrap_or_default()
+}
+
+/// `text` with its control characters written as escapes: names come from files of anyone's making, and a terminal obeys what it shows.
+pub fn printable(text: &str) -> String {
+    text.chars().fold(String::with_capacity(text.len()), |mut shown, c| {
+        if c.is_control() {
+            shown.extend(c.escape_default())
+        } else {
+            shown.push(c)
+        }
+        shown
+    })
 }

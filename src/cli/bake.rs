@@ -40,7 +40,7 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
     let environment = Environment::load(&arguments.environment, Path::new(""), &options).map_err(Failure::input)?;
-    environment.warnings.iter().for_each(|warning| eprintln!("warning: {}: {warning}", environment.name));
+    environment.warnings.iter().for_each(|warning| super::warn(&environment.name, warning));
     let mut point = Point::default();
     for (index, (name, value)) in arguments.settings.iter().enumerate() {
         if arguments.settings[..index].iter().any(|(earlier, _)| earlier == name) {

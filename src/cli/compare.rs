@@ -85,7 +85,7 @@ impl Serialize for InOrder<'_> {
 fn read(path: &Path) -> Result<Decoded, Failure> {
     let decoded = exr::read(path).map_err(Failure::input)?;
     for warning in &decoded.warnings {
-        eprintln!("warning: {}: {warning}", path.display());
+        super::warn(&path.display().to_string(), warning);
     }
     Ok(decoded)
 }

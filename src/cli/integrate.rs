@@ -70,7 +70,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
     let queries = Queries::read(&arguments.queries, arguments.kind, &options).map_err(Failure::input)?;
-    queries.warnings().for_each(|warning| eprintln!("warning: {warning}"));
+    queries.warnings().for_each(|(name, warning)| super::warn(name, warning));
     if queries.is_empty() {
         return Err(Failure::NothingToDo(format!("{}: no query below the header", arguments.queries.display())));
     }

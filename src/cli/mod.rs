@@ -19,6 +19,7 @@ mod subject;
 use clap::{Parser, Subcommand};
 use splitsum::experiment::chunk::ChunkError;
 use splitsum::experiment::{RenderFault, RunError};
+use splitsum::spelling::printable;
 use std::process::ExitCode;
 
 /// Measures how wrong the split-sum approximation of image-based lighting is.
@@ -151,7 +152,8 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("{failure}");
+            // Several faults are several lines.
+            failure.to_string().lines().for_each(|line| eprintln!("{}", printable(line)));
             ExitCode::from(failure.exit_code())
         }
     }
@@ -166,4 +168,9 @@ fn print(text: &str) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// A line about an odd but usable input.
+fn warn(name: &str, warning: &str) {
+    eprintln!("{}", printable(&format!("warning: {name}: {warning}")));
 }

@@ -2,6 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressStyle};
 use splitsum::experiment::Progress;
+use splitsum::spelling::printable;
 use std::io::IsTerminal;
 
 /// Progress on standard error.
@@ -14,6 +15,7 @@ pub struct Terminal {
 
 impl Terminal {
     fn say(&self, text: &str) {
+        let text = text.lines().map(printable).collect::<Vec<_>>().join("\n");
         match &self.bar {
             Some(bar) => bar.suspend(|| eprintln!("{text}")),
             None => eprintln!("{text}"),

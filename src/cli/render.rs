@@ -138,7 +138,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     for (name, warnings) in [(&environment.name, &environment.warnings), (&scene.name, &scene.warnings)] {
-        warnings.iter().for_each(|warning| eprintln!("warning: {name}: {warning}"));
+        warnings.iter().for_each(|warning| super::warn(name, warning));
     }
     let view = View {
         camera: CameraKind::by_name(arguments.camera.text()).expect("the flag's parser checked the name"),

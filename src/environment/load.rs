@@ -67,6 +67,10 @@ pub enum EnvironmentError {
         "environment {spec}: {found}; expected finite values of at least 0 (or ask for --clamp-invalid, which sets these to 0)"
     )]
     InvalidTexels { spec: String, found: String },
+    #[error(
+        "environment {spec}: the largest value is {peak:e}, at column {x}, row {y}; expected at most {MAX_RADIANCE:e}, above which sums of squares overflow (scale the file)"
+    )]
+    TooBright { spec: String, peak: f32, x: usize, y: usize },
 }
 
 /// Marks a spec as the name of a formula.
@@ -75,8 +79,8 @@ pub(super) const BUILTIN_PREFIX: &str = "builtin:";
 /// Relative departure from 2:1 that rounding of a size can explain.
 const ASPECT_TOLERANCE: f64 = 0.01;
 
-/// Above this the f32 square of a texel overflows, and sums over a map may too.
-const LARGEST_SAFE_RADIANCE: f32 = 1e18;
+/// The f32 sum of the squares of a million such values is still finite; the sun in cd/m² is 2e9.
+const MAX_RADIANCE: f32 = 1e15;
 
 pub(super) fn load(spec: &str, base_dir: &Path, options: &LoadOptions) -> Result<Environment, EnvironmentError> {
     if let Some(formula) = spec.strip_prefix(BUILTIN_PREFIX) {
@@ -123,6 +127,16 @@ fn decode(
         }
         clamp_invalid(&mut image);
         warnings.push(format!("{found}; these channels were set to 0."));
+    }
+    let (index, peak) = image
+        .data
+        .as_flattened()
+        .iter()
+        .enumerate()
+        .fold((0, 0.0), |most, (i, &value)| if value > most.1 { (i / 3, value) } else { most });
+    if peak > MAX_RADIANCE {
+        let width = image.width as usize;
+        return Err(EnvironmentError::TooBright { spec: spec.to_owned(), peak, x: index % width, y: index / width });
     }
     warnings.extend(oddities(&image));
     Ok(Environment { warnings, ..Environment::from_image(spec, image) })
@@ -171,12 +185,8 @@ fn oddities(image: &RgbImage) -> Vec<String> {
             image.width, image.height
         ));
     }
-    let peak = image.data.iter().flatten().fold(0f32, |peak, &value| peak.max(value));
     if image.data.iter().all(|&texel| luminance(texel) == 0.0) {
         warnings.push("Every texel is 0: the environment is black.".to_owned());
-    }
-    if peak > LARGEST_SAFE_RADIANCE {
-        warnings.push(format!("The largest value is {peak:e}: f32 sums over the map may overflow."));
     }
     warnings
 }

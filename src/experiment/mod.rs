@@ -18,6 +18,7 @@ mod provenance;
 pub mod renderer;
 mod rows;
 pub mod run;
+mod scores;
 mod scoring;
 mod sheets;
 pub mod statistics;

@@ -56,7 +56,7 @@ impl ReferenceImage {
     /// The score of an exact test by metric, where it is known. Computed once.
     fn noise_floors(&self) -> Result<Scores, String> {
         let compute = || {
-            let Some(standard_error) = &self.standard_error else { return Ok(Scores::new()) };
+            let Some(standard_error) = &self.standard_error else { return Ok(Scores::default()) };
             let floors = noise_floor(&self.radiance, standard_error, &self.mask).map_err(|error| error.to_string())?;
             Ok(by_name(floors.into_iter().filter_map(|(name, floor)| Some((name, floor?))).collect()))
         };
@@ -128,10 +128,11 @@ impl Rendered<'_> {
         };
         let display_metrics: Vec<&dyn Metric> =
             METRICS.iter().copied().filter(|metric| metric.description().space == Space::Display).collect();
-        let mut scores = linear.scores.clone();
-        scores.extend(by_name(comparison.evaluate(&display_metrics)));
+        let scores = linear.scores.with(&by_name(comparison.evaluate(&display_metrics)));
         let mut bins = linear.bins.clone();
-        bins.iter_mut().zip(bins_of(&display_metrics)?).for_each(|(bin, display)| bin.scores.extend(display.scores));
+        bins.iter_mut()
+            .zip(bins_of(&display_metrics)?)
+            .for_each(|(bin, display)| bin.scores = bin.scores.with(&display.scores));
         let noise_floors = reference.noise_floors().map_err(ScoreFault::Cell)?;
         let flip = images::sweeps_display(plan).then(|| images::flip_picture(&comparison, mask));
         let pictures = images::CellPictures {
@@ -159,7 +160,7 @@ impl Rendered<'_> {
 }
 
 fn by_name(values: Vec<(&'static str, f64)>) -> Scores {
-    values.into_iter().map(|(name, value)| (name.to_owned(), Exact(value))).collect()
+    values.into_iter().map(|(name, value)| (name, Exact(value))).collect()
 }
 
 /// The verdict of the headline metric; `no-noise-floor` when the reference does not know its own error.

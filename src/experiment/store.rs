@@ -1,6 +1,6 @@
 //! The folder of a run. Records are written last and in one step: no record means not done.
 
-use super::plan::Plan;
+use super::plan::{Plan, SCHEMA_VERSION};
 use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
 use crate::shade::reference_pass::Convergence;
 use crate::table::csv;
@@ -19,6 +19,11 @@ pub enum StoreError {
     OtherExperiment { dir: PathBuf, found: String },
     #[error("{}: holds a run made with other shaders, whose images may differ; give another --out, or remove it", dir.display())]
     OtherShaders { dir: PathBuf },
+    #[error(
+        "{}: holds a run in the format {found}, and this program knows formats up to {SCHEMA_VERSION}; use the newer program that wrote \
+         it, or give another --out", dir.display()
+    )]
+    NewerVersion { dir: PathBuf, found: u64 },
     #[error("{}: another run is at work in it; wait for its end or give another --out", dir.display())]
     Busy { dir: PathBuf },
     #[error("{}: is not empty and not a run (it has no provenance.json); give another --out", dir.display())]
@@ -44,6 +49,7 @@ impl StoreError {
             self,
             Self::OtherExperiment { .. }
                 | Self::OtherShaders { .. }
+                | Self::NewerVersion { .. }
                 | Self::NotARun { .. }
                 | Self::NotAFolder { .. }
                 | Self::Folder { .. }
@@ -71,8 +77,7 @@ impl TryFrom<String> for Exact {
     }
 }
 
-/// Scores by metric name.
-pub type Scores = BTreeMap<String, Exact>;
+pub use super::scores::Scores;
 
 /// Where a reference stopped: the least certain of its terms.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -151,6 +156,13 @@ pub struct BinRecord {
     pub scores: Scores,
 }
 
+impl CellRecord {
+    /// What is kept in memory of a record that is on disk: what the plan says of the cell as well, and the bins, are left out.
+    pub fn without_bins(self) -> Self {
+        Self { cell: String::new(), axes: BTreeMap::new(), bins: Vec::new(), ..self }
+    }
+}
+
 /// Why a cell failed.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct FailureRecord {
@@ -221,6 +233,10 @@ impl Store {
             return Err(StoreError::NotAFolder { dir: self.dir.clone() });
         }
         if let Some(provenance) = self.read::<serde_json::Value>(&self.provenance_path())? {
+            let found = provenance["schema_version"].as_u64().unwrap_or(0);
+            if found > SCHEMA_VERSION.into() {
+                return Err(StoreError::NewerVersion { dir: self.dir.clone(), found });
+            }
             if provenance["plan_hash"] == plan.hash {
                 return Ok(());
             }
@@ -326,12 +342,18 @@ impl Store {
         self.write_record(&self.record_path("timings", id), record)
     }
 
-    /// A table of the run, replaced in one step.
-    pub fn write_table(&self, name: &str, columns: &[String], rows: &[Vec<csv::Cell>]) -> Result<(), StoreError> {
+    /// A table of the run, replaced in one step. Rows are made one at a time: all together they would take far more memory than
+    /// what they are made of.
+    pub fn write_table(
+        &self,
+        name: &str,
+        columns: &[String],
+        rows: impl IntoIterator<Item = Result<Vec<csv::Cell>, StoreError>>,
+    ) -> Result<(), StoreError> {
         let (path, part) = (self.dir.join(name), self.dir.join(format!("{name}.part")));
         let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
         let mut writer = csv::TableWriter::create(&part, &columns)?;
-        rows.iter().try_for_each(|row| writer.append(row))?;
+        rows.into_iter().try_for_each(|row| Ok::<_, StoreError>(writer.append(&row?)?))?;
         std::fs::rename(&part, &path).map_err(|error| StoreError::Io { path, error })
     }
 

@@ -3,7 +3,7 @@
 use super::axis::AXES;
 use super::host::UNKNOWN;
 use super::plan::{Cell, Plan};
-use super::store::{CellRecord, FailureRecord, ReferenceStop, Scores};
+use super::store::{BinRecord, CellRecord, FailureRecord, ReferenceStop, Scores, Store, StoreError};
 use super::timing::{TimingRecord, summarize};
 use super::timing_ratios::{Ratio, ratios};
 use crate::metrics::{BiasVariance, METRICS, linear_metrics};
@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 /// What is known of a cell that was tried.
 #[derive(Clone, Debug)]
 pub enum CellResult {
+    /// Without its bins; see [`CellRecord::without_bins`].
     Done(CellRecord),
     Failed(FailureRecord),
 }
@@ -54,7 +55,7 @@ fn metric_names() -> Vec<&'static str> {
 pub type Rows = (Vec<String>, Vec<Vec<Field>>);
 
 /// `errors.csv`: one row a cell that was tried.
-pub fn errors(plan: &Plan, results: &Results) -> Rows {
+pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
     let names = metric_names();
     let mut columns = cell_columns(plan);
     columns.extend(names.iter().map(|name| name.to_string()));
@@ -63,8 +64,8 @@ pub fn errors(plan: &Plan, results: &Results) -> Rows {
     columns.extend(floored.iter().map(|name| format!("{name}_noise_floor")));
     columns.extend(REFERENCE_COLUMNS.map(str::to_owned));
     columns.extend(["verdict", "diffuse_weight"].map(str::to_owned));
-    let none = Scores::new();
-    let row = |cell: &Cell| {
+    let none = Scores::default();
+    let row = move |cell: &Cell| {
         let (scores, parts, floors, stop, verdict) = match results.get(&cell.id)? {
             CellResult::Done(r) => {
                 (&r.scores, &r.bias_variance, &r.noise_floors, r.reference.as_ref(), r.verdict.as_str())
@@ -77,28 +78,36 @@ pub fn errors(plan: &Plan, results: &Results) -> Rows {
         row.extend(score_fields(floors, &floored));
         row.extend(stop_fields(stop));
         row.extend([verdict, DIFFUSE_WEIGHT].map(Field::from));
-        Some(row)
+        Some(Ok(row))
     };
-    (columns, plan.cells.iter().filter_map(row).collect())
+    (columns, plan.cells.iter().filter_map(row))
 }
 
-/// `errors_by_n_dot_v.csv`: one row a finished cell and bin that holds pixels.
-pub fn errors_by_n_dot_v(plan: &Plan, results: &Results) -> Rows {
+/// `errors_by_n_dot_v.csv`: one row a finished cell and bin that holds pixels, from the records on disk.
+pub fn errors_by_n_dot_v(
+    plan: &Plan,
+    results: &Results,
+    store: &Store,
+) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
     let names = metric_names();
     let mut columns = cell_columns(plan);
     columns.extend(["n_dot_v_from", "n_dot_v_to", "pixel_count"].map(str::to_owned));
     columns.extend(names.iter().map(|name| name.to_string()));
-    let mut rows = Vec::new();
-    for cell in &plan.cells {
-        let Some(CellResult::Done(record)) = results.get(&cell.id) else { continue };
-        for bin in record.bins.iter().filter(|bin| bin.pixel_count > 0) {
+    let done = plan.cells.iter().filter(|cell| matches!(results.get(&cell.id), Some(CellResult::Done(_))));
+    let rows = move |cell: &Cell| {
+        let bins = store.cell(&cell.id).map(|record| record.map_or_else(Vec::new, |record| record.bins));
+        let row = |bin: BinRecord| {
             let mut row = cell_fields(plan, cell);
             row.extend([bin.lo.into(), bin.hi.into(), Field::Integer(bin.pixel_count as u64)]);
             row.extend(score_fields(&bin.scores, &names));
-            rows.push(row);
+            Ok(row)
+        };
+        match bins {
+            Ok(bins) => bins.into_iter().filter(|bin| bin.pixel_count > 0).map(row).collect(),
+            Err(error) => vec![Err(error)],
         }
-    }
-    (columns, rows)
+    };
+    (columns, done.flat_map(rows))
 }
 
 /// `timings.csv`: one row a timed configuration and pass.
@@ -178,5 +187,5 @@ fn text_field(text: &str) -> Field {
 }
 
 fn score_fields(scores: &Scores, names: &[&str]) -> Vec<Field> {
-    names.iter().map(|name| scores.get(*name).map(|score| score.0).into()).collect()
+    names.iter().map(|name| scores.get(name).map(|score| score.0).into()).collect()
 }

@@ -122,8 +122,10 @@ impl Gpu {
         // SAFETY: the buffer was just made.
         let requirements = unsafe { device.raw.get_buffer_memory_requirements(raw) };
         let allocation = device.allocate(name, requirements, location, true)?;
+        // SAFETY: the memory is not freed before its last resource.
+        let memory = unsafe { allocation.memory() };
         // SAFETY: the allocation fits the requirements and nothing else uses its range.
-        let bound = unsafe { device.raw.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) };
+        let bound = unsafe { device.raw.bind_buffer_memory(raw, memory, allocation.offset()) };
         *inner.allocation.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(allocation);
         bound.map_err(GpuError::call("vkBindBufferMemory", name))?;
         Ok(Buffer { inner: Arc::new(inner) })

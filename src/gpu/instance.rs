@@ -54,17 +54,19 @@ pub(super) struct Instance {
 
 impl Instance {
     pub(super) fn new(validation: bool) -> Result<Self, GpuError> {
+        // A loader that cannot parse a manifest says that memory ran out.
+        let failed = |call| move |result| GpuError::Loader { call, result };
         // SAFETY: the loader is a well-behaved library that has no preconditions on being opened.
         let entry = unsafe { Entry::load() }.map_err(|e| GpuError::NoLoader(e.to_string()))?;
         // SAFETY: the entry is loaded; the call only reads.
         let layers = unsafe { entry.enumerate_instance_layer_properties() }
-            .map_err(GpuError::call("vkEnumerateInstanceLayerProperties", "instance"))?;
+            .map_err(failed("vkEnumerateInstanceLayerProperties"))?;
         if validation && !layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)) {
             return Err(GpuError::NoValidationLayer);
         }
         // SAFETY: as above.
         let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }
-            .map_err(GpuError::call("vkEnumerateInstanceExtensionProperties", "instance"))?;
+            .map_err(failed("vkEnumerateInstanceExtensionProperties"))?;
         let has_debug_utils =
             extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(ext::debug_utils::NAME));
 
@@ -82,9 +84,8 @@ impl Instance {
         }
         // SAFETY: every pointer in `info` outlives the call.
         let raw = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
-            // The loader says the second of driver manifests that it cannot parse.
-            vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_OUT_OF_HOST_MEMORY => GpuError::NoDevice,
-            result => GpuError::call("vkCreateInstance", "instance")(result),
+            vk::Result::ERROR_INCOMPATIBLE_DRIVER => GpuError::NoDevice,
+            result => failed("vkCreateInstance")(result),
         })?;
         let messages = Arc::new(Mutex::new(Vec::new()));
         let mut instance = Self { raw, messenger: None, messages, has_debug_utils, _entry: entry };
@@ -197,7 +198,9 @@ unsafe extern "system" fn on_message(
     user: *mut c_void,
 ) -> vk::Bool32 {
     // SAFETY: the loader passes a valid message.
-    let message = unsafe { (*data).message_as_c_str() };
+    let data = unsafe { &*data };
+    // SAFETY: its text is null or ends in a zero.
+    let message = unsafe { data.message_as_c_str() };
     let text = message.map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     // SAFETY: the user data points to the mutex that the instance keeps alive longer than the messenger.
     let messages = unsafe { &*(user as *const Mutex<Vec<String>>) };

@@ -3,6 +3,7 @@
 //! Every resource is a cheap handle that shares its Vulkan object and frees it with the last clone. A [`Recorder`] keeps what it
 //! records alive, derives each barrier and layout from the tracked access of each buffer and each mip level, and `submit` waits.
 #![allow(unsafe_code)] // Vulkan is a C interface; each block says why its call is sound
+#![deny(clippy::undocumented_unsafe_blocks, clippy::multiple_unsafe_ops_per_block)]
 
 mod bounded;
 mod buffer;

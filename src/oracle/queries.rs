@@ -84,9 +84,9 @@ impl Queries {
         self.queries.is_empty()
     }
 
-    /// Odd but usable facts about the environments, one sentence each.
-    pub fn warnings(&self) -> impl Iterator<Item = String> {
-        self.environments.iter().flat_map(|e| e.warnings.iter().map(move |warning| format!("{}: {warning}", e.name)))
+    /// Odd but usable facts about the environments, one sentence each, with the environment's name.
+    pub fn warnings(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.environments.iter().flat_map(|e| e.warnings.iter().map(|warning| (e.name.as_str(), warning.as_str())))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Files as a whole: bounded reading, replacement in one step, the error that all image formats share.
 
 use crate::files::read_regular;
+use crate::spelling::printable;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -29,7 +30,7 @@ pub(super) struct Fault {
 
 impl Fault {
     pub fn new(what: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self { what: what.into(), expected: expected.into() }
+        Self { what: printable(&what.into()), expected: expected.into() }
     }
 
     pub fn at(self, path: &Path) -> PixelsError {

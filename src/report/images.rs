@@ -9,6 +9,7 @@ use crate::tonemap::ToneCurve;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// A part of an image, texels from the top left corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -271,8 +272,12 @@ impl ImageSet {
 }
 
 fn read(runs: &[RunFolder], image: &EmbeddedImage) -> Result<Decoded, String> {
-    let path = runs[image.run].dir.join("images").join(&image.file);
-    exr::read(&path).map_err(|error| error.to_string())
+    let images = runs[image.run].dir.join("images");
+    // A folder that someone sent may name any file of this computer.
+    if Path::new(&image.file).file_name() != Some(image.file.as_ref()) {
+        return Err(format!("{:?} in images.csv is not the name of a file in {}", image.file, images.display()));
+    }
+    exr::read(&images.join(&image.file)).map_err(|error| error.to_string())
 }
 
 fn mask_of(image: &Decoded) -> GrayImage {

@@ -100,7 +100,7 @@ fn a_vulkan_installation_without_its_parts_is_told() {
         std::fs::write(&path, text).unwrap();
         path
     };
-    refused("VK_DRIVER_FILES", &manifest("garbage.json", "{"), &["found no device"]);
+    refused("VK_DRIVER_FILES", &manifest("garbage.json", "{"), &["Vulkan loader", "VK_DRIVER_FILES"]);
     let absent =
         r#"{"file_format_version": "1.0.0", "ICD": {"library_path": "/nonexistent.so", "api_version": "1.3.0"}}"#;
     refused("VK_DRIVER_FILES", &manifest("absent.json", absent), &["found no device"]);
@@ -119,4 +119,70 @@ fn a_slip_in_the_test_switch_is_no_silent_success() {
     let Some(dir) = folder() else { return };
     let output = with_fault(dir.path(), &RENDER, "submit:x:device-lost");
     assert_ends(&output, 2, &["SPLITSUM_TEST_FAULTS: 'submit:x:device-lost'"]);
+}
+
+/// A driver below the floor: the real one behind a layer (`layer.c`) that takes something away.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_driver_below_the_floor_is_named_with_what_it_lacks() {
+    let Some(dir) = folder() else { return };
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/layer.c");
+    let library = dir.path().join("layer.so");
+    let compiler =
+        std::process::Command::new("cc").args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library).arg(source).status();
+    if !compiler.is_ok_and(|status| status.success()) {
+        eprintln!("skipped: there is no C compiler for the layer");
+        return;
+    }
+    let manifest = format!(
+        r#"{{"file_format_version": "1.1.2", "layer": {{"name": "VK_LAYER_SPLITSUM_old_driver", "type": "INSTANCE",
+        "library_path": {library:?}, "api_version": "1.3.0", "implementation_version": "1", "description": "test"}}}}"#
+    );
+    std::fs::write(dir.path().join("layer.json"), manifest).unwrap();
+    let run = |fault: &str, arguments: &[&str]| {
+        command(dir.path(), arguments)
+            .env("VK_LAYER_PATH", dir.path())
+            .env("VK_INSTANCE_LAYERS", "VK_LAYER_SPLITSUM_old_driver")
+            .env("SPLITSUM_TEST_DRIVER", fault)
+            .output()
+            .unwrap()
+    };
+    for (fault, lacks) in
+        [("1.2", "lacks Vulkan 1.3 (it offers 1.2.0)"), ("no-synchronization2", "lacks synchronization2")]
+    {
+        assert_ends(&run(fault, &RENDER), 2, &["device '", lacks, "which splitsum needs"]);
+        let arguments = ["run", "tiny.toml", "--out", "out"];
+        assert_ends(&run(fault, &arguments), 2, &[lacks]);
+        assert!(!dir.path().join("out").exists() && !dir.path().join("x.exr").exists());
+    }
+    // The layer alone takes nothing away.
+    assert!(run("", &RENDER).status.success());
+}
+
+#[test]
+fn a_run_of_a_newer_program_is_left_alone() {
+    let Some(dir) = folder() else { return };
+    let arguments = ["run", "tiny.toml", "--out", "out", "--set", "brdf=ggx", "--set", "samples=4"];
+    assert!(splitsum(dir.path(), &arguments).status.success());
+    let path = dir.path().join("out/provenance.json");
+    let mut provenance: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    provenance["schema_version"] = 999.into();
+    let newer = provenance.to_string();
+    std::fs::write(&path, &newer).unwrap();
+    let before = errors(dir.path(), "out");
+    for arguments in [&arguments[..], &["report", "out"]] {
+        assert_ends(&splitsum(dir.path(), arguments), 2, &["out: ", "format 999", "up to 1"]);
+    }
+    assert!(errors(dir.path(), "out") == before && std::fs::read_to_string(&path).unwrap() == newer);
+}
+
+/// A folder that takes no files even from root.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_cannot_go_where_nothing_can_be_written() {
+    let Some(dir) = folder() else { return };
+    let output = splitsum(dir.path(), &["run", "tiny.toml", "--out", "/proc/splitsum-run"]);
+    assert_ends(&output, 2, &["/proc/splitsum-run", "cannot be made", "where this user may write"]);
+    let output = splitsum(dir.path(), &["bake", "builtin:constant", "--out", "/proc/splitsum-bake"]);
+    assert_ends(&output, 2, &["/proc/splitsum-bake"]);
 }

@@ -9,6 +9,8 @@ mod faults;
 mod integrate;
 #[cfg(unix)]
 mod interruptions;
+mod odd_inputs;
+mod soak;
 
 use std::process::{Command, Output};
 

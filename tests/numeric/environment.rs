@@ -405,7 +405,20 @@ mod loading {
         assert!(square.len() == 1 && square[0].contains("4x4") && square[0].contains("2:1"), "{square:?}");
         let black = warnings(RgbImage::filled(4, 2, [0.0; 3]));
         assert!(black.len() == 1 && black[0].contains("black"), "{black:?}");
-        let glaring = warnings(RgbImage::filled(4, 2, [1e30; 3]));
-        assert!(glaring.len() == 1 && glaring[0].contains("overflow"), "{glaring:?}");
+    }
+
+    #[test]
+    fn what_no_sum_can_hold_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut image = RgbImage::filled(4, 2, [1e15; 3]);
+        write(&folder, "map.exr", &image);
+        Environment::load("map.exr", folder.path(), &LoadOptions::default()).unwrap();
+        image.data[6] = [1.0, 1.1e15, 1.0];
+        write(&folder, "map.exr", &image);
+        let message = Environment::load("map.exr", folder.path(), &LoadOptions::default()).unwrap_err().to_string();
+        assert!(
+            message.contains("map.exr: the largest value is 1.1e15, at column 2, row 1; expected at most 1e15"),
+            "{message}"
+        );
     }
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Rows from low to high; a row holds columns that do not know each other, and a column its modules in order. A module imports only
 /// from lower rows or from earlier in its own column.
 const ROWS: &[&[&[&str]]] = &[
-    &[&["glsl", "math", "color", "files", "pixels", "spelling"]],
+    &[&["glsl", "math", "color", "files", "spelling", "pixels"]],
     &[&["brdf", "environment", "scene"], &["gpu"]],
     &[&["precompute", "gbuffer", "shade", "tonemap"]],
     &[&["metrics"], &["table"]],

@@ -1,5 +1,6 @@
 //! Reading the folder of a finished run: only its files, so that a report needs neither the device nor the inputs.
 
+use crate::experiment::plan::SCHEMA_VERSION;
 use crate::experiment::store::FailureRecord;
 use crate::experiment::timing::TimingRecord;
 use crate::files::read_regular;
@@ -14,6 +15,8 @@ use std::path::{Path, PathBuf};
 pub enum RunFolderError {
     #[error("{}: has no {file}; expected the folder of a run of `splitsum run`", dir.display())]
     NotARun { dir: PathBuf, file: &'static str },
+    #[error("{}: the run is in the format {found}, and this program knows formats up to {SCHEMA_VERSION}", dir.display())]
+    NewerVersion { dir: PathBuf, found: u64 },
     #[error("{}: {error}", path.display())]
     Io { path: PathBuf, error: std::io::Error },
     #[error("{}: {error}; expected a file that `splitsum run` wrote", path.display())]
@@ -61,7 +64,12 @@ impl RunFolder {
     /// Reads everything but the images themselves.
     pub fn read(dir: &Path) -> Result<Self, RunFolderError> {
         let not_a_run = |file| RunFolderError::NotARun { dir: dir.to_owned(), file };
-        let provenance = json(&dir.join("provenance.json"))?.ok_or_else(|| not_a_run("provenance.json"))?;
+        let provenance: serde_json::Value =
+            json(&dir.join("provenance.json"))?.ok_or_else(|| not_a_run("provenance.json"))?;
+        let found = provenance["schema_version"].as_u64().unwrap_or(0);
+        if found > SCHEMA_VERSION.into() {
+            return Err(RunFolderError::NewerVersion { dir: dir.to_owned(), found });
+        }
         let table = |name: &str| {
             let path = dir.join(name);
             path.exists().then(|| Table::read(&path)).transpose()

@@ -217,8 +217,8 @@ fn differing_columns(a: &CellRecord, b: &CellRecord) -> Vec<String> {
 fn columns(record: &CellRecord) -> BTreeMap<String, String> {
     let exact = |name: String, score: &Exact| (name, String::from(*score));
     let mut columns: BTreeMap<String, String> = record.axes.clone();
-    columns.extend(record.scores.iter().map(|(name, score)| exact(name.clone(), score)));
-    columns.extend(record.bias_variance.iter().map(|(name, score)| exact(name.clone(), score)));
+    columns.extend(record.scores.iter().map(|(name, score)| exact(name.to_owned(), score)));
+    columns.extend(record.bias_variance.iter().map(|(name, score)| exact(name.to_owned(), score)));
     columns.extend(record.noise_floors.iter().map(|(name, score)| exact(format!("{name}_noise_floor"), score)));
     if let Some(stop) = &record.reference {
         columns.insert("reference_samples".to_owned(), stop.samples.to_string());

@@ -226,7 +226,7 @@ impl<'p> Run<'p> {
         let mut results = Results::new();
         for cell in &plan.cells {
             if let Some(record) = store.cell(&cell.id)? {
-                results.insert(cell.id.clone(), CellResult::Done(record));
+                results.insert(cell.id.clone(), CellResult::Done(record.without_bins()));
             }
         }
         let jobs = timing::jobs(plan);
@@ -331,7 +331,7 @@ impl<'p> Run<'p> {
     }
 
     fn remember(&mut self, record: CellRecord) {
-        self.results.insert(record.cell.clone(), CellResult::Done(record));
+        self.results.insert(record.cell.clone(), CellResult::Done(record.without_bins()));
     }
 
     fn fail(&mut self, cells: &[&Cell], reason: &str, progress: &mut dyn Progress) -> Result<(), RunError> {
@@ -357,16 +357,20 @@ impl<'p> Run<'p> {
 
     fn write_tables_sometimes(&mut self) -> Result<(), RunError> {
         let is_time = self.share.is_none() && self.tables_written.elapsed() >= TABLE_INTERVAL;
-        if is_time { self.write_tables() } else { Ok(()) }
+        if is_time { self.write_errors() } else { Ok(()) }
+    }
+
+    fn write_errors(&mut self) -> Result<(), RunError> {
+        let (columns, rows) = tables::errors(self.plan, &self.results);
+        self.store.write_table("errors.csv", &columns, rows)?;
+        self.tables_written = Instant::now();
+        Ok(())
     }
 
     fn write_tables(&mut self) -> Result<(), RunError> {
-        let (columns, rows) = tables::errors(self.plan, &self.results);
-        self.store.write_table("errors.csv", &columns, &rows)?;
-        let (columns, rows) = tables::errors_by_n_dot_v(self.plan, &self.results);
-        self.store.write_table("errors_by_n_dot_v.csv", &columns, &rows)?;
-        self.tables_written = Instant::now();
-        Ok(())
+        self.write_errors()?;
+        let (columns, rows) = tables::errors_by_n_dot_v(self.plan, &self.results, &self.store);
+        Ok(self.store.write_table("errors_by_n_dot_v.csv", &columns, rows)?)
     }
 
     /// Tables, contact sheets and the summary of all that is done. The summary comes last: where it stands and nothing was
@@ -382,21 +386,21 @@ impl<'p> Run<'p> {
         }
         self.write_tables()?;
         let (columns, rows) = images::index(self.plan, &self.results);
-        self.store.write_table("images.csv", &columns, &rows)?;
+        self.store.write_table("images.csv", &columns, rows.into_iter().map(Ok))?;
         if self.plan.config.timing.is_some() {
             let (columns, rows) = tables::timings(&self.timings);
-            self.store.write_table("timings.csv", &columns, &rows)?;
+            self.store.write_table("timings.csv", &columns, rows.into_iter().map(Ok))?;
             let (columns, rows) = tables::timing_ratios(&self.timings);
-            self.store.write_table("timing_ratios.csv", &columns, &rows)?;
+            self.store.write_table("timing_ratios.csv", &columns, rows.into_iter().map(Ok))?;
             if self.options.trace {
                 self.store.write_json(&self.store.dir().join("trace.json"), &trace::chrome_trace(&self.timings))?;
             }
         }
         let (columns, rows) = environments::environments(self.plan);
-        self.store.write_table("environments.csv", &columns, &rows)?;
+        self.store.write_table("environments.csv", &columns, rows.into_iter().map(Ok))?;
         if self.plan.config.has_printed_slips {
             let (columns, rows) = slips::table();
-            self.store.write_table(slips::FILE_NAME, &columns, &rows)?;
+            self.store.write_table(slips::FILE_NAME, &columns, rows.into_iter().map(Ok))?;
         }
         let answered = Answered::of_run(self.store.dir())?;
         if has_worked || !answered.is_summary_written() {

@@ -31,7 +31,9 @@ fn hdr() -> Vec<(String, Vec<u8>)> {
     for row in 0..2u8 {
         new_rle.extend([2, 2, 0, 9]);
         for channel in 0..4 {
-            new_rle.extend([128 + 5, row * 40 + channel * 9 + 120, 3, 1, 2, 3, 1, 130]);
+            // The last channel is the exponent; 131 gives values of some units.
+            let value = if channel == 3 { 131 } else { row * 40 + channel * 9 + 120 };
+            new_rle.extend([128 + 5, value, 3, 1, 2, 3, 1, 130]);
         }
     }
     let old_rle = [texel(5), [1, 1, 1, 8], texel(7), texel(8), [1, 1, 1, 7]].concat();
@@ -175,7 +177,7 @@ environment = ["builtin:constant"]
 brdf = ["ggx", "beckmann", "phong"]
 method = ["sampled", "split-sum"]
 samples = [1, 4]
-alpha = { log = [0.1, 1.0, 3] }
+alpha = { logspace = [0.1, 1.0, 3] }
 exposure = [1, 10]
 [[exclude]]
 method = "split-sum"
