@@ -215,7 +215,7 @@ impl Store {
         store.lock = lock(dir)?.map(Arc::new);
         // Another run may have made the folder its own between the check and the lock.
         store.check_identity(plan)?;
-        for folder in [""].iter().chain(SUBFOLDERS) {
+        for folder in ["", super::answers::folder::FOLDER].iter().chain(SUBFOLDERS) {
             remove_parts(&dir.join(folder))?;
         }
         Ok(store)

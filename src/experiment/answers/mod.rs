@@ -18,7 +18,7 @@ pub mod curves;
 pub mod dynamic_range;
 pub mod effects;
 pub mod exposure;
-mod folder;
+pub(super) mod folder;
 pub mod heat;
 pub mod markdown;
 pub mod plot;
