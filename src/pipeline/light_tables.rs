@@ -24,13 +24,17 @@ impl Pipeline {
     /// Makes the tables for the environment, model, masking and settings of `request`, or takes those that are there. Levels of the
     /// environment wider than `width_max` texels are not read.
     pub fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, PipelineError> {
+        self.with_memory(|pipeline| pipeline.read_light_tables(request, width_max))
+    }
+
+    fn read_light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, PipelineError> {
         let request = RenderRequest {
             method: method_by_name("split-sum").expect("a listed method"),
             diffuse: diffuse_by_name("sh9").expect("a listed diffuse method"),
             lights: Vec::new(),
             ..request.clone()
         };
-        let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &request)?;
+        let prepared = self.prepare(&request)?;
         let tables = prepared.tables();
         let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
         let level = |image: &Image, mip: u32| -> Result<RgbImage, PipelineError> {

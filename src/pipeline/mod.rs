@@ -121,27 +121,29 @@ impl Pipeline {
     }
 
     fn prepare(&mut self, request: &RenderRequest) -> Result<Prepared, PipelineError> {
-        let mut kept = std::mem::take(&mut self.kept);
-        let prepared = self.prepare_with(&mut kept, request);
-        self.kept = kept;
-        prepared
+        self.check(request)?;
+        self.resources.prepare(&self.gpu, &mut self.kept, request)
     }
 
-    /// What `request` needs. When memory runs out, what earlier requests left is given back first and all is tried once more.
-    fn prepare_with(&mut self, kept: &mut Kept, request: &RenderRequest) -> Result<Prepared, PipelineError> {
-        self.check(request)?;
-        match self.resources.prepare(&self.gpu, kept, request) {
+    /// Does `work`. When memory runs out, what earlier requests left is given back first and all is tried once more.
+    fn with_memory<T>(
+        &mut self,
+        mut work: impl FnMut(&mut Self) -> Result<T, PipelineError>,
+    ) -> Result<T, PipelineError> {
+        match work(self) {
             Err(PipelineError::Gpu(error)) if error.is_out_of_memory() => {
                 self.resources.forget_all();
-                self.resources.prepare(&self.gpu, kept, request)
+                work(self)
             }
-            prepared => prepared,
+            result => result,
         }
     }
 
     /// Renders one radiance image.
     pub fn render(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
-        let Some(key) = kept_reference::key(request) else { return self.rendered(request) };
+        let Some(key) = kept_reference::key(request) else {
+            return self.with_memory(|pipeline| pipeline.rendered(request));
+        };
         self.check(request)?;
         let kept = self.kept.load("reference", &key).and_then(|bytes| Reference::from_bytes(&bytes, request.size));
         if let Some(Reference { radiance, standard_error, convergences }) = kept {
@@ -156,7 +158,7 @@ impl Pipeline {
                 timings: FrameTimings::default(),
             });
         }
-        let frame = self.rendered(request)?;
+        let frame = self.with_memory(|pipeline| pipeline.rendered(request))?;
         self.kept.store("reference", &key, || {
             let (radiance, standard_error) = (frame.radiance.clone(), frame.standard_error.clone());
             Ok(Reference { radiance, standard_error, convergences: frame.convergences.clone() }.to_bytes())
@@ -184,6 +186,10 @@ impl Pipeline {
 
     /// Applies the tone curve on the device.
     pub fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<(Rgb8Image, PassTime), PipelineError> {
+        self.with_memory(|pipeline| pipeline.tonemapped(radiance, curve))
+    }
+
+    fn tonemapped(&self, radiance: &RgbImage, curve: ToneCurve) -> Result<(Rgb8Image, PassTime), PipelineError> {
         let size = [radiance.width, radiance.height];
         let texels: Vec<[f32; 4]> = radiance.data.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
         let radiance = self.gpu.buffer_from("radiance", &texels)?;
@@ -224,7 +230,8 @@ impl Pipeline {
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
             self.resources.forget_tables();
-            let report = self.prepare_with(&mut Kept::default(), request)?.precompute;
+            self.check(request)?;
+            let report = self.resources.prepare(&self.gpu, &mut Kept::default(), request)?.precompute;
             if round >= warmup {
                 samples.push(&report.passes, report.wall_ms);
             }
