@@ -79,8 +79,8 @@ const FRAME_AXES: &[&str] = &["scene", "brdf", "method", "diffuse", "samples", "
 /// Axes besides those of the precompute settings that change which tables are made, and their cost.
 const PRECOMPUTE_AXES: &[&str] = &["brdf", "method", "diffuse", "masking"];
 
-/// Axes whose values are compared within a block.
-const COMPARED_AXES: &[&str] = &["method", "samples"];
+/// Axes whose values are compared within a block: the method, and what only some methods have.
+const COMPARED_AXES: &[&str] = &["method", "samples", "storage_format"];
 
 /// What is to be timed, block after block in plan order; nothing without `[timing]`.
 pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {

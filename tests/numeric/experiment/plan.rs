@@ -1,6 +1,6 @@
 //! Counts, ids and groups of plans.
 
-use splitsum::experiment::{Cell, Plan};
+use splitsum::experiment::{Cell, Plan, timing};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -238,4 +238,24 @@ fn size_point_set_and_clip_are_axes() {
     assert_ne!(requests[0].environment.hash, requests[1].environment.hash);
     // Each size and clip has its own reference; the point sets share it.
     assert_eq!(plan.groups().len(), 4);
+}
+
+#[test]
+fn methods_are_timed_in_one_block_whatever_only_one_of_them_has() {
+    // Without a diffuse term only the split sum reads tables, so only it has a storage format.
+    let text = format!("{SWEEP}diffuse = [\"none\"]\nstorage_format = [\"f32\", \"f16\"]\n[timing]\nrounds = 5\n");
+    let plan = plan(&text);
+    let jobs = timing::jobs(&plan);
+    let frames = jobs.iter().filter(|job| job.phase == timing::FRAME);
+    let mut blocks: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for job in frames {
+        let words = ["brdf", "method", "samples", "storage_format"].map(|name| job.axes[name].as_str());
+        blocks.entry(&job.block).or_default().push(words.join(" "));
+    }
+    // One block a model: three sample counts and two formats.
+    assert_eq!(blocks.len(), 2, "{blocks:?}");
+    for members in blocks.values() {
+        assert_eq!(members.len(), 5, "{members:?}");
+        assert!(members.iter().any(|m| m.contains("split-sum")) && members.iter().any(|m| m.contains("sampled 40")));
+    }
 }
