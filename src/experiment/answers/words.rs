@@ -32,7 +32,7 @@ pub struct Answer {
 }
 
 /// Writes the answer for joined runs. An experiment with more tone curves than sample counts asks what the curve shows, one that cuts off the
-/// peaks of its light what they do; else break-even leads where there is one, then what a parameter changes, then which way is best. What
+/// peaks of its light what they do; else break-even leads where there is one, else times; then what a parameter changes, then which way is best. What
 /// does not lead follows as facts.
 pub fn answer(study: &Study, answers: &Answers) -> Answer {
     let pair = answers.pairs.iter().find_map(|pair| Some(from_pair(study, answers, pair, pair.quartiles()?)));
@@ -43,7 +43,10 @@ pub fn answer(study: &Study, answers: &Answers) -> Answer {
     let (asks_the_curve, visibility) = (curves > study.axis("samples").map_or(1, values), from_visibility(answers));
     leads.extend(visibility.clone().filter(|_| asks_the_curve));
     leads.extend(if clips { from_range(answers) } else { None });
-    leads.extend(pair);
+    leads.extend(match pair {
+        None => from_times(study),
+        pair => pair,
+    });
     leads.extend(visibility.filter(|_| !asks_the_curve));
     leads.extend(from_effects(answers));
     if leads.is_empty() {
@@ -229,24 +232,55 @@ fn equal_time_fact(pair: &Pair) -> Option<String> {
     })
 }
 
+/// Median frame time of a method at a sample count (empty for none) over the cells that were timed, ms.
+fn frame_ms(study: &Study, method: &str, samples: &str) -> Option<f64> {
+    let of_method = |row: &&Row| study.value(row, "method") == method && study.value(row, "samples") == samples;
+    let times = study.rows.iter().filter(of_method).filter_map(|row: &Row| row.frame_ms);
+    let mut medians: Vec<f64> = times.map(|time: FrameTime| time.median).collect();
+    medians.sort_by(f64::total_cmp);
+    medians.get(medians.len() / 2).copied()
+}
+
 /// What a frame costs at break-even against the method without samples.
 fn time_fact(study: &Study, sampled: &str, samples: u32, fixed: &str) -> Option<String> {
-    let times = |method: &str, samples: &str| -> Vec<FrameTime> {
-        let of_method = |row: &&Row| study.value(row, "method") == method && study.value(row, "samples") == samples;
-        study.rows.iter().filter(of_method).filter_map(|row| row.frame_ms).collect()
-    };
-    let [at_break_even, without] = [times(sampled, &samples.to_string()), times(fixed, "")].map(|times| {
-        let mut medians: Vec<f64> = times.iter().map(|time| time.median).collect();
-        medians.sort_by(f64::total_cmp);
-        medians.get(medians.len() / 2).copied()
-    });
-    let (at_break_even, without) = (at_break_even?, without?);
+    let (at_break_even, without) = (frame_ms(study, sampled, &samples.to_string())?, frame_ms(study, fixed, "")?);
     Some(format!(
         "A frame then takes {} ms against {} ms for {fixed}: {} times as long.",
         significant(at_break_even, TIME_DIGITS),
         significant(without, TIME_DIGITS),
         significant(at_break_even / without, ERROR_DIGITS)
     ))
+}
+
+/// Where methods were timed but too few sample counts tried to break even: what a frame costs with each.
+fn from_times(study: &Study) -> Option<Answer> {
+    let mut ways: Vec<(&str, &str)> = Vec::new();
+    for row in study.rows.iter().filter(|row| row.frame_ms.is_some()) {
+        let way = (study.value(row, "method"), study.value(row, "samples"));
+        if way.0 != "none" && !ways.contains(&way) {
+            ways.push(way);
+        }
+    }
+    let fixed = ways.iter().find(|way| way.1.is_empty())?;
+    let without = frame_ms(study, fixed.0, "")?;
+    let mut ratios = ways.iter().filter(|way| !way.1.is_empty()).filter_map(|(method, samples)| {
+        let ms = frame_ms(study, method, samples)?;
+        let ratio = significant(ms / without, ERROR_DIGITS);
+        let sentence = format!(
+            "A frame of {method} with {samples} samples takes {} ms against {} ms for {}: {ratio} times as long.",
+            significant(ms, TIME_DIGITS),
+            significant(without, TIME_DIGITS),
+            fixed.0
+        );
+        Some((ratio, format!("frame time of {method} with {samples} samples over that of {}", fixed.0), sentence))
+    });
+    let (ratio, unit, sentence) = ratios.next()?;
+    Some(Answer {
+        number: format!("×{ratio}"),
+        unit,
+        sentence,
+        facts: ratios.map(|(_, _, sentence)| sentence).collect(),
+    })
 }
 
 /// ` (2 environments, 3 brdfs, 5 alphas)` or nothing.
@@ -269,7 +303,8 @@ fn from_variants(study: &Study) -> Answer {
     let mut errors: BTreeMap<Vec<&str>, Vec<f64>> = BTreeMap::new();
     // The image without a specular term is there for scale; it is no way to make one.
     for row in study.rows.iter().filter(|row| study.value(row, "method") != "none") {
-        if let Some(error) = row.error {
+        // An image that is its own reference errs by nothing and answers nothing.
+        if let Some(error) = row.error.filter(|error| *error > 0.0) {
             errors.entry(axes.iter().map(|&axis| row.axes[axis].as_str()).collect()).or_default().push(error);
         }
     }
