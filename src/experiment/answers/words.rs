@@ -7,6 +7,7 @@ use super::dynamic_range::growth;
 use super::effects::Effect;
 use super::exposure::{Hiding, VISIBLE_FROM, hiding};
 use super::study::{FrameTime, Role, Row, Study};
+use crate::shade::METHODS;
 use crate::table::markdown::significant;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -62,7 +63,8 @@ pub fn answer(study: &Study, answers: &Answers) -> Answer {
 }
 
 fn from_visibility(answers: &Answers) -> Option<Answer> {
-    let hiding = hiding(&answers.visibility);
+    // The image without a specular term is there for scale.
+    let hiding: Vec<Hiding> = hiding(&answers.visibility).into_iter().filter(|one| one.method != "none").collect();
     let strongest = hiding.iter().max_by(|a, b| a.peak.1.total_cmp(&b.peak.1))?;
     let text = |x: f64| significant(x, ERROR_DIGITS);
     let say = |one: &Hiding| {
@@ -79,13 +81,14 @@ fn from_visibility(answers: &Answers) -> Option<Answer> {
             text(one.peak.1)
         )
     };
-    // Contrast 1 first, the curve as it is; methods without samples before the others, and those with most samples next.
+    // Contrast 1 first, the curve as it is; methods without samples before the others, and those with most samples next, as listed.
     let mut order: Vec<&Hiding> = hiding.iter().collect();
     let samples =
         |one: &Hiding| one.method.rsplit(' ').next().and_then(|n| n.parse::<f64>().ok()).unwrap_or(f64::INFINITY);
     order.sort_by(|a, b| {
         let distance = |one: &Hiding| (one.contrast - 1.0).abs();
-        distance(a).total_cmp(&distance(b)).then(samples(b).total_cmp(&samples(a)))
+        let listed = |one: &Hiding| METHODS.iter().position(|method| one.method.split(' ').next() == Some(method.name));
+        distance(a).total_cmp(&distance(b)).then(samples(b).total_cmp(&samples(a))).then(listed(a).cmp(&listed(b)))
     });
     let lead = order[0];
     Some(Answer {
@@ -112,7 +115,9 @@ fn from_visibility(answers: &Answers) -> Option<Answer> {
 
 fn from_range(answers: &Answers) -> Option<Answer> {
     let mut growth = growth(&answers.dynamic_range);
-    growth.sort_by(|a, b| b.fit.value.total_cmp(&a.fit.value));
+    // What has no samples first: it is what the question is about; then the steepest.
+    let draws = |method: &str| method.contains(' ');
+    growth.sort_by(|a, b| draws(&a.method).cmp(&draws(&b.method)).then(b.fit.value.total_cmp(&a.fit.value)));
     let text = |x: f64| significant(x.exp(), ERROR_DIGITS);
     let say = |one: &super::dynamic_range::Growth| {
         format!(
@@ -127,7 +132,7 @@ fn from_range(answers: &Answers) -> Option<Answer> {
     let [first, rest @ ..] = growth.as_slice() else { return None };
     Some(Answer {
         number: format!("×{}", text(first.fit.value)),
-        unit: format!("the error of {} per stop of dynamic range of {}, the steepest", first.method, first.series),
+        unit: format!("the error of {} per stop of dynamic range of {}", first.method, first.series),
         sentence: say(first),
         facts: rest.iter().take(FACTS_OF_A_KIND).map(say).collect(),
     })
@@ -159,12 +164,40 @@ fn from_effects(answers: &Answers) -> Option<Answer> {
         )
     };
     let first = all.first()?;
+    let rest = all.iter().skip(1).take(FACTS_OF_A_KIND).map(|effect| say(effect));
     Some(Answer {
         number: format!("×{}", text(first.ratio)),
         unit: format!("the error with {} {} instead of {}", first.axis, first.value, first.base),
         sentence: say(first),
-        facts: all.iter().skip(1).take(FACTS_OF_A_KIND).map(|effect| say(effect)).collect(),
+        facts: best_values(&all).into_iter().chain(rest).collect(),
     })
+}
+
+/// Which value of each parameter with three or more errs least, for each method that has it. `all` holds the effects over all alphas.
+fn best_values(all: &[&Effect]) -> Vec<String> {
+    let mut groups: BTreeMap<(&str, &str), Vec<&Effect>> = BTreeMap::new();
+    for effect in all.iter().filter(|effect| effect.axis != "method") {
+        groups.entry((&effect.axis, &effect.method)).or_default().push(effect);
+    }
+    let text = |x: f64| significant(x, TIME_DIGITS);
+    let best = |((axis, method), effects): ((&str, &str), Vec<&Effect>)| {
+        let least = effects.iter().min_by(|a, b| a.ratio.total_cmp(&b.ratio)).filter(|_| effects.len() > 1)?;
+        let of = if ["", "none"].contains(&method) { String::new() } else { format!(" for {method}") };
+        let interval = match least.interval[1].is_finite() {
+            true => format!(" (95 % {} to {})", text(least.interval[0]), text(least.interval[1])),
+            false => String::new(),
+        };
+        let (value, base, ratio) = (&least.value, &least.base, text(least.ratio));
+        Some(match least.ratio < 1.0 {
+            true => {
+                format!("Of the tried {axis}, {value} errs least{of}: {ratio} times the error with {base}{interval}.")
+            }
+            false => format!(
+                "Of the tried {axis}, {base} errs least{of}; the next, {value}, multiplies the error by {ratio}{interval}."
+            ),
+        })
+    };
+    groups.into_iter().filter_map(best).collect()
 }
 
 fn from_pair(study: &Study, answers: &Answers, pair: &Pair, [lower, middle, upper]: [BreakEven; 3]) -> Answer {
@@ -332,6 +365,14 @@ fn from_variants(study: &Study) -> Answer {
     } else {
         String::new()
     };
+    if ranked.len() == 1 {
+        return Answer {
+            number: text(*error),
+            unit: "relative squared error against the reference".to_owned(),
+            sentence: format!("{name} differs from its reference by a relMSE of {}{spread}.", text(*error)),
+            facts: Vec::new(),
+        };
+    }
     let facts = ranked.iter().skip(1).take(3).map(|(e, n, _)| format!("Next: {n} with {}.", text(*e)));
     Answer {
         number: text(*error),
