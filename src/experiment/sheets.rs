@@ -45,7 +45,7 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
             let title = format!("{} {}", plan.config.name, words(&sheet_axes, cells[0], " "));
             let content = Page { store, plan, results, columns, column_axes: &column_axes, tiles };
             let sheet = content.sheet(&cells, format!("{}{part}", title.trim_end()));
-            let name = words(&sheet_axes, cells[0], "_").replace('/', "-");
+            let name = words(&sheet_axes, cells[0], "_").replace(['/', ':'], "-");
             let name = if name.is_empty() { plan.config.name.clone() } else { name };
             let name = if pages.len() > 1 { format!("{name}_{}.png", page + 1) } else { format!("{name}.png") };
             let picture = sheet.render().expect("every row of a sheet has one tile a column, all of one size");

@@ -21,9 +21,9 @@ const FILES: [&str; 9] = [
 ];
 /// Larger files stay where they are: the folder is kept in git.
 const FILE_BYTES_MAX: u64 = 1 << 20;
-/// Contact sheets that are published, and their width, pixels.
-const SHEET_COUNT: usize = 2;
+/// The contact sheet that is published, the first that fits: its width, pixels, and its height when it has that width.
 const SHEET_WIDTH_MAX: u32 = 1200;
+const SHEET_HEIGHT_MAX: u32 = 2400;
 /// What a person adds to the published folder of a run: kept, and read into the page.
 const REMARK_FILE: &str = "remark.md";
 /// The page over all runs.
@@ -80,12 +80,17 @@ pub fn publish(dir: &Path, into: &Path) -> Result<Vec<String>, PublishError> {
             }
         }
     }
-    for sheet in sheets(&dir.join("tables"))?.into_iter().take(SHEET_COUNT) {
+    for sheet in sheets(&dir.join("tables"))? {
         let image = png::read_rgb8(&sheet)?;
         let width = image.width.min(SHEET_WIDTH_MAX);
         let height = (u64::from(image.height) * u64::from(width) / u64::from(image.width)).max(1) as u32;
+        if height > SHEET_HEIGHT_MAX {
+            notes.push(format!("{}: left out, {}x{} pixels", sheet.display(), image.width, image.height));
+            continue;
+        }
         let name = sheet.file_name().map_or_else(|| "sheet.png".into(), |name| name.to_owned());
         png::write_rgb8(&target.join(name), &image.shrunk(width, height))?;
+        break;
     }
     Ok(notes)
 }
