@@ -1,5 +1,7 @@
 //! From numbers to places on an axis, and the ticks of an axis.
 
+use crate::table::markdown::significant;
+
 /// How an axis runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -25,6 +27,10 @@ const MARGIN: f64 = 0.05;
 const SPARSE_FROM_DECADES: f64 = 2.0;
 /// A logarithmic axis never spans less than this factor: two equal values are not a blank plot.
 const FACTOR_MIN: f64 = 2.0;
+/// Neighbouring labels are at least this far apart, as a share of the axis over the number of labels it has room for.
+const LABEL_DISTANCE: f64 = 0.75;
+/// Longer numbers are rounded for a label.
+const TICK_DIGITS: usize = 6;
 /// About as many ticks has a linear axis.
 const LINEAR_TICKS: f64 = 6.0;
 /// More decades than this are labelled two by two, and so on.
@@ -80,17 +86,28 @@ impl Scale {
         Self { kind: Kind::Linear, lo, hi, ticks: (first..=last).map(tick).collect(), minor: Vec::new() }
     }
 
-    /// The same axis with ticks at given values only: those that were tried. Where they are too dense for `most` labels every second
-    /// one has none, and so on; the last one always has.
+    /// The same axis with ticks at given values only: those that were tried. Where they are too dense for `most` labels some have none;
+    /// the last one always has.
     pub fn with_ticks(mut self, values: &[f64], most: usize) -> Self {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
         sorted.dedup();
-        let step = sorted.len().div_ceil(most.max(1)).max(1);
-        let last = sorted.len().saturating_sub(1);
-        let is_labelled = |i: &usize| (last - i).is_multiple_of(step);
-        self.ticks = (0..sorted.len()).filter(is_labelled).map(|i| (sorted[i], tick_text(sorted[i]))).collect();
-        self.minor = (0..sorted.len()).filter(|i| !is_labelled(i)).map(|i| sorted[i]).collect();
+        // Uneven values crowd: labels keep a distance.
+        let distance = LABEL_DISTANCE / most.max(1) as f64;
+        let mut last = f64::INFINITY;
+        let (mut ticks, mut minor) = (Vec::new(), Vec::new());
+        for value in sorted.into_iter().rev() {
+            match self.place(value) {
+                Some(place) if last - place >= distance => {
+                    last = place;
+                    ticks.push((value, tick_text(value)));
+                }
+                _ => minor.push(value),
+            }
+        }
+        ticks.reverse();
+        minor.reverse();
+        (self.ticks, self.minor) = (ticks, minor);
         self
     }
 
@@ -113,7 +130,8 @@ fn decade(m: u32, e: i32) -> f64 {
 pub fn tick_text(x: f64) -> String {
     const PLAIN: std::ops::RangeInclusive<f64> = 0.000_999..=99_999.0;
     if x == 0.0 || PLAIN.contains(&x.abs()) {
-        return x.to_string();
+        let text = x.to_string();
+        return if text.trim_start_matches(['-', '0', '.']).len() > TICK_DIGITS { significant(x, 3) } else { text };
     }
     let scientific = format!("{x:e}");
     let (mantissa, exponent) = scientific.split_once('e').expect("the exponent format has an e");
