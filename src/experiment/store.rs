@@ -296,9 +296,12 @@ impl Store {
         self.record_path("cells", id)
     }
 
-    /// The record of a finished cell.
+    /// The record of a finished cell. One that cannot be understood, as a power cut may leave it, is none: the cell is done again.
     pub fn cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
-        self.read(&self.cell_path(id))
+        match self.read(&self.cell_path(id)) {
+            Err(StoreError::Corrupt { .. }) => Ok(None),
+            record => record,
+        }
     }
 
     /// Keeps a finished cell and forgets its earlier failure.

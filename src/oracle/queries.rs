@@ -135,8 +135,10 @@ impl<'a> Reader<'a> {
             if is_header {
                 is_header = false;
                 self.header(line, &record);
-                // Without its columns no row means anything.
-                if !self.faults.is_empty() {
+                // Without its columns no row means anything; one too many does not hide what is wrong below it.
+                let count = |column: &str| self.columns.iter().filter(|there| *there == column).count();
+                let has_all = self.kind.columns().required.iter().all(|column| count(column) == 1);
+                if !has_all || self.columns.iter().any(|column| count(column) > 1) {
                     break;
                 }
             } else if let Some(query) = self.row(line, &record) {

@@ -271,6 +271,13 @@ fn faults_of_the_header_come_first() {
             "q.csv:1:colour: unknown column for --kind shading; expected environment,",
         ],
     );
+    // A column too many does not hide the rows.
+    assert_refused(
+        &format!("{HEADER},colour\n{row},red\n"),
+        &[],
+        2,
+        &["q.csv:1:colour: unknown column for --kind shading; expected environment,", "q.csv:2:alpha: "],
+    );
     assert_refused("", &[], 2, &["q.csv:1: the file is empty; expected a header of environment,"]);
     let masking = "brdf,alpha,n_dot_v,masking\nggx,0.5,0,smith\n";
     assert_refused(

@@ -381,6 +381,22 @@ fn images_that_are_gone_or_cut_off_are_made_again() {
 }
 
 #[test]
+fn a_record_that_was_cut_off_is_no_record() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let errors = read(dir.path(), "errors.csv");
+    let split_sum = plan.cells.iter().find(|cell| cell.point.get("method").to_string() == "split-sum").unwrap();
+    let record = dir.path().join("cells").join(format!("{}.json", split_sum.id));
+    for contents in ["", "{\"cell\": \"12"] {
+        std::fs::write(&record, contents).unwrap();
+        let log = log();
+        invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+        assert_eq!(log.borrow().renders, [("split-sum".to_owned(), 1)], "{contents:?}");
+        assert!(read(dir.path(), "errors.csv") == errors, "{contents:?}");
+    }
+}
+
+#[test]
 fn the_provenance_says_what_a_session_shared_and_how_the_machine_was() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n")));
     let outcome = invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
