@@ -19,6 +19,8 @@ const COMBINATIONS_MAX: u64 = 1_000_000;
 const MAX_FILE_BYTES: u64 = 1 << 24;
 /// Hex digits of an id: 64 bits, so that a million cells collide with probability 3e-8.
 const ID_LENGTH: usize = 16;
+/// Turns the seed of the judging reference into that of a reference under test.
+const UNDER_TEST: u32 = 0x5eed_7e57;
 
 /// One row of the results.
 #[derive(Clone, Debug)]
@@ -136,8 +138,17 @@ impl Plan {
         words.filter(|(_, v)| **v != Value::Unset).map(|(n, v)| format!("{n}={v}")).collect::<Vec<_>>().join(" ")
     }
 
-    /// What to render for a point: the scene with the point's material, framed by the experiment's camera.
+    /// What to render for the point of a cell: the scene with the point's material, framed by the experiment's camera.
     pub fn request(&self, point: &Point) -> RenderRequest {
+        self.seeded_request(point, cell_seed(&self.config, point))
+    }
+
+    /// What to render for the point of a reference ([`Plan::reference_point`]).
+    pub fn reference_request(&self, point: &Point) -> RenderRequest {
+        self.seeded_request(point, self.config.seed)
+    }
+
+    fn seeded_request(&self, point: &Point, seed: u32) -> RenderRequest {
         let settings = point.settings();
         let environment = self.inputs.clipped(&settings.environment, settings.environment_clip_log2);
         let scene = self.inputs.scene(&settings.scene);
@@ -145,7 +156,7 @@ impl Plan {
             camera: self.config.camera,
             background: self.config.background,
             lights: self.config.lights.clone(),
-            seed: self.config.seed,
+            seed,
             reference_samples: self.config.reference.samples,
             reference_error: self.config.reference.relative_error,
         };
@@ -253,9 +264,10 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
             continue;
         }
         let has_lights = !config.lights.is_empty();
-        let reference = radiance_id(&config, &inputs, &point.reference(&config.reference, has_lights));
+        let judge = point.reference(&config.reference, has_lights);
+        let reference = radiance_id(&config, &inputs, &judge, config.seed);
         let point = point.collapsed(has_lights);
-        let radiance = radiance_id(&config, &inputs, &point);
+        let radiance = radiance_id(&config, &inputs, &point, cell_seed(&config, &point));
         let id = cell_id(&radiance, &reference, &point, repeats_of(&config, &point));
         if seen.insert(id.clone()) {
             cells.push(Cell { id, point, radiance, reference });
@@ -286,12 +298,18 @@ fn product(config: &Config) -> impl Iterator<Item = Point> + '_ {
     })
 }
 
+/// The seed of a cell. Where the reference is itself the method under test it has other points than the reference that judges it, or its
+/// error would be too small: none at all at equal counts.
+fn cell_seed(config: &Config, point: &Point) -> u32 {
+    if point.get("method").text() == REFERENCE { config.seed ^ UNDER_TEST } else { config.seed }
+}
+
 /// Inputs count by their content, so that a renamed file keeps its cells and a changed one loses them.
-fn radiance_id(config: &Config, inputs: &Inputs, point: &Point) -> String {
+fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32) -> String {
     let mut lines = vec![
         format!("schema={SCHEMA_VERSION}"),
         format!("shaders={}", crate::gpu::build_hash()),
-        format!("seed={}", config.seed),
+        format!("seed={seed}"),
         format!("camera={}", config.camera.name()),
         format!("background={}", config.background),
     ];

@@ -144,16 +144,14 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    /// Renders a point. The outer error ends the run, the inner one fails the cells that need the image.
+    /// The image of a cell's point with a set of the sequence. The outer error ends the run, the inner one fails the cells that need it.
     fn render(
         &mut self,
         point: &Point,
         set: u32,
         renderer: &mut dyn Renderer,
     ) -> Result<Result<Frame, String>, RunError> {
-        let request = self.plan.request(point);
-        let request = if set == 0 { request } else { RenderRequest { point_set: set, ..request } };
-        cell_result(renderer.render(&request))
+        cell_result(renderer.render(&RenderRequest { point_set: set, ..self.plan.request(point) }))
     }
 
     /// The image of a point, and its bias and variance where the experiment asks for them.
@@ -199,13 +197,13 @@ impl<'p> Run<'p> {
         desk: &mut Desk<'p>,
     ) -> Result<Result<ReferenceImage, String>, RunError> {
         let path = self.store.image_path(&images::radiance_name(self.plan, point, id));
-        let request = self.plan.request(point);
+        let request = self.plan.reference_request(point);
         let stop = self.store.reference(id)?;
         if let Some(reference) = ReferenceImage::read(&path, request.size, request.has_reference_term(), stop) {
             self.references_read += 1;
             return Ok(Ok(reference));
         }
-        let frame = match self.render(point, 0, renderer)? {
+        let frame = match cell_result(renderer.render(&request))? {
             Ok(frame) => Arc::new(frame),
             Err(reason) => return Ok(Err(reason)),
         };

@@ -259,3 +259,16 @@ fn methods_are_timed_in_one_block_whatever_only_one_of_them_has() {
         assert!(members.iter().any(|m| m.contains("split-sum")) && members.iter().any(|m| m.contains("sampled 40")));
     }
 }
+
+#[test]
+fn a_reference_under_test_shares_no_points_with_the_one_that_judges_it() {
+    let text = "name = \"x\"\nseed = 7\nreference = { samples = 64 }\n[axes]\nmethod = [\"reference\", \"sampled\"]\nsamples = [64]\n";
+    let plan = plan(text);
+    let [under_test, sampled] = &plan.cells[..] else { panic!("{} cells", plan.cells.len()) };
+    let judge = plan.reference_request(&plan.reference_point(&under_test.point));
+    let request = plan.request(&under_test.point);
+    assert_eq!((judge.method.name, judge.reference_samples), (request.method.name, request.reference_samples));
+    assert_ne!(judge.seed, request.seed);
+    assert_ne!(under_test.radiance, under_test.reference, "one image must not stand for both");
+    assert_eq!((judge.seed, plan.request(&sampled.point).seed), (7, 7));
+}
