@@ -78,6 +78,9 @@ struct Cost {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let plan = arguments.subject.plan()?;
+    for warning in plan.warnings() {
+        eprintln!("warning: {warning}");
+    }
     if let (Some(seconds), Some(path)) = (arguments.chunk_seconds, &arguments.subject.out) {
         return write_chunks(arguments, &plan, seconds, path);
     }

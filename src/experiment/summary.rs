@@ -150,17 +150,13 @@ fn times_section(timings: &[TimingRecord]) -> String {
         ("ratio", Align::Right),
         ("95 %", Align::Right),
         ("verdict", Align::Left),
-        ("tables paid after, frames", Align::Right),
+        ("tables paid after, frames (95 %)", Align::Left),
     ]);
     let ratios = ratios(timings);
     for pair in &ratios {
         let method = format!("{} {}", axis(pair.sampled, "method"), axis(pair.sampled, "samples"));
         let interval = pair.interval.map(|end| significant(end, DIGITS)).join(" to ");
-        let payback = match pair.payback_frames {
-            frames if frames.is_nan() => String::new(),
-            frames if frames.is_infinite() => "never".to_owned(),
-            frames => format!("{frames}"),
-        };
+        let payback = pair.payback.to_string();
         let (brdf, diffuse, fixed) =
             (axis(pair.sampled, "brdf"), axis(pair.sampled, "diffuse"), axis(pair.fixed, "method"));
         let verdict = format!("{}{}", pair.verdict, if pair.sampled.device_type == "cpu" { " (CPU)" } else { "" });

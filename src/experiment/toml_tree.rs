@@ -3,6 +3,7 @@
 use super::fault::{Faults, Place};
 use super::value::{Kind, Raw, Value};
 use crate::spelling::suggestion;
+use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -28,6 +29,44 @@ pub fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<Entry<'t, 'i>> {
         table.iter().map(|(key, value)| (key.span().start, key.get_ref().as_ref(), value)).collect();
     entries.sort_by_key(|(offset, ..)| *offset);
     entries.into_iter().map(|(offset, key, value)| (key, value, Place::File(offset))).collect()
+}
+
+/// What the parser says of a key that stands twice in one table.
+const TWICE: &str = "duplicate key";
+
+/// For the parser's fault of a second key, that key and where the first one is: the nearest before it of that name, and for a table's header
+/// the one at the top.
+pub fn first_of_twice<'t>(
+    root: &DeTable,
+    text: &'t str,
+    second: &Range<usize>,
+    message: &str,
+) -> Option<(&'t str, usize)> {
+    let key = text.get(second.clone()).filter(|_| message == TWICE)?;
+    let name = key.trim_matches(['"', '\'']);
+    let line_start = text[..second.start].rfind('\n').map_or(0, |i| i + 1);
+    let is_header = text[line_start..second.start].trim_start().starts_with('[');
+    let mut places = Vec::new();
+    places_of(root, name, if is_header { 1 } else { usize::MAX }, &mut places);
+    Some((key, places.into_iter().filter(|place| *place < second.start).max()?))
+}
+
+/// Where keys of that name are, in tables down to `depth`.
+fn places_of(table: &DeTable, name: &str, depth: usize, places: &mut Vec<usize>) {
+    if depth == 0 {
+        return;
+    }
+    for (key, value) in table.iter() {
+        if key.get_ref() == name {
+            places.push(key.span().start);
+        }
+        let inner = match value.get_ref() {
+            DeValue::Table(inner) => std::slice::from_ref(inner),
+            _ => &[],
+        };
+        let items = value.get_ref().as_array().into_iter().flatten().filter_map(|item| item.get_ref().as_table());
+        inner.iter().chain(items).for_each(|inner| places_of(inner, name, depth - 1, places));
+    }
 }
 
 /// The entries of a value that must be a table.

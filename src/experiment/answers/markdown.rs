@@ -86,7 +86,7 @@ fn break_even(study: &Study, answers: &Answers, pair: &Pair) -> String {
     let mut rows = table(&header);
     for case in &pair.cases {
         let curve = &answers.curves[case.curve];
-        let fixed_row = study.rows.iter().find(|row| row.run == case.fixed_run && row.cell == case.fixed_cell);
+        let fixed_row = study.row(case.fixed_run, &case.fixed_cell);
         let mut cells = words(&answers.case_axes, &case.key);
         cells.push(scored(case.fixed_error, fixed_row.is_none_or(Row::is_resolved)));
         cells.extend(pair.sample_counts.iter().map(|n| {

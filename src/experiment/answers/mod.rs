@@ -60,7 +60,7 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Answers joined runs.
+    /// Answers joined runs, of which each distinct image counts once ([`Study::distinct`]).
     pub fn new(study: &Study, runs: &[RunFolder]) -> Self {
         let (curves, fixed) = curves::curves(study);
         let pairs = cases::pairs(study, &curves, &fixed, &times::PairTimes::new(runs));

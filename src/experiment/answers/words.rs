@@ -10,7 +10,7 @@ use super::study::{FrameTime, Role, Row, Study};
 use crate::shade::METHODS;
 use crate::table::markdown::significant;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Digits of an error in a sentence.
 const ERROR_DIGITS: usize = 2;
@@ -59,7 +59,20 @@ pub fn answer(study: &Study, answers: &Answers) -> Answer {
         first.facts.push(other.sentence);
         first.facts.extend(other.facts);
     }
+    first.facts.extend(copies(study));
     first
+}
+
+/// How many cells count once, where some do.
+fn copies(study: &Study) -> Option<String> {
+    let (rows, copies) = (study.rows.len(), study.copy_count());
+    (copies > 0).then(|| {
+        format!(
+            "{copies} of the {} cells differ from another one only in what cannot reach their pixels; each image counts once, so \
+             these numbers are of {rows} cells.",
+            rows + copies
+        )
+    })
 }
 
 fn from_visibility(answers: &Answers) -> Option<Answer> {
@@ -203,7 +216,7 @@ fn best_values(all: &[&Effect]) -> Vec<String> {
 fn from_pair(study: &Study, answers: &Answers, pair: &Pair, [lower, middle, upper]: [BreakEven; 3]) -> Answer {
     let (sampled, fixed) = (&pair.sampled, &pair.fixed);
     let count = pair.cases.len();
-    let breadth = breadth(study, answers);
+    let breadth = breadth(answers, pair);
     let interval = if lower == upper { lower.to_string() } else { format!("{lower} to {upper}") };
     let sentence = match middle {
         BreakEven::From(n) => format!(
@@ -268,7 +281,7 @@ fn equal_time_fact(pair: &Pair) -> Option<String> {
 /// Median frame time of a method at a sample count (empty for none) over the cells that were timed, ms.
 fn frame_ms(study: &Study, method: &str, samples: &str) -> Option<f64> {
     let of_method = |row: &&Row| study.value(row, "method") == method && study.value(row, "samples") == samples;
-    let times = study.rows.iter().filter(of_method).filter_map(|row: &Row| row.frame_ms);
+    let times = study.images().into_iter().filter(of_method).filter_map(|row: &Row| row.frame_ms);
     let mut medians: Vec<f64> = times.map(|time: FrameTime| time.median).collect();
     medians.sort_by(f64::total_cmp);
     medians.get(medians.len() / 2).copied()
@@ -316,15 +329,14 @@ fn from_times(study: &Study) -> Option<Answer> {
     })
 }
 
-/// ` (2 environments, 3 brdfs, 5 alphas)` or nothing.
-fn breadth(study: &Study, answers: &Answers) -> String {
-    let axes = study.axes.iter().filter(|axis| answers.case_axes.contains(&axis.name));
-    let counts: Vec<String> = axes
-        .map(|axis| {
-            let count = axis.values.iter().filter(|value| !value.is_empty()).count();
-            format!("{count} × {}", axis.name)
-        })
-        .collect();
+/// ` (2 × environment, 3 × brdf, 5 × alpha)` or nothing: the values among the cases, which need not have every combination.
+fn breadth(answers: &Answers, pair: &Pair) -> String {
+    let counts = answers.case_axes.iter().enumerate().filter_map(|(axis, name)| {
+        let values: BTreeSet<&str> = pair.cases.iter().map(|case| case.key[axis].as_str()).collect();
+        let count = values.iter().filter(|value| !value.is_empty()).count();
+        (count > 1).then(|| format!("{count} × {name}"))
+    });
+    let counts: Vec<String> = counts.collect();
     if counts.is_empty() { String::new() } else { format!(" ({})", counts.join(", ")) }
 }
 
@@ -335,7 +347,7 @@ fn from_variants(study: &Study) -> Answer {
         .collect();
     let mut errors: BTreeMap<Vec<&str>, Vec<f64>> = BTreeMap::new();
     // The image without a specular term is there for scale; it is no way to make one.
-    for row in study.rows.iter().filter(|row| study.value(row, "method") != "none") {
+    for row in study.images().into_iter().filter(|row| study.value(row, "method") != "none") {
         // An image that is its own reference errs by nothing and answers nothing.
         if let Some(error) = row.error.filter(|error| *error > 0.0) {
             errors.entry(axes.iter().map(|&axis| row.axes[axis].as_str()).collect()).or_default().push(error);

@@ -98,7 +98,8 @@ fn spans_decades(numbers: &[f64]) -> bool {
 
 /// Median frame time and error of every method and sample count.
 pub fn time_and_error(study: &Study) -> Option<LineChart> {
-    let timed: Vec<_> = study.rows.iter().filter(|row| row.frame_ms.is_some() && row.error.is_some()).collect();
+    let timed: Vec<_> =
+        study.images().into_iter().filter(|row| row.frame_ms.is_some() && row.error.is_some()).collect();
     let methods = distinct(timed.iter().map(|row| study.value(row, "method")));
     let series: Vec<Series> = methods
         .iter()
