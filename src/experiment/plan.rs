@@ -319,6 +319,14 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
     Plan { config, inputs, columns, cells, excluded, collapsed, hash }
 }
 
+impl Config {
+    /// The combinations that an exclusion leaves out, unless the file spans more than a plan may.
+    pub fn excluded_points(&self) -> impl Iterator<Item = Point> + '_ {
+        let is_small = self.combination_count() <= COMBINATIONS_MAX && !self.exclusions.is_empty();
+        is_small.then(|| product(self)).into_iter().flatten().filter(|point| self.exclusion_of(point).is_some())
+    }
+}
+
 /// Every combination of the axes' values over the base point, the last axis fastest; zipped axes step together.
 fn product(config: &Config) -> impl Iterator<Item = Point> + '_ {
     let dimensions = config.dimensions();

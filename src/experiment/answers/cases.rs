@@ -6,7 +6,7 @@
 
 use super::break_even::{Basis, BreakEven, Level, break_even, crossing, crossing_interval, median};
 use super::curves::{Curve, CurvePoint, Fixed, fits, geometric_mean};
-use super::study::{Row, Study};
+use super::study::Study;
 use super::times::{PairTimes, TimeLevel, TimeMatch, ratio_at, time_match};
 use crate::experiment::timing_ratios::Payback;
 use serde::Serialize;
@@ -90,6 +90,9 @@ pub struct Pair {
     pub fixed: String,
     pub cases: Vec<Case>,
     pub sample_counts: Vec<u32>,
+    /// Keys of the cases that the experiment leaves out.
+    #[serde(skip)]
+    pub excluded: Vec<Vec<String>>,
 }
 
 impl Pair {
@@ -131,6 +134,7 @@ pub fn pairs(study: &Study, curves: &[Curve], fixed: &[Fixed], times: &PairTimes
                     fixed: fixed.method.to_owned(),
                     cases: vec![case],
                     sample_counts: Vec::new(),
+                    excluded: Vec::new(),
                 }),
             }
         }
@@ -141,8 +145,25 @@ pub fn pairs(study: &Study, curves: &[Curve], fixed: &[Fixed], times: &PairTimes
         counts.sort_unstable();
         counts.dedup();
         pair.sample_counts = counts;
+        pair.excluded = excluded(study, pair);
     }
     pairs
+}
+
+/// Keys of what is left out of one of the two methods and is part of no case.
+fn excluded(study: &Study, pair: &Pair) -> Vec<Vec<String>> {
+    let axes = study.case_axes();
+    let method = study.axis("method");
+    let of_pair =
+        |values: &&Vec<String>| method.is_some_and(|axis| [&pair.sampled, &pair.fixed].contains(&&values[axis]));
+    let mut keys: Vec<Vec<String>> = Vec::new();
+    for values in study.excluded.iter().filter(of_pair) {
+        let key: Vec<String> = axes.iter().map(|&axis| values[axis].clone()).collect();
+        if !keys.contains(&key) && pair.cases.iter().all(|case| !fits(&case.key, &key)) {
+            keys.push(key);
+        }
+    }
+    keys
 }
 
 fn case(study: &Study, curve: &Curve, index: usize, fixed: &Fixed, times: &PairTimes) -> Case {

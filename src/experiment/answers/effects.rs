@@ -29,6 +29,14 @@ pub struct Effect {
     pub better: usize,
 }
 
+impl Effect {
+    /// Whether the interval tells which of the two errs less.
+    pub fn is_decided(&self) -> bool {
+        let [lo, hi] = self.interval;
+        hi.is_finite() && (lo > 1.0 || hi < 1.0)
+    }
+}
+
 /// Axes that are no parameters: counts of samples have slopes and break-even, point sets are luck.
 const NOT_PARAMETERS: [&str; 3] = ["samples", "point_set", super::study::RUN_AXIS];
 

@@ -1,5 +1,7 @@
 //! Reading the folder of a finished run: only its files, so that a report needs neither the device nor the inputs.
 
+use crate::experiment::config::Config;
+use crate::experiment::fault::Faults;
 use crate::experiment::plan::SCHEMA_VERSION;
 use crate::experiment::store::{FailureRecord, Store};
 use crate::experiment::tables::HEADLINE;
@@ -45,6 +47,8 @@ pub struct RunFolder {
     pub provenance: serde_json::Value,
     /// The frozen experiment file.
     pub experiment: String,
+    /// What it says, with the overrides of the run; `None` where this program does not understand it.
+    pub config: Option<Config>,
     pub errors: Table,
     /// By `n_dot_v`; `None` for a run that has no such table.
     pub bins: Option<Table>,
@@ -82,9 +86,11 @@ impl RunFolder {
         let bins = table("errors_by_n_dot_v.csv")?;
         check_errors(dir, &provenance, &errors, bins.as_ref())?;
         let csv = CSV_FILES.iter().filter_map(|&name| text(&dir.join(name)).transpose().map(|t| Ok((name, t?))));
+        let experiment = text(&dir.join("experiment.toml"))?.unwrap_or_default();
         Ok(Self {
+            config: config(&experiment, &provenance),
             provenance,
-            experiment: text(&dir.join("experiment.toml"))?.unwrap_or_default(),
+            experiment,
             bins,
             environments: table("environments.csv")?,
             slips: table(slips::FILE_NAME)?,
@@ -135,6 +141,15 @@ impl RunFolder {
     pub fn is_cpu_timed(&self) -> bool {
         self.timings.iter().any(|record| record.device_type == "cpu")
     }
+}
+
+fn config(experiment: &str, provenance: &serde_json::Value) -> Option<Config> {
+    let overrides = provenance["overrides"].as_array().into_iter().flatten();
+    let overrides: Vec<String> = overrides.filter_map(|text| Some(text.as_str()?.to_owned())).collect();
+    let path = Path::new("experiment.toml");
+    let mut faults = Faults::new(path, experiment);
+    let config = Config::parse(path, experiment, &overrides, &mut faults);
+    faults.is_empty().then_some(config)
 }
 
 fn images(table: &Table) -> Result<BTreeMap<String, CellImages>, RunFolderError> {

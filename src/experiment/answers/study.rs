@@ -6,6 +6,7 @@ use crate::experiment::images::short_value;
 use crate::experiment::tables::{DISPLAY_HEADLINE, HEADLINE};
 use crate::experiment::timing::{FRAME, TimingRecord, summarize};
 use crate::experiment::value::Value;
+use crate::table::markdown::significant;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -89,6 +90,8 @@ pub struct FrameTime {
 pub struct Study {
     pub axes: Vec<StudyAxis>,
     pub rows: Vec<Row>,
+    /// Values by axis index of the combinations that the experiments leave out, with those unset that cannot reach the pixels.
+    pub excluded: Vec<Vec<String>>,
 }
 
 /// The axis that tells joined runs apart.
@@ -106,7 +109,8 @@ impl Study {
             names.extend(new);
         }
         let rows: Vec<Row> = (0..runs.len()).flat_map(|run| rows_of(&runs[run], run, &labels[run], &names)).collect();
-        Self { axes: axes_of(&names, &rows), rows }
+        let excluded = (0..runs.len()).flat_map(|run| excluded_of(&runs[run], &labels[run], &names)).collect();
+        Self { axes: axes_of(&names, &rows), rows, excluded }
     }
 
     /// The rows with each distinct image once: an axis is unset in a row whose pixels it cannot reach ([`Point::of_pixels`]), a clip of the
@@ -139,7 +143,7 @@ impl Study {
                 }
             }
         }
-        Self { axes: axes_of(&names, &rows), rows }
+        Self { axes: axes_of(&names, &rows), rows, excluded: self.excluded.clone() }
     }
 
     /// Cells that a row with the same pixels stands for.
@@ -190,6 +194,21 @@ impl Study {
         };
         (0..self.axes.len()).filter(|&index| is_case(&self.axes[index])).collect()
     }
+}
+
+/// The combinations that a run's frozen experiment leaves out, each once.
+fn excluded_of(folder: &RunFolder, label: &str, names: &[String]) -> BTreeSet<Vec<String>> {
+    let text = |point: &Point| {
+        let value = |name: &String| match index_of(name) {
+            _ if name == RUN_AXIS => label.to_owned(),
+            Some(axis) => point.0[axis].to_string(),
+            None => String::new(),
+        };
+        names.iter().map(value).collect()
+    };
+    let Some(config) = &folder.config else { return BTreeSet::new() };
+    let has_lights = !config.lights.is_empty();
+    config.excluded_points().map(|point| text(&point.collapsed(has_lights).of_pixels(has_lights))).collect()
 }
 
 fn axes_of(names: &[String], rows: &[Row]) -> Vec<StudyAxis> {
@@ -298,8 +317,18 @@ pub const RANGE_COLUMN: &str = "dynamic_range_stops";
 /// Those with the mean and the peak.
 pub const LUMINANCE_COLUMNS: [&str; 2] = ["mean_luminance", "peak_luminance"];
 
-/// A value as people say it: builtins without their prefix, files without folder and extension.
+/// Digits of a number that is written for people; files of numbers have all.
+const SHORT_DIGITS: usize = 4;
+
+/// A value as people say it: builtins without their prefix, files without folder and extension, long numbers rounded.
 pub fn short<'v>(axis: &str, value: &'v str) -> Cow<'v, str> {
+    let digits = value.trim_start_matches(['-', '0', '.']).len();
+    match value.parse::<f64>() {
+        Ok(number) if value.contains('.') && digits > SHORT_DIGITS + 1 => {
+            return significant(number, SHORT_DIGITS).into();
+        }
+        _ => {}
+    }
     if AXES.iter().all(|known| known.name != axis) { value.into() } else { short_value(by_name(axis), value) }
 }
 

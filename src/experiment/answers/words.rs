@@ -6,7 +6,7 @@ use super::cases::{Pair, Winner};
 use super::dynamic_range::growth;
 use super::effects::Effect;
 use super::exposure::{Hiding, VISIBLE_FROM, hiding};
-use super::study::{FrameTime, Role, Row, Study};
+use super::study::{FrameTime, Role, Row, Study, short};
 use crate::shade::METHODS;
 use crate::table::markdown::significant;
 use serde::{Deserialize, Serialize};
@@ -134,12 +134,14 @@ fn from_range(answers: &Answers) -> Option<Answer> {
     let text = |x: f64| significant(x.exp(), ERROR_DIGITS);
     let say = |one: &super::dynamic_range::Growth| {
         format!(
-            "The error of {} in {} changes by a factor of {} per stop of dynamic range ({} to {}).",
+            "The error of {} in {} changes by a factor of {} per stop of dynamic range (95 % {} to {}; a line through the logarithms \
+             of {} medians, which need not lie on one).",
             one.method,
             one.series,
             text(one.fit.value),
             text(one.fit.lo),
-            text(one.fit.hi)
+            text(one.fit.hi),
+            one.fit.n
         )
     };
     let [first, rest @ ..] = growth.as_slice() else { return None };
@@ -166,14 +168,15 @@ fn from_effects(answers: &Answers) -> Option<Answer> {
             ("method", samples) => format!(" at {samples} samples"),
             (_, method) => format!(" of {method}"),
         };
+        let [value, base] = [&effect.value, &effect.base].map(|value| short(&effect.axis, value));
         format!(
-            "{} {} instead of {} multiplies the error{method} by {} ({interval}{} {}).",
+            "{} {value} instead of {base} {} the error{method} by {} ({interval}{} {}){}.",
             effect.axis,
-            effect.value,
-            effect.base,
+            if effect.is_decided() { "multiplies" } else { "may multiply" },
             text(effect.ratio),
             effect.n,
-            plural(effect.n, "pair")
+            plural(effect.n, "pair"),
+            if effect.is_decided() { "" } else { ": the interval does not tell which one errs less" }
         )
     };
     let first = all.first()?;
@@ -200,13 +203,15 @@ fn best_values(all: &[&Effect]) -> Vec<String> {
             true => format!(" (95 % {} to {})", text(least.interval[0]), text(least.interval[1])),
             false => String::new(),
         };
-        let (value, base, ratio) = (&least.value, &least.base, text(least.ratio));
+        let [value, base] = [&least.value, &least.base].map(|value| short(axis, value));
+        let ratio = text(least.ratio);
+        let doubt = if least.is_decided() { "" } else { "; the interval does not tell the two apart" };
         Some(match least.ratio < 1.0 {
-            true => {
-                format!("Of the tried {axis}, {value} errs least{of}: {ratio} times the error with {base}{interval}.")
-            }
+            true => format!(
+                "Of the tried {axis}, {value} errs least{of}: {ratio} times the error with {base}{interval}{doubt}."
+            ),
             false => format!(
-                "Of the tried {axis}, {base} errs least{of}; the next, {value}, multiplies the error by {ratio}{interval}."
+                "Of the tried {axis}, {base} errs least{of}; the next, {value}, multiplies the error by {ratio}{interval}{doubt}."
             ),
         })
     };
