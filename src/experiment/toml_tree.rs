@@ -35,7 +35,7 @@ pub fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<Entry<'t, 'i>> {
 const TWICE: &str = "duplicate key";
 
 /// For the parser's fault of a second key, that key and where the first one is: the nearest before it of that name, and for a table's header
-/// the one at the top.
+/// the nearest header.
 pub fn first_of_twice<'t>(
     root: &DeTable,
     text: &'t str,
@@ -43,29 +43,30 @@ pub fn first_of_twice<'t>(
     message: &str,
 ) -> Option<(&'t str, usize)> {
     let key = text.get(second.clone()).filter(|_| message == TWICE)?;
-    let name = key.trim_matches(['"', '\'']);
     let line_start = text[..second.start].rfind('\n').map_or(0, |i| i + 1);
-    let is_header = text[line_start..second.start].trim_start().starts_with('[');
+    if text[line_start..second.start].trim_start().starts_with('[') {
+        let header =
+            |line: &str| line.trim_start().trim_start_matches('[').split(']').next().map(|name| name.trim() == key);
+        let starts = text[..line_start].match_indices('\n').map(|(i, _)| i + 1);
+        let is_header = |start: &usize| {
+            let line = text[*start..].lines().next().unwrap_or_default();
+            line.trim_start().starts_with('[') && header(line) == Some(true)
+        };
+        return Some((key, std::iter::once(0).chain(starts).filter(is_header).last()?));
+    }
     let mut places = Vec::new();
-    places_of(root, name, if is_header { 1 } else { usize::MAX }, &mut places);
+    places_of(root, key.trim_matches(['"', '\'']), &mut places);
     Some((key, places.into_iter().filter(|place| *place < second.start).max()?))
 }
 
-/// Where keys of that name are, in tables down to `depth`.
-fn places_of(table: &DeTable, name: &str, depth: usize, places: &mut Vec<usize>) {
-    if depth == 0 {
-        return;
-    }
+/// Where keys of that name are, in all tables.
+fn places_of(table: &DeTable, name: &str, places: &mut Vec<usize>) {
     for (key, value) in table.iter() {
         if key.get_ref() == name {
             places.push(key.span().start);
         }
-        let inner = match value.get_ref() {
-            DeValue::Table(inner) => std::slice::from_ref(inner),
-            _ => &[],
-        };
         let items = value.get_ref().as_array().into_iter().flatten().filter_map(|item| item.get_ref().as_table());
-        inner.iter().chain(items).for_each(|inner| places_of(inner, name, depth - 1, places));
+        value.get_ref().as_table().into_iter().chain(items).for_each(|inner| places_of(inner, name, places));
     }
 }
 

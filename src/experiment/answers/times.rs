@@ -28,6 +28,18 @@ pub struct TimeLevel {
     pub is_cpu: bool,
 }
 
+/// Frame times of a sampling method over those of a fixed one, of one timed configuration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameRatio {
+    pub sampled: String,
+    /// As written.
+    pub samples: String,
+    pub fixed: String,
+    /// Median over rounds, with its 95 % interval; NaN below two rounds.
+    pub ratio: f64,
+    pub interval: [f64; 2],
+}
+
 /// What a sampling method can do in the time of a method without samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TimeMatch {
@@ -45,6 +57,19 @@ impl<'r> PairTimes<'r> {
     pub fn new(runs: &'r [RunFolder]) -> Self {
         let of_run = |(run, folder): (usize, &'r RunFolder)| ratios(&folder.timings).into_iter().map(move |r| (run, r));
         Self { pairs: runs.iter().enumerate().flat_map(of_run).collect() }
+    }
+
+    /// Every pair in words of its methods.
+    pub fn frame_ratios(&self) -> Vec<FrameRatio> {
+        let axis = |record: &TimingRecord, name: &str| record.axes.get(name).cloned().unwrap_or_default();
+        let ratio = |(_, pair): &(usize, Ratio)| FrameRatio {
+            sampled: axis(pair.sampled, "method"),
+            samples: axis(pair.sampled, "samples"),
+            fixed: axis(pair.fixed, "method"),
+            ratio: pair.ratio,
+            interval: pair.interval,
+        };
+        self.pairs.iter().map(ratio).collect()
     }
 
     /// The times of a sampled row beside those of a fixed one of the same run: those taken with the row's own environment where there

@@ -7,6 +7,8 @@ use super::dynamic_range::growth;
 use super::effects::Effect;
 use super::exposure::{Hiding, VISIBLE_FROM, hiding};
 use super::study::{FrameTime, Role, Row, Study, short};
+use super::times::FrameRatio;
+use crate::experiment::statistics::median;
 use crate::shade::METHODS;
 use crate::table::markdown::significant;
 use serde::{Deserialize, Serialize};
@@ -45,7 +47,7 @@ pub fn answer(study: &Study, answers: &Answers) -> Answer {
     leads.extend(visibility.clone().filter(|_| asks_the_curve));
     leads.extend(if clips { from_range(answers) } else { None });
     leads.extend(match pair {
-        None => from_times(study),
+        None => from_times(study, answers),
         pair => pair,
     });
     leads.extend(visibility.filter(|_| !asks_the_curve));
@@ -155,8 +157,9 @@ fn from_range(answers: &Answers) -> Option<Answer> {
 
 fn from_effects(answers: &Answers) -> Option<Answer> {
     let mut all: Vec<&Effect> = answers.effects.iter().filter(|effect| effect.alpha.is_none()).collect();
-    // The strongest first, whichever its direction.
-    all.sort_by(|a, b| b.ratio.ln().abs().total_cmp(&a.ratio.ln().abs()));
+    // What is decided first, then the strongest, whichever its direction.
+    let strength = |effect: &Effect| effect.ratio.ln().abs();
+    all.sort_by(|a, b| b.is_decided().cmp(&a.is_decided()).then(strength(b).total_cmp(&strength(a))));
     let text = |x: f64| significant(x, TIME_DIGITS);
     let say = |effect: &Effect| {
         let interval = match effect.interval[1].is_finite() {
@@ -254,7 +257,7 @@ fn from_pair(study: &Study, answers: &Answers, pair: &Pair, [lower, middle, uppe
         ));
     }
     if let BreakEven::From(n) = middle {
-        facts.extend(time_fact(study, sampled, n, fixed));
+        facts.extend(time_fact(study, answers, sampled, n, fixed));
     }
     facts.extend(equal_time_fact(pair));
     Answer {
@@ -293,18 +296,41 @@ fn frame_ms(study: &Study, method: &str, samples: &str) -> Option<f64> {
 }
 
 /// What a frame costs at break-even against the method without samples.
-fn time_fact(study: &Study, sampled: &str, samples: u32, fixed: &str) -> Option<String> {
-    let (at_break_even, without) = (frame_ms(study, sampled, &samples.to_string())?, frame_ms(study, fixed, "")?);
+fn time_fact(study: &Study, answers: &Answers, sampled: &str, samples: u32, fixed: &str) -> Option<String> {
+    let samples = samples.to_string();
+    let (at_break_even, without) = (frame_ms(study, sampled, &samples)?, frame_ms(study, fixed, "")?);
     Some(format!(
-        "A frame then takes {} ms against {} ms for {fixed}: {} times as long.",
+        "A frame then takes {} ms against {} ms for {fixed}, medians over what was timed{}.",
         significant(at_break_even, TIME_DIGITS),
         significant(without, TIME_DIGITS),
-        significant(at_break_even / without, ERROR_DIGITS)
+        ratio_words(answers, sampled, &samples, fixed).map_or_else(String::new, |(_, words)| format!(": {words}"))
     ))
 }
 
+/// Median and words of the ratios of frame times, each taken pair by pair in the same rounds.
+fn ratio_words(answers: &Answers, sampled: &str, samples: &str, fixed: &str) -> Option<(f64, String)> {
+    let is_it = |ratio: &&FrameRatio| ratio.sampled == sampled && ratio.samples == samples && ratio.fixed == fixed;
+    let own: Vec<&FrameRatio> = answers.frame_ratios.iter().filter(is_it).collect();
+    let range = |of: &dyn Fn(&FrameRatio) -> [f64; 2]| {
+        let ends =
+            own.iter().map(|ratio| of(ratio)).fold([f64::INFINITY, 0.0f64], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        ends.map(|end| significant(end, ERROR_DIGITS)).join(" to ")
+    };
+    let middle = median(&own.iter().map(|ratio| ratio.ratio).collect::<Vec<_>>());
+    let interval = range(&|ratio| ratio.interval);
+    let words = match own.len() {
+        0 => return None,
+        1 => format!("{} times as long (95 % {interval})", significant(middle, ERROR_DIGITS)),
+        count => format!(
+            "{} times as long in {count} configurations, whose 95 % intervals reach from {interval}",
+            range(&|ratio| [ratio.ratio; 2])
+        ),
+    };
+    Some((middle, words))
+}
+
 /// Where methods were timed but too few sample counts tried to break even: what a frame costs with each.
-fn from_times(study: &Study) -> Option<Answer> {
+fn from_times(study: &Study, answers: &Answers) -> Option<Answer> {
     let mut ways: Vec<(&str, &str)> = Vec::new();
     for row in study.rows.iter().filter(|row| row.frame_ms.is_some()) {
         let way = (study.value(row, "method"), study.value(row, "samples"));
@@ -316,13 +342,14 @@ fn from_times(study: &Study) -> Option<Answer> {
     let without = frame_ms(study, fixed.0, "")?;
     let mut ratios = ways.iter().filter(|way| !way.1.is_empty()).filter_map(|(method, samples)| {
         let ms = frame_ms(study, method, samples)?;
-        let ratio = significant(ms / without, ERROR_DIGITS);
+        let (ratio, words) = ratio_words(answers, method, samples, fixed.0)?;
         let sentence = format!(
-            "A frame of {method} with {samples} samples takes {} ms against {} ms for {}: {ratio} times as long.",
+            "A frame of {method} with {samples} samples takes {} ms against {} ms for {}, medians over what was timed: {words}.",
             significant(ms, TIME_DIGITS),
             significant(without, TIME_DIGITS),
             fixed.0
         );
+        let ratio = significant(ratio, ERROR_DIGITS);
         Some((ratio, format!("frame time of {method} with {samples} samples over that of {}", fixed.0), sentence))
     });
     let (ratio, unit, sentence) = ratios.next()?;
