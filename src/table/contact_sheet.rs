@@ -202,7 +202,9 @@ impl Layout {
         let tile = tile_size(sheet)?.map(|side| side * sheet.scale);
         let column_labels =
             text::fit(&sheet.column_labels, LABEL, &LABEL_SIZES, tile[0] as f32 + GAP as f32, LABEL_LINES);
-        let row_labels = text::fit(&sheet.row_labels, LABEL, &LABEL_SIZES, ROW_LABEL_MAX, LABEL_LINES);
+        // Each swept axis has a line: as many as stand beside a tile.
+        let row_lines = ((tile[1] as f32 / LABEL.line_height()) as usize).max(LABEL_LINES);
+        let row_labels = text::fit(&sheet.row_labels, LABEL, &LABEL_SIZES, ROW_LABEL_MAX, row_lines);
         let label_width = row_labels.1.iter().flatten().map(|line| text::width(line, row_labels.0)).fold(0.0, f32::max);
         let (note, note_heights) = note_style(sheet, tile[0]);
 

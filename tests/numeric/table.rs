@@ -358,3 +358,15 @@ fn a_tall_sheet_makes_pages_that_lose_no_row() {
     assert_eq!(tall.clone().pages(1).unwrap().len(), 20);
     assert_eq!(tall.clone().pages(whole).unwrap(), [tall]);
 }
+
+#[test]
+fn a_row_label_has_as_many_lines_as_its_tile_is_tall() {
+    let tall = |label: &str| {
+        let tile = Tile::Image { image: Rgb8Image::filled(30, 40, [9; 3]), note: String::new() };
+        let rows = vec![vec![tile.clone(), tile.clone(), tile]];
+        ContactSheet { scale: 4, row_labels: vec![label.to_owned()], rows, row_group_starts: vec![], ..sheet() }
+            .render()
+    };
+    // 160 pixels are room for six lines.
+    assert_ne!(tall("a 1\nb 2\nc 3\nd 4\ne 5\nf 6"), tall("a 1\nb 2\nc 3\nd 4\ne 5\nf 7"));
+}

@@ -124,8 +124,9 @@ impl Study {
         let mut places: BTreeMap<(usize, Vec<String>), usize> = BTreeMap::new();
         for row in &self.rows {
             let mut own = Row { axes: reaching_pixels(&names, &row.axes), ..row.clone() };
-            if let (Some(environment), Some(clip), Some(light)) = (environment, clip, &row.light) {
-                let first = clips.entry((row.run, &row.axes[environment], light)).or_insert(&row.axes[clip]);
+            if let (Some(clip), Some(light)) = (clip, &row.light) {
+                let environment = environment.map_or("", |axis| row.axes[axis].as_str());
+                let first = clips.entry((row.run, environment, light)).or_insert(&row.axes[clip]);
                 own.axes[clip] = first.to_string();
             }
             match places.get(&(own.run, own.axes.clone())) {
@@ -177,8 +178,11 @@ impl Study {
         self.rows.iter().filter(is_new).collect()
     }
 
-    /// How the image of a row is made: "sampled 16", "split-sum".
+    /// How the image of a row is made: "sampled 16", "split-sum"; where no row has a specular term, the diffuse method.
     pub fn method_label(&self, row: &Row) -> String {
+        if self.axis("method").is_some_and(|axis| self.axes[axis].values == ["none"]) {
+            return self.value(row, "diffuse").to_owned();
+        }
         format!("{} {}", self.value(row, "method"), self.value(row, "samples")).trim_end().to_owned()
     }
 

@@ -8,6 +8,7 @@ use super::effects::Effect;
 use super::exposure::{Hiding, VISIBLE_FROM, hiding};
 use super::study::{FrameTime, Role, Row, Study, short};
 use super::times::FrameRatio;
+use crate::experiment::axis::REFERENCE;
 use crate::experiment::statistics::median;
 use crate::shade::METHODS;
 use crate::table::markdown::significant;
@@ -179,7 +180,11 @@ fn from_effects(answers: &Answers) -> Option<Answer> {
             text(effect.ratio),
             effect.n,
             plural(effect.n, "pair"),
-            if effect.is_decided() { "" } else { ": the interval does not tell which one errs less" }
+            match effect.interval[1].is_finite() {
+                _ if effect.is_decided() => "",
+                true => ": the interval does not tell which one errs less",
+                false => ", without an interval",
+            }
         )
     };
     let first = all.first()?;
@@ -413,7 +418,13 @@ fn from_variants(study: &Study) -> Answer {
         return Answer {
             number: text(*error),
             unit: "relative squared error against the reference".to_owned(),
-            sentence: format!("{name} differs from its reference by a relMSE of {}{spread}.", text(*error)),
+            sentence: match name.as_str() {
+                REFERENCE => format!(
+                    "What the reference method renders differs from what judges it by a relMSE of {}{spread}.",
+                    text(*error)
+                ),
+                _ => format!("{name} differs from its reference by a relMSE of {}{spread}.", text(*error)),
+            },
             facts: Vec::new(),
         };
     }

@@ -392,6 +392,7 @@ fn axes_hold_their_data_and_name_round_values() {
     assert!(log.minor.iter().all(|x| (log.lo..=log.hi).contains(x)) && log.minor.len() > 30);
     assert_eq!(ticks(&Scale::of(Kind::Log, [3.0, 30.0]).unwrap()), ["5", "10", "20"]);
     assert_eq!(ticks(&Scale::of(Kind::Linear, [0.0, 0.24]).unwrap()), ["0.00", "0.05", "0.10", "0.15", "0.20", "0.25"]);
+    assert_eq!(ticks(&Scale::of(Kind::Log, [0.9, 1.1]).unwrap()), ["0.7", "1", "1.2"]);
     assert_eq!(Scale::of(Kind::Log, [0.0, -1.0]), None);
     assert!((log.place(log.lo).unwrap()).abs() < F64 && (log.place(log.hi).unwrap() - 1.0).abs() < F64);
     assert_eq!(log.place(0.0), None);

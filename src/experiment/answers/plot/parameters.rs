@@ -75,7 +75,10 @@ fn chart(answers: &Answers, axis: &str) -> Option<LineChart> {
             }
         });
         Panel {
-            title: alpha.as_ref().map_or_else(|| "all".to_owned(), |alpha| format!("α {}", short("alpha", alpha))),
+            title: alpha.as_ref().map_or_else(
+                || if alphas.len() > 1 { "all" } else { "" }.to_owned(),
+                |alpha| format!("α {}", short("alpha", alpha)),
+            ),
             series: series.collect(),
             rules: vec![Rule { label: format!("as {axis} {base}"), color: MUTED, stroke: Stroke::Dashed, y: 1.0 }],
         }
