@@ -233,10 +233,12 @@ fn from_pair(study: &Study, answers: &Answers, pair: &Pair, [lower, middle, uppe
     let interval = if lower == upper { lower.to_string() } else { format!("{lower} to {upper}") };
     let sentence = match middle {
         BreakEven::From(n) => format!(
-            "From {n} {} a pixel on, {sampled} is closer to the reference than {fixed}: the median of {count} {}{breadth}. \
+            "From {n} {} a pixel on{censored}, {sampled} is closer to the reference than {fixed}: the median of {count} {}{breadth}. \
              The middle half of them breaks even at {interval} samples.",
             plural(n as usize, "sample"),
             plural(count, "case"),
+            // Fewer were not tried, so the answer is an upper bound.
+            censored = if n == pair.tried()[0] { " at the latest, the fewest that were tried" } else { "" },
         ),
         BreakEven::Above(n) => format!(
             "Up to {n} samples a pixel, {sampled} does not beat {fixed} in the median of {count} {}{breadth}. \
