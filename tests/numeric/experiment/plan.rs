@@ -93,7 +93,7 @@ fn ids_depend_on_everything_that_determines_pixels() {
         "camera = \"perspective\"",
         "background = true",
         "scene = \"spheres\"",
-        "reference = { samples = 8 }",
+        "reference = { samples = 64 }",
         "precompute = { dfg_size = 8 }",
         "lights = [{ kind = \"point\", position = [0, 1, 0], color = [1, 1, 1] }]",
     ];
