@@ -34,6 +34,8 @@ pub struct Exclusion {
     /// Axis index and the values it matches.
     pub conditions: Vec<(usize, Vec<Value>)>,
     pub why: String,
+    /// Where it was written.
+    pub place: Place,
 }
 
 /// What comes before the executions that count.
@@ -273,7 +275,8 @@ impl Config {
 
     fn read_exclusions(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         for item in list(value, "exclude", faults) {
-            let mut exclusion = Exclusion { conditions: Vec::new(), why: String::new() };
+            let place = Place::File(item.span().start);
+            let mut exclusion = Exclusion { conditions: Vec::new(), why: String::new(), place };
             for (key, value, place) in table(item, "exclude", faults) {
                 let at = Place::File(value.span().start);
                 if key == "why" {

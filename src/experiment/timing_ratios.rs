@@ -1,7 +1,7 @@
 //! Two methods timed in the same rounds: which is faster, and when a method's tables have paid for themselves.
 
 use super::statistics::{median, median_interval};
-use super::timing::{FRAME, PRECOMPUTE, TimingRecord, summarize};
+use super::timing::{FRAME, PRECOMPUTE, TimingRecord};
 use crate::shade::METHODS;
 use std::fmt;
 
@@ -77,7 +77,7 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
             let pairs = sampled.sums_ms().into_iter().zip(fixed.sums_ms());
             let quotients: Vec<f64> = pairs.map(|(a, b)| a / b).collect();
             let interval = median_interval(&quotients);
-            let saved_ms = summarize(&sampled.sums_ms()).median - summarize(&fixed.sums_ms()).median;
+            let saved_ms = median(&sampled.sums_ms()) - median(&fixed.sums_ms());
             let tables_ms = tables_ms(records, fixed) - tables_ms(records, sampled);
             found.push(Ratio {
                 sampled,
@@ -108,5 +108,5 @@ fn tables_ms(records: &[TimingRecord], frame: &TimingRecord) -> f64 {
             && record.environment_size == frame.environment_size
             && ["brdf", "method", "diffuse", "masking"].iter().all(|name| same(record, name))
     };
-    records.iter().find(of_frame).map_or(f64::NAN, |record| summarize(&record.sums_ms()).median)
+    records.iter().find(of_frame).map_or(f64::NAN, |record| median(&record.sums_ms()))
 }

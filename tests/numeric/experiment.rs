@@ -3,8 +3,12 @@
 mod answers;
 mod chunk;
 mod config;
+mod estimate;
 pub mod fake;
 mod host;
 mod plan;
+mod resume;
 mod run;
+pub mod runs;
 mod statistics;
+mod timed;

@@ -15,6 +15,8 @@ use std::path::{Path, PathBuf};
 pub enum RunFolderError {
     #[error("{}: has no {file}; expected the folder of a run of `splitsum run`", dir.display())]
     NotARun { dir: PathBuf, file: &'static str },
+    #[error("{}: the run was stopped before its first table; to go on run the same command again: {command}", dir.display())]
+    Unfinished { dir: PathBuf, command: String },
     #[error("{}: the run is in the format {found}, and this program knows formats up to {SCHEMA_VERSION}", dir.display())]
     NewerVersion { dir: PathBuf, found: u64 },
     #[error("{}: {error}", path.display())]
@@ -74,7 +76,7 @@ impl RunFolder {
             let path = dir.join(name);
             path.exists().then(|| Table::read(&path)).transpose()
         };
-        let errors = table("errors.csv")?.ok_or_else(|| not_a_run("errors.csv"))?;
+        let errors = table("errors.csv")?.ok_or_else(|| unfinished(dir, &provenance))?;
         let csv = CSV_FILES.iter().filter_map(|&name| text(&dir.join(name)).transpose().map(|t| Ok((name, t?))));
         Ok(Self {
             provenance,
@@ -128,6 +130,17 @@ impl RunFolder {
     /// Whether any of its times, or the run itself, comes from a driver that computes on the CPU.
     pub fn is_cpu_timed(&self) -> bool {
         self.timings.iter().any(|record| record.device_type == "cpu")
+    }
+}
+
+/// A run that left no table, with the command that makes one.
+fn unfinished(dir: &Path, provenance: &serde_json::Value) -> RunFolderError {
+    let last = provenance["sessions"].as_array().and_then(|sessions| sessions.last());
+    let words = last.and_then(|session| session["command_line"].as_array()).map_or(&[][..], Vec::as_slice);
+    let words: Vec<&str> = words.iter().filter_map(serde_json::Value::as_str).collect();
+    match words.is_empty() {
+        true => RunFolderError::NotARun { dir: dir.to_owned(), file: "errors.csv" },
+        false => RunFolderError::Unfinished { dir: dir.to_owned(), command: words.join(" ") },
     }
 }
 
