@@ -161,6 +161,8 @@ pub fn files(plan: &Plan, cells: &[&Cell]) -> Vec<(&'static str, Amount)> {
         let pixels = Amount { pixels: amount(plan, &cell.point).pixels, samples: 0.0 };
         let [_, reference] = images::linear_files(plan, cell);
         files.push(("bytes record", Amount::default()));
+        files.push(("bytes sheet", pixels));
+        files.push(("bytes rows", Amount::default()));
         for name in images::files(plan, cell) {
             let kind = file_kind(&name, name == reference);
             if seen.insert(name) {

@@ -76,6 +76,14 @@ const REFERENCE_BYTES_PER_PIXEL: f64 = 28.0;
 const PICTURE_BYTES_PER_PIXEL: f64 = 1.3;
 /// All metrics in ten bins.
 const RECORD_BYTES: f64 = 12_000.0;
+/// A pixel of a cell in a contact sheet.
+const SHEET_BYTES_PER_PIXEL: f64 = 1.5;
+/// A cell in the tables and answers.
+const ROWS_BYTES: f64 = 6000.0;
+/// A pixel of a linear image in the report, which has a budget.
+const REPORT_BYTES_PER_PIXEL: f64 = 5.0;
+/// That budget, bytes.
+pub const REPORT_BYTES_MAX: usize = 40 << 20;
 /// Tables, contact sheets, answers and report, for each pixel of each cell, seconds.
 const END_SECONDS_PER_PIXEL: f64 = 3e-7;
 /// Processors of the machine that the constants stand for.
@@ -100,6 +108,8 @@ pub fn constants() -> Speeds {
         ("bytes reference", bytes(REFERENCE_BYTES_PER_PIXEL)),
         ("bytes picture", bytes(PICTURE_BYTES_PER_PIXEL)),
         ("bytes record", fixed(RECORD_BYTES)),
+        ("bytes sheet", bytes(SHEET_BYTES_PER_PIXEL)),
+        ("bytes rows", fixed(ROWS_BYTES)),
     ])
 }
 
@@ -137,11 +147,19 @@ pub fn estimate(plan: &Plan, cells: &[&Cell], items: &[Item], sources: &[(Source
         part.seconds += seconds;
         *part.sources.entry(source).or_default() += seconds;
     }
+    let mut report_bytes = 0.0;
     for (kind, amount) in items::files(plan, cells) {
         let (source, line) = find(kind);
         found.bytes += line.at(amount);
-        found.bytes_source = found.bytes_source.max(Some(source));
+        // Sheets and rows are stated, and small beside the images.
+        if !["bytes sheet", "bytes rows"].contains(&kind) {
+            found.bytes_source = found.bytes_source.max(Some(source));
+        }
+        if kind == "bytes linear" || kind == "bytes reference" {
+            report_bytes += amount.pixels * REPORT_BYTES_PER_PIXEL;
+        }
     }
+    found.bytes += report_bytes.min(REPORT_BYTES_MAX as f64);
     let seconds = |part: Part| found.parts.get(&part).map_or(0.0, |part| part.seconds);
     let beside = seconds(Part::Scores);
     let device: f64 = [Part::References, Part::Images, Part::Tables, Part::Displays].map(seconds).iter().sum();

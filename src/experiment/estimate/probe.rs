@@ -43,7 +43,7 @@ pub fn probe(plan: &Plan, renderer: &mut dyn Renderer, opened_s: f64) -> Result<
         kinds.entry(image_kind(&cell.point)).or_default().push(cell);
     }
     let (mut references, mut baked) = (Vec::new(), Vec::new());
-    let mut scored = None;
+    let mut files = Vec::new();
     for (kind, cells) in &kinds {
         // The middle of the sweep stands for all of it.
         let cell = cells[cells.len() / 2];
@@ -59,15 +59,11 @@ pub fn probe(plan: &Plan, renderer: &mut dyn Renderer, opened_s: f64) -> Result<
             probe.references(&reference, &cell.point)?;
             references.push(reference);
         }
-        scored.get_or_insert((cell, frame));
-    }
-    let mut bytes = Vec::new();
-    if let Some((cell, frame)) = scored {
-        bytes = probe.scores(cell, frame)?;
+        files.extend(probe.scores(cell, frame)?);
     }
     let mut speeds = Speeds::fit(&probe.measured);
     speeds.set("start", Line { fixed: opened_s + probe.first_s, ..Line::default() });
-    bytes.into_iter().for_each(|(kind, line)| speeds.set(kind, line));
+    mean_bytes(&files).into_iter().for_each(|(kind, line)| speeds.set(kind, line));
     Ok(speeds)
 }
 
@@ -181,8 +177,8 @@ impl Probe<'_> {
         Ok(())
     }
 
-    /// Scores a cell in a folder of its own; returns the size of its files.
-    fn scores(&mut self, cell: &Cell, frame: Frame) -> Result<Vec<(&'static str, Line)>, RenderFault> {
+    /// Scores a cell in a folder of its own; returns kind, pixels and bytes of its files.
+    fn scores(&mut self, cell: &Cell, frame: Frame) -> Result<Vec<(&'static str, f64, f64)>, RenderFault> {
         let fault = |error: &dyn std::fmt::Display| RenderFault {
             message: format!("the probe: {error}"),
             device_lost: false,
@@ -238,7 +234,7 @@ impl Probe<'_> {
             let kind = super::items::file_kind(&name, name == of_reference);
             files.push((kind, pixels.pixels, length(&store.image_path(&name))));
         }
-        Ok(mean_bytes(&files))
+        Ok(files)
     }
 }
 

@@ -1,11 +1,9 @@
 //! Runs that are stopped, damaged or fail: what is left behind, and what the next one makes of it.
 
-use super::fake::Fake;
 use super::run::EXPERIMENT;
-use super::runs::{Steps, contents, finished, invoke, log, options, plan, read, snapshot};
-use splitsum::experiment::{MakeRenderer, RenderFault, RunError, RunOptions, run};
+use super::runs::{Steps, contents, fakes, finished, invoke, log, options, plan, read, snapshot};
+use splitsum::experiment::{MakeRenderer, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::table::csv::Table;
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -15,12 +13,9 @@ fn fail_fast_ends_the_run_at_the_first_failure() {
     let broken = log();
     broken.borrow_mut().broken_method = Some("split-sum");
     let stop = AtomicBool::new(false);
-    let options =
-        RunOptions { dir: dir.path().to_owned(), stop: &stop, command_line: Vec::new(), fail_fast: true, trace: false };
+    let options = RunOptions { fail_fast: true, ..options(dir.path(), &stop) };
     let mut progress = Steps { stop: &stop, left: usize::MAX, failures: Vec::new() };
-    let mut make =
-        || -> Result<Box<dyn splitsum::experiment::Renderer>, RenderFault> { Ok(Box::new(Fake(broken.clone()))) };
-    let outcome = run(&plan, &mut make as &mut MakeRenderer, &options, &mut progress).unwrap();
+    let outcome = run(&plan, &mut fakes(&broken) as &mut MakeRenderer, &options, &mut progress).unwrap();
     assert!(outcome.is_stopped);
     assert_eq!(outcome.failures.len(), 1);
     // One reference and the three images of `sampled` before it; nothing after.
@@ -58,10 +53,9 @@ fn a_finished_run_is_not_touched_and_needs_no_renderer() {
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
     let before = snapshot(dir.path());
     let stop = AtomicBool::new(false);
-    let options =
-        RunOptions { dir: dir.path().to_owned(), stop: &stop, command_line: Vec::new(), fail_fast: false, trace: true };
+    let options = options(dir.path(), &stop);
     let mut progress = Steps { stop: &stop, left: usize::MAX, failures: Vec::new() };
-    let mut make = || -> Result<Box<dyn splitsum::experiment::Renderer>, RenderFault> { panic!("a renderer was made") };
+    let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { panic!("a renderer was made") };
     run(&plan, &mut make as &mut MakeRenderer, &options, &mut progress).unwrap();
     let after = snapshot(dir.path());
     assert_eq!(before.keys().collect::<Vec<_>>(), after.keys().collect::<Vec<_>>());
@@ -89,7 +83,10 @@ fn a_run_stopped_anywhere_ends_like_one_that_was_not() {
         }
         assert_eq!(invocations, 32usize.div_ceil(steps));
         for name in ["errors.csv", "errors_by_n_dot_v.csv", "summary.md", "experiment.toml", "tables/ggx.png"] {
-            assert!(read(dir.path(), name) == read(whole.path(), name), "{name} differs after stops of {steps} steps");
+            assert!(
+                read(dir.path().join(name)) == read(whole.path().join(name)),
+                "{name} differs after stops of {steps} steps"
+            );
         }
         let images = |dir: &Path| snapshot(&dir.join("images")).into_iter().map(|(k, v)| (k, v.0)).collect::<Vec<_>>();
         assert!(images(dir.path()) == images(whole.path()), "images differ after stops of {steps} steps");
@@ -100,8 +97,6 @@ fn a_run_stopped_anywhere_ends_like_one_that_was_not() {
 fn images_that_are_gone_or_cut_off_are_made_again() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
-    let contents =
-        |dir: &Path| snapshot(dir).into_iter().map(|(name, (bytes, _))| (name, bytes)).collect::<BTreeMap<_, _>>();
     let before = contents(&dir.path().join("images"));
     let errors = read(dir.path().join("errors.csv"));
     let of_split_sum = |end: &str| {
