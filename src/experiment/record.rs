@@ -133,9 +133,16 @@ pub struct BinRecord {
 }
 
 impl CellRecord {
-    /// What is kept in memory of a record that is on disk: what the plan says of the cell as well, the bins and the files are left out.
+    /// What is kept in memory of a record that is on disk: what the plan says of the cell as well, the bins, the files and the times are left out.
     pub fn without_bins(self) -> Self {
-        Self { cell: String::new(), axes: BTreeMap::new(), bins: Vec::new(), files: BTreeMap::new(), ..self }
+        Self {
+            cell: String::new(),
+            axes: BTreeMap::new(),
+            bins: Vec::new(),
+            files: BTreeMap::new(),
+            spent: Spent::default(),
+            ..self
+        }
     }
 }
 

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug)]
 pub enum CellResult {
     /// Without its bins; see [`CellRecord::without_bins`].
-    Done(CellRecord),
+    Done(Box<CellRecord>),
     Failed(FailureRecord),
 }
 

@@ -135,13 +135,30 @@ impl RunFolder {
 
 /// A run that left no table, with the command that makes one.
 fn unfinished(dir: &Path, provenance: &serde_json::Value) -> RunFolderError {
-    let last = provenance["sessions"].as_array().and_then(|sessions| sessions.last());
-    let words = last.and_then(|session| session["command_line"].as_array()).map_or(&[][..], Vec::as_slice);
-    let words: Vec<&str> = words.iter().filter_map(serde_json::Value::as_str).collect();
-    match words.is_empty() {
-        true => RunFolderError::NotARun { dir: dir.to_owned(), file: "errors.csv" },
-        false => RunFolderError::Unfinished { dir: dir.to_owned(), command: words.join(" ") },
+    match last_command(provenance) {
+        Some(command) => RunFolderError::Unfinished { dir: dir.to_owned(), command },
+        None => RunFolderError::NotARun { dir: dir.to_owned(), file: "errors.csv" },
     }
+}
+
+/// What the user typed last to work on the run.
+fn last_command(provenance: &serde_json::Value) -> Option<String> {
+    let words = provenance["sessions"].as_array()?.last()?["command_line"].as_array()?;
+    let words: Vec<&str> = words.iter().filter_map(serde_json::Value::as_str).collect();
+    Some(words.join(" ")).filter(|command| !command.is_empty())
+}
+
+/// A sentence when cells of the run in `dir` were not tried yet: it was stopped or killed. Nothing for the files of a published run.
+pub fn unfinished_note(dir: &Path) -> Option<String> {
+    let provenance: serde_json::Value = json(&dir.join("provenance.json")).ok()??;
+    let planned = provenance["cell_count"].as_u64()?;
+    let count = |folder: &str| std::fs::read_dir(dir.join(folder)).map(|entries| entries.count() as u64);
+    let (done, tried) = (count("cells").ok()?, count("cells").ok()? + count("failed").unwrap_or(0));
+    let command = last_command(&provenance)?;
+    (tried < planned).then(|| {
+        let dir = dir.display();
+        format!("{dir}: {done} of {planned} cells are done; to go on run the same command again: {command}")
+    })
 }
 
 fn images(table: &Table) -> Result<BTreeMap<String, CellImages>, RunFolderError> {

@@ -228,7 +228,7 @@ impl<'p> Run<'p> {
         let mut results = Results::new();
         for cell in &plan.cells {
             if let Some(record) = store.cell(&cell.id)? {
-                results.insert(cell.id.clone(), CellResult::Done(record.without_bins()));
+                results.insert(cell.id.clone(), CellResult::Done(Box::new(record.without_bins())));
             }
         }
         let jobs = timing::jobs(plan);
@@ -334,7 +334,7 @@ impl<'p> Run<'p> {
     }
 
     fn remember(&mut self, record: CellRecord) {
-        self.results.insert(record.cell.clone(), CellResult::Done(record.without_bins()));
+        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(record.without_bins())));
     }
 
     fn fail(&mut self, cells: &[&Cell], reason: &str, progress: &mut dyn Progress) -> Result<(), RunError> {

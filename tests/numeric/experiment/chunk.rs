@@ -397,7 +397,7 @@ fn what_is_damaged_or_missing_ends_the_merge_before_anything_is_written() {
     };
     let record = attempt.join(format!("cells/{}.json", bench.plan.cells[3].id));
     let refused = |path: &Path, what: &str, damage: &dyn Fn()| {
-        let whole = read(path.to_owned());
+        let whole = read(path);
         damage();
         let before = contents(&bench.path("merged"));
         let Err(error) = bench.merge() else { panic!("{what}: {} was merged", path.display()) };
@@ -407,9 +407,9 @@ fn what_is_damaged_or_missing_ends_the_merge_before_anything_is_written() {
         assert!(contents(&bench.path("merged")) == before, "{what}: something was written");
         std::fs::write(path, whole).unwrap();
     };
-    let cut = |path: &Path| std::fs::write(path, &read(path.to_owned())[..40]).unwrap();
+    let cut = |path: &Path| std::fs::write(path, &read(path)[..40]).unwrap();
     let changed = |path: &Path| {
-        let mut bytes = read(path.to_owned());
+        let mut bytes = read(path);
         let last = bytes.len() - 7;
         bytes[last] ^= 1;
         std::fs::write(path, bytes).unwrap();

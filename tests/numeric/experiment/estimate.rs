@@ -139,7 +139,7 @@ fn records_of_an_earlier_run_price_other_cells_of_the_experiment() {
 
     // Made on another device: they say nothing here.
     let mut other = splitsum::experiment::Renderer::device(&*fakes(&log())().unwrap());
-    assert_eq!(recorded(&plan, &[run.clone()], Some(&other)).count, 16);
+    assert_eq!(recorded(&plan, std::slice::from_ref(&run), Some(&other)).count, 16);
     other.driver = "another".to_owned();
     assert_eq!(recorded(&plan, &[run], Some(&other)).count, 0);
 }

@@ -2,6 +2,7 @@
 
 use super::run::EXPERIMENT;
 use super::runs::{Steps, contents, fakes, finished, invoke, log, options, plan, read, snapshot};
+use splitsum::experiment::answers::run_folder::{RunFolder, unfinished_note};
 use splitsum::experiment::{MakeRenderer, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::table::csv::Table;
 use std::path::Path;
@@ -215,10 +216,15 @@ fn a_folder_of_something_else_is_refused() {
 #[test]
 fn who_reads_a_run_without_tables_is_told_how_to_go_on() {
     let dir = tempfile::tempdir().unwrap();
-    finished(&plan(EXPERIMENT), dir.path());
+    let (plan, again) = (plan(EXPERIMENT), "run the same command again: splitsum run tiny.toml");
+    invoke(&plan, dir.path(), &log(), 3).unwrap();
+    let note = unfinished_note(dir.path()).unwrap();
+    assert!(note.contains(&format!("3 of {} cells are done", plan.cells.len())) && note.ends_with(again), "{note}");
+    finished(&plan, dir.path());
+    assert_eq!(unfinished_note(dir.path()), None);
     std::fs::remove_file(dir.path().join("errors.csv")).unwrap();
-    let error = splitsum::experiment::answers::run_folder::RunFolder::read(dir.path()).unwrap_err().to_string();
-    assert!(error.ends_with("run the same command again: splitsum run tiny.toml"), "{error}");
+    let error = RunFolder::read(dir.path()).unwrap_err().to_string();
+    assert!(error.ends_with(again), "{error}");
 }
 
 /// A figure that was changed by hand is not taken for what was measured.
