@@ -1,4 +1,4 @@
-//! Reading whole files of anyone's making: nothing without an end, nothing above a limit.
+//! Reading whole files of anyone's making: nothing without an end, nothing above a limit. Hashes of what they hold.
 
 use std::fs::File;
 use std::io::{Error, Read, Result};
@@ -21,4 +21,10 @@ pub fn read_stream(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
         return Err(Error::other(format!("larger than {} MiB", most_bytes >> 20)));
     }
     Ok(bytes)
+}
+
+/// Hash of a file's bytes, in hexadecimal.
+pub fn content_hash(path: &Path) -> Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    Ok(hasher.update_reader(File::open(path)?)?.finalize().to_hex().to_string())
 }

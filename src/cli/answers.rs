@@ -3,6 +3,7 @@
 use super::{Failure, print};
 use clap::Args;
 use splitsum::experiment::answers::publish::{publish, write_page};
+use splitsum::experiment::answers::run_folder::unfinished_note;
 use splitsum::experiment::answers::{Answered, AnswersError};
 use std::path::PathBuf;
 
@@ -25,6 +26,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             AnswersError::Run(_) => Failure::input(error),
             _ => Failure::failed(error),
         };
+        if let Some(note) = unfinished_note(dir) {
+            eprintln!("warning: {note}");
+        }
         let answered = Answered::of_run(dir).map_err(failed)?;
         answered.write().map_err(failed)?;
         print(&format!("{}: {}\n", dir.display(), answered.record.answer.sentence))?;

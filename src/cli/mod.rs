@@ -5,6 +5,7 @@ mod bake;
 mod cache;
 mod compare;
 mod devices;
+mod estimate;
 mod integrate;
 mod later;
 mod list;
@@ -28,7 +29,8 @@ use std::process::ExitCode;
     version,
     about,
     after_help = "Exit codes: 0 done; 1 failed or stopped; 2 bad usage or input; 3 nothing to do; \
-    4 finished, but some cells failed; 75 a passing fault such as a lost device, worth a retry.\n\n\
+    4 finished, but some cells failed; 75 a passing fault, worth the same command again: a lost device, or a folder in which \
+    another run is at work.\n\n\
     Examples:\n  splitsum run experiments/quick.toml\n  splitsum render --method split-sum --alpha 0.25 --out ball.png\n  \
     splitsum list methods"
 )]
@@ -117,6 +119,7 @@ impl From<RunError> for Failure {
         match error {
             RunError::DeviceLost(_) => Self::Passing(text),
             RunError::NoRenderer(_) => Self::BadInput(text),
+            RunError::Store(error) if error.is_passing() => Self::Passing(text),
             RunError::Store(error) if error.is_misuse() => Self::BadInput(text),
             RunError::Store(_) | RunError::Answers(_) => Self::Failed(text),
         }

@@ -1,25 +1,30 @@
 //! `splitsum plan`: what a run would do.
 
+use super::cache::CacheArguments;
+use super::estimate::{Estimated, estimated};
 use super::subject::Subject;
 use super::{Failure, print};
 use clap::Args;
 use serde_json::json;
 use splitsum::experiment::chunk::{PlanFile, Rates};
-use splitsum::experiment::store::{CellRecord, Store};
+use splitsum::experiment::estimate::Part;
+use splitsum::experiment::store::Store;
 use splitsum::experiment::timing;
 use splitsum::experiment::{Cell, Plan};
-use std::collections::BTreeSet;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
-/// Shows the cells of an experiment, what is left out and why, what is done, and a rough cost; or cuts it into chunks for several machines.
+/// Shows the cells of an experiment, what is left out and why, what is done, and what the rest will cost; or cuts it into chunks for several machines.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
     mut_arg("out", |out| out.value_name("PATH").help(
         "Folder of the run to compare with; runs/NAME when left out. With --chunk-seconds: the plan file to write"
     )),
-    after_help = "Chunks are a function of the experiment, its inputs, --chunk-seconds and --samples-per-second only: the same on every machine.\n\n\
+    after_help = "Time and disk are reckoned from the records of the run's folder and of --from; what they do not tell, a probe of a few seconds \
+    on the device does, whose result the cache keeps; without a device they are a guess from stated constants. Each figure says which.\n\n\
+    Chunks are a function of the experiment, its inputs, --chunk-seconds and --samples-per-second only: the same on every machine.\n\n\
     Examples:\n  splitsum plan experiments/quick.toml\n  splitsum plan experiments/quick.toml --json | jq '.cells | length'\n  \
     splitsum plan experiments/quick.toml --chunk-seconds 60 --out plan.json"
 )]
@@ -36,19 +41,20 @@ pub struct Arguments {
     #[arg(long, value_name = "RATE", requires = "chunk_seconds", value_parser = positive)]
     #[arg(default_value_t = Rates::default().samples_per_second)]
     samples_per_second: f64,
+    /// Folders whose records tell what cells cost: earlier runs, or the --store of one in chunks.
+    #[arg(long, value_name = "DIR", visible_alias = "store", conflicts_with = "chunk_seconds")]
+    from: Vec<PathBuf>,
+    #[command(flatten)]
+    cache: CacheArguments,
+    /// Index of the device to reckon for, as `splitsum devices` lists them.
+    #[arg(long, value_name = "N", conflicts_with = "chunk_seconds")]
+    device: Option<usize>,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
     number.ok_or_else(|| "expected a number above 0".to_owned())
 }
-
-/// f32 R, G, B and A.
-const IMAGE_BYTES_PER_PIXEL: f64 = 16.0;
-/// The same with the three channels of the standard error.
-const REFERENCE_BYTES_PER_PIXEL: f64 = 28.0;
-/// Display image and error map as PNG.
-const PICTURE_BYTES_PER_PIXEL: f64 = 4.0;
 
 /// How far a cell is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,16 +74,10 @@ impl State {
     }
 }
 
-/// What is left to do: in samples, in seconds, on the disk.
-struct Cost {
-    samples: f64,
-    seconds: f64,
-    bytes: f64,
-    basis: String,
-}
-
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let started = Instant::now();
     let plan = arguments.subject.plan()?;
+    let load_s = started.elapsed().as_secs_f64();
     for warning in plan.warnings() {
         eprintln!("warning: {warning}");
     }
@@ -88,19 +88,24 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let store = Store::at(&dir);
     store.check_identity(&plan).map_err(Failure::input)?;
     let mut states = Vec::new();
-    let mut records = Vec::new();
     for cell in &plan.cells {
-        let record = store.cell(&cell.id).map_err(Failure::failed)?;
         let failure = store.failure(&cell.id).map_err(Failure::failed)?;
-        states.push(match (&record, failure) {
+        states.push(match (store.cell(&cell.id).map_err(Failure::failed)?, failure) {
             (Some(_), _) => State::Done,
             (None, Some(_)) => State::Failed,
             (None, None) => State::Open,
         });
-        records.extend(record);
     }
-    let cost = cost(&plan, &states, &records, &dir);
-    print(&if arguments.json { as_json(&plan, &states, &cost) } else { as_text(&plan, &states, &cost, &dir) })?;
+    let open: Vec<&Cell> = plan.cells.iter().zip(&states).filter(|(_, s)| **s != State::Done).map(|(c, _)| c).collect();
+    let jobs = timing::jobs(&plan);
+    // The samples of a block belong together: one that lacks a record is timed anew as a whole.
+    let blocks = jobs.chunk_by(|a, b| a.block == b.block);
+    let left: Vec<_> =
+        blocks.filter(|block| !block.iter().all(|job| store.has_timing(&job.id))).flatten().cloned().collect();
+    let folders: Vec<PathBuf> = std::iter::once(dir.clone()).chain(arguments.from.iter().cloned()).collect();
+    let cost = estimated(&plan, &open, &left, &folders, &arguments.cache, arguments.device, load_s)?;
+    let shown = Shown { plan: &plan, states: &states, timings: [jobs.len(), jobs.len() - left.len()], cost: &cost };
+    print(&if arguments.json { shown.as_json() } else { shown.as_text(&dir) })?;
     if plan.cells.is_empty() {
         return Err(arguments.subject.nothing_to_do());
     }
@@ -134,110 +139,119 @@ fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -
     ))
 }
 
-fn cost(plan: &Plan, states: &[State], records: &[CellRecord], dir: &Path) -> Cost {
-    let open: Vec<&Cell> = plan.cells.iter().zip(states).filter(|(_, s)| **s != State::Done).map(|(c, _)| c).collect();
-    let pixels = |cell: &Cell| plan.size_of(cell).iter().map(|&side| f64::from(side)).product::<f64>();
-    let mut seen = BTreeSet::new();
-    let (mut samples, mut bytes) = (0.0, 0.0);
-    for cell in &open {
-        if seen.insert(&cell.reference) {
-            samples += pixels(cell) * f64::from(plan.config.reference.samples);
-            bytes += pixels(cell) * REFERENCE_BYTES_PER_PIXEL;
-        }
-        if seen.insert(&cell.radiance) {
-            let images = 1 + plan.repeats_of(&cell.point).unwrap_or(0);
-            samples += pixels(cell) * f64::from(cell.point.settings().samples * images);
-            bytes += pixels(cell) * IMAGE_BYTES_PER_PIXEL;
-        }
-        bytes += pixels(cell) * PICTURE_BYTES_PER_PIXEL;
-    }
-    if records.is_empty() {
-        let rates = Rates::default();
-        let seconds = samples / rates.samples_per_second + open.len() as f64 * rates.seconds_per_cell;
-        let basis = format!(
-            "{} million samples a second and {} s a cell, a software driver on 2 cores; images as they are stored",
-            rates.samples_per_second / 1e6,
-            rates.seconds_per_cell
-        );
-        return Cost { samples, seconds, bytes, basis };
-    }
-    let done = records.len() as f64;
-    let mean_ms = records.iter().map(|record| record.wall_ms).sum::<f64>() / done;
-    let basis = format!("from the {done} cells that are done");
-    let seconds = open.len() as f64 * mean_ms / 1e3;
-    Cost { samples, seconds, bytes: open.len() as f64 * folder_bytes(dir) / done, basis }
+/// What is printed.
+struct Shown<'a> {
+    plan: &'a Plan,
+    states: &'a [State],
+    /// Timed configurations, and how many are done.
+    timings: [usize; 2],
+    cost: &'a Estimated,
 }
 
-/// Bytes of all files below a folder.
-fn folder_bytes(dir: &Path) -> f64 {
-    let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
-    entries
-        .map(|entry| match entry.metadata() {
-            Ok(metadata) if metadata.is_dir() => folder_bytes(&entry.path()),
-            Ok(metadata) => metadata.len() as f64,
-            Err(_) => 0.0,
-        })
-        .sum()
-}
-
-fn as_text(plan: &Plan, states: &[State], cost: &Cost, dir: &Path) -> String {
-    let mut text = format!("{}: {}\n", plan.config.name, plan.config.question);
-    let groups = plan.groups();
-    let radiances: usize = groups.iter().map(|group| group.radiances.len()).sum();
-    let count = |state: State| states.iter().filter(|s| **s == state).count();
-    let _ = writeln!(
-        text,
-        "{} cells from {radiances} images and {} references; {} done, {} failed, {} open in {}",
-        plan.cells.len(),
-        groups.len(),
-        count(State::Done),
-        count(State::Failed),
-        count(State::Open),
-        dir.display()
-    );
-    for (exclusion, count) in plan.config.exclusions.iter().zip(&plan.excluded) {
-        let _ = writeln!(text, "excluded {count}: {}", exclusion.why);
-    }
-    if plan.collapsed > 0 {
+impl Shown<'_> {
+    fn as_text(&self, dir: &Path) -> String {
+        let plan = self.plan;
+        let mut text = format!("{}: {}\n", plan.config.name, plan.config.question);
+        let groups = plan.groups();
+        let radiances: usize = groups.iter().map(|group| group.radiances.len()).sum();
+        let count = |state: State| self.states.iter().filter(|s| **s == state).count();
         let _ = writeln!(
             text,
-            "collapsed {}: they differ only in parameters that their method does not use",
-            plan.collapsed
+            "{} cells from {radiances} images and {} references; {} done, {} failed, {} open in {}",
+            plan.cells.len(),
+            groups.len(),
+            count(State::Done),
+            count(State::Failed),
+            count(State::Open),
+            dir.display()
         );
+        for (exclusion, count) in plan.config.exclusions.iter().zip(&plan.excluded) {
+            let place = exclusion.place.words(&plan.config.path, &plan.config.text);
+            let _ = writeln!(text, "excluded {count} by {place}: {}", exclusion.why);
+        }
+        if plan.collapsed > 0 {
+            let _ = writeln!(
+                text,
+                "collapsed {}: they differ only in parameters that their method does not use",
+                plan.collapsed
+            );
+        }
+        if self.timings[0] > 0 {
+            let _ = writeln!(text, "{} configurations are timed; {} done", self.timings[0], self.timings[1]);
+        }
+        text += &self.cost_text();
+        for (cell, state) in plan.cells.iter().zip(self.states) {
+            let _ = writeln!(text, "{} {:6} {}", cell.id, state.name(), plan.label(cell));
+        }
+        text
     }
-    let timings = timing::jobs(plan).len();
-    if timings > 0 {
-        let _ = writeln!(text, "{timings} configurations are timed");
-    }
-    let _ = writeln!(
-        text,
-        "at most {:.0} million samples left to draw: about {} and {} of disk ({})",
-        cost.samples / 1e6,
-        indicatif::HumanDuration(std::time::Duration::from_secs_f64(cost.seconds)),
-        indicatif::HumanBytes(cost.bytes as u64),
-        cost.basis
-    );
-    for (cell, state) in plan.cells.iter().zip(states) {
-        let _ = writeln!(text, "{} {:6} {}", cell.id, state.name(), plan.label(cell));
-    }
-    text
-}
 
-fn as_json(plan: &Plan, states: &[State], cost: &Cost) -> String {
-    let cells = plan.cells.iter().zip(states).map(|(cell, state)| {
-        let axes: serde_json::Map<String, serde_json::Value> =
-            plan.columns_of(cell).iter().map(|(name, value)| (name.to_string(), json!(value.to_string()))).collect();
-        json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state.name(), "axes": axes })
-    });
-    let exclusions = plan.config.exclusions.iter().zip(&plan.excluded);
-    let value = json!({
-        "name": plan.config.name,
-        "plan_hash": plan.hash,
-        "cells": cells.collect::<Vec<_>>(),
-        "excluded": exclusions.map(|(e, count)| json!({ "why": e.why, "count": count })).collect::<Vec<_>>(),
-        "collapsed": plan.collapsed,
-        "timings": timing::jobs(plan).len(),
-        "estimate": { "samples": cost.samples, "seconds": cost.seconds, "bytes": cost.bytes, "basis": cost.basis },
-    });
-    format!("{value:#}\n")
+    fn cost_text(&self) -> String {
+        let (estimate, mut text) = (&self.cost.estimate, String::new());
+        let _ = writeln!(
+            text,
+            "at most {:.0} million samples left to draw: about {} and {} of disk",
+            estimate.samples / 1e6,
+            indicatif::HumanDuration(std::time::Duration::from_secs_f64(estimate.seconds)),
+            indicatif::HumanBytes(estimate.bytes as u64),
+        );
+        for (part, found) in &estimate.parts {
+            let sources: Vec<&str> = found.sources.keys().map(|source| source.name()).collect();
+            let count = match part {
+                Part::Timing => format!("{:.0} frames and tables", found.count),
+                Part::Ends => String::new(),
+                _ => format!("{:.0}", found.count),
+            };
+            let _ = writeln!(
+                text,
+                "  {:16} {count:>24} {:>8.1} s  from {}",
+                part.name(),
+                found.seconds,
+                sources.join(", ")
+            );
+        }
+        if let Some(source) = estimate.bytes_source {
+            let _ = writeln!(text, "  {:16} {:>24} {:>10}  from {}", "disk", "", "", source.name());
+        }
+        for note in &self.cost.notes {
+            let _ = writeln!(text, "  {note}");
+        }
+        text
+    }
+
+    fn as_json(&self) -> String {
+        let (plan, estimate) = (self.plan, &self.cost.estimate);
+        let cells = plan.cells.iter().zip(self.states).map(|(cell, state)| {
+            let axes: serde_json::Map<String, serde_json::Value> =
+                plan.columns_of(cell).iter().map(|(name, value)| (name.to_string(), json!(value.to_string()))).collect();
+            json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state.name(), "axes": axes })
+        });
+        let exclusions = plan.config.exclusions.iter().zip(&plan.excluded).map(|(exclusion, count)| {
+            let place = exclusion.place.words(&plan.config.path, &plan.config.text);
+            json!({ "why": exclusion.why, "count": count, "place": place })
+        });
+        let parts = estimate.parts.iter().map(|(part, found)| {
+            let sources: serde_json::Map<String, serde_json::Value> =
+                found.sources.iter().map(|(source, seconds)| (source.name().to_owned(), json!(seconds))).collect();
+            (part.name().to_owned(), json!({ "count": found.count, "seconds": found.seconds, "seconds_from": sources }))
+        });
+        let value = json!({
+            "name": plan.config.name,
+            "plan_hash": plan.hash,
+            "cells": cells.collect::<Vec<_>>(),
+            "excluded": exclusions.collect::<Vec<_>>(),
+            "collapsed": plan.collapsed,
+            "timings": self.timings[0],
+            "timings_done": self.timings[1],
+            "estimate": {
+                "samples": estimate.samples,
+                "seconds": estimate.seconds,
+                "bytes": estimate.bytes,
+                "bytes_from": estimate.bytes_source.map(|source| source.name()),
+                "parts": parts.collect::<serde_json::Map<_, _>>(),
+                "notes": self.cost.notes,
+            },
+        });
+        format!("{value:#}\n")
+    }
 }

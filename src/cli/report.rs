@@ -2,6 +2,7 @@
 
 use super::{Failure, print};
 use clap::Args;
+use splitsum::experiment::answers::run_folder::unfinished_note;
 use splitsum::report::images::{BUDGET_BYTES, Choice, Window};
 use splitsum::report::{ReportError, ReportOptions, Written, write};
 use std::path::PathBuf;
@@ -43,6 +44,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     let options =
         ReportOptions { dirs: arguments.dirs.clone(), out: arguments.out.clone(), images, budget: BUDGET_BYTES };
+    for note in arguments.dirs.iter().filter_map(|dir| unfinished_note(dir)) {
+        eprintln!("warning: {note}");
+    }
     let written = write(&options).map_err(|error| match error {
         ReportError::Run(_) => Failure::input(error),
         _ => Failure::failed(error),

@@ -44,6 +44,7 @@ pub struct Exclusion {
     /// Axis index and the values it matches.
     pub conditions: Vec<(usize, Vec<Value>)>,
     pub why: String,
+    /// Where it was written.
     pub place: Place,
 }
 

@@ -44,6 +44,20 @@ pub enum Place {
     Default,
 }
 
+impl Place {
+    /// The place for people, in the file at `path` with this text: `experiments/x.toml:12:9` or `--set alpha`.
+    pub fn words(&self, path: &Path, text: &str) -> String {
+        match self {
+            Self::File(offset) => {
+                let (line, column) = line_column(text, *offset);
+                format!("{}:{line}:{column}", path.display())
+            }
+            Self::Set(axis) => format!("--set {axis}"),
+            Self::Default => path.display().to_string(),
+        }
+    }
+}
+
 /// Collects faults of one file.
 pub struct Faults<'a> {
     path: &'a Path,
@@ -59,15 +73,11 @@ impl<'a> Faults<'a> {
 
     /// Notes a fault.
     pub fn add(&mut self, place: &Place, text: impl Into<String>) {
-        let (position, place) = match place {
-            Place::File(offset) => {
-                let (line, column) = line_column(self.text, *offset);
-                ((line, column), format!("{}:{line}:{column}", self.path.display()))
-            }
-            Place::Set(axis) => ((0, 0), format!("--set {axis}")),
-            Place::Default => ((0, 0), self.path.display().to_string()),
+        let position = match place {
+            Place::File(offset) => line_column(self.text, *offset),
+            Place::Set(_) | Place::Default => (0, 0),
         };
-        self.found.push(Fault { position, place, text: text.into() });
+        self.found.push(Fault { position, place: place.words(self.path, self.text), text: text.into() });
     }
 
     /// Whether nothing is wrong so far.

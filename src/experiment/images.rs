@@ -2,16 +2,18 @@
 
 use super::axis::{AXES, Axis, Point};
 use super::plan::{Cell, Plan};
-use super::store::Store;
+use super::store::{Store, StoreError};
 use super::tables::{CellResult, Results, Rows};
+use crate::files::content_hash;
 use crate::metrics::Comparison;
 use crate::pipeline::Frame;
 use crate::pixels::{GrayImage, PixelsError, Rgb8Image, exr, png};
+use crate::spelling::short_number;
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::csv::Cell as Field;
 use rayon::prelude::*;
 use std::borrow::Cow;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The layer of a reference that holds its standard error.
@@ -19,7 +21,8 @@ pub const STANDARD_ERROR_LAYER: &str = "standard_error";
 /// File names stop here; the id after it keeps them apart.
 const SLUG_LENGTH: usize = 120;
 
-/// A value as people say it: builtins without their prefix, files without folder and extension.
+/// A value as people say it: builtins without their prefix, files without folder and extension, numbers in a few digits. Tables for
+/// programs hold the value whole.
 pub fn short_text(axis: &Axis, point: &Point) -> String {
     short_value(axis, &point.get(axis.name).to_string()).into_owned()
 }
@@ -27,7 +30,7 @@ pub fn short_text(axis: &Axis, point: &Point) -> String {
 /// As [`short_text`], of a value as tables hold it.
 pub fn short_value<'v>(axis: &Axis, text: &'v str) -> Cow<'v, str> {
     if !matches!(axis.kind, super::value::Kind::Input) {
-        return text.into();
+        return short_number(text);
     }
     match text.strip_prefix("builtin:") {
         Some(formula) => formula.into(),
@@ -115,34 +118,55 @@ impl CellPictures<'_> {
 
 /// Every file of `images/` that belongs to a finished cell.
 pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
-    let mut names = index_names(plan, cell).to_vec();
+    linear_files(plan, cell).into_iter().chain(pictures(plan, cell)).collect()
+}
+
+/// The linear images of a cell and its reference.
+pub(super) fn linear_files(plan: &Plan, cell: &Cell) -> [String; 2] {
+    let reference = plan.reference_point(&cell.point);
+    [radiance_name(plan, &cell.point, &cell.radiance), radiance_name(plan, &reference, &cell.reference)]
+}
+
+/// Display images and error maps of a cell and its reference.
+pub(super) fn pictures(plan: &Plan, cell: &Cell) -> Vec<String> {
+    let mut names = vec![picture_name(plan, cell), reference_picture_name(plan, cell), error_name(plan, cell)];
     names.extend(sweeps_display(plan).then(|| flip_name(plan, cell)));
     names
 }
 
+/// Content hash of each of these files of `images/`.
+pub(super) fn hashes(
+    store: &Store,
+    names: impl IntoIterator<Item = String>,
+) -> Result<BTreeMap<String, String>, StoreError> {
+    let hash = |name: String| {
+        let path = store.image_path(&name);
+        match content_hash(&path) {
+            Ok(hash) => Ok((name, hash)),
+            Err(error) => Err(StoreError::Io { path, error }),
+        }
+    };
+    names.into_iter().map(hash).collect()
+}
+
+/// Whether a file of `images/` is whole, as far as the file itself tells.
+pub(super) fn is_whole(path: &Path) -> bool {
+    match path.extension().is_some_and(|extension| extension == "exr") {
+        true => exr::check_whole(path).is_ok(),
+        false => std::fs::metadata(path).is_ok_and(|metadata| metadata.len() > 0),
+    }
+}
+
 /// The names in `images.csv`, in the order of its columns.
 fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
-    let reference = plan.reference_point(&cell.point);
-    [
-        radiance_name(plan, &cell.point, &cell.radiance),
-        radiance_name(plan, &reference, &cell.reference),
-        picture_name(plan, cell),
-        reference_picture_name(plan, cell),
-        error_name(plan, cell),
-    ]
+    let [radiance, reference] = linear_files(plan, cell);
+    [radiance, reference, picture_name(plan, cell), reference_picture_name(plan, cell), error_name(plan, cell)]
 }
 
 /// Files of finished cells that are missing or not whole, in the order of their names.
 pub(super) fn damaged<'p>(plan: &Plan, store: &Store, cells: impl Iterator<Item = &'p Cell>) -> BTreeSet<String> {
     let files: BTreeSet<String> = cells.flat_map(|cell| files(plan, cell)).collect();
-    let is_whole = |name: &str| {
-        let path = store.image_path(name);
-        match name.ends_with(".exr") {
-            true => exr::check_whole(&path).is_ok(),
-            false => std::fs::metadata(&path).is_ok_and(|metadata| metadata.len() > 0),
-        }
-    };
-    files.into_par_iter().filter(|name| !is_whole(name)).collect()
+    files.into_par_iter().filter(|name| !is_whole(&store.image_path(name))).collect()
 }
 
 /// `images.csv`: which files of `images/` belong to a cell. One row a finished cell.

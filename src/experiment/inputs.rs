@@ -54,6 +54,11 @@ impl Inputs {
         }
     }
 
+    /// Whether an environment of that name is loaded.
+    pub fn has_environment(&self, name: &str) -> bool {
+        self.environments.contains_key(name)
+    }
+
     /// A loaded environment.
     pub fn environment(&self, name: &str) -> &Arc<Environment> {
         self.environments.get(name).unwrap_or_else(|| panic!("the plan loaded no environment {name}"))

@@ -9,6 +9,7 @@ use crate::environment::LoadOptions;
 use crate::files::read_stream;
 use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, RenderRequest, image_buffer_bytes};
 use crate::shade::reference_pass::ScramblePlan;
+use crate::spelling::short_number;
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
@@ -133,10 +134,11 @@ impl Plan {
         self.columns.iter().map(|&axis| (AXES[axis].name, &cell.point.0[axis])).collect()
     }
 
-    /// What tells the cell from the others: its values on the axes with more than one value, as `name=value` words.
+    /// What tells the cell from the others: its values on the axes with more than one value, as `name=value` words for people.
     pub fn label(&self, cell: &Cell) -> String {
         let words = self.swept().map(|axis| (axis.name, cell.point.get(axis.name)));
-        words.filter(|(_, v)| **v != Value::Unset).map(|(n, v)| format!("{n}={v}")).collect::<Vec<_>>().join(" ")
+        let set = words.filter(|(_, value)| **value != Value::Unset);
+        set.map(|(name, value)| format!("{name}={}", short_number(&value.to_string()))).collect::<Vec<_>>().join(" ")
     }
 
     /// What to render for the point of a cell: the scene with the point's material, framed by the experiment's camera.

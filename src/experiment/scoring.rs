@@ -2,16 +2,17 @@
 
 use super::images::{self, STANDARD_ERROR_LAYER};
 use super::plan::{Cell, Plan};
-use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, Store, StoreError};
+use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, Spent, Store, StoreError};
 use super::tables::HEADLINE;
 use crate::metrics::{
-    BiasVariance, BinRow, Comparison, METRICS, Metric, N_DOT_V_BIN_EDGES, Space, linear_metrics, metric, noise_floor,
-    verdict,
+    BiasVariance, BinRow, Comparison, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Space, linear_metrics, metric,
+    noise_floor, verdict,
 };
 use crate::pipeline::{DeviceInfo, Frame};
 use crate::pixels::{GrayImage, Rgb8Image, RgbImage, exr};
+use crate::tonemap::ToneCurve;
 use std::path::Path;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// What a cell is judged against.
 #[derive(Debug)]
@@ -24,7 +25,12 @@ pub struct ReferenceImage {
     /// The frame itself, unless the image was read back from an earlier invocation.
     pub rendered: Option<Arc<Frame>>,
     noise_floors: OnceLock<Result<Scores, String>>,
+    /// What display metrics see of it, by tone curve; of the last few, since a sweep takes them one after the other.
+    displays: Mutex<Vec<(ToneCurve, Arc<Rgb8Image>)>>,
 }
+
+/// Tone curves whose display image of a reference is kept.
+const DISPLAY_COUNT: usize = 16;
 
 impl ReferenceImage {
     /// The reference that was just rendered; `wanted` is the relative standard error that was asked for.
@@ -36,6 +42,7 @@ impl ReferenceImage {
             mask: GrayImage::clone(&frame.mask),
             rendered: Some(frame),
             noise_floors: OnceLock::new(),
+            displays: Mutex::default(),
         }
     }
 
@@ -50,7 +57,33 @@ impl ReferenceImage {
         };
         let has_size = [image.rgb.width, image.rgb.height] == size;
         let mask = image.alpha.filter(|_| has_size)?;
-        Some(Self { radiance: image.rgb, standard_error, mask, stop, rendered: None, noise_floors: OnceLock::new() })
+        Some(Self {
+            radiance: image.rgb,
+            standard_error,
+            mask,
+            stop,
+            rendered: None,
+            noise_floors: OnceLock::new(),
+            displays: Mutex::default(),
+        })
+    }
+
+    /// The comparison with a test image, which finds the reference's display image ready where another one made it.
+    fn comparison<'a>(&'a self, test: &'a RgbImage, curve: ToneCurve) -> Result<Comparison<'a>, MetricsError> {
+        let comparison = Comparison::new(test, &self.radiance, &self.mask, curve)?;
+        // A thread that panicked left a whole list: entries are added in one step.
+        let known = || self.displays.lock().unwrap_or_else(PoisonError::into_inner);
+        let ready = known().iter().find(|(of, _)| *of == curve).map(|(_, display)| display.clone());
+        if let Some(display) = ready {
+            return Ok(comparison.with_reference_display(display));
+        }
+        let display = comparison.reference_display().clone();
+        let mut known = known();
+        if known.len() == DISPLAY_COUNT {
+            known.remove(0);
+        }
+        known.push((curve, display));
+        Ok(comparison)
     }
 
     /// The score of an exact test by metric, where it is known. Computed once.
@@ -101,14 +134,13 @@ impl From<StoreError> for ScoreFault {
 }
 
 impl Rendered<'_> {
-    /// Scores the cell and writes its pictures. `wall_ms` of the record is left 0.
+    /// Scores the cell and writes its pictures. What it spent is left out, and the linear files: they may not be written yet.
     pub fn score(&self, plan: &Plan, store: &Store, device: &DeviceInfo) -> Result<CellRecord, ScoreFault> {
         let bad = |error: &dyn std::fmt::Display| ScoreFault::Cell(error.to_string());
         let (cell, reference) = (self.cell, &self.reference);
         let mask = &reference.mask;
         let curve = cell.point.settings().curve;
-        let comparison =
-            Comparison::new(&self.frame.radiance, &reference.radiance, mask, curve).map_err(|error| bad(&error))?;
+        let comparison = reference.comparison(&self.frame.radiance, curve).map_err(|error| bad(&error))?;
         let bins_of = |metrics: &[&dyn Metric]| -> Result<Vec<BinRecord>, ScoreFault> {
             let bins = comparison.evaluate_bins(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES, metrics);
             let bins = bins.map_err(|error| bad(&error))?.into_iter();
@@ -154,7 +186,8 @@ impl Rendered<'_> {
             bins,
             device: device.name.clone(),
             driver: device.driver.clone(),
-            wall_ms: 0.0,
+            spent: Spent::default(),
+            files: images::hashes(store, images::pictures(plan, cell))?,
         })
     }
 }

@@ -58,12 +58,27 @@ pub fn median_interval(samples: &[f64]) -> [f64; 2] {
     if samples.len() < 2 {
         return [f64::NAN; 2];
     }
+    let mut sorted: Vec<(usize, f64)> = samples.iter().copied().enumerate().collect();
+    sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut rank_of = vec![0; samples.len()];
+    sorted.iter().enumerate().for_each(|(rank, (index, _))| rank_of[*index] = rank);
     let mut random = Random::new(RESAMPLE_SEED);
-    let mut draw = vec![0.0; samples.len()];
+    // How often each rank is drawn: its median needs no sort.
+    let mut drawn = vec![0; samples.len()];
     let mut medians: Vec<f64> = (0..RESAMPLE_COUNT)
         .map(|_| {
-            draw.iter_mut().for_each(|x| *x = samples[random.below(samples.len())]);
-            median(&draw)
+            drawn.fill(0);
+            (0..samples.len()).for_each(|_| drawn[rank_of[random.below(samples.len())]] += 1);
+            let at = |place: usize| {
+                let mut seen = 0;
+                let rank = drawn.iter().position(|count| {
+                    seen += count;
+                    seen > place
+                });
+                sorted[rank.expect("as many are drawn as there are")].1
+            };
+            let (below, above) = (at((samples.len() - 1) / 2), at(samples.len() / 2));
+            below + 0.5 * (above - below)
         })
         .collect();
     medians.sort_by(f64::total_cmp);

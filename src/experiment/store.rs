@@ -1,12 +1,11 @@
 //! The folder of a run. Records are written last and in one step: no record means not done.
 
 use super::plan::{Plan, SCHEMA_VERSION};
+use super::seal::{self, Seal};
 use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
-use crate::shade::reference_pass::Convergence;
 use crate::table::csv;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -24,7 +23,7 @@ pub enum StoreError {
          it, or give another --out", dir.display()
     )]
     NewerVersion { dir: PathBuf, found: u64 },
-    #[error("{}: another run is at work in it; wait for its end or give another --out", dir.display())]
+    #[error("{}: another run is at work in it; run the same command again after its end, or give another --out", dir.display())]
     Busy { dir: PathBuf },
     #[error("{}: is not empty and not a run (it has no provenance.json); give another --out", dir.display())]
     NotARun { dir: PathBuf },
@@ -34,6 +33,9 @@ pub enum StoreError {
     Folder { path: PathBuf, error: std::io::Error },
     #[error("{}: {error}; expected a file that this program wrote (remove it to make it anew)", path.display())]
     Corrupt { path: PathBuf, error: serde_json::Error },
+    /// Noticed by its checksum ([`seal`]).
+    #[error("{}: was changed or damaged after it was written: its checksum does not hold (remove it to make it anew)", path.display())]
+    Damaged { path: PathBuf },
     #[error("{}: {error}", path.display())]
     Io { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
@@ -53,123 +55,16 @@ impl StoreError {
                 | Self::NotARun { .. }
                 | Self::NotAFolder { .. }
                 | Self::Folder { .. }
-                | Self::Busy { .. }
         )
     }
-}
 
-/// A number that a JSON file gives back bit for bit: it is written as text, which may also be `inf`.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
-#[serde(into = "String", try_from = "String")]
-pub struct Exact(pub f64);
-
-impl From<Exact> for String {
-    fn from(number: Exact) -> Self {
-        format!("{:e}", number.0)
+    /// Whether the same command may succeed later, as it is.
+    pub fn is_passing(&self) -> bool {
+        matches!(self, Self::Busy { .. })
     }
 }
 
-impl TryFrom<String> for Exact {
-    type Error = std::num::ParseFloatError;
-
-    fn try_from(text: String) -> Result<Self, Self::Error> {
-        text.parse().map(Self)
-    }
-}
-
-pub use super::scores::Scores;
-
-/// Where a reference stopped: the least certain of its terms.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct ReferenceStop {
-    /// Samples a pixel and term; the fewest of the terms.
-    pub samples: u64,
-    /// Relative standard error of the image (`shade::reference_pass::Convergence`); the largest of the terms.
-    pub relative_error: Exact,
-    /// Which of the limits the experiment names was met.
-    pub stopped_by: StopReason,
-}
-
-/// What ended a reference.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StopReason {
-    /// The sample count: no error was asked for, or a term did not reach it before.
-    Samples,
-    /// Every term reached the requested relative standard error.
-    RelativeError,
-}
-
-impl StopReason {
-    /// The word in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Samples => "samples",
-            Self::RelativeError => "relative-error",
-        }
-    }
-}
-
-impl ReferenceStop {
-    /// Of the terms of one image; `None` when none of them is a reference. `wanted` is the relative error that was asked for.
-    pub fn of(terms: &[Convergence], wanted: Option<f64>) -> Option<Self> {
-        let samples = terms.iter().map(|term| term.sample_count).min()?;
-        let is_met = wanted.is_some() && terms.iter().all(|term| term.is_met);
-        Some(Self {
-            samples,
-            relative_error: Exact(terms.iter().map(|term| term.relative_error).fold(0.0, f64::max)),
-            stopped_by: if is_met { StopReason::RelativeError } else { StopReason::Samples },
-        })
-    }
-}
-
-/// What is kept of one finished cell.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct CellRecord {
-    pub cell: String,
-    /// Every axis by name.
-    pub axes: BTreeMap<String, String>,
-    pub scores: Scores,
-    /// Bias and variance by column name, where the experiment asks for them.
-    #[serde(default)]
-    pub bias_variance: Scores,
-    /// Score to expect of an exact test, where the reference knows its own error.
-    pub noise_floors: Scores,
-    /// Where the reference stopped, where it is one that stops.
-    #[serde(default)]
-    pub reference: Option<ReferenceStop>,
-    pub verdict: String,
-    pub bins: Vec<BinRecord>,
-    pub device: String,
-    pub driver: String,
-    /// Host time for rendering and scoring the cell, ms.
-    pub wall_ms: f64,
-}
-
-/// Scores over the pixels with `n_dot_v` in [`lo`, `hi`).
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct BinRecord {
-    pub lo: f64,
-    pub hi: f64,
-    pub pixel_count: usize,
-    /// Empty when no pixel fell into the bin.
-    pub scores: Scores,
-}
-
-impl CellRecord {
-    /// What is kept in memory of a record that is on disk: what the plan says of the cell as well, and the bins, are left out.
-    pub fn without_bins(self) -> Self {
-        Self { cell: String::new(), axes: BTreeMap::new(), bins: Vec::new(), ..self }
-    }
-}
-
-/// Why a cell failed.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct FailureRecord {
-    pub cell: String,
-    pub label: String,
-    pub reason: String,
-}
+pub use super::record::{BinRecord, CellRecord, Exact, FailureRecord, ReferenceStop, Scores, Spent, StopReason};
 
 /// The folder of one run.
 #[derive(Clone, Debug)]
@@ -296,17 +191,24 @@ impl Store {
         self.record_path("cells", id)
     }
 
-    /// The record of a finished cell. One that cannot be understood, as a power cut may leave it, is none: the cell is done again.
+    /// The record of a finished cell. One that is not whole, as a power cut may leave it, is none: the cell is done again.
     pub fn cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
-        match self.read(&self.cell_path(id)) {
-            Err(StoreError::Corrupt { .. }) => Ok(None),
+        match self.whole_cell(id) {
+            Err(StoreError::Corrupt { .. } | StoreError::Damaged { .. }) => Ok(None),
             record => record,
         }
     }
 
+    /// As [`Store::cell`], but a record that is not whole is a fault.
+    pub fn whole_cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
+        self.read_record(&self.cell_path(id))
+    }
+
     /// Keeps a finished cell and forgets its earlier failure.
     pub fn write_cell(&self, record: &CellRecord) -> Result<(), StoreError> {
-        self.write_record(&self.cell_path(&record.cell), record)?;
+        // Not waited for on the disk, which takes longer than a small cell: a power cut costs the cells of its last seconds, since the
+        // seal tells a record that was cut off.
+        self.write_sealed(&self.cell_path(&record.cell), record)?;
         remove(self.record_path("failed", &record.cell))
     }
 
@@ -322,7 +224,7 @@ impl Store {
 
     /// Where the reference image of this id stopped, as an earlier invocation left it.
     pub fn reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
-        self.read(&self.record_path("references", id))
+        self.read_record(&self.record_path("references", id))
     }
 
     /// Keeps where a reference stopped.
@@ -332,12 +234,12 @@ impl Store {
 
     /// A timing record.
     pub fn timing<T: DeserializeOwned>(&self, id: &str) -> Result<Option<T>, StoreError> {
-        self.read(&self.record_path("timings", id))
+        self.read_record(&self.record_path("timings", id))
     }
 
-    /// Whether a configuration is timed already.
+    /// Whether a configuration is timed already, and its record whole.
     pub fn has_timing(&self, id: &str) -> bool {
-        self.record_path("timings", id).exists()
+        matches!(self.timing::<serde_json::Value>(id), Ok(Some(_)))
     }
 
     /// Keeps a timing record.
@@ -370,14 +272,17 @@ impl Store {
 
     /// As [`Store::write_text`], of JSON for people: indented, with a last newline.
     pub fn write_json<T: Serialize>(&self, path: &Path, value: &T) -> Result<(), StoreError> {
-        let text = serde_json::to_string_pretty(value)
-            .map_err(|error| StoreError::Corrupt { path: path.to_owned(), error })?;
-        self.write_text(path, &(text + "\n"))
+        self.write_text(path, &pretty(path, value)?)
     }
 
-    /// As [`Store::write_json`]; on return the record is on the disk, so that a power failure cannot leave its name without content.
+    /// As [`Store::write_json`], with a checksum.
+    fn write_sealed<T: Serialize>(&self, path: &Path, record: &T) -> Result<(), StoreError> {
+        self.write_text(path, &seal::sealed(&pretty(path, record)?))
+    }
+
+    /// As [`Store::write_sealed`]; on return the record is on the disk: what it holds cannot be had again the same, or costs much.
     fn write_record<T: Serialize>(&self, path: &Path, record: &T) -> Result<(), StoreError> {
-        self.write_json(path, record)?;
+        self.write_sealed(path, record)?;
         let sync = File::open(path).and_then(|file| file.sync_all());
         sync.map_err(|error| StoreError::Io { path: path.to_owned(), error })
     }
@@ -388,14 +293,37 @@ impl Store {
 
     /// The parsed file, or `None` when it does not exist.
     pub fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
-        match std::fs::read(path) {
-            Ok(bytes) => serde_json::from_slice(&bytes)
-                .map(Some)
-                .map_err(|error| StoreError::Corrupt { path: path.to_owned(), error }),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(StoreError::Io { path: path.to_owned(), error }),
+        read_bytes(path)?.map(|bytes| parsed(path, &bytes)).transpose()
+    }
+
+    /// As [`Store::read`], of a record: its checksum must hold. Records of older programs have none.
+    fn read_record<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
+        let Some(bytes) = read_bytes(path)? else { return Ok(None) };
+        let record = parsed(path, &bytes)?;
+        match seal::check(&String::from_utf8_lossy(&bytes)) {
+            Seal::Broken => Err(StoreError::Damaged { path: path.to_owned() }),
+            Seal::Whole | Seal::None => Ok(Some(record)),
         }
     }
+}
+
+/// A whole file, or `None` when it does not exist.
+fn read_bytes(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
+    match std::fs::read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(StoreError::Io { path: path.to_owned(), error }),
+    }
+}
+
+fn parsed<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T, StoreError> {
+    serde_json::from_slice(bytes).map_err(|error| StoreError::Corrupt { path: path.to_owned(), error })
+}
+
+/// Indented, with a last newline.
+fn pretty<T: Serialize>(path: &Path, value: &T) -> Result<String, StoreError> {
+    let text = serde_json::to_string_pretty(value);
+    text.map(|text| text + "\n").map_err(|error| StoreError::Corrupt { path: path.to_owned(), error })
 }
 
 /// Removes a file, if it is there.

@@ -4,6 +4,7 @@ use super::answers::run_folder::RunFolder;
 use super::answers::study::Study;
 use super::answers::{AnswerRecord, Answers, markdown};
 use super::sheets::sheet_files;
+use super::statistics::median;
 use super::store::StopReason;
 use super::tables::REFERENCE_COLUMNS;
 use super::timing::{self, TimingRecord, summarize};
@@ -80,7 +81,7 @@ fn reference_stops(run: &RunFolder) -> String {
     }
     let errors: Vec<f64> = stops.values().map(|(error, _)| *error).collect();
     let worst = errors.iter().copied().fold(f64::NAN, f64::max);
-    let errors = format!("median {}, largest {}", significant(summarize(&errors).median, 2), significant(worst, 2));
+    let errors = format!("median {}, largest {}", significant(median(&errors), 2), significant(worst, 2));
     match run.provenance.pointer("/reference/relative_error").and_then(serde_json::Value::as_f64) {
         _ if stops.is_empty() => String::new(),
         None => format!(" (relative standard error: {errors})"),

@@ -3,6 +3,7 @@
 use super::axis::AXES;
 use super::host::UNKNOWN;
 use super::plan::{Cell, Plan};
+use super::statistics::median;
 use super::store::{BinRecord, CellRecord, FailureRecord, ReferenceStop, Scores, Store, StoreError};
 use super::timing::{TimingRecord, summarize};
 use super::timing_ratios::{Ratio, ratios};
@@ -14,7 +15,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug)]
 pub enum CellResult {
     /// Without its bins; see [`CellRecord::without_bins`].
-    Done(CellRecord),
+    Done(Box<CellRecord>),
     Failed(FailureRecord),
 }
 
@@ -122,7 +123,7 @@ pub fn timings(records: &[TimingRecord]) -> Rows {
     columns.extend(statistics.iter().chain(&judgement).chain(&spread).chain(&machine).map(|name| name.to_string()));
     let mut rows = Vec::new();
     for record in records {
-        let wall = summarize(&record.wall_ms);
+        let wall_ms = median(&record.wall_ms);
         for pass in &record.passes {
             let s = summarize(&pass.ms);
             let mut row: Vec<Field> = vec![record.cell.as_str().into(), record.phase.as_str().into()];
@@ -130,7 +131,7 @@ pub fn timings(records: &[TimingRecord]) -> Rows {
             row.extend(sizes.map(|[w, h]| Field::Text(format!("{w}x{h}"))));
             row.extend(axes.iter().map(|name| text_field(&record.axes[*name])));
             row.extend([Field::from(pass.pass.as_str()), Field::Integer(s.n as u64)]);
-            let numbers = [s.median, s.mad, s.p05, s.p95, s.min, wall.median, record.passes_over_wall()];
+            let numbers = [s.median, s.mad, s.p05, s.p95, s.min, wall_ms, record.passes_over_wall()];
             row.extend(numbers.map(Field::Number));
             row.extend([record.wall_check(), &record.device, &record.device_type].map(Field::from));
             row.extend(s.interval.map(finite));

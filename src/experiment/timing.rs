@@ -6,9 +6,10 @@
 use super::axis::{AXES, is_precompute};
 use super::host::{HostState, UNKNOWN};
 use super::plan::{Cell, Plan};
-use super::statistics::{drift, median_interval, quantile};
+use super::statistics::{drift, median, median_interval, quantile};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
 
 /// Raw samples of one configuration.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -73,6 +74,9 @@ pub struct TimingJob<'p> {
 pub const PRECOMPUTE: &str = "precompute";
 /// The phase of passes that run for every frame.
 pub const FRAME: &str = "frame";
+
+/// A configuration that is not stable after a warm-up of this length is timed all the same; its drift stands in the table.
+pub const WARMUP_TIME_MAX: Duration = Duration::from_secs(3);
 
 /// Axes that change the cost of a frame. `alpha` is not one: all widths run the same instructions.
 const FRAME_AXES: &[&str] = &["scene", "brdf", "method", "diffuse", "samples", "masking", "storage_format"];
@@ -144,18 +148,23 @@ pub struct Summary {
 pub fn summarize(samples: &[f64]) -> Summary {
     let mut sorted = samples.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let median = quantile(&sorted, 0.5);
-    let mut deviations: Vec<f64> = sorted.iter().map(|x| (x - median).abs()).collect();
-    deviations.sort_by(f64::total_cmp);
+    let (median, mad) = centre(samples);
     Summary {
         n: sorted.len(),
         median,
-        mad: quantile(&deviations, 0.5),
+        mad,
         p05: quantile(&sorted, 0.05),
         p95: quantile(&sorted, 0.95),
         min: quantile(&sorted, 0.0),
         interval: median_interval(samples),
     }
+}
+
+/// Median, and median absolute deviation from it: a summary without its interval, which takes a thousand times as long.
+fn centre(samples: &[f64]) -> (f64, f64) {
+    let middle = median(samples);
+    let deviations: Vec<f64> = samples.iter().map(|x| (x - middle).abs()).collect();
+    (middle, median(&deviations))
 }
 
 /// Passes may sum to this much more than the host's time: the clocks differ.
@@ -175,7 +184,7 @@ impl TimingRecord {
     pub fn drift_percent_per_min(&self, pass: &PassSamples) -> f64 {
         let points: Vec<(f64, f64)> =
             self.rounds.iter().zip(&pass.ms).map(|(place, ms)| (place.start_s / 60.0, *ms)).collect();
-        100.0 * drift(&points) / summarize(&pass.ms).median
+        100.0 * drift(&points) / median(&pass.ms)
     }
 
     /// Why the clock was low before or after the rounds, as words with spaces; empty for nothing, `unknown` where nobody tells.
@@ -192,13 +201,13 @@ impl TimingRecord {
 
     /// What to be wary of, as words with spaces: `few-samples`, `drift`, `outliers`, `throttled`; empty for nothing.
     pub fn flags(&self, pass: &PassSamples) -> String {
-        let s = summarize(&pass.ms);
+        let (n, (middle, mad)) = (pass.ms.len(), centre(&pass.ms));
         let minutes = self.rounds.last().map_or(0.0, |place| place.start_s / 60.0);
         let moved = self.drift_percent_per_min(pass) / 100.0 * minutes;
-        let is_outlier = |ms: &f64| s.mad > 0.0 && (ms - s.median).abs() / s.mad > OUTLIER_Z;
+        let is_outlier = |ms: &f64| mad > 0.0 && (ms - middle).abs() / mad > OUTLIER_Z;
         let flags = [
-            ("few-samples", s.n < FEW_SAMPLES),
-            ("drift", s.n >= FEW_SAMPLES && moved.abs() > DRIFT_NAMED),
+            ("few-samples", n < FEW_SAMPLES),
+            ("drift", n >= FEW_SAMPLES && moved.abs() > DRIFT_NAMED),
             ("outliers", pass.ms.iter().any(is_outlier)),
             ("throttled", self.host.iter().any(|host| !["", UNKNOWN].contains(&host.slowdown().as_str()))),
         ];
@@ -213,7 +222,7 @@ impl TimingRecord {
 
     /// Median sum of the passes over the median of the host's time of the same submissions.
     pub fn passes_over_wall(&self) -> f64 {
-        summarize(&self.sums_ms()).median / summarize(&self.wall_ms).median
+        median(&self.sums_ms()) / median(&self.wall_ms)
     }
 
     /// `ok`, `passes-exceed-wall` (timestamps cannot be right) or `mostly-outside-passes`.

@@ -1,7 +1,7 @@
 //! Two methods timed in the same rounds: which is faster, and when a method's tables have paid for themselves.
 
 use super::statistics::{median, median_interval};
-use super::timing::{FRAME, PRECOMPUTE, TimingRecord, summarize};
+use super::timing::{FRAME, PRECOMPUTE, TimingRecord};
 use crate::shade::METHODS;
 use std::fmt;
 
@@ -145,5 +145,5 @@ fn tables_ms(records: &[TimingRecord], frame: &TimingRecord) -> f64 {
             && record.environment_size == frame.environment_size
             && ["brdf", "method", "diffuse", "masking"].iter().all(|name| same(record, name))
     };
-    records.iter().find(of_frame).map_or(f64::NAN, |record| summarize(&record.sums_ms()).median)
+    records.iter().find(of_frame).map_or(f64::NAN, |record| median(&record.sums_ms()))
 }

@@ -190,6 +190,11 @@ pub fn devices() -> Result<Vec<DeviceInfo>, GpuError> {
     Ok(Instance::new(false)?.physical_devices()?.into_iter().map(|(_, info)| info).collect())
 }
 
+/// The device that `choice` would open, without opening it.
+pub fn chosen_device(choice: DeviceChoice) -> Result<DeviceInfo, GpuError> {
+    Ok(Instance::new(false)?.choose(choice)?.1)
+}
+
 /// SAFETY: called by the loader with a valid message and the user data of [`Instance::install_messenger`].
 unsafe extern "system" fn on_message(
     _severity: vk::DebugUtilsMessageSeverityFlagsEXT,

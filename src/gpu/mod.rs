@@ -21,7 +21,7 @@ pub use buffer::Buffer;
 pub use device::Gpu;
 pub use error::GpuError;
 pub use image::{Filter, Format, Image, Sampler, Wrap};
-pub use instance::{DeviceChoice, DeviceInfo, Options, devices};
+pub use instance::{DeviceChoice, DeviceInfo, Options, chosen_device, devices};
 pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline, Slot};
 pub use recorder::{Bind, DrawCall, PassTime, Recorder, Report, Targets};
 pub use shader::{BRDF_STEMS, DIFFUSE_STEMS, METHOD_STEMS, build_hash, has_shader};

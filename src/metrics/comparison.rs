@@ -3,7 +3,7 @@
 use super::{EPSILON, METRICS, Metric, flip, linear_metrics, ssim};
 use crate::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use crate::tonemap::ToneCurve;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Why two images cannot be compared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -32,7 +32,8 @@ pub struct Comparison<'a> {
     curve: ToneCurve,
     pixels: Vec<usize>,
     relative_squares: OnceLock<Vec<f64>>,
-    display: OnceLock<[Rgb8Image; 2]>,
+    test_display: OnceLock<Rgb8Image>,
+    reference_display: OnceLock<Arc<Rgb8Image>>,
     ssim: OnceLock<Pixels<f64>>,
     flip: OnceLock<GrayImage>,
 }
@@ -57,7 +58,8 @@ impl<'a> Comparison<'a> {
             curve,
             pixels,
             relative_squares: OnceLock::new(),
-            display: OnceLock::new(),
+            test_display: OnceLock::new(),
+            reference_display: OnceLock::new(),
             ssim: OnceLock::new(),
             flip: OnceLock::new(),
         })
@@ -142,18 +144,28 @@ impl<'a> Comparison<'a> {
         })
     }
 
+    /// The reference as display metrics see it: after the tone curve, black off the mask.
+    pub fn reference_display(&self) -> &Arc<Rgb8Image> {
+        self.reference_display.get_or_init(|| Arc::new(self.displayed(self.reference)))
+    }
+
+    /// Takes the reference's display image from another comparison with the same reference, mask and tone curve.
+    pub fn with_reference_display(self, display: Arc<Rgb8Image>) -> Self {
+        Self { reference_display: display.into(), ..self }
+    }
+
     /// Test and reference after the tone curve, black off the mask: a background, equal or not, then adds no difference to
     /// the windows of SSIM and FLIP that reach across the silhouette.
-    pub(super) fn display(&self) -> &[Rgb8Image; 2] {
-        self.display.get_or_init(|| {
-            [self.test, self.reference].map(|image| {
-                let mut display = Rgb8Image::filled(image.width, image.height, [0; 3]);
-                for &pixel in &self.pixels {
-                    display.data[pixel] = self.curve.apply_rgb8(image.data[pixel]);
-                }
-                display
-            })
-        })
+    pub(super) fn display(&self) -> [&Rgb8Image; 2] {
+        [self.test_display.get_or_init(|| self.displayed(self.test)), self.reference_display()]
+    }
+
+    fn displayed(&self, image: &RgbImage) -> Rgb8Image {
+        let mut display = Rgb8Image::filled(image.width, image.height, [0; 3]);
+        for &pixel in &self.pixels {
+            display.data[pixel] = self.curve.apply_rgb8(image.data[pixel]);
+        }
+        display
     }
 
     pub(super) fn ssim(&self) -> &Pixels<f64> {

@@ -7,6 +7,7 @@
 //! An entry is written in one step and carries a checksum; one that does not hold is removed and made anew. Several processes may share
 //! a folder. Above its limit the entries that were used longest ago go first.
 
+use crate::gpu::DeviceInfo;
 use crate::pixels::{PART_PREFIX, write_atomically};
 use std::fs::{File, Metadata};
 use std::io::Write;
@@ -60,9 +61,15 @@ impl DiskCache {
         Ok(cache)
     }
 
-    /// Adds lines to the beginning of every key.
-    pub(super) fn extend_base(&mut self, lines: &str) {
-        self.base += lines;
+    /// From here on entries are those of this device.
+    pub fn set_device(&mut self, device: &DeviceInfo) {
+        let DeviceInfo { name, driver, api_version, .. } = device;
+        self.base += &format!("device={name}\ndriver={driver}\napi_version={api_version}\n");
+    }
+
+    /// Whether there is an entry for `key`. It may turn out to be damaged.
+    pub fn holds(&self, key: &str) -> bool {
+        self.path(&format!("{}{key}", self.base)).exists()
     }
 
     /// The folder.

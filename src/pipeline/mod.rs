@@ -13,7 +13,7 @@ mod prepare;
 mod request;
 mod shared_work;
 
-pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, devices};
+pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, chosen_device, devices};
 pub use bake::BakeRequest;
 pub use disk_cache::{DiskCache, DiskCacheError, program_hash};
 pub use fit::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, image_buffer_bytes};
@@ -71,6 +71,11 @@ impl PipelineError {
     }
 }
 
+/// Whether a cache that was told its device holds what `request` would render: then nothing is rendered.
+pub fn is_kept(cache: &DiskCache, request: &RenderRequest) -> bool {
+    kept_reference::key(request).is_some_and(|key| cache.holds(&shared_work::kind_key("reference", &key)))
+}
+
 /// An open device with every pass and what was made so far.
 pub struct Pipeline {
     gpu: Gpu,
@@ -93,8 +98,7 @@ impl Pipeline {
 
     /// Takes tables and references from `cache` where it has them, and adds those that are made. Timed passes never come from it.
     pub fn keep_on_disk(&mut self, mut cache: DiskCache) {
-        let DeviceInfo { name, driver, api_version, .. } = self.gpu.info();
-        cache.extend_base(&format!("device={name}\ndriver={driver}\napi_version={api_version}\n"));
+        cache.set_device(self.gpu.info());
         self.kept.disk = Some(cache);
     }
 

@@ -17,6 +17,11 @@ pub struct Tally {
 /// A tally for each kind: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `reference`.
 pub type SharedWork = BTreeMap<String, Tally>;
 
+/// The key under which the disk keeps a kind of table.
+pub(super) fn kind_key(kind: &str, key: &str) -> String {
+    format!("kind={kind}\n{key}")
+}
+
 /// The disk, if there is a cache, and what was shared so far.
 #[derive(Debug, Default)]
 pub(super) struct Kept {
@@ -27,7 +32,7 @@ pub(super) struct Kept {
 impl Kept {
     /// What the disk holds of a kind under a key.
     pub(super) fn load(&mut self, kind: &str, key: &str) -> Option<Vec<u8>> {
-        let payload = self.disk.as_mut()?.load(&format!("kind={kind}\n{key}"))?;
+        let payload = self.disk.as_mut()?.load(&kind_key(kind, key))?;
         self.work.entry(kind.to_owned()).or_default().read += 1;
         Some(payload)
     }
@@ -41,7 +46,7 @@ impl Kept {
     ) -> Result<(), GpuError> {
         self.work.entry(kind.to_owned()).or_default().made += 1;
         if let Some(disk) = &mut self.disk {
-            disk.store(&format!("kind={kind}\n{key}"), &payload()?);
+            disk.store(&kind_key(kind, key), &payload()?);
         }
         Ok(())
     }

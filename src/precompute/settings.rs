@@ -44,6 +44,23 @@ pub struct PrecomputeSettings {
     pub storage: StorageFormat,
 }
 
+impl PrecomputeSettings {
+    /// Samples that a pass draws for its table in all; `None` for a pass that draws none.
+    pub fn samples_of(&self, pass: &str) -> Option<f64> {
+        let texels = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
+        match pass {
+            "prefilter" => {
+                // Each level has a quarter of the texels of the one before.
+                let levels = (0..self.prefilter_level_count).map(|level| 0.25_f64.powi(level as i32)).sum::<f64>();
+                Some(texels(self.prefilter_size) * levels * f64::from(self.prefilter_sample_count))
+            }
+            "dfg" => Some(f64::from(self.dfg_size).powi(2) * f64::from(self.dfg_sample_count)),
+            "irradiance" => Some(texels(self.irradiance_size) * texels(self.irradiance_sample_count)),
+            _ => None,
+        }
+    }
+}
+
 impl Default for PrecomputeSettings {
     fn default() -> Self {
         Self {

@@ -83,6 +83,54 @@ fn a_run_leaves_the_promised_files_and_a_second_one_changes_nothing() {
     assert!(plan.contains(&format!("{CELLS} done, 0 failed, 0 open")), "{plan}");
 }
 
+/// Without records a probe, which the cache keeps; then records; without a device a guess. Each is named.
+#[test]
+fn a_plan_says_where_its_estimate_comes_from() {
+    let Some(dir) = folder() else { return };
+    let estimate = |arguments: &[&str]| -> serde_json::Value {
+        let output = splitsum(dir.path(), &[&["plan", "tiny.toml", "--json", "--cache", "cache"], arguments].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        value["estimate"].clone()
+    };
+    let sources = |value: &serde_json::Value, part: &str| -> Vec<String> {
+        value["parts"][part]["seconds_from"].as_object().unwrap().keys().cloned().collect()
+    };
+    let parts = ["references", "images", "tables", "scores and files"];
+    let first = estimate(&[]);
+    for part in parts {
+        assert_eq!(sources(&first, part), ["probe"], "{first:#}");
+    }
+    assert!(first["notes"][0].as_str().unwrap().starts_with("probe: on "), "{first:#}");
+    let second = estimate(&[]);
+    assert!(second["notes"][0].as_str().unwrap().ends_with("kept in the cache from an earlier plan"), "{second:#}");
+    assert_eq!(first["parts"], second["parts"]);
+
+    assert!(splitsum(dir.path(), &["run", "tiny.toml", "--set", "alpha=0.25", "--out", "earlier"]).status.success());
+    let third = estimate(&["--from", "earlier"]);
+    for part in parts {
+        assert_eq!(sources(&third, part), ["records"], "{third:#}");
+    }
+    assert!(
+        third["notes"][0].as_str().unwrap().contains("records: 12 cells and timings in runs/tiny, earlier"),
+        "{third:#}"
+    );
+    // What is done costs nothing.
+    assert!(splitsum(dir.path(), &["run", "tiny.toml", "--cache", "cache"]).status.success());
+    let done = estimate(&[]);
+    assert!(done["seconds"] == 0.0 && done["bytes"] == 0.0, "{done:#}");
+    // Its references are in the cache for another run.
+    let other = estimate(&["--out", "other"]);
+    assert!(other["parts"].get("references").is_none(), "{other:#}");
+    assert!(other["notes"].to_string().contains("4 references are in the cache"), "{other:#}");
+
+    let mut blind = command(dir.path(), &["plan", "tiny.toml", "--out", "none"]);
+    let output = blind.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent").output().unwrap();
+    let text = stdout(&output);
+    assert!(output.status.success() && text.contains("from constants (a guess)"), "{text}");
+    assert!(text.contains("no device answers") && !text.contains("probe"), "{text}");
+}
+
 #[test]
 fn a_run_dir_of_another_experiment_is_refused() {
     let Some(dir) = folder() else { return };

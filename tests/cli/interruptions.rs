@@ -68,11 +68,11 @@ fn two_runs_of_one_folder_do_not_mix() {
         || command(dir.path(), &["run", "tiny.toml"]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let (first, second) = (spawn(), spawn());
     let outputs = [first.wait_with_output().unwrap(), second.wait_with_output().unwrap()];
-    let told = outputs.iter().filter(|output| output.status.code() == Some(2)).count();
+    let told = outputs.iter().filter(|output| output.status.code() == Some(75)).count();
     let done = outputs.iter().filter(|output| output.status.success()).count();
     // The second may also have come after the first had ended.
     assert!(done >= 1 && told + done == 2, "{:?}", outputs.each_ref().map(stderr));
-    for output in outputs.iter().filter(|output| output.status.code() == Some(2)) {
+    for output in outputs.iter().filter(|output| output.status.code() == Some(75)) {
         assert!(stderr(output).contains("another run is at work in it"), "{}", stderr(output));
     }
     run_to(dir.path(), "whole");

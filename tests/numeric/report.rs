@@ -1,6 +1,6 @@
 //! The report without a browser: what is computed from a run, what is embedded, what cannot break out of the page.
 
-use crate::experiment::fake::{Fake, Log};
+use crate::experiment::runs::{finished, plan};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use flate2::read::DeflateDecoder;
@@ -11,18 +11,14 @@ use splitsum::experiment::answers::run_folder::RunFolder;
 use splitsum::experiment::answers::slope::slope;
 use splitsum::experiment::answers::study::{Role, Study};
 use splitsum::experiment::answers::words::answer;
-use splitsum::experiment::{Plan, Progress, RenderFault, Renderer, RunOptions, run};
 use splitsum::pixels::packed;
 use splitsum::pixels::{GrayImage, RgbImage};
 use splitsum::report::images::{BUDGET_BYTES, Choice, Window, collect};
 use splitsum::report::page::in_script;
 use splitsum::report::{ReportOptions, write};
 use splitsum::table::csv::Table;
-use std::cell::RefCell;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
-use std::sync::atomic::AtomicBool;
 
 /// f64 arithmetic of a few logarithms.
 const F64: f64 = 1e-12;
@@ -110,23 +106,8 @@ warmup = 1
 rounds = 3
 "#;
 
-struct Quiet;
-
-impl Progress for Quiet {
-    fn start(&mut self, _: usize, _: usize) {}
-    fn step(&mut self, _: &str, _: Option<&str>) {}
-    fn note(&mut self, _: &str) {}
-}
-
 pub fn finished_run(dir: &Path) -> PathBuf {
-    let plan = Plan::from_text(Path::new("tiny.toml"), EXPERIMENT, &[]).unwrap_or_else(|error| panic!("{error}"));
-    let stop = AtomicBool::new(false);
-    let options =
-        RunOptions { dir: dir.join("run"), stop: &stop, command_line: Vec::new(), fail_fast: false, trace: false };
-    let log = Rc::new(RefCell::new(Log::default()));
-    let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
-    run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
-    options.dir
+    finished(&plan(EXPERIMENT), &dir.join("run"))
 }
 
 #[test]

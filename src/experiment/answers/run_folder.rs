@@ -18,6 +18,8 @@ use std::path::{Path, PathBuf};
 pub enum RunFolderError {
     #[error("{}: has no {file}; expected the folder of a run of `splitsum run`", dir.display())]
     NotARun { dir: PathBuf, file: &'static str },
+    #[error("{}: the run was stopped before its first table; to go on run the same command again: {command}", dir.display())]
+    Unfinished { dir: PathBuf, command: String },
     #[error("{}: the run is in the format {found}, and this program knows formats up to {SCHEMA_VERSION}", dir.display())]
     NewerVersion { dir: PathBuf, found: u64 },
     #[error("{}: {error}", path.display())]
@@ -82,7 +84,7 @@ impl RunFolder {
             let path = dir.join(name);
             path.exists().then(|| Table::read(&path)).transpose()
         };
-        let errors = table("errors.csv")?.ok_or_else(|| not_a_run("errors.csv"))?;
+        let errors = table("errors.csv")?.ok_or_else(|| unfinished(dir, &provenance))?;
         let bins = table("errors_by_n_dot_v.csv")?;
         check_errors(dir, &provenance, &errors, bins.as_ref())?;
         let csv = CSV_FILES.iter().filter_map(|&name| text(&dir.join(name)).transpose().map(|t| Ok((name, t?))));
@@ -150,6 +152,34 @@ fn config(experiment: &str, provenance: &serde_json::Value) -> Option<Config> {
     let mut faults = Faults::new(path, experiment);
     let config = Config::parse(path, experiment, &overrides, &mut faults);
     faults.is_empty().then_some(config)
+}
+
+/// A run that left no table, with the command that makes one.
+fn unfinished(dir: &Path, provenance: &serde_json::Value) -> RunFolderError {
+    match last_command(provenance) {
+        Some(command) => RunFolderError::Unfinished { dir: dir.to_owned(), command },
+        None => RunFolderError::NotARun { dir: dir.to_owned(), file: "errors.csv" },
+    }
+}
+
+/// What the user typed last to work on the run.
+fn last_command(provenance: &serde_json::Value) -> Option<String> {
+    let words = provenance["sessions"].as_array()?.last()?["command_line"].as_array()?;
+    let words: Vec<&str> = words.iter().filter_map(serde_json::Value::as_str).collect();
+    Some(words.join(" ")).filter(|command| !command.is_empty())
+}
+
+/// A sentence when cells of the run in `dir` were not tried yet: it was stopped or killed. Nothing for the files of a published run.
+pub fn unfinished_note(dir: &Path) -> Option<String> {
+    let provenance: serde_json::Value = json(&dir.join("provenance.json")).ok()??;
+    let planned = provenance["cell_count"].as_u64()?;
+    let count = |folder: &str| std::fs::read_dir(dir.join(folder)).map(|entries| entries.count() as u64);
+    let (done, tried) = (count("cells").ok()?, count("cells").ok()? + count("failed").unwrap_or(0));
+    let command = last_command(&provenance)?;
+    (tried < planned).then(|| {
+        let dir = dir.display();
+        format!("{dir}: {done} of {planned} cells are done; to go on run the same command again: {command}")
+    })
 }
 
 fn images(table: &Table) -> Result<BTreeMap<String, CellImages>, RunFolderError> {

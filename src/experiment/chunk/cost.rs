@@ -2,9 +2,10 @@
 //! measured here: samples are counted and divided by a stated speed. Only the proportions matter for even chunks.
 
 use crate::experiment::axis::{AXES, Point};
-use crate::experiment::config::Warmup;
+use crate::experiment::config::{Timing, Warmup};
+use crate::experiment::estimate::Amount;
 use crate::experiment::plan::{Cell, Plan};
-use crate::experiment::timing::{FRAME, TimingJob};
+use crate::experiment::timing::{FRAME, TimingJob, WARMUP_TIME_MAX};
 use serde::{Deserialize, Serialize};
 
 /// The speeds that costs are reckoned with. A plan file holds those it was made with.
@@ -54,29 +55,44 @@ impl Rates {
     /// Seconds for timing a configuration of a block with `members` of them.
     pub fn timing(&self, plan: &Plan, job: &TimingJob, members: usize) -> f64 {
         let Some(timing) = plan.config.timing else { return 0.0 };
-        let warmup = match timing.warmup {
-            Warmup::Frames(frames) => frames,
-            Warmup::Stable => STABLE_WARMUP_FRAMES,
-        };
-        // A frame that does not count follows each change of configuration.
-        let changes = if members > 1 { timing.rounds } else { 0 };
         let frame = match job.phase {
             FRAME => self.frame(plan, &job.cell.point),
             _ => tables(plan, &job.cell.point).iter().map(|table| self.table(table)).sum(),
         };
-        f64::from(warmup + timing.rounds + changes) * (frame + self.seconds_per_frame)
+        (warmup_frames(timing).0 + timing_frames(timing, members)) * (frame + self.seconds_per_frame)
     }
 
     fn frame(&self, plan: &Plan, point: &Point) -> f64 {
-        let settings = point.settings();
-        let [width, height] = settings.size.map(f64::from);
-        let specular = if settings.method.uses_samples { settings.samples } else { 1 };
-        let diffuse = match settings.diffuse.name {
-            "reference" => plan.config.reference.samples,
-            _ => 0,
-        };
-        width * height * (f64::from(specular) + f64::from(diffuse)) / self.samples_per_second
+        amount(plan, point).samples / self.samples_per_second
     }
+}
+
+/// Pixels of a point's image, and the samples that its terms draw at most.
+pub fn amount(plan: &Plan, point: &Point) -> Amount {
+    let settings = point.settings();
+    let [width, height] = settings.size.map(f64::from);
+    let specular = if settings.method.uses_samples { settings.samples } else { 1 };
+    let diffuse = match settings.diffuse.name {
+        "reference" => plan.config.reference.samples,
+        _ => 0,
+    };
+    let pixels = width * height;
+    Amount { pixels, samples: pixels * (f64::from(specular) + f64::from(diffuse)) }
+}
+
+/// Frames of a warm-up, and the seconds after which it ends in any case.
+pub fn warmup_frames(timing: Timing) -> (f64, f64) {
+    match timing.warmup {
+        Warmup::Frames(frames) => (f64::from(frames), f64::INFINITY),
+        Warmup::Stable => (f64::from(STABLE_WARMUP_FRAMES), WARMUP_TIME_MAX.as_secs_f64()),
+    }
+}
+
+/// Frames of one configuration after its warm-up, in a block with `members` of them.
+pub fn timing_frames(timing: Timing, members: usize) -> f64 {
+    // A frame that does not count follows each change of configuration.
+    let changes = if members > 1 { timing.rounds } else { 0 };
+    f64::from(timing.rounds + changes)
 }
 
 /// The tables that the image of a point reads.
@@ -87,21 +103,18 @@ pub fn tables(plan: &Plan, point: &Point) -> Vec<Table> {
         let axes = AXES.iter().zip(&point.0).filter(|(a, _)| names.contains(&a.name) || a.name.starts_with(prefix));
         axes.fold(kind.to_owned(), |key, (axis, value)| format!("{key} {}={value}", axis.name))
     };
-    let texels = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
+    let samples = |pass: &str| precompute.samples_of(pass).unwrap_or(0.0);
     let mut tables = Vec::new();
     if settings.method.uses_prefiltered {
-        // Each level has a quarter of the texels of the one before.
-        let levels = (0..precompute.prefilter_level_count).map(|level| 0.25_f64.powi(level as i32)).sum::<f64>();
-        let samples = texels(precompute.prefilter_size) * levels * f64::from(precompute.prefilter_sample_count);
-        tables.push((key("prefilter", &["environment", "environment_clip_log2", "brdf"], "prefilter_"), samples));
+        let axes = ["environment", "environment_clip_log2", "brdf"];
+        tables.push((key("prefilter", &axes, "prefilter_"), samples("prefilter")));
     }
     if settings.method.needs_dfg(settings.diffuse, !plan.config.lights.is_empty()) {
-        let samples = f64::from(precompute.dfg_size).powi(2) * f64::from(precompute.dfg_sample_count);
-        tables.push((key("dfg", &["brdf", "masking"], "dfg_"), samples));
+        tables.push((key("dfg", &["brdf", "masking"], "dfg_"), samples("dfg")));
     }
     if settings.diffuse.uses_irradiance_map {
-        let samples = texels(precompute.irradiance_size) * texels(precompute.irradiance_sample_count);
-        tables.push((key("irradiance", &["environment", "environment_clip_log2"], "irradiance_"), samples));
+        let axes = ["environment", "environment_clip_log2"];
+        tables.push((key("irradiance", &axes, "irradiance_"), samples("irradiance")));
     }
     tables
 }

@@ -1,5 +1,6 @@
 //! Makes one run of the attempts at all chunks: the folder that `run` would have left on one machine.
 //!
+//! Every record carries a checksum and the hashes of its images, and all of them are checked before anything is written.
 //! Scores are a function of cell and device, so records of one cell from one device must agree to the last bit; where they do not,
 //! something is wrong with a machine, and nothing is merged. Times are no such function: of several timings of a block the first is kept
 //! whole, and no table compares times of two devices.
@@ -12,9 +13,13 @@ use crate::experiment::live::LIVE_FILE;
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::provenance;
 use crate::experiment::run::{Outcome, RunOptions, tabulate};
-use crate::experiment::store::{CellRecord, Exact, FailureRecord, Store, StoreError};
+use crate::experiment::store::{CellRecord, Exact, FailureRecord, ReferenceStop, Store, StoreError};
 use crate::experiment::timing::{self, TimingRecord};
+use crate::files::content_hash;
+use crate::pixels::write_atomically;
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -64,7 +69,8 @@ struct Found<T> {
     device: Device,
 }
 
-/// Merges what there is. Nothing is written when records contradict each other.
+/// Merges what there is. All of it is read and checked before the first byte is written: nothing is when a record or an image is damaged
+/// or missing, or when records contradict each other.
 pub fn merge(file: &PlanFile, plan: &Plan, options: &MergeOptions) -> Result<Merged, ChunkError> {
     let chunks = ChunkStore::existing(&options.store, file)?;
     let attempts: Vec<Vec<Attempt>> =
@@ -72,18 +78,25 @@ pub fn merge(file: &PlanFile, plan: &Plan, options: &MergeOptions) -> Result<Mer
     if attempts.iter().all(Vec::is_empty) {
         return Err(ChunkError::NoStore { dir: options.store.clone() });
     }
-    let out = Store::open(&options.out, plan)?;
-    let cells = find_cells(&out, plan, &attempts)?;
+    let before = Store::at(&options.out);
+    before.check_identity(plan)?;
+    let mut damage = Vec::new();
+    let cells = find_cells(&before, plan, &attempts, &mut damage)?;
+    let blocks = find_blocks(file, plan, &attempts, &mut damage)?;
+    let mut notes = Vec::new();
+    let chosen = choose(&cells, "cells", &mut notes);
+    let chosen_blocks = choose(&blocks, "blocks of timings", &mut notes);
+    let belongings = belongings(&before, plan, &chosen, &attempts, &mut damage)?;
+    if !damage.is_empty() {
+        return Err(ChunkError::Damaged(damage));
+    }
     let disagreements = disagreements(plan, &cells);
     if !disagreements.is_empty() {
         return Err(ChunkError::Disagreement(disagreements));
     }
-    let blocks = find_blocks(file, plan, &attempts)?;
-    let mut notes = Vec::new();
-    let chosen = choose(&cells, "cells", &mut notes);
-    let chosen_blocks = choose(&blocks, "blocks of timings", &mut notes);
 
-    import_cells(&out, plan, &chosen, attempts.iter().flatten())?;
+    let out = Store::open(&options.out, plan)?;
+    import_cells(&out, plan, &chosen, &belongings, attempts.iter().flatten())?;
     import_failures(&out, plan, &chosen, attempts.iter().flatten())?;
     for block in chosen_blocks.values() {
         for (id, record) in &block.record {
@@ -108,10 +121,11 @@ fn find_cells(
     out: &Store,
     plan: &Plan,
     attempts: &[Vec<Attempt>],
+    damage: &mut Vec<String>,
 ) -> Result<BTreeMap<String, Vec<Found<CellRecord>>>, StoreError> {
     let mut found: BTreeMap<String, Vec<Found<CellRecord>>> = BTreeMap::new();
     let mut add = |id: &str, store: &Store| -> Result<(), StoreError> {
-        if let Some(record) = store.cell(id)? {
+        if let Some(record) = whole(store.whole_cell(id), damage)? {
             let device = (record.device.clone(), record.driver.clone());
             found.entry(id.to_owned()).or_default().push(Found { record, store: store.clone(), device });
         }
@@ -126,20 +140,36 @@ fn find_cells(
     Ok(found)
 }
 
+/// What was read, where it is whole; a sentence for `damage` where it is not.
+fn whole<T>(read: Result<Option<T>, StoreError>, damage: &mut Vec<String>) -> Result<Option<T>, StoreError> {
+    match read {
+        Err(error @ (StoreError::Corrupt { .. } | StoreError::Damaged { .. })) => {
+            damage.push(error.to_string());
+            Ok(None)
+        }
+        read => read,
+    }
+}
+
 /// The timings of every block, by the id of its first configuration, once for each attempt that finished it.
 fn find_blocks(
     file: &PlanFile,
     plan: &Plan,
     attempts: &[Vec<Attempt>],
+    damage: &mut Vec<String>,
 ) -> Result<BTreeMap<String, Vec<Found<Block>>>, ChunkError> {
     let jobs = timing::jobs(plan);
     let mut found: BTreeMap<String, Vec<Found<Block>>> = BTreeMap::new();
     for (chunk, attempts) in file.chunks.iter().zip(attempts) {
         for attempt in attempts {
             for block in chunk.blocks(&jobs) {
-                let records = block.iter().map(|id| Ok(attempt.store.timing(id)?.map(|record| (id.clone(), record))));
-                let records: Option<Block> = records.collect::<Result<_, StoreError>>()?;
-                let Some(record) = records else { continue };
+                let mut record = Block::new();
+                for id in &block {
+                    record.extend(whole(attempt.store.timing(id), damage)?.map(|timing| (id.clone(), timing)));
+                }
+                if record.len() < block.len() {
+                    continue;
+                }
                 let device = (record[0].1.device.clone(), record[0].1.driver.clone());
                 let block = Found { record, store: attempt.store.clone(), device };
                 found.entry(block.record[0].0.clone()).or_default().push(block);
@@ -234,47 +264,116 @@ fn columns(record: &CellRecord) -> BTreeMap<String, String> {
     columns
 }
 
-/// Brings the chosen records, with the files that belong to them, into the run's folder.
+/// What belongs to the chosen records.
+struct Belongings {
+    /// Where a whole copy of each file of `images/` stands, with its content hash where a record tells it.
+    files: BTreeMap<String, (PathBuf, Option<String>)>,
+    /// Where each reference stopped.
+    stops: BTreeMap<String, ReferenceStop>,
+}
+
+/// Finds a whole copy of every file that a chosen record stands for; each that has none is a sentence for `damage`.
+fn belongings(
+    out: &Store,
+    plan: &Plan,
+    chosen: &BTreeMap<&str, &Found<CellRecord>>,
+    attempts: &[Vec<Attempt>],
+    damage: &mut Vec<String>,
+) -> Result<Belongings, StoreError> {
+    let others: Vec<&Store> = attempts.iter().flatten().map(|attempt| &attempt.store).chain([out]).collect();
+    let mut stops = BTreeMap::new();
+    // Cells of two devices may share a file's name, and each must find the bytes that its record was made from.
+    let mut wanted: BTreeMap<(String, Option<&String>), (&Cell, &Store)> = BTreeMap::new();
+    for cell in &plan.cells {
+        let Some(found) = chosen.get(cell.id.as_str()) else { continue };
+        for name in images::files(plan, cell) {
+            let hash = found.record.files.get(&name);
+            wanted.entry((name, hash)).or_insert((cell, &found.store));
+        }
+        if found.record.reference.is_some() && !stops.contains_key(&cell.reference) {
+            for store in std::iter::once(&found.store).chain(others.iter().copied()) {
+                if let Some(stop) = whole(store.reference(&cell.reference), damage)? {
+                    stops.insert(cell.reference.clone(), stop);
+                    break;
+                }
+            }
+        }
+    }
+    let find = |((name, hash), (cell, own)): (&(String, Option<&String>), &(&Cell, &Store))| {
+        // What cells share may stand with another attempt.
+        let mut copies = std::iter::once(*own).chain(others.iter().copied()).map(|store| store.image_path(name));
+        let is_whole = |path: &PathBuf| match hash {
+            Some(hash) => content_hash(path).is_ok_and(|found| found == **hash),
+            None => images::is_whole(path),
+        };
+        copies.find(is_whole).ok_or_else(|| {
+            let path = own.image_path(name);
+            let what = if path.exists() { "is not the file that its record was made from" } else { "is missing" };
+            let (label, record) = (plan.label(cell), own.cell_path(&cell.id));
+            format!(
+                "{}: {what}; it belongs to {} {label}; to make it anew remove {}",
+                path.display(),
+                cell.id,
+                record.display()
+            )
+        })
+    };
+    let list: Vec<_> = wanted.iter().collect();
+    let copies: Vec<Result<PathBuf, String>> = list.par_iter().map(|&entry| find(entry)).collect();
+    let mut files = BTreeMap::new();
+    for (((name, hash), _), copy) in list.into_iter().zip(copies) {
+        match copy {
+            Ok(path) => drop(files.entry(name.clone()).or_insert((path, hash.cloned()))),
+            Err(sentence) => damage.push(sentence),
+        }
+    }
+    Ok(Belongings { files, stops })
+}
+
+/// Brings the chosen records, with the files that belong to them, into the run's folder: the records last.
 fn import_cells<'a>(
     out: &Store,
     plan: &Plan,
     chosen: &BTreeMap<&str, &Found<CellRecord>>,
-    attempts: impl Iterator<Item = &'a Attempt> + Clone,
+    belongings: &Belongings,
+    mut attempts: impl Iterator<Item = &'a Attempt>,
 ) -> Result<(), StoreError> {
-    let mut placed: BTreeSet<String> = BTreeSet::new();
+    for (name, (from, hash)) in &belongings.files {
+        place(from, &out.image_path(name), hash.as_deref())?;
+    }
+    for (id, stop) in &belongings.stops {
+        out.write_reference(id, stop)?;
+    }
     for cell in &plan.cells {
-        let Some(found) = chosen.get(cell.id.as_str()).filter(|found| found.store.dir() != out.dir()) else { continue };
-        // What cells share may stand with an earlier attempt only.
-        let stores = std::iter::once(&found.store).chain(attempts.clone().map(|attempt| &attempt.store));
-        for name in images::files(plan, cell) {
-            if placed.insert(name.clone()) {
-                let from = stores.clone().map(|store| store.image_path(&name)).find(|path| path.exists());
-                place(&from.unwrap_or_else(|| found.store.image_path(&name)), &out.image_path(&name))?;
-            }
+        if let Some(found) = chosen.get(cell.id.as_str()).filter(|found| found.store.dir() != out.dir()) {
+            out.write_cell(&found.record)?;
         }
-        if placed.insert(cell.reference.clone()) {
-            let stop = stores.map(|store| store.reference(&cell.reference).transpose()).find_map(|stop| stop);
-            stop.transpose()?.map_or(Ok(()), |stop| out.write_reference(&cell.reference, &stop))?;
-        }
-        out.write_cell(&found.record)?;
     }
     let live = out.dir().join(LIVE_FILE);
-    let made = attempts.map(|attempt| attempt.store.dir().join(LIVE_FILE)).find(|path| path.exists());
-    made.filter(|_| !live.exists()).map_or(Ok(()), |from| place(&from, &live))
+    let made = attempts.find_map(|attempt| Some(attempt.store.dir().join(LIVE_FILE)).filter(|path| path.exists()));
+    made.filter(|_| !live.exists()).map_or(Ok(()), |from| place(&from, &live, None))
 }
 
-/// Makes `to` the file `from`: by a link, since images never change, or by a copy where links do not reach.
-fn place(from: &Path, to: &Path) -> Result<(), StoreError> {
-    let io = |error| StoreError::Io { path: from.to_owned(), error };
+/// Makes `to` the file `from`: by a link, since images never change, or by a copy where links do not reach. A copy must have the content
+/// hash that is told.
+fn place(from: &Path, to: &Path, hash: Option<&str>) -> Result<(), StoreError> {
+    if from == to {
+        return Ok(());
+    }
+    let io = |path: &Path, error| StoreError::Io { path: path.to_owned(), error };
     match std::fs::remove_file(to) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            return Err(StoreError::Io { path: to.to_owned(), error });
-        }
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(io(to, error)),
         _ => {}
     }
-    match std::fs::hard_link(from, to) {
-        Ok(()) => Ok(()),
-        Err(_) => std::fs::copy(from, to).map(|_| ()).map_err(io),
+    if std::fs::hard_link(from, to).is_ok() {
+        return Ok(());
+    }
+    write_atomically(to, |writer| std::io::copy(&mut File::open(from)?, writer).map(drop))?;
+    match (hash, content_hash(to).map_err(|error| io(to, error))?) {
+        (Some(hash), found) if found != hash => {
+            Err(io(to, std::io::Error::other("the copy differs from what was copied")))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -36,6 +36,12 @@ pub enum ChunkError {
     /// One sentence for each pair of records.
     #[error("cells that were done twice on one device do not agree; nothing was merged:\n{}", .0.join("\n"))]
     Disagreement(Vec<String>),
+    /// One sentence for each file.
+    #[error(
+        "records or images are damaged or missing; nothing was merged. Remove the records that are named, run their chunks again, and \
+         merge again:\n{}", .0.join("\n")
+    )]
+    Damaged(Vec<String>),
     #[error(transparent)]
     Run(#[from] RunError),
 }
@@ -45,7 +51,7 @@ impl ChunkError {
     pub fn is_misuse(&self) -> bool {
         match self {
             Self::PlanFile { .. } | Self::NoSuchChunk { .. } | Self::OtherPlan { .. } | Self::NoStore { .. } => true,
-            Self::Disagreement(_) | Self::Run(_) => false,
+            Self::Disagreement(_) | Self::Damaged(_) | Self::Run(_) => false,
         }
     }
 }

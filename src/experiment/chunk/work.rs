@@ -75,15 +75,18 @@ pub fn run_chunk(
     Ok(ChunkOutcome { cell_count: chunk.cells.len(), failures, is_stopped })
 }
 
-/// What no attempt has finished. A block of timings counts when one attempt holds all of it: its samples belong together.
+/// What no attempt has finished: a record that is not whole counts for nothing. A block of timings counts when one attempt holds all of it: its samples belong together.
 fn left(chunk: &Chunk, plan: &Plan, attempts: &[Attempt]) -> Result<Share, ChunkError> {
     let mut share = Share { cells: chunk.cells.iter().cloned().collect(), timings: BTreeSet::new(), has_live: false };
     let mut blocks = chunk.blocks(&timing::jobs(plan));
     for attempt in attempts {
         for id in attempt.ids("cells")? {
-            share.cells.remove(&id);
+            if attempt.store.cell(&id)?.is_some() {
+                share.cells.remove(&id);
+            }
         }
-        let timed: BTreeSet<String> = attempt.ids("timings")?.into_iter().collect();
+        let timings = attempt.ids("timings")?.into_iter();
+        let timed: BTreeSet<String> = timings.filter(|id| attempt.store.has_timing(id)).collect();
         blocks.retain(|block| !block.iter().all(|id| timed.contains(id)));
     }
     // One chunk does it for all; the run is whole without it.

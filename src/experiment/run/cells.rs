@@ -9,9 +9,10 @@ use crate::experiment::images;
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::experiment::renderer::Renderer;
 use crate::experiment::scoring::{ReferenceImage, Rendered, ScoreFault};
-use crate::experiment::store::{CellRecord, Store, StoreError};
+use crate::experiment::store::{CellRecord, Spent, Store, StoreError};
+use crate::files::content_hash;
 use crate::metrics::{BiasVariance, Repeats};
-use crate::pipeline::{DeviceInfo, Frame, RenderRequest};
+use crate::pipeline::{DeviceInfo, Frame, FrameTimings, RenderRequest};
 use crate::pixels::Rgb8Image;
 use crate::tonemap::ToneCurve;
 use std::collections::BTreeMap;
@@ -31,15 +32,20 @@ const QUEUE_LENGTHS: std::ops::RangeInclusive<u64> = 4..=256;
 enum Job<'p> {
     /// Write a linear image.
     Keep { path: PathBuf, frame: Arc<Frame> },
-    /// Score a cell whose images took `device_ms`.
-    Score { rendered: Box<Rendered<'p>>, device_ms: f64 },
+    /// Score a cell whose images took `spent`.
+    Score { rendered: Box<Rendered<'p>>, spent: Spent },
 }
 
-/// A cell that was scored; nothing for an image that was written.
-type Scored<'p> = Option<(&'p Cell, Result<CellRecord, String>)>;
+/// What a job led to.
+enum Done<'p> {
+    /// Name and content hash of an image that was written.
+    Kept(String, String),
+    /// A cell that was scored, or why it cannot be.
+    Scored(&'p Cell, Box<Result<CellRecord, String>>),
+}
 
 /// What a job led to, or the fault of a file.
-type Answer<'p> = Result<Scored<'p>, StoreError>;
+type Answer<'p> = Result<Done<'p>, StoreError>;
 
 /// Where work is handed in and results come back, numbered in the order of the work.
 struct Desk<'p> {
@@ -49,7 +55,7 @@ struct Desk<'p> {
     handed_in: usize,
     kept: usize,
     /// Answers that came before an earlier one.
-    early: BTreeMap<usize, Scored<'p>>,
+    early: BTreeMap<usize, Done<'p>>,
 }
 
 /// The display images of a reference, by tone curve.
@@ -89,11 +95,12 @@ impl<'p> Run<'p> {
         desk: &mut Desk<'p>,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
-        let started = Instant::now();
         let todo = group.radiances.iter().flat_map(|(_, cells)| cells).find(|cell| !self.is_done(cell));
         let (Some(first), false) = (todo.copied(), self.is_stopped()) else { return Ok(()) };
         let point = self.plan.reference_point(&first.point);
-        let reference = match self.reference(group.id, &point, renderer, desk)? {
+        // Shared work is counted with the first cell that needs it.
+        let mut spent = Spent::default();
+        let reference = match self.reference(group.id, &point, renderer, desk, &mut spent)? {
             Ok(reference) => Arc::new(reference),
             Err(reason) => {
                 let cells: Vec<&Cell> = group.radiances.iter().flat_map(|(_, cells)| cells).copied().collect();
@@ -101,17 +108,13 @@ impl<'p> Run<'p> {
             }
         };
         let mut reference_pictures = ReferencePictures::new();
-        // Shared work is counted with the first cell that needs it.
-        let mut device_ms = milliseconds(started);
         for (id, cells) in &group.radiances {
             let todo: Vec<&Cell> = cells.iter().copied().filter(|cell| !self.is_done(cell)).collect();
             let (Some(first), false) = (todo.first(), self.is_stopped()) else { continue };
-            let started = Instant::now();
             let rendered = match reference.rendered.as_ref().filter(|_| *id == group.id) {
                 Some(frame) => Ok((frame.clone(), None)),
-                None => self.radiance(id, &first.point, &reference, renderer, desk)?,
+                None => self.radiance(id, &first.point, &reference, renderer, desk, &mut spent)?,
             };
-            device_ms += milliseconds(started);
             let linear = Arc::new(OnceLock::new());
             for cell in todo {
                 if self.is_stopped() {
@@ -131,12 +134,12 @@ impl<'p> Run<'p> {
                         }),
                     Err(reason) => Err(reason.clone()),
                 };
-                device_ms += milliseconds(started);
+                spent.display_ms = milliseconds(started);
+                let spent = std::mem::take(&mut spent);
                 match job {
-                    Ok(rendered) => desk.hand_in(Job::Score { rendered: Box::new(rendered), device_ms }),
+                    Ok(rendered) => desk.hand_in(Job::Score { rendered: Box::new(rendered), spent }),
                     Err(reason) => self.fail(&[cell], &reason, progress)?,
                 }
-                device_ms = 0.0;
                 self.collect(desk, false, progress)?;
                 self.write_tables_sometimes()?;
             }
@@ -163,13 +166,17 @@ impl<'p> Run<'p> {
         reference: &ReferenceImage,
         renderer: &mut dyn Renderer,
         desk: &mut Desk<'p>,
+        spent: &mut Spent,
     ) -> Result<Result<(Arc<Frame>, Option<BiasVariance>), String>, RunError> {
+        let started = Instant::now();
         let frame = match self.render(point, point.settings().point_set, renderer)? {
             Ok(frame) => Arc::new(frame),
             Err(reason) => return Ok(Err(reason)),
         };
+        spent.add(|spent| &mut spent.image_ms, &frame.timings, milliseconds(started));
         let path = self.store.image_path(&images::radiance_name(self.plan, point, id));
         desk.hand_in(Job::Keep { path, frame: frame.clone() });
+        let started = Instant::now();
         let Some(repeats) = self.plan.repeats_of(point) else { return Ok(Ok((frame, None))) };
         let mut images = match Repeats::new(&reference.mask) {
             Ok(images) => images,
@@ -185,6 +192,7 @@ impl<'p> Run<'p> {
             }
         }
         let parts = images.finish(&reference.radiance, reference.standard_error.as_ref());
+        spent.add(|spent| &mut spent.image_ms, &FrameTimings::default(), milliseconds(started));
         Ok(parts.map(|parts| (frame, parts)).map_err(|error| error.to_string()))
     }
 
@@ -195,18 +203,26 @@ impl<'p> Run<'p> {
         point: &Point,
         renderer: &mut dyn Renderer,
         desk: &mut Desk<'p>,
+        spent: &mut Spent,
     ) -> Result<Result<ReferenceImage, String>, RunError> {
-        let path = self.store.image_path(&images::radiance_name(self.plan, point, id));
+        let name = images::radiance_name(self.plan, point, id);
+        let path = self.store.image_path(&name);
         let request = self.plan.reference_request(point);
         let stop = self.store.reference(id)?;
         if let Some(reference) = ReferenceImage::read(&path, request.size, request.has_reference_term(), stop) {
             self.references_read += 1;
+            self.file_hashes.extend(images::hashes(&self.store, [name])?);
             return Ok(Ok(reference));
         }
+        let started = Instant::now();
         let frame = match cell_result(renderer.render(&request))? {
             Ok(frame) => Arc::new(frame),
             Err(reason) => return Ok(Err(reason)),
         };
+        // One from the cache has no times: what it costs to make is not known from it.
+        if !frame.timings.frame.is_empty() {
+            spent.add(|spent| &mut spent.reference_ms, &frame.timings, milliseconds(started));
+        }
         desk.hand_in(Job::Keep { path, frame: frame.clone() });
         let reference = ReferenceImage::of_frame(frame, request.reference_error);
         if let Some(stop) = &reference.stop {
@@ -246,21 +262,31 @@ impl<'p> Run<'p> {
             let answer = if to_the_end { desk.answers.recv().ok() } else { desk.answers.try_recv().ok() };
             let Some((number, answer)) = answer else { return Ok(()) };
             desk.early.insert(number, answer?);
-            while let Some(scored) = desk.early.remove(&desk.kept) {
+            while let Some(done) = desk.early.remove(&desk.kept) {
                 desk.kept += 1;
-                self.keep(scored, progress)?;
+                self.keep(done, progress)?;
             }
         }
     }
 
     /// Keeps a cell. After a stop it is dropped, so that the user never waits for more than the current one.
-    fn keep(&mut self, scored: Scored<'p>, progress: &mut dyn Progress) -> Result<(), RunError> {
-        let Some((cell, scored)) = scored else { return Ok(()) };
+    fn keep(&mut self, done: Done<'p>, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let (cell, scored) = match done {
+            Done::Kept(name, hash) => {
+                self.file_hashes.insert(name, hash);
+                return Ok(());
+            }
+            Done::Scored(cell, scored) => (cell, scored),
+        };
         if self.is_stopped() {
             return Ok(());
         }
-        match scored {
-            Ok(record) => {
+        match *scored {
+            Ok(mut record) => {
+                let linear = images::linear_files(self.plan, cell).into_iter();
+                record
+                    .files
+                    .extend(linear.filter_map(|name| Some((name.clone(), self.file_hashes.get(&name)?.clone()))));
                 self.store.write_cell(&record)?;
                 self.remember(record);
                 progress.step(&self.plan.label(cell), None);
@@ -319,17 +345,25 @@ impl<'p> Worker<'_, 'p> {
 
     fn answer(&self, job: Job<'p>) -> Answer<'p> {
         match job {
-            Job::Keep { path, frame } => Ok(images::write_radiance(&path, &frame).map(|()| None)?),
-            Job::Score { rendered, device_ms } => {
-                let started = Instant::now();
-                match rendered.score(self.plan, self.store, self.device) {
-                    Ok(record) => {
-                        let wall_ms = device_ms + milliseconds(started);
-                        Ok(Some((rendered.cell, Ok(CellRecord { wall_ms, ..record }))))
-                    }
-                    Err(ScoreFault::Cell(reason)) => Ok(Some((rendered.cell, Err(reason)))),
-                    Err(ScoreFault::Store(error)) => Err(error),
+            Job::Keep { path, frame } => {
+                images::write_radiance(&path, &frame)?;
+                let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+                match content_hash(&path) {
+                    Ok(hash) => Ok(Done::Kept(name, hash)),
+                    Err(error) => Err(StoreError::Io { path, error }),
                 }
+            }
+            Job::Score { rendered, mut spent } => {
+                let started = Instant::now();
+                let scored = match rendered.score(self.plan, self.store, self.device) {
+                    Ok(record) => {
+                        spent.score_ms = milliseconds(started);
+                        Ok(CellRecord { spent, ..record })
+                    }
+                    Err(ScoreFault::Cell(reason)) => Err(reason),
+                    Err(ScoreFault::Store(error)) => return Err(error),
+                };
+                Ok(Done::Scored(rendered.cell, Box::new(scored)))
             }
         }
     }

@@ -17,7 +17,7 @@ use crate::experiment::timing::{self, TimingJob, TimingRecord};
 use crate::experiment::trace;
 use crate::pipeline::{DeviceInfo, SharedWork, Tally};
 use crate::slips;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -217,6 +217,8 @@ struct Run<'p> {
     is_halted: bool,
     /// References that an earlier invocation had rendered.
     references_read: usize,
+    /// Content hash of each linear image that is there, by name.
+    file_hashes: BTreeMap<String, String>,
     /// There when this invocation did something.
     work: Option<Work>,
 }
@@ -226,7 +228,7 @@ impl<'p> Run<'p> {
         let mut results = Results::new();
         for cell in &plan.cells {
             if let Some(record) = store.cell(&cell.id)? {
-                results.insert(cell.id.clone(), CellResult::Done(record.without_bins()));
+                results.insert(cell.id.clone(), CellResult::Done(Box::new(record.without_bins())));
             }
         }
         let jobs = timing::jobs(plan);
@@ -241,6 +243,7 @@ impl<'p> Run<'p> {
             tables_written: Instant::now(),
             is_halted: false,
             references_read: 0,
+            file_hashes: BTreeMap::new(),
             work: None,
         })
     }
@@ -331,7 +334,7 @@ impl<'p> Run<'p> {
     }
 
     fn remember(&mut self, record: CellRecord) {
-        self.results.insert(record.cell.clone(), CellResult::Done(record.without_bins()));
+        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(record.without_bins())));
     }
 
     fn fail(&mut self, cells: &[&Cell], reason: &str, progress: &mut dyn Progress) -> Result<(), RunError> {

@@ -8,16 +8,15 @@ use crate::experiment::config::{Timing, Warmup};
 use crate::experiment::host::HostState;
 use crate::experiment::renderer::{RenderFault, Renderer};
 use crate::experiment::statistics::{Random, median};
-use crate::experiment::timing::{self, PassSamples, Place, TimingJob, TimingRecord};
+use crate::experiment::timing::{self, PassSamples, Place, TimingJob, TimingRecord, WARMUP_TIME_MAX};
 use crate::pipeline::{DeviceInfo, RenderRequest, TimingSamples};
-use std::time::{Duration, Instant};
+use crate::spelling::short_number;
+use std::time::Instant;
 
 /// Frames whose median must agree with that of as many before.
 const STABLE_FRAMES: usize = 16;
 /// By how much, relatively.
 const STABLE_WITHIN: f64 = 0.01;
-/// A configuration that is not stable by then is timed all the same; its drift stands in the table.
-const WARMUP_TIME_MAX: Duration = Duration::from_secs(3);
 
 /// A configuration at work.
 struct Timed<'p> {
@@ -133,8 +132,8 @@ impl Timed<'_> {
 
     /// Phase and axes, for people.
     fn words(&self) -> String {
-        let values = self.job.axes.values().map(String::as_str).filter(|value| !value.is_empty());
-        std::iter::once(self.job.phase).chain(values).collect::<Vec<_>>().join(" ")
+        let values = self.job.axes.values().filter(|value| !value.is_empty()).map(|value| short_number(value));
+        std::iter::once(self.job.phase.into()).chain(values).collect::<Vec<_>>().join(" ")
     }
 
     fn into_record(self, device: &DeviceInfo) -> TimingRecord {

@@ -1,14 +1,15 @@
 //! Runs in chunks, with a renderer made of formulas: how a plan is cut, what a plan file refuses, what a merge makes of attempts that
 //! were killed, repeated, or made on several devices.
 
-use super::fake::{Fake, Log};
+use super::fake::Log;
+use super::runs::{Silent, contents, fakes, finished, read, rewrite};
 use splitsum::experiment::chunk::split::split;
 use splitsum::experiment::chunk::{
     ChunkError, ChunkOptions, ChunkOutcome, MergeOptions, Merged, PlanFile, Rates, merge, run_chunk,
 };
 use splitsum::experiment::timing::{self, TimingRecord};
 use splitsum::experiment::timing_ratios::ratios;
-use splitsum::experiment::{Plan, Progress, RenderFault, Renderer, RunError, RunOptions, run};
+use splitsum::experiment::{Plan, RunError};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
 use splitsum::table::csv::Table;
 use std::cell::RefCell;
@@ -36,14 +37,6 @@ warmup = 1
 const CELLS: usize = 64;
 /// Cells of one reference: four images at two exposures.
 const GROUP_CELLS: usize = 8;
-
-struct Silent;
-
-impl Progress for Silent {
-    fn start(&mut self, _: usize, _: usize) {}
-    fn step(&mut self, _: &str, _: Option<&str>) {}
-    fn note(&mut self, _: &str) {}
-}
 
 /// A folder with the experiment and its environment, and a plan file for it.
 struct Bench {
@@ -80,8 +73,7 @@ impl Bench {
             command_line: vec!["splitsum".to_owned()],
             fail_fast: false,
         };
-        let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
-        run_chunk(&self.file, &self.plan, &mut make, &options, &mut Silent)
+        run_chunk(&self.file, &self.plan, &mut fakes(log), &options, &mut Silent)
     }
 
     /// Does a chunk on a device of that name and counts the renders.
@@ -98,12 +90,7 @@ impl Bench {
 
     /// The folder that a run on one machine leaves.
     fn whole(&self) -> PathBuf {
-        let (dir, stop, log) = (self.path("whole"), AtomicBool::new(false), log("fake"));
-        let options =
-            RunOptions { dir: dir.clone(), stop: &stop, command_line: Vec::new(), fail_fast: false, trace: true };
-        let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
-        run(&self.plan, &mut make, &options, &mut Silent).unwrap();
-        dir
+        finished(&self.plan, &self.path("whole"))
     }
 
     /// The folders of the attempts at a chunk, in order.
@@ -131,10 +118,6 @@ fn load(dir: &Path) -> Plan {
 
 fn log(device: &'static str) -> Rc<RefCell<Log>> {
     Rc::new(RefCell::new(Log { device: Some(device), ..Log::default() }))
-}
-
-fn read(path: PathBuf) -> Vec<u8> {
-    std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 #[test]
@@ -356,9 +339,7 @@ fn a_block_of_timings_without_all_its_records_is_timed_anew_as_a_whole() {
     assert_eq!(bench.names(&second), block.iter().map(|id| format!("{id}.json")).collect());
     // What the second attempt measured must be recognisable.
     for id in &block {
-        let path = second.join(format!("{id}.json"));
-        let text = String::from_utf8(read(path.clone())).unwrap();
-        std::fs::write(&path, text.replace("\"driver\": \"formula\"", "\"driver\": \"second\"")).unwrap();
+        rewrite(&second.join(format!("{id}.json")), |record| record["driver"] = "second".into());
     }
     assert!(bench.merge().unwrap().holes.is_empty());
     for id in &block {
@@ -386,13 +367,11 @@ fn records_of_one_device_must_agree() {
     let attempts = bench.attempts(0);
     assert_eq!(attempts.len(), 2);
     let path = attempts[1].join(format!("cells/{id}.json"));
-    let mut record: serde_json::Value = serde_json::from_slice(&read(path.clone())).unwrap();
     // A time is no score.
-    record["wall_ms"] = 1e6.into();
-    std::fs::write(&path, record.to_string()).unwrap();
+    let figure = |name: &str, text: &str| rewrite(&path, |record| record[name] = serde_json::from_str(text).unwrap());
+    figure("spent", r#"{ "tables_ms": {}, "display_ms": 1e6, "score_ms": 1e6 }"#);
     bench.merge().unwrap();
-    record["scores"]["mae"] = "1.25e-1".into();
-    std::fs::write(&path, record.to_string()).unwrap();
+    rewrite(&path, |record| record["scores"]["mae"] = "1.25e-1".into());
     let before = read(bench.path("merged/errors.csv"));
     let error = bench.merge().unwrap_err();
     assert!(!error.is_misuse());
@@ -402,9 +381,89 @@ fn records_of_one_device_must_agree() {
     assert!(!text.contains("rmse") && !text.contains("wall_ms"), "{text}");
     assert!(read(bench.path("merged/errors.csv")) == before);
     // On another device the same difference is none.
-    record["device"] = "other".into();
-    std::fs::write(&path, record.to_string()).unwrap();
+    figure("device", r#""other""#);
     bench.merge().unwrap();
+}
+
+/// Each fault is named with its path, and a merge that meets one writes nothing: neither a new folder nor into one that is there.
+#[test]
+fn what_is_damaged_or_missing_ends_the_merge_before_anything_is_written() {
+    let bench = Bench::new(100.0);
+    bench.chunk_on("fake", 0);
+    let attempt = bench.attempts(0)[0].clone();
+    let names = |folder: &str, end: &str| -> Vec<PathBuf> {
+        let names = bench.names(&attempt.join(folder));
+        names.iter().filter(|name| name.ends_with(end)).map(|name| attempt.join(folder).join(name)).collect()
+    };
+    let record = attempt.join(format!("cells/{}.json", bench.plan.cells[3].id));
+    let refused = |path: &Path, what: &str, damage: &dyn Fn()| {
+        let whole = read(path);
+        damage();
+        let before = contents(&bench.path("merged"));
+        let Err(error) = bench.merge() else { panic!("{what}: {} was merged", path.display()) };
+        let text = error.to_string();
+        assert!(matches!(error, ChunkError::Damaged(_)) && !error.is_misuse(), "{text}");
+        assert!(text.contains(&path.display().to_string()) && text.contains(what), "{what}: {text}");
+        assert!(contents(&bench.path("merged")) == before, "{what}: something was written");
+        std::fs::write(path, whole).unwrap();
+    };
+    let cut = |path: &Path| std::fs::write(path, &read(path)[..40]).unwrap();
+    let changed = |path: &Path| {
+        let mut bytes = read(path);
+        let last = bytes.len() - 7;
+        bytes[last] ^= 1;
+        std::fs::write(path, bytes).unwrap();
+    };
+    for round in ["into nothing", "into what an earlier merge left"] {
+        // What an earlier merge left holds whole copies of the images, and of where references stopped.
+        let ends: &[&str] = if round == "into nothing" { &[".exr", ".error.png"] } else { &[] };
+        for image in ends.iter().map(|end| names("images", end)[0].clone()) {
+            let image = &image;
+            refused(image, "is missing; it belongs to", &|| std::fs::remove_file(image).unwrap());
+            refused(image, "is not the file that its record was made from", &|| changed(image));
+            refused(image, "is not the file that its record was made from", &|| cut(image));
+        }
+        let (timing, reference) = (names("timings", ".json")[0].clone(), names("references", ".json")[0].clone());
+        let records = if round == "into nothing" { vec![&record, &timing, &reference] } else { vec![&record, &timing] };
+        for path in records {
+            refused(path, "its checksum does not hold", &|| {
+                // A figure that somebody corrected.
+                let text = String::from_utf8(read(path.clone())).unwrap();
+                let place = text.find(|c: char| c.is_ascii_digit()).unwrap();
+                let digit = if &text[place..=place] == "1" { "2" } else { "1" };
+                std::fs::write(path, format!("{}{digit}{}", &text[..place], &text[place + 1..])).unwrap();
+            });
+            refused(path, "expected a file that this program wrote", &|| cut(path));
+        }
+        if round == "into nothing" {
+            assert!(!bench.path("merged").exists());
+        }
+        assert!(bench.merge().unwrap().holes.is_empty(), "{round}");
+        assert!(read(bench.path("merged/errors.csv")) == read(bench.whole().join("errors.csv")), "{round}");
+    }
+    // The chunk makes anew what is damaged, and the merge then wants only that the damaged record be gone.
+    cut(&record);
+    bench.chunk_on("fake", 0);
+    let again = bench.attempts(0)[1].join("cells");
+    assert_eq!(bench.names(&again).len(), 1);
+    std::fs::remove_file(&record).unwrap();
+    assert!(bench.merge().unwrap().holes.is_empty());
+}
+
+/// An image that a merge left and that was damaged since comes back from the chunks.
+#[test]
+fn a_damaged_image_of_a_merged_run_is_brought_again() {
+    let bench = Bench::new(100.0);
+    bench.chunk_on("fake", 0);
+    bench.merge().unwrap();
+    let name = bench.names(&bench.path("merged/images")).into_iter().find(|name| name.ends_with(".exr")).unwrap();
+    let image = bench.path("merged/images").join(name);
+    let whole = read(image.clone());
+    // Removed first: the file is a link to that of the attempt.
+    std::fs::remove_file(&image).unwrap();
+    std::fs::write(&image, b"damaged").unwrap();
+    assert!(bench.merge().unwrap().holes.is_empty());
+    assert!(read(image) == whole);
 }
 
 #[test]

@@ -1,0 +1,155 @@
+//! What a run keeps of each cell and each reference.
+
+pub use super::scores::Scores;
+
+use crate::pipeline::{FrameTimings, PassTime};
+use crate::shade::reference_pass::Convergence;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A number that a JSON file gives back bit for bit: it is written as text, which may also be `inf`.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct Exact(pub f64);
+
+impl From<Exact> for String {
+    fn from(number: Exact) -> Self {
+        format!("{:e}", number.0)
+    }
+}
+
+impl TryFrom<String> for Exact {
+    type Error = std::num::ParseFloatError;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse().map(Self)
+    }
+}
+
+/// Where a reference stopped: the least certain of its terms.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct ReferenceStop {
+    /// Samples a pixel and term; the fewest of the terms.
+    pub samples: u64,
+    /// Relative standard error of the image (`shade::reference_pass::Convergence`); the largest of the terms.
+    pub relative_error: Exact,
+    /// Which of the limits the experiment names was met.
+    pub stopped_by: StopReason,
+}
+
+/// What ended a reference.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopReason {
+    /// The sample count: no error was asked for, or a term did not reach it before.
+    Samples,
+    /// Every term reached the requested relative standard error.
+    RelativeError,
+}
+
+impl StopReason {
+    /// The word in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Samples => "samples",
+            Self::RelativeError => "relative-error",
+        }
+    }
+}
+
+impl ReferenceStop {
+    /// Of the terms of one image; `None` when none of them is a reference. `wanted` is the relative error that was asked for.
+    pub fn of(terms: &[Convergence], wanted: Option<f64>) -> Option<Self> {
+        let samples = terms.iter().map(|term| term.sample_count).min()?;
+        let is_met = wanted.is_some() && terms.iter().all(|term| term.is_met);
+        Some(Self {
+            samples,
+            relative_error: Exact(terms.iter().map(|term| term.relative_error).fold(0.0, f64::max)),
+            stopped_by: if is_met { StopReason::RelativeError } else { StopReason::Samples },
+        })
+    }
+}
+
+/// What is kept of one finished cell.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct CellRecord {
+    pub cell: String,
+    /// Every axis by name.
+    pub axes: BTreeMap<String, String>,
+    pub scores: Scores,
+    /// Bias and variance by column name, where the experiment asks for them.
+    #[serde(default)]
+    pub bias_variance: Scores,
+    /// Score to expect of an exact test, where the reference knows its own error.
+    pub noise_floors: Scores,
+    /// Where the reference stopped, where it is one that stops.
+    #[serde(default)]
+    pub reference: Option<ReferenceStop>,
+    pub verdict: String,
+    pub bins: Vec<BinRecord>,
+    pub device: String,
+    pub driver: String,
+    #[serde(default)]
+    pub spent: Spent,
+    /// Content hash of each file of `images/` that belongs to the cell. Empty in records of older programs.
+    #[serde(default)]
+    pub files: BTreeMap<String, String>,
+}
+
+/// Host time of a cell by part, ms. Work that several cells share stands with the first of them only.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+pub struct Spent {
+    /// The cell's image and its repeats, without tables.
+    pub image_ms: Option<f64>,
+    /// Its reference, without tables; nothing where that was not rendered.
+    pub reference_ms: Option<f64>,
+    /// Device time of each kind of table that was made.
+    pub tables_ms: BTreeMap<String, f64>,
+    /// The tone curve of test and reference.
+    pub display_ms: f64,
+    /// Scores and pictures, beside the device.
+    pub score_ms: f64,
+}
+
+impl Spent {
+    /// Adds the time of a frame that took `wall_ms` as `part`, with the tables that it needed apart.
+    pub fn add(&mut self, part: fn(&mut Self) -> &mut Option<f64>, timings: &FrameTimings, wall_ms: f64) {
+        let tables_ms: f64 = timings.precompute.iter().map(|time| time.ms).sum();
+        for PassTime { pass, ms } in &timings.precompute {
+            *self.tables_ms.entry((*pass).to_owned()).or_default() += ms;
+        }
+        *part(self).get_or_insert(0.0) += (wall_ms - tables_ms).max(0.0);
+    }
+}
+
+/// Scores over the pixels with `n_dot_v` in [`lo`, `hi`).
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct BinRecord {
+    pub lo: f64,
+    pub hi: f64,
+    pub pixel_count: usize,
+    /// Empty when no pixel fell into the bin.
+    pub scores: Scores,
+}
+
+impl CellRecord {
+    /// What is kept in memory of a record that is on disk: what the plan says of the cell as well, the bins, the files and the times are left out.
+    pub fn without_bins(self) -> Self {
+        Self {
+            cell: String::new(),
+            axes: BTreeMap::new(),
+            bins: Vec::new(),
+            files: BTreeMap::new(),
+            spent: Spent::default(),
+            ..self
+        }
+    }
+}
+
+/// Why a cell failed.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct FailureRecord {
+    pub cell: String,
+    pub label: String,
+    pub reason: String,
+}

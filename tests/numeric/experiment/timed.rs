@@ -1,0 +1,81 @@
+//! Timings of runs with a renderer whose times are known.
+
+use super::run::EXPERIMENT;
+use super::runs::{invoke, log, plan, read, snapshot};
+use splitsum::table::csv::Table;
+use std::collections::BTreeMap;
+
+#[test]
+fn timings_are_taken_once_a_configuration_and_kept() {
+    let (dir, log) = (tempfile::tempdir().unwrap(), log());
+    let plan = plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 5\n"));
+    invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+    // Two models: each the tables of two methods, and three sample counts and split-sum; neither alpha nor exposure counts.
+    assert_eq!(log.borrow().timings, (4 + 8) * (1 + 5));
+    let table = Table::read(&dir.path().join("timings.csv")).unwrap();
+    assert_eq!(table.rows.len(), 4 + 8 * 2);
+    let (pass, phase) = (table.column("pass").unwrap(), table.column("phase").unwrap());
+    let numbers = |name: &str| table.numbers(name).unwrap().into_iter().map(Option::unwrap).collect::<Vec<f64>>();
+    let samples = table.numbers("samples").unwrap();
+    for (i, row) in table.rows.iter().enumerate() {
+        if row[pass] == "shade-specular" {
+            // Samples n, n + 1, ... n + 4; split-sum draws none, which the fake sees as 1.
+            let n = samples[i].unwrap_or(1.0);
+            let found = [numbers("min_ms")[i], numbers("p05_ms")[i], numbers("median_ms")[i], numbers("p95_ms")[i]];
+            let expected = [n, n + 0.2, n + 2.0, n + 3.8];
+            assert!(found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-12), "{found:?} {expected:?}");
+            assert_eq!(numbers("mad_ms")[i], 1.0);
+        }
+        let check = if row[phase] == "precompute" { "mostly-outside-passes" } else { "ok" };
+        assert_eq!(row[table.column("wall_check").unwrap()], check);
+        assert_eq!(row[table.column("device_type").unwrap()], "cpu");
+    }
+    let summary = String::from_utf8(read(dir.path().join("summary.md"))).unwrap();
+    assert!(summary.contains("Measured on a CPU driver") && summary.contains("SLOW (CPU)"), "{summary}");
+
+    // Frames of 1 + n + i ms against 2 + i in round i: the median of the ratios is that of round 2.
+    let ratios = Table::read(&dir.path().join("timing_ratios.csv")).unwrap();
+    assert_eq!(ratios.rows.len(), 2 * 3);
+    let samples = ratios.numbers("samples").unwrap();
+    let ratio = ratios.numbers("sampled_over_fixed").unwrap();
+    for (i, row) in ratios.rows.iter().enumerate() {
+        let n = samples[i].unwrap();
+        assert!((ratio[i].unwrap() - (3.0 + n) / 4.0).abs() < 1e-12, "{row:?}");
+        let verdict = if n == 1.0 { "SAME" } else { "SLOW" };
+        assert_eq!(row[ratios.column("verdict").unwrap()], verdict, "{row:?}");
+        // The tables of both cost the same here, so they are paid at once; equal frames never pay.
+        assert_eq!(ratios.numbers("payback_frames").unwrap()[i], (n > 1.0).then_some(0.0));
+    }
+
+    // One event a pass and round, besides the names.
+    let trace: serde_json::Value = serde_json::from_slice(&read(dir.path().join("trace.json"))).unwrap();
+    let events = trace["traceEvents"].as_array().unwrap();
+    assert_eq!(events.iter().filter(|event| event["ph"] == "X").count(), (4 + 8 * 2) * 5);
+}
+
+#[test]
+fn compared_configurations_are_timed_in_the_same_rounds_in_changing_order() {
+    let (dir, log) = (tempfile::tempdir().unwrap(), log());
+    let plan = plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 20\n"));
+    invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+    let mut blocks: BTreeMap<String, Vec<Vec<u64>>> = BTreeMap::new();
+    for (name, (bytes, _)) in snapshot(&dir.path().join("timings")) {
+        let record: serde_json::Value = serde_json::from_slice(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let orders = record["rounds"].as_array().unwrap().iter().map(|place| place["order"].as_u64().unwrap());
+        if record["phase"] == "frame" {
+            blocks.entry(record["block"].as_str().unwrap().to_owned()).or_default().push(orders.collect());
+        }
+    }
+    assert_eq!(blocks.len(), 2, "one for each model");
+    for orders in blocks.values() {
+        assert_eq!(orders.len(), 4, "three sample counts and split-sum");
+        for round in 0..20 {
+            let mut places: Vec<u64> = orders.iter().map(|of_one| of_one[round]).collect();
+            places.sort_unstable();
+            assert_eq!(places, [0, 1, 2, 3], "each once a round");
+        }
+        for of_one in orders {
+            assert!((0..4).all(|place| of_one.contains(&place)), "in every place at some time: {of_one:?}");
+        }
+    }
+}
