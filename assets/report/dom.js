@@ -47,8 +47,8 @@ export const csvText = (columns, rows) =>
 
 /** Says something to screen readers. */
 export function announce(text) {
-  const live = byId("live");
-  if (live.textContent !== text) live.textContent = text;
+  const announcer = byId("announcer");
+  if (announcer.textContent !== text) announcer.textContent = text;
 }
 
 /** A labelled choice. `options` are [value, label]. */

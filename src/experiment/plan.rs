@@ -281,6 +281,13 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
     Plan { config, inputs, columns, cells, excluded, collapsed, hash }
 }
 
+/// The combinations that a checked experiment leaves out, with unused parameters unset as in a cell, each with the index of its exclusion.
+pub fn excluded_points(config: &Config) -> impl Iterator<Item = (usize, Point)> + '_ {
+    // A file that no plan was ever made of may span any number of combinations.
+    let points = (config.combination_count() <= COMBINATIONS_MAX).then(|| product(config));
+    points.into_iter().flatten().filter_map(|point| Some((config.exclusion_of(&point)?, point.collapsed(!config.lights.is_empty()))))
+}
+
 /// Every combination of the axes' values over the base point, the last axis fastest; zipped axes step together.
 fn product(config: &Config) -> impl Iterator<Item = Point> + '_ {
     let dimensions = config.dimensions();

@@ -4,6 +4,7 @@
 //! [`live`] what the live view needs, [`page`] writes the file and [`figures`] the data and specifications beside it. The page draws; it
 //! decides nothing that is not shown.
 
+pub mod exclusions;
 mod figures;
 pub mod images;
 pub mod live;
@@ -92,6 +93,7 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
         "metrics": runs[0].provenance["metrics"],
         "cells": cells(&study, &runs, &images),
         "analysis": answers,
+        "exclusions": exclusions::collect(&runs, &labels, &study),
         "images": images.images,
         "image_notes": images.notes,
         "figures": figures.iter().map(|name| format!("{}/{name}", figures_name(&path))).collect::<Vec<_>>(),
