@@ -7,7 +7,7 @@ import { number, quartiles } from "report/dom";
 
 /** What a table says about a crossing, in the words of tables/break_even.csv. */
 const CROSSING = ["break_even", "crossing", "crossing_lo", "crossing_hi", "interval_from", "at_equal_time"];
-const crossingCells = (c) => [breakEvenText(c.break_even), c.crossing, ...(ends(c.interval) ?? [null, null]), c.basis, c.at_equal_time];
+const crossingCells = (c) => [breakEvenText(c.break_even), c.crossing, ...(ends(c.interval) ?? [null, null]), c.basis === "none" ? null : c.basis, c.at_equal_time === "not-timed" ? null : c.at_equal_time];
 const TIME = ["samples_in_equal_time", "samples_in_equal_time_lo", "samples_in_equal_time_hi"];
 const timeCells = (c) => (c.time ? [c.time.samples ?? Infinity, ...ends(c.time.interval)] : [null, null, null]);
 const isTimed = (c) => c.time !== null && c.at_equal_time !== "not-timed";
@@ -18,7 +18,7 @@ const winner = (pair, c) => ({ sampled: pair.sampled, fixed: pair.fixed, undecid
 function caseText(pair, c) {
   const { sample_counts: counts } = pair;
   const lines = [keyLabel(c.key), `at equal error: ${breakEvenText(c.break_even)} samples; crosses at ${c.crossing === null ? "none" : number(c.crossing, 2)} (95 %: ${intervalText(c.interval, counts)})`];
-  if (isTimed(c)) lines.push(`in the time of ${pair.fixed}: ${countText(c.time.samples, counts)} samples (95 %: ${intervalText(c.time.interval, counts)}); errs less: ${winner(pair, c)}`);
+  if (isTimed(c)) lines.push(`in the time of ${pair.fixed}: ${countText(c.time.samples, counts)} samples (95 %: ${ends(c.time.interval).map((n) => countText(n, counts)).join(" to ")}); errs less: ${winner(pair, c)}`);
   return lines.join("\n");
 }
 
@@ -84,7 +84,7 @@ const missingLegend = (missing) => [
 function casesGrid(pair) {
   // With what the experiment excludes, so that a column without any case is not missing from the map.
   const { axes, points } = model.exclusions;
-  const excluded = caseAxes.every((name) => axes.includes(name)) ? points.map(([, ...values]) => caseAxes.map((name) => values[axes.indexOf(name)])) : [];
+  const excluded = caseAxes.every((name) => axes.includes(name)) ? points.map(([, values]) => caseAxes.map((name) => values[axes.indexOf(name)])) : [];
   const keys = [...pair.cases.map((c) => c.key), ...excluded.filter((key) => key.every((value) => value !== ""))];
   const order = (values) => (values.every((value) => Number.isFinite(Number(value))) ? values.sort((a, b) => a - b) : values);
   const lines = order(unique(keys.map((key) => key[seriesAxis]))), facets = unique(keys.map(facetLabel));

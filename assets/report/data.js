@@ -62,7 +62,7 @@ function rounded(axis, value) {
 /** A value as people say it: builtins without prefix, files without folder and extension, numbers rounded. */
 export function short(axis, value) {
   if (axis !== "environment" && axis !== "scene") return rounded(axis, value);
-  return value.startsWith("builtin:") ? value.slice(8) : value.replace(/^.*[/\\]/, "").replace(/\.[^.]*$/, "") || value;
+  return value.startsWith("builtin:") ? value.slice(8) : value.replace(/^[^]*[/\\]/, "").replace(/\.[^.]*$/, "") || value;
 }
 
 const extra = new Map(model.cells.map((cell) => [`${cell.run} ${cell.cell}`, cell]));
@@ -108,7 +108,7 @@ export function symbol(name) {
 export function exclusionOf(wanted) {
   const { axes, points, reasons } = model.exclusions;
   const tests = axes.map((name) => wanted[name]);
-  const found = points.find(([, ...values]) => values.every((value, i) => tests[i] === undefined || tests[i] === "" || value === "" || value === tests[i]));
+  const found = points.find(([, values]) => values.every((value, i) => tests[i] === undefined || tests[i] === "" || value === "" || value === tests[i]));
   return found ? reasons[found[0]] : null;
 }
 

@@ -41,7 +41,7 @@ export function download(name, text, type) {
 /** RFC 4180. */
 export const csvText = (columns, rows) =>
   [columns, ...rows].map((row) => row.map((field) => {
-    const text = String(field ?? "");
+    const text = field === Infinity ? "inf" : String(field ?? "");
     return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
   }).join(",")).join("\n") + "\n";
 

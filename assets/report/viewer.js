@@ -211,7 +211,7 @@ class Viewer {
     const window = model.images[this.row.image]?.window;
     this.probePlace.textContent = window ? `texel (${x + window.x}, ${y + window.y})${this.pinned ? " · pinned" : ""}` : "";
     const line = (name, key, value, error) => h("tr", { "data-probe": key, class: key === this.row.cell ? "current" : "" }, h("th", { scope: "row" }, name),
-      (value ?? [null, null, null]).map((v) => h("td", { "data-value": v ?? "", title: v === null ? "" : String(v) }, number(v, 5))),
+      (value ?? [null, null, null]).map((v) => h("td", { "data-value": v ?? "", title: v === null ? "" : String(v) }, number(v, 4))),
       h("td", { "data-value": error?.relative ?? "" }, error ? [h("i", { class: "chip", style: `background:rgb(${errorColor("error", error)})` }), number(error.relative)] : ""));
     const references = new Map();
     const lines = this.scene.variants.map((row) => {

@@ -285,7 +285,10 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
 pub fn excluded_points(config: &Config) -> impl Iterator<Item = (usize, Point)> + '_ {
     // A file that no plan was ever made of may span any number of combinations.
     let points = (config.combination_count() <= COMBINATIONS_MAX).then(|| product(config));
-    points.into_iter().flatten().filter_map(|point| Some((config.exclusion_of(&point)?, point.collapsed(!config.lights.is_empty()))))
+    points
+        .into_iter()
+        .flatten()
+        .filter_map(|point| Some((config.exclusion_of(&point)?, point.collapsed(!config.lights.is_empty()))))
 }
 
 /// Every combination of the axes' values over the base point, the last axis fastest; zipped axes step together.
