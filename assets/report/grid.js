@@ -99,7 +99,10 @@ export function showGrid(view, state) {
     view.replaceChildren(bar, ...notes);
     return;
   }
-  const labels = variantLabels.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label)));
+  const used = variantLabels.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label)));
+  // Ways of which the page holds no pixels at all (further point sets of a large run) would be columns of nothing.
+  const labels = used.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label && (row.image === null || model.images[row.image].payload !== null))));
+  if (labels.length < used.length) notes.push(h("p", { class: "note" }, `${used.length - labels.length} of ${used.length} ways to make the image have no pixels in this page and are not listed.`));
   const head = h("tr", {}, h("th", { scope: "col" }, sceneAxes.map(symbol).join(" · ") || "scene"), h("th", { scope: "col" }, "reference"), labels.map((label) => h("th", { scope: "col" }, label)));
   const body = own.map((scene) => {
     const first = scene.main, settings = settingsOf(first);

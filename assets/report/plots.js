@@ -62,8 +62,9 @@ function timeEnds(of) {
 /** Time against error: one mark a variant over the chosen rows, with the Pareto front. */
 function timeError(facet) {
   const own = rows.filter((row) => row.time && row.scores[headline] !== null && (facet === "all" || facetLabel(caseAxes.map((name) => row.axes[name])) === facet));
-  const points = variantLabels.flatMap((name) => {
-    const of = own.filter((row) => variantLabel(row) === name);
+  const label = (row) => variantLabel(row, ["point_set"]);
+  const points = unique(own.map(label)).flatMap((name) => {
+    const of = own.filter((row) => label(row) === name);
     if (!of.length) return [];
     const [lo, error, hi] = quartiles(of.map((row) => row.scores[headline]));
     const time = quartiles(of.map((row) => row.time.median))[1];
