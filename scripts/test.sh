@@ -38,7 +38,7 @@ fi
 # Both read what is there and fetch nothing; the data base of advisories is as old as its last `cargo deny fetch`.
 if cargo deny --version >/dev/null 2>&1; then
     check deny --offline --locked check licenses bans sources
-    if [ -d "${CARGO_HOME:-$HOME/.cargo}/advisory-dbs" ]; then
+    if ls -d "${CARGO_HOME:-$HOME/.cargo}"/advisory-dbs/*/.git >/dev/null 2>&1; then
         check deny --offline --locked check advisories
     else
         say "skipped: cargo deny check advisories (no data base; cargo deny fetch)"

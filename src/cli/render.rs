@@ -11,6 +11,7 @@ use splitsum::experiment::value::{Kind, Range, Value};
 use splitsum::experiment::{RenderFault, write_radiance};
 use splitsum::pixels::png;
 use splitsum::scene::{CameraKind, Light, LightKind, Scene};
+use splitsum::shade::reference_pass::ScramblePlan;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -125,6 +126,7 @@ enum Output {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let output = output(&arguments.out)?;
     let point = point(arguments);
+    check_used(arguments, &point, &output)?;
     let settings = point.settings();
     let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
     let here = Path::new("");
@@ -146,7 +148,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         lights: arguments.lights.clone(),
         seed: arguments.seed.count(),
         reference_error: arguments.relative_error.as_ref().map(Value::number),
-        reference_samples: arguments.samples.as_ref().map_or(Reference::default().samples, Value::count),
+        reference_samples: reference_samples(arguments),
     };
     let curve = settings.curve;
     let request = settings.request(&environment, &scene, &view);
@@ -170,32 +172,36 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!("{}\n", arguments.out.display()))
 }
 
+/// The flags that set axes: name of the flag, name of the axis, value.
+fn flags(arguments: &Arguments) -> [(&'static str, &'static str, &Option<Value>); 19] {
+    [
+        ("environment", "environment", &arguments.environment),
+        ("scene", "scene", &arguments.scene),
+        ("method", "method", &arguments.method),
+        ("diffuse", "diffuse", &arguments.diffuse),
+        ("brdf", "brdf", &arguments.brdf),
+        ("alpha", "alpha", &arguments.alpha),
+        ("f0", "f0", &arguments.f0),
+        ("ior", "f0", &arguments.ior),
+        ("albedo", "albedo", &arguments.albedo),
+        ("metallic", "metallic", &arguments.metallic),
+        ("samples", "samples", &arguments.samples),
+        ("exposure", "exposure", &arguments.exposure),
+        ("contrast", "contrast", &arguments.contrast),
+        ("rotate", "environment_rotation_deg", &arguments.rotate),
+        ("scale", "environment_scale", &arguments.scale),
+        ("masking", "masking", &arguments.masking),
+        ("lod-bias", "lod_bias", &arguments.lod_bias),
+        ("sequence", "sequence", &arguments.sequence),
+        ("storage-format", "storage_format", &arguments.storage_format),
+    ]
+}
+
 /// The flags as a point; what no flag sets keeps the axis's default.
 fn point(arguments: &Arguments) -> Point {
-    let flags = [
-        ("environment", &arguments.environment),
-        ("scene", &arguments.scene),
-        ("method", &arguments.method),
-        ("diffuse", &arguments.diffuse),
-        ("brdf", &arguments.brdf),
-        ("alpha", &arguments.alpha),
-        ("f0", &arguments.f0),
-        ("f0", &arguments.ior),
-        ("albedo", &arguments.albedo),
-        ("metallic", &arguments.metallic),
-        ("samples", &arguments.samples),
-        ("exposure", &arguments.exposure),
-        ("contrast", &arguments.contrast),
-        ("environment_rotation_deg", &arguments.rotate),
-        ("environment_scale", &arguments.scale),
-        ("masking", &arguments.masking),
-        ("lod_bias", &arguments.lod_bias),
-        ("sequence", &arguments.sequence),
-        ("storage_format", &arguments.storage_format),
-    ];
     let mut point = Point::default();
     point.set("size", arguments.size.clone());
-    for (axis, value) in flags {
+    for (_, axis, value) in flags(arguments) {
         if let Some(value) = value {
             point.set(axis, value.clone());
         }
@@ -204,6 +210,36 @@ fn point(arguments: &Arguments) -> Point {
         point.set("samples", Value::Count(Reference::default().samples));
     }
     point
+}
+
+/// A flag that changes nothing here is a misunderstanding: of what a method does, or of what a file holds.
+fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(), Failure> {
+    let collapsed = point.collapsed(!arguments.lights.is_empty());
+    let [method, diffuse] = ["method", "diffuse"].map(|axis| point.get(axis).text());
+    let has_reference_term = [method, diffuse].contains(&REFERENCE);
+    let mut faults = Vec::new();
+    for (flag, axis, _) in flags(arguments).into_iter().filter(|(.., value)| value.is_some()) {
+        let is_reference_count = axis == "samples" && has_reference_term;
+        if *collapsed.get(axis) == Value::Unset && !is_reference_count {
+            faults.push(format!("--{flag}: changes nothing with method {method} and diffuse {diffuse}; leave it out"));
+        } else if !axis::by_name(axis).changes_radiance && matches!(output, Output::LinearExr) {
+            faults.push(format!("--{flag}: changes nothing in an .exr, which is linear; expected --out FILE.png"));
+        }
+    }
+    if arguments.relative_error.is_some() && !has_reference_term {
+        faults.push(format!(
+            "--relative-error: stops the reference, and method {method} with diffuse {diffuse} has none"
+        ));
+    }
+    if has_reference_term && let Err(error) = ScramblePlan::exact(reference_samples(arguments)) {
+        faults.push(format!("--samples: {error}"));
+    }
+    if faults.is_empty() { Ok(()) } else { Err(Failure::BadInput(faults.join("\n"))) }
+}
+
+/// Samples a pixel of the reference, wherever it is the method or the diffuse term.
+fn reference_samples(arguments: &Arguments) -> u32 {
+    arguments.samples.as_ref().map_or(Reference::default().samples, Value::count)
 }
 
 /// Checked before anything is rendered: the extension, and that the folder takes a file.

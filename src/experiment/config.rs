@@ -65,6 +65,8 @@ pub struct Config {
     pub camera: CameraKind,
     pub background: bool,
     pub reference: Reference,
+    /// Where its sample count was written.
+    pub reference_samples_place: Place,
     /// Values of what is not swept: defaults, `scene` and `[precompute]`.
     pub base: Point,
     /// Where each value of `base` was written, in the order of [`AXES`].
@@ -134,6 +136,7 @@ impl Config {
             camera: CameraKind::default(),
             background: false,
             reference: Reference::default(),
+            reference_samples_place: Place::Default,
             base: Point::default(),
             base_places: vec![Place::Default; AXES.len()],
             axes: Vec::new(),
@@ -250,6 +253,7 @@ impl Config {
                 "samples" => {
                     if let Some(v) = checked(samples, "reference.samples", value, faults) {
                         self.reference.samples = v.count();
+                        self.reference_samples_place = Place::File(value.span().start);
                     }
                 }
                 "relative_error" => {

@@ -8,6 +8,7 @@ use super::value::Value;
 use crate::environment::LoadOptions;
 use crate::files::read_stream;
 use crate::pipeline::RenderRequest;
+use crate::shade::reference_pass::ScramblePlan;
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
@@ -241,13 +242,31 @@ fn load_inputs(config: &Config, options: &LoadOptions, faults: &mut Faults) -> I
 /// Values that are right one by one but not together.
 fn check_combinations(config: &Config, faults: &mut Faults) {
     for point in product(config).filter(|point| config.exclusion_of(point).is_none()) {
-        let point = point.collapsed(!config.lights.is_empty());
+        let has_lights = !config.lights.is_empty();
+        let judge = point.reference(&config.reference, has_lights);
+        let point = point.collapsed(has_lights);
+        check_reference_counts(config, &point, &judge, faults);
         if let Err(error) = point.settings().precompute.validate() {
             let partners = [error.field(), "prefilter_size"];
             let place =
                 partners.iter().map(|name| config.place_of(name, &point)).find(|place| *place != Place::Default);
             faults.add(&place.unwrap_or(Place::Default), error.to_string());
         }
+    }
+}
+
+/// A row must not name another number of samples than the reference draws.
+fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults: &mut Faults) {
+    let has_term = |point: &Point, term: &str| point.get(term).text() == REFERENCE;
+    let is_method = has_term(point, "method");
+    if is_method && let Err(error) = ScramblePlan::exact(point.get("samples").count()) {
+        faults.add(&config.place_of("samples", point), format!("samples of method {REFERENCE}: {error}"));
+    }
+    let is_judged_by = has_term(judge, "method") || has_term(judge, "diffuse");
+    if (is_judged_by || has_term(point, "diffuse") && !is_method)
+        && let Err(error) = ScramblePlan::exact(config.reference.samples)
+    {
+        faults.add(&config.reference_samples_place, format!("reference.samples: {error}"));
     }
 }
 

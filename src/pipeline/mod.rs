@@ -25,7 +25,7 @@ use crate::gpu::{Buffer, Gpu, GpuError, Report};
 use crate::pixels::{Pixels, PixelsError, Rgb8Image, RgbImage};
 use crate::precompute::SettingsError;
 use crate::shade::pass::{ShadeSettings, light_data};
-use crate::shade::reference_pass::{Convergence, ReferenceRun};
+use crate::shade::reference_pass::{Convergence, PartScramble, ReferenceRun};
 use crate::tonemap::ToneCurve;
 use crate::tonemap::pass::TonemapPass;
 use kept_reference::Reference;
@@ -50,6 +50,8 @@ pub enum PipelineError {
     #[error("{field} is 0; expected at least 1")]
     NoSamples { field: &'static str },
     #[error(transparent)]
+    PartScramble(#[from] PartScramble),
+    #[error(transparent)]
     Settings(#[from] SettingsError),
     /// Found before anything was allocated.
     #[error("{part} is too large for the device: it needs {needed}, the limit is {limit}")]
@@ -59,7 +61,7 @@ pub enum PipelineError {
 impl PipelineError {
     /// Whether something else must be asked for: the request cannot be served whatever is tried.
     pub fn is_input(&self) -> bool {
-        matches!(self, Self::TooLarge { .. } | Self::NoSamples { .. } | Self::Settings(_))
+        matches!(self, Self::TooLarge { .. } | Self::NoSamples { .. } | Self::PartScramble(_) | Self::Settings(_))
     }
 
     /// Whether a retry on a fresh device may succeed.

@@ -21,7 +21,7 @@ use crate::precompute::sh9::pass::Sh9Pass;
 use crate::precompute::{HALF_MAX, PrecomputeSettings, StorageFormat};
 use crate::scene::Camera;
 use crate::shade::pass::{ShadePass, Tables};
-use crate::shade::reference_pass::{DistributionBuffers, Lobe, ReferencePass, Sums};
+use crate::shade::reference_pass::{DistributionBuffers, Lobe, ReferencePass, ScramblePlan, Sums};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
@@ -397,6 +397,9 @@ fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
         if count == 0 {
             return Err(PipelineError::NoSamples { field });
         }
+    }
+    if request.has_reference_term() {
+        ScramblePlan::exact(request.reference_samples)?;
     }
     Ok(request.precompute.validate()?)
 }

@@ -56,8 +56,19 @@ pub struct ScramblePlan {
 }
 
 impl ScramblePlan {
+    /// Exactly `sample_count` samples a pixel, or the counts next to it that whole scrambles draw.
+    pub fn exact(sample_count: u32) -> Result<Self, PartScramble> {
+        let plan = Self::new(sample_count);
+        if plan.sample_count() == u64::from(sample_count) {
+            return Ok(plan);
+        }
+        let is_drawn = |count: &u32| Self::new(*count).sample_count() == u64::from(*count);
+        let below = (1..sample_count).rev().find(is_drawn);
+        Err(PartScramble { asked: sample_count, below, above: plan.sample_count() })
+    }
+
     /// At least `sample_count` samples a pixel in at least [`SCRAMBLE_COUNT_MIN`] scrambles.
-    pub fn new(sample_count: u32) -> Self {
+    fn new(sample_count: u32) -> Self {
         let scramble_count = SCRAMBLE_COUNT_MIN.max(sample_count.div_ceil(SCRAMBLE_SAMPLES_MAX));
         Self { scramble_count, samples_per_scramble: sample_count.div_ceil(scramble_count).next_multiple_of(2) }
     }
@@ -66,6 +77,18 @@ impl ScramblePlan {
     pub fn sample_count(self) -> u64 {
         u64::from(self.scramble_count) * u64::from(self.samples_per_scramble)
     }
+}
+
+/// A number of samples that whole scrambles do not draw: a row that names it would show more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{asked} samples a pixel: the reference draws {SCRAMBLE_COUNT_MIN} or more scrambles of equal, even length; expected {}{above}",
+    below.map_or_else(String::new, |below| format!("{below} or ")))]
+pub struct PartScramble {
+    pub asked: u32,
+    /// The next smaller count that is drawn.
+    pub below: Option<u32>,
+    /// The next larger one.
+    pub above: u64,
 }
 
 /// Samples of the first look at the error of a reference that stops by it.
@@ -81,7 +104,7 @@ const RELATIVE_ERROR_EPSILON: f64 = 1e-2;
 /// When a reference stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// Samples a pixel: exactly so many (rounded up to whole scrambles), or at most so many when `relative_error` is given.
+    /// Samples a pixel: exactly so many ([`ScramblePlan::exact`]), or at most so many when `relative_error` is given.
     pub sample_count: u32,
     /// Stops earlier, once the relative standard error of every term is at most this.
     pub relative_error: Option<f64>,

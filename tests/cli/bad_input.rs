@@ -41,6 +41,31 @@ fn a_wrong_value_names_flag_value_and_expectation() {
     );
 }
 
+/// A flag that would change nothing is a misunderstanding, and so is a count that the reference would round.
+#[test]
+fn a_flag_without_effect_is_refused() {
+    let render = |flags: &[&str], parts: &[&str]| assert_refused(&[&["render"], flags].concat(), 2, parts);
+    render(
+        &["--method", "split-sum", "--samples", "40", "--lod-bias", "1", "--exposure", "2", "--out", "x.exr"],
+        &[
+            "--samples: changes nothing with method split-sum and diffuse sh9",
+            "--lod-bias: changes nothing",
+            "--exposure: changes nothing in an .exr",
+        ],
+    );
+    render(
+        &["--relative-error", "0.1", "--out", "x.exr"],
+        &["--relative-error: stops the reference, and method sampled"],
+    );
+    let counts = "40 samples a pixel";
+    render(
+        &["--method", "reference", "--samples", "40", "--out", "x.exr"],
+        &["--samples: ", counts, "expected 32 or 64"],
+    );
+    let diffuse = ["--method", "split-sum", "--diffuse", "reference", "--samples", "40", "--out", "x.exr"];
+    render(&diffuse, &["--samples: ", counts, "expected 32 or 64"]);
+}
+
 /// A minus must not turn a value into an unknown flag.
 #[test]
 fn a_negative_value_is_a_value() {

@@ -114,6 +114,22 @@ fn a_vulkan_installation_without_its_parts_is_told() {
     }
 }
 
+/// A layer that the environment names and that is not there, or whose library is not: the loader goes on without it, and so must a render.
+#[test]
+fn a_missing_layer_of_the_environment_stops_nothing() {
+    let Some(dir) = folder() else { return };
+    let manifest = r#"{"file_format_version": "1.0.0", "layer": {"name": "VK_LAYER_hollow", "type": "GLOBAL",
+        "library_path": "/nonexistent.so", "api_version": "1.3.0", "implementation_version": "1", "description": "no library"}}"#;
+    std::fs::write(dir.path().join("hollow.json"), manifest).unwrap();
+    for layer in ["VK_LAYER_nowhere", "VK_LAYER_hollow"] {
+        let mut render = command(dir.path(), &RENDER);
+        render.env("VK_LAYER_PATH", dir.path()).env("VK_INSTANCE_LAYERS", layer);
+        assert_ends(&render.output().unwrap(), 0, &[]);
+        assert!(dir.path().join("x.exr").exists(), "{layer}");
+        std::fs::remove_file(dir.path().join("x.exr")).unwrap();
+    }
+}
+
 #[test]
 fn a_slip_in_the_test_switch_is_no_silent_success() {
     let Some(dir) = folder() else { return };

@@ -10,6 +10,7 @@ mod gbuffer;
 mod golden;
 mod harness;
 mod kept;
+mod layer;
 mod lights;
 mod lists;
 mod methods;

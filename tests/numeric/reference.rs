@@ -11,6 +11,7 @@ use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
 use splitsum::math::frame::Frame;
 use splitsum::math::quadrature::GaussLegendre;
 use splitsum::pixels::RgbImage;
+use splitsum::shade::reference_pass::ScramblePlan;
 use std::f64::consts::PI;
 
 // ---- Points: shaders/lib/sobol.glsl, line by line ----
@@ -436,4 +437,29 @@ fn the_estimator_is_unbiased_and_knows_its_error() {
     // Squared deviates are chi-square distributed with one degree of freedom each: an error that is stated too large shows here.
     let tail = chi_square_tail(deviates.iter().sum(), deviates.len() as f64);
     assert!((1e-3..0.999).contains(&tail), "{deviates:?}");
+}
+
+/// What is not drawn is refused with its neighbours, over the change from 16 scrambles to more.
+#[test]
+fn every_count_is_drawn_exactly_or_has_neighbours_that_are() {
+    let (mut last_drawn, mut awaited) = (None, None);
+    for count in 1..=70_000 {
+        match ScramblePlan::exact(count) {
+            Ok(plan) => {
+                assert_eq!(plan.scramble_count * plan.samples_per_scramble, count);
+                assert!(plan.scramble_count >= 16 && plan.samples_per_scramble.is_multiple_of(2), "{plan:?}");
+                assert!(
+                    awaited.is_none_or(|above| above == u64::from(count)),
+                    "{awaited:?} was promised before {count}"
+                );
+                (last_drawn, awaited) = (Some(count), None);
+            }
+            Err(fault) => {
+                assert_eq!(fault.below, last_drawn, "{fault:?}");
+                assert!(awaited.is_none_or(|above| above == fault.above), "{awaited:?} became {fault:?}");
+                awaited = Some(fault.above);
+            }
+        }
+    }
+    assert_eq!(ScramblePlan::exact(40).unwrap_err().to_string().split("expected ").last(), Some("32 or 64"));
 }

@@ -181,6 +181,29 @@ fn level_biases_have_names_and_sequences_and_formats_are_checked() {
     );
 }
 
+/// The label of a row must be the number of samples that were drawn.
+#[test]
+fn a_reference_takes_whole_scrambles_only() {
+    let with = |reference: u32, rest: &str| {
+        format!("name = \"x\"\nreference = {{ samples = {reference} }}\n[axes]\nalpha = [0.2]\n{rest}")
+    };
+    let at_reference = "e.toml:2:25: reference.samples: 100 samples a pixel: the reference draws 16 or more scrambles of equal, \
+                        even length; expected 96 or 128";
+    assert_faults(&faults(&with(100, ""), &[]), &[at_reference]);
+    let swept = "samples = [40, 64]\nmethod = [\"sampled\", \"reference\"]\n";
+    let at_axis = "e.toml:5:12: samples of method reference: 40 samples a pixel";
+    assert_faults(&faults(&with(64, swept), &[]), &[at_axis]);
+    let excluded = "[[exclude]]\nmethod = \"reference\"\nsamples = 40\nwhy = \"whole scrambles\"\n";
+    assert_faults(&faults(&with(64, &format!("{swept}{excluded}")), &[]), &[]);
+    // The count of the [reference] is that of the diffuse term beside another method, too, and of nothing where no term is its own.
+    let diffuse = "diffuse = [\"reference\"]\n";
+    let other = |diffuse: &str| {
+        with(100, diffuse).replace("{ samples = 100 }", "{ samples = 100, method = \"split-sum\", terms = \"cell\" }")
+    };
+    assert_faults(&faults(&other(diffuse), &[]), &["e.toml:2:25: reference.samples: 100 samples"]);
+    assert_faults(&faults(&other("diffuse = [\"none\"]\n"), &[]), &[]);
+}
+
 #[test]
 fn names_that_stand_twice_are_named() {
     let text = "name = \"x\"\n[axes]\nalpha = [0.1]\nalpha = [0.2]\nbrdf = [\"ggx\", \"ggx\"]\nscene = [\"no.obj\"]\n";
