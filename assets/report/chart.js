@@ -59,7 +59,7 @@ let unique = 0;
 
 /**
  * A figure around a drawing: title, legend, drawing, and buttons for SVG, CSV and the table.
- * spec: {name, title, note, legend: [{label, color, shape, dash, line}], table: {columns, rows, onrow}, height, draw(width, height) -> svg}
+ * spec: {name, title, note, legend: [{label, color, shape, dash, line, fill, hatch}], table: {columns, rows, onrow}, height, draw(width, height) -> svg}
  */
 export function figure(spec) {
   const id = `figure-${unique++}`;
@@ -104,17 +104,26 @@ export function figure(spec) {
   return element;
 }
 
-function legendEntry({ label, color, shape, dash, line, band }) {
+/** A filled or hatched swatch. */
+const shade = (fill, hatch) => [
+  (fill || hatch) && s("rect", { x: 0.5, y: 0.5, width: 25, height: 11, rx: 2, fill: fill ?? "var(--paper)", stroke: "var(--line)" }),
+  hatch && s("path", { d: "M2,11L12,1M8,11L18,1M14,11L24,1", stroke: "var(--muted)", "stroke-width": 1.2, fill: "none" })];
+
+function legendEntry({ label, color, shape, dash, line, band, fill, hatch }) {
   return h("li", {}, s("svg", { width: 26, height: 12, "aria-hidden": "true" },
+    shade(fill, hatch),
     band && s("rect", { x: 0, y: 1, width: 26, height: 10, fill: color, opacity: 0.25 }),
-    line !== false && s("line", { x1: 1, x2: 25, y1: 6, y2: 6, stroke: color, "stroke-width": 2, "stroke-dasharray": dash }),
+    line !== false && color && s("line", { x1: 1, x2: 25, y1: 6, y2: 6, stroke: color, "stroke-width": 2, "stroke-dasharray": dash }),
     shape && marker(shape, 13, 6, 4, { fill: color })), label);
 }
+
+/** A field for people: the file has it exact, and so has the title. */
+const fieldText = (field) => (typeof field === "number" || (String(field ?? "").length > 8 && Number.isFinite(Number(field))) ? number(Number(field), 4) : field ?? "");
 
 /** A plain table of a figure; rows that lead somewhere have a button. */
 function plainTable({ columns, rows, onrow }) {
   return h("table", {}, h("thead", {}, h("tr", {}, columns.map((name) => h("th", { scope: "col" }, name)), onrow && h("th", {}, ""))),
-    h("tbody", {}, rows.map((row, i) => h("tr", {}, row.map((field) => h("td", {}, typeof field === "number" ? number(field, 4) : field ?? "")),
+    h("tbody", {}, rows.map((row, i) => h("tr", {}, row.map((field) => h("td", { title: field ?? "" }, fieldText(field))),
       onrow && h("td", {}, h("button", { type: "button", onclick: () => onrow(i) }, "Show"))))));
 }
 
@@ -134,14 +143,14 @@ function standalone(svg) {
 }
 
 /**
- * An xy chart. axes: {label, log, domain, ticks, format}; marks, in drawing order:
+ * An xy chart. axes: {label, log, domain, ticks, format, room: pixels for the labels of y}; marks, in drawing order:
  *   {band: [[x, lo, hi]], color}  {line: [[x, y]], color, dash, width, opacity}  {rule: y, color, dash, label}
  *   {dots: [{x, y, xs, ys, text, open, shape, color, r}]}  {text, x, y, anchor}
  */
 export function xy({ x, y, marks }) {
   return (width, height, tip) => {
     const narrow = width < 460;
-    const box = { left: narrow ? 50 : 60, right: width - 14, top: 10, bottom: height - 42 };
+    const box = { left: y.room ?? (narrow ? 50 : 60), right: width - 14, top: 10, bottom: height - 42 };
     const sx = scale(x, box.left, box.right), sy = scale(y, box.bottom, box.top);
     const svg = s("svg", { width, height, class: "chart" });
     const clip = `clip-${unique++}`;
@@ -316,7 +325,8 @@ export function bars({ bars, parts, unit }) {
 }
 
 /**
- * A map of coloured cells with their values written in. rows, columns: labels; cell(r, c) -> {text, color, ink, title, open} or null.
+ * A map of coloured cells with their values written in. rows, columns: labels; cell(r, c) -> {text, color, ink, title, open}; a cell
+ * without a colour is missing, and hatched where `hatch` says that it was left out on purpose.
  */
 export function heatmap({ rows, columns, rowTitle, columnTitle, cell }) {
   return (width, height, tip) => {
@@ -333,19 +343,23 @@ export function heatmap({ rows, columns, rowTitle, columnTitle, cell }) {
       const x = left + (c + 0.5) * w, y = top - 8;
       svg.append(s("text", slanted ? { transform: `translate(${x} ${y}) rotate(-40)`, class: "tick" } : { x, y, class: "tick", "text-anchor": "middle" }, label));
     });
-    const size = Math.min(14, w / 2.6, rowHeight * 0.6), targets = [];
+    const cells = rows.map((_, r) => columns.map((_, c) => cell(r, c)));
+    const longestText = Math.max(2, ...cells.flat().map(({ text }) => text.length));
+    const size = Math.min(14, (w - 6) / (0.6 * longestText), rowHeight * 0.6), targets = [];
+    const hatch = `hatch-${unique++}`;
+    svg.append(s("defs", {}, s("pattern", { id: hatch, width: 7, height: 7, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
+      s("rect", { width: 7, height: 7, fill: "var(--paper)" }), s("line", { x1: 0, x2: 0, y1: 0, y2: 7, stroke: "var(--muted)", "stroke-width": 2 }))));
     rows.forEach((label, r) => {
       const y = top + r * rowHeight;
       svg.append(s("text", { x: left - 8, y: y + rowHeight / 2 + 4, class: "tick", "text-anchor": "end" }, label));
       columns.forEach((_, c) => {
-        const value = cell(r, c);
-        const x = left + c * w;
-        const group = s("g", { class: value?.open ? "cell open" : "cell" },
-          s("rect", { x: x + 1, y: y + 1, width: Math.max(1, w - 2), height: Math.max(1, rowHeight - 2), rx: 3, class: value ? "" : "empty", fill: value?.color }),
-          value && size > 6 && s("text", { x: x + w / 2, y: y + rowHeight / 2 + size * 0.36, "text-anchor": "middle", style: `fill:${value.ink};font-size:${size}px` }, value.text),
-          value && s("title", {}, value.title));
-        if (value?.open) group.addEventListener("click", value.open);
-        if (value) targets.push({ px: x + w / 2, py: y + rowHeight / 2, box: { x: x + 1, y: y + 1, width: Math.max(1, w - 2), height: Math.max(1, rowHeight - 2) }, dot: { text: value.title, open: value.open } });
+        const value = cells[r][c], x = left + c * w;
+        const group = s("g", { class: value.open ? "cell open" : value.hatch ? "cell missing excluded-cell" : "cell missing" },
+          s("rect", { x: x + 1, y: y + 1, width: Math.max(1, w - 2), height: Math.max(1, rowHeight - 2), rx: 3, fill: value.color ?? (value.hatch ? `url(#${hatch})` : "var(--faint)") }),
+          value.text && size > 6 && s("text", { x: x + w / 2, y: y + rowHeight / 2 + size * 0.36, "text-anchor": "middle", style: `fill:${value.ink};font-size:${size}px` }, value.text),
+          s("title", {}, value.title));
+        if (value.open) group.addEventListener("click", value.open);
+        targets.push({ px: x + w / 2, py: y + rowHeight / 2, box: { x: x + 1, y: y + 1, width: Math.max(1, w - 2), height: Math.max(1, rowHeight - 2) }, dot: { text: value.title, open: value.open } });
         svg.append(group);
       });
     });

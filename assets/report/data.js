@@ -46,10 +46,23 @@ export function table(run, name) {
   return tables.get(id);
 }
 
-/** A value as people say it: builtins without prefix, files without folder and extension. */
+/** Numbers of an axis as people read them: the fewest digits, but at least four, that tell them all apart. */
+const roundings = new Map();
+function rounded(axis, value) {
+  if (!roundings.has(axis)) {
+    const values = [...new Set(axisOf[axis]?.values ?? [])].filter((text) => text !== "" && Number.isFinite(Number(text)));
+    const short = (digits) => new Map(values.map((text) => [text, Number(Number(text).toPrecision(digits)).toString()]));
+    let digits = 4;
+    while (digits < 17 && new Set(short(digits).values()).size < new Set(values.map(Number)).size) digits++;
+    roundings.set(axis, short(digits));
+  }
+  return roundings.get(axis).get(value) ?? value;
+}
+
+/** A value as people say it: builtins without prefix, files without folder and extension, numbers rounded. */
 export function short(axis, value) {
-  if (axis !== "environment" && axis !== "scene") return value;
-  return value.startsWith("builtin:") ? value.slice(8) : value.replace(/^.*[/\\]/, "").replace(/\.[^.]*$/, "") || value;
+  if (axis !== "environment" && axis !== "scene") return rounded(axis, value);
+  return value.startsWith("builtin:") ? value.slice(8) : value.replace(/^[^]*[/\\]/, "").replace(/\.[^.]*$/, "") || value;
 }
 
 const extra = new Map(model.cells.map((cell) => [`${cell.run} ${cell.cell}`, cell]));
@@ -74,15 +87,30 @@ export const rows = model.runs.flatMap((run, index) => {
 });
 export const rowOf = (cell, run = 0) => rows.find((row) => row.cell === cell && row.run === Number(run));
 
-const words = (row, axes) => axes.map((name) => short(name, row.axes[name])).filter(Boolean);
-/** How a cell is made: "sampled 16". */
-export const variantLabel = (row) => words(row, variantAxes.length ? variantAxes : ["method", "samples"]).join(" ");
+/** A value in words; a bare number says what it is. */
+const word = (name, value) => {
+  const text = short(name, value);
+  return /^[−-]?[\d.]/.test(text) && !["method", "samples", "run"].includes(name) ? `${symbol(name)} ${text}` : text;
+};
+/** How a cell is made: "sampled 16", "sampled 16 bias 0.5 set 2"; axes may be left out. */
+export const variantLabel = (row, without = []) => (variantAxes.length ? variantAxes : ["method", "samples"]).filter((name) => !without.includes(name)).map((name) => word(name, row.axes[name])).filter(Boolean).join(" ");
 /** What a cell shows: "sky ggx α 0.25". */
-export const sceneLabel = (row) => sceneAxes.map((name) => {
-  const value = short(name, row.axes[name]);
-  return value && /^[\d.]+$/.test(value) ? `${symbol(name)} ${value}` : value;
-}).filter(Boolean).join(" · ") || model.runs[row.run].provenance.name;
-export const symbol = (name) => (name === "alpha" ? "α" : name);
+export const sceneLabel = (row) => sceneAxes.map((name) => word(name, row.axes[name])).filter(Boolean).join(" · ") || model.runs[row.run].provenance.name;
+/** The name of an axis as people say it. */
+export function symbol(name) {
+  return { alpha: "α", lod_bias: "bias", point_set: "set", environment_rotation_deg: "turned", environment_scale: "brightness" }[name] ?? name;
+}
+
+/**
+ * Why the experiment has no cell with these values, by axis name; null when no exclusion says so. A value that is unset on either side
+ * tells nothing apart.
+ */
+export function exclusionOf(wanted) {
+  const { axes, points, reasons } = model.exclusions;
+  const tests = axes.map((name) => wanted[name]);
+  const found = points.find(([, values]) => values.every((value, i) => tests[i] === undefined || tests[i] === "" || value === "" || value === tests[i]));
+  return found ? reasons[found[0]] : null;
+}
 
 /** Cells with the same scene values; tone-curve copies of one image are kept in `row.copies`. */
 export const scenes = [];
@@ -104,7 +132,7 @@ for (const scene of scenes) {
   scene.main = scene.variants.reduce((best, row) => (uses(row) > uses(best) ? row : best));
 }
 /** Labels of all variants, in the order of the rows. */
-export const variantLabels = [...new Set(scenes.flatMap((scene) => scene.variants.map(variantLabel)))];
+export const variantLabels = [...new Set(scenes.flatMap((scene) => scene.variants.map((row) => variantLabel(row))))];
 
 /** Half-float bits to numbers. */
 export const HALF = new Float32Array(65536);

@@ -41,14 +41,14 @@ export function download(name, text, type) {
 /** RFC 4180. */
 export const csvText = (columns, rows) =>
   [columns, ...rows].map((row) => row.map((field) => {
-    const text = String(field ?? "");
+    const text = field === Infinity ? "inf" : String(field ?? "");
     return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
   }).join(",")).join("\n") + "\n";
 
 /** Says something to screen readers. */
 export function announce(text) {
-  const live = byId("live");
-  if (live.textContent !== text) live.textContent = text;
+  const announcer = byId("announcer");
+  if (announcer.textContent !== text) announcer.textContent = text;
 }
 
 /** A labelled choice. `options` are [value, label]. */

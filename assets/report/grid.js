@@ -1,6 +1,6 @@
 // The image table: scenes down, ways to make the image across. Every picture leads into the comparison.
 
-import { displayAxes, errorColor, headline, HALF, mask, model, overview, pixels, sceneAxes, axisOf, scenes, short, symbol, texelError, tone, variantLabel, variantLabels } from "report/data";
+import { displayAxes, errorColor, exclusionOf, headline, HALF, mask, model, overview, pixels, rows, sceneAxes, axisOf, scenes, short, symbol, texelError, tone, variantAxes, variantLabel, variantLabels } from "report/data";
 import { choice, h, number, select } from "report/dom";
 import { go, keep } from "report/state";
 
@@ -46,14 +46,14 @@ export async function paint(canvas, row, mode, settings, isReference = false) {
 }
 
 /** A picture with its score that opens the comparison. */
-export function thumbnail(row, mode, settings, { isReference = false, label = "" } = {}) {
+export function thumbnail(row, mode, settings, { isReference = false, isLowest = false } = {}) {
   const name = isReference ? "reference" : variantLabel(row), error = row.scores[headline];
   const canvas = h("canvas", { width: 8, height: 8, "aria-hidden": "true" });
   const score = isReference ? (row.floor === null ? "" : `floor ${number(row.floor, 2)}`) : error === null ? "failed" : number(error);
   const button = h("button", { type: "button", class: "thumb", "data-cell": row.cell, title: `${row.scene.label}: ${name}`,
-    "aria-label": `Compare ${row.scene.label}, ${name}, relMSE ${score}`,
+    "aria-label": `Compare ${row.scene.label}, ${name}, relMSE ${score}${isLowest ? ", the lowest of the scene" : ""}`,
     onclick: () => go({ view: "compare", cell: row.cell, run: row.run || undefined, mode: mode === "image" ? undefined : mode }) },
-    canvas, h("span", { class: "thumb-text" }, label && h("b", {}, label), h("span", {}, score), ["reference-limited", "equal-within-noise"].includes(row.verdict) && !isReference && h("abbr", { title: "within ten times what the reference's own noise would give" }, "~")));
+    canvas, isLowest && h("span", { class: "lowest", "aria-hidden": "true" }, "lowest"), h("span", { class: "thumb-text" }, h("span", {}, score), ["reference-limited", "equal-within-noise"].includes(row.verdict) && !isReference && h("abbr", { title: "within ten times what the reference's own noise would give" }, "~")));
   whenSeen(button, async () => { if (!(await paint(canvas, row, mode, settings, isReference))) button.classList.add("no-pixels"); });
   return button;
 }
@@ -73,6 +73,15 @@ function whenSeen(element, task) {
 
 export const settingsOf = (row) => ({ tone: "curve", exposure: Number(row.axes.exposure) || 1, contrast: Number(row.axes.contrast) || 1 });
 
+const variantOf = new Map();
+/** What stands where a scene has no such image: the reason, if the experiment gives one. */
+function missing(row, label) {
+  if (!variantOf.size) rows.forEach((one) => variantOf.set(variantLabel(one), one));
+  const pick = (from, names) => names.map((name) => [name, from.axes[name]]);
+  const why = exclusionOf(Object.fromEntries([...pick(row, sceneAxes), ...pick(variantOf.get(label), variantAxes)]));
+  return why === null ? h("span", { class: "excluded" }, "none") : h("span", { class: "excluded", title: why }, "excluded");
+}
+
 /** The page of images. */
 export function showGrid(view, state) {
   const mode = ["error", "signed"].includes(state.mode) ? state.mode : "image";
@@ -81,16 +90,19 @@ export function showGrid(view, state) {
   const stops = Number(state.ev) || 0;
   const own = scenes.filter((scene) => sceneAxes.every((name) => !filters[name] || scene.variants[0].axes[name] === filters[name]));
   const ev = h("input", { type: "range", min: -8, max: 8, step: 0.5, value: stops, "aria-label": "Exposure in stops", onchange: () => again({ ev: ev.value === "0" ? "" : ev.value }) });
-  const bar = h("div", { class: "controls" }, h("h2", {}, "Images"),
+  const bar = h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Images"),
     choice("What is shown", [["image", "Image"], ["error", "Error"], ["signed", "Signed"]], mode, (value) => again({ mode: value === "image" ? "" : value })),
-    h("label", { class: "choice" }, h("span", {}, `Exposure ${stops > 0 ? "+" : stops < 0 ? "−" : ""}${Math.abs(stops)} EV`), ev),
+    h("label", { class: "choice" }, h("span", { class: "exposure-text" }, `Exposure ${stops > 0 ? "+" : stops < 0 ? "−" : ""}${Math.abs(stops)} EV`), ev),
     sceneAxes.filter((name) => axisOf[name].values.length > 1).map((name) => select(symbol(name), [["", "all"], ...axisOf[name].values.map((value) => [value, short(name, value)])], filters[name], (value) => again({ [name]: value }))));
   const notes = model.image_notes.map((text) => h("p", { class: "warning" }, text));
   if (!model.images.some((image) => image.payload !== null)) {
     view.replaceChildren(bar, ...notes);
     return;
   }
-  const labels = variantLabels.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label)));
+  const used = variantLabels.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label)));
+  // Ways of which the page holds no pixels at all (further point sets of a large run) would be columns of nothing.
+  const labels = used.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label && (row.image === null || model.images[row.image].payload !== null))));
+  if (labels.length < used.length) notes.push(h("p", { class: "note" }, `${used.length - labels.length} of ${used.length} ways to make the image have no pixels in this page and are not listed.`));
   const head = h("tr", {}, h("th", { scope: "col" }, sceneAxes.map(symbol).join(" · ") || "scene"), h("th", { scope: "col" }, "reference"), labels.map((label) => h("th", { scope: "col" }, label)));
   const body = own.map((scene) => {
     const first = scene.main, settings = settingsOf(first);
@@ -100,10 +112,10 @@ export function showGrid(view, state) {
       h("td", {}, thumbnail(first, "image", settings, { isReference: true })),
       labels.map((label) => {
         const row = scene.variants.find((one) => variantLabel(one) === label);
-        return h("td", { class: row?.scores[headline] === best ? "best" : "" }, row ? thumbnail(row, mode, settings) : h("span", { class: "excluded" }, "excluded"));
+        return h("td", {}, row ? thumbnail(row, mode, settings, { isLowest: row.scores[headline] === best }) : missing(first, label));
       }));
   });
   const legend = mode === "image" ? `Through the project's tone curve at the cell's exposure${displayAxes.length ? " (the first of those tried)" : ""}. ` : mode === "error" ? "√ of the RGB mean of d² / (r² + 0.01), magma, 10⁻³ to 1, the same for all. " : "Mean of d / √(r² + 0.01), −0.5 (blue, too dark) to 0.5 (red, too bright). ";
   view.replaceChildren(bar, ...notes, h("p", { class: "note" }, legend, "Below each image its relMSE; the lowest of a scene is marked. Click one to compare it pixel by pixel."),
-    h("div", { class: "scroll image-table", tabindex: 0, role: "region", "aria-label": "Image table" }, h("table", {}, h("thead", {}, head), h("tbody", {}, body))));
+    h("div", { class: "scroll image-table", style: `--columns:${labels.length + 1}`, tabindex: 0, role: "region", "aria-label": "Image table" }, h("table", {}, h("thead", {}, head), h("tbody", {}, body))));
 }

@@ -2,7 +2,7 @@
 // build script from the renderer's own libraries (shaders/page); here are only bindings, the order of passes and the camera.
 
 import { base64Bytes, decode, lightTables, model } from "report/data";
-import { makeProgram, paletteTexels, setErrorColors } from "report/program";
+import { drawOver, makePalette, makeProgram, makeTexture, setErrorColors } from "report/program";
 
 const GBUFFER = ["gbuffer_position", "gbuffer_normal", "gbuffer_albedo", "gbuffer_f0"];
 /** Time that the samples of one frame may take, ms. */
@@ -50,12 +50,11 @@ export class LiveRender {
   reset() {
     const { gl } = this;
     gl.getExtension("EXT_color_buffer_float");
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     this.programs = new Map();
     this.chains = new Map();
     this.pointTables = new Map();
     this.targets = null;
-    this.palette = this.texture(gl.RGBA8, 256, 2, gl.RGBA, gl.UNSIGNED_BYTE, paletteTexels(model.colors));
+    this.palette = makePalette(gl, 0, model.colors);
     this.done = 0;
     this.batch = 1;
     this.bands = 1;
@@ -69,16 +68,6 @@ export class LiveRender {
   }
 
   // --- Textures ------------------------------------------------------------------------------------------------------------
-
-  texture(internal, width, height, format, type, data) {
-    const { gl } = this, texture = gl.createTexture();
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, data);
-    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
-    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
-    return texture;
-  }
 
   /** Packed levels as one trilinear texture; u repeats on an equirectangular map, as in the renderer. */
   async chain(key, levels, wraps) {
@@ -129,7 +118,7 @@ export class LiveRender {
       while (divisor(step, count) !== 1) step++;
       const shuffled = new Float32Array(table.length);
       for (let i = 0; i < count; i++) shuffled.set(table.subarray(4 * ((i * step) % count), 4 * ((i * step) % count) + 4), 4 * i);
-      this.pointTables.set(count, this.texture(gl.RGBA32F, count, 1, gl.RGBA, gl.FLOAT, shuffled));
+      this.pointTables.set(count, makeTexture(gl, 0, gl.RGBA32F, count, 1, gl.RGBA, gl.FLOAT, shuffled));
     }
     return this.pointTables.get(count);
   }
@@ -138,7 +127,7 @@ export class LiveRender {
 
   target(width, height, names) {
     const { gl } = this, framebuffer = gl.createFramebuffer();
-    const textures = names.map(() => this.texture(gl.RGBA32F, width, height, gl.RGBA, gl.FLOAT, null));
+    const textures = names.map(() => makeTexture(gl, 0, gl.RGBA32F, width, height, gl.RGBA, gl.FLOAT, null));
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     textures.forEach((texture, i) => gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + i, gl.TEXTURE_2D, texture, 0));
     gl.drawBuffers(names.map((_, i) => gl.COLOR_ATTACHMENT0 + i));
@@ -162,33 +151,30 @@ export class LiveRender {
   pass(name, target, textures, set) {
     const { gl } = this;
     if (!this.programs.has(name)) this.programs.set(name, makeProgram(gl, name));
-    const { program, uniform } = this.programs.get(name);
-    gl.useProgram(program);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, target?.framebuffer ?? null);
-    gl.viewport(0, 0, target?.width ?? this.canvas.width, target?.height ?? this.canvas.height);
-    let unit = 0;
-    for (const [sampler, texture] of Object.entries(textures)) {
-      if (!uniform[sampler]) continue;
-      gl.activeTexture(gl.TEXTURE0 + unit);
-      gl.bindTexture(gl.TEXTURE_2D, texture);
-      gl.uniform1i(uniform[sampler], unit++);
-    }
-    set(uniform);
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    const { width, height } = target ?? this.canvas;
+    drawOver(gl, this.programs.get(name), target?.framebuffer ?? null, [width, height], textures, set);
   }
 
-  /** ShadeParams (src/glsl/layout.rs). The environment is not turned: the camera moves instead. */
+  /** A direction in the frame of the environment, which is turned by `rotation` degrees about +y (shade::pass::environment_from_world). */
+  turned([x, y, z]) {
+    const angle = (this.view.rotation * Math.PI) / 180, [sin, cos] = [Math.sin(angle), Math.cos(angle)];
+    return [cos * x - sin * z, y, sin * x + cos * z];
+  }
+
+  /** ShadeParams (src/glsl/layout.rs). */
   setParams(uniform, camera) {
     const { gl, view } = this, { light } = view, { width, height } = this.targets.gbuffer;
     const set = (name, kind, ...values) => gl[`uniform${kind}`](uniform[`params.${name}`], ...values);
-    [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]].forEach((row, i) => set(`environment_from_world_${i}`, "4fv", row));
+    // The columns of the rotation, as the rows of what is handed over.
+    const columns = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => this.turned(axis));
+    [0, 1, 2].forEach((i) => set(`environment_from_world_${i}`, "4fv", [...columns.map((column) => column[i]), 0]));
     set("eye", "4fv", [...camera.eye, 1]);
     set("width", "1ui", width);
     set("height", "1ui", height);
     // The renderer's levels are those of the whole environment; the page's begin later.
     set("environment_width", "1ui", light.size[0]);
     set("environment_height", "1ui", light.size[1]);
-    set("lod_bias", "1f", -light.first_level);
+    set("lod_bias", "1f", view.bias - light.first_level);
     set("sample_count", "1ui", view.samples);
     set("prefilter_level_count", "1ui", view.levelCount);
     set("environment_scale", "1f", view.brightness * light.scale);
@@ -217,10 +203,10 @@ export class LiveRender {
     });
     this.pass("surround", targets.surround, shared, (uniform) => {
       this.setParams(uniform, camera);
-      const scaled = (axis, by) => axis.map((x) => x * by);
+      const scaled = (axis, by) => this.turned(axis.map((x) => x * by));
       gl.uniform4fv(uniform["background.right"], [...scaled(camera.right, camera.extent[0]), 0]);
       gl.uniform4fv(uniform["background.up"], [...scaled(camera.up, camera.extent[1]), 0]);
-      gl.uniform4fv(uniform["background.forward"], [...camera.forward, 0]);
+      gl.uniform4fv(uniform["background.forward"], [...this.turned(camera.forward), 0]);
       gl.uniform1ui(uniform["background.width"], gbuffer.width);
       gl.uniform1ui(uniform["background.height"], gbuffer.height);
       gl.uniform1f(uniform["background.environment_scale"], view.brightness * view.light.scale);

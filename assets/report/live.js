@@ -4,13 +4,17 @@ import { errorColor, lightTables, rows, texelError } from "report/data";
 import { announce, byId, choice, h, number, select, slider, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { LiveRender, MODES, OBJECTS } from "report/live-render";
-import { keep, link, state as current } from "report/state";
+import { keepContext } from "report/program";
+import { fitCanvas, linkButton } from "report/stage";
+import { keep, state as current } from "report/state";
 
 const MODE_CHOICES = [["split", "Split sum", "one lookup each in the prefiltered map and the DFG table (1)"], ["sampled", "Sampled", "importance sampling at every pixel (2)"],
   ["error", "Error", "relative error of the split sum against the samples (3)"], ["signed", "Signed", "signed relative error (4)"]];
 const MODE_NAMES = { split: "split sum", sampled: "sampled", error: "relative error of the split sum", signed: "signed error of the split sum" };
 const OBJECT_CHOICES = [["both", "Both"], ["sphere", "Sphere"], ["plane", "Plane"]];
 const PITCH_MAX = 88, DISTANCE = [0.4, 3];
+/** The sliders' ends; those of the axis `lod_bias` are wider. */
+const ROTATION_MAX = 360, BIAS_MAX = 16, BIAS_SLIDER = 4;
 /** After this long without a change, ms, the view is at rest: it is drawn with every pixel, and its address is kept. */
 const REST_MS = 180;
 
@@ -26,15 +30,16 @@ class Live {
     this.held = false;
     this.changed = -Infinity;
     this.build();
-    this.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
-    this.canvas.addEventListener("webglcontextrestored", () => { this.render.reset(); this.apply(); });
+    keepContext(this.canvas, () => { this.render.reset(); this.apply(); });
   }
 
   // --- State ---------------------------------------------------------------------------------------------------------------
 
   defaults() {
     const { tables } = this, { albedo, f0 } = tables.material;
-    return { environment: 0, brdf: tables.lobes[0].brdf, masking: tables.lobes[0].masking, object: "both", albedo: [albedo, albedo, albedo], metallic: 1, f0, roughness: 0.4,
+    // The light and the level bias are those of the run, the first of those it tried.
+    const [rotation, bias] = ["environment_rotation_deg", "lod_bias"].map((name) => Number(rows.find((row) => row.axes[name])?.axes[name] ?? 0));
+    return { environment: 0, rotation, bias, brdf: tables.lobes[0].brdf, masking: tables.lobes[0].masking, object: "both", albedo: [albedo, albedo, albedo], metallic: 1, f0, roughness: 0.4,
       diffuse: true, brightness: 1, stops: 0, contrast: 1, mode: "split", samples: 64, filtered: true, yaw: 25, pitch: 14, distance: 1.2 };
   }
 
@@ -47,7 +52,8 @@ class Live {
     const albedo = (state.albedo ?? "").split(",");
     const wanted = real(state.n, 1, Infinity, start.samples);
     return {
-      environment: Math.trunc(real(state.env, 0, tables.environments.length - 1, 0)), brdf, masking: one(state.masking, own, own[0]), object: one(state.object, Object.keys(OBJECTS), start.object),
+      environment: Math.trunc(real(state.env, 0, tables.environments.length - 1, 0)), brdf,
+      rotation: real(state.turn, -ROTATION_MAX, ROTATION_MAX, start.rotation), bias: real(state.bias, -BIAS_MAX, BIAS_MAX, start.bias), masking: one(state.masking, own, own[0]), object: one(state.object, Object.keys(OBJECTS), start.object),
       albedo: start.albedo.map((otherwise, c) => real(albedo[c], 0, 1, otherwise)), metallic: real(state.metallic, 0, 1, start.metallic), f0: real(state.f0, 0, 1, start.f0),
       roughness: real(state.roughness, 0, 1, start.roughness), diffuse: state.diffuse !== "0", brightness: real(state.brightness, 0, 100, start.brightness),
       stops: real(state.ev, -12, 12, start.stops), contrast: real(state.contrast, 0.1, 5, start.contrast), mode: one(state.mode, MODES, start.mode), filtered: state.filter !== "0",
@@ -63,7 +69,7 @@ class Live {
     const given = (value, otherwise) => (String(value) === String(otherwise) ? "" : value);
     if (current().view !== "live") return;
     keep({
-      env: given(s.environment, 0), brdf: given(s.brdf, start.brdf), masking: given(s.masking, start.masking), object: given(s.object, start.object),
+      env: given(s.environment, 0), turn: given(round(s.rotation, 2), round(start.rotation, 2)), bias: given(round(s.bias, 4), round(start.bias, 4)), brdf: given(s.brdf, start.brdf), masking: given(s.masking, start.masking), object: given(s.object, start.object),
       albedo: given(s.albedo.map((x) => round(x, 3)).join(","), start.albedo.map((x) => round(x, 3)).join(",")), metallic: given(round(s.metallic, 3), start.metallic), f0: given(round(s.f0, 3), round(start.f0, 3)),
       roughness: given(round(s.roughness, 3), start.roughness), diffuse: s.diffuse ? "" : "0", brightness: given(round(s.brightness, 3), start.brightness), ev: given(round(s.stops, 2), start.stops),
       contrast: given(round(s.contrast, 2), start.contrast), mode: given(s.mode, start.mode), n: given(s.samples, start.samples), filter: s.filtered ? "" : "0",
@@ -80,7 +86,7 @@ class Live {
   async apply() {
     this.changed = performance.now();
     this.syncControls();
-    this.resize();
+    fitCanvas(this.canvas, this.stage);
     if (await this.render.show({ ...this.settings, mode: this.shownMode() })) this.loop();
   }
 
@@ -108,14 +114,6 @@ class Live {
   }
 
   // --- Drawing -------------------------------------------------------------------------------------------------------------
-
-  resize() {
-    const ratio = devicePixelRatio || 1, { width, height } = this.stage.getBoundingClientRect();
-    const [w, hh] = [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
-    if (this.canvas.width === w && this.canvas.height === hh) return false;
-    [this.canvas.width, this.canvas.height] = [w, hh];
-    return true;
-  }
 
   loop() {
     this.canvas.dataset.ready = "";
@@ -203,12 +201,12 @@ class Live {
     this.score = h("output", {}, "–");
     this.probePlace = h("span", {});
     this.probeBody = h("tbody", {});
-    this.linkButton = h("button", { type: "button", onclick: () => this.copyLink() }, "Copy link");
     const channel = (c) => (value) => this.set({ albedo: this.settings.albedo.map((old, i) => (i === c ? value : old)) });
     const ownSurface = this.surfaceOfRun();
     const panel = h("aside", { class: "panel live-panel", "aria-label": "Controls" },
       h("div", { class: "row" }, this.modeChoice), this.legend,
       bar("samples", "Samples a pixel", 0, this.counts.length - 1, 1, (i) => this.set({ samples: this.counts[i] })),
+      bar("bias", "Level bias", -BIAS_SLIDER, BIAS_SLIDER, 0.05, (bias) => this.set({ bias })),
       h("div", { class: "row checks" }, h("label", { title: "Each sample reads the level whose texels cover its solid angle (sampled); without: level 0 (sampled-unfiltered)" }, this.filterBox, " Mip filter"),
         h("span", { class: "score", title: "Mean over the surface's pixels of the RGB mean of d² / (r² + 0.01), d: split sum less samples, r: samples" }, "relMSE of the split sum ", this.score)),
       h("div", { class: "row pickers" }, this.environmentPicker, this.modelPicker, this.maskingBox, h("span", { class: "choice" }, h("span", {}, "Object"), this.objectChoice)),
@@ -217,20 +215,21 @@ class Live {
         bar("metallic", "Metallic", 0, 1, 0.01, (metallic) => this.set({ metallic })), bar("roughness", "Roughness", 0, 1, 0.005, (roughness) => this.set({ roughness })),
         bar("f0", "f0 of the dielectric", 0, 1, 0.01, (f0) => this.set({ f0 })),
         h("div", { class: "row checks" }, h("label", {}, this.diffuseBox, " Diffuse (SH9)"),
-          ownSurface && h("button", { type: "button", title: "The surface of the run's cells, as far as it is one", onclick: () => this.set(ownSurface) }, "As in the run"),
-          h("button", { type: "button", onclick: () => { const { albedo, metallic, f0, roughness, diffuse } = this.defaults(); this.set({ albedo, metallic, f0, roughness, diffuse }); } }, "Reset"))),
+          ownSurface && h("button", { type: "button", title: "Surface, light and level bias of the run's cells, as far as they are one", onclick: () => this.set(ownSurface) }, "As in the run"),
+          h("button", { type: "button", onclick: () => { const { albedo, metallic, f0, roughness, diffuse, rotation, bias } = this.defaults(); this.set({ albedo, metallic, f0, roughness, diffuse, rotation, bias }); } }, "Reset"))),
       h("fieldset", {}, h("legend", {}, "Light and tone"),
+        bar("turn", "Environment turned", -180, 180, 1, (rotation) => this.set({ rotation })),
         bar("brightness", "Brightness", 0, 5, 0.05, (brightness) => this.set({ brightness })), bar("exposure", "Exposure", -12, 12, 0.1, (stops) => this.set({ stops })), bar("contrast", "Contrast", 0.1, 5, 0.05, (contrast) => this.set({ contrast }))),
       h("section", { class: "probe", "aria-label": "Probe" }, h("h3", {}, "Linear values ", this.probePlace),
         h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ["", "R", "G", "B", "error"].map((name) => h("th", { scope: "col" }, name)))), this.probeBody))),
-      h("div", { class: "row" }, this.linkButton),
+      h("div", { class: "row" }, linkButton(() => this.keepState())),
       h("p", { class: "note keys", id: "live-keys" }, "Drag or ", h("kbd", {}, "arrows"), " to turn · ", h("kbd", {}, "1"), "–", h("kbd", {}, "4"), " what is shown · hold ", h("kbd", {}, "space"), " for the other method · ", h("kbd", {}, "?"), " all keys"),
       h("p", { class: "note" }, "The renderer's shaders with the run's own tables, stored as half floats. Every point sees the whole environment: no shadows, as in the renderer."),
       tables.notes.map((note) => h("p", { class: "note" }, note)));
     this.view.replaceChildren(h("div", { class: "viewer live" }, this.stage, panel));
     this.listen();
     new ResizeObserver(() => {
-      if (!this.stage.clientWidth || !this.render.view || !this.resize()) return;
+      if (!this.stage.clientWidth || !this.render.view || !fitCanvas(this.canvas, this.stage)) return;
       this.render.restart();
       this.loop();
     }).observe(this.stage);
@@ -253,6 +252,9 @@ class Live {
     if (only("f0") !== null) own.f0 = colour(only("f0"))[0];
     if (only("alpha") !== null) own.roughness = Math.sqrt(Number(only("alpha")));
     if (only("diffuse") !== null) own.diffuse = only("diffuse") !== "none";
+    if (only("environment_rotation_deg") !== null) own.rotation = Number(only("environment_rotation_deg"));
+    if (only("environment_scale") !== null) own.brightness = Number(only("environment_scale"));
+    if (only("lod_bias") !== null) own.bias = Number(only("lod_bias"));
     return Object.keys(own).length ? own : null;
   }
 
@@ -264,6 +266,9 @@ class Live {
     const alpha = s.roughness ** 2, floor = this.tables.alpha_min;
     put("roughness", s.roughness, `${number(round(s.roughness, 3))} · α ${alpha <= floor ? `${number(floor)} (a mirror)` : number(alpha)}`);
     put("f0", s.f0, number(round(s.f0, 3)));
+    put("turn", s.rotation, `${number(round(s.rotation, 2))}°`);
+    put("bias", s.bias, s.filtered ? `${s.bias > 0 ? "+" : ""}${number(round(s.bias, 3))}` : "without filter: none");
+    sliders.bias.input.disabled = !s.filtered;
     put("brightness", s.brightness, `× ${number(round(s.brightness, 3))}`);
     put("exposure", s.stops, stopsText(s.stops));
     put("contrast", s.contrast, number(round(s.contrast, 3)));
@@ -283,13 +288,6 @@ class Live {
     this.legend.dataset.mode = s.mode;
     const light = this.tables.environments[s.environment], [width, height] = light.levels[0].size;
     this.caption.textContent = light.first_level ? `environment shown at ${width} × ${height} of ${light.size[0]} × ${light.size[1]}` : "";
-  }
-
-  async copyLink() {
-    this.keepState();
-    const address = new URL(link(current()), location.href).href;
-    try { await navigator.clipboard.writeText(address); this.linkButton.textContent = "Copied"; } catch { prompt("Link to this view", address); }
-    setTimeout(() => { this.linkButton.textContent = "Copy link"; }, 1500);
   }
 
   // --- Pointer and keys ----------------------------------------------------------------------------------------------------

@@ -3,7 +3,9 @@
 import { headline, model, scenes, variantLabel } from "report/data";
 import { byId, h } from "report/dom";
 import { settingsOf, showGrid, thumbnail } from "report/grid";
-import { breakEvenChart, breakEvenMap, convergence, curves, pairs, showPlots } from "report/plots";
+import { breakEvenChart, breakEvenMap, equalTimeMap } from "report/break-even";
+import { pairs } from "report/cases";
+import { convergence, hasConvergence, profile, showPlots } from "report/plots";
 import { liveKey, liveRelease, showLive } from "report/live";
 import { go, link, onState, state } from "report/state";
 import { showRun, showTables } from "report/tables";
@@ -17,13 +19,19 @@ const PAGES = [
 const KEYS = [
   ["1 … 9", "show an image of the scene"], ["space (hold)", "show the reference"], ["← →", "previous, next image"], ["↑ ↓", "previous, next scene"],
   ["E", "relative error"], ["S", "signed error"], ["T", "tone curve or sRGB"], ["[ ]", "half a stop darker, brighter"], ["C", "mark clipped pixels"],
-  ["D", "split with the reference"], ["+ − 0", "zoom in, out, fit"], ["click", "pin the probe"], ["live: 1 … 4", "split sum, sampled, error, signed error"], ["live: arrows, drag", "turn; + − and the wheel come nearer, 0 returns"], ["live: space (hold)", "show the other of split sum and sampled"],
+  ["D", "split with the reference"], ["+ − 0", "zoom in, out, fit"], ["click", "pin the probe"], ["shift + arrows", "move the probe by a texel"], ["live: 1 … 4", "split sum, sampled, error, signed error"], ["live: arrows, drag", "turn; + − and the wheel come nearer, 0 returns"], ["live: space (hold)", "show the other of split sum and sampled"],
   ["G A I M L P B R", "go to Answer (G or A), Images, coMpare, Live, Plots, taBles, Run"], ["?", "this list"],
 ];
 const GO = { a: "answer", g: "answer", i: "images", m: "compare", l: "live", p: "plots", b: "tables", r: "run" };
 
+/** How far each page was scrolled when it was left: pages are like tabs. */
+const places = new Map();
+
 function show(current) {
-  const known = PAGES.find(([name]) => name === current.view) ?? PAGES[0];
+  const known = PAGES.find(([name]) => name === current.view) ?? PAGES[0], before = document.body.dataset.view;
+  const isNew = before !== known[0];
+  if (isNew && before) places.set(before, scrollY);
+  const hadFocus = before && byId(`view-${before}`).contains(document.activeElement);
   for (const [name] of PAGES) byId(`view-${name}`).hidden = name !== known[0];
   for (const item of byId("pages").children) item.toggleAttribute("aria-current", item.dataset.view === known[0]);
   const here = byId("pages").querySelector("[aria-current]");
@@ -31,6 +39,10 @@ function show(current) {
   byId("pages").scrollLeft = here.offsetLeft - 60;
   document.body.dataset.view = known[0];
   known[2](byId(`view-${known[0]}`), current);
+  if (!isNew) return;
+  scrollTo(0, places.get(known[0]) ?? 0);
+  // What had the focus is gone: the keyboard goes on at the new page's beginning.
+  if (hadFocus) byId("main").focus({ preventScroll: true });
 }
 
 let answered = false;
@@ -41,9 +53,10 @@ function showAnswer() {
   const pair = pairs[0];
   if (pair) {
     byId("lead-chart").append(breakEvenChart(pair));
-    byId("answer-rest").append(h("div", { class: "two" }, breakEvenMap(pair), strip(pair)));
+    byId("answer-rest").append(h("div", { class: "two" }, [breakEvenMap(pair), equalTimeMap(pair), strip(pair)].filter(Boolean)));
   } else {
-    if (curves.length) byId("lead-chart").append(convergence());
+    const lead = hasConvergence ? convergence() : scenes.length ? profile(scenes[0]) : null;
+    if (lead) byId("lead-chart").append(lead);
     byId("answer-rest").append(strip(null));
   }
   if (model.differences.length) byId("answer-rest").append(h("p", { class: "note" }, "Joined runs differ in ", model.differences.map(([name]) => name).join(", "), ". ", h("a", { href: "#run" }, "Details")));
@@ -109,6 +122,8 @@ export function start() {
   addEventListener("keydown", onKey);
   addEventListener("keyup", (event) => { if (event.key === " ") release(); });
   addEventListener("blur", release);
+  byId("skip").addEventListener("click", (event) => { event.preventDefault(); byId("main").focus(); });
+  history.scrollRestoration = "manual";
   onState(show);
   const begin = () => { show(state()); document.body.dataset.ready = String(Math.round(performance.now())); };
   // The images stand after the script; they are needed only once the page is parsed.

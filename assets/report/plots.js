@@ -1,92 +1,14 @@
 // The figures: what is drawn of the run's data.
 
+import { breakEvenMap, equalTimeIntervals, equalTimeMap, nDotVMap } from "report/break-even";
+import { caseAxes, curveFacets, curves, facetLabel, fixedOf, open, pairs, sampleAxis, seriesAxis, seriesLabel, unique } from "report/cases";
 import { COLORS, SHAPES, bars as barChart, domain, figure, heatmap, ordinal, xy } from "report/chart";
-import { displayAxes, headline, model, rows, scenes, short, symbol, table, variantLabel, variantLabels } from "report/data";
+import { displayAxes, headline, model, rows, scenes, symbol, table, variantLabel, variantLabels } from "report/data";
 import { choice, h, number, quartiles, select } from "report/dom";
 import { go, keep } from "report/state";
 
-const { case_axes: caseAxes, curves, pairs } = model.analysis;
-/** The case axis that colours tell apart: alpha, or else the last. */
-const seriesAxis = caseAxes.includes("alpha") ? caseAxes.indexOf("alpha") : caseAxes.length - 1;
-const facetAxes = caseAxes.map((_, i) => i).filter((i) => i !== seriesAxis);
-const facetLabel = (key) => facetAxes.map((i) => label(i, key[i])).join(" · ") || "all";
-const seriesLabel = (key) => (seriesAxis < 0 ? "" : `${symbol(caseAxes[seriesAxis])} ${short(caseAxes[seriesAxis], key[seriesAxis])}`);
-const label = (axis, value) => { const text = short(caseAxes[axis], value); return /^[\d.e+-]+$/.test(text) ? `${symbol(caseAxes[axis])} ${text}` : text; };
-const keyLabel = (key) => key.map((value, i) => label(i, value)).join(" · ");
-const unique = (values) => [...new Set(values)];
-const open = (cell, run) => () => go({ view: "compare", cell, run: run || undefined });
-const breakEvenText = ({ n, above }) => (above ? `> ${n}` : `${n}`);
-const curveFacets = unique(curves.map((curve) => facetLabel(curve.key)));
-const sampleAxis = (counts) => ({ label: "samples a pixel", log: true, domain: domain(counts, true), ticks: counts, format: (t) => String(t) });
-const fixedOf = (key) => unique(pairs.map((pair) => pair.fixed)).flatMap((fixed) => pairs.filter((pair) => pair.fixed === fixed).slice(0, 1)
-  .flatMap((pair) => pair.cases.filter((c) => JSON.stringify(c.key) === JSON.stringify(key)).map((c) => ({ fixed, ...c }))));
-
-/** Error of sampling over error of the fixed method, for every case: where it falls below 1, sampling wins. */
-export function breakEvenChart(pair) {
-  const counts = pair.sample_counts;
-  const series = unique(pair.cases.map((c) => c.key[seriesAxis]));
-  const ratios = pair.cases.map((c) => curves[c.curve].points.map((p) => [p.samples, p.error / c.fixed_error, p]));
-  const middle = counts.map((n) => [n, quartiles(ratios.flat().filter(([m]) => m === n).map(([, ratio]) => ratio))]);
-  const color = (c) => ordinal(series.indexOf(c.key[seriesAxis]), series.length);
-  const crossings = pair.cases.filter((c) => c.crossing !== null);
-  return figure({
-    name: "break-even-curves",
-    class: "lead-figure",
-    height: (width, unit) => Math.round(Math.min(Math.max(260, (innerHeight / unit) * 0.56), width * 0.9)),
-    title: `Error of ${pair.sampled} over error of ${pair.fixed}`,
-    note: `One line a case; bold: the median, shaded: the middle half. Below 1, ${pair.sampled} is closer to the reference. Open marks on the line: where a case crosses.`,
-    legend: [...series.map((value, i) => ({ label: seriesAxis < 0 ? "cases" : `${symbol(caseAxes[seriesAxis])} ${short(caseAxes[seriesAxis], value)}`, color: ordinal(i, series.length) })),
-      { label: "median", color: "var(--ink)" }],
-    table: {
-      columns: [...caseAxes, pair.fixed, ...counts.map((n) => `${pair.sampled} ${n}`), "break-even", "crossing"],
-      rows: pair.cases.map((c) => [...c.key, c.fixed_error, ...counts.map((n) => curves[c.curve].points.find((p) => p.samples === n)?.error ?? null), breakEvenText(c.break_even), c.crossing]),
-      onrow: (i) => open(pair.cases[i].fixed_cell, pair.cases[i].fixed_run)(),
-    },
-    draw: xy({
-      x: sampleAxis(counts),
-      y: { label: `relMSE ratio ${pair.sampled} / ${pair.fixed}`, log: true, domain: domain([...ratios.flat().map(([, ratio]) => ratio), 1], true) },
-      marks: [
-        { band: middle.map(([n, [lo, , hi]]) => [n, lo, hi]), color: "var(--ink)" },
-        ...pair.cases.map((c, i) => ({ line: ratios[i].map(([n, ratio]) => [n, ratio]), color: color(c), width: 1.1, opacity: 0.75 })),
-        { rule: 1, color: "var(--ink)", width: 1.4 },
-        { text: `${pair.fixed} better ↑`, x: (box) => box.right - 6, y: (box) => box.top + 14, anchor: "end", color: "var(--muted)" },
-        { text: `${pair.sampled} better ↓`, x: (box) => box.left + 8, y: (box) => box.bottom - 8, color: "var(--muted)" },
-        { line: middle.map(([n, [, m]]) => [n, m]), color: "var(--ink)", width: 3 },
-        { r: 2.6, dots: pair.cases.flatMap((c, i) => ratios[i].map(([n, ratio, p]) => ({ x: n, y: ratio, color: color(c), open: open(p.cell, p.run),
-          text: `${keyLabel(c.key)}\n${pair.sampled} ${n}: relMSE ${number(p.error)}\n${pair.fixed}: ${number(c.fixed_error)} · ratio ${number(ratio)}` }))) },
-        { r: 3.6, dots: crossings.map((c) => ({ x: c.crossing, y: 1, color: "var(--paper)", open: open(c.fixed_cell, c.fixed_run), text: `${keyLabel(c.key)}\ncrosses at ${number(c.crossing, 2)} samples` })) },
-      ],
-    }),
-  });
-}
-
-/** Colour and ink of a break-even count: dark is early. */
-function breakEvenColor(pair, { n, above }) {
-  const place = above ? pair.sample_counts.length : pair.sample_counts.indexOf(n);
-  const step = Math.round((place / Math.max(1, pair.sample_counts.length)) * 6);
-  return { color: `var(--heat-${step})`, ink: `var(--heat-ink-${step})` };
-}
-
-/** Break-even of every case. */
-export function breakEvenMap(pair) {
-  const lines = unique(pair.cases.map((c) => c.key[seriesAxis])), columns = unique(pair.cases.map((c) => facetLabel(c.key)));
-  const at = (r, c) => pair.cases.find((one) => one.key[seriesAxis] === lines[r] && facetLabel(one.key) === columns[c]);
-  return figure({
-    name: "break-even",
-    title: `Break-even of ${pair.sampled} with ${pair.fixed}`,
-    note: "The smallest tried sample count from which on every larger one is better too. Click a cell for its images.",
-    height: () => 80 + 34 * lines.length,
-    table: { columns: [...caseAxes, "break-even", "crossing"], rows: pair.cases.map((c) => [...c.key, breakEvenText(c.break_even), c.crossing]), onrow: (i) => open(pair.cases[i].fixed_cell, pair.cases[i].fixed_run)() },
-    draw: heatmap({
-      rows: lines.map((value) => short(caseAxes[seriesAxis], value ?? "")), columns, rowTitle: seriesAxis < 0 ? "" : symbol(caseAxes[seriesAxis]), columnTitle: facetAxes.map((i) => caseAxes[i]).join(" · "),
-      cell: (r, c) => {
-        const one = at(r, c);
-        return one && { text: breakEvenText(one.break_even), ...breakEvenColor(pair, one.break_even), open: open(one.fixed_cell, one.fixed_run),
-          title: `${keyLabel(one.key)}: ${breakEvenText(one.break_even)} samples; ${pair.fixed} ${number(one.fixed_error)}` };
-      },
-    }),
-  });
-}
+/** Whether there is more than one sample count, without which nothing converges. */
+export const hasConvergence = unique(curves.flatMap((curve) => curve.points.map((p) => p.samples))).length > 1;
 
 /** Log-log convergence of one facet, with fitted slopes and the reference's noise floor. */
 export function convergence(facet = curveFacets[0]) {
@@ -140,8 +62,9 @@ function timeEnds(of) {
 /** Time against error: one mark a variant over the chosen rows, with the Pareto front. */
 function timeError(facet) {
   const own = rows.filter((row) => row.time && row.scores[headline] !== null && (facet === "all" || facetLabel(caseAxes.map((name) => row.axes[name])) === facet));
-  const points = variantLabels.flatMap((name) => {
-    const of = own.filter((row) => variantLabel(row) === name);
+  const label = (row) => variantLabel(row, ["point_set"]);
+  const points = unique(own.map(label)).flatMap((name) => {
+    const of = own.filter((row) => label(row) === name);
     if (!of.length) return [];
     const [lo, error, hi] = quartiles(of.map((row) => row.scores[headline]));
     const time = quartiles(of.map((row) => row.time.median))[1];
@@ -170,30 +93,6 @@ function timeError(facet) {
   });
 }
 
-/** Break-even over alpha and n.v in one facet. */
-function nDotVMap(pair, facet) {
-  const own = pair.cases.filter((c) => facetLabel(c.key) === facet && c.bins.length);
-  if (!own.length) return null;
-  const bins = unique(own.flatMap((c) => c.bins.map((bin) => bin.lo))).sort((a, b) => a - b);
-  const hi = Object.fromEntries(own.flatMap((c) => c.bins.map((bin) => [bin.lo, bin.hi])));
-  return figure({
-    name: `break-even-n-dot-v-${facet}`,
-    title: `Break-even over ${seriesAxis < 0 ? "cases" : symbol(caseAxes[seriesAxis])} and n·v · ${facet}`,
-    note: `Samples from which on ${pair.sampled} beats ${pair.fixed}, over the pixels of each bin of n·v: left grazing, right facing the viewer.`,
-    height: () => 80 + 34 * own.length,
-    table: { columns: [...caseAxes, "n_dot_v_from", "n_dot_v_to", pair.fixed, "break-even"], rows: own.flatMap((c) => c.bins.map((bin) => [...c.key, bin.lo, bin.hi, bin.fixed_error, breakEvenText(bin.break_even)])),
-      onrow: (i) => { const c = own.flatMap((one) => one.bins.map(() => one))[i]; open(c.fixed_cell, c.fixed_run)(); } },
-    draw: heatmap({
-      rows: own.map((c) => short(caseAxes[seriesAxis] ?? "", c.key[seriesAxis] ?? "")), columns: bins.map((lo) => `${number(lo, 2)}–${number(hi[lo], 2)}`), rowTitle: seriesAxis < 0 ? "" : symbol(caseAxes[seriesAxis]), columnTitle: "n·v",
-      cell: (r, c) => {
-        const bin = own[r].bins.find((one) => one.lo === bins[c]);
-        return bin && { text: breakEvenText(bin.break_even), ...breakEvenColor(pair, bin.break_even), open: open(own[r].fixed_cell, own[r].fixed_run),
-          title: `${keyLabel(own[r].key)}, n·v ${bin.lo} to ${bin.hi}: ${breakEvenText(bin.break_even)} samples; ${pair.fixed} ${number(bin.fixed_error)}` };
-      },
-    }),
-  });
-}
-
 let binRows = null;
 function binsOf(row) {
   binRows ??= model.runs.map((_, run) => {
@@ -209,9 +108,20 @@ function binsOf(row) {
   return binRows[row.run].get(row.cell) ?? [];
 }
 
+/** One line for each way to make a scene's image: the median over its point sets. */
+function profileLines(scene) {
+  const groups = new Map();
+  for (const row of scene.variants) {
+    const bins = binsOf(row), name = variantLabel(row, ["point_set"]);
+    if (bins.length) groups.set(name, [...(groups.get(name) ?? []), { row, bins }]);
+  }
+  return [...groups].map(([name, members]) => ({ name, row: members[0].row, count: members.length,
+    bins: members[0].bins.map(([lo, hi]) => [lo, hi, quartiles(members.flatMap(({ bins }) => bins.filter((bin) => bin[0] === lo).map((bin) => bin[2])))[1]]) }));
+}
+
 /** Error over n.v for every variant of one scene. */
-function profile(scene) {
-  const own = scene.variants.map((row) => ({ row, bins: binsOf(row) })).filter(({ bins }) => bins.length);
+export function profile(scene) {
+  const own = profileLines(scene);
   if (!own.length) return null;
   const methods = unique(own.map(({ row }) => row.axes.method));
   const style = ({ row }) => {
@@ -222,15 +132,15 @@ function profile(scene) {
   return figure({
     name: `n-dot-v-${scene.label}`,
     title: `Error over n·v · ${scene.label}`,
-    note: "relMSE over the pixels of each bin: left grazing, right facing the viewer.",
-    legend: own.map((one, i) => ({ label: variantLabel(one.row), ...style(one), shape: SHAPES[i % SHAPES.length] })),
-    table: { columns: ["variant", "n_dot_v_from", "n_dot_v_to", headline], rows: own.flatMap(({ row, bins }) => bins.map((bin) => [variantLabel(row), ...bin])), onrow: (i) => { const { row } = own.flatMap((one) => one.bins.map(() => one))[i]; open(row.cell, row.run)(); } },
+    note: `relMSE over the pixels of each bin: left grazing, right facing the viewer.${own.some((one) => one.count > 1) ? " Of several point sets the median." : ""}`,
+    legend: own.map((one, i) => ({ label: one.name, ...style(one), shape: SHAPES[i % SHAPES.length] })),
+    table: { columns: ["variant", "n_dot_v_from", "n_dot_v_to", headline], rows: own.flatMap(({ name, bins }) => bins.map((bin) => [name, ...bin])), onrow: (i) => { const { row } = own.flatMap((one) => one.bins.map(() => one))[i]; open(row.cell, row.run)(); } },
     draw: xy({
       x: { label: "n·v", domain: [0, 1] },
       y: { label: "relMSE", log: true, domain: domain(own.flatMap(({ bins }) => bins.map((bin) => bin[2])), true) },
       marks: [
         ...own.map((one) => ({ line: one.bins.map((bin) => [middle(bin), bin[2]]), ...style(one) })),
-        ...own.map((one, i) => ({ color: style(one).color, shape: SHAPES[i % SHAPES.length], dots: one.bins.map((bin) => ({ x: middle(bin), y: bin[2], open: open(one.row.cell, one.row.run), text: `${variantLabel(one.row)}\nn·v ${bin[0]} to ${bin[1]}: relMSE ${number(bin[2])}` })) })),
+        ...own.map((one, i) => ({ color: style(one).color, shape: SHAPES[i % SHAPES.length], dots: one.bins.map((bin) => ({ x: middle(bin), y: bin[2], open: open(one.row.cell, one.row.run), text: `${one.name}\nn·v ${bin[0]} to ${bin[1]}: relMSE ${number(bin[2])}` })) })),
       ],
     }),
   });
@@ -257,7 +167,7 @@ function visibility() {
       rows: lines, columns, rowTitle: "", columnTitle: "",
       cell: (r, c) => {
         const flip = value(r, c);
-        if (!Number.isFinite(flip)) return null;
+        if (!Number.isFinite(flip)) return { text: "", title: `${lines[r]}, ${columns[c]}: no result` };
         const step = Math.round((flip / largest) * 6), row = of(r, c)[0];
         return { text: number(flip, 2), color: `var(--heat-${step})`, ink: `var(--heat-ink-${step})`, title: `${lines[r]}, ${columns[c]}: FLIP ${number(flip)}`,
           open: () => go({ view: "compare", cell: row.cell, run: row.run || undefined }) };
@@ -296,21 +206,19 @@ export function showPlots(view, state) {
   const scene = scenes.find((one) => one.key === state.scene) ?? scenes[0];
   const again = (details) => { keep(details); showPlots(view, { ...state, ...details }); };
   const pair = pairs.find((one) => `${one.sampled} ${one.fixed}` === state.pair) ?? pairs[0];
-  const bar = h("div", { class: "controls" }, h("h2", {}, "Plots"),
+  const bar = h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Plots"),
     pairs.length > 1 && select("Methods", pairs.map((p) => [`${p.sampled} ${p.fixed}`, `${p.sampled} against ${p.fixed}`]), `${pair.sampled} ${pair.fixed}`, (value) => again({ pair: value })),
     facets.length > 1 && select("Show", facets.map((f) => [f, f]), facet, (value) => again({ facet: value })));
-  if (curves.length) groups.push(convergence(facet));
+  if (hasConvergence) groups.push(convergence(facet));
   groups.push(timeError(state.all === "1" || !curves.length ? "all" : facet));
-  if (pair) groups.push(nDotVMap(pair, facet), breakEvenMap(pair));
+  if (pair) groups.push(breakEvenMap(pair), equalTimeMap(pair), equalTimeIntervals(pair, facet), nDotVMap(pair, facet));
   groups.push(profile(scene));
   if (displayAxes.length) groups.push(visibility());
   groups.push(passes("frame", "Time of a frame by pass", "Median of each pass, in running order."), passes("precompute", "Made once per environment or model", "Apart from the frame: tables that every frame uses."));
-  const extra = h("div", { class: "controls" },
+  bar.append(...[
     scenes.length > 1 && select("Profile of", scenes.map((one) => [one.key, one.label]), scene.key, (value) => again({ scene: value })),
-    curves.length > 0 && isTimed && h("span", { class: "choice" }, "Time plot"), curves.length > 0 && isTimed && choice("Cells of the time plot", [["0", "This setting"], ["1", "All cells"]], state.all === "1" ? "1" : "0", (value) => again({ all: value })));
+    curves.length > 0 && isTimed && h("span", { class: "choice" }, "Time plot"), curves.length > 0 && isTimed && choice("Cells of the time plot", [["0", "This setting"], ["1", "All cells"]], state.all === "1" ? "1" : "0", (value) => again({ all: value }))].filter(Boolean));
   const links = model.figures.length > 0 && h("p", { class: "note" }, "Data and Vega-Lite specifications beside this report: ",
     model.figures.map((name, i) => [i ? ", " : "", h("a", { href: `${name.split("/").map(encodeURIComponent).join("/")}.vl.json` }, `${name.split("/").at(-1)}.vl.json`)]), ".");
-  view.replaceChildren(bar, extra, h("div", { class: "figures" }, groups.filter(Boolean)), links || "");
+  view.replaceChildren(bar, h("div", { class: "figures" }, groups.filter(Boolean)), links || "");
 }
-
-export { curves, pairs };

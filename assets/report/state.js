@@ -4,8 +4,8 @@ const listeners = new Set();
 let current = parse();
 
 function parse() {
-  const [view, query] = decodeURI(location.hash.slice(1)).split("?", 2);
-  return { view: view || "answer", ...Object.fromEntries(new URLSearchParams(location.hash.split("?")[1] ?? query ?? "")) };
+  const [view, query] = location.hash.slice(1).split("?", 2);
+  return { ...Object.fromEntries(new URLSearchParams(query ?? "")), view: view || "answer" };
 }
 
 /** The state as text for a link. */
@@ -18,8 +18,25 @@ export function link(state) {
 
 export const state = () => current;
 
+/** Browsers refuse more than about a hundred changes of the address in half a minute; a slider makes that many in a second. */
+const WRITE_MS = 400;
+let written = -Infinity, timer = 0;
+
+function write() {
+  clearTimeout(timer);
+  timer = 0;
+  written = performance.now();
+  history.replaceState(null, "", link(current));
+}
+
+/** Writes what waits. */
+function flush() {
+  if (timer) write();
+}
+
 /** Goes to another view; it becomes an entry of the browser's history. */
 export function go(next) {
+  flush();
   if (link(next) === location.hash) return;
   history.pushState(null, "", link(next));
   changed();
@@ -28,16 +45,25 @@ export function go(next) {
 /** Changes details of the view that is shown. An empty value removes one. Tells nobody: the caller has drawn already. */
 export function keep(details) {
   current = { ...current, ...details };
-  history.replaceState(null, "", link(current));
+  if (timer) return;
+  const wait = written + WRITE_MS - performance.now();
+  if (wait <= 0) write();
+  else timer = setTimeout(write, wait);
 }
 
 /** Calls `listener` when another state is to be shown. */
 export const onState = (listener) => listeners.add(listener);
 
 function changed() {
+  // What waited belonged to the entry of the history that has been left.
+  clearTimeout(timer);
+  timer = 0;
   current = parse();
   for (const listener of listeners) listener(current);
 }
 
 addEventListener("hashchange", changed);
 addEventListener("popstate", changed);
+addEventListener("pagehide", flush);
+// A link leaves the entry: what waits is written first.
+addEventListener("click", flush, { capture: true });

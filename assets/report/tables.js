@@ -28,10 +28,10 @@ export function showTables(view, state) {
   const files = FILES.filter(([name]) => model.runs.some((_, run) => table(run, name)));
   const file = files.find(([name]) => name === state.table)?.[0] ?? files[0][0];
   const run = Number(state.run) || 0, own = table(run, file);
-  const bar = h("div", { class: "controls" }, h("h2", {}, "Tables"));
+  const bar = h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Tables"));
   if (!own) return view.replaceChildren(bar, h("p", { class: "note" }, `This run has no ${file}.`));
   const { columns, rows, text } = own;
-  const isIdle = (name, i) => name === "cell" || ((axisOf[name] || name === "diffuse_weight" || name === "device") && new Set(rows.map((row) => row[i])).size < 2);
+  const isIdle = (name, i) => name === "cell" || ((axisOf[name] || name === "diffuse_weight" || name === "device") && new Set(rows.map((row) => row[i]).filter(Boolean)).size < 2);
   const all = state.columns === "all";
   const shown = columns.map((name, i) => [name, i]).filter(([name, i]) => all || !isIdle(name, i));
   let sort = columns.includes(state.sort?.replace(/^-/, "")) ? state.sort : "", filter = state.filter ?? "", limit = PAGE_ROWS;
@@ -84,7 +84,7 @@ const openRow = (row) => go({ view: "compare", cell: row.cell, run: row.run || u
 /** The page of the run: where the numbers come from, what is missing. */
 export function showRun(view) {
   const list = (entries) => h("dl", {}, entries.filter(([, text]) => text !== "" && text !== undefined && text !== null).map(([name, text]) => [h("dt", {}, name), h("dd", {}, String(text))]));
-  const parts = [h("div", { class: "controls" }, h("h2", {}, "Run"))];
+  const parts = [h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Run"))];
   if (model.runs.length > 1) {
     parts.push(h("h3", {}, "What tells the runs apart"), h("div", { class: "scroll" }, h("table", { class: "plain" }, h("thead", {}, h("tr", {}, ["", ...model.runs.map((run) => run.label)].map((name) => h("th", { scope: "col" }, name)))),
       h("tbody", {}, model.differences.map(([name, values]) => h("tr", {}, h("th", { scope: "row" }, name), values.map((text) => h("td", {}, text))))))),

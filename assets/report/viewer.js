@@ -3,7 +3,8 @@
 import { HALF, errorColor, exrLink, headline, model, rowOf, rows, scenes, texelError, variantLabel } from "report/data";
 import { announce, choice, h, number, select, slider, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
-import { keep, link, state as current } from "report/state";
+import { fitCanvas, linkButton } from "report/stage";
+import { keep, state as current } from "report/state";
 import { Surface } from "report/surface";
 
 const SCALE_MAX = 96;
@@ -44,8 +45,10 @@ class Viewer {
     if (this.scene !== scene) return undefined;
     const texels = this.surface.images.get(this.row.image);
     if (!texels) return this.sayNothing(row);
+    // Without a pointer the probe starts in the middle.
+    this.probed ??= [texels.width >> 1, texels.height >> 1];
     this.stage.classList.remove("empty");
-    this.resize();
+    fitCanvas(this.canvas, this.stage);
     if (isNew || !this.scale) this.fit();
     if (state.zoom !== undefined) {
       this.scale = Math.min(SCALE_MAX, Math.max(0.05, real(state.zoom, 1)));
@@ -102,14 +105,6 @@ class Viewer {
   }
 
   // --- Place ---------------------------------------------------------------------------------------------------------------
-
-  resize() {
-    const ratio = devicePixelRatio || 1, { width, height } = this.stage.getBoundingClientRect();
-    const [w, hh] = [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
-    if (this.canvas.width === w && this.canvas.height === hh) return false;
-    [this.canvas.width, this.canvas.height] = [w, hh];
-    return true;
-  }
 
   /** Whole texels per canvas pixel where the image is smaller than the canvas: no texel is wider than its neighbour. */
   fit() {
@@ -173,9 +168,12 @@ class Viewer {
     const name = this.showsReference ? "reference" : variantLabel(row);
     const error = row.scores[headline];
     const what = { image: this.tone === "srgb" ? "sRGB" : "tone curve", error: "relative error", signed: "signed error" }[this.mode];
-    const text = `${name}${isSplit ? ` | ${other ? variantLabel(other) : "reference"}` : ""}`;
-    this.badge.textContent = text;
+    const right = other ? variantLabel(other) : "reference", text = `${name}${isSplit ? ` | ${right}` : ""}`;
+    this.badge.textContent = name;
     this.badge.classList.toggle("is-reference", this.showsReference);
+    this.rightBadge.textContent = right;
+    this.rightBadge.classList.toggle("is-reference", !other);
+    this.rightBadge.hidden = !isSplit;
     this.canvas.setAttribute("aria-label", `${this.scene.label}: ${text}, ${what}; relMSE ${number(error)}`);
     this.canvas.dataset.shown = this.showsReference ? "reference" : row.cell;
     this.canvas.dataset.mode = this.mode;
@@ -213,7 +211,7 @@ class Viewer {
     const window = model.images[this.row.image]?.window;
     this.probePlace.textContent = window ? `texel (${x + window.x}, ${y + window.y})${this.pinned ? " · pinned" : ""}` : "";
     const line = (name, key, value, error) => h("tr", { "data-probe": key, class: key === this.row.cell ? "current" : "" }, h("th", { scope: "row" }, name),
-      (value ?? [null, null, null]).map((v) => h("td", { "data-value": v ?? "", title: v === null ? "" : String(v) }, number(v, 5))),
+      (value ?? [null, null, null]).map((v) => h("td", { "data-value": v ?? "", title: v === null ? "" : String(v) }, number(v, 4))),
       h("td", { "data-value": error?.relative ?? "" }, error ? [h("i", { class: "chip", style: `background:rgb(${errorColor("error", error)})` }), number(error.relative)] : ""));
     const references = new Map();
     const lines = this.scene.variants.map((row) => {
@@ -226,6 +224,18 @@ class Viewer {
     this.probeBody.replaceChildren(...[...references].map(([index, truth], i) => line(`reference${references.size > 1 ? ` ${i + 1}` : ""}`, `reference-${index}`, truth, null)), ...lines);
   }
 
+  /** Moves the probe by whole texels, pins it, and keeps it in sight. */
+  moveProbe(dx, dy) {
+    const { width, height } = this.surface.images.get(this.row.image);
+    this.probed = [this.probed[0] + dx, this.probed[1] + dy].map((at, i) => Math.min([width, height][i] - 1, Math.max(0, at)));
+    this.pinned = true;
+    const place = this.probed.map((at, i) => (at + 0.5 - this.origin[i]) * this.scale), { canvas } = this;
+    if (place[0] < 0 || place[1] < 0 || place[0] > canvas.width || place[1] > canvas.height) this.center(this.probed[0] + 0.5, this.probed[1] + 0.5);
+    this.draw();
+    const line = this.probeBody.querySelector(".current");
+    if (line) announce(`${this.probePlace.textContent}: ${[...line.children].map((cell) => cell.textContent).join(" ")}`);
+  }
+
   // --- Controls ------------------------------------------------------------------------------------------------------------
 
   build() {
@@ -236,11 +246,12 @@ class Viewer {
     this.clipBox = h("input", { type: "checkbox", onchange: () => { this.clipped = this.clipBox.checked; this.redraw(); } });
     this.splitBox = h("input", { type: "checkbox", onchange: () => this.setSplit(this.splitBox.checked ? 0.5 : null) });
     this.badge = h("p", { class: "badge" });
+    this.rightBadge = h("p", { class: "badge right", hidden: true });
     this.scaleText = h("span", { class: "scale-text" });
     this.legend = h("div", { class: "error-legend", hidden: true });
     this.caption = h("p", { class: "caption" });
     this.handle = h("div", { class: "split-handle", role: "slider", tabindex: 0, "aria-label": "Split", "aria-valuemin": 0, "aria-valuemax": 100, hidden: true });
-    this.stage = h("div", { class: "viewer-stage" }, this.canvas, this.badge, this.handle, h("div", { class: "zoom-tools" },
+    this.stage = h("div", { class: "viewer-stage" }, this.canvas, this.badge, this.rightBadge, this.handle, h("div", { class: "zoom-tools" },
       h("button", { type: "button", title: "Zoom out (−)", "aria-label": "Zoom out", onclick: () => this.zoom(1 / 1.5) }, "−"), this.scaleText,
       h("button", { type: "button", title: "Zoom in (+)", "aria-label": "Zoom in", onclick: () => this.zoom(1.5) }, "+"),
       h("button", { type: "button", title: "Fit (0)", onclick: () => { this.fit(); this.draw(); this.keepState(); } }, "Fit")), this.caption);
@@ -249,7 +260,6 @@ class Viewer {
     this.withPicker = h("span", {});
     this.probePlace = h("span", {});
     this.probeBody = h("tbody", {});
-    this.linkButton = h("button", { type: "button", onclick: () => this.copyLink() }, "Copy link");
     const panel = h("aside", { class: "panel", "aria-label": "Controls" },
       h("div", { class: "row" }, this.scenePicker), this.variants,
       h("div", { class: "row" }, this.modeChoice, this.toneChoice), this.legend,
@@ -257,15 +267,15 @@ class Viewer {
       h("div", { class: "row checks" }, h("label", {}, this.splitBox, " Split with "), this.withPicker, h("label", {}, this.clipBox, " Mark clipped")),
       h("section", { class: "probe", "aria-label": "Probe" }, h("h3", {}, "Linear values ", this.probePlace),
         h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ["", "R", "G", "B", "error"].map((name) => h("th", { scope: "col" }, name)))), this.probeBody)),
-        h("p", { class: "note" }, "Half floats: 11 significant bits. Click the image to pin the texel.")),
-      h("div", { class: "row" }, this.linkButton, this.exr = h("a", {}, "EXR")),
+        h("p", { class: "note" }, "Half floats: 11 significant bits. Click the image to pin the texel, shift and arrows move it.")),
+      h("div", { class: "row" }, linkButton(() => this.row && this.keepState()), this.exr = h("a", {}, "EXR")),
       h("p", { class: "note keys", id: "viewer-keys" }, h("kbd", {}, "1"), "–", h("kbd", {}, "9"), " image · hold ", h("kbd", {}, "space"), " reference · ", h("kbd", {}, "E"), " error · ", h("kbd", {}, "S"), " signed · ", h("kbd", {}, "?"), " all keys"));
     this.view.replaceChildren(h("div", { class: "viewer" }, this.stage, panel));
     this.listen();
     new ResizeObserver(() => {
       if (!this.row || !this.surface.images.has(this.row.image) || !this.stage.clientWidth) return;
       const middle = this.middle(), wasFit = this.scale === this.fitScale;
-      if (!this.resize()) return;
+      if (!fitCanvas(this.canvas, this.stage)) return;
       if (wasFit) this.fit();
       else this.center(middle.x, middle.y);
       this.draw();
@@ -319,12 +329,6 @@ class Viewer {
       this.caption.textContent = [cut ? `window ${window.width} × ${window.height} at (${window.x}, ${window.y}) of ${size[0]} × ${size[1]}` : "", clampedCount ? `${clampedCount} channels above 65504 are stored as 65504` : ""].filter(Boolean).join("; ");
     }
     announce(`${this.scene.label}: ${variantLabel(this.row)}, relMSE ${number(this.row.scores[headline])}`);
-  }
-
-  async copyLink() {
-    const address = new URL(link(current()), location.href).href;
-    try { await navigator.clipboard.writeText(address); this.linkButton.textContent = "Copied"; } catch { prompt("Link to this view", address); }
-    setTimeout(() => { this.linkButton.textContent = "Copy link"; }, 1500);
   }
 
   // --- Pointer and keys ----------------------------------------------------------------------------------------------------
@@ -405,7 +409,10 @@ class Viewer {
       ArrowUp: () => this.stepScene(-1), ArrowDown: () => this.stepScene(1),
     };
     const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    if (/^[1-9]$/.test(name)) {
+    const moves = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+    if (event.shiftKey && name in moves) {
+      this.moveProbe(...moves[name]);
+    } else if (/^[1-9]$/.test(name)) {
       const row = this.scene.variants[Number(name) - 1];
       if (row) this.choose(row);
     } else if (name in actions) {

@@ -341,10 +341,12 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
 }
 
 impl Config {
-    /// The combinations that an exclusion leaves out, unless the file spans more than a plan may.
-    pub fn excluded_points(&self) -> impl Iterator<Item = Point> + '_ {
+    /// The combinations that are left out, with unused parameters unset as in a cell, each with the index of its exclusion.
+    pub fn excluded_points(&self) -> impl Iterator<Item = (usize, Point)> + '_ {
+        // A file that no plan was ever made of may span any number of combinations.
         let is_small = self.combination_count() <= COMBINATIONS_MAX && !self.exclusions.is_empty();
-        is_small.then(|| product(self)).into_iter().flatten().filter(|point| self.exclusion_of(point).is_some())
+        let points = is_small.then(|| product(self)).into_iter().flatten();
+        points.filter_map(|point| Some((self.exclusion_of(&point)?, point.collapsed(!self.lights.is_empty()))))
     }
 }
 

@@ -8,7 +8,7 @@ use crate::pixels::{Decoded, GrayImage, RgbImage, exr};
 use crate::tonemap::ToneCurve;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// A part of an image, texels from the top left corner.
@@ -30,8 +30,8 @@ pub enum Choice {
     None,
 }
 
-/// Bytes of base64 that the images of a page may take.
-pub const BUDGET_BYTES: usize = 40 << 20;
+/// Bytes that a page may take. The images get what its tables and figures leave.
+pub const BUDGET_BYTES: usize = 40_000_000;
 /// Longest side of an overview, texels.
 const OVERVIEW_SIDE: u32 = 96;
 /// Windows are no smaller: below this they show noise only.
@@ -91,10 +91,26 @@ pub fn collect(runs: &[RunFolder], choice: Choice, budget: usize) -> ImageSet {
         }
         Choice::Automatic => {
             let whole = Window { x: 0, y: 0, width: u32::MAX, height: u32::MAX };
-            let used = set.embed(runs, budget, |_| Some(whole));
+            let mut used = set.embed(runs, budget, |_| Some(whole));
+            let mut wanted: BTreeSet<usize> = (0..set.images.len()).collect();
+            let first_sets = set.of_first_point_set(runs);
+            if used.left_out > 0 && first_sets.len() < wanted.len() {
+                // Other point sets show the same error with other noise: better fewer images than parts of all.
+                wanted = first_sets;
+                set.forget_payloads();
+                used = set.embed(runs, budget, |index| wanted.contains(&index).then_some(whole));
+            }
             if used.left_out > 0 {
                 set.forget_payloads();
-                set.embed_windows(runs, budget, used.bytes_per_texel);
+                set.embed_windows(runs, budget, used.bytes_per_texel, &wanted);
+            }
+            if wanted.len() < set.images.len() {
+                set.notes.insert(
+                    0,
+                    "Not all images fit the page: of several point sets the images of the first are embedded; the EXR files \
+                     of all are linked."
+                        .to_owned(),
+                );
             }
         }
     }
@@ -160,18 +176,36 @@ impl ImageSet {
         }
     }
 
-    /// Embeds the window that `window` names for each image, clipped to the image, until the budget is used up.
+    /// Images of cells with the first point set of their run, or none, and all references.
+    fn of_first_point_set(&self, runs: &[RunFolder]) -> BTreeSet<usize> {
+        let mut found: BTreeSet<usize> = (0..self.images.len()).filter(|&i| self.images[i].reference == i).collect();
+        for (run, folder) in runs.iter().enumerate() {
+            let (Ok(cell), set) = (folder.errors.column("cell"), folder.errors.column("point_set").ok()) else {
+                continue;
+            };
+            let value = |row: &Vec<String>| set.map_or(String::new(), |column| row[column].clone());
+            let first = folder.errors.rows.iter().map(value).find(|text| !text.is_empty()).unwrap_or_default();
+            let own = folder.errors.rows.iter().filter(|row| [first.as_str(), ""].contains(&value(row).as_str()));
+            let files = own.filter_map(|row| folder.images.get(&row[cell]));
+            found.extend(files.filter_map(|files| self.index.get(&(run, files.radiance.clone()))));
+        }
+        found
+    }
+
+    /// Embeds the window that `window` names for each image (`None`: nothing), clipped to the image, until the budget is used up.
     fn embed(&mut self, runs: &[RunFolder], budget: usize, window: impl Fn(usize) -> Option<Window> + Sync) -> Used {
         let (mut bytes, mut texels) = (0usize, 0u64);
         let mut done = 0;
         while done < self.images.len() {
             let chunk = done..(done + CHUNK).min(self.images.len());
-            let prepared: Vec<Result<Prepared, String>> = chunk
-                .clone()
+            let prepared: Vec<(usize, Result<Prepared, String>)> = chunk
                 .into_par_iter()
-                .map(|index| prepare(runs, &self.images[index], self.images[index].reference == index, window(index)))
+                .filter_map(|index| Some((index, window(index)?)))
+                .map(|(index, window)| {
+                    (index, prepare(runs, &self.images[index], self.images[index].reference == index, window))
+                })
                 .collect();
-            for (index, prepared) in chunk.zip(prepared) {
+            for (index, prepared) in prepared {
                 match prepared {
                     Ok(prepared) => {
                         bytes += prepared.payload.base64.len();
@@ -179,11 +213,11 @@ impl ImageSet {
                         bytes += prepared.overview.as_ref().map_or(0, |(_, encoded)| encoded.base64.len());
                         texels += u64::from(prepared.window.width) * u64::from(prepared.window.height);
                         if bytes > budget {
-                            let left_out = self.images.len() - index;
+                            let left_out = (index..self.images.len()).filter(|&i| window(i).is_some()).count();
                             self.notes.push(format!(
-                                "{left_out} of {} images do not fit the page's budget of {} MB; their EXR files are linked.",
+                                "{left_out} of {} images do not fit the {} MB that the page has for them; their EXR files are linked.",
                                 self.images.len(),
-                                budget >> 20
+                                budget / 1_000_000
                             ));
                             return Used { bytes_per_texel: bytes as f64 / texels as f64, left_out };
                         }
@@ -216,22 +250,22 @@ impl ImageSet {
     }
 
     /// Windows of the same side everywhere, each where the methods of its reference err most.
-    fn embed_windows(&mut self, runs: &[RunFolder], budget: usize, bytes_per_texel: f64) {
-        let overviews = self.images.len() as f64 * f64::from(OVERVIEW_SIDE * OVERVIEW_SIDE) * bytes_per_texel;
-        let texels = (budget as f64 * AIM - overviews) / bytes_per_texel / self.images.len() as f64;
+    fn embed_windows(&mut self, runs: &[RunFolder], budget: usize, bytes_per_texel: f64, wanted: &BTreeSet<usize>) {
+        let overviews = wanted.len() as f64 * f64::from(OVERVIEW_SIDE * OVERVIEW_SIDE) * bytes_per_texel;
+        let texels = (budget as f64 * AIM - overviews) / bytes_per_texel / wanted.len() as f64;
         let side = (texels.max(0.0).sqrt() as u32 / 8 * 8).max(WINDOW_SIDE_MIN);
         let references: Vec<usize> = (0..self.images.len()).filter(|&i| self.images[i].reference == i).collect();
         let places: BTreeMap<usize, Window> =
             references.into_par_iter().map(|index| (index, self.worst_window(runs, index, side))).collect();
         let reference_of: Vec<usize> = self.images.iter().map(|image| image.reference).collect();
-        self.embed(runs, budget, |index| places.get(&reference_of[index]).copied());
+        self.embed(runs, budget, |index| places.get(&reference_of[index]).filter(|_| wanted.contains(&index)).copied());
         self.notes.insert(
             0,
             format!(
                 "The images would not fit {} MB: of each a window of {side} x {side} native texels is embedded, where the \
                  methods of its scene err most, with a reduced overview. Metrics are those of the whole images; the full EXR \
                  files are linked.",
-                budget >> 20
+                budget / 1_000_000
             ),
         );
     }
@@ -284,15 +318,9 @@ fn mask_of(image: &Decoded) -> GrayImage {
     image.alpha.clone().unwrap_or_else(|| GrayImage::filled(image.rgb.width, image.rgb.height, 1.0))
 }
 
-fn prepare(
-    runs: &[RunFolder],
-    image: &EmbeddedImage,
-    is_reference: bool,
-    window: Option<Window>,
-) -> Result<Prepared, String> {
+fn prepare(runs: &[RunFolder], image: &EmbeddedImage, is_reference: bool, wanted: Window) -> Result<Prepared, String> {
     let decoded = read(runs, image)?;
     let size = [decoded.rgb.width, decoded.rgb.height];
-    let wanted = window.unwrap_or(Window { x: 0, y: 0, width: u32::MAX, height: u32::MAX });
     // Clipped, and moved inside where it starts beyond the image.
     let clip = |start: u32, length: u32, full: u32| {
         let start = start.min(full - length.min(full));

@@ -4,6 +4,7 @@
 //! [`live`] what the live view needs, [`page`] writes the file and [`figures`] the data and specifications beside it. The page draws; it
 //! decides nothing that is not shown.
 
+pub mod exclusions;
 mod figures;
 pub mod images;
 pub mod live;
@@ -29,7 +30,7 @@ pub struct ReportOptions {
     /// The file; `report.html` in the first folder when left out.
     pub out: Option<PathBuf>,
     pub images: Choice,
-    /// Bytes that the images may take in the page.
+    /// Bytes that the page may take.
     pub budget: usize,
 }
 
@@ -48,6 +49,11 @@ pub struct Written {
     /// What was left out, one sentence each.
     pub notes: Vec<String>,
 }
+
+/// About what the page's model says of a row and its image, bytes.
+const ROW_BYTES: usize = 400;
+/// About what the page's template, styles, modules and shaders take, bytes.
+const PROGRAM_BYTES: usize = 500_000;
 
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
@@ -71,8 +77,10 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
     let distinct = study.distinct();
     let answers = Answers::new(&distinct, &runs);
     let answer = words::answer(&distinct, &answers);
-    let images = images::collect(&runs, options.images, options.budget);
     let light = live::Light::collect(&runs, live::BUDGET_BYTES);
+    let tables: usize = runs.iter().flat_map(|run| &run.csv).map(|(_, text)| text.len()).sum();
+    let others = tables + json_bytes(&light) + json_bytes(&answers) + study.rows.len() * ROW_BYTES + PROGRAM_BYTES;
+    let images = images::collect(&runs, options.images, options.budget.saturating_sub(others));
     let figures = figures::write(&figures_folder(&path), &distinct, &answers, &runs)?;
     let fixed = page::Static {
         name: runs[0].text("/name"),
@@ -93,6 +101,7 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
         "metrics": runs[0].provenance["metrics"],
         "cells": cells(&study, &runs, &images),
         "analysis": answers,
+        "exclusions": exclusions::collect(&runs, &labels, &study),
         "images": images.images,
         "image_notes": images.notes,
         "figures": figures.iter().map(|name| format!("{}/{name}", figures_name(&path))).collect::<Vec<_>>(),
@@ -106,6 +115,11 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
     let html = page::render(&fixed, &model, &tables, &images, &light)?;
     write_atomically(&path, |writer| writer.write_all(html.as_bytes()))?;
     Ok(Written { path, bytes: html.len(), notes: images.notes })
+}
+
+/// Bytes of a value in the page.
+fn json_bytes(value: &impl serde::Serialize) -> usize {
+    serde_json::to_vec(value).map_or(0, |text| text.len())
 }
 
 fn figures_name(path: &Path) -> String {

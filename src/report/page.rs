@@ -22,14 +22,17 @@ mod shaders {
 }
 
 /// The modules of the page by the name they import each other under. An import map points each to its text.
-const MODULES: [(&str, &str); 14] = [
+const MODULES: [(&str, &str); 17] = [
     ("report/main", include_str!("../../assets/report/main.js")),
     ("report/data", include_str!("../../assets/report/data.js")),
     ("report/state", include_str!("../../assets/report/state.js")),
     ("report/dom", include_str!("../../assets/report/dom.js")),
+    ("report/cases", include_str!("../../assets/report/cases.js")),
+    ("report/break-even", include_str!("../../assets/report/break-even.js")),
     ("report/chart", include_str!("../../assets/report/chart.js")),
     ("report/plots", include_str!("../../assets/report/plots.js")),
     ("report/program", include_str!("../../assets/report/program.js")),
+    ("report/stage", include_str!("../../assets/report/stage.js")),
     ("report/surface", include_str!("../../assets/report/surface.js")),
     ("report/legend", include_str!("../../assets/report/legend.js")),
     ("report/viewer", include_str!("../../assets/report/viewer.js")),

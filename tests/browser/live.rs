@@ -24,6 +24,9 @@ use std::sync::atomic::AtomicBool;
 const ENVIRONMENTS: [&str; 2] =
     ["tests/golden/env_analytic.exr", "builtin:cap:radiance=200000,ambient=50000,half_angle_deg=40"];
 const PREFILTER_SAMPLES: u32 = 32;
+/// The run's own turn and level bias, with which its live view begins.
+const ROTATION: f64 = 35.0;
+const BIAS: f64 = 0.5;
 
 /// A device; `None` (with a line) where there is none.
 fn pipeline() -> Option<Pipeline> {
@@ -41,7 +44,8 @@ fn plan() -> Plan {
     let text = format!(
         "name = \"live\"\nsize = [16, 16]\nreference = {{ samples = 16 }}\n[axes]\nenvironment = {}\nbrdf = [\"ggx\", \"phong\"]\n\
          alpha = [0.25]\nf0 = [1]\nalbedo = [0]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [12]\ndiffuse = [\"none\"]\n\
-         masking = [\"correlated\"]\nprefilter_sample_count = [{PREFILTER_SAMPLES}]\n",
+         masking = [\"correlated\"]\nprefilter_sample_count = [{PREFILTER_SAMPLES}]\n\
+         environment_rotation_deg = [{ROTATION}]\nlod_bias = [{BIAS}]\n",
         json!(ENVIRONMENTS)
     );
     Plan::from_text(Path::new("live.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"))
@@ -110,6 +114,8 @@ struct Setting {
     yaw: f64,
     pitch: f64,
     distance: f64,
+    rotation: f64,
+    bias: f32,
 }
 
 impl Setting {
@@ -128,14 +134,17 @@ impl Setting {
         yaw: 0.0,
         pitch: 0.0,
         distance: 1.0,
+        rotation: 0.0,
+        bias: 0.0,
     };
 
     fn script(&self) -> String {
         let Self { environment, brdf, object, albedo, metallic, f0, roughness, .. } = self;
-        let Self { diffuse, brightness, samples, filtered, yaw, pitch, distance, .. } = self;
+        let Self { diffuse, brightness, samples, filtered, yaw, pitch, distance, rotation, bias, .. } = self;
         let values = json!({ "environment": environment, "brdf": brdf, "object": object, "albedo": albedo, "metallic": metallic,
             "f0": f0, "roughness": roughness, "diffuse": diffuse, "brightness": brightness, "samples": samples,
-            "filtered": filtered, "yaw": yaw, "pitch": pitch, "distance": distance, "mode": "error" });
+            "filtered": filtered, "yaw": yaw, "pitch": pitch, "distance": distance, "rotation": rotation, "bias": bias,
+            "mode": "error" });
         format!("live.set({values})")
     }
 
@@ -177,6 +186,8 @@ impl Setting {
         RenderRequest {
             environment: Arc::new(environment),
             environment_scale: self.brightness,
+            environment_rotation_deg: self.rotation,
+            lod_bias: self.bias,
             camera: self.camera(size),
             scene: Arc::new(scene),
             size,
@@ -210,6 +221,8 @@ fn pixels_are_those_of_the_renderer() {
     let size = [90, 70];
     open(&mut page, &report, "#live", size);
     assert_eq!(page.eval("live.tables.environments.map((e) => e.scale)"), json!([1, 4]));
+    let begins = page.eval("[live.settings.rotation, live.settings.bias]");
+    assert_eq!([&begins[0], &begins[1]].map(|x| x.as_f64()), [Some(ROTATION), Some(BIAS)]);
     let settings = [
         Setting::FIRST,
         Setting { metallic: 1.0, roughness: 0.2, yaw: 130.0, pitch: 25.0, ..Setting::FIRST },
@@ -225,6 +238,10 @@ fn pixels_are_those_of_the_renderer() {
         },
         Setting { environment: 1, roughness: 0.0, metallic: 1.0, filtered: false, samples: 1, ..Setting::FIRST },
         Setting { object: "plane", roughness: 0.6, pitch: 20.0, yaw: 15.0, ..Setting::FIRST },
+        // Another turn and another level, in every term: background, diffuse, prefiltered, sampled.
+        Setting { rotation: 70.0, metallic: 0.5, roughness: 0.4, yaw: 20.0, ..Setting::FIRST },
+        Setting { bias: 1.5, metallic: 1.0, roughness: 0.6, ..Setting::FIRST },
+        Setting { rotation: -115.0, bias: -2.0, object: "plane", pitch: 30.0, roughness: 0.8, ..Setting::FIRST },
         // More than a frame takes.
         Setting { samples: 1024, brdf: "phong", metallic: 1.0, roughness: 0.7, ..Setting::FIRST },
     ];
@@ -388,6 +405,7 @@ fn keys_sliders_and_the_link_of_the_live_view() {
 
     // The address restores everything.
     let settings = page.eval("JSON.stringify(live.settings)");
+    page.wait("location.hash.includes('yaw=-80')");
     let hash = page.eval("location.hash").as_str().unwrap().to_owned();
     assert!(hash.contains("mode=sampled") && hash.contains("roughness=0.5"), "{hash}");
     open(&mut page, &report, &hash, size);

@@ -212,7 +212,7 @@ fn excluded_of(folder: &RunFolder, label: &str, names: &[String]) -> BTreeSet<Ve
     };
     let Some(config) = &folder.config else { return BTreeSet::new() };
     let has_lights = !config.lights.is_empty();
-    config.excluded_points().map(|point| text(&point.collapsed(has_lights).of_pixels(has_lights))).collect()
+    config.excluded_points().map(|(_, point)| text(&point.of_pixels(has_lights))).collect()
 }
 
 fn axes_of(names: &[String], rows: &[Row]) -> Vec<StudyAxis> {

@@ -1,0 +1,208 @@
+// The figures of the break-even: at equal error, at equal time, over alpha, environment and n.v.
+
+import { domain, figure, heatmap, ordinal, xy } from "report/chart";
+import { breakEvenText, caseAxes, countText, curves, ends, facetAxes, facetLabel, intervalText, keyLabel, open, sampleAxis, seriesAxis, seriesLabel, unique } from "report/cases";
+import { exclusionOf, headline, model, short, symbol } from "report/data";
+import { number, quartiles } from "report/dom";
+
+/** What a table says about a crossing, in the words of tables/break_even.csv. */
+const CROSSING = ["break_even", "crossing", "crossing_lo", "crossing_hi", "interval_from", "at_equal_time"];
+const crossingCells = (c) => [breakEvenText(c.break_even), c.crossing, ...(ends(c.interval) ?? [null, null]), c.basis === "none" ? null : c.basis, c.at_equal_time === "not-timed" ? null : c.at_equal_time];
+const TIME = ["samples_in_equal_time", "samples_in_equal_time_lo", "samples_in_equal_time_hi"];
+const timeCells = (c) => (c.time ? [c.time.samples ?? Infinity, ...ends(c.time.interval)] : [null, null, null]);
+const isTimed = (c) => c.time !== null && c.at_equal_time !== "not-timed";
+const timeNote = (cases) => (cases.some((c) => c.time?.is_cpu) ? " Times of a CPU driver say nothing about a GPU." : "");
+const winner = (pair, c) => ({ sampled: pair.sampled, fixed: pair.fixed, undecided: "undecided" })[c.at_equal_time];
+
+/** A case in a few lines: break-even and crossing with intervals, at equal error and at equal time. */
+function caseText(pair, c) {
+  const { sample_counts: counts } = pair;
+  const lines = [keyLabel(c.key), `at equal error: ${breakEvenText(c.break_even)} samples; crosses at ${c.crossing === null ? "none" : number(c.crossing, 2)} (95 %: ${intervalText(c.interval, counts)})`];
+  if (isTimed(c)) lines.push(`in the time of ${pair.fixed}: ${countText(c.time.samples, counts)} samples (95 %: ${ends(c.time.interval).map((n) => countText(n, counts)).join(" to ")}); errs less: ${winner(pair, c)}`);
+  return lines.join("\n");
+}
+
+/** Error of sampling over error of the fixed method, for every case: where it falls below 1, sampling wins. */
+export function breakEvenChart(pair) {
+  const counts = pair.sample_counts;
+  const series = unique(pair.cases.map((c) => c.key[seriesAxis]));
+  const ratios = pair.cases.map((c) => curves[c.curve].points.map((p) => [p.samples, p.error / c.fixed_error, p]));
+  const middle = counts.map((n) => [n, quartiles(ratios.flat().filter(([m]) => m === n).map(([, ratio]) => ratio))]);
+  const color = (c) => ordinal(series.indexOf(c.key[seriesAxis]), series.length);
+  const crossings = pair.cases.filter((c) => c.crossing !== null);
+  return figure({
+    name: "break-even-curves",
+    class: "lead-figure",
+    height: (width, unit) => Math.round(Math.min(Math.max(260, (innerHeight / unit) * 0.56), width * 0.9)),
+    title: `Error of ${pair.sampled} over error of ${pair.fixed}`,
+    note: `One line a case; bold: the median, shaded: the middle half. Below 1, ${pair.sampled} is closer to the reference. Open marks on the line: where a case crosses.`,
+    legend: [...series.map((value, i) => ({ label: seriesAxis < 0 ? "cases" : `${symbol(caseAxes[seriesAxis])} ${short(caseAxes[seriesAxis], value)}`, color: ordinal(i, series.length) })),
+      { label: "median", color: "var(--ink)" }],
+    table: {
+      columns: [...caseAxes, pair.fixed, ...counts.map((n) => `${pair.sampled} ${n}`), ...CROSSING, ...TIME],
+      rows: pair.cases.map((c) => [...c.key, c.fixed_error, ...counts.map((n) => curves[c.curve].points.find((p) => p.samples === n)?.error ?? null), ...crossingCells(c), ...timeCells(c)]),
+      onrow: (i) => open(pair.cases[i].fixed_cell, pair.cases[i].fixed_run)(),
+    },
+    draw: xy({
+      x: sampleAxis(counts),
+      y: { label: `relMSE ratio ${pair.sampled} / ${pair.fixed}`, log: true, domain: domain([...ratios.flat().map(([, ratio]) => ratio), 1], true) },
+      marks: [
+        { band: middle.map(([n, [lo, , hi]]) => [n, lo, hi]), color: "var(--ink)" },
+        ...pair.cases.map((c, i) => ({ line: ratios[i].map(([n, ratio]) => [n, ratio]), color: color(c), width: 1.1, opacity: 0.75 })),
+        { rule: 1, color: "var(--ink)", width: 1.4 },
+        { text: `${pair.fixed} better ↑`, x: (box) => box.right - 6, y: (box) => box.top + 14, anchor: "end", color: "var(--muted)" },
+        { text: `${pair.sampled} better ↓`, x: (box) => box.left + 8, y: (box) => box.bottom - 8, color: "var(--muted)" },
+        { line: middle.map(([n, [, m]]) => [n, m]), color: "var(--ink)", width: 3 },
+        { r: 2.6, dots: pair.cases.flatMap((c, i) => ratios[i].map(([n, ratio, p]) => ({ x: n, y: ratio, color: color(c), open: open(p.cell, p.run),
+          text: `${keyLabel(c.key)}\n${pair.sampled} ${n}: relMSE ${number(p.error)}\n${pair.fixed}: ${number(c.fixed_error)} · ratio ${number(ratio)}` }))) },
+        { r: 3.6, dots: crossings.map((c) => ({ x: c.crossing, y: 1, color: "var(--paper)", open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) })) },
+      ],
+    }),
+  });
+}
+
+/** Colour and ink of a break-even count: dark is early. */
+function breakEvenColor(pair, { n, above }) {
+  const place = above ? pair.sample_counts.length : pair.sample_counts.indexOf(n);
+  const step = Math.round((place / Math.max(1, pair.sample_counts.length)) * 6);
+  return { color: `var(--heat-${step})`, ink: `var(--heat-ink-${step})` };
+}
+
+/** The legend of counts that occur, and of what is missing. */
+function countLegend(pair, counts, missing) {
+  const found = counts.map((one) => [one.above ? Infinity : one.n, one]).sort(([a], [b]) => a - b);
+  const entries = [...new Map(found).values()].map((one) => ({ label: one.above ? `> ${one.n}: not reached by any count tried` : `from ${one.n}`, fill: breakEvenColor(pair, one).color }));
+  return [...entries, ...missingLegend(missing)];
+}
+
+const missingLegend = (missing) => [
+  ...(missing.some((one) => one.hatch) ? [{ label: "excluded by the experiment", hatch: true }] : []),
+  ...(missing.some((one) => !one.hatch) ? [{ label: "no result: failed or not run", fill: "var(--faint)" }] : []),
+];
+
+/** Rows by the series axis, columns by all others, and what stands where there is no case. */
+function casesGrid(pair) {
+  // With what the experiment excludes, so that a column without any case is not missing from the map.
+  const { axes, points } = model.exclusions;
+  const excluded = caseAxes.every((name) => axes.includes(name)) ? points.map(([, values]) => caseAxes.map((name) => values[axes.indexOf(name)])) : [];
+  const keys = [...pair.cases.map((c) => c.key), ...excluded.filter((key) => key.every((value) => value !== ""))];
+  const order = (values) => (values.every((value) => Number.isFinite(Number(value))) ? values.sort((a, b) => a - b) : values);
+  const lines = order(unique(keys.map((key) => key[seriesAxis]))), facets = unique(keys.map(facetLabel));
+  const at = (r, c) => pair.cases.find((one) => one.key[seriesAxis] === lines[r] && facetLabel(one.key) === facets[c]);
+  const missing = (r, c) => {
+    const key = [...keys.find((one) => facetLabel(one) === facets[c])];
+    if (seriesAxis >= 0) key[seriesAxis] = lines[r];
+    const wanted = Object.fromEntries(caseAxes.map((name, i) => [name, key[i]]));
+    const why = [pair.sampled, pair.fixed].map((method) => exclusionOf({ ...wanted, method })).find((text) => text !== null);
+    return why === undefined ? { text: "", title: `${keyLabel(key)}: no result, failed or not run` } : { hatch: true, text: "", title: `${keyLabel(key)}: excluded by the experiment: ${why}` };
+  };
+  const all = lines.flatMap((_, r) => facets.map((_, c) => [r, c]));
+  return { lines, facets, at, missing, gaps: all.filter(([r, c]) => !at(r, c)).map(([r, c]) => missing(r, c)) };
+}
+
+const gridHeads = ({ lines, facets }) => ({
+  rows: lines.map((value) => short(caseAxes[seriesAxis], value ?? "")), columns: facets,
+  rowTitle: seriesAxis < 0 ? "" : symbol(caseAxes[seriesAxis]), columnTitle: facetAxes.map((i) => symbol(caseAxes[i])).join(" · "),
+});
+
+/** Break-even of every case at equal error. */
+export function breakEvenMap(pair) {
+  const grid = casesGrid(pair);
+  return figure({
+    name: "break-even",
+    title: `Break-even of ${pair.sampled} with ${pair.fixed}`,
+    note: "At equal error: the smallest tried sample count from which on every larger one is better too. Click a cell for its images.",
+    height: () => 80 + 34 * grid.lines.length,
+    legend: countLegend(pair, pair.cases.map((c) => c.break_even), grid.gaps),
+    table: { columns: [...caseAxes, ...CROSSING], rows: pair.cases.map((c) => [...c.key, ...crossingCells(c)]), onrow: (i) => open(pair.cases[i].fixed_cell, pair.cases[i].fixed_run)() },
+    draw: heatmap({
+      ...gridHeads(grid),
+      cell: (r, c) => {
+        const one = grid.at(r, c);
+        return one ? { text: breakEvenText(one.break_even), ...breakEvenColor(pair, one.break_even), open: open(one.fixed_cell, one.fixed_run), title: caseText(pair, one) } : grid.missing(r, c);
+      },
+    }),
+  });
+}
+
+const WINNERS = { sampled: { color: "var(--series-0)", ink: "var(--on-series)" }, fixed: { color: "var(--series-1)", ink: "var(--on-series)" }, undecided: { color: "var(--line)", ink: "var(--ink)" } };
+
+/** Who errs less in the frame time of the method without samples; null where nothing was timed. */
+export function equalTimeMap(pair) {
+  const timed = pair.cases.filter(isTimed);
+  if (!timed.length) return null;
+  const grid = casesGrid(pair), untimed = pair.cases.some((c) => !isTimed(c));
+  return figure({
+    name: "equal-time",
+    title: `At equal frame time: ${pair.sampled} or ${pair.fixed}`,
+    note: `Samples that fit into the time of ${pair.fixed} / samples that its error takes. Decided where their 95 % intervals do not meet.${timeNote(timed)}`,
+    height: () => 80 + 34 * grid.lines.length,
+    legend: [...["sampled", "fixed", "undecided"].map((key) => ({ label: key === "undecided" ? "undecided: the intervals meet" : `${pair[key]} errs less`, fill: WINNERS[key].color })),
+      ...(untimed ? [{ label: "not timed", fill: "var(--faint)" }] : []), ...missingLegend(grid.gaps)],
+    table: { columns: [...caseAxes, ...TIME, ...CROSSING], rows: timed.map((c) => [...c.key, ...timeCells(c), ...crossingCells(c)]), onrow: (i) => open(timed[i].fixed_cell, timed[i].fixed_run)() },
+    draw: heatmap({
+      ...gridHeads(grid),
+      cell: (r, c) => {
+        const one = grid.at(r, c);
+        if (!one) return grid.missing(r, c);
+        if (!isTimed(one)) return { text: "", title: `${keyLabel(one.key)}: not timed` };
+        const needed = one.crossing === null ? breakEvenText(one.break_even) : number(one.crossing, 2);
+        return { text: `${countText(one.time.samples, pair.sample_counts)} / ${needed}`, ...WINNERS[one.at_equal_time], open: open(one.fixed_cell, one.fixed_run), title: caseText(pair, one) };
+      },
+    }),
+  });
+}
+
+/** Both counts of every case of a facet with their intervals: what the error takes, and what the time allows. */
+export function equalTimeIntervals(pair, facet) {
+  const own = pair.cases.filter((c) => facetLabel(c.key) === facet && c.interval);
+  if (!own.length) return null;
+  const counts = pair.sample_counts, timed = own.filter(isTimed), edge = [counts[0] / 1.6, counts.at(-1) * 1.6];
+  const into = (n) => Math.min(edge[1], Math.max(edge[0], n));
+  const mark = (n) => (n === null ? edge[1] : into(n));
+  const spread = 0.14;
+  return figure({
+    name: `equal-time-intervals-${facet}`,
+    title: `Break-even with 95 % intervals · ${facet}`,
+    note: `Dots: samples from which ${pair.sampled} errs less than ${pair.fixed}. ${timed.length ? `Squares: samples that fit into the time of ${pair.fixed}; where a square lies right of its dot, ${pair.sampled} wins at equal time.` : "Nothing was timed."} Marks and lines at the edge go beyond the counts tried.${timeNote(timed)}`,
+    height: () => 64 + 38 * own.length,
+    legend: [{ label: "at equal error", color: "var(--series-0)", shape: "circle" }, ...(timed.length ? [{ label: "at equal time", color: "var(--series-1)", shape: "square" }] : [])],
+    table: { columns: [...caseAxes, ...CROSSING, ...TIME], rows: own.map((c) => [...c.key, ...crossingCells(c), ...timeCells(c)]), onrow: (i) => open(own[i].fixed_cell, own[i].fixed_run)() },
+    draw: xy({
+      x: { ...sampleAxis(counts), domain: edge },
+      y: { label: "", domain: [own.length - 0.5, -0.5], ticks: own.map((_, i) => i), format: (i) => seriesLabel(own[i].key) || facet, room: 16 + 7 * Math.max(...own.map((c) => seriesLabel(c.key).length)) },
+      marks: [
+        { color: "var(--series-0)", shape: "circle", r: 4.5, dots: own.map((c, i) => ({ x: mark(c.crossing ?? (c.break_even.above ? null : edge[0])), y: i - spread, xs: ends(c.interval).map(into), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) })) },
+        { color: "var(--series-1)", shape: "square", r: 4.5, dots: own.flatMap((c, i) => (isTimed(c) ? [{ x: mark(c.time.samples), y: i + spread, xs: ends(c.time.interval).map(into), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) }] : [])) },
+      ],
+    }),
+  });
+}
+
+/** Break-even over alpha and n.v in one facet. */
+export function nDotVMap(pair, facet) {
+  const own = pair.cases.filter((c) => facetLabel(c.key) === facet && c.bins.length);
+  if (!own.length) return null;
+  const bins = unique(own.flatMap((c) => c.bins.map((bin) => bin.lo))).sort((a, b) => a - b);
+  const hi = Object.fromEntries(own.flatMap((c) => c.bins.map((bin) => [bin.lo, bin.hi])));
+  const all = own.flatMap((c) => c.bins.map((bin) => ({ c, bin })));
+  const gaps = all.length < own.length * bins.length;
+  return figure({
+    name: `break-even-n-dot-v-${facet}`,
+    title: `Break-even over ${seriesAxis < 0 ? "cases" : symbol(caseAxes[seriesAxis])} and n·v · ${facet}`,
+    note: `Samples from which on ${pair.sampled} beats ${pair.fixed}, over the pixels of each bin of n·v: left grazing, right facing the viewer.`,
+    height: () => 80 + 34 * own.length,
+    legend: [...countLegend(pair, all.map(({ bin }) => bin.break_even), []), ...(gaps ? [{ label: "no pixels", fill: "var(--faint)" }] : [])],
+    table: { columns: [...caseAxes, "n_dot_v_from", "n_dot_v_to", `${pair.fixed} ${headline}`, ...CROSSING], rows: all.map(({ c, bin }) => [...c.key, bin.lo, bin.hi, bin.fixed_error, ...crossingCells(bin)]),
+      onrow: (i) => { const { c } = all[i]; open(c.fixed_cell, c.fixed_run)(); } },
+    draw: heatmap({
+      rows: own.map((c) => short(caseAxes[seriesAxis] ?? "", c.key[seriesAxis] ?? "")), columns: bins.map((lo) => `${number(lo, 2)}–${number(hi[lo], 2)}`), rowTitle: seriesAxis < 0 ? "" : symbol(caseAxes[seriesAxis]), columnTitle: "n·v",
+      cell: (r, c) => {
+        const bin = own[r].bins.find((one) => one.lo === bins[c]);
+        if (!bin) return { text: "", title: `${keyLabel(own[r].key)}, n·v from ${bins[c]}: no pixels` };
+        return { text: breakEvenText(bin.break_even), ...breakEvenColor(pair, bin.break_even), open: open(own[r].fixed_cell, own[r].fixed_run),
+          title: `${keyLabel(own[r].key)}, n·v ${bin.lo} to ${bin.hi}: ${breakEvenText(bin.break_even)} samples (95 %: ${intervalText(bin.interval, pair.sample_counts)}); ${pair.fixed} ${number(bin.fixed_error)}` };
+      },
+    }),
+  });
+}
