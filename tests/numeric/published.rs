@@ -1,4 +1,4 @@
-//! The tables in docs/estimators.md are those of the published runs. `GOLDEN=update` writes them anew from `results/`.
+//! The tables in docs/estimators.md and the answers in README.md are those of the published runs. `GOLDEN=update` writes them anew from `results/`.
 
 use splitsum::brdf::{MODELS, MaskingShadowing, alpha_from_perceptual_roughness};
 use splitsum::precompute::dfg::reference::dfg;
@@ -9,6 +9,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 const PAGE: &str = "docs/estimators.md";
+const README: &str = "README.md";
+/// Published runs whose answers the README shows.
+const SHOWN: [&str; 5] = ["break-even", "sample-count", "level-bias", "printed-slips", "diffuse"];
 /// Digits of a score in the page.
 const DIGITS: usize = 3;
 
@@ -24,8 +27,8 @@ fn table(name: &str) -> Table {
 fn with_block(page: &str, name: &str, text: &str) -> String {
     let (begin, end) =
         (format!("<!-- {name}: written by tests/numeric/published.rs -->\n"), format!("<!-- /{name} -->"));
-    let start = page.find(&begin).unwrap_or_else(|| panic!("{PAGE} has no {begin}")) + begin.len();
-    let length = page[start..].find(&end).unwrap_or_else(|| panic!("{PAGE} has no {end}"));
+    let start = page.find(&begin).unwrap_or_else(|| panic!("the page has no {begin}")) + begin.len();
+    let length = page[start..].find(&end).unwrap_or_else(|| panic!("the page has no {end}"));
     format!("{}\n{text}\n{}", &page[..start], &page[start + length..])
 }
 
@@ -141,16 +144,33 @@ fn the_page_shows_the_published_runs() {
         ("energy", energy),
         ("table edges", table_edges()),
     ];
-    let page = std::fs::read_to_string(file(PAGE)).unwrap();
+    assert_shown(PAGE, &blocks);
+}
+
+#[test]
+fn the_readme_shows_the_published_answers() {
+    let mut answers = String::new();
+    for run in SHOWN {
+        let text = std::fs::read_to_string(file("results").join(run).join("answers/answer.json")).unwrap();
+        let answer: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let [question, sentence] = ["question", "sentence"].map(|key| answer[key].as_str().unwrap());
+        writeln!(answers, "- *{question}* {sentence} [All numbers](results/{run}/summary.md)").unwrap();
+    }
+    assert_shown(README, &[("answers", answers)]);
+}
+
+/// The blocks of a page must hold these texts, or get them when asked to.
+fn assert_shown(name: &str, blocks: &[(&str, String)]) {
+    let page = std::fs::read_to_string(file(name)).unwrap();
     let fresh = blocks.iter().fold(page.clone(), |page, (name, text)| with_block(&page, name, text));
     if std::env::var("GOLDEN").is_ok_and(|value| value == "update") {
-        std::fs::write(file(PAGE), &fresh).unwrap();
+        std::fs::write(file(name), &fresh).unwrap();
         return;
     }
     for (shown, due) in page.lines().zip(fresh.lines()) {
-        assert_eq!(shown, due, "{PAGE} differs from results/; GOLDEN=update writes it anew");
+        assert_eq!(shown, due, "{name} differs from results/; GOLDEN=update writes it anew");
     }
-    assert_eq!(page.len(), fresh.len(), "{PAGE}: lines are missing");
+    assert_eq!(page.len(), fresh.len(), "{name}: lines are missing");
 }
 
 #[test]
