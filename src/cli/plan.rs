@@ -78,6 +78,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let started = Instant::now();
     let plan = arguments.subject.plan()?;
     let load_s = started.elapsed().as_secs_f64();
+    for warning in plan.warnings() {
+        eprintln!("warning: {warning}");
+    }
     if let (Some(seconds), Some(path)) = (arguments.chunk_seconds, &arguments.subject.out) {
         return write_chunks(arguments, &plan, seconds, path);
     }

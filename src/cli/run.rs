@@ -119,8 +119,8 @@ fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     for warning in plan.inputs.warnings() {
         progress.note(&format!("warning: {warning}"));
     }
-    for why in plan.idle_exclusions() {
-        progress.note(&format!("warning: the exclusion \"{why}\" matches no cell"));
+    for warning in plan.warnings() {
+        progress.note(&format!("warning: {warning}"));
     }
     ctrlc::set_handler(|| {
         if STOP.swap(true, Ordering::Relaxed) {

@@ -3,8 +3,8 @@
 //! Reading never stops at the first fault. Paths in the file are relative to the file.
 
 use super::axis::{AXES, Axis, Point, Reference, Terms, by_name, index_of, is_precompute};
-use super::fault::{Faults, Place};
-use super::toml_tree::{checked, entries, list, raw, table, unknown_key};
+use super::fault::{Faults, Place, line_column};
+use super::toml_tree::{checked, entries, first_of_twice, list, raw, table, unknown_key};
 use super::value::{Kind, Range, Raw, Value};
 use crate::scene::{CameraKind, Light, LightKind};
 use crate::shade::METHODS;
@@ -26,6 +26,16 @@ pub struct Sweep {
     /// Index into [`AXES`].
     pub axis: usize,
     pub values: Vec<Placed>,
+    /// How many values were written; more than `values` holds where some are faulty.
+    pub written: usize,
+}
+
+/// Axes that vary together.
+#[derive(Clone, Debug)]
+pub struct Zip {
+    /// Indices into [`AXES`].
+    pub axes: Vec<usize>,
+    pub place: Place,
 }
 
 /// Combinations that are left out: every condition must hold.
@@ -75,8 +85,8 @@ pub struct Config {
     pub base_places: Vec<Place>,
     /// In the order of the file, then of the command line.
     pub axes: Vec<Sweep>,
-    /// Axes (as indices of [`AXES`]) that take their values together, first with first.
-    pub zips: Vec<Vec<usize>>,
+    /// Axes that take their values together, first with first.
+    pub zips: Vec<Zip>,
     pub exclusions: Vec<Exclusion>,
     pub timing: Option<Timing>,
     /// Renders with further point sets for each image of a sampled method, to part bias from variance.
@@ -126,8 +136,13 @@ impl Config {
     pub fn parse(path: &Path, text: &str, overrides: &[String], faults: &mut Faults) -> Self {
         let (root, errors) = DeTable::parse_recoverable(text);
         for error in &errors {
-            let offset = error.span().map_or(0, |span| span.start);
-            faults.add(&Place::File(offset), format!("not TOML: {}", error.message()));
+            let span = error.span().unwrap_or_default();
+            let first = first_of_twice(root.get_ref(), text, &span, error.message());
+            let twice = first.map(|(key, first)| {
+                let (line, _) = line_column(text, first);
+                format!("not TOML: the key {key} stands twice, here and in line {line}")
+            });
+            faults.add(&Place::File(span.start), twice.unwrap_or_else(|| format!("not TOML: {}", error.message())));
         }
         let mut config = Self {
             path: path.to_owned(),
@@ -162,7 +177,7 @@ impl Config {
         }
         config.check_double_settings(root, faults);
         config.apply_overrides(faults);
-        config.check_zips(root, faults);
+        config.check_zips(faults);
         config
     }
 
@@ -311,10 +326,10 @@ impl Config {
                 exclusion.conditions.push((axis, values));
             }
             if exclusion.why.is_empty() {
-                faults.add(&Place::File(item.span().start), "exclude.why is missing: say why these cells are left out");
+                faults.add(&exclusion.place, "exclude.why is missing: say why these cells are left out");
             }
             if exclusion.conditions.is_empty() {
-                faults.add(&Place::File(item.span().start), "exclude: names no axis, so it would leave out every cell");
+                faults.add(&exclusion.place, "exclude: names no axis, so it would leave out every cell");
             }
             self.exclusions.push(exclusion);
         }

@@ -1,6 +1,6 @@
 //! `environments.csv`: what the light of an experiment is like, one row for each environment and clip.
 
-use super::answers::study::RANGE_COLUMN;
+use super::answers::study::{LUMINANCE_COLUMNS, RANGE_COLUMN};
 use super::plan::Plan;
 use super::tables::Rows;
 use super::value::Value;
@@ -43,7 +43,8 @@ impl Luminance {
 
 /// The rows of `environments.csv`, in plan order.
 pub fn environments(plan: &Plan) -> Rows {
-    let columns = ["environment", "environment_clip_log2", "mean_luminance", "peak_luminance", RANGE_COLUMN];
+    let [mean, peak] = LUMINANCE_COLUMNS;
+    let columns = ["environment", "environment_clip_log2", mean, peak, RANGE_COLUMN];
     let mut seen: Vec<[&Value; 2]> = Vec::new();
     let mut rows = Vec::new();
     for cell in &plan.cells {

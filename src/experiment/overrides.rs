@@ -30,8 +30,9 @@ impl Config {
             }
             seen.push(axis);
             let kind = AXES[axis].kind;
-            let mut values = Vec::new();
-            for item in items(kind, list) {
+            let items = items(kind, list);
+            let (mut values, written) = (Vec::new(), items.len());
+            for item in items {
                 match kind.parse_text(&item) {
                     Ok(value) => {
                         push_new(&mut values, Placed { value, place: place.clone() }, &format!("axes.{name}"), faults)
@@ -40,8 +41,8 @@ impl Config {
                 }
             }
             match self.axes.iter_mut().find(|sweep| sweep.axis == axis) {
-                Some(sweep) => sweep.values = values,
-                None => self.axes.push(Sweep { axis, values }),
+                Some(sweep) => *sweep = Sweep { axis, values, written },
+                None => self.axes.push(Sweep { axis, values, written }),
             }
         }
     }

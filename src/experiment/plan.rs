@@ -7,7 +7,7 @@ use super::inputs::Inputs;
 use super::value::Value;
 use crate::environment::LoadOptions;
 use crate::files::read_stream;
-use crate::pipeline::RenderRequest;
+use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, RenderRequest, image_buffer_bytes};
 use crate::shade::reference_pass::ScramblePlan;
 use crate::spelling::short_number;
 use std::collections::{BTreeMap, HashSet};
@@ -96,10 +96,10 @@ impl Plan {
         let combinations = config.combination_count();
         if combinations > COMBINATIONS_MAX {
             faults.add(&Place::File(0), format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"));
+        } else {
+            check_combinations(&config, &mut faults);
         }
-        faults.into_result()?;
-        let mut faults = Faults::new(path, text);
-        check_combinations(&config, &mut faults);
+        check_sizes(&config, &mut faults);
         faults.into_result()?;
         Ok(expand(config, inputs))
     }
@@ -194,10 +194,26 @@ impl Plan {
         self.config.axes.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| &AXES[sweep.axis])
     }
 
-    /// Exclusions that left nothing out: usually a slip in the file.
-    pub fn idle_exclusions(&self) -> Vec<&str> {
-        let idle = self.config.exclusions.iter().zip(&self.excluded).filter(|(_, count)| **count == 0);
-        idle.map(|(exclusion, _)| exclusion.why.as_str()).collect()
+    /// What is odd but no fault, each with its place: exclusions that leave nothing out, usually a slip in the file, and images that some
+    /// devices refuse.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Faults::new(&self.config.path, &self.config.text);
+        for (exclusion, _) in self.config.exclusions.iter().zip(&self.excluded).filter(|(_, count)| **count == 0) {
+            warnings.add(&exclusion.place, format!("the exclusion {:?} matches no combination", exclusion.why));
+        }
+        for (place, [width, height]) in sizes(&self.config) {
+            let bytes = image_buffer_bytes([width, height]);
+            if bytes > BUFFER_BYTES_EVERYWHERE {
+                let text = format!(
+                    "size: {width}x{height} needs a buffer of {} MiB; some devices have no more than {}",
+                    bytes >> 20,
+                    BUFFER_BYTES_EVERYWHERE >> 20
+                );
+                warnings.add(&place, text);
+            }
+        }
+        let error = warnings.into_result().err();
+        error.into_iter().flat_map(|error| error.faults).map(|fault| fault.to_string()).collect()
     }
 }
 
@@ -257,6 +273,28 @@ fn check_combinations(config: &Config, faults: &mut Faults) {
     }
 }
 
+/// Every size of the images, with its place.
+fn sizes(config: &Config) -> Vec<(Place, [u32; 2])> {
+    match config.axes.iter().find(|sweep| AXES[sweep.axis].name == "size") {
+        Some(sweep) => sweep.values.iter().map(|placed| (placed.place.clone(), placed.value.pair())).collect(),
+        None => vec![(config.base_place("size").clone(), config.base.get("size").pair())],
+    }
+}
+
+/// Sizes that no device can hold.
+fn check_sizes(config: &Config, faults: &mut Faults) {
+    for (place, [width, height]) in sizes(config) {
+        if image_buffer_bytes([width, height]) > BUFFER_BYTES_MAX {
+            let pixels = BUFFER_BYTES_MAX / image_buffer_bytes([1, 1]);
+            let text = format!(
+                "size: {width}x{height} has {} pixels; at most {pixels} fit into the largest buffer of Vulkan",
+                u64::from(width) * u64::from(height)
+            );
+            faults.add(&place, text);
+        }
+    }
+}
+
 /// A row must not name another number of samples than the reference draws.
 fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults: &mut Faults) {
     let has_term = |point: &Point, term: &str| point.get(term).text() == REFERENCE;
@@ -300,6 +338,14 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
     identity.extend(cells.iter().map(|cell| cell.id.clone()));
     let hash = hash_lines(&identity);
     Plan { config, inputs, columns, cells, excluded, collapsed, hash }
+}
+
+impl Config {
+    /// The combinations that an exclusion leaves out, unless the file spans more than a plan may.
+    pub fn excluded_points(&self) -> impl Iterator<Item = Point> + '_ {
+        let is_small = self.combination_count() <= COMBINATIONS_MAX && !self.exclusions.is_empty();
+        is_small.then(|| product(self)).into_iter().flatten().filter(|point| self.exclusion_of(point).is_some())
+    }
 }
 
 /// Every combination of the axes' values over the base point, the last axis fastest; zipped axes step together.

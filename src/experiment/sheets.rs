@@ -14,11 +14,17 @@ use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::contact_sheet::{ContactSheet, Legend, Tile};
 use crate::table::markdown::significant;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 /// Smaller images are magnified to this side, pixels.
 const TILE_SIDE_MIN: u32 = 128;
 /// Width of a page, pixels: two sheets fit side by side on a large monitor.
 const PAGE_WIDTH_MAX: u32 = 2600;
+/// Height of a page, pixels: what viewers and browsers show without shrinking it.
+const PAGE_HEIGHT_MAX: u32 = 4096;
+/// Why a sheet can be drawn.
+const EVEN_SHEET: &str = "every row of a sheet has one tile a column, all of one size";
 /// What a page needs beside its tiles: margins and row labels.
 const PAGE_OVERHEAD: u32 = 240;
 /// Room between two columns, group gaps included.
@@ -31,28 +37,54 @@ const SHEET_AXES: &[&str] = &["environment", "scene", "brdf", "size"];
 /// Axes that make columns.
 const COLUMN_AXES: &[&str] = &["method", "diffuse", "samples"];
 
-/// One contact sheet for each environment, scene and model; one for some of the methods where all would not fit.
+/// One contact sheet for each environment, scene and model: in parts for some of the methods where all would not fit side by side, and in
+/// pages where not all rows would fit below each other. Sheets of an earlier program are removed.
 pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(), StoreError> {
     let swept: Vec<&Axis> = plan.swept().collect();
     let select = |names: &[&str]| swept.iter().copied().filter(|a| names.contains(&a.name)).collect::<Vec<_>>();
     let (sheet_axes, column_axes) = (select(SHEET_AXES), select(COLUMN_AXES));
+    let mut written: BTreeSet<PathBuf> = BTreeSet::new();
     for cells in grouped(&of_first_point_set(plan), &sheet_axes) {
         let columns = grouped(&cells, &column_axes);
         let tiles = TileSize::new(plan.size_of(cells[0]));
-        let pages = pages(&columns, tiles.columns_max());
-        for (page, columns) in pages.iter().enumerate() {
-            let part = if pages.len() > 1 { format!(", part {} of {}", page + 1, pages.len()) } else { String::new() };
+        let parts = parts(&columns, tiles.columns_max());
+        let mut pages: Vec<ContactSheet> = Vec::new();
+        for (part, columns) in parts.iter().enumerate() {
+            let of = if parts.len() > 1 { format!(", part {} of {}", part + 1, parts.len()) } else { String::new() };
             let title = format!("{} {}", plan.config.name, words(&sheet_axes, cells[0], " "));
             let content = Page { store, plan, results, columns, column_axes: &column_axes, tiles };
-            let sheet = content.sheet(&cells, format!("{}{part}", title.trim_end()));
-            let name = words(&sheet_axes, cells[0], "_").replace(['/', ':'], "-");
-            let name = if name.is_empty() { plan.config.name.clone() } else { name };
+            let sheet = content.sheet(&cells, format!("{}{of}", title.trim_end()));
+            pages.extend(sheet.pages(PAGE_HEIGHT_MAX).expect(EVEN_SHEET));
+        }
+        let name = words(&sheet_axes, cells[0], "_").replace(['/', ':'], "-");
+        let name = if name.is_empty() { plan.config.name.clone() } else { name };
+        for (page, sheet) in pages.iter().enumerate() {
             let name = if pages.len() > 1 { format!("{name}_{}.png", page + 1) } else { format!("{name}.png") };
-            let picture = sheet.render().expect("every row of a sheet has one tile a column, all of one size");
-            png::write_rgb8(&store.table_path(&name), &picture)?;
+            let path = store.table_path(&name);
+            png::write_rgb8(&path, &sheet.render().expect(EVEN_SHEET))?;
+            written.insert(path);
         }
     }
+    for path in sheet_files(store.dir()).into_iter().filter(|path| !written.contains(path)) {
+        std::fs::remove_file(&path).map_err(|error| StoreError::Io { path, error })?;
+    }
     Ok(())
+}
+
+/// Contact sheets of the run in a folder: by name, pages by number.
+pub fn sheet_files(dir: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(Store::at(dir).table_path("")).into_iter().flatten().flatten();
+    let mut found: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    found.retain(|path| path.extension().is_some_and(|extension| extension == "png"));
+    let key = |path: &PathBuf| {
+        let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        match stem.rsplit_once('_').and_then(|(name, page)| Some((name.to_owned(), page.parse::<u32>().ok()?))) {
+            Some((name, page)) => (name, page),
+            None => (stem, 0),
+        }
+    };
+    found.sort_by_key(key);
+    found
 }
 
 /// The cells that a sheet shows: point sets differ in luck only, so the first one stands for all.
@@ -93,8 +125,8 @@ impl TileSize {
     }
 }
 
-/// Columns in pages of at most `columns_max` with the reference's; the columns of a method stay together where they can.
-fn pages<'c>(columns: &[Vec<&'c Cell>], columns_max: usize) -> Vec<Vec<Vec<&'c Cell>>> {
+/// Columns in parts of at most `columns_max` with the reference's; the columns of a method stay together where they can.
+fn parts<'c>(columns: &[Vec<&'c Cell>], columns_max: usize) -> Vec<Vec<Vec<&'c Cell>>> {
     let room = columns_max - 1;
     let mut pages: Vec<Vec<Vec<&Cell>>> = Vec::new();
     for family in columns.chunk_by(|a, b| a[0].point.get("method") == b[0].point.get("method")) {

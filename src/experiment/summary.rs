@@ -3,6 +3,7 @@
 use super::answers::run_folder::RunFolder;
 use super::answers::study::Study;
 use super::answers::{AnswerRecord, Answers, markdown};
+use super::sheets::sheet_files;
 use super::statistics::median;
 use super::store::StopReason;
 use super::tables::REFERENCE_COLUMNS;
@@ -31,6 +32,7 @@ pub fn markdown(run: &RunFolder, study: &Study, answers: &Answers, record: &Answ
     }
     text += &state(run, study, record);
     text += &pictures(record);
+    text += &contact_sheets(run);
     text += &markdown::sections(study, answers);
     text += &times_section(&run.timings);
     if let Some(table) = run.slips.as_ref().and_then(|table| slips::markdown(table).ok()) {
@@ -105,6 +107,21 @@ fn pictures(record: &AnswerRecord) -> String {
     if lines.is_empty() { lines } else { lines + "\n" }
 }
 
+/// The folder of a run's contact sheets.
+pub const SHEETS_FOLDER: &str = "tables";
+
+/// A link to a contact sheet of the run, by the name of its file.
+pub fn sheet_link(name: &str) -> String {
+    format!("[{}]({SHEETS_FOLDER}/{})", name.trim_end_matches(".png"), name.replace(' ', "%20"))
+}
+
+/// Links to all pages of all contact sheets.
+fn contact_sheets(run: &RunFolder) -> String {
+    let files = sheet_files(&run.dir);
+    let links: Vec<String> = files.iter().filter_map(|path| Some(sheet_link(path.file_name()?.to_str()?))).collect();
+    if links.is_empty() { String::new() } else { format!("Contact sheets: {}\n\n", links.join(" · ")) }
+}
+
 fn times_section(timings: &[TimingRecord]) -> String {
     if timings.is_empty() {
         return String::new();
@@ -151,17 +168,13 @@ fn times_section(timings: &[TimingRecord]) -> String {
         ("ratio", Align::Right),
         ("95 %", Align::Right),
         ("verdict", Align::Left),
-        ("tables paid after, frames", Align::Right),
+        ("tables paid after, frames (95 %)", Align::Left),
     ]);
     let ratios = ratios(timings);
     for pair in &ratios {
         let method = format!("{} {}", axis(pair.sampled, "method"), axis(pair.sampled, "samples"));
         let interval = pair.interval.map(|end| significant(end, DIGITS)).join(" to ");
-        let payback = match pair.payback_frames {
-            frames if frames.is_nan() => String::new(),
-            frames if frames.is_infinite() => "never".to_owned(),
-            frames => format!("{frames}"),
-        };
+        let payback = pair.payback.to_string();
         let (brdf, diffuse, fixed) =
             (axis(pair.sampled, "brdf"), axis(pair.sampled, "diffuse"), axis(pair.fixed, "method"));
         let verdict = format!("{}{}", pair.verdict, if pair.sampled.device_type == "cpu" { " (CPU)" } else { "" });

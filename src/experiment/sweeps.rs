@@ -1,7 +1,7 @@
 //! `[axes]` and `[[zip]]`: lists, ranges, and axes that vary together.
 
 use super::axis::{AXES, index_of};
-use super::config::{Config, Placed, Sweep, axis_names, push_new};
+use super::config::{Config, Placed, Sweep, Zip, axis_names, push_new};
 use super::fault::{Faults, Place};
 use super::toml_tree::{checked, entries, list, raw, table, unknown_key};
 use super::value::{Kind, Raw};
@@ -26,8 +26,10 @@ impl Config {
             let (name, kind) = (format!("axes.{key}"), AXES[axis].kind);
             let at = Place::File(value.span().start);
             let mut values: Vec<Placed> = Vec::new();
+            let mut written = 0;
             match value.get_ref() {
                 DeValue::Array(items) => {
+                    written = items.len();
                     if items.is_empty() {
                         faults.add(&at, format!("{name}: an axis needs at least one value"));
                     }
@@ -43,6 +45,7 @@ impl Config {
                         faults.add(&at, format!("{name}: {fault}"));
                         Vec::new()
                     });
+                    written = items.len();
                     for item in items {
                         match kind.parse(&item) {
                             Ok(value) => push_new(&mut values, Placed { value, place: at.clone() }, &name, faults),
@@ -52,52 +55,59 @@ impl Config {
                 }
                 other => faults.add(&at, format!("{name}: {} is not a list of values", raw(other))),
             }
-            self.axes.push(Sweep { axis, values });
+            self.axes.push(Sweep { axis, values, written });
         }
     }
 
     pub(super) fn read_zips(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        let kind = Kind::Name { what: "axis", names: axis_names };
         for item in list(value, "zip", faults) {
-            let mut zip = Vec::new();
+            let mut zip = Zip { axes: Vec::new(), place: Place::File(item.span().start) };
+            let mut written = 0;
             for (key, value, place) in table(item, "zip", faults) {
                 if key != "axes" {
                     unknown_key(&place, "zip.", key, &["axes"], faults);
                     continue;
                 }
-                let kind = Kind::Name { what: "axis", names: axis_names };
+                zip.place = place;
                 for name in value.get_ref().as_array().into_iter().flatten() {
+                    written += 1;
                     let axis = checked(kind, "zip.axes", name, faults).and_then(|v| index_of(v.text()));
-                    zip.extend(axis);
+                    zip.axes.extend(axis);
                 }
             }
-            if zip.len() < 2 {
-                faults.add(&Place::File(item.span().start), "zip: needs axes = [...] with at least two axes");
+            // A name that is no axis has its own fault.
+            if written < 2 {
+                faults.add(&zip.place, "zip: needs axes = [...] with at least two axes");
             }
             self.zips.push(zip);
         }
     }
 
     /// Zipped axes are swept, have one length, and belong to one zip. Checked after `--set`, which may change lengths.
-    pub(super) fn check_zips(&self, root: &DeTable, faults: &mut Faults) {
-        let place =
-            entries(root).into_iter().find(|(key, ..)| *key == "zip").map_or(Place::Default, |(.., place)| place);
+    pub(super) fn check_zips(&self, faults: &mut Faults) {
         let mut seen = Vec::new();
         for zip in &self.zips {
             let mut lengths = Vec::new();
-            for &axis in zip {
+            for &axis in &zip.axes {
                 let name = AXES[axis].name;
                 if seen.contains(&axis) {
-                    faults.add(&place, format!("zip: {name} stands twice"));
+                    faults.add(&zip.place, format!("zip: {name} stands twice"));
+                    continue;
                 }
                 seen.push(axis);
                 match self.axes.iter().find(|sweep| sweep.axis == axis) {
-                    Some(sweep) => lengths.push((name, sweep.values.len())),
-                    None => faults.add(&place, format!("zip: {name} is not in [axes]")),
+                    Some(sweep) => lengths.push((name, sweep.written)),
+                    None => faults.add(&zip.place, format!("zip: {name} is not in [axes]")),
                 }
             }
+            // An axis that could not be read has its own fault.
+            lengths.retain(|(_, n)| *n > 0);
             if lengths.windows(2).any(|pair| pair[0].1 != pair[1].1) {
-                let lengths: Vec<String> = lengths.iter().map(|(name, n)| format!("{name} has {n} values")).collect();
-                faults.add(&place, format!("zip: {}; expected as many for each", lengths.join(", ")));
+                let value = |n: usize| if n == 1 { "value" } else { "values" };
+                let lengths: Vec<String> =
+                    lengths.iter().map(|(name, n)| format!("{name} has {n} {}", value(*n))).collect();
+                faults.add(&zip.place, format!("zip: {}; expected as many for each", lengths.join(", ")));
             }
         }
     }
@@ -112,9 +122,9 @@ impl Config {
     pub(super) fn dimensions(&self) -> Vec<(Vec<usize>, usize)> {
         let mut dimensions: Vec<(Vec<usize>, usize)> = Vec::new();
         for (index, sweep) in self.axes.iter().enumerate() {
-            let zip = self.zips.iter().find(|zip| zip.contains(&sweep.axis));
+            let zip = self.zips.iter().find(|zip| zip.axes.contains(&sweep.axis));
             let known = dimensions.iter_mut().find(|(members, _)| {
-                zip.is_some_and(|zip| members.iter().any(|&member| zip.contains(&self.axes[member].axis)))
+                zip.is_some_and(|zip| members.iter().any(|&member| zip.axes.contains(&self.axes[member].axis)))
             });
             match known {
                 Some((members, _)) => members.push(index),

@@ -162,7 +162,7 @@ pub fn timing_ratios(records: &[TimingRecord]) -> Rows {
         row.push(text(pair.fixed, "method"));
         row.extend([pair.ratio, pair.interval[0], pair.interval[1]].map(finite));
         row.extend([Field::Integer(pair.rounds as u64), Field::Text(pair.verdict.to_string())]);
-        row.extend([finite(pair.tables_ms), finite(pair.payback_frames)]);
+        row.extend([finite(pair.tables_ms), pair.payback.frames().into()]);
         row.extend([&pair.sampled.device, &pair.sampled.device_type].map(|text| Field::from(text.as_str())));
         row
     };

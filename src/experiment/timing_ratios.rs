@@ -57,8 +57,52 @@ pub struct Ratio<'r> {
     pub verdict: Verdict,
     /// What the tables of `fixed` cost beyond those of `sampled`, ms; NaN where they were not timed.
     pub tables_ms: f64,
-    /// Frames after which `fixed` has paid for its tables; infinite when its frames are not faster.
-    pub payback_frames: f64,
+    pub payback: Payback,
+}
+
+/// When a method without samples has paid for its tables.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Payback {
+    /// After this many frames, with their 95 % interval: that of the ratio. What the tables cost is a median without one.
+    Frames { count: f64, interval: [f64; 2] },
+    /// Its frames are slower.
+    Never,
+    /// The verdict does not say whose frames are faster, and why it does not.
+    NotDecided(&'static str),
+    /// The tables were not timed.
+    NotTimed,
+}
+
+impl Payback {
+    /// For the median ratio of the sampling method's times to the other's, with its 95 % interval over `rounds`, by the time of a frame and of the tables of the other, ms.
+    pub fn new(ratio: f64, [lo, hi]: [f64; 2], rounds: usize, fixed_ms: f64, tables_ms: f64) -> Self {
+        let frames = |ratio: f64| (tables_ms / ((ratio - 1.0) * fixed_ms)).ceil().max(0.0);
+        match verdict([lo, hi], rounds) {
+            _ if tables_ms.is_nan() => Self::NotTimed,
+            Verdict::Fast => Self::Never,
+            Verdict::Slow => Self::Frames { count: frames(ratio), interval: [frames(hi), frames(lo)] },
+            Verdict::Same => Self::NotDecided("frames within 2 % of each other"),
+            _ if rounds < ROUNDS_MIN => Self::NotDecided("too few rounds"),
+            _ => Self::NotDecided("the interval of the ratio leaves open whose frames are faster"),
+        }
+    }
+
+    /// The frames, where they are known.
+    pub fn frames(self) -> Option<f64> {
+        if let Self::Frames { count, .. } = self { Some(count) } else { None }
+    }
+}
+
+impl fmt::Display for Payback {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Frames { count, interval: [lo, hi] } if lo == hi => write!(f, "{count}"),
+            Self::Frames { count, interval: [lo, hi] } => write!(f, "{count} ({lo} to {hi})"),
+            Self::Never => f.write_str("never"),
+            Self::NotDecided(why) => write!(f, "not decided: {why}"),
+            Self::NotTimed => Ok(()),
+        }
+    }
 }
 
 /// Every pair of the records that was timed in one block.
@@ -77,18 +121,11 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
             let pairs = sampled.sums_ms().into_iter().zip(fixed.sums_ms());
             let quotients: Vec<f64> = pairs.map(|(a, b)| a / b).collect();
             let interval = median_interval(&quotients);
-            let saved_ms = median(&sampled.sums_ms()) - median(&fixed.sums_ms());
             let tables_ms = tables_ms(records, fixed) - tables_ms(records, sampled);
-            found.push(Ratio {
-                sampled,
-                fixed,
-                ratio: median(&quotients),
-                interval,
-                rounds: quotients.len(),
-                verdict: verdict(interval, quotients.len()),
-                tables_ms,
-                payback_frames: if saved_ms > 0.0 { (tables_ms / saved_ms).ceil().max(0.0) } else { f64::INFINITY },
-            });
+            let (rounds, ratio) = (quotients.len(), median(&quotients));
+            let verdict = verdict(interval, rounds);
+            let payback = Payback::new(ratio, interval, rounds, summarize(&fixed.sums_ms()).median, tables_ms);
+            found.push(Ratio { sampled, fixed, ratio, interval, rounds, verdict, tables_ms, payback });
         }
     }
     found

@@ -3,6 +3,7 @@
 use super::fault::{Faults, Place};
 use super::value::{Kind, Raw, Value};
 use crate::spelling::suggestion;
+use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -28,6 +29,48 @@ pub fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<Entry<'t, 'i>> {
         table.iter().map(|(key, value)| (key.span().start, key.get_ref().as_ref(), value)).collect();
     entries.sort_by_key(|(offset, ..)| *offset);
     entries.into_iter().map(|(offset, key, value)| (key, value, Place::File(offset))).collect()
+}
+
+/// What the parser says of a key that stands twice in one table.
+const TWICE: &str = "duplicate key";
+
+/// For the parser's fault of a second key, that key and where the first one is: the nearest before it of that name, and for a table's header
+/// the nearest header.
+pub fn first_of_twice<'t>(
+    root: &DeTable,
+    text: &'t str,
+    second: &Range<usize>,
+    message: &str,
+) -> Option<(&'t str, usize)> {
+    let key = text.get(second.clone()).filter(|_| message == TWICE)?;
+    let line_start = text[..second.start].rfind('\n').map_or(0, |i| i + 1);
+    if text[line_start..second.start].trim_start().starts_with('[') {
+        let header =
+            |line: &str| line.trim_start().trim_start_matches('[').split(']').next().map(|name| name.trim() == key);
+        let starts = text[..line_start].match_indices('\n').map(|(i, _)| i + 1);
+        let is_header = |start: &usize| {
+            let line = text[*start..].lines().next().unwrap_or_default();
+            line.trim_start().starts_with('[') && header(line) == Some(true)
+        };
+        return Some((
+            key,
+            std::iter::once(0).chain(starts).filter(|start| *start < line_start).filter(is_header).last()?,
+        ));
+    }
+    let mut places = Vec::new();
+    places_of(root, key.trim_matches(['"', '\'']), &mut places);
+    Some((key, places.into_iter().filter(|place| *place < second.start).max()?))
+}
+
+/// Where keys of that name are, in all tables.
+fn places_of(table: &DeTable, name: &str, places: &mut Vec<usize>) {
+    for (key, value) in table.iter() {
+        if key.get_ref() == name {
+            places.push(key.span().start);
+        }
+        let items = value.get_ref().as_array().into_iter().flatten().filter_map(|item| item.get_ref().as_table());
+        value.get_ref().as_table().into_iter().chain(items).for_each(|inner| places_of(inner, name, places));
+    }
 }
 
 /// The entries of a value that must be a table.

@@ -240,13 +240,14 @@ impl Kind {
                         Ok(Value::Text(text.clone()))
                     } else {
                         Err(format!(
-                            "{text:?} is not a {what}{}; expected {}",
+                            "{text:?} is not {}{}; expected {}",
+                            with_article(what),
                             suggestion(text, &names),
                             names.join(", ")
                         ))
                     }
                 }
-                _ => expected(&format!("the name of a {what} in quotes")),
+                _ => expected(&format!("the name of {} in quotes", with_article(what))),
             },
             Self::NumberOrName { range, what, named } => match raw {
                 Raw::Text(text) => {
@@ -255,7 +256,8 @@ impl Kind {
                     number.ok_or_else(|| {
                         let names: Vec<&str> = named.iter().map(|(name, _)| *name).collect();
                         format!(
-                            "{text:?} is not a {what}{}; expected a number in {range}, or {}",
+                            "{text:?} is not {}{}; expected a number in {range}, or {}",
+                            with_article(what),
                             suggestion(text, &names),
                             names.join(", ")
                         )
@@ -304,6 +306,11 @@ impl Kind {
             Self::Input => "builtin name or file".to_owned(),
         }
     }
+}
+
+/// "a camera", "an axis".
+fn with_article(what: &str) -> String {
+    format!("{} {what}", if what.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" })
 }
 
 /// The values of all items, or everything that is wrong with any of them.

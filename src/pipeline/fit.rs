@@ -6,6 +6,16 @@ use crate::gpu::Gpu;
 /// Bytes of a texel of four f32.
 const VEC4: u64 = 16;
 
+/// Largest storage buffer that a device can name (`maxStorageBufferRange` is a u32), bytes.
+pub const BUFFER_BYTES_MAX: u64 = u32::MAX as u64;
+/// The storage buffer that every Vulkan device has at least, bytes; software drivers have no more.
+pub const BUFFER_BYTES_EVERYWHERE: u64 = 1 << 27;
+
+/// Bytes of the buffer through which an image of that size is read and written.
+pub fn image_buffer_bytes([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height) * VEC4
+}
+
 /// One resource, or several of one size and kind.
 struct Need {
     what: &'static str,
@@ -30,7 +40,7 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
     // Reading and writing go through host-visible copies, one at a time.
     let mut needs = vec![
         // Four attachments, depth, radiance, the copy.
-        Need { buffer_bytes: pixels * VEC4, ..image("image", size, pixels * (6 * VEC4 + 4)) },
+        Need { buffer_bytes: image_buffer_bytes(size), ..image("image", size, pixels * (6 * VEC4 + 4)) },
         image("environment", map_size, with_mips(map_texels) + map_texels * VEC4),
     ];
     if request.has_reference_term() {

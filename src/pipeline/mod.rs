@@ -16,6 +16,7 @@ mod shared_work;
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, chosen_device, devices};
 pub use bake::BakeRequest;
 pub use disk_cache::{DiskCache, DiskCacheError, program_hash};
+pub use fit::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, image_buffer_bytes};
 pub use light_tables::LightTables;
 pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
 pub use shared_work::{SharedWork, Tally};

@@ -74,19 +74,46 @@ pub(crate) fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
 ) -> Result<(), PixelsError> {
-    let io = |error: std::io::Error| {
-        Fault::new(format!("cannot be written ({error})"), "a path in an existing, writable folder").at(path)
-    };
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PART_PREFIX).suffix(".part");
-    // The default of temporary files is private to the user; the result should get the rights of any new file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut temporary = builder.tempfile_in(folder).map_err(io)?;
-    let mut writer = BufWriter::new(temporary.as_file_mut());
-    fill(&mut writer).and_then(|()| writer.flush()).map_err(io)?;
-    drop(writer);
-    temporary.persist(path).map_err(|error| io(error.error))?;
-    Ok(())
+    Staged::filled(path, fill)?.put()
+}
+
+/// A file written beside the one that it will replace: until [`Staged::put`] the old one stands, and where this is dropped nothing is left.
+pub(crate) struct Staged {
+    path: PathBuf,
+    temporary: tempfile::NamedTempFile,
+}
+
+impl Staged {
+    /// Writes `bytes`, for the file at `path`.
+    pub(crate) fn new(path: &Path, bytes: &[u8]) -> Result<Self, PixelsError> {
+        Self::filled(path, |writer| writer.write_all(bytes))
+    }
+
+    fn filled(
+        path: &Path,
+        fill: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
+    ) -> Result<Self, PixelsError> {
+        let io = |error| write_fault(path, error);
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(PART_PREFIX).suffix(".part");
+        // The default of temporary files is private to the user; the result should get the rights of any new file.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut temporary = builder.tempfile_in(folder).map_err(io)?;
+        let mut writer = BufWriter::new(temporary.as_file_mut());
+        fill(&mut writer).and_then(|()| writer.flush()).map_err(io)?;
+        drop(writer);
+        Ok(Self { path: path.to_owned(), temporary })
+    }
+
+    /// Replaces the file, in one step.
+    pub(crate) fn put(self) -> Result<(), PixelsError> {
+        self.temporary.persist(&self.path).map_err(|error| write_fault(&self.path, error.error))?;
+        Ok(())
+    }
+}
+
+fn write_fault(path: &Path, error: std::io::Error) -> PixelsError {
+    Fault::new(format!("cannot be written ({error})"), "a path in an existing, writable folder").at(path)
 }

@@ -11,7 +11,7 @@ pub mod radiance;
 mod shrink;
 
 pub use file::PixelsError;
-pub(crate) use file::{MAX_TEXELS, PART_PREFIX, read_bounded, write_atomically};
+pub(crate) use file::{MAX_TEXELS, PART_PREFIX, Staged, read_bounded, write_atomically};
 
 /// What a reader of float images returns.
 #[derive(Clone, Debug)]

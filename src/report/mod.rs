@@ -68,11 +68,12 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
     let path = options.out.clone().unwrap_or_else(|| options.dirs[0].join("report.html"));
     let labels = labels(&runs);
     let study = Study::new(&runs, &labels);
-    let answers = Answers::new(&study, &runs);
-    let answer = words::answer(&study, &answers);
+    let distinct = study.distinct();
+    let answers = Answers::new(&distinct, &runs);
+    let answer = words::answer(&distinct, &answers);
     let images = images::collect(&runs, options.images, options.budget);
     let light = live::Light::collect(&runs, live::BUDGET_BYTES);
-    let figures = figures::write(&figures_folder(&path), &study, &answers, &runs)?;
+    let figures = figures::write(&figures_folder(&path), &distinct, &answers, &runs)?;
     let fixed = page::Static {
         name: runs[0].text("/name"),
         question: runs[0].text("/question"),

@@ -97,6 +97,46 @@ const LABEL_SIZES: [f32; 3] = [15.0, 14.0, 13.0];
 const NOTE_SIZES: [f32; 1] = [13.0];
 
 impl ContactSheet {
+    /// The sheet in pages that are at most `height_max` pixels tall where a row and its labels allow it; each has the column labels, the
+    /// legends and the caption. Rows of a group stay together where a page has room for them all.
+    pub fn pages(self, height_max: u32) -> Result<Vec<Self>, ContactSheetError> {
+        let layout = Layout::new(&self)?;
+        if layout.page[1] <= height_max {
+            return Ok(vec![self]);
+        }
+        let room = height_max.saturating_sub(layout.page[1] - (layout.grid_bottom - layout.row_tops[0]));
+        let count = self.rows.len();
+        let bottom = |row: usize| if row + 1 < count { layout.row_tops[row + 1] - GAP } else { layout.grid_bottom };
+        let fits = |from: usize, to: usize| bottom(to - 1) - layout.row_tops[from] <= room;
+        let mut groups: Vec<usize> = self.row_group_starts.iter().copied().filter(|start| *start > 0).collect();
+        groups.push(count);
+        let mut starts = vec![0];
+        let mut from = 0;
+        while from < count {
+            // As many groups as fit; of a group that is too tall, as many rows.
+            let whole = groups.iter().copied().filter(|end| *end > from && fits(from, *end)).max();
+            let to = whole
+                .unwrap_or_else(|| (from + 1..=count).take_while(|end| fits(from, *end)).last().unwrap_or(from + 1));
+            starts.push(to);
+            from = to;
+        }
+        let page_count = starts.len() - 1;
+        let ranges: Vec<(usize, usize)> = starts.windows(2).map(|pair| (pair[0], pair[1])).collect();
+        let mut rows = self.rows.into_iter();
+        let page = |(page, (from, to)): (usize, (usize, usize))| Self {
+            title: format!("{} (page {} of {page_count})", self.title, page + 1),
+            caption: self.caption.clone(),
+            column_labels: self.column_labels.clone(),
+            row_labels: self.row_labels[from..to].to_vec(),
+            rows: rows.by_ref().take(to - from).collect(),
+            column_group_starts: self.column_group_starts.clone(),
+            row_group_starts: self.row_group_starts.iter().filter_map(|start| start.checked_sub(from)).collect(),
+            scale: self.scale,
+            legends: self.legends.clone(),
+        };
+        Ok(ranges.into_iter().enumerate().map(page).collect())
+    }
+
     /// The picture.
     pub fn render(&self) -> Result<Rgb8Image, ContactSheetError> {
         let layout = Layout::new(self)?;
@@ -162,7 +202,9 @@ impl Layout {
         let tile = tile_size(sheet)?.map(|side| side * sheet.scale);
         let column_labels =
             text::fit(&sheet.column_labels, LABEL, &LABEL_SIZES, tile[0] as f32 + GAP as f32, LABEL_LINES);
-        let row_labels = text::fit(&sheet.row_labels, LABEL, &LABEL_SIZES, ROW_LABEL_MAX, LABEL_LINES);
+        // Each swept axis has a line: as many as stand beside a tile.
+        let row_lines = ((tile[1] as f32 / LABEL.line_height()) as usize).max(LABEL_LINES);
+        let row_labels = text::fit(&sheet.row_labels, LABEL, &LABEL_SIZES, ROW_LABEL_MAX, row_lines);
         let label_width = row_labels.1.iter().flatten().map(|line| text::width(line, row_labels.0)).fold(0.0, f32::max);
         let (note, note_heights) = note_style(sheet, tile[0]);
 

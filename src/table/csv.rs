@@ -77,6 +77,8 @@ pub enum TableError {
     Columns { path: PathBuf, found: Vec<String>, expected: Vec<String> },
     #[error("{}: row {row}, column {column}: {value:?} is not a number", path.display())]
     Number { path: PathBuf, row: usize, column: String, value: String },
+    #[error("{}: ends within a row; expected a whole table", path.display())]
+    Torn { path: PathBuf },
     #[error("{}: no column {column:?}; there are {columns:?}", path.display())]
     NoColumn { path: PathBuf, column: String, columns: Vec<String> },
 }
@@ -181,10 +183,18 @@ pub struct Table {
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
 impl Table {
-    /// Reads a whole table; every row must have as many cells as the header.
+    /// Reads a whole table; every row must have as many cells as the header, and the last line must be whole.
     pub fn read(path: &Path) -> Result<Self, TableError> {
         let bytes = read_regular(path, MAX_FILE_BYTES).map_err(|source| file_error(path, source))?;
+        if whole_lines(&bytes) < bytes.len() {
+            return Err(TableError::Torn { path: path.to_owned() });
+        }
         Self::parse(path, &bytes)
+    }
+
+    /// The file that the table was read from.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     fn parse(path: &Path, bytes: &[u8]) -> Result<Self, TableError> {

@@ -238,3 +238,23 @@ fn a_run_without_a_device_leaves_nothing_behind() {
     assert_eq!(output.status.code(), Some(2), "{message}");
     assert!(message.contains("file: is a file; expected a folder"), "{message}");
 }
+
+#[test]
+fn answers_of_a_run_whose_table_was_emptied_are_refused_and_stay() {
+    let dir = tempfile::tempdir().unwrap();
+    let published = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("results/timing");
+    for name in
+        ["provenance.json", "experiment.toml", "errors.csv", "errors_by_n_dot_v.csv", "environments.csv", "summary.md"]
+    {
+        std::fs::copy(published.join(name), dir.path().join(name)).unwrap();
+    }
+    let answers = || splitsum(dir.path(), &["answers", "."]);
+    assert_eq!(answers().status.code(), Some(0));
+    let summary = std::fs::read(dir.path().join("summary.md")).unwrap();
+    std::fs::write(dir.path().join("errors.csv"), "").unwrap();
+    let output = answers();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("./errors.csv: the file is empty"), "{}", stderr(&output));
+    assert_eq!(stderr(&output).trim().lines().count(), 1, "{}", stderr(&output));
+    assert_eq!(std::fs::read(dir.path().join("summary.md")).unwrap(), summary);
+}

@@ -325,3 +325,48 @@ fn a_sheet_without_images_or_labels_is_drawn() {
     bare.scale = 1;
     assert_eq!(extent(&bare.render().unwrap(), |color| color == [9; 3]).1, 1);
 }
+
+#[test]
+fn a_tall_sheet_makes_pages_that_lose_no_row() {
+    let rows: Vec<u8> = (0..20).collect();
+    let tile = |i: u8| Tile::Image { image: Rgb8Image::filled(30, 20, [i; 3]), note: String::new() };
+    let tall = ContactSheet {
+        row_labels: rows.iter().map(|i| format!("row {i}")).collect(),
+        rows: rows.iter().map(|i| vec![tile(*i), tile(100 + *i), tile(200)]).collect(),
+        // Groups of three rows; the last has two.
+        row_group_starts: rows.iter().map(|i| usize::from(*i)).filter(|i| i % 3 == 0).collect(),
+        ..sheet()
+    };
+    let whole = tall.render().unwrap().height;
+    let pages = tall.clone().pages(600).unwrap();
+    assert!(whole > 600 && pages.len() > 1, "{whole}");
+    for page in &pages {
+        let height = page.render().unwrap().height;
+        assert!(height <= 600, "{height}");
+        assert_eq!(
+            (&page.column_labels, &page.legends, &page.caption),
+            (&tall.column_labels, &tall.legends, &tall.caption)
+        );
+    }
+    assert!(pages[..pages.len() - 1].iter().all(|page| page.rows.len() % 3 == 0), "groups stay together");
+    assert_eq!(pages.iter().flat_map(|page| page.rows.clone()).collect::<Vec<_>>(), tall.rows);
+    assert_eq!(pages.iter().flat_map(|page| page.row_labels.clone()).collect::<Vec<_>>(), tall.row_labels);
+    assert!(pages[1].title.ends_with(&format!("(page 2 of {})", pages.len())), "{}", pages[1].title);
+    // A group that no page holds is split, and a page that holds no row has one all the same.
+    let one_group = ContactSheet { row_group_starts: vec![0], ..tall.clone() };
+    assert!(one_group.pages(600).unwrap().iter().all(|page| page.render().unwrap().height <= 600));
+    assert_eq!(tall.clone().pages(1).unwrap().len(), 20);
+    assert_eq!(tall.clone().pages(whole).unwrap(), [tall]);
+}
+
+#[test]
+fn a_row_label_has_as_many_lines_as_its_tile_is_tall() {
+    let tall = |label: &str| {
+        let tile = Tile::Image { image: Rgb8Image::filled(30, 40, [9; 3]), note: String::new() };
+        let rows = vec![vec![tile.clone(), tile.clone(), tile]];
+        ContactSheet { scale: 4, row_labels: vec![label.to_owned()], rows, row_group_starts: vec![], ..sheet() }
+            .render()
+    };
+    // 160 pixels are room for six lines.
+    assert_ne!(tall("a 1\nb 2\nc 3\nd 4\ne 5\nf 6"), tall("a 1\nb 2\nc 3\nd 4\ne 5\nf 7"));
+}

@@ -6,8 +6,9 @@
 
 use super::break_even::{Basis, BreakEven, Level, break_even, crossing, crossing_interval, median};
 use super::curves::{Curve, CurvePoint, Fixed, fits, geometric_mean};
-use super::study::{Row, Study};
+use super::study::Study;
 use super::times::{PairTimes, TimeLevel, TimeMatch, ratio_at, time_match};
+use crate::experiment::timing_ratios::Payback;
 use serde::Serialize;
 
 /// Where two error curves cross.
@@ -63,8 +64,10 @@ pub struct Case {
     pub time: Option<TimeMatch>,
     /// Time of a frame of the sampling method at the crossing over that of the fixed one.
     pub time_ratio_at_crossing: Option<f64>,
+    /// 95 % interval of that ratio.
+    pub time_ratio_interval: Option<[f64; 2]>,
     /// Frames with the same tables after which the fixed method is cheaper than the sampling one at the crossing; `None` where
-    /// the crossing, or a time, is not known, or where its frames are not faster.
+    /// the crossing, or a time, is not known, or where the interval does not say that its frames are faster.
     pub payback_frames: Option<f64>,
     /// Whether an error at the crossing is near the reference's own noise: more reference samples would move it.
     pub is_reference_limited: bool,
@@ -87,6 +90,9 @@ pub struct Pair {
     pub fixed: String,
     pub cases: Vec<Case>,
     pub sample_counts: Vec<u32>,
+    /// Keys of the cases that the experiment leaves out.
+    #[serde(skip)]
+    pub excluded: Vec<Vec<String>>,
 }
 
 impl Pair {
@@ -128,6 +134,7 @@ pub fn pairs(study: &Study, curves: &[Curve], fixed: &[Fixed], times: &PairTimes
                     fixed: fixed.method.to_owned(),
                     cases: vec![case],
                     sample_counts: Vec::new(),
+                    excluded: Vec::new(),
                 }),
             }
         }
@@ -138,13 +145,29 @@ pub fn pairs(study: &Study, curves: &[Curve], fixed: &[Fixed], times: &PairTimes
         counts.sort_unstable();
         counts.dedup();
         pair.sample_counts = counts;
+        pair.excluded = excluded(study, pair);
     }
     pairs
 }
 
+/// Keys of what is left out of one of the two methods and is part of no case.
+fn excluded(study: &Study, pair: &Pair) -> Vec<Vec<String>> {
+    let axes = study.case_axes();
+    let method = study.axis("method");
+    let of_pair =
+        |values: &&Vec<String>| method.is_some_and(|axis| [&pair.sampled, &pair.fixed].contains(&&values[axis]));
+    let mut keys: Vec<Vec<String>> = Vec::new();
+    for values in study.excluded.iter().filter(of_pair) {
+        let key: Vec<String> = axes.iter().map(|&axis| values[axis].clone()).collect();
+        if !keys.contains(&key) && pair.cases.iter().all(|case| !fits(&case.key, &key)) {
+            keys.push(key);
+        }
+    }
+    keys
+}
+
 fn case(study: &Study, curve: &Curve, index: usize, fixed: &Fixed, times: &PairTimes) -> Case {
-    let row_of =
-        |point: &CurvePoint| study.rows.iter().find(|row: &&Row| row.run == point.run && row.cell == point.cell);
+    let row_of = |point: &CurvePoint| study.row(point.run, &point.cell);
     let levels: Vec<TimeLevel> =
         curve.points.iter().filter_map(|point| times.level(study, row_of(point)?, fixed.row)).collect();
     let time = time_match(&levels);
@@ -158,10 +181,9 @@ fn case(study: &Study, curve: &Curve, index: usize, fixed: &Fixed, times: &PairT
     });
     let last = levels.last();
     let time_ratio = whole.crossing.and_then(|samples| ratio_at(&levels, samples));
-    let payback = |ratio: f64| {
-        let saved_ms = (ratio - 1.0) * last?.fixed_ms;
-        Some((last?.tables_ms / saved_ms).ceil())
-            .filter(|frames| saved_ms > 0.0 && frames.is_finite() && *frames >= 0.0)
+    let payback = |(ratio, interval): (f64, [f64; 2])| {
+        let TimeLevel { rounds, fixed_ms, tables_ms, .. } = *last?;
+        Payback::new(ratio, interval, rounds, fixed_ms, tables_ms).frames()
     };
     let is_limited_at = |count: u32| curve.points.iter().any(|point| point.samples <= count && !point.is_resolved);
     Case {
@@ -172,7 +194,10 @@ fn case(study: &Study, curve: &Curve, index: usize, fixed: &Fixed, times: &PairT
         curve: index,
         bins: bins.collect(),
         time,
-        time_ratio_at_crossing: time_ratio,
+        time_ratio_at_crossing: time_ratio.map(|(ratio, _)| ratio),
+        time_ratio_interval: time_ratio
+            .map(|(_, interval)| interval)
+            .filter(|ends| ends.iter().all(|end| end.is_finite())),
         payback_frames: time_ratio.and_then(payback),
         is_reference_limited: !fixed.row.is_resolved()
             || match whole.break_even {

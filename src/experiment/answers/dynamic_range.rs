@@ -45,7 +45,7 @@ pub fn dynamic_range(study: &Study) -> Vec<RangePoint> {
         return Vec::new();
     }
     let mut groups: Vec<(RangePoint, Vec<f64>)> = Vec::new();
-    let rows = study.rows.iter().filter_map(|row| Some((row, row.error?, row.range_stops?)));
+    let rows = study.images().into_iter().filter_map(|row| Some((row, row.error?, row.range_stops?)));
     for (row, error, range) in rows {
         let point = point(study, row, range, is_clipped);
         match groups.iter_mut().find(|(known, _)| *known == point) {

@@ -29,6 +29,14 @@ pub struct Effect {
     pub better: usize,
 }
 
+impl Effect {
+    /// Whether the interval tells which of the two errs less.
+    pub fn is_decided(&self) -> bool {
+        let [lo, hi] = self.interval;
+        hi.is_finite() && (lo > 1.0 || hi < 1.0)
+    }
+}
+
 /// Axes that are no parameters: counts of samples have slopes and break-even, point sets are luck.
 const NOT_PARAMETERS: [&str; 3] = ["samples", "point_set", super::study::RUN_AXIS];
 
@@ -70,7 +78,12 @@ fn of_axis(study: &Study, axis: usize) -> Vec<Effect> {
     for row in rows.iter().filter(|row| !row.axes[axis].is_empty() && row.axes[axis] != *base) {
         let Some(partner) = bases.iter().find(|other| agrees(row, other)) else { continue };
         let (Some(error), Some(of_base)) = (row.error, partner.error) else { continue };
-        let method = if name == "method" { study.value(row, "samples").to_owned() } else { study.method_label(row) };
+        let method = match (name, study.value(row, "method")) {
+            ("method", _) => study.value(row, "samples").to_owned(),
+            // The value itself says how the image is made.
+            ("diffuse", "none") => String::new(),
+            _ => study.method_label(row),
+        };
         let alpha = study.value(row, "alpha");
         let keys = [String::new(), alpha.to_owned()].map(|alpha| [row.axes[axis].clone(), method.clone(), alpha]);
         for key in &keys[..if alpha.is_empty() { 1 } else { 2 }] {

@@ -5,8 +5,8 @@ use super::run_folder::{RunFolder, RunFolderError};
 use super::study::Study;
 use super::words::{Answer, answer};
 use super::{Answers, tables};
-use crate::experiment::store::{Store, StoreError};
 use crate::experiment::summary;
+use crate::pixels::{PixelsError, Staged};
 use crate::table::csv;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub enum AnswersError {
     #[error(transparent)]
     Run(#[from] RunFolderError),
     #[error(transparent)]
-    Store(#[from] StoreError),
+    File(#[from] PixelsError),
     #[error(transparent)]
     Plot(#[from] PlotError),
     #[error("{}: {error}", path.display())]
@@ -78,7 +78,7 @@ impl Answered {
     pub fn of_run(dir: &Path) -> Result<Self, AnswersError> {
         let runs = [RunFolder::read(dir)?];
         let [run] = &runs;
-        let study = Study::new(&runs, &[run.text("/name")]);
+        let study = Study::new(&runs, &[run.text("/name")]).distinct();
         let answers = Answers::new(&study, &runs);
         let mut files: Vec<(String, String)> = tables::of_run(&study, &answers)
             .into_iter()
@@ -118,11 +118,26 @@ impl Answered {
         std::fs::read_to_string(self.dir.join(SUMMARY_FILE)).ok().as_deref() == Some(&self.summary)
     }
 
-    /// Writes `answers/` and, last, the summary. A picture or table of earlier answers that these do not have is removed.
+    /// Writes `answers/` and the summary: all of them or, where one cannot be written, none. A picture or table of earlier answers that
+    /// these do not have is removed.
     pub fn write(&self) -> Result<(), AnswersError> {
         let folder = self.dir.join(FOLDER);
         let io = |error| AnswersError::Io { path: folder.clone(), error };
         std::fs::create_dir_all(&folder).map_err(io)?;
+        let answers = self.files.iter().map(|(name, text)| (folder.join(name), text));
+        // The summary is the last to change: it speaks of the others.
+        let due = answers.chain([(self.dir.join(SUMMARY_FILE), &self.summary)]);
+        let is_new = |(path, text): &(PathBuf, &String)| std::fs::read(path).ok().as_deref() != Some(text.as_bytes());
+        // What can fail for want of space or rights is done beside the old files, before the first of them is replaced.
+        let staged = due.filter(is_new).map(|(path, text)| {
+            if path.is_dir() {
+                let error = std::io::ErrorKind::IsADirectory.into();
+                return Err(AnswersError::Io { path, error });
+            }
+            Ok(Staged::new(&path, text.as_bytes())?)
+        });
+        let staged: Vec<Staged> = staged.collect::<Result<_, _>>()?;
+        staged.into_iter().try_for_each(Staged::put)?;
         for entry in std::fs::read_dir(&folder).map_err(io)?.flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
             let is_ours = [".csv", ".svg"].iter().any(|end| name.ends_with(end));
@@ -130,10 +145,6 @@ impl Answered {
                 std::fs::remove_file(entry.path()).map_err(io)?;
             }
         }
-        let store = Store::at(&self.dir);
-        for (name, text) in &self.files {
-            store.write_text(&folder.join(name), text)?;
-        }
-        Ok(store.write_text(&self.dir.join(SUMMARY_FILE), &self.summary)?)
+        Ok(())
     }
 }

@@ -38,7 +38,11 @@ pub fn heat(study: &Study) -> Vec<HeatTable> {
 }
 
 fn table(study: &Study, method: &str, samples: &str) -> Option<HeatTable> {
-    let own = study.rows.iter().filter(|r| study.value(r, "method") == method && study.value(r, "samples") == samples);
+    // Copies that differ in the tone curve only share their linear errors.
+    let own = study
+        .images()
+        .into_iter()
+        .filter(|r| study.value(r, "method") == method && study.value(r, "samples") == samples);
     let own: Vec<_> = own.filter(|row| row.error.is_some() && !row.bins.is_empty()).collect();
     let alpha = |row| study.value(row, "alpha").parse::<f64>().ok();
     let mut alphas: Vec<f64> = own.iter().filter_map(|row| alpha(row)).collect();

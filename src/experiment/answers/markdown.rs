@@ -2,6 +2,7 @@
 
 use super::break_even::{BreakEven, interval_text, median};
 use super::cases::{Case, Pair};
+use super::curves::fits;
 use super::dynamic_range::growth;
 use super::exposure::VISIBLE_FROM;
 use super::study::{Row, Study};
@@ -48,6 +49,13 @@ fn noise_note(text: &str) -> &'static str {
     }
 }
 
+/// Stands where no pixel of the image is in a bin.
+const NO_PIXELS: &str = "–";
+
+fn no_pixels_note(text: &str) -> &'static str {
+    if text.contains(NO_PIXELS) { "–: no pixel of the image is in the bin.\n\n" } else { "" }
+}
+
 fn table(header: &[(String, Align)]) -> MarkdownTable {
     MarkdownTable::new(&header.iter().map(|(name, align)| (name.as_str(), *align)).collect::<Vec<_>>())
 }
@@ -86,12 +94,15 @@ fn break_even(study: &Study, answers: &Answers, pair: &Pair) -> String {
     let mut rows = table(&header);
     for case in &pair.cases {
         let curve = &answers.curves[case.curve];
-        let fixed_row = study.rows.iter().find(|row| row.run == case.fixed_run && row.cell == case.fixed_cell);
+        let fixed_row = study.row(case.fixed_run, &case.fixed_cell);
         let mut cells = words(&answers.case_axes, &case.key);
         cells.push(scored(case.fixed_error, fixed_row.is_none_or(Row::is_resolved)));
         cells.extend(pair.sample_counts.iter().map(|n| {
             let point = curve.points.iter().find(|point| point.samples == *n);
-            point.map_or_else(String::new, |point| scored(point.error, point.is_resolved))
+            point.map_or_else(
+                || missing(study, &case.key, sampled, *n).to_owned(),
+                |point| scored(point.error, point.is_resolved),
+            )
         }));
         cells.push(case.whole.break_even.to_string());
         cells.push(case.whole.crossing.map_or_else(String::new, |n| significant(n, ESTIMATE_DIGITS)));
@@ -106,6 +117,9 @@ fn break_even(study: &Study, answers: &Answers, pair: &Pair) -> String {
             cells.push(case.whole.at_equal_time.name().replace("sampled", sampled).replace("fixed", fixed));
         }
         rows.row(&cells);
+    }
+    for key in &pair.excluded {
+        rows.row(&excluded_row(answers, key, header.len()));
     }
     let basis = pair.cases.iter().map(|case| case.whole.basis.name()).find(|name| !name.is_empty()).unwrap_or_default();
     let basis = match basis {
@@ -131,6 +145,28 @@ fn break_even(study: &Study, answers: &Answers, pair: &Pair) -> String {
         };
     }
     text + &break_even_by_n_dot_v(answers, pair)
+}
+
+/// What stands in a row of a case that the experiment leaves out.
+fn excluded_row(answers: &Answers, key: &[String], columns: usize) -> Vec<String> {
+    let words = words(&answers.case_axes, key);
+    let rest = columns - words.len();
+    words.into_iter().chain(std::iter::repeat_n("excluded".to_owned(), rest)).collect()
+}
+
+/// Why a case has no error at a sample count.
+fn missing(study: &Study, key: &[String], method: &str, samples: u32) -> &'static str {
+    let (axes, count) = (study.case_axes(), samples.to_string());
+    let is_it = |values: &[String]| {
+        let of = |name: &str| study.axis(name).map_or("", |axis| &values[axis]);
+        let own: Vec<String> = axes.iter().map(|&axis| values[axis].clone()).collect();
+        of("method") == method && of("samples") == count && fits(&own, key)
+    };
+    match () {
+        () if study.excluded.iter().any(|values| is_it(values)) => "excluded",
+        () if study.rows.iter().any(|row| row.error.is_none() && is_it(&row.axes)) => "failed",
+        () => "not tried",
+    }
 }
 
 fn medians_over_alpha(answers: &Answers, pair: &Pair) -> String {
@@ -169,11 +205,15 @@ fn break_even_by_n_dot_v(answers: &Answers, pair: &Pair) -> String {
         let mut cells = words(&answers.case_axes, &case.key);
         cells.extend(bins.iter().map(|(lo, _)| {
             let bin = case.bins.iter().find(|bin| bin.lo == *lo);
-            bin.map_or_else(String::new, |bin| bin.crossing.break_even.to_string())
+            bin.map_or_else(|| NO_PIXELS.to_owned(), |bin| bin.crossing.break_even.to_string())
         }));
         rows.row(&cells);
     }
-    format!("The same over the pixels of each bin of n_dot_v, grazing angles on the left:\n\n{rows}\n")
+    for key in &pair.excluded {
+        rows.row(&excluded_row(answers, key, header.len()));
+    }
+    let note = no_pixels_note(&rows.to_string());
+    format!("The same over the pixels of each bin of n_dot_v, grazing angles on the left:\n\n{rows}\n{note}")
 }
 
 /// The headline error of every method in every row.
@@ -245,10 +285,13 @@ fn error_by_n_dot_v(answers: &Answers) -> String {
         header.extend(one.bins.iter().map(|(lo, hi)| (format!("{lo} to {}", hi.min(1.0)), Align::Right)));
         let mut rows = table(&header);
         for (alpha, errors) in one.alphas.iter().zip(&one.errors) {
-            let cells = errors.iter().map(|error| error.map_or_else(String::new, |e| significant(e, ESTIMATE_DIGITS)));
-            rows.row(&[alpha.to_string()].into_iter().chain(cells).collect::<Vec<_>>());
+            let number = |e| significant(e, ESTIMATE_DIGITS);
+            let cells = errors.iter().map(|error| error.map_or_else(|| NO_PIXELS.to_owned(), number));
+            let alpha = short("alpha", &alpha.to_string()).into_owned();
+            rows.row(&[alpha].into_iter().chain(cells).collect::<Vec<_>>());
         }
-        let _ = write!(text, "`{}`:\n\n{rows}\n", one.label());
+        let note = no_pixels_note(&rows.to_string());
+        let _ = write!(text, "`{}`:\n\n{rows}\n{note}", one.label());
     }
     text
 }
@@ -365,7 +408,7 @@ fn effects(answers: &Answers) -> String {
         let mut header = left(&[axis.to_owned(), if is_method { "samples" } else { "method" }.to_owned()]);
         header.extend([("ratio".to_owned(), Align::Right), ("95 %".to_owned(), Align::Left)]);
         header.push(("better in".to_owned(), Align::Right));
-        header.extend(alphas.iter().flatten().map(|alpha| (format!("alpha {alpha}"), Align::Right)));
+        header.extend(alphas.iter().flatten().map(|alpha| (format!("alpha {}", short("alpha", alpha)), Align::Right)));
         let mut rows = table(&header);
         for effect in own().filter(|effect| effect.alpha.is_none()) {
             let number = |x: f64| significant(x, DIGITS);
@@ -373,7 +416,8 @@ fn effects(answers: &Answers) -> String {
                 true => effect.interval.map(number).join(" to "),
                 false => String::new(),
             };
-            let mut cells = vec![effect.value.clone(), effect.method.clone(), number(effect.ratio), ends];
+            let value = short(axis, &effect.value).into_owned();
+            let mut cells = vec![value, effect.method.clone(), number(effect.ratio), ends];
             cells.push(format!("{} of {}", effect.better, effect.n));
             cells.extend(alphas.iter().flatten().map(|alpha| {
                 let one = own().find(|other| {

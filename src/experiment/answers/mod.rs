@@ -41,6 +41,7 @@ use heat::HeatTable;
 use run_folder::RunFolder;
 use serde::Serialize;
 use study::{Row, Study};
+use times::FrameRatio;
 
 /// Everything that is computed from the rows. The report reads the serialised part.
 #[derive(Debug, Serialize)]
@@ -49,6 +50,8 @@ pub struct Answers {
     pub case_axes: Vec<String>,
     pub curves: Vec<Curve>,
     pub pairs: Vec<Pair>,
+    #[serde(skip)]
+    pub frame_ratios: Vec<FrameRatio>,
     #[serde(skip)]
     pub heat: Vec<HeatTable>,
     #[serde(skip)]
@@ -60,11 +63,13 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Answers joined runs.
+    /// Answers joined runs, of which each distinct image counts once ([`Study::distinct`]).
     pub fn new(study: &Study, runs: &[RunFolder]) -> Self {
         let (curves, fixed) = curves::curves(study);
-        let pairs = cases::pairs(study, &curves, &fixed, &times::PairTimes::new(runs));
+        let times = times::PairTimes::new(runs);
+        let pairs = cases::pairs(study, &curves, &fixed, &times);
         Self {
+            frame_ratios: times.frame_ratios(),
             case_axes: study.case_axes().iter().map(|&axis| study.axes[axis].name.clone()).collect(),
             pairs,
             curves,

@@ -1,6 +1,8 @@
 //! Published runs: the small files of finished runs in a folder for git, and a page with the answers of all of them.
 
 use super::folder::{ANSWER_FILE, AnswerRecord, AnswersError, FOLDER, SUMMARY_FILE};
+use crate::experiment::sheets::sheet_files;
+use crate::experiment::summary::{SHEETS_FOLDER, sheet_link};
 use crate::pixels::{PixelsError, png, write_atomically};
 use crate::slips;
 use crate::table::markdown::{Align, MarkdownTable};
@@ -80,8 +82,10 @@ pub fn publish(dir: &Path, into: &Path) -> Result<Vec<String>, PublishError> {
             }
         }
     }
-    for sheet in sheets(&dir.join("tables"))? {
-        let image = png::read_rgb8(&sheet)?;
+    let sheets = sheet_files(dir);
+    let mut published = None;
+    for sheet in &sheets {
+        let image = png::read_rgb8(sheet)?;
         let width = image.width.min(SHEET_WIDTH_MAX);
         let height = (u64::from(image.height) * u64::from(width) / u64::from(image.width)).max(1) as u32;
         if height > SHEET_HEIGHT_MAX {
@@ -89,18 +93,27 @@ pub fn publish(dir: &Path, into: &Path) -> Result<Vec<String>, PublishError> {
             continue;
         }
         let name = sheet.file_name().map_or_else(|| "sheet.png".into(), |name| name.to_owned());
-        png::write_rgb8(&target.join(name), &image.shrunk(width, height))?;
+        png::write_rgb8(&target.join(&name), &image.shrunk(width, height))?;
+        published = name.into_string().ok();
         break;
     }
+    let summary = target.join(SUMMARY_FILE);
+    let text = std::fs::read_to_string(&summary).map_err(io(&summary))?;
+    let text = with_published_sheets(&text, &sheets, published.as_deref());
+    write_atomically(&summary, |writer| writer.write_all(text.as_bytes()))?;
     Ok(notes)
 }
 
-fn sheets(folder: &Path) -> Result<Vec<PathBuf>, PublishError> {
-    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(Vec::new()) };
-    let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    found.retain(|path| path.extension().is_some_and(|extension| extension == "png"));
-    found.sort();
-    Ok(found)
+/// The summary with links to those sheets only that are published beside it.
+fn with_published_sheets(summary: &str, sheets: &[PathBuf], published: Option<&str>) -> String {
+    let names = sheets.iter().filter_map(|sheet| sheet.file_name()?.to_str());
+    names.fold(summary.to_owned(), |text, name| {
+        let link = sheet_link(name);
+        match published == Some(name) {
+            true => text.replace(&link, &link.replace(&format!("]({SHEETS_FOLDER}/"), "](")),
+            false => text.replace(&link, link.split(['[', ']']).nth(1).unwrap_or(&link)),
+        }
+    })
 }
 
 /// Writes `README.md` of a folder of published runs: the answers of all of them. Returns its path.
@@ -111,7 +124,10 @@ pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
             let folder = entry.file_name().to_string_lossy().into_owned();
             // A remark is a person's choice; most runs have none.
             let remark = std::fs::read_to_string(entry.path().join(REMARK_FILE)).unwrap_or_default();
-            runs.push(Published { folder, remark, run: AnswerRecord::read(&entry.path())? });
+            let files = std::fs::read_dir(entry.path()).map_err(io(into))?.flatten();
+            let names = files.filter_map(|file| file.file_name().into_string().ok());
+            let sheet = names.filter(|name| name.ends_with(".png")).min();
+            runs.push(Published { folder, remark, sheet, run: AnswerRecord::read(&entry.path())? });
         }
     }
     runs.sort_by(|a, b| a.folder.cmp(&b.folder));
@@ -127,6 +143,8 @@ struct Published {
     folder: String,
     /// What a person wrote of it.
     remark: String,
+    /// File of the contact sheet.
+    sheet: Option<String>,
     run: AnswerRecord,
 }
 
@@ -144,7 +162,7 @@ fn page(runs: &[Published]) -> String {
         text += "**All times are those of a CPU driver where it is named below: they say nothing about a GPU.** Errors do not depend on the \
                  device's speed.\n\n";
     }
-    for Published { folder, remark, run } in runs {
+    for Published { folder, remark, sheet, run } in runs {
         text += &format!("## {}\n\n{}\n\n**{}**\n\n", run.name, run.question, run.answer.sentence);
         text.extend(run.answer.facts.iter().map(|fact| format!("- {fact}\n")));
         if !remark.trim().is_empty() {
@@ -157,6 +175,9 @@ fn page(runs: &[Published]) -> String {
         for name in pictures {
             let about = name.trim_end_matches(".svg").replace('_', " ");
             text += &format!("[{about}]({folder}/{FOLDER}/{name}) · ");
+        }
+        if let Some(sheet) = sheet {
+            text += &format!("[contact sheet]({folder}/{sheet}) · ");
         }
         text += &format!("[all numbers]({folder}/{SUMMARY_FILE})\n\n");
         let failed = if run.failed > 0 { format!(", {} failed", run.failed) } else { String::new() };

@@ -1,13 +1,16 @@
 //! Reading the folder of a finished run: only its files, so that a report needs neither the device nor the inputs.
 
+use crate::experiment::config::Config;
+use crate::experiment::fault::Faults;
 use crate::experiment::plan::SCHEMA_VERSION;
-use crate::experiment::store::FailureRecord;
+use crate::experiment::store::{FailureRecord, Store};
+use crate::experiment::tables::HEADLINE;
 use crate::experiment::timing::TimingRecord;
 use crate::files::read_regular;
 use crate::slips;
 use crate::table::csv::{Table, TableError};
 use serde::de::DeserializeOwned;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Why a folder cannot be reported.
@@ -25,6 +28,8 @@ pub enum RunFolderError {
     Json { path: PathBuf, error: serde_json::Error },
     #[error(transparent)]
     Table(#[from] TableError),
+    #[error("{}: {what}; expected the table as `splitsum run` wrote it, which writes it anew from its records", path.display())]
+    Damaged { path: PathBuf, what: String },
 }
 
 /// The files of `images/` that belong to a cell.
@@ -44,6 +49,8 @@ pub struct RunFolder {
     pub provenance: serde_json::Value,
     /// The frozen experiment file.
     pub experiment: String,
+    /// What it says, with the overrides of the run; `None` where this program does not understand it.
+    pub config: Option<Config>,
     pub errors: Table,
     /// By `n_dot_v`; `None` for a run that has no such table.
     pub bins: Option<Table>,
@@ -63,7 +70,8 @@ pub struct RunFolder {
 const CSV_FILES: [&str; 3] = ["errors.csv", "errors_by_n_dot_v.csv", "timings.csv"];
 
 impl RunFolder {
-    /// Reads everything but the images themselves.
+    /// Reads everything but the images themselves. Tables that were emptied or cut off are refused: their answers would be wrong, and would
+    /// replace right ones.
     pub fn read(dir: &Path) -> Result<Self, RunFolderError> {
         let not_a_run = |file| RunFolderError::NotARun { dir: dir.to_owned(), file };
         let provenance: serde_json::Value =
@@ -77,11 +85,15 @@ impl RunFolder {
             path.exists().then(|| Table::read(&path)).transpose()
         };
         let errors = table("errors.csv")?.ok_or_else(|| unfinished(dir, &provenance))?;
+        let bins = table("errors_by_n_dot_v.csv")?;
+        check_errors(dir, &provenance, &errors, bins.as_ref())?;
         let csv = CSV_FILES.iter().filter_map(|&name| text(&dir.join(name)).transpose().map(|t| Ok((name, t?))));
+        let experiment = text(&dir.join("experiment.toml"))?.unwrap_or_default();
         Ok(Self {
+            config: config(&experiment, &provenance),
             provenance,
-            experiment: text(&dir.join("experiment.toml"))?.unwrap_or_default(),
-            bins: table("errors_by_n_dot_v.csv")?,
+            experiment,
+            bins,
             environments: table("environments.csv")?,
             slips: table(slips::FILE_NAME)?,
             timings: records(&dir.join("timings"))?,
@@ -133,6 +145,15 @@ impl RunFolder {
     }
 }
 
+fn config(experiment: &str, provenance: &serde_json::Value) -> Option<Config> {
+    let overrides = provenance["overrides"].as_array().into_iter().flatten();
+    let overrides: Vec<String> = overrides.filter_map(|text| Some(text.as_str()?.to_owned())).collect();
+    let path = Path::new("experiment.toml");
+    let mut faults = Faults::new(path, experiment);
+    let config = Config::parse(path, experiment, &overrides, &mut faults);
+    faults.is_empty().then_some(config)
+}
+
 /// A run that left no table, with the command that makes one.
 fn unfinished(dir: &Path, provenance: &serde_json::Value) -> RunFolderError {
     match last_command(provenance) {
@@ -167,6 +188,62 @@ fn images(table: &Table) -> Result<BTreeMap<String, CellImages>, RunFolderError>
         (row[cell].clone(), CellImages { radiance: row[radiance].clone(), reference: row[reference].clone() })
     };
     Ok(table.rows.iter().map(entry).collect())
+}
+
+/// Whether the tables of errors are whole: their columns, their numbers, each cell once, and no fewer cells than the folder has records of.
+fn check_errors(
+    dir: &Path,
+    provenance: &serde_json::Value,
+    errors: &Table,
+    bins: Option<&Table>,
+) -> Result<(), RunFolderError> {
+    let damaged = |what: String| Err(RunFolderError::Damaged { path: errors.path().to_owned(), what });
+    for table in [Some(errors), bins].into_iter().flatten().filter(|table| table.columns.is_empty()) {
+        return Err(RunFolderError::Damaged { path: table.path().to_owned(), what: "the file is empty".to_owned() });
+    }
+    let cell = errors.column("cell")?;
+    let verdict = errors.column("verdict")?;
+    let scores = errors.numbers(HEADLINE)?;
+    let ids: BTreeSet<&str> = errors.rows.iter().map(|row| row[cell].as_str()).collect();
+    if ids.len() < errors.rows.len() {
+        return damaged(format!("{} rows of {} cells", errors.rows.len(), ids.len()));
+    }
+    let records: BTreeSet<String> = ["cells", "failed"].iter().flat_map(|name| record_names(&dir.join(name))).collect();
+    // Records that cannot be read are none, but are only looked at where there seem to be too many.
+    let store = Store::at(dir);
+    let is_record = |id: &&String| matches!(store.cell(id), Ok(Some(_))) || matches!(store.failure(id), Ok(Some(_)));
+    let rows = errors.rows.len();
+    let records = if rows < records.len() { records.iter().filter(is_record).count() } else { records.len() };
+    if rows < records {
+        return damaged(format!(
+            "{rows} rows, but the folder has records of {records} cells: it is cut off, or a run is under way"
+        ));
+    }
+    // A published folder has no records. A run that was stopped before its first cell has no session that did work.
+    let has_worked = provenance["sessions"].as_array().is_some_and(|sessions| !sessions.is_empty());
+    if rows == 0 && records == 0 && has_worked && !dir.join("cells").is_dir() && provenance["cell_count"] != 0 {
+        return damaged("no rows".to_owned());
+    }
+    let Some(bins) = bins else { return Ok(()) };
+    bins.numbers(HEADLINE)?;
+    let bin_cell = bins.column("cell")?;
+    let binned: BTreeSet<&str> = bins.rows.iter().map(|row| row[bin_cell].as_str()).collect();
+    let is_scored =
+        |(row, score): &(&Vec<String>, &Option<f64>)| score.is_some_and(f64::is_finite) && row[verdict] != "failed";
+    let mut scored = errors.rows.iter().zip(&scores).filter(is_scored).map(|(row, _)| row[cell].as_str());
+    match scored.find(|id| !binned.contains(id)) {
+        Some(id) => Err(RunFolderError::Damaged {
+            path: bins.path().to_owned(),
+            what: format!("no row of cell {id}, which {} has", errors.path().display()),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Names of the records in a folder; none where it does not exist.
+fn record_names(dir: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
+    entries.filter_map(|entry| Some(entry.file_name().to_string_lossy().strip_suffix(".json")?.to_owned())).collect()
 }
 
 /// Largest file of a run that is read, bytes.

@@ -1,10 +1,12 @@
 //! The rows of one or more runs as one table, with the part that each axis plays.
 
 use super::run_folder::RunFolder;
-use crate::experiment::axis::{AXES, Reference, by_name};
+use crate::experiment::axis::{AXES, Point, Reference, by_name, index_of};
 use crate::experiment::images::short_value;
 use crate::experiment::tables::{DISPLAY_HEADLINE, HEADLINE};
 use crate::experiment::timing::{FRAME, TimingRecord, summarize};
+use crate::experiment::value::Value;
+use crate::table::markdown::significant;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -37,6 +39,8 @@ pub struct StudyAxis {
 pub struct Row {
     pub run: usize,
     pub cell: String,
+    /// Other cells with the same pixels, which this row stands for; see [`Study::distinct`].
+    pub copies: Vec<String>,
     /// Values by axis index.
     pub axes: Vec<String>,
     /// The headline metric; `None` for a failed cell.
@@ -47,6 +51,8 @@ pub struct Row {
     pub display_error: Option<f64>,
     /// The headline metric by `n_dot_v`; empty for a run that has no such table.
     pub bins: Vec<Bin>,
+    /// Mean and peak luminance of the environment as it was clipped, as written, where the run knows them.
+    pub light: Option<[String; 2]>,
     /// Dynamic range of the environment, stops (log2 of peak over mean luminance), where the run knows it.
     pub range_stops: Option<f64>,
     pub frame_ms: Option<FrameTime>,
@@ -84,6 +90,8 @@ pub struct FrameTime {
 pub struct Study {
     pub axes: Vec<StudyAxis>,
     pub rows: Vec<Row>,
+    /// Values by axis index of the combinations that the experiments leave out, with those unset that cannot reach the pixels.
+    pub excluded: Vec<Vec<String>>,
 }
 
 /// The axis that tells joined runs apart.
@@ -101,17 +109,52 @@ impl Study {
             names.extend(new);
         }
         let rows: Vec<Row> = (0..runs.len()).flat_map(|run| rows_of(&runs[run], run, &labels[run], &names)).collect();
-        let axes = names
-            .iter()
-            .enumerate()
-            .map(|(index, name)| {
-                let mut seen = BTreeSet::new();
-                let values: Vec<String> =
-                    rows.iter().map(|row| &row.axes[index]).filter(|value| seen.insert(*value)).cloned().collect();
-                StudyAxis { name: name.clone(), role: role(name, &values), values }
-            })
-            .collect();
-        Self { axes, rows }
+        let excluded = (0..runs.len()).flat_map(|run| excluded_of(&runs[run], &labels[run], &names)).collect();
+        Self { axes: axes_of(&names, &rows), rows, excluded }
+    }
+
+    /// The rows with each distinct image once: an axis is unset in a row whose pixels it cannot reach ([`Point::of_pixels`]), a clip of the
+    /// light that cuts off what another one does is written as that one, and of rows that are then equal the first one that has a score
+    /// stands for all.
+    pub fn distinct(&self) -> Self {
+        let names: Vec<String> = self.axes.iter().map(|axis| axis.name.clone()).collect();
+        let [environment, clip] = RANGE_AXES.map(|name| self.axis(name));
+        let mut clips: BTreeMap<(usize, &str, &[String; 2]), &str> = BTreeMap::new();
+        let mut rows: Vec<Row> = Vec::new();
+        let mut places: BTreeMap<(usize, Vec<String>), usize> = BTreeMap::new();
+        for row in &self.rows {
+            let mut own = Row { axes: reaching_pixels(&names, &row.axes), ..row.clone() };
+            if let (Some(clip), Some(light)) = (clip, &row.light) {
+                let environment = environment.map_or("", |axis| row.axes[axis].as_str());
+                let first = clips.entry((row.run, environment, light)).or_insert(&row.axes[clip]);
+                own.axes[clip] = first.to_string();
+            }
+            match places.get(&(own.run, own.axes.clone())) {
+                None => {
+                    places.insert((own.run, own.axes.clone()), rows.len());
+                    rows.push(own);
+                }
+                Some(&place) => {
+                    let known = &mut rows[place];
+                    if known.error.is_none() && own.error.is_some() {
+                        std::mem::swap(known, &mut own);
+                        known.copies = std::mem::take(&mut own.copies);
+                    }
+                    known.copies.push(own.cell);
+                }
+            }
+        }
+        Self { axes: axes_of(&names, &rows), rows, excluded: self.excluded.clone() }
+    }
+
+    /// Cells that a row with the same pixels stands for.
+    pub fn copy_count(&self) -> usize {
+        self.rows.iter().map(|row| row.copies.len()).sum()
+    }
+
+    /// The row of a cell, its own or one with the same pixels.
+    pub fn row(&self, run: usize, cell: &str) -> Option<&Row> {
+        self.rows.iter().find(|row| row.run == run && (row.cell == cell || row.copies.iter().any(|copy| copy == cell)))
     }
 
     /// The index of an axis.
@@ -135,8 +178,11 @@ impl Study {
         self.rows.iter().filter(is_new).collect()
     }
 
-    /// How the image of a row is made: "sampled 16", "split-sum".
+    /// How the image of a row is made: "sampled 16", "split-sum"; where no row has a specular term, the diffuse method.
     pub fn method_label(&self, row: &Row) -> String {
+        if self.axis("method").is_some_and(|axis| self.axes[axis].values == ["none"]) {
+            return self.value(row, "diffuse").to_owned();
+        }
         format!("{} {}", self.value(row, "method"), self.value(row, "samples")).trim_end().to_owned()
     }
 
@@ -154,6 +200,50 @@ impl Study {
     }
 }
 
+/// The combinations that a run's frozen experiment leaves out, each once.
+fn excluded_of(folder: &RunFolder, label: &str, names: &[String]) -> BTreeSet<Vec<String>> {
+    let text = |point: &Point| {
+        let value = |name: &String| match index_of(name) {
+            _ if name == RUN_AXIS => label.to_owned(),
+            Some(axis) => point.0[axis].to_string(),
+            None => String::new(),
+        };
+        names.iter().map(value).collect()
+    };
+    let Some(config) = &folder.config else { return BTreeSet::new() };
+    let has_lights = !config.lights.is_empty();
+    config.excluded_points().map(|point| text(&point.collapsed(has_lights).of_pixels(has_lights))).collect()
+}
+
+fn axes_of(names: &[String], rows: &[Row]) -> Vec<StudyAxis> {
+    let axis = |(index, name): (usize, &String)| {
+        let mut seen = BTreeSet::new();
+        let values: Vec<String> =
+            rows.iter().map(|row| &row.axes[index]).filter(|value| seen.insert(*value)).cloned().collect();
+        StudyAxis { name: name.clone(), role: role(name, &values), values }
+    };
+    names.iter().enumerate().map(axis).collect()
+}
+
+/// The values with those unset that cannot reach the pixels. Names that this program does not know are left as they are.
+fn reaching_pixels(names: &[String], values: &[String]) -> Vec<String> {
+    let mut point = Point::default();
+    for (name, text) in names.iter().zip(values).filter(|(_, text)| !text.is_empty()) {
+        let Some(index) = index_of(name) else { continue };
+        match AXES[index].kind.parse_text(text) {
+            Ok(value) => point.0[index] = value,
+            // Without its method or surface nothing is known of what reaches the pixels.
+            Err(_) if ["method", "diffuse", "albedo", "metallic"].contains(&name.as_str()) => return values.to_vec(),
+            Err(_) => {}
+        }
+    }
+    // Whether there are lights is told by the cells: what only lights use is unset already where there are none.
+    let reaching = point.of_pixels(true);
+    let reaches =
+        |name: &str| index_of(name).is_none_or(|i| point.0[i] == Value::Unset || reaching.0[i] != Value::Unset);
+    names.iter().zip(values).map(|(name, text)| if reaches(name) { text.clone() } else { String::new() }).collect()
+}
+
 fn rows_of(folder: &RunFolder, run: usize, label: &str, names: &[String]) -> Vec<Row> {
     let table = &folder.errors;
     let place = |name: &str| table.columns.iter().position(|column| column == name);
@@ -161,7 +251,7 @@ fn rows_of(folder: &RunFolder, run: usize, label: &str, names: &[String]) -> Vec
     let [cell, error, floor, verdict, display] =
         ["cell", HEADLINE, &format!("{HEADLINE}_noise_floor"), "verdict", DISPLAY_HEADLINE].map(place);
     let mut bins = bins_by_cell(folder);
-    let ranges = range_stops(folder);
+    let lights = lights(folder);
     let text = |fields: &[String], column: Option<usize>| column.map_or_else(String::new, |c| fields[c].clone());
     let row = |fields: &Vec<String>| {
         let axes: Vec<String> = names
@@ -177,7 +267,11 @@ fn rows_of(folder: &RunFolder, run: usize, label: &str, names: &[String]) -> Vec
             verdict: text(fields, verdict),
             display_error: text(fields, display).parse().ok(),
             bins: bins.remove(&text(fields, cell)).unwrap_or_default(),
-            range_stops: ranges.get(&RANGE_AXES.map(|name| text(fields, place(name)))).copied(),
+            copies: Vec::new(),
+            light: lights.get(&RANGE_AXES.map(|name| text(fields, place(name)))).map(|light| light.luminance.clone()),
+            range_stops: lights
+                .get(&RANGE_AXES.map(|name| text(fields, place(name))))
+                .and_then(|light| light.range_stops),
             frame_ms: frame_time(&folder.timings, names, &axes, &text(fields, cell)),
             axes,
         }
@@ -201,19 +295,44 @@ fn bins_by_cell(folder: &RunFolder) -> BTreeMap<String, Vec<Bin>> {
 /// The axes that a dynamic range hangs on.
 const RANGE_AXES: [&str; 2] = ["environment", "environment_clip_log2"];
 
-fn range_stops(folder: &RunFolder) -> BTreeMap<[String; 2], f64> {
+/// What `environments.csv` says of one environment and clip.
+struct Light {
+    /// Mean and peak, as written.
+    luminance: [String; 2],
+    range_stops: Option<f64>,
+}
+
+fn lights(folder: &RunFolder) -> BTreeMap<[String; 2], Light> {
     let Some(table) = &folder.environments else { return BTreeMap::new() };
-    let columns = [RANGE_AXES[0], RANGE_AXES[1], RANGE_COLUMN].map(|name| table.column(name).ok());
-    let [Some(name), Some(clip), Some(stops)] = columns else { return BTreeMap::new() };
-    let entry = |row: &Vec<String>| Some(([row[name].clone(), row[clip].clone()], row[stops].parse().ok()?));
-    table.rows.iter().filter_map(entry).collect()
+    let names = [RANGE_AXES[0], RANGE_AXES[1], LUMINANCE_COLUMNS[0], LUMINANCE_COLUMNS[1], RANGE_COLUMN];
+    let [Some(name), Some(clip), Some(mean), Some(peak), Some(stops)] = names.map(|name| table.column(name).ok())
+    else {
+        return BTreeMap::new();
+    };
+    let light = |row: &Vec<String>| Light {
+        luminance: [row[mean].clone(), row[peak].clone()],
+        range_stops: row[stops].parse().ok(),
+    };
+    table.rows.iter().map(|row| ([row[name].clone(), row[clip].clone()], light(row))).collect()
 }
 
 /// The column of `environments.csv` with the dynamic range.
 pub const RANGE_COLUMN: &str = "dynamic_range_stops";
+/// Those with the mean and the peak.
+pub const LUMINANCE_COLUMNS: [&str; 2] = ["mean_luminance", "peak_luminance"];
 
-/// A value as people say it: builtins without their prefix, files without folder and extension.
+/// Digits of a number that is written for people; files of numbers have all.
+const SHORT_DIGITS: usize = 4;
+
+/// A value as people say it: builtins without their prefix, files without folder and extension, long numbers rounded.
 pub fn short<'v>(axis: &str, value: &'v str) -> Cow<'v, str> {
+    let digits = value.trim_start_matches(['-', '0', '.']).len();
+    match value.parse::<f64>() {
+        Ok(number) if value.contains('.') && digits > SHORT_DIGITS + 1 => {
+            return significant(number, SHORT_DIGITS).into();
+        }
+        _ => {}
+    }
     if AXES.iter().all(|known| known.name != axis) { value.into() } else { short_value(by_name(axis), value) }
 }
 

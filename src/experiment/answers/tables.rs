@@ -125,7 +125,8 @@ fn break_even(answers: &Answers) -> AnswerTable {
             row.extend(crossing(pair.tried(), &case.whole));
             let time = |get: fn(&times::TimeMatch) -> f64| Cell::from(case.time.as_ref().map(get));
             row.extend([time(|t| t.samples), time(|t| t.interval[0]), time(|t| t.interval[1])]);
-            row.extend([case.time_ratio_at_crossing.into(), case.payback_frames.into()]);
+            let ends = case.time_ratio_interval.map_or([None; 2], |ends| ends.map(Some));
+            row.extend([case.time_ratio_at_crossing, ends[0], ends[1], case.payback_frames].map(Cell::from));
             row.push(case.time.map_or(Cell::Missing, |time| yes(time.is_cpu)));
             row.push(yes(case.is_reference_limited));
             row
@@ -134,7 +135,14 @@ fn break_even(answers: &Answers) -> AnswerTable {
     let mut own = vec!["sampled", "fixed", "fixed_error"];
     own.extend(CROSSING);
     own.extend(["samples_in_equal_time", "samples_in_equal_time_lo", "samples_in_equal_time_hi"]);
-    own.extend(["time_ratio_at_crossing", "payback_frames", "is_cpu_time", "is_reference_limited"]);
+    own.extend([
+        "time_ratio_at_crossing",
+        "time_ratio_lo",
+        "time_ratio_hi",
+        "payback_frames",
+        "is_cpu_time",
+        "is_reference_limited",
+    ]);
     AnswerTable { name: "break_even", columns: columns(answers, &own), rows: rows.collect() }
 }
 

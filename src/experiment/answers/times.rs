@@ -19,11 +19,25 @@ pub struct TimeLevel {
     /// Median over rounds of the ratio, with its 95 % interval.
     pub ratio: f64,
     pub interval: [f64; 2],
+    /// Pairs of frames behind them.
+    pub rounds: usize,
     /// What the tables of the fixed method cost beyond those of the sampling one, ms.
     pub tables_ms: f64,
     /// Median time of the fixed method's frame, ms.
     pub fixed_ms: f64,
     pub is_cpu: bool,
+}
+
+/// Frame times of a sampling method over those of a fixed one, of one timed configuration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameRatio {
+    pub sampled: String,
+    /// As written.
+    pub samples: String,
+    pub fixed: String,
+    /// Median over rounds, with its 95 % interval; NaN below two rounds.
+    pub ratio: f64,
+    pub interval: [f64; 2],
 }
 
 /// What a sampling method can do in the time of a method without samples.
@@ -45,13 +59,23 @@ impl<'r> PairTimes<'r> {
         Self { pairs: runs.iter().enumerate().flat_map(of_run).collect() }
     }
 
+    /// Every pair in words of its methods.
+    pub fn frame_ratios(&self) -> Vec<FrameRatio> {
+        let axis = |record: &TimingRecord, name: &str| record.axes.get(name).cloned().unwrap_or_default();
+        let ratio = |(_, pair): &(usize, Ratio)| FrameRatio {
+            sampled: axis(pair.sampled, "method"),
+            samples: axis(pair.sampled, "samples"),
+            fixed: axis(pair.fixed, "method"),
+            ratio: pair.ratio,
+            interval: pair.interval,
+        };
+        self.pairs.iter().map(ratio).collect()
+    }
+
     /// The times of a sampled row beside those of a fixed one of the same run: those taken with the row's own environment where there
     /// are any, else those of one with the same shading.
     pub fn level(&self, study: &Study, sampled: &Row, fixed: &Row) -> Option<TimeLevel> {
-        let environment_of = |cell: &str| {
-            let row = study.rows.iter().find(|row| row.run == sampled.run && row.cell == cell);
-            row.map(|row| study.value(row, "environment"))
-        };
+        let environment_of = |cell: &str| study.row(sampled.run, cell).map(|row| study.value(row, "environment"));
         let fitting = self.pairs.iter().filter(|(run, pair)| {
             *run == sampled.run
                 && sampled.run == fixed.run
@@ -67,6 +91,7 @@ impl<'r> PairTimes<'r> {
             samples,
             ratio: pair.ratio,
             interval: pair.interval,
+            rounds: pair.rounds,
             tables_ms: pair.tables_ms,
             fixed_ms,
             is_cpu: pair.sampled.device_type == "cpu",
@@ -74,9 +99,13 @@ impl<'r> PairTimes<'r> {
     }
 }
 
-/// Whether a record stands for a row: every axis that the record names has the row's value.
+/// Whether a record stands for a row: every axis that the record names has the row's value, or does not reach the row's pixels.
 pub fn is_of(study: &Study, record: &TimingRecord, row: &Row) -> bool {
-    record.axes.iter().filter(|(_, value)| !value.is_empty()).all(|(name, value)| study.value(row, name) == value)
+    let fits = |name: &str, value: &str| {
+        let own = study.value(row, name);
+        own == value || (own.is_empty() && study.axis(name).is_some())
+    };
+    record.axes.iter().filter(|(_, value)| !value.is_empty()).all(|(name, value)| fits(name, value))
 }
 
 /// The count at which the two take equally long. `levels` ascend by count; `None` without any.
@@ -107,13 +136,17 @@ pub fn time_match(levels: &[TimeLevel]) -> Option<TimeMatch> {
     })
 }
 
-/// Time ratio at a sample count, by log-log interpolation; `None` outside the tried counts.
-pub fn ratio_at(levels: &[TimeLevel], samples: f64) -> Option<f64> {
-    let log = |level: &TimeLevel| (f64::from(level.samples).ln(), level.ratio.ln());
+/// Time ratio at a sample count with its 95 % interval, by log-log interpolation; `None` outside the tried counts.
+pub fn ratio_at(levels: &[TimeLevel], samples: f64) -> Option<(f64, [f64; 2])> {
     if let Some(exact) = levels.iter().find(|level| f64::from(level.samples) == samples) {
-        return Some(exact.ratio);
+        return Some((exact.ratio, exact.interval));
     }
     let next = levels.iter().position(|level| f64::from(level.samples) > samples)?;
-    let ((x0, y0), (x1, y1)) = (log(levels.get(next.checked_sub(1)?)?), log(&levels[next]));
-    Some((y0 + (samples.ln() - x0) / (x1 - x0) * (y1 - y0)).exp())
+    let (a, b) = (levels.get(next.checked_sub(1)?)?, &levels[next]);
+    let [x0, x1] = [a, b].map(|level| f64::from(level.samples).ln());
+    let t = (samples.ln() - x0) / (x1 - x0);
+    let between = |y0: f64, y1: f64| (y0.ln() + t * (y1.ln() - y0.ln())).exp();
+    // Interpolating the ends as if both levels erred together is wider than if each erred alone.
+    let ends = std::array::from_fn(|end| between(a.interval[end], b.interval[end]));
+    Some((between(a.ratio, b.ratio), ends))
 }

@@ -6,11 +6,14 @@ use super::cases::{Pair, Winner};
 use super::dynamic_range::growth;
 use super::effects::Effect;
 use super::exposure::{Hiding, VISIBLE_FROM, hiding};
-use super::study::{FrameTime, Role, Row, Study};
+use super::study::{FrameTime, Role, Row, Study, short};
+use super::times::FrameRatio;
+use crate::experiment::axis::REFERENCE;
+use crate::experiment::statistics::median;
 use crate::shade::METHODS;
 use crate::table::markdown::significant;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Digits of an error in a sentence.
 const ERROR_DIGITS: usize = 2;
@@ -45,7 +48,7 @@ pub fn answer(study: &Study, answers: &Answers) -> Answer {
     leads.extend(visibility.clone().filter(|_| asks_the_curve));
     leads.extend(if clips { from_range(answers) } else { None });
     leads.extend(match pair {
-        None => from_times(study),
+        None => from_times(study, answers),
         pair => pair,
     });
     leads.extend(visibility.filter(|_| !asks_the_curve));
@@ -59,7 +62,20 @@ pub fn answer(study: &Study, answers: &Answers) -> Answer {
         first.facts.push(other.sentence);
         first.facts.extend(other.facts);
     }
+    first.facts.extend(copies(study));
     first
+}
+
+/// How many cells count once, where some do.
+fn copies(study: &Study) -> Option<String> {
+    let (rows, copies) = (study.rows.len(), study.copy_count());
+    (copies > 0).then(|| {
+        format!(
+            "{copies} of the {} cells differ from another one only in what cannot reach their pixels; each image counts once, so \
+             these numbers are of {rows} cells.",
+            rows + copies
+        )
+    })
 }
 
 fn from_visibility(answers: &Answers) -> Option<Answer> {
@@ -121,12 +137,14 @@ fn from_range(answers: &Answers) -> Option<Answer> {
     let text = |x: f64| significant(x.exp(), ERROR_DIGITS);
     let say = |one: &super::dynamic_range::Growth| {
         format!(
-            "The error of {} in {} changes by a factor of {} per stop of dynamic range ({} to {}).",
+            "The error of {} in {} changes by a factor of {} per stop of dynamic range (95 % {} to {}; a line through the logarithms \
+             of {} medians, which need not lie on one).",
             one.method,
             one.series,
             text(one.fit.value),
             text(one.fit.lo),
-            text(one.fit.hi)
+            text(one.fit.hi),
+            one.fit.n
         )
     };
     let [first, rest @ ..] = growth.as_slice() else { return None };
@@ -140,8 +158,9 @@ fn from_range(answers: &Answers) -> Option<Answer> {
 
 fn from_effects(answers: &Answers) -> Option<Answer> {
     let mut all: Vec<&Effect> = answers.effects.iter().filter(|effect| effect.alpha.is_none()).collect();
-    // The strongest first, whichever its direction.
-    all.sort_by(|a, b| b.ratio.ln().abs().total_cmp(&a.ratio.ln().abs()));
+    // What is decided first, then the strongest, whichever its direction.
+    let strength = |effect: &Effect| effect.ratio.ln().abs();
+    all.sort_by(|a, b| b.is_decided().cmp(&a.is_decided()).then(strength(b).total_cmp(&strength(a))));
     let text = |x: f64| significant(x, TIME_DIGITS);
     let say = |effect: &Effect| {
         let interval = match effect.interval[1].is_finite() {
@@ -153,14 +172,19 @@ fn from_effects(answers: &Answers) -> Option<Answer> {
             ("method", samples) => format!(" at {samples} samples"),
             (_, method) => format!(" of {method}"),
         };
+        let [value, base] = [&effect.value, &effect.base].map(|value| short(&effect.axis, value));
         format!(
-            "{} {} instead of {} multiplies the error{method} by {} ({interval}{} {}).",
+            "{} {value} instead of {base} {} the error{method} by {} ({interval}{} {}){}.",
             effect.axis,
-            effect.value,
-            effect.base,
+            if effect.is_decided() { "multiplies" } else { "may multiply" },
             text(effect.ratio),
             effect.n,
-            plural(effect.n, "pair")
+            plural(effect.n, "pair"),
+            match effect.interval[1].is_finite() {
+                _ if effect.is_decided() => "",
+                true => ": the interval does not tell which one errs less",
+                false => ", without an interval",
+            }
         )
     };
     let first = all.first()?;
@@ -187,13 +211,15 @@ fn best_values(all: &[&Effect]) -> Vec<String> {
             true => format!(" (95 % {} to {})", text(least.interval[0]), text(least.interval[1])),
             false => String::new(),
         };
-        let (value, base, ratio) = (&least.value, &least.base, text(least.ratio));
+        let [value, base] = [&least.value, &least.base].map(|value| short(axis, value));
+        let ratio = text(least.ratio);
+        let doubt = if least.is_decided() { "" } else { "; the interval does not tell the two apart" };
         Some(match least.ratio < 1.0 {
-            true => {
-                format!("Of the tried {axis}, {value} errs least{of}: {ratio} times the error with {base}{interval}.")
-            }
+            true => format!(
+                "Of the tried {axis}, {value} errs least{of}: {ratio} times the error with {base}{interval}{doubt}."
+            ),
             false => format!(
-                "Of the tried {axis}, {base} errs least{of}; the next, {value}, multiplies the error by {ratio}{interval}."
+                "Of the tried {axis}, {base} errs least{of}; the next, {value}, multiplies the error by {ratio}{interval}{doubt}."
             ),
         })
     };
@@ -203,14 +229,16 @@ fn best_values(all: &[&Effect]) -> Vec<String> {
 fn from_pair(study: &Study, answers: &Answers, pair: &Pair, [lower, middle, upper]: [BreakEven; 3]) -> Answer {
     let (sampled, fixed) = (&pair.sampled, &pair.fixed);
     let count = pair.cases.len();
-    let breadth = breadth(study, answers);
+    let breadth = breadth(answers, pair);
     let interval = if lower == upper { lower.to_string() } else { format!("{lower} to {upper}") };
     let sentence = match middle {
         BreakEven::From(n) => format!(
-            "From {n} {} a pixel on, {sampled} is closer to the reference than {fixed}: the median of {count} {}{breadth}. \
+            "From {n} {} a pixel on{censored}, {sampled} is closer to the reference than {fixed}: the median of {count} {}{breadth}. \
              The middle half of them breaks even at {interval} samples.",
             plural(n as usize, "sample"),
             plural(count, "case"),
+            // Fewer were not tried, so the answer is an upper bound.
+            censored = if n == pair.tried()[0] { " at the latest, the fewest that were tried" } else { "" },
         ),
         BreakEven::Above(n) => format!(
             "Up to {n} samples a pixel, {sampled} does not beat {fixed} in the median of {count} {}{breadth}. \
@@ -236,7 +264,7 @@ fn from_pair(study: &Study, answers: &Answers, pair: &Pair, [lower, middle, uppe
         ));
     }
     if let BreakEven::From(n) = middle {
-        facts.extend(time_fact(study, sampled, n, fixed));
+        facts.extend(time_fact(study, answers, sampled, n, fixed));
     }
     facts.extend(equal_time_fact(pair));
     Answer {
@@ -268,25 +296,48 @@ fn equal_time_fact(pair: &Pair) -> Option<String> {
 /// Median frame time of a method at a sample count (empty for none) over the cells that were timed, ms.
 fn frame_ms(study: &Study, method: &str, samples: &str) -> Option<f64> {
     let of_method = |row: &&Row| study.value(row, "method") == method && study.value(row, "samples") == samples;
-    let times = study.rows.iter().filter(of_method).filter_map(|row: &Row| row.frame_ms);
+    let times = study.images().into_iter().filter(of_method).filter_map(|row: &Row| row.frame_ms);
     let mut medians: Vec<f64> = times.map(|time: FrameTime| time.median).collect();
     medians.sort_by(f64::total_cmp);
     medians.get(medians.len() / 2).copied()
 }
 
 /// What a frame costs at break-even against the method without samples.
-fn time_fact(study: &Study, sampled: &str, samples: u32, fixed: &str) -> Option<String> {
-    let (at_break_even, without) = (frame_ms(study, sampled, &samples.to_string())?, frame_ms(study, fixed, "")?);
+fn time_fact(study: &Study, answers: &Answers, sampled: &str, samples: u32, fixed: &str) -> Option<String> {
+    let samples = samples.to_string();
+    let (at_break_even, without) = (frame_ms(study, sampled, &samples)?, frame_ms(study, fixed, "")?);
     Some(format!(
-        "A frame then takes {} ms against {} ms for {fixed}: {} times as long.",
+        "A frame then takes {} ms against {} ms for {fixed}, medians over what was timed{}.",
         significant(at_break_even, TIME_DIGITS),
         significant(without, TIME_DIGITS),
-        significant(at_break_even / without, ERROR_DIGITS)
+        ratio_words(answers, sampled, &samples, fixed).map_or_else(String::new, |(_, words)| format!(": {words}"))
     ))
 }
 
+/// Median and words of the ratios of frame times, each taken pair by pair in the same rounds.
+fn ratio_words(answers: &Answers, sampled: &str, samples: &str, fixed: &str) -> Option<(f64, String)> {
+    let is_it = |ratio: &&FrameRatio| ratio.sampled == sampled && ratio.samples == samples && ratio.fixed == fixed;
+    let own: Vec<&FrameRatio> = answers.frame_ratios.iter().filter(is_it).collect();
+    let range = |of: &dyn Fn(&FrameRatio) -> [f64; 2]| {
+        let ends =
+            own.iter().map(|ratio| of(ratio)).fold([f64::INFINITY, 0.0f64], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        ends.map(|end| significant(end, ERROR_DIGITS)).join(" to ")
+    };
+    let middle = median(&own.iter().map(|ratio| ratio.ratio).collect::<Vec<_>>());
+    let interval = range(&|ratio| ratio.interval);
+    let words = match own.len() {
+        0 => return None,
+        1 => format!("{} times as long (95 % {interval})", significant(middle, ERROR_DIGITS)),
+        count => format!(
+            "{} times as long in {count} configurations, whose 95 % intervals reach from {interval}",
+            range(&|ratio| [ratio.ratio; 2])
+        ),
+    };
+    Some((middle, words))
+}
+
 /// Where methods were timed but too few sample counts tried to break even: what a frame costs with each.
-fn from_times(study: &Study) -> Option<Answer> {
+fn from_times(study: &Study, answers: &Answers) -> Option<Answer> {
     let mut ways: Vec<(&str, &str)> = Vec::new();
     for row in study.rows.iter().filter(|row| row.frame_ms.is_some()) {
         let way = (study.value(row, "method"), study.value(row, "samples"));
@@ -298,13 +349,14 @@ fn from_times(study: &Study) -> Option<Answer> {
     let without = frame_ms(study, fixed.0, "")?;
     let mut ratios = ways.iter().filter(|way| !way.1.is_empty()).filter_map(|(method, samples)| {
         let ms = frame_ms(study, method, samples)?;
-        let ratio = significant(ms / without, ERROR_DIGITS);
+        let (ratio, words) = ratio_words(answers, method, samples, fixed.0)?;
         let sentence = format!(
-            "A frame of {method} with {samples} samples takes {} ms against {} ms for {}: {ratio} times as long.",
+            "A frame of {method} with {samples} samples takes {} ms against {} ms for {}, medians over what was timed: {words}.",
             significant(ms, TIME_DIGITS),
             significant(without, TIME_DIGITS),
             fixed.0
         );
+        let ratio = significant(ratio, ERROR_DIGITS);
         Some((ratio, format!("frame time of {method} with {samples} samples over that of {}", fixed.0), sentence))
     });
     let (ratio, unit, sentence) = ratios.next()?;
@@ -316,15 +368,14 @@ fn from_times(study: &Study) -> Option<Answer> {
     })
 }
 
-/// ` (2 environments, 3 brdfs, 5 alphas)` or nothing.
-fn breadth(study: &Study, answers: &Answers) -> String {
-    let axes = study.axes.iter().filter(|axis| answers.case_axes.contains(&axis.name));
-    let counts: Vec<String> = axes
-        .map(|axis| {
-            let count = axis.values.iter().filter(|value| !value.is_empty()).count();
-            format!("{count} × {}", axis.name)
-        })
-        .collect();
+/// ` (2 × environment, 3 × brdf, 5 × alpha)` or nothing: the values among the cases, which need not have every combination.
+fn breadth(answers: &Answers, pair: &Pair) -> String {
+    let counts = answers.case_axes.iter().enumerate().filter_map(|(axis, name)| {
+        let values: BTreeSet<&str> = pair.cases.iter().map(|case| case.key[axis].as_str()).collect();
+        let count = values.iter().filter(|value| !value.is_empty()).count();
+        (count > 1).then(|| format!("{count} × {name}"))
+    });
+    let counts: Vec<String> = counts.collect();
     if counts.is_empty() { String::new() } else { format!(" ({})", counts.join(", ")) }
 }
 
@@ -335,7 +386,7 @@ fn from_variants(study: &Study) -> Answer {
         .collect();
     let mut errors: BTreeMap<Vec<&str>, Vec<f64>> = BTreeMap::new();
     // The image without a specular term is there for scale; it is no way to make one.
-    for row in study.rows.iter().filter(|row| study.value(row, "method") != "none") {
+    for row in study.images().into_iter().filter(|row| study.value(row, "method") != "none") {
         // An image that is its own reference errs by nothing and answers nothing.
         if let Some(error) = row.error.filter(|error| *error > 0.0) {
             errors.entry(axes.iter().map(|&axis| row.axes[axis].as_str()).collect()).or_default().push(error);
@@ -369,7 +420,13 @@ fn from_variants(study: &Study) -> Answer {
         return Answer {
             number: text(*error),
             unit: "relative squared error against the reference".to_owned(),
-            sentence: format!("{name} differs from its reference by a relMSE of {}{spread}.", text(*error)),
+            sentence: match name.as_str() {
+                REFERENCE => format!(
+                    "What the reference method renders differs from what judges it by a relMSE of {}{spread}.",
+                    text(*error)
+                ),
+                _ => format!("{name} differs from its reference by a relMSE of {}{spread}.", text(*error)),
+            },
             facts: Vec::new(),
         };
     }

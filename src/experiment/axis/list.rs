@@ -1,6 +1,6 @@
 //! The list of all axes.
 
-use super::{Axis, REFERENCE, diffuse, method};
+use super::{Axis, REFERENCE, Used, diffuse, method};
 use crate::brdf::{self, MaskingShadowing};
 use crate::experiment::value::{IMAGE_SIZE, Kind, Range, Value};
 use crate::math::sequence::{SEQUENCES, sequence_by_name};
@@ -71,6 +71,7 @@ pub static AXES: &[Axis] = &[
         about: "how the diffuse term is computed",
         kind: Kind::Name { what: "diffuse method", names: || DIFFUSE.iter().map(|d| d.name).collect() },
         default: || Value::Text("sh9".to_owned()),
+        used: |u| u.has_diffuse_surface,
         reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::Text(REFERENCE.to_owned()) },
         apply: |s, v| s.diffuse = diffuse(v.text()),
         ..PLAIN
@@ -113,6 +114,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "f0",
         about: "reflectance at normal incidence of every dielectric",
+        used: |u| u.has_dielectric,
         kind: Kind::Color(Range::closed(0.0, 1.0)),
         apply: |s, v| s.material.f0 = Some(v.color()),
         ..PLAIN
@@ -233,7 +235,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "dfg_size",
         about: "side of the DFG table",
-        used: |u| u.method.needs_dfg(u.diffuse, u.has_lights),
+        used: Used::needs_dfg,
         kind: Kind::Count { min: 2, max: SIDE_MAX },
         default: || Value::Count(PrecomputeSettings::default().dfg_size),
         reference: |_, _| Value::Count(PrecomputeSettings::default().dfg_size),
@@ -243,7 +245,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "dfg_sample_count",
         about: "samples a texel of the DFG table",
-        used: |u| u.method.needs_dfg(u.diffuse, u.has_lights),
+        used: Used::needs_dfg,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().dfg_sample_count),
         reference: |_, _| Value::Count(PrecomputeSettings::default().dfg_sample_count),
@@ -253,7 +255,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "irradiance_size",
         about: "width and height of the irradiance map",
-        used: |u| u.diffuse.uses_irradiance_map,
+        used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
         kind: Kind::Pair { min: 2, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_size),
         reference: |_, _| Value::Pair(PrecomputeSettings::default().irradiance_size),
@@ -263,7 +265,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "irradiance_sample_count",
         about: "azimuth and polar samples a texel of the irradiance map",
-        used: |u| u.diffuse.uses_irradiance_map,
+        used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
         kind: Kind::Pair { min: 1, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
         reference: |_, _| Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
@@ -274,7 +276,8 @@ pub static AXES: &[Axis] = &[
         name: "storage_format",
         about: "numbers of the prefiltered map, the DFG table and the irradiance map on the device; f16 ends at 65504",
         used: |u| {
-            u.method.uses_prefiltered || u.method.needs_dfg(u.diffuse, u.has_lights) || u.diffuse.uses_irradiance_map
+            let has_irradiance_map = u.has_diffuse_surface && u.diffuse.uses_irradiance_map;
+            u.method.uses_prefiltered || u.needs_dfg() || has_irradiance_map
         },
         kind: Kind::Name { what: "format", names: || StorageFormat::ALL.iter().map(|(name, _)| *name).collect() },
         default: || Value::Text(StorageFormat::ALL[0].0.to_owned()),

@@ -149,6 +149,20 @@ pub struct Used {
     pub method: &'static Method,
     pub diffuse: &'static Diffuse,
     pub has_lights: bool,
+    /// Whether any surface may scatter diffuse light.
+    pub has_diffuse_surface: bool,
+    /// Whether any surface may be a dielectric.
+    pub has_dielectric: bool,
+}
+
+impl Used {
+    /// Whether the DFG table reaches the pixels.
+    fn needs_dfg(&self) -> bool {
+        match self.has_diffuse_surface {
+            true => self.method.needs_dfg(self.diffuse, self.has_lights),
+            false => self.method.uses_dfg,
+        }
+    }
 }
 
 /// Axes that `[precompute]` may set for all cells at once.
@@ -196,10 +210,23 @@ impl Point {
         self.0[index] = value;
     }
 
-    /// The point with every unused parameter unset, so that points with the same image are equal.
+    /// The point with every unused parameter unset, so that points with the same work are equal. Cells are told apart by this: what a
+    /// method computes and a black surface then multiplies by zero still costs time, and can fail.
     pub fn collapsed(&self, has_lights: bool) -> Self {
+        self.where_used(has_lights, true, true)
+    }
+
+    /// The point with every parameter unset that cannot reach the pixels, so that points with the same image are equal: beyond
+    /// [`Point::collapsed`], the diffuse term's of black and metal surfaces, and the reflectance of dielectrics where there are none.
+    pub fn of_pixels(&self, has_lights: bool) -> Self {
+        let is_metal = *self.get("metallic") == Value::Number(1.0);
+        let is_black = *self.get("albedo") == Value::Color([0.0; 3]);
+        self.where_used(has_lights, !(is_metal || is_black), !is_metal)
+    }
+
+    fn where_used(&self, has_lights: bool, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
         let (method, diffuse) = (method(self.get("method").text()), diffuse(self.get("diffuse").text()));
-        let used = Used { method, diffuse, has_lights };
+        let used = Used { method, diffuse, has_lights, has_diffuse_surface, has_dielectric };
         let values = AXES.iter().zip(&self.0);
         Self(values.map(|(axis, value)| if (axis.used)(&used) { value.clone() } else { Value::Unset }).collect())
     }

@@ -405,9 +405,11 @@ impl<'p> Run<'p> {
             let (columns, rows) = slips::table();
             self.store.write_table(slips::FILE_NAME, &columns, rows.into_iter().map(Ok))?;
         }
-        let answered = Answered::of_run(self.store.dir())?;
+        let mut answered = Answered::of_run(self.store.dir())?;
         if has_worked || !answered.is_summary_written() {
             sheets::write_sheets(&self.store, self.plan, &self.results)?;
+            // The summary links the sheets.
+            answered = Answered::of_run(self.store.dir())?;
         }
         answered.write()?;
         Ok(Outcome {

@@ -22,27 +22,27 @@ use std::path::Path;
 const F64: f64 = 1e-9;
 
 /// One row of a made-up run: values of the axes that the header names, error, display error.
-struct Made {
+pub struct Made {
     axes: &'static [&'static str],
     rows: Vec<(Vec<String>, String, f64)>,
 }
 
 impl Made {
-    fn new(axes: &'static [&'static str]) -> Self {
+    pub fn new(axes: &'static [&'static str]) -> Self {
         Self { axes, rows: Vec::new() }
     }
 
-    fn add(&mut self, axes: &[&str], error: f64) {
+    pub fn add(&mut self, axes: &[&str], error: f64) {
         self.add_text(axes, &format!("{error:e}"), 0.1);
     }
 
-    fn add_text(&mut self, axes: &[&str], error: &str, flip: f64) {
+    pub fn add_text(&mut self, axes: &[&str], error: &str, flip: f64) {
         assert_eq!(axes.len(), self.axes.len());
         self.rows.push((axes.iter().map(|text| text.to_string()).collect(), error.to_owned(), flip));
     }
 
     /// Writes the folder of a run. Three bins of `n_dot_v` share the error as `bin_factors`, with equal weights.
-    fn write(&self, dir: &Path, bin_factors: [f64; 3]) {
+    pub fn write(&self, dir: &Path, bin_factors: [f64; 3]) {
         let text = |rows: &str, head: &str| format!("cell,{}{head}\n{rows}", self.axes.join(","));
         let (mut errors, mut bins) = (String::new(), String::new());
         for (i, (axes, error, flip)) in self.rows.iter().enumerate() {
@@ -65,10 +65,10 @@ impl Made {
         put("provenance.json", provenance.to_string());
     }
 
-    fn answers(&self, dir: &Path, bin_factors: [f64; 3]) -> (Answers, Answered) {
+    pub fn answers(&self, dir: &Path, bin_factors: [f64; 3]) -> (Answers, Answered) {
         self.write(dir, bin_factors);
         let runs = [RunFolder::read(dir).unwrap()];
-        let study = Study::new(&runs, &["made".to_owned()]);
+        let study = Study::new(&runs, &["made".to_owned()]).distinct();
         (Answers::new(&study, &runs), Answered::of_run(dir).unwrap_or_else(|error| panic!("{error}")))
     }
 }
@@ -152,7 +152,7 @@ fn the_jackknife_of_bins_is_that_of_a_ratio() {
 
 fn time(samples: u32, ratio: f64) -> TimeLevel {
     let interval = [ratio * 0.9, ratio * 1.1];
-    TimeLevel { samples, ratio, interval, tables_ms: 30.0, fixed_ms: 2.0, is_cpu: true }
+    TimeLevel { samples, ratio, interval, rounds: 15, tables_ms: 30.0, fixed_ms: 2.0, is_cpu: true }
 }
 
 #[test]
@@ -392,6 +392,7 @@ fn axes_hold_their_data_and_name_round_values() {
     assert!(log.minor.iter().all(|x| (log.lo..=log.hi).contains(x)) && log.minor.len() > 30);
     assert_eq!(ticks(&Scale::of(Kind::Log, [3.0, 30.0]).unwrap()), ["5", "10", "20"]);
     assert_eq!(ticks(&Scale::of(Kind::Linear, [0.0, 0.24]).unwrap()), ["0.00", "0.05", "0.10", "0.15", "0.20", "0.25"]);
+    assert_eq!(ticks(&Scale::of(Kind::Log, [0.9, 1.1]).unwrap()), ["0.7", "1", "1.2"]);
     assert_eq!(Scale::of(Kind::Log, [0.0, -1.0]), None);
     assert!((log.place(log.lo).unwrap()).abs() < F64 && (log.place(log.hi).unwrap() - 1.0).abs() < F64);
     assert_eq!(log.place(0.0), None);

@@ -208,7 +208,11 @@ fn a_reference_takes_whole_scrambles_only() {
 fn names_that_stand_twice_are_named() {
     let text = "name = \"x\"\n[axes]\nalpha = [0.1]\nalpha = [0.2]\nbrdf = [\"ggx\", \"ggx\"]\nscene = [\"no.obj\"]\n";
     let found = faults(text, &[]);
-    for expected in ["e.toml:4:1: not TOML: ", "e.toml:5:16: axes.brdf: ggx stands twice", "e.toml:6:10: no.obj: "] {
+    for expected in [
+        "e.toml:4:1: not TOML: the key alpha stands twice, here and in line 3",
+        "e.toml:5:16: axes.brdf: ggx stands twice",
+        "e.toml:6:10: no.obj: ",
+    ] {
         assert!(found.iter().any(|fault| fault.starts_with(expected)), "{expected:?}: {found:#?}");
     }
 }
@@ -274,11 +278,49 @@ fn ranges_and_zips_are_checked() {
     assert_faults(
         &faults(text, &[]),
         &[
-            "e.toml:5:3: zip: alpha has 2 values, samples has 3 values; expected as many for each",
-            "e.toml:5:3: zip: alpha stands twice",
-            "e.toml:5:3: zip: f0 is not in [axes]",
-            "e.toml:9:1: zip: needs axes = [...] with at least two axes",
-            "e.toml:10:9: zip.axes: \"alhpa\" is not a axis; did you mean \"alpha\"?",
+            "e.toml:6:1: zip: alpha has 2 values, samples has 3 values; expected as many for each",
+            "e.toml:8:1: zip: alpha stands twice",
+            "e.toml:8:1: zip: f0 is not in [axes]",
+            "e.toml:10:1: zip: needs axes = [...] with at least two axes",
+            "e.toml:10:9: zip.axes: \"alhpa\" is not an axis; did you mean \"alpha\"?",
         ],
     );
+    // A slip in a name or a value is one fault, not a second one about numbers of axes or values.
+    let text = "name = \"x\"\n[axes]\nalpha = [0.1, 2]\nsamples = [1, 2]\n[[zip]]\naxes = [\"alpha\", \"samples\"]\n\
+                [[zip]]\naxes = [\"contrast\", \"exposre\"]\n";
+    assert_faults(
+        &faults(text, &[]),
+        &[
+            "e.toml:3:15: axes.alpha: 2 is outside",
+            "e.toml:8:1: zip: contrast is not in [axes]",
+            "e.toml:8:21: zip.axes: \"exposre\" is not an axis; did you mean \"exposure\"?",
+        ],
+    );
+}
+
+#[test]
+fn a_key_that_stands_twice_hides_no_other_fault() {
+    let text = "name = \"x\"\n[[zip]]\naxes = [\"alpha\", \"f0\"]\n[axes]\nmethod = [\"split-sum\"]\nprefilter_level_count = [9]\n\
+                alpha = [0.1]\nf0 = [0.1]\n[timing]\nrounds = 0\nrounds = 3\n[axes]\nbrdf = [\"ggx\"]\n";
+    assert_faults(
+        &faults(text, &[]),
+        &[
+            "e.toml:6:26: prefilter_level_count is 9, but",
+            "e.toml:10:10: timing.rounds: 0 is outside [1, 100000]",
+            "e.toml:11:1: not TOML: the key rounds stands twice, here and in line 10",
+            "e.toml:12:2: not TOML: the key axes stands twice, here and in line 4",
+        ],
+    );
+}
+
+#[test]
+fn images_that_no_device_holds_are_faults_and_those_that_some_refuse_are_warned_of() {
+    let text = "name = \"x\"\n[axes]\nalpha = [0.1]\nsize = [[64, 64], [16384, 16384]]\n";
+    assert_faults(&faults(text, &[]), &["e.toml:4:19: size: 16384x16384 has 268435456 pixels; at most 268435455 fit"]);
+    let warnings = |text: &str| Plan::from_text(Path::new("e.toml"), text, &[]).unwrap().warnings();
+    // 16 bytes a pixel: 2896 squared are the last below 2^27 bytes.
+    let text = "name = \"x\"\nsize = [2897, 2897]\n[axes]\nalpha = [0.1]\n";
+    let [warning] = &warnings(text)[..] else { panic!("{:?}", warnings(text)) };
+    assert!(warning.starts_with("e.toml:2:8: size: 2897x2897 needs a buffer of 128 MiB"), "{warning}");
+    assert!(warnings(&text.replace("2897", "2896")).is_empty());
 }

@@ -1,24 +1,31 @@
 //! Which pictures an experiment's answers make.
 
 use super::canvas::{MUTED, Marker, PlotError, Rgb, Stroke, name_color};
-use super::grid::{HeatCell, HeatChart, HeatPanel};
 use super::lines::{LineChart, Panel, Point, Rule, Series};
 use super::scale::{Kind, Scale};
-use super::{Picture, parameters};
+use super::{Picture, maps, parameters};
 use crate::experiment::answers::break_even::BreakEven;
 use crate::experiment::answers::cases::{Case, Pair};
-use crate::experiment::answers::exposure::VISIBLE_FROM;
+use crate::experiment::answers::exposure::{VISIBLE_FROM, Visibility};
 use crate::experiment::answers::study::Study;
-use crate::experiment::answers::{Answers, heat, key_label};
+use crate::experiment::answers::{Answers, key_label, short};
 use crate::table::colormap::Palette;
 use crate::table::markdown::significant;
 
 /// More panels than this do not fit on a page; the tables have the rest.
-const PANELS_MAX: usize = 12;
+pub(super) const PANELS_MAX: usize = 12;
 /// A noise floor this far below every error would press the curves together: it is written out instead.
 const FLOOR_WITHIN: f64 = 100.0;
+/// More series than this would hide each other behind their bars.
+const SERIES_WITH_BARS_MAX: usize = 6;
 /// Labels on an axis of tried values.
 const TRIED_LABELS: usize = 9;
+
+/// The headline error on an axis.
+pub(super) const ERROR_LABEL: &str = "relMSE, ε = 0.01";
+/// What it is; stands below every picture of it.
+pub(super) const ERROR_NOTE: &str =
+    "relMSE: mean of (image − reference)² / (reference² + 0.01), without a unit; 0 is equal.";
 
 /// All pictures that the experiment has the axes for.
 pub fn pictures(study: &Study, answers: &Answers) -> Result<Vec<Picture>, PlotError> {
@@ -37,9 +44,9 @@ pub fn pictures(study: &Study, answers: &Answers) -> Result<Vec<Picture>, PlotEr
             _ => format!("{stem}_{}_{}", pair.sampled, pair.fixed),
         };
         add(&name("break_even"), break_even(answers, pair).map(|chart| chart.svg()))?;
-        add(&name("break_even_by_n_dot_v"), break_even_map(answers, pair).map(|chart| chart.svg()))?;
+        add(&name("break_even_by_n_dot_v"), maps::break_even(answers, pair).map(|chart| chart.svg()))?;
     }
-    add("error_by_n_dot_v_and_alpha", error_map(answers).map(|chart| chart.svg()))?;
+    add("error_by_n_dot_v_and_alpha", maps::error(answers).map(|chart| chart.svg()))?;
     add("exposure_and_contrast", visibility(answers).map(|chart| chart.svg()))?;
     add("dynamic_range", dynamic_range(answers).map(|chart| chart.svg()))?;
     for (axis, chart) in parameters::charts(answers) {
@@ -68,16 +75,21 @@ pub(super) fn distinct<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec
     found
 }
 
-fn alpha_axis(answers: &Answers) -> Option<usize> {
+pub(super) fn alpha_axis(answers: &Answers) -> Option<usize> {
     answers.case_axes.iter().position(|name| name == "alpha")
 }
 
-fn alpha_of<'k>(answers: &Answers, key: &'k [String]) -> &'k str {
+pub(super) fn alpha_of<'k>(answers: &Answers, key: &'k [String]) -> &'k str {
     alpha_axis(answers).map_or("", |axis| &key[axis])
 }
 
+/// Alpha as it is written into pictures.
+pub(super) fn alpha_text(alpha: &str) -> String {
+    short("alpha", alpha).into_owned()
+}
+
 /// What a panel shows: everything of a case but alpha.
-fn facet(answers: &Answers, key: &[String]) -> String {
+pub(super) fn facet(answers: &Answers, key: &[String]) -> String {
     let kept = |of: &[String]| -> Vec<String> {
         let alpha = alpha_axis(answers);
         of.iter().enumerate().filter(|(i, _)| Some(*i) != alpha).map(|(_, text)| text.clone()).collect()
@@ -85,7 +97,7 @@ fn facet(answers: &Answers, key: &[String]) -> String {
     key_label(&kept(&answers.case_axes), &kept(key))
 }
 
-fn cut_off_note(shown: usize, all: usize) -> Option<String> {
+pub(super) fn cut_off_note(shown: usize, all: usize) -> Option<String> {
     (all > shown)
         .then(|| format!("The first {shown} of {all} settings are drawn; the table beside the picture has all."))
 }
@@ -116,8 +128,8 @@ fn convergence(answers: &Answers) -> Option<LineChart> {
             let place = alphas.iter().position(|known| *known == alpha).unwrap_or(0);
             let label = match (alphas.len(), methods.len()) {
                 (0 | 1, _) => curve.method.clone(),
-                (_, 1) => format!("{} α {alpha}", curve.method),
-                _ => format!("α {alpha}, {}", curve.method),
+                (_, 1) => format!("{} α {}", curve.method, alpha_text(alpha)),
+                _ => format!("α {}, {}", alpha_text(alpha), curve.method),
             };
             let points = curve.points.iter().map(|point| Point {
                 x: f64::from(point.samples),
@@ -166,6 +178,7 @@ fn convergence(answers: &Answers) -> Option<LineChart> {
     let x = Scale::of(Kind::Log, counts.iter().copied())?.with_ticks(&counts, TRIED_LABELS);
     let far = all_floors.iter().copied().filter(|floor| !is_near(floor)).reduce(f64::max);
     let mut notes: Vec<String> = cut_off_note(panels.len(), facets.len()).into_iter().collect();
+    notes.push(ERROR_NOTE.to_owned());
     if curves.iter().any(|curve| curve.points.iter().any(|point| point.errors.len() > 1)) {
         notes.push("Points: geometric mean of the point sets; bars: from the best set to the worst.".to_owned());
     }
@@ -179,7 +192,7 @@ fn convergence(answers: &Answers) -> Option<LineChart> {
         title: title("Convergence", &fixed),
         notes,
         x_label: "samples a pixel".to_owned(),
-        y_label: "relative squared error".to_owned(),
+        y_label: ERROR_LABEL.to_owned(),
         x,
         y,
         panels,
@@ -243,10 +256,11 @@ fn break_even(answers: &Answers, pair: &Pair) -> Option<LineChart> {
     }
     let counts: Vec<f64> = pair.sample_counts.iter().map(|n| f64::from(*n)).collect();
     let mut notes = vec![format!(
-        "Bars: 95 % intervals; one that runs out of the drawing is open: fewer than {smallest} or more than {largest} samples. Where the squares \
-         lie above the circles, {} wins in equal frame time.",
-        pair.sampled
+        "Bars: 95 % intervals; one that runs out of the drawing is open: fewer than {smallest} or more than {largest} samples."
     )];
+    if pair.cases.iter().any(|case| case.time.is_some()) {
+        notes.push(format!("Where the squares lie above the circles, {} wins in equal frame time.", pair.sampled));
+    }
     if pair.cases.iter().any(|case| case.time.is_some_and(|time| time.is_cpu)) {
         notes.push("Times of a CPU driver: they say nothing about a GPU.".to_owned());
     }
@@ -262,95 +276,6 @@ fn break_even(answers: &Answers, pair: &Pair) -> Option<LineChart> {
     })
 }
 
-/// `0–0.1` of a bin.
-fn bin_name((lo, hi): (f64, f64)) -> String {
-    format!("{lo}–{}", hi.min(1.0))
-}
-
-/// Break-even by alpha and `n_dot_v`.
-fn break_even_map(answers: &Answers, pair: &Pair) -> Option<HeatChart> {
-    let facets = distinct(pair.cases.iter().map(|case| facet(answers, &case.key)));
-    let mut bins = distinct(pair.cases.iter().flat_map(|case| case.bins.iter().map(|bin| (bin.lo, bin.hi))));
-    bins.sort_by(|a, b| a.0.total_cmp(&b.0));
-    if bins.is_empty() {
-        return None;
-    }
-    let [smallest, largest] = pair.tried().map(f64::from);
-    let never = 2.0 * largest;
-    let panel = |name: &String| {
-        let own: Vec<&Case> = pair.cases.iter().filter(|case| facet(answers, &case.key) == *name).collect();
-        let cell = |case: &Case, lo: f64| {
-            let bin = case.bins.iter().find(|bin| bin.lo == lo)?;
-            let value = match bin.crossing.break_even {
-                BreakEven::From(n) => f64::from(n),
-                BreakEven::Above(_) => never,
-            };
-            Some(HeatCell { value, text: bin.crossing.break_even.to_string() })
-        };
-        HeatPanel {
-            title: if facets.len() > 1 { name.clone() } else { String::new() },
-            rows: own.iter().map(|case| alpha_of(answers, &case.key).to_owned()).collect(),
-            columns: bins.iter().map(|bin| bin_name(*bin)).collect(),
-            cells: own.iter().map(|case| bins.iter().map(|(lo, _)| cell(case, *lo)).collect()).collect(),
-        }
-    };
-    let panels: Vec<HeatPanel> = facets.iter().take(PANELS_MAX).map(panel).collect();
-    let mut notes = vec![format!(
-        "Smallest tried sample count from which on {} stays below the error of {} over the pixels of the bin; > {largest}: never up to \
-         there.",
-        pair.sampled, pair.fixed
-    )];
-    notes.extend(cut_off_note(panels.len(), facets.len()));
-    Some(HeatChart {
-        title: format!("Break-even of {} with {} by α and n·v", pair.sampled, pair.fixed),
-        notes,
-        row_label: if alpha_axis(answers).is_some() { "α".to_owned() } else { String::new() },
-        column_label: "n·v: grazing to facing the viewer".to_owned(),
-        color_label: "samples a pixel".to_owned(),
-        range: [smallest, never],
-        color_ticks: pair
-            .sample_counts
-            .iter()
-            .map(|n| (f64::from(*n), n.to_string()))
-            .chain([(never, format!("> {largest}"))])
-            .collect(),
-        panels,
-    })
-}
-
-/// Error by alpha and `n_dot_v`.
-fn error_map(answers: &Answers) -> Option<HeatChart> {
-    let shown = heat::shown(&answers.heat);
-    let values = shown.iter().flat_map(|table| table.errors.iter().flatten().flatten()).filter(|error| **error > 0.0);
-    let (mut lo, mut hi) = (f64::INFINITY, 0.0f64);
-    values.for_each(|error| (lo, hi) = (lo.min(*error), hi.max(*error)));
-    if lo > hi {
-        return None;
-    }
-    // One value has no range: a decade about it is as good as any.
-    let range = if hi > lo { [lo, hi] } else { [lo / 3.0, hi * 3.0] };
-    let panel = |table: &&heat::HeatTable| HeatPanel {
-        title: table.label(),
-        rows: table.alphas.iter().map(f64::to_string).collect(),
-        columns: table.bins.iter().map(|bin| bin_name(*bin)).collect(),
-        cells: table
-            .errors
-            .iter()
-            .map(|row| row.iter().map(|e| e.map(|value| HeatCell { value, text: significant(value, 2) })).collect())
-            .collect(),
-    };
-    Some(HeatChart {
-        title: "Error by α and n·v".to_owned(),
-        notes: vec!["Median relative squared error over everything else that is swept.".to_owned()],
-        row_label: "α".to_owned(),
-        column_label: "n·v: grazing to facing the viewer".to_owned(),
-        color_label: "relative squared error".to_owned(),
-        range,
-        color_ticks: Scale::of(Kind::Log, range)?.ticks,
-        panels: shown.iter().map(panel).collect(),
-    })
-}
-
 /// FLIP over exposure, one panel a contrast; over contrast where only that is swept.
 fn visibility(answers: &Answers) -> Option<LineChart> {
     let visibility = &answers.visibility;
@@ -358,7 +283,7 @@ fn visibility(answers: &Answers) -> Option<LineChart> {
     let contrasts = distinct(visibility.iter().map(|one| one.contrast));
     let methods = distinct(visibility.iter().map(|one| one.method.as_str()));
     let over_exposure = exposures.len() > 1;
-    let x_of = |one: &crate::experiment::answers::exposure::Visibility| {
+    let x_of = |one: &Visibility| {
         if over_exposure { one.exposure } else { one.contrast }
     };
     let mut panels = Vec::new();
@@ -373,7 +298,11 @@ fn visibility(answers: &Answers) -> Option<LineChart> {
             let own = visibility
                 .iter()
                 .filter(|one| one.method == **method && contrast.is_none_or(|contrast| one.contrast == contrast));
-            let mut points: Vec<Point> = own.map(|one| Point { x: x_of(one), y: one.median, interval: None }).collect();
+            let half = |one: &Visibility| [one.lower_quartile, one.upper_quartile];
+            let has_bars = methods.len() <= SERIES_WITH_BARS_MAX;
+            let interval = |one: &Visibility| (has_bars && one.n > 1).then(|| half(one));
+            let mut points: Vec<Point> =
+                own.map(|one| Point { x: x_of(one), y: one.median, interval: interval(one) }).collect();
             points.sort_by(|a, b| a.x.total_cmp(&b.x));
             Series {
                 label: method.to_string(),
@@ -395,17 +324,20 @@ fn visibility(answers: &Answers) -> Option<LineChart> {
         });
     }
     let xs = if over_exposure { exposures } else { contrasts };
-    let y = Scale::of(Kind::Linear, visibility.iter().map(|one| one.median).chain([0.0, VISIBLE_FROM]))?;
+    let drawn = panels.iter().flat_map(|panel: &Panel| panel.series.iter().flat_map(|series| &series.points));
+    let drawn = drawn.flat_map(|point| [point.y].into_iter().chain(point.interval.into_iter().flatten()));
+    let y = Scale::of(Kind::Linear, drawn.chain([0.0, VISIBLE_FROM]))?;
     let cuts = distinct(answers.visibility.iter().map(|one| one.contrast.to_bits())).len() > panels.len();
     let notes = (over_exposure && cuts)
         .then(|| "Contrasts that were tried at one exposure only are in the table alone.".to_owned());
     (!panels.is_empty()).then_some(())?;
     Some(LineChart {
         title: "What the tone curve shows and hides".to_owned(),
-        notes: ["Median FLIP over everything else that is swept; 0: no visible difference.".to_owned()]
-            .into_iter()
-            .chain(notes)
-            .collect(),
+        notes: ["Median FLIP over everything else that is swept, bars: the middle half; 0: no visible difference."
+            .to_owned()]
+        .into_iter()
+        .chain(notes)
+        .collect(),
         x_label: if over_exposure { "exposure" } else { "contrast" }.to_owned(),
         y_label: "mean FLIP".to_owned(),
         x: Scale::of(Kind::Log, xs.iter().copied())?.with_ticks(&xs, TRIED_LABELS),
@@ -428,7 +360,8 @@ fn dynamic_range(answers: &Answers) -> Option<LineChart> {
                 label: method.to_string(),
                 color: name_color(index),
                 marker: Some(Marker::of(index)),
-                stroke: Some(Stroke::Solid),
+                // A line joins one light cut off at several peaks, never different lights.
+                stroke: points.iter().any(|point| !point.clip_log2.is_empty()).then_some(Stroke::Solid),
                 points: points
                     .iter()
                     .filter(|point| point.series == *name && point.method == **method)
@@ -446,9 +379,12 @@ fn dynamic_range(answers: &Answers) -> Option<LineChart> {
     let ends = points.iter().flat_map(|point| [point.lower_quartile, point.median, point.upper_quartile]);
     Some(LineChart {
         title: "Error over the dynamic range of the environment".to_owned(),
-        notes: vec!["Median over everything else that is swept; bars: the middle half.".to_owned()],
+        notes: vec![
+            "Median over everything else that is swept; bars: the middle half.".to_owned(),
+            ERROR_NOTE.to_owned(),
+        ],
         x_label: "dynamic range, stops (log2 of peak over mean luminance)".to_owned(),
-        y_label: "relative squared error".to_owned(),
+        y_label: ERROR_LABEL.to_owned(),
         x: Scale::of(Kind::Linear, points.iter().map(|point| point.range))?,
         y: Scale::of(Kind::Log, ends)?,
         panels,

@@ -1,6 +1,6 @@
 //! Heat maps: panels of coloured cells with their values written into them, and the colours' scale beside them.
 
-use super::canvas::{Canvas, INK, MUTED, PlotError, Rgb, Stroke, look, picture, text_width};
+use super::canvas::{Canvas, GRID, INK, MUTED, PlotError, Rgb, Stroke, look, picture, text_width};
 use super::lines::wrapped;
 use crate::table::colormap::{ColorScale, Palette, Range};
 
@@ -13,6 +13,15 @@ pub struct HeatCell {
     pub text: String,
 }
 
+/// Why a place of a map has no value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gap {
+    /// The experiment leaves the combination out.
+    Excluded,
+    /// No pixel of the image is in the bin.
+    NoPixels,
+}
+
 /// One map.
 #[derive(Clone, Debug)]
 pub struct HeatPanel {
@@ -20,7 +29,7 @@ pub struct HeatPanel {
     pub rows: Vec<String>,
     pub columns: Vec<String>,
     /// By row and column.
-    pub cells: Vec<Vec<Option<HeatCell>>>,
+    pub cells: Vec<Vec<Result<HeatCell, Gap>>>,
 }
 
 /// A figure of maps that share their colours.
@@ -55,6 +64,10 @@ const BAR_LABELS: i32 = 72;
 const PALETTE_FROM: f64 = 0.12;
 const PALETTE_TO: f64 = 1.0;
 const COLUMNS_MAX: usize = 2;
+/// Ground of a cell without a value, pixels between its hatches, and its text.
+const PALE: Rgb = [246, 246, 246];
+const HATCH: usize = 6;
+const EMPTY_LABEL: i32 = 10;
 
 impl HeatChart {
     fn color(&self, value: f64) -> Rgb {
@@ -100,9 +113,15 @@ impl HeatChart {
             let top = y + r as i32 * CELL[1];
             canvas.text(&panel.rows[r], (x - 6, top + CELL[1] / 2), look(LABEL).right())?;
             for (c, cell) in row.iter().enumerate() {
-                let Some(cell) = cell else { continue };
-                let color = self.color(cell.value);
                 let corner = (x + c as i32 * CELL[0], top);
+                let cell = match cell {
+                    Ok(cell) => cell,
+                    Err(gap) => {
+                        empty(canvas, corner, *gap)?;
+                        continue;
+                    }
+                };
+                let color = self.color(cell.value);
                 canvas.rectangle(corner, (corner.0 + CELL[0] - 1, corner.1 + CELL[1] - 1), color)?;
                 let middle = (corner.0 + CELL[0] / 2, corner.1 + CELL[1] / 2);
                 canvas.text(&cell.text, middle, look(LABEL).centred().color(ink_on(color)))?;
@@ -134,6 +153,29 @@ impl HeatChart {
         let label = (x + BAR + BAR_LABELS - 10, y + height / 2);
         canvas.text(&self.color_label, label, look(LABEL).centred().upright())
     }
+}
+
+/// A cell without a value: hatched with its name where it was left out, and a dash where there is nothing to measure.
+fn empty(canvas: &Canvas, (x, y): (i32, i32), gap: Gap) -> Result<(), PlotError> {
+    let [width, height] = CELL.map(|side| side - 1);
+    canvas.rectangle((x, y), (x + width, y + height), PALE)?;
+    let text = match gap {
+        Gap::NoPixels => "–",
+        Gap::Excluded => {
+            for start in (-height..width).step_by(HATCH) {
+                // From the lower edge to the upper, both ends cut to the cell.
+                let (from, to) = (start.max(0), (start + height).min(width));
+                canvas.path(
+                    &[(x + from, y + height - (from - start)), (x + to, y + height - (to - start))],
+                    GRID,
+                    1,
+                    Stroke::Solid,
+                )?;
+            }
+            "excluded"
+        }
+    };
+    canvas.text(text, (x + width / 2, y + height / 2), look(EMPTY_LABEL).centred().color(MUTED))
 }
 
 /// Black or white, whichever stands out more.

@@ -68,10 +68,16 @@ const ABOVE: i32 = 24;
 const GAP: i32 = 14;
 const LEGEND_ROW: i32 = 20;
 const LEGEND_MARK: i32 = 34;
-/// Pixels between series with error bars.
+/// Pixels between series with error bars, where there is room.
 const ASIDE: i32 = 5;
 /// Panels in a row.
 const COLUMNS_MAX: usize = 3;
+
+/// The series of a panel together stand no wider than this, pixels, and than this share of the distance between neighbouring values.
+const ASIDE_MAX: f64 = 24.0;
+const ASIDE_SHARE: f64 = 0.5;
+/// Room for half a mark beside the outermost series.
+const MARK: f64 = 6.0;
 
 /// Place of the plot area of a panel.
 #[derive(Clone, Copy)]
@@ -80,6 +86,8 @@ struct Frame {
     top: i32,
     width: i32,
     height: i32,
+    /// Room at the left and the right that series which stand aside reach into.
+    inset: f64,
 }
 
 impl LineChart {
@@ -108,6 +116,7 @@ impl LineChart {
         let legend = self.legend(full_width - 2 * MARGIN - LEFT);
         let legend_rows = legend.iter().map(|(_, (_, row))| row + 1).max().unwrap_or(0);
         let notes = wrapped(&self.notes, full_width - 2 * MARGIN - LEFT);
+        let spread = self.panels.iter().map(|panel| self.spread(panel, width)).fold(0.0, f64::max);
         let grid_height = rows as i32 * (ABOVE + height + BELOW);
         let full_height =
             2 * MARGIN + HEAD + grid_height + legend_rows * LEGEND_ROW + notes.len() as i32 * (LABEL + 4) + GAP;
@@ -120,6 +129,7 @@ impl LineChart {
                     top: MARGIN + HEAD + ABOVE + row * (ABOVE + height + BELOW),
                     width,
                     height,
+                    inset: if spread > 0.0 { spread / 2.0 + MARK } else { 0.0 },
                 };
                 // The last panel of each column has the label of the x axis.
                 let is_last = i + columns >= self.panels.len();
@@ -190,10 +200,10 @@ impl LineChart {
             canvas.path(&[(frame.left, y), (frame.left + frame.width, y)], rule.color, 1, rule.stroke)?;
         }
         // Bars at the same place would hide each other: each series stands a little aside.
-        let has_bars = panel.series.iter().any(|series| series.points.iter().any(|point| point.interval.is_some()));
-        let middle = panel.series.len() as i32 - 1;
+        let spread = self.spread(panel, frame.width);
+        let last = (panel.series.len() as f64 - 1.0).max(1.0);
         for (index, series) in panel.series.iter().enumerate() {
-            let aside = if has_bars { (2 * index as i32 - middle) * ASIDE / 2 } else { 0 };
+            let aside = (spread * (index as f64 / last - 0.5)).round() as i32;
             let at = |p: &Point| self.at(frame, p.x, p.y).map(|(x, y)| (x + aside, y));
             let shown: Vec<(i32, i32)> = series.points.iter().filter_map(at).collect();
             if let Some(stroke) = series.stroke {
@@ -217,6 +227,20 @@ impl LineChart {
             }
         }
         Ok(())
+    }
+
+    /// Pixels from the first series of a panel to the last one at the same value: 0 where no bars would hide each other.
+    fn spread(&self, panel: &Panel, width: i32) -> f64 {
+        let points = || panel.series.iter().flat_map(|series| &series.points);
+        if panel.series.len() < 2 || points().all(|point| point.interval.is_none()) {
+            return 0.0;
+        }
+        let mut places: Vec<f64> = points().filter_map(|point| self.x.place(point.x)).collect();
+        places.sort_by(f64::total_cmp);
+        // Values closer than a pixel are one to the eye.
+        let distances = places.windows(2).map(|pair| (pair[1] - pair[0]) * f64::from(width)).filter(|d| *d >= 1.0);
+        let nearest = distances.fold(f64::INFINITY, f64::min);
+        f64::from(ASIDE * (panel.series.len() as i32 - 1)).min(ASIDE_MAX).min(ASIDE_SHARE * nearest)
     }
 
     /// Every label once, with its place: x offset and row.
@@ -250,7 +274,7 @@ impl LineChart {
 
 impl Frame {
     fn x(&self, place: f64) -> i32 {
-        self.left + (place * f64::from(self.width)).round() as i32
+        self.left + (self.inset + place * (f64::from(self.width) - 2.0 * self.inset)).round() as i32
     }
 
     fn y(&self, place: f64) -> i32 {

@@ -8,6 +8,7 @@ mod canvas;
 pub mod figures;
 mod grid;
 mod lines;
+mod maps;
 mod parameters;
 pub mod scale;
 

@@ -1,14 +1,17 @@
 //! Pictures of what a parameter changes, and of time against error.
 
 use super::canvas::{MUTED, Marker, Stroke, name_color};
-use super::figures::distinct;
+use super::figures::{ERROR_LABEL, ERROR_NOTE, distinct};
 use super::lines::{LineChart, Panel, Point, Rule, Series};
 use super::scale::{Kind, Scale};
-use crate::experiment::answers::Answers;
 use crate::experiment::answers::effects::Effect;
 use crate::experiment::answers::study::Study;
+use crate::experiment::answers::{Answers, short};
+use crate::experiment::axis::by_name;
 use crate::experiment::statistics::spread;
 
+/// Longest part of a bar beside its mark that the axis makes room for, as a factor.
+const BAR_FACTOR: f64 = 30.0;
 /// Steps of an axis whose values are names.
 const LABELS: usize = 12;
 
@@ -37,7 +40,8 @@ fn chart(answers: &Answers, axis: &str) -> Option<LineChart> {
         Some(numbers) => Scale::of(Kind::Linear, numbers.iter().copied())?.with_ticks(numbers, LABELS),
         None => {
             let mut scale = Scale::of(Kind::Linear, [-0.4, texts.len() as f64 - 0.6])?;
-            scale.ticks = texts.iter().enumerate().map(|(i, text)| (i as f64, text.clone())).collect();
+            scale.ticks =
+                texts.iter().enumerate().map(|(i, text)| (i as f64, short(axis, text).into_owned())).collect();
             scale
         }
     };
@@ -65,27 +69,37 @@ fn chart(answers: &Answers, axis: &str) -> Option<LineChart> {
                 label: label.clone(),
                 color: name_color(index),
                 marker: Some(Marker::of(index)),
-                stroke: Some(Stroke::Solid),
+                // Between names there is nothing to join.
+                stroke: numbers.as_ref().map(|_| Stroke::Solid),
                 points,
             }
         });
         Panel {
-            title: alpha.as_ref().map_or_else(|| "all".to_owned(), |alpha| format!("α {alpha}")),
+            title: alpha.as_ref().map_or_else(
+                || if alphas.len() > 1 { "all" } else { "" }.to_owned(),
+                |alpha| format!("α {}", short("alpha", alpha)),
+            ),
             series: series.collect(),
             rules: vec![Rule { label: format!("as {axis} {base}"), color: MUTED, stroke: Stroke::Dashed, y: 1.0 }],
         }
     };
     let panels: Vec<Panel> = alphas.iter().map(panel).collect();
+    // Intervals over all alphas are shown whole, up to a size that would press the rest together.
+    let over_all = own.iter().filter(|effect| effect.alpha.is_none());
+    let ends = over_all
+        .flat_map(|effect| effect.interval.map(|end| end.clamp(effect.ratio / BAR_FACTOR, effect.ratio * BAR_FACTOR)));
     Some(LineChart {
         title: format!("What {axis} changes"),
         notes: vec![
-            "Geometric mean of the error over that of the cell that differs in nothing else; bars: Student's 95 % interval. Below 1 is better."
+            "Geometric mean of the relMSE over that of the cell that differs in nothing else; bars: Student's 95 % interval, which goes on \
+             where it leaves the drawing. Below 1 is better; a bar across 1 decides nothing."
                 .to_owned(),
+            format!("{axis}: {}.", by_name(axis).about.trim_end_matches('.')),
         ],
         x_label: if is_method { "samples a pixel".to_owned() } else { axis.to_owned() },
-        y_label: format!("error, relative to {base}"),
+        y_label: format!("relMSE over that of {}", short(axis, base)),
         x,
-        y: Scale::of(Kind::Log, own.iter().map(|effect| effect.ratio).chain([1.0]))?,
+        y: Scale::of(Kind::Log, own.iter().map(|effect| effect.ratio).chain(ends).chain([1.0]))?,
         panels,
     })
 }
@@ -98,7 +112,8 @@ fn spans_decades(numbers: &[f64]) -> bool {
 
 /// Median frame time and error of every method and sample count.
 pub fn time_and_error(study: &Study) -> Option<LineChart> {
-    let timed: Vec<_> = study.rows.iter().filter(|row| row.frame_ms.is_some() && row.error.is_some()).collect();
+    let timed: Vec<_> =
+        study.images().into_iter().filter(|row| row.frame_ms.is_some() && row.error.is_some()).collect();
     let methods = distinct(timed.iter().map(|row| study.value(row, "method")));
     let series: Vec<Series> = methods
         .iter()
@@ -131,9 +146,10 @@ pub fn time_and_error(study: &Study) -> Option<LineChart> {
             "One mark a sample count: medians over everything else that is swept; bars: the middle half of the errors. A CPU driver's times say \
              nothing about a GPU."
                 .to_owned(),
+            ERROR_NOTE.to_owned(),
         ],
         x_label: "frame time, ms".to_owned(),
-        y_label: "relative squared error".to_owned(),
+        y_label: ERROR_LABEL.to_owned(),
         x,
         y,
         panels: vec![Panel { title: String::new(), series, rules: Vec::new() }],

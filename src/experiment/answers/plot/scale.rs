@@ -33,6 +33,8 @@ const LABEL_DISTANCE: f64 = 0.75;
 const TICK_DIGITS: usize = 6;
 /// About as many ticks has a linear axis.
 const LINEAR_TICKS: f64 = 6.0;
+/// An axis with fewer ticks does not tell how it runs.
+const TICKS_MIN: usize = 3;
 /// More decades than this are labelled two by two, and so on.
 const DECADES_LABELLED: i32 = 8;
 
@@ -65,8 +67,14 @@ impl Scale {
         let multiples = |of: &[u32]| -> Vec<f64> {
             (first..=last).flat_map(|e| of.iter().map(move |m| decade(*m, e))).filter(inside).collect()
         };
+        let sparse = multiples(&[1, 2, 5]);
         let ticks: Vec<f64> = match () {
-            () if decades < SPARSE_FROM_DECADES => multiples(&[1, 2, 5]),
+            // Less than a factor of 10 may hold one of them only: tenths between them.
+            () if sparse.len() < TICKS_MIN => (first..=last)
+                .flat_map(|e| [10, 12, 15, 20, 30, 50, 70].map(|m| decade(m, e - 1)))
+                .filter(inside)
+                .collect(),
+            () if decades < SPARSE_FROM_DECADES => sparse,
             () => (first..=last).filter(|e| e.rem_euclid(step) == 0).map(|e| decade(1, e)).filter(inside).collect(),
         };
         let minor = multiples(&[1, 2, 3, 4, 5, 6, 7, 8, 9]).into_iter().filter(|x| !ticks.contains(x)).collect();
