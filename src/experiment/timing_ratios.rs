@@ -124,7 +124,7 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
             let tables_ms = tables_ms(records, fixed) - tables_ms(records, sampled);
             let (rounds, ratio) = (quotients.len(), median(&quotients));
             let verdict = verdict(interval, rounds);
-            let payback = Payback::new(ratio, interval, rounds, summarize(&fixed.sums_ms()).median, tables_ms);
+            let payback = Payback::new(ratio, interval, rounds, median(&fixed.sums_ms()), tables_ms);
             found.push(Ratio { sampled, fixed, ratio, interval, rounds, verdict, tables_ms, payback });
         }
     }
