@@ -179,7 +179,8 @@ fn scores_cost_beside_a_gpu_only_what_exceeds_it() {
     let speeds = |image: f64, score: f64| {
         let measured =
             [("image sampled", image), ("image split-sum", image), ("score first", score), ("score again", score)];
-        let measured: Vec<_> = measured.iter().map(|(kind, s)| (kind.to_string(), of(576.0, 576.0), *s)).collect();
+        let amount_of = |kind: &str| of(576.0, if kind.starts_with("image") { 576.0 } else { 0.0 });
+        let measured: Vec<_> = measured.iter().map(|(kind, s)| (kind.to_string(), amount_of(kind), *s)).collect();
         vec![(Source::Probe, Speeds::fit(&measured)), (Source::Constants, constants())]
     };
     let seconds = |image: f64, score: f64, is_cpu_device: bool| {
@@ -209,6 +210,10 @@ fn a_probe_knows_every_kind_of_work_of_its_plan() {
     assert!(!lack(&speeds, &known));
     assert!(log.borrow().renders.iter().all(|(_, samples)| *samples <= 64), "{:?}", log.borrow().renders);
     // As the cache keeps it.
-    let kept: Result<Speeds, _> = serde_json::from_slice(&serde_json::to_vec(&speeds).unwrap());
-    assert_eq!(kept.unwrap(), speeds);
+    let kept: Speeds = serde_json::from_slice(&serde_json::to_vec(&speeds).unwrap()).unwrap();
+    for kind in ["image sampled sh9 ggx", "score first", "reference", "bytes linear", "start"] {
+        let at = |speeds: &Speeds| speeds.line(kind).map(|line| line.at(of(1e4, 1e5)));
+        assert_eq!(at(&kept).is_some(), at(&speeds).is_some(), "{kind}");
+        assert!(at(&kept).zip(at(&speeds)).is_none_or(|(a, b)| (a / b - 1.0).abs() < F64), "{kind}");
+    }
 }

@@ -75,7 +75,7 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
 
 #[test]
 fn a_sheet_that_would_be_too_wide_is_split_between_methods() {
-    let text = "name = \"wide\"\nsize = [640, 8]\nreference = { samples = 4 }\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
+    let text = "name = \"wide\"\nsize = [640, 8]\nreference = { samples = 32 }\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
                 samples = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\n";
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(text));
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
@@ -113,7 +113,7 @@ fn the_summary_answers_with_the_break_even_of_the_error_model() {
 
 #[test]
 fn a_method_that_ignores_an_axis_stands_beside_every_value_of_it() {
-    let text = "name = \"x\"\nsize = [16, 16]\nreference = { samples = 4 }\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
+    let text = "name = \"x\"\nsize = [16, 16]\nreference = { samples = 32 }\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
                 diffuse = [\"none\"]\nsamples = [1, 16]\ndfg_size = [16, 32, 64]\n";
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(text));
     assert_eq!(plan.cells.len(), 2 + 3);
