@@ -52,10 +52,7 @@ pub fn first_of_twice<'t>(
             let line = text[*start..].lines().next().unwrap_or_default();
             line.trim_start().starts_with('[') && header(line) == Some(true)
         };
-        return Some((
-            key,
-            std::iter::once(0).chain(starts).filter(|start| *start < line_start).filter(is_header).last()?,
-        ));
+        return Some((key, std::iter::once(0).chain(starts).filter(|start| *start < line_start).rfind(is_header)?));
     }
     let mut places = Vec::new();
     places_of(root, key.trim_matches(['"', '\'']), &mut places);

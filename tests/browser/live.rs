@@ -42,7 +42,7 @@ fn pipeline() -> Option<Pipeline> {
 /// The plan of a small run in both environments.
 fn plan() -> Plan {
     let text = format!(
-        "name = \"live\"\nsize = [16, 16]\nreference = {{ samples = 16 }}\n[axes]\nenvironment = {}\nbrdf = [\"ggx\", \"phong\"]\n\
+        "name = \"live\"\nsize = [16, 16]\nreference = {{ samples = 32 }}\n[axes]\nenvironment = {}\nbrdf = [\"ggx\", \"phong\"]\n\
          alpha = [0.25]\nf0 = [1]\nalbedo = [0]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [12]\ndiffuse = [\"none\"]\n\
          masking = [\"correlated\"]\nprefilter_sample_count = [{PREFILTER_SAMPLES}]\n\
          environment_rotation_deg = [{ROTATION}]\nlod_bias = [{BIAS}]\n",

@@ -198,7 +198,7 @@ fn check_errors(
     bins: Option<&Table>,
 ) -> Result<(), RunFolderError> {
     let damaged = |what: String| Err(RunFolderError::Damaged { path: errors.path().to_owned(), what });
-    for table in [Some(errors), bins].into_iter().flatten().filter(|table| table.columns.is_empty()) {
+    if let Some(table) = [Some(errors), bins].into_iter().flatten().find(|table| table.columns.is_empty()) {
         return Err(RunFolderError::Damaged { path: table.path().to_owned(), what: "the file is empty".to_owned() });
     }
     let cell = errors.column("cell")?;
