@@ -19,7 +19,7 @@ fn put(folder: &TempDir, name: &str, bytes: &[u8]) -> PathBuf {
 }
 
 /// Pseudo-random 64-bit words (xorshift).
-fn words(mut state: u64) -> impl FnMut() -> u64 {
+pub fn words(mut state: u64) -> impl FnMut() -> u64 {
     move || {
         state ^= state << 13;
         state ^= state >> 7;

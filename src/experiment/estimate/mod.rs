@@ -83,7 +83,7 @@ const ROWS_BYTES: f64 = 6000.0;
 /// A pixel of a linear image in the report, which has a budget.
 const REPORT_BYTES_PER_PIXEL: f64 = 5.0;
 /// That budget, bytes.
-pub const REPORT_BYTES_MAX: usize = 40 << 20;
+pub const REPORT_BYTES_MAX: usize = 40_000_000;
 /// Tables, contact sheets, answers and report, for each pixel of each cell, seconds.
 const END_SECONDS_PER_PIXEL: f64 = 3e-7;
 /// Processors of the machine that the constants stand for.
