@@ -53,7 +53,7 @@ minimize() {
 
 fuzz() {
     local target=$1 budget=$(($2 * 60)) used=0 executions=0 status=0 found=fuzz/target/corpus/$1
-    mkdir -p "$found" "fuzz/artifacts/$target"
+    mkdir -p "$found" "fuzz/artifacts/$target" "fuzz/regressions/$target"
     while [ "$used" -lt "$budget" ] && [ "$status" -eq 0 ]; do
         # CPU time is what counts: on a busy machine a minute of the clock holds little of it.
         local left=$((budget - used)) log="$logs/$target.txt" spent

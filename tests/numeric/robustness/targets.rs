@@ -84,8 +84,10 @@ pub fn files(bytes: &[u8]) -> BTreeMap<PathBuf, Vec<u8>> {
     for line in bytes.split_inclusive(|byte| *byte == b'\n') {
         match line.strip_prefix(b"@@").and_then(|name| std::str::from_utf8(name).ok()) {
             Some(name) => {
-                current = Some(PathBuf::from(name.trim_end()));
-                files.entry(PathBuf::from(name.trim_end())).or_default();
+                // Written as its components are: "m.mtl/" is found as "m.mtl" and must be so named.
+                let name: PathBuf = Path::new(name.trim_end()).components().collect();
+                files.entry(name.clone()).or_default();
+                current = Some(name);
             }
             None => {
                 if let Some(file) = current.as_ref().and_then(|name| files.get_mut(name)) {
