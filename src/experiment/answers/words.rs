@@ -52,7 +52,7 @@ pub fn answer(study: &Study, answers: &Answers) -> Answer {
         pair => pair,
     });
     leads.extend(visibility.filter(|_| !asks_the_curve));
-    leads.extend(from_effects(answers));
+    leads.extend(from_effects(study, answers));
     if leads.is_empty() {
         leads.push(from_variants(study));
     }
@@ -156,11 +156,18 @@ fn from_range(answers: &Answers) -> Option<Answer> {
     })
 }
 
-fn from_effects(answers: &Answers) -> Option<Answer> {
+/// Axes that choose an estimator. An experiment that sweeps one asks about it, whatever it sweeps beside.
+const ESTIMATORS: [&str; 2] = ["method", "diffuse"];
+
+fn from_effects(study: &Study, answers: &Answers) -> Option<Answer> {
     let mut all: Vec<&Effect> = answers.effects.iter().filter(|effect| effect.alpha.is_none()).collect();
-    // What is decided first, then the strongest, whichever its direction.
+    // Estimators before their parameters, what is decided first, then the strongest, whichever its direction.
+    let is_parameter = |effect: &Effect| !ESTIMATORS.contains(&effect.axis.as_str());
     let strength = |effect: &Effect| effect.ratio.ln().abs();
-    all.sort_by(|a, b| b.is_decided().cmp(&a.is_decided()).then(strength(b).total_cmp(&strength(a))));
+    all.sort_by(|a, b| {
+        let order = (is_parameter(a), b.is_decided()).cmp(&(is_parameter(b), a.is_decided()));
+        order.then(strength(b).total_cmp(&strength(a)))
+    });
     let text = |x: f64| significant(x, TIME_DIGITS);
     let say = |effect: &Effect| {
         let interval = match effect.interval[1].is_finite() {
@@ -193,7 +200,23 @@ fn from_effects(answers: &Answers) -> Option<Answer> {
         number: format!("×{}", text(first.ratio)),
         unit: format!("the error with {} {} instead of {}", first.axis, first.value, first.base),
         sentence: say(first),
-        facts: best_values(&all).into_iter().chain(rest).collect(),
+        facts: base_error(study, first).into_iter().chain(best_values(&all)).chain(rest).collect(),
+    })
+}
+
+/// How much the diffuse method errs that the other is compared with.
+fn base_error(study: &Study, effect: &Effect) -> Option<String> {
+    let rows = study.images().into_iter().filter(|row| study.value(row, &effect.axis) == effect.base);
+    let errors: Vec<f64> = rows.filter_map(|row| row.error).filter(|error| *error > 0.0).collect();
+    let (least, most) = errors.iter().fold((f64::MAX, 0.0f64), |(lo, hi), error| (lo.min(*error), hi.max(*error)));
+    let text = |error: f64| significant(error, ERROR_DIGITS);
+    (effect.axis == "diffuse" && !errors.is_empty()).then(|| {
+        let [middle, least, most] = [median(&errors), least, most].map(text);
+        format!(
+            "{} errs by a relMSE of {middle} in the median of {} cases, from {least} to {most}.",
+            effect.base,
+            errors.len()
+        )
     })
 }
 
