@@ -5,6 +5,7 @@ use clap::Args;
 use splitsum::experiment::answers::publish::{publish, write_page};
 use splitsum::experiment::answers::run_folder::unfinished_note;
 use splitsum::experiment::answers::{Answered, AnswersError};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// (Re)computes what finished runs answer: answers/ and summary.md, from their tables alone.
@@ -21,6 +22,7 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let mut published = BTreeMap::new();
     for dir in &arguments.dirs {
         let failed = |error: AnswersError| match error {
             AnswersError::Run(_) => Failure::input(error),
@@ -33,6 +35,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         answered.write().map_err(failed)?;
         print(&format!("{}: {}\n", dir.display(), answered.record.answer.sentence))?;
         if let Some(into) = &arguments.publish {
+            if let Some(other) = published.insert(answered.record.name.clone(), dir) {
+                let (name, dir, other) = (&answered.record.name, dir.display(), other.display());
+                return Err(Failure::BadInput(format!(
+                    "{dir}: {name} was just published from {other}; expected runs of different names, since the folder there is the name"
+                )));
+            }
             for note in publish(dir, into).map_err(Failure::failed)? {
                 print(&format!("{note}\n"))?;
             }

@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 use splitsum::experiment::chunk::{PlanFile, Rates};
 use splitsum::experiment::estimate::Part;
-use splitsum::experiment::store::Store;
+use splitsum::experiment::store::{CHUNKS_FOLDER, Store};
 use splitsum::experiment::timing;
 use splitsum::experiment::{Cell, Plan};
 use std::fmt::Write;
@@ -102,6 +102,14 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let blocks = jobs.chunk_by(|a, b| a.block == b.block);
     let left: Vec<_> =
         blocks.filter(|block| !block.iter().all(|job| store.has_timing(&job.id))).flatten().cloned().collect();
+    if let Some(stranger) =
+        arguments.from.iter().find(|from| !from.join("cells").is_dir() && !from.join(CHUNKS_FOLDER).is_dir())
+    {
+        let stranger = stranger.display();
+        return Err(Failure::BadInput(format!(
+            "--from: {stranger} holds no run; expected a folder with cells/ or {CHUNKS_FOLDER}/"
+        )));
+    }
     let folders: Vec<PathBuf> = std::iter::once(dir.clone()).chain(arguments.from.iter().cloned()).collect();
     let cost = estimated(&plan, &open, &left, &folders, &arguments.cache, arguments.device, load_s)?;
     let shown = Shown { plan: &plan, states: &states, timings: [jobs.len(), jobs.len() - left.len()], cost: &cost };

@@ -71,6 +71,10 @@ fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure
     if plan.cells.is_empty() {
         return Err(subject.nothing_to_do());
     }
+    if arguments.trace && plan.config.timing.is_none() {
+        let file = plan.config.path.display();
+        return Err(Failure::BadInput(format!("--trace: {file} times nothing; expected a [timing] section")));
+    }
     let mut progress = begin(&plan)?;
     let options = RunOptions {
         dir: subject.dir(&plan),

@@ -143,7 +143,8 @@ impl Plan {
 
     /// What to render for the point of a cell: the scene with the point's material, framed by the experiment's camera.
     pub fn request(&self, point: &Point) -> RenderRequest {
-        self.seeded_request(point, cell_seed(&self.config, point))
+        let request = self.seeded_request(point, cell_seed(&self.config, point));
+        RenderRequest { reference_error: cell_error(&self.config, point), ..request }
     }
 
     /// What to render for the point of a reference ([`Plan::reference_point`]).
@@ -324,9 +325,9 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
         }
         let has_lights = !config.lights.is_empty();
         let judge = point.reference(&config.reference, has_lights);
-        let reference = radiance_id(&config, &inputs, &judge, config.seed);
+        let reference = radiance_id(&config, &inputs, &judge, config.seed, config.reference.relative_error);
         let point = point.collapsed(has_lights);
-        let radiance = radiance_id(&config, &inputs, &point, cell_seed(&config, &point));
+        let radiance = radiance_id(&config, &inputs, &point, cell_seed(&config, &point), cell_error(&config, &point));
         let id = cell_id(&radiance, &reference, &point, repeats_of(&config, &point));
         if seen.insert(id.clone()) {
             cells.push(Cell { id, point, radiance, reference });
@@ -373,8 +374,14 @@ fn cell_seed(config: &Config, point: &Point) -> u32 {
     if point.get("method").text() == REFERENCE { config.seed ^ UNDER_TEST } else { config.seed }
 }
 
+/// When the reference terms of a cell stop. Where the reference is itself the method under test it draws the samples that its row names,
+/// whatever the one that judges it may save.
+fn cell_error(config: &Config, point: &Point) -> Option<f64> {
+    config.reference.relative_error.filter(|_| point.get("method").text() != REFERENCE)
+}
+
 /// Inputs count by their content, so that a renamed file keeps its cells and a changed one loses them.
-fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32) -> String {
+fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relative_error: Option<f64>) -> String {
     let mut lines = vec![
         format!("schema={SCHEMA_VERSION}"),
         format!("shaders={}", crate::gpu::build_hash()),
@@ -387,7 +394,7 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32) -> St
     if is_diffuse_reference && point.get("method").text() != REFERENCE {
         lines.push(format!("reference_samples={}", config.reference.samples));
     }
-    if let (Some(error), true) = (config.reference.relative_error, is_reference) {
+    if let (Some(error), true) = (relative_error, is_reference) {
         lines.push(format!("reference_error={error}"));
     }
     lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));

@@ -16,7 +16,7 @@ use crate::pipeline::{DeviceInfo, Frame, FrameTimings, RenderRequest};
 use crate::pixels::Rgb8Image;
 use crate::tonemap::ToneCurve;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -196,6 +196,17 @@ impl<'p> Run<'p> {
         Ok(parts.map(|parts| (frame, parts)).map_err(|error| error.to_string()))
     }
 
+    /// Whether the image of a reference is what a finished cell was judged against, byte for byte. Without such a cell nothing vouches for
+    /// the image, so that it is made again.
+    fn is_as_recorded(&self, reference: &str, name: &str, path: &Path) -> Result<bool, RunError> {
+        for cell in self.plan.cells.iter().filter(|cell| cell.reference == reference) {
+            if let Some(hash) = self.store.cell(&cell.id)?.and_then(|record| record.files.get(name).cloned()) {
+                return Ok(content_hash(path).is_ok_and(|found| found == hash));
+            }
+        }
+        Ok(false)
+    }
+
     /// The reference of a group: read back where an earlier invocation left it, else rendered.
     fn reference(
         &mut self,
@@ -209,7 +220,9 @@ impl<'p> Run<'p> {
         let path = self.store.image_path(&name);
         let request = self.plan.reference_request(point);
         let stop = self.store.reference(id)?;
-        if let Some(reference) = ReferenceImage::read(&path, request.size, request.has_reference_term(), stop) {
+        if self.is_as_recorded(id, &name, &path)?
+            && let Some(reference) = ReferenceImage::read(&path, request.size, request.has_reference_term(), stop)
+        {
             self.references_read += 1;
             self.file_hashes.extend(images::hashes(&self.store, [name])?);
             return Ok(Ok(reference));

@@ -305,3 +305,26 @@ fn an_exclusion_says_where_it_was_written() {
     assert_eq!(places.collect::<Vec<_>>(), ["e.toml:4:1", "e.toml:7:1"]);
     assert_eq!(plan.excluded, [1, 0]);
 }
+
+/// A row of method `reference` names the samples that it draws; the reference that judges it may stop earlier.
+#[test]
+fn a_reference_under_test_does_not_stop_by_itself() {
+    let text = |error: &str| {
+        format!(
+            "name = \"x\"\nreference = {{ samples = 4096{error} }}\n[axes]\nmethod = [\"reference\", \"sampled\"]\nsamples = [64, 128]\ndiffuse = [\"reference\"]\n"
+        )
+    };
+    let plan = |error: &str| Plan::from_text(Path::new("e.toml"), &text(error), &[]).unwrap();
+    let (stopping, fixed) = (plan(", relative_error = 0.05"), plan(""));
+    for (cell, same) in stopping.cells.iter().zip(&fixed.cells) {
+        let is_under_test = cell.point.get("method").text() == "reference";
+        let request = stopping.request(&cell.point);
+        assert_eq!(request.reference_error, (!is_under_test).then_some(0.05));
+        assert_eq!(request.reference_samples, if is_under_test { request.samples } else { 4096 });
+        // The image of a reference under test is the same either way, and so is its name.
+        assert_eq!(cell.radiance == same.radiance, is_under_test);
+        let judge = stopping.reference_request(&stopping.reference_point(&cell.point));
+        assert_eq!(judge.reference_error, Some(0.05));
+        assert_ne!(cell.reference, same.reference);
+    }
+}

@@ -122,6 +122,30 @@ fn images_that_are_gone_or_cut_off_are_made_again() {
     }
 }
 
+/// A reference whose image is whole but another than the one that finished cells were judged against must not judge the rest.
+#[test]
+fn a_reference_that_was_changed_is_made_again() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let before = contents(&dir.path().join("images"));
+    let errors = read(dir.path().join("errors.csv"));
+    let open = &plan.cells[5];
+    let reference = before.keys().find(|name| name.contains(&open.reference)).expect("the image of its reference");
+    let path = dir.path().join("images").join(reference);
+    let (other, _) = before.iter().find(|(name, _)| name.ends_with(".exr") && *name != reference).unwrap();
+    let mut flipped = before[reference].clone();
+    *flipped.last_mut().unwrap() ^= 1;
+    for changed in [before[other].clone(), flipped] {
+        std::fs::write(&path, changed).unwrap();
+        std::fs::remove_file(dir.path().join(format!("cells/{}.json", open.id))).unwrap();
+        let log = log();
+        invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+        assert_eq!(log.borrow().renders.len(), 2, "the reference and the cell");
+        assert!(contents(&dir.path().join("images")) == before);
+        assert!(read(dir.path().join("errors.csv")) == errors);
+    }
+}
+
 #[test]
 fn a_record_that_was_cut_off_is_no_record() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
