@@ -83,6 +83,8 @@ pub struct FrameTime {
     /// 95 % interval of the median by resampling; NaN (in JSON null) below two rounds.
     pub interval: [f64; 2],
     pub n: usize,
+    /// Whether it comes from a CPU driver, which says nothing about a GPU.
+    pub is_cpu: bool,
 }
 
 /// Joined runs.
@@ -347,7 +349,14 @@ fn frame_time(timings: &[TimingRecord], names: &[String], axes: &[String], cell:
     let first = fitting.next()?;
     let record = if first.cell == cell { first } else { fitting.find(|record| record.cell == cell).unwrap_or(first) };
     let s = summarize(&record.sums_ms());
-    s.median.is_finite().then_some(FrameTime { median: s.median, p05: s.p05, p95: s.p95, interval: s.interval, n: s.n })
+    s.median.is_finite().then(|| FrameTime {
+        median: s.median,
+        p05: s.p05,
+        p95: s.p95,
+        interval: s.interval,
+        n: s.n,
+        is_cpu: record.device_type == "cpu",
+    })
 }
 
 fn role(name: &str, values: &[String]) -> Role {

@@ -155,12 +155,14 @@ fn break_even_by_n_dot_v(answers: &Answers) -> AnswerTable {
                 row.extend(pair_cells(pair));
                 row.extend([bin.lo.into(), bin.hi.into(), bin.fixed_error.into()]);
                 row.extend(crossing(pair.tried(), &bin.crossing));
+                row.push(case.time.map_or(Cell::Missing, |time| yes(time.is_cpu)));
                 row
             })
         })
     });
     let mut own = vec!["sampled", "fixed", "n_dot_v_from", "n_dot_v_to", "fixed_error"];
     own.extend(CROSSING);
+    own.push("is_cpu_time");
     AnswerTable { name: "break_even_by_n_dot_v", columns: columns(answers, &own), rows: rows.collect() }
 }
 
@@ -201,12 +203,13 @@ fn n_dot_v_profile(study: &Study) -> AnswerTable {
 fn time_and_error(study: &Study) -> AnswerTable {
     let axes: Vec<usize> = study.case_axes();
     let names = axes.iter().map(|&axis| study.axes[axis].name.clone());
-    let own = ["method", "samples", HEADLINE, "frame_ms_median", "frame_ms_p05", "frame_ms_p95"];
+    let own = ["method", "samples", HEADLINE, "frame_ms_median", "frame_ms_p05", "frame_ms_p95", "is_cpu_time"];
     let rows = study.images().into_iter().filter_map(|row| {
         let (error, time) = (row.error?, row.frame_ms?);
         let mut cells = texts(&super::curves::key(row, &axes));
         cells.extend(texts(&["method", "samples"].map(|name| study.value(row, name).to_owned())));
         cells.extend([error, time.median, time.p05, time.p95].map(Cell::Number));
+        cells.push(yes(time.is_cpu));
         Some(cells)
     });
     AnswerTable { name: "time_and_error", columns: names.chain(own.map(str::to_owned)).collect(), rows: rows.collect() }
