@@ -48,9 +48,10 @@ class Viewer {
     // Without a pointer the probe starts in the middle.
     this.probed ??= [texels.width >> 1, texels.height >> 1];
     this.stage.classList.remove("empty");
-    fitCanvas(this.canvas, this.stage);
-    if (isNew || !this.scale) this.fit();
+    this.resize();
+    if (isNew || !this.origin) this.fit();
     if (state.zoom !== undefined) {
+      this.isFitted = false;
       this.scale = Math.min(SCALE_MAX, Math.max(0.05, real(state.zoom, 1)));
       this.center(real(state.x, texels.width / 2), real(state.y, texels.height / 2));
     }
@@ -70,12 +71,12 @@ class Viewer {
 
   keepState() {
     const texels = this.surface.images.get(this.row.image);
-    const middle = this.scale === this.fitScale ? {} : this.middle();
+    const isOwn = texels && !this.isFitted, middle = isOwn ? this.middle() : {};
     keep({
       cell: this.row.cell, run: this.row.run || "", with: this.other?.cell ?? "", mode: this.mode === "image" ? "" : this.mode,
       tone: this.tone === "curve" ? "" : this.tone, ev: Number(this.stops.toFixed(3)), contrast: Number(this.contrast.toFixed(3)),
       clip: this.clipped ? "1" : "", split: this.split === null ? "" : Number(this.split.toFixed(4)),
-      zoom: texels && this.scale !== this.fitScale ? Number(this.scale.toFixed(3)) : "", x: middle.x ?? "", y: middle.y ?? "",
+      zoom: isOwn ? Number(this.scale.toFixed(3)) : "", x: middle.x ?? "", y: middle.y ?? "",
     });
   }
 
@@ -112,12 +113,23 @@ class Viewer {
     if (!texels) return;
     const scale = Math.min(this.canvas.width / texels.width, this.canvas.height / texels.height);
     this.scale = this.fitScale = scale >= 1 ? Math.floor(scale) : scale;
+    this.isFitted = true;
     this.center(texels.width / 2, texels.height / 2);
   }
 
   center(x, y) {
     this.origin = [x - this.canvas.width / 2 / this.scale, y - this.canvas.height / 2 / this.scale];
     if (this.scale >= 1) this.origin = this.origin.map((value) => Math.round(value * this.scale) / this.scale);
+  }
+
+  /** Fits the canvas to its stage, and the image to the canvas, unless the reader has chosen a place himself: then its middle stays. */
+  resize() {
+    if (!this.stage.clientWidth) return false;
+    const middle = this.origin && this.middle();
+    if (!fitCanvas(this.canvas, this.stage)) return false;
+    if (middle && this.isFitted) this.fit();
+    else if (middle) this.center(middle.x, middle.y);
+    return true;
   }
 
   middle() {
@@ -131,12 +143,14 @@ class Viewer {
     if (scale > 1) scale = factor > 1 ? Math.ceil(scale - 1e-6) : Math.floor(scale + 1e-6);
     const texel = [this.origin[0] + x / this.scale, this.origin[1] + y / this.scale];
     this.scale = scale;
+    this.isFitted = false;
     this.origin = [texel[0] - x / scale, texel[1] - y / scale];
     this.draw();
     this.keepState();
   }
 
   pan(dx, dy) {
+    this.isFitted = false;
     this.origin = [this.origin[0] - dx / this.scale, this.origin[1] - dy / this.scale];
     this.draw();
   }
@@ -230,7 +244,10 @@ class Viewer {
     this.probed = [this.probed[0] + dx, this.probed[1] + dy].map((at, i) => Math.min([width, height][i] - 1, Math.max(0, at)));
     this.pinned = true;
     const place = this.probed.map((at, i) => (at + 0.5 - this.origin[i]) * this.scale), { canvas } = this;
-    if (place[0] < 0 || place[1] < 0 || place[0] > canvas.width || place[1] > canvas.height) this.center(this.probed[0] + 0.5, this.probed[1] + 0.5);
+    if (place[0] < 0 || place[1] < 0 || place[0] > canvas.width || place[1] > canvas.height) {
+      this.isFitted = false;
+      this.center(this.probed[0] + 0.5, this.probed[1] + 0.5);
+    }
     this.draw();
     const line = this.probeBody.querySelector(".current");
     if (line) announce(`${this.probePlace.textContent}: ${[...line.children].map((cell) => cell.textContent).join(" ")}`);
@@ -273,12 +290,8 @@ class Viewer {
     this.view.replaceChildren(h("div", { class: "viewer" }, this.stage, panel));
     this.listen();
     new ResizeObserver(() => {
-      if (!this.row || !this.surface.images.has(this.row.image) || !this.stage.clientWidth) return;
-      const middle = this.middle(), wasFit = this.scale === this.fitScale;
-      if (!fitCanvas(this.canvas, this.stage)) return;
-      if (wasFit) this.fit();
-      else this.center(middle.x, middle.y);
-      this.draw();
+      // Before the first image is placed there is nothing to draw: `show` fits it.
+      if (this.origin && this.surface.images.has(this.row.image) && this.resize()) this.draw();
     }).observe(this.stage);
   }
 
