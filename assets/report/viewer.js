@@ -1,6 +1,6 @@
 // The comparison of images on linear data: flip in place, split, zoom to texels, error maps, probe. WebGL2.
 
-import { HALF, errorColor, exrLink, headline, model, rowOf, rows, scenes, texelError, variantLabel } from "report/data";
+import { HALF, errorColor, exrLink, hasPixels, headline, model, rowOf, rows, scenes, texelError, variantLabel } from "report/data";
 import { announce, choice, h, number, select, slider, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { fitCanvas, linkButton } from "report/stage";
@@ -8,8 +8,24 @@ import { keep, state as current } from "report/state";
 import { Surface } from "report/surface";
 
 const SCALE_MAX = 96;
+const KEY_MAX = 9;
 const MODES = [["image", "Image", "the image through the tone curve"], ["error", "Error", "relative error (E)"], ["signed", "Signed", "signed relative error (S)"]];
 const TONES = [["curve", "Tone curve", "(e L / (e L + 1))^(contrast / 2.2), the project's"], ["srgb", "sRGB", "clipped linear, sRGB-encoded"]];
+
+/**
+ * The images that the keys 1 to 9 show: those with pixels, of several point sets the first. Methods without samples always have a key: where
+ * there are too many images, the largest sample counts go without.
+ */
+function keyedVariants(scene) {
+  const ways = new Map();
+  for (const row of scene.variants.filter(hasPixels)) {
+    const way = variantLabel(row, ["point_set"]);
+    if (!ways.has(way)) ways.set(way, row);
+  }
+  const shown = [...ways.values()], fixed = shown.filter((row) => !row.axes.samples).slice(0, KEY_MAX);
+  const sampled = shown.filter((row) => row.axes.samples).slice(0, KEY_MAX - fixed.length);
+  return shown.filter((row) => fixed.includes(row) || sampled.includes(row));
+}
 
 class Viewer {
   constructor(view) {
@@ -24,7 +40,7 @@ class Viewer {
 
   /** Shows what the address asks for. */
   async show(state) {
-    const row = rowOf(state.cell, state.run ?? 0) ?? scenes.find((one) => one.variants.some((v) => v.image !== null))?.variants[0];
+    const row = rowOf(state.cell, state.run ?? 0) ?? scenes.flatMap((one) => one.variants).find(hasPixels) ?? rows[0];
     if (!row || !this.surface.gl) return this.sayNothing(row);
     const scene = row.scene, real = (text, otherwise) => (text !== undefined && Number.isFinite(Number(text)) ? Number(text) : otherwise);
     this.row = row.original;
@@ -86,21 +102,22 @@ class Viewer {
       return;
     }
     this.row = row;
+    this.stage.classList.remove("empty");
     this.draw();
     this.keepState();
     this.markVariant();
   }
 
   step(by) {
-    const { variants } = this.scene;
-    this.choose(variants[(variants.indexOf(this.row) + by + variants.length) % variants.length]);
+    const shown = this.scene.variants.filter((row) => hasPixels(row) || row === this.row);
+    this.choose(shown[(shown.indexOf(this.row) + by + shown.length) % shown.length]);
   }
 
   /** The same variant in the next scene. */
   stepScene(by) {
     const scene = scenes[(scenes.indexOf(this.scene) + by + scenes.length) % scenes.length];
     const label = variantLabel(this.row);
-    const row = scene.variants.find((v) => variantLabel(v) === label) ?? scene.variants[0];
+    const row = scene.variants.find((v) => variantLabel(v) === label) ?? scene.variants.find(hasPixels) ?? scene.variants[0];
     keep({ cell: row.cell, run: row.run || "", with: "", zoom: "", x: "", y: "" });
     this.show(current());
   }
@@ -320,14 +337,15 @@ class Viewer {
 
   fillVariants() {
     this.scenePicker.replaceChildren(select("Scene", scenes.map((one, i) => [i, one.label]), scenes.indexOf(this.scene), (index) => this.stepScene(Number(index) - scenes.indexOf(this.scene))));
-    this.withPicker.replaceChildren(select("", [["", "reference"], ...this.scene.variants.map((v) => [v.cell, variantLabel(v)])], this.other?.cell ?? "", async (cell) => {
+    this.withPicker.replaceChildren(select("", [["", "reference"], ...this.scene.variants.filter(hasPixels).map((v) => [v.cell, variantLabel(v)])], this.other?.cell ?? "", async (cell) => {
       this.other = this.scene.variants.find((v) => v.cell === cell) ?? null;
       if (this.other) await Promise.all([this.surface.load(this.other.image), this.surface.load(this.other.reference)]);
       this.setSplit(this.split ?? 0.5);
     }));
     this.withPicker.querySelector("select").setAttribute("aria-label", "Split with");
-    this.variants.replaceChildren(...this.scene.variants.map((row, i) => h("li", {}, h("button", { type: "button", "data-cell": row.cell, onclick: () => this.choose(row), class: "variant" },
-      h("kbd", {}, i < 9 ? String(i + 1) : "·"), h("span", {}, variantLabel(row)), h("span", { class: "score" }, row.scores[headline] === null ? "failed" : number(row.scores[headline]))))));
+    const keyed = keyedVariants(this.scene), keyOf = (row) => (keyed.includes(row) ? String(keyed.indexOf(row) + 1) : "·");
+    this.variants.replaceChildren(...this.scene.variants.map((row) => h("li", {}, h("button", { type: "button", "data-cell": row.cell, onclick: () => this.choose(row), class: "variant" },
+      h("kbd", {}, keyOf(row)), h("span", {}, variantLabel(row)), h("span", { class: "score" }, row.scores[headline] === null ? "failed" : number(row.scores[headline]))))));
     this.markVariant();
   }
 
@@ -426,7 +444,7 @@ class Viewer {
     if (event.shiftKey && name in moves) {
       this.moveProbe(...moves[name]);
     } else if (/^[1-9]$/.test(name)) {
-      const row = this.scene.variants[Number(name) - 1];
+      const row = keyedVariants(this.scene)[Number(name) - 1];
       if (row) this.choose(row);
     } else if (name in actions) {
       if (!(name === " " && event.repeat)) actions[name]();
