@@ -65,7 +65,7 @@ export function breakEvenChart(pair) {
 const heat = Array.from({ length: 7 }, (_, i) => getComputedStyle(document.documentElement).getPropertyValue(`--heat-${i}`).trim().match(/[0-9a-f]{2}/gi).map((code) => parseInt(code, 16)));
 
 /** Colour and ink of a break-even count: dark is early. Every count tried has its own step of the ramp, and so has none of them. */
-function breakEvenColor(pair, { n, above }) {
+export function breakEvenColor(pair, { n, above }) {
   const { sample_counts: counts } = pair, last = heat.length - 1;
   const place = ((above ? counts.length : counts.indexOf(n)) / Math.max(1, counts.length)) * last, below = Math.min(last - 1, Math.floor(place));
   const color = heat[below].map((code, c) => Math.round(code + (place - below) * (heat[below + 1][c] - code)));

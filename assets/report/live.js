@@ -144,8 +144,8 @@ class Live {
   describe() {
     const { settings: s, render } = this, mode = this.shownMode(), isDone = this.canvas.dataset.ready === "1";
     // Until all samples are in the frame, it is an estimate by the first of them.
-    const counted = render.done < s.samples ? `${render.done} of ${s.samples} samples` : `${s.samples} samples`;
-    const what = mode === "split" ? "split sum" : mode === "sampled" ? `sampled, ${counted} a pixel` : `split sum against ${counted}${mode === "signed" ? ", signed" : ""}`;
+    const counted = render.done < s.samples ? `${render.done} of ${s.samples} samples a pixel` : `${s.samples} samples a pixel`;
+    const what = mode === "split" ? "split sum" : mode === "sampled" ? `sampled, ${counted}` : `split sum against ${counted}${mode === "signed" ? ", signed" : ""}`;
     this.badge.textContent = what;
     const share = render.isSampling ? render.done / s.samples : 1;
     this.progress.hidden = share >= 1;
