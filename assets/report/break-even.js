@@ -61,11 +61,16 @@ export function breakEvenChart(pair) {
   });
 }
 
-/** Colour and ink of a break-even count: dark is early. */
-function breakEvenColor(pair, { n, above }) {
-  const place = above ? pair.sample_counts.length : pair.sample_counts.indexOf(n);
-  const step = Math.round((place / Math.max(1, pair.sample_counts.length)) * 6);
-  return { color: `var(--heat-${step})`, ink: `var(--heat-ink-${step})` };
+/** The stops of the heat ramp (style sheet), as [r, g, b]. */
+const heat = Array.from({ length: 7 }, (_, i) => getComputedStyle(document.documentElement).getPropertyValue(`--heat-${i}`).trim().match(/[0-9a-f]{2}/gi).map((code) => parseInt(code, 16)));
+
+/** Colour and ink of a break-even count: dark is early. Every count tried has its own step of the ramp, and so has none of them. */
+export function breakEvenColor(pair, { n, above }) {
+  const { sample_counts: counts } = pair, last = heat.length - 1;
+  const place = ((above ? counts.length : counts.indexOf(n)) / Math.max(1, counts.length)) * last, below = Math.min(last - 1, Math.floor(place));
+  const color = heat[below].map((code, c) => Math.round(code + (place - below) * (heat[below + 1][c] - code)));
+  // The ink of the next stop above: dark as soon as the ramp is lighter than its last stop with light ink.
+  return { color: `rgb(${color})`, ink: `var(--heat-ink-${Math.ceil(place)})` };
 }
 
 /** The legend of counts that occur, and of what is missing. */

@@ -134,6 +134,9 @@ for (const scene of scenes) {
 /** Labels of all variants, in the order of the rows. */
 export const variantLabels = [...new Set(scenes.flatMap((scene) => scene.variants.map((row) => variantLabel(row))))];
 
+/** Whether the page holds the pixels of a cell's image. */
+export const hasPixels = (row) => row.image !== null && model.images[row.image].payload !== null;
+
 /** Half-float bits to numbers. */
 export const HALF = new Float32Array(65536);
 for (let bits = 0; bits < 65536; bits++) {

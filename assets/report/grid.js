@@ -1,6 +1,6 @@
 // The image table: scenes down, ways to make the image across. Every picture leads into the comparison.
 
-import { displayAxes, errorColor, exclusionOf, headline, HALF, mask, model, overview, pixels, rows, sceneAxes, axisOf, scenes, short, symbol, texelError, tone, variantAxes, variantLabel, variantLabels } from "report/data";
+import { displayAxes, errorColor, exclusionOf, exrLink, hasPixels, headline, HALF, mask, model, overview, pixels, rows, sceneAxes, axisOf, scenes, short, symbol, texelError, tone, variantAxes, variantLabel, variantLabels } from "report/data";
 import { choice, h, number, select } from "report/dom";
 import { go, keep } from "report/state";
 
@@ -82,6 +82,15 @@ function missing(row, label) {
   return why === null ? h("span", { class: "excluded" }, "none") : h("span", { class: "excluded", title: why }, "excluded");
 }
 
+/** The linear EXR files of every scene, where the page holds no pixels. */
+function exrTable() {
+  const file = (index, label) => (index === null ? "–" : h("a", { href: exrLink(index), "aria-label": label }, model.images[index].file));
+  const line = (row, name, index, score) => h("tr", {}, h("th", { scope: "row" }, row.scene.label), h("td", {}, name), h("td", {}, score), h("td", {}, file(index, `${row.scene.label}, ${name}: linear EXR`)));
+  return h("div", { class: "scroll data-table", tabindex: 0, role: "region", "aria-label": "Linear EXR files" }, h("table", {},
+    h("thead", {}, h("tr", {}, ["scene", "image", headline, "linear EXR"].map((name) => h("th", { scope: "col" }, name)))),
+    h("tbody", {}, scenes.flatMap((scene) => [line(scene.main, "reference", scene.main.reference, ""), ...scene.variants.map((row) => line(row, variantLabel(row), row.image, number(row.scores[headline])))]))));
+}
+
 /** The page of images. */
 export function showGrid(view, state) {
   const mode = ["error", "signed"].includes(state.mode) ? state.mode : "image";
@@ -96,12 +105,13 @@ export function showGrid(view, state) {
     sceneAxes.filter((name) => axisOf[name].values.length > 1).map((name) => select(symbol(name), [["", "all"], ...axisOf[name].values.map((value) => [value, short(name, value)])], filters[name], (value) => again({ [name]: value }))));
   const notes = model.image_notes.map((text) => h("p", { class: "warning" }, text));
   if (!model.images.some((image) => image.payload !== null)) {
-    view.replaceChildren(bar, ...notes);
+    // Exposure and error maps need pixels.
+    view.replaceChildren(h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Images")), ...notes, model.images.length ? exrTable() : "");
     return;
   }
   const used = variantLabels.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label)));
   // Ways of which the page holds no pixels at all (further point sets of a large run) would be columns of nothing.
-  const labels = used.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label && (row.image === null || model.images[row.image].payload !== null))));
+  const labels = used.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label && (row.image === null || hasPixels(row)))));
   if (labels.length < used.length) notes.push(h("p", { class: "note" }, `${used.length - labels.length} of ${used.length} ways to make the image have no pixels in this page and are not listed.`));
   const head = h("tr", {}, h("th", { scope: "col" }, sceneAxes.map(symbol).join(" · ") || "scene"), h("th", { scope: "col" }, "reference"), labels.map((label) => h("th", { scope: "col" }, label)));
   const body = own.map((scene) => {

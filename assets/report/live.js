@@ -117,6 +117,7 @@ class Live {
 
   loop() {
     this.canvas.dataset.ready = "";
+    this.canvas.dataset.relmse = "";
     this.frame ||= requestAnimationFrame(() => {
       this.frame = 0;
       if (byId("view-live").hidden || !this.render.view || this.render.gl.isContextLost()) return;
@@ -142,7 +143,9 @@ class Live {
 
   describe() {
     const { settings: s, render } = this, mode = this.shownMode(), isDone = this.canvas.dataset.ready === "1";
-    const what = mode === "split" ? "split sum" : mode === "sampled" ? `sampled, ${s.samples} a pixel` : `split sum against ${s.samples} samples${mode === "signed" ? ", signed" : ""}`;
+    // Until all samples are in the frame, it is an estimate by the first of them.
+    const counted = render.done < s.samples ? `${render.done} of ${s.samples} samples a pixel` : `${s.samples} samples a pixel`;
+    const what = mode === "split" ? "split sum" : mode === "sampled" ? `sampled, ${counted}` : `split sum against ${counted}${mode === "signed" ? ", signed" : ""}`;
     this.badge.textContent = what;
     const share = render.isSampling ? render.done / s.samples : 1;
     this.progress.hidden = share >= 1;

@@ -1,6 +1,6 @@
 // Starts the page: navigation, the first screen, keys.
 
-import { headline, model, scenes, variantLabel } from "report/data";
+import { hasPixels, headline, model, scenes, variantLabel } from "report/data";
 import { byId, h } from "report/dom";
 import { settingsOf, showGrid, thumbnail } from "report/grid";
 import { breakEvenChart, breakEvenMap, equalTimeMap } from "report/break-even";
@@ -64,7 +64,7 @@ function showAnswer() {
 
 /** The images of one telling scene: the case in the middle. */
 function strip(pair) {
-  const withPixels = scenes.filter((scene) => scene.variants.some((row) => row.image !== null && model.images[row.image].payload !== null));
+  const withPixels = scenes.filter((scene) => scene.variants.some(hasPixels));
   if (!withPixels.length) return h("p", { class: "note" }, model.image_notes.join(" "));
   const cases = pair ? [...pair.cases].sort((a, b) => (a.crossing ?? Infinity) - (b.crossing ?? Infinity)) : [];
   const middle = cases[Math.floor((cases.length - 1) / 2)];

@@ -1,6 +1,6 @@
 // The comparison of images on linear data: flip in place, split, zoom to texels, error maps, probe. WebGL2.
 
-import { HALF, errorColor, exrLink, headline, model, rowOf, rows, scenes, texelError, variantLabel } from "report/data";
+import { HALF, errorColor, exrLink, hasPixels, headline, model, rowOf, rows, scenes, texelError, variantLabel } from "report/data";
 import { announce, choice, h, number, select, slider, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { fitCanvas, linkButton } from "report/stage";
@@ -8,8 +8,24 @@ import { keep, state as current } from "report/state";
 import { Surface } from "report/surface";
 
 const SCALE_MAX = 96;
+const KEY_MAX = 9;
 const MODES = [["image", "Image", "the image through the tone curve"], ["error", "Error", "relative error (E)"], ["signed", "Signed", "signed relative error (S)"]];
 const TONES = [["curve", "Tone curve", "(e L / (e L + 1))^(contrast / 2.2), the project's"], ["srgb", "sRGB", "clipped linear, sRGB-encoded"]];
+
+/**
+ * The images that the keys 1 to 9 show: those with pixels, of several point sets the first. Methods without samples always have a key: where
+ * there are too many images, the largest sample counts go without.
+ */
+function keyedVariants(scene) {
+  const ways = new Map();
+  for (const row of scene.variants.filter(hasPixels)) {
+    const way = variantLabel(row, ["point_set"]);
+    if (!ways.has(way)) ways.set(way, row);
+  }
+  const shown = [...ways.values()], fixed = shown.filter((row) => !row.axes.samples).slice(0, KEY_MAX);
+  const sampled = shown.filter((row) => row.axes.samples).slice(0, KEY_MAX - fixed.length);
+  return shown.filter((row) => fixed.includes(row) || sampled.includes(row));
+}
 
 class Viewer {
   constructor(view) {
@@ -24,7 +40,7 @@ class Viewer {
 
   /** Shows what the address asks for. */
   async show(state) {
-    const row = rowOf(state.cell, state.run ?? 0) ?? scenes.find((one) => one.variants.some((v) => v.image !== null))?.variants[0];
+    const row = rowOf(state.cell, state.run ?? 0) ?? scenes.flatMap((one) => one.variants).find(hasPixels) ?? rows[0];
     if (!row || !this.surface.gl) return this.sayNothing(row);
     const scene = row.scene, real = (text, otherwise) => (text !== undefined && Number.isFinite(Number(text)) ? Number(text) : otherwise);
     this.row = row.original;
@@ -48,9 +64,10 @@ class Viewer {
     // Without a pointer the probe starts in the middle.
     this.probed ??= [texels.width >> 1, texels.height >> 1];
     this.stage.classList.remove("empty");
-    fitCanvas(this.canvas, this.stage);
-    if (isNew || !this.scale) this.fit();
+    this.resize();
+    if (isNew || !this.origin) this.fit();
     if (state.zoom !== undefined) {
+      this.isFitted = false;
       this.scale = Math.min(SCALE_MAX, Math.max(0.05, real(state.zoom, 1)));
       this.center(real(state.x, texels.width / 2), real(state.y, texels.height / 2));
     }
@@ -70,12 +87,12 @@ class Viewer {
 
   keepState() {
     const texels = this.surface.images.get(this.row.image);
-    const middle = this.scale === this.fitScale ? {} : this.middle();
+    const isOwn = texels && !this.isFitted, middle = isOwn ? this.middle() : {};
     keep({
       cell: this.row.cell, run: this.row.run || "", with: this.other?.cell ?? "", mode: this.mode === "image" ? "" : this.mode,
       tone: this.tone === "curve" ? "" : this.tone, ev: Number(this.stops.toFixed(3)), contrast: Number(this.contrast.toFixed(3)),
       clip: this.clipped ? "1" : "", split: this.split === null ? "" : Number(this.split.toFixed(4)),
-      zoom: texels && this.scale !== this.fitScale ? Number(this.scale.toFixed(3)) : "", x: middle.x ?? "", y: middle.y ?? "",
+      zoom: isOwn ? Number(this.scale.toFixed(3)) : "", x: middle.x ?? "", y: middle.y ?? "",
     });
   }
 
@@ -85,21 +102,22 @@ class Viewer {
       return;
     }
     this.row = row;
+    this.stage.classList.remove("empty");
     this.draw();
     this.keepState();
     this.markVariant();
   }
 
   step(by) {
-    const { variants } = this.scene;
-    this.choose(variants[(variants.indexOf(this.row) + by + variants.length) % variants.length]);
+    const shown = this.scene.variants.filter((row) => hasPixels(row) || row === this.row);
+    this.choose(shown[(shown.indexOf(this.row) + by + shown.length) % shown.length]);
   }
 
   /** The same variant in the next scene. */
   stepScene(by) {
     const scene = scenes[(scenes.indexOf(this.scene) + by + scenes.length) % scenes.length];
     const label = variantLabel(this.row);
-    const row = scene.variants.find((v) => variantLabel(v) === label) ?? scene.variants[0];
+    const row = scene.variants.find((v) => variantLabel(v) === label) ?? scene.variants.find(hasPixels) ?? scene.variants[0];
     keep({ cell: row.cell, run: row.run || "", with: "", zoom: "", x: "", y: "" });
     this.show(current());
   }
@@ -112,12 +130,23 @@ class Viewer {
     if (!texels) return;
     const scale = Math.min(this.canvas.width / texels.width, this.canvas.height / texels.height);
     this.scale = this.fitScale = scale >= 1 ? Math.floor(scale) : scale;
+    this.isFitted = true;
     this.center(texels.width / 2, texels.height / 2);
   }
 
   center(x, y) {
     this.origin = [x - this.canvas.width / 2 / this.scale, y - this.canvas.height / 2 / this.scale];
     if (this.scale >= 1) this.origin = this.origin.map((value) => Math.round(value * this.scale) / this.scale);
+  }
+
+  /** Fits the canvas to its stage, and the image to the canvas, unless the reader has chosen a place himself: then its middle stays. */
+  resize() {
+    if (!this.stage.clientWidth) return false;
+    const middle = this.origin && this.middle();
+    if (!fitCanvas(this.canvas, this.stage)) return false;
+    if (middle && this.isFitted) this.fit();
+    else if (middle) this.center(middle.x, middle.y);
+    return true;
   }
 
   middle() {
@@ -131,12 +160,14 @@ class Viewer {
     if (scale > 1) scale = factor > 1 ? Math.ceil(scale - 1e-6) : Math.floor(scale + 1e-6);
     const texel = [this.origin[0] + x / this.scale, this.origin[1] + y / this.scale];
     this.scale = scale;
+    this.isFitted = false;
     this.origin = [texel[0] - x / scale, texel[1] - y / scale];
     this.draw();
     this.keepState();
   }
 
   pan(dx, dy) {
+    this.isFitted = false;
     this.origin = [this.origin[0] - dx / this.scale, this.origin[1] - dy / this.scale];
     this.draw();
   }
@@ -230,7 +261,10 @@ class Viewer {
     this.probed = [this.probed[0] + dx, this.probed[1] + dy].map((at, i) => Math.min([width, height][i] - 1, Math.max(0, at)));
     this.pinned = true;
     const place = this.probed.map((at, i) => (at + 0.5 - this.origin[i]) * this.scale), { canvas } = this;
-    if (place[0] < 0 || place[1] < 0 || place[0] > canvas.width || place[1] > canvas.height) this.center(this.probed[0] + 0.5, this.probed[1] + 0.5);
+    if (place[0] < 0 || place[1] < 0 || place[0] > canvas.width || place[1] > canvas.height) {
+      this.isFitted = false;
+      this.center(this.probed[0] + 0.5, this.probed[1] + 0.5);
+    }
     this.draw();
     const line = this.probeBody.querySelector(".current");
     if (line) announce(`${this.probePlace.textContent}: ${[...line.children].map((cell) => cell.textContent).join(" ")}`);
@@ -273,12 +307,8 @@ class Viewer {
     this.view.replaceChildren(h("div", { class: "viewer" }, this.stage, panel));
     this.listen();
     new ResizeObserver(() => {
-      if (!this.row || !this.surface.images.has(this.row.image) || !this.stage.clientWidth) return;
-      const middle = this.middle(), wasFit = this.scale === this.fitScale;
-      if (!fitCanvas(this.canvas, this.stage)) return;
-      if (wasFit) this.fit();
-      else this.center(middle.x, middle.y);
-      this.draw();
+      // Before the first image is placed there is nothing to draw: `show` fits it.
+      if (this.origin && this.surface.images.has(this.row.image) && this.resize()) this.draw();
     }).observe(this.stage);
   }
 
@@ -307,14 +337,15 @@ class Viewer {
 
   fillVariants() {
     this.scenePicker.replaceChildren(select("Scene", scenes.map((one, i) => [i, one.label]), scenes.indexOf(this.scene), (index) => this.stepScene(Number(index) - scenes.indexOf(this.scene))));
-    this.withPicker.replaceChildren(select("", [["", "reference"], ...this.scene.variants.map((v) => [v.cell, variantLabel(v)])], this.other?.cell ?? "", async (cell) => {
+    this.withPicker.replaceChildren(select("", [["", "reference"], ...this.scene.variants.filter(hasPixels).map((v) => [v.cell, variantLabel(v)])], this.other?.cell ?? "", async (cell) => {
       this.other = this.scene.variants.find((v) => v.cell === cell) ?? null;
       if (this.other) await Promise.all([this.surface.load(this.other.image), this.surface.load(this.other.reference)]);
       this.setSplit(this.split ?? 0.5);
     }));
     this.withPicker.querySelector("select").setAttribute("aria-label", "Split with");
-    this.variants.replaceChildren(...this.scene.variants.map((row, i) => h("li", {}, h("button", { type: "button", "data-cell": row.cell, onclick: () => this.choose(row), class: "variant" },
-      h("kbd", {}, i < 9 ? String(i + 1) : "·"), h("span", {}, variantLabel(row)), h("span", { class: "score" }, row.scores[headline] === null ? "failed" : number(row.scores[headline]))))));
+    const keyed = keyedVariants(this.scene), keyOf = (row) => (keyed.includes(row) ? String(keyed.indexOf(row) + 1) : "·");
+    this.variants.replaceChildren(...this.scene.variants.map((row) => h("li", {}, h("button", { type: "button", "data-cell": row.cell, onclick: () => this.choose(row), class: "variant" },
+      h("kbd", {}, keyOf(row)), h("span", {}, variantLabel(row)), h("span", { class: "score" }, row.scores[headline] === null ? "failed" : number(row.scores[headline]))))));
     this.markVariant();
   }
 
@@ -413,7 +444,7 @@ class Viewer {
     if (event.shiftKey && name in moves) {
       this.moveProbe(...moves[name]);
     } else if (/^[1-9]$/.test(name)) {
-      const row = this.scene.variants[Number(name) - 1];
+      const row = keyedVariants(this.scene)[Number(name) - 1];
       if (row) this.choose(row);
     } else if (name in actions) {
       if (!(name === " " && event.repeat)) actions[name]();

@@ -75,19 +75,39 @@ pub struct ImageSet {
     pub index: BTreeMap<(usize, String), usize>,
 }
 
-/// Collects the images of all runs. A file that cannot be read is a note, not a failure.
-pub fn collect(runs: &[RunFolder], choice: Choice, budget: usize) -> ImageSet {
+/// A window that lies in no image of the runs.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "--crop {},{},{},{} reaches beyond the images, which are {sizes} texels; expected X + W and Y + H within them",
+    .window.x, .window.y, .window.width, .window.height
+)]
+pub struct CropError {
+    pub window: Window,
+    /// Sizes that occur, "96 x 96 or 256 x 256".
+    pub sizes: String,
+}
+
+/// Collects the images of all runs. A file that cannot be read is a note, not a failure; a crop that fits no image is one.
+pub fn collect(runs: &[RunFolder], choice: Choice, budget: usize) -> Result<ImageSet, CropError> {
     let mut set = list(runs);
     match choice {
         Choice::None => {
             set.notes.push("Images were left out (--no-images); the linear EXR files are linked.".to_owned())
         }
         Choice::Crop(window) => {
-            set.embed(runs, budget, |_| Some(window));
+            let too_small = set.too_small_for(runs, window)?;
+            set.embed(runs, budget, |index| (!too_small.contains(&index)).then_some(window));
             set.notes.push(format!(
                 "Images are cut to {} x {} texels at ({}, {}) (--crop); error metrics are those of the whole images.",
                 window.width, window.height, window.x, window.y
             ));
+            if !too_small.is_empty() {
+                set.notes.push(format!(
+                    "{} of {} images end before the crop does and are left out; their EXR files are linked.",
+                    too_small.len(),
+                    set.images.len()
+                ));
+            }
         }
         Choice::Automatic => {
             let whole = Window { x: 0, y: 0, width: u32::MAX, height: u32::MAX };
@@ -117,7 +137,7 @@ pub fn collect(runs: &[RunFolder], choice: Choice, budget: usize) -> ImageSet {
     if set.images.is_empty() && choice != Choice::None {
         set.notes.push("The run has no images.csv, so no image can be shown.".to_owned());
     }
-    set
+    Ok(set)
 }
 
 /// What embedding cost.
@@ -166,6 +186,25 @@ impl ImageSet {
             });
         }
         index
+    }
+
+    /// Images that do not hold the whole window, by the sizes of their references; an error where none of them does.
+    fn too_small_for(&self, runs: &[RunFolder], window: Window) -> Result<BTreeSet<usize>, CropError> {
+        let references: Vec<usize> = (0..self.images.len()).filter(|&i| self.images[i].reference == i).collect();
+        let sizes: BTreeMap<usize, [u32; 2]> = references
+            .into_par_iter()
+            .filter_map(|index| read(runs, &self.images[index]).ok().map(|i| (index, [i.rgb.width, i.rgb.height])))
+            .collect();
+        let ends = |start: u32, length: u32| u64::from(start) + u64::from(length);
+        let (right, bottom) = (ends(window.x, window.width), ends(window.y, window.height));
+        let holds = |size: &[u32; 2]| right <= u64::from(size[0]) && bottom <= u64::from(size[1]);
+        if !sizes.is_empty() && !sizes.values().any(holds) {
+            let found: BTreeSet<&[u32; 2]> = sizes.values().collect();
+            let found: Vec<String> = found.into_iter().map(|[width, height]| format!("{width} x {height}")).collect();
+            return Err(CropError { window, sizes: found.join(" or ") });
+        }
+        let is_small = |image: &EmbeddedImage| sizes.get(&image.reference).is_some_and(|size| !holds(size));
+        Ok((0..self.images.len()).filter(|&i| is_small(&self.images[i])).collect())
     }
 
     fn forget_payloads(&mut self) {

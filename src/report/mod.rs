@@ -62,6 +62,8 @@ pub enum ReportError {
     Run(#[from] RunFolderError),
     #[error(transparent)]
     Figures(#[from] figures::FigureError),
+    #[error(transparent)]
+    Crop(#[from] images::CropError),
     #[error("the page's template: {0}")]
     Template(#[from] minijinja::Error),
     #[error(transparent)]
@@ -80,7 +82,7 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
     let light = live::Light::collect(&runs, live::BUDGET_BYTES);
     let tables: usize = runs.iter().flat_map(|run| &run.csv).map(|(_, text)| text.len()).sum();
     let others = tables + json_bytes(&light) + json_bytes(&answers) + study.rows.len() * ROW_BYTES + PROGRAM_BYTES;
-    let images = images::collect(&runs, options.images, options.budget.saturating_sub(others));
+    let images = images::collect(&runs, options.images, options.budget.saturating_sub(others))?;
     let figures = figures::write(&figures_folder(&path), &distinct, &answers, &runs)?;
     let fixed = page::Static {
         name: runs[0].text("/name"),

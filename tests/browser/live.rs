@@ -367,7 +367,10 @@ fn keys_sliders_and_the_link_of_the_live_view() {
     // Any first part of the samples is an estimate of the whole.
     slide(&mut page, "samples", 9.0);
     let whole = linear(&mut page, "sampled")[middle][1];
-    page.eval("live.render.restart(); live.render.drawBase(); live.render.drawSamples(8)");
+    let told = page.eval(
+        "(() => { live.render.restart(); live.render.drawBase(); live.render.drawSamples(8); live.describe(); return live.badge.textContent; })()",
+    );
+    assert_eq!(told, json!("split sum against 8 of 64 samples a pixel"));
     let part = linear(&mut page, "sampled")[middle][1];
     assert_eq!(page.eval("live.settings.samples"), json!(64));
     let share = page.eval("live.render.done");

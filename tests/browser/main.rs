@@ -1,6 +1,7 @@
 //! The report in a real browser, opened from disk: what a reader sees, presses and saves. Skips with a line without Chromium.
 
 mod chromium;
+mod compare;
 #[path = "../numeric/experiment/fake.rs"]
 mod fake;
 mod live;
@@ -352,8 +353,19 @@ fn without_images_and_with_crops_the_page_says_so() {
     let Some((mut page, report, dir)) = report(Choice::None) else { return };
     page.go(&report, "#images");
     assert!(page.text("#view-images").contains("--no-images"));
+    // Every image is linked, and there is no control without an effect.
+    let links = page.eval("[...document.querySelectorAll('#view-images td a')].map((a) => a.href)");
+    let links = links.as_array().unwrap();
+    assert_eq!(links.len(), 3 * (1 + 4));
+    for link in links {
+        let file = link.as_str().unwrap().strip_prefix("file://").unwrap();
+        assert!(Path::new(file).exists(), "{file}");
+    }
+    assert_eq!(page.eval("document.querySelectorAll('#view-images :is(input, select, .segments)').length"), json!(0));
     page.go(&report, "#compare");
     assert!(page.text("#view-compare").contains("No pixels"));
+    // White on dark, as the text around it.
+    assert_eq!(page.eval("getComputedStyle(document.querySelector('.caption a')).color"), json!("rgb(255, 255, 255)"));
     let crop = Choice::Crop(Window { x: 4, y: 6, width: 8, height: 5 });
     let options = ReportOptions {
         images: crop,

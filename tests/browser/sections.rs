@@ -15,7 +15,7 @@ use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
 
 /// The report of a finished run of an experiment whose axes are given.
-fn report_of(dir: &Path, axes: &str, rest: &str) -> PathBuf {
+pub fn report_of(dir: &Path, axes: &str, rest: &str) -> PathBuf {
     let text =
         format!("name = \"sections\"\nsize = [24, 24]\nreference = {{ samples = 64 }}\n[axes]\n{axes}\n{rest}\n");
     let plan = Plan::from_text(&dir.join("sections.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"));

@@ -181,22 +181,36 @@ fn a_report_is_the_same_each_time_and_has_its_figures_beside_it() {
 fn images_over_the_budget_become_windows_where_the_error_is() {
     let dir = tempfile::tempdir().unwrap();
     let runs = [RunFolder::read(&finished_run(dir.path())).unwrap()];
-    let whole = collect(&runs, Choice::Automatic, BUDGET_BYTES);
+    let whole = collect(&runs, Choice::Automatic, BUDGET_BYTES).unwrap();
     assert_eq!(whole.images.len(), 2 * (1 + 4));
     assert!(whole.notes.is_empty() && whole.images.iter().all(|image| image.window.unwrap().width == 200));
     let bytes = |payloads: &[String]| payloads.iter().map(String::len).sum::<usize>();
     let budget = bytes(&whole.payloads) / 2;
-    let cut = collect(&runs, Choice::Automatic, budget);
+    let cut = collect(&runs, Choice::Automatic, budget).unwrap();
     assert!(cut.notes[0].contains("native texels"), "{:?}", cut.notes);
     assert!(bytes(&cut.payloads) <= budget && cut.images.iter().all(|image| image.payload.is_some()));
     let window = cut.images[1].window.unwrap();
     // The relative error d / sqrt(r^2 + 0.01) of a constant factor is largest where the sphere is brightest: in the middle.
     assert!((48..200).contains(&window.width) && (window.x + window.width / 2).abs_diff(100) < 8, "{window:?}");
     assert_eq!(cut.images[1].overview.unwrap().0, [67, 67]);
-    let crop = Window { x: 196, y: 0, width: 10, height: 10 };
-    let cropped = collect(&runs, Choice::Crop(crop), BUDGET_BYTES);
-    assert_eq!(cropped.images[0].window, Some(Window { x: 190, y: 0, width: 10, height: 10 }));
-    let none = collect(&runs, Choice::None, BUDGET_BYTES);
+    let crop = |x, y, width, height| collect(&runs, Choice::Crop(Window { x, y, width, height }), BUDGET_BYTES);
+    let corner = Window { x: 190, y: 0, width: 10, height: 10 };
+    assert_eq!(crop(190, 0, 10, 10).unwrap().images[0].window, Some(corner));
+    // One texel too far, far outside, larger than the image, and beyond what 32 bits can add.
+    for [x, y, width, height] in [[191, 0, 10, 10], [500, 500, 10, 10], [100, 100, 200, 200], [u32::MAX, 0, 2, 2]] {
+        let error = crop(x, y, width, height).unwrap_err().to_string();
+        assert!(error.contains(&format!("--crop {x},{y},{width},{height}")) && error.contains("200 x "), "{error}");
+    }
+    // The command refuses it as bad input and writes nothing.
+    let out = dir.path().join("cut.html");
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_splitsum"))
+        .args(["report", "--crop", "500,500,10,10", "--out"])
+        .args([&out, &runs[0].dir])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--crop 500,500,10,10") && !out.exists(), "{output:?}");
+    let none = collect(&runs, Choice::None, BUDGET_BYTES).unwrap();
     assert!(none.payloads.is_empty() && none.notes.len() == 1);
 }
 

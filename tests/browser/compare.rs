@@ -1,0 +1,153 @@
+//! The comparison where the window changes and where not all images are in the page: places, keys, steps of colour.
+
+use super::sections::report_of;
+use super::{SIDE, assert_clean, report, shown};
+use crate::chromium::{self, Page};
+use serde_json::json;
+use splitsum::report::images::Choice;
+use splitsum::report::{ReportOptions, write};
+use splitsum::table::csv::Table;
+
+const READY: &str = "document.querySelector('.viewer-stage canvas')?.dataset.ready !== undefined";
+
+/// Waits until the canvas has as many pixels as its stage.
+fn wait_for_size(page: &mut Page) {
+    page.wait(
+        "(() => { const c = document.querySelector('.viewer-stage canvas'), b = c.parentElement.getBoundingClientRect(); \
+         return b.width > 0 && c.width === Math.round(b.width) && c.height === Math.round(b.height); })()",
+    );
+    page.eval("new Promise((done) => requestAnimationFrame(() => setTimeout(done, 50)))");
+}
+
+/// The texel in the middle of the canvas, as the probe names it.
+fn middle(page: &mut Page) -> String {
+    let at = page.eval(
+        "(() => { const b = document.querySelector('.viewer-stage canvas').getBoundingClientRect(); \
+         return [b.left + b.width / 2 + 1, b.top + b.height / 2 + 1]; })()",
+    );
+    page.click_at(at[0].as_f64().unwrap(), at[1].as_f64().unwrap());
+    page.text(".probe h3 span").split(" · ").next().unwrap().to_owned()
+}
+
+/// The image fills its stage and lies in its middle.
+fn assert_fitted(page: &mut Page, when: &str) {
+    wait_for_size(page);
+    let wanted = page.eval(&format!(
+        "(() => {{ const c = document.querySelector('.viewer-stage canvas'); return `${{Math.floor(Math.min(c.width, c.height) / {SIDE})}}×`; }})()"
+    ));
+    assert_eq!(json!(page.text(".viewer-stage .scale-text")), wanted, "{when}");
+    assert_eq!(middle(page), format!("texel ({0}, {0})", SIDE / 2), "{when}");
+}
+
+#[test]
+fn the_image_is_fitted_again_when_the_window_changes() {
+    let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
+    for width in [1440, 390] {
+        page.resize(width, 900, "light");
+        page.go(&report, "#images");
+        page.wait(&format!("document.querySelector('.image-table .thumb canvas').width === {SIDE}"));
+        page.eval("location.hash = '#compare'");
+        page.wait(READY);
+        assert_fitted(&mut page, &format!("from the images at {width}"));
+    }
+    for width in [1440, 390] {
+        page.resize(width, 900, "light");
+        assert_fitted(&mut page, &format!("widened to {width}"));
+    }
+    // While another page is open the stage has no size.
+    page.eval("location.hash = '#run'");
+    page.wait("document.body.dataset.view === 'run'");
+    page.resize(1440, 900, "light");
+    page.eval("location.hash = '#compare'");
+    page.wait("document.body.dataset.view === 'compare'");
+    assert_fitted(&mut page, "back from another page");
+    // A place that the reader has chosen stays.
+    page.go(&report, "#compare?zoom=40&x=5.5&y=7.5");
+    page.wait(READY);
+    for width in [390, 1440] {
+        page.resize(width, 900, "light");
+        wait_for_size(&mut page);
+        assert_eq!(middle(&mut page), "texel (5, 7)", "{width}");
+        assert_eq!(page.text(".viewer-stage .scale-text"), "40×", "{width}");
+    }
+    assert_clean(&page);
+}
+
+#[test]
+fn keys_lead_to_images_with_pixels_and_to_every_method_without_samples() {
+    let Some(mut page) = chromium::open() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nalpha = [0.25]\nmethod = [\"sampled\", \"split-sum\"]\n\
+                samples = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512]\npoint_set = [0, 1, 2]";
+    let report = report_of(dir.path(), axes, "");
+    // What the page cannot read is not in it.
+    let run = report.parent().unwrap();
+    let (cells, files) = (Table::read(&run.join("errors.csv")).unwrap(), Table::read(&run.join("images.csv")).unwrap());
+    let [cell, set] = ["cell", "point_set"].map(|name| cells.column(name).unwrap());
+    let [of, file] = ["cell", "radiance"].map(|name| files.column(name).unwrap());
+    let mut removed = 0;
+    for row in cells.rows.iter().filter(|row| ["1", "2"].contains(&row[set].as_str())) {
+        let name = &files.rows.iter().find(|other| other[of] == row[cell]).unwrap()[file];
+        std::fs::remove_file(run.join("images").join(name)).unwrap();
+        removed += 1;
+    }
+    assert_eq!(removed, 20);
+    let report = write(&ReportOptions::of_run(run)).unwrap().path;
+    page.resize(1440, 900, "light");
+    page.go(&report, "#compare");
+    page.wait(READY);
+    let listed = page.eval(
+        "[...document.querySelectorAll('.variant')].filter((b) => b.querySelector('kbd').textContent !== '·') \
+         .map((b) => [b.querySelector('kbd').textContent, b.querySelector('span').textContent, b.dataset.cell])",
+    );
+    let listed = listed.as_array().unwrap();
+    assert_eq!(listed.len(), 9, "{listed:?}");
+    for (i, entry) in listed.iter().enumerate() {
+        let [key, label, cell] = [0, 1, 2].map(|k| entry[k].as_str().unwrap());
+        assert_eq!(key, (i + 1).to_string());
+        assert!(label == "split-sum" || label.ends_with("set 0"), "{label}");
+        page.key(key);
+        assert_eq!(shown(&mut page), cell, "{label}");
+        assert_eq!(page.eval("document.querySelector('.viewer-stage').classList.contains('empty')"), json!(false));
+    }
+    assert!(listed.iter().any(|entry| entry[1] == "split-sum"), "{listed:?}");
+    // A cell without pixels says so, and a key leads back.
+    page.eval("[...document.querySelectorAll('.variant')].find((b) => b.textContent.includes('set 1')).click()");
+    page.wait("document.querySelector('.viewer-stage').classList.contains('empty')");
+    page.key("1");
+    assert_eq!(page.eval("document.querySelector('.viewer-stage').classList.contains('empty')"), json!(false));
+    assert_clean(&page);
+}
+
+#[test]
+fn every_count_tried_has_its_own_step_of_the_ramp() {
+    let Some((mut page, report, _dir)) = report(Choice::None) else { return };
+    page.go(&report, "#plots");
+    let steps = page.eval(
+        "import('report/break-even').then(({ breakEvenColor }) => { \
+         const counts = [1, 2, 4, 8, 16, 32, 40, 64, 128, 256], pair = { sample_counts: counts }; \
+         const probe = document.body.appendChild(document.createElement('i')); \
+         const bytes = (color) => { probe.style.color = color; return getComputedStyle(probe).color.match(/\\d+/g).map(Number); }; \
+         return [...counts.map((n) => ({ n, above: false })), { n: 256, above: true }].map((one) => { \
+           const { color, ink } = breakEvenColor(pair, one); return [bytes(color), bytes(ink)]; }); })",
+    );
+    let luminance = |bytes: &serde_json::Value| {
+        let linear = |c: usize| {
+            let code = bytes[c].as_f64().unwrap() / 255.0;
+            if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * linear(0) + 0.7152 * linear(1) + 0.0722 * linear(2)
+    };
+    let steps = steps.as_array().unwrap();
+    assert_eq!(steps.len(), 11);
+    // Lightness alone orders them, so that no colour vision is needed.
+    for pair in steps.windows(2) {
+        assert!(luminance(&pair[1][0]) > luminance(&pair[0][0]) + 1e-3, "{pair:?}");
+    }
+    for step in steps {
+        let [a, b] = [luminance(&step[0]), luminance(&step[1])];
+        let contrast = (a.max(b) + 0.05) / (a.min(b) + 0.05);
+        assert!(contrast >= 4.5, "{step}: {contrast}");
+    }
+    assert_clean(&page);
+}
