@@ -46,7 +46,8 @@ pub struct Arguments {
     /// The table to write; standard output when left out.
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
-    /// Bound of the relative error at which an integration stops (dfg: always 5e-7; sh9: always 1e-9).
+    /// Error at which an integration stops, relative to its brightest channel (dfg: always 5e-7; sh9: always 1e-9). What each answer
+    /// has stands in its error columns.
     #[arg(long, value_name = "R", default_value_t = TOLERANCE.relative, value_parser = tolerance)]
     tolerance: f64,
     /// Adds the limit of source document 0's printed estimator (shading only).
