@@ -1,5 +1,6 @@
 //! What the rest of a run is said to cost: lines through known costs, speeds from records that hold known times, and the sources named.
 
+use super::run::EXPERIMENT;
 use super::runs::{fakes, finished, log, plan, rewrite};
 use splitsum::experiment::chunk::cost::amount;
 use splitsum::experiment::estimate::{
@@ -48,22 +49,8 @@ fn a_kind_that_was_not_measured_is_taken_for_its_like_but_never_for_another_meth
     assert!(constants().line("image anything at all").is_some());
 }
 
-const SWEEP: &str = r#"
-name = "tiny"
-question = "When does sampling win?"
-size = [24, 24]
-reference = { samples = 64 }
-[axes]
-environment = ["builtin:constant"]
-brdf = ["ggx", "phong"]
-method = ["sampled", "split-sum"]
-samples = [1, 4, 16]
-alpha = [ALPHA]
-exposure = [1, 10]
-"#;
-
 fn sweep(alpha: &str) -> Plan {
-    plan(&SWEEP.replace("ALPHA", alpha))
+    plan(&EXPERIMENT.replace("0.1, 0.5", alpha))
 }
 
 fn of_open(plan: &Plan, sources: &[(Source, Speeds)], host: Host) -> Estimate {
@@ -146,7 +133,7 @@ fn records_of_an_earlier_run_price_other_cells_of_the_experiment() {
 
 #[test]
 fn without_records_every_part_is_a_guess_and_called_so() {
-    let plan = plan(&format!("{}[timing]\nwarmup = 2\nrounds = 5\n", SWEEP.replace("ALPHA", "0.1")));
+    let plan = plan(&format!("{}[timing]\nwarmup = 2\nrounds = 5\n", EXPERIMENT.replace("0.1, 0.5", "0.1")));
     let (empty, cells) = (Speeds::default(), plan.cells.iter().collect::<Vec<&Cell>>());
     let jobs = timing::jobs(&plan);
     let work = items(&plan, &cells, &jobs, &BTreeSet::new());
@@ -197,7 +184,7 @@ fn scores_cost_beside_a_gpu_only_what_exceeds_it() {
 
 #[test]
 fn a_probe_knows_every_kind_of_work_of_its_plan() {
-    let plan = plan(&format!("{}[timing]\nwarmup = 2\nrounds = 5\n", SWEEP.replace("ALPHA", "0.1, 0.4")));
+    let plan = plan(&format!("{}[timing]\nwarmup = 2\nrounds = 5\n", EXPERIMENT.replace("0.1, 0.5", "0.1, 0.4")));
     let log = log();
     let mut renderer = fakes(&log)().unwrap();
     let speeds = probe(&plan, renderer.as_mut(), 0.25).unwrap();
