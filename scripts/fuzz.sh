@@ -4,7 +4,7 @@
 # Each target gets that many minutes of CPU time, one after the other, at the lowest priority, within 2 GiB and 10 s an input.
 # A line a target in fuzz/target/logs/summary.txt tells CPU seconds, executions and crashes; crashes are kept in fuzz/artifacts.
 # Needs the nightly toolchain and `cargo install cargo-fuzz`. Every process is in the group of this script:
-# `kill -- -PID` ends it and `kill -STOP -- -PID` pauses it, where PID is in fuzz/target/logs/pid.
+# `kill -- -PID` ends it, where PID is in fuzz/target/logs/pid. Do not pause it: the pause counts as a hang.
 #
 #   scripts/fuzz.sh 20                 20 CPU-minutes each
 #   scripts/fuzz.sh 5 exr hdr          two of them
