@@ -8,7 +8,7 @@
 #
 #   scripts/fuzz.sh 20                 20 CPU-minutes each
 #   scripts/fuzz.sh 5 exr hdr          two of them
-#   scripts/fuzz.sh minimize           keeps in fuzz/corpus what the found inputs add, as few and small files as reach as much
+#   scripts/fuzz.sh minimize           keeps in fuzz/corpus what the found inputs add: few and small files that reach every edge
 #   SANITIZER=none scripts/fuzz.sh 20  without AddressSanitizer
 #   BUILD=no scripts/fuzz.sh 20        what was built last
 set -euo pipefail
@@ -43,7 +43,7 @@ build() {
 minimize() {
     local target=$1 kept=fuzz/corpus/$1 found=fuzz/target/corpus/$1 fresh=fuzz/target/minimal/$1
     rm -rf "$fresh" && mkdir -p "$fresh" "$found"
-    nice -n 19 "$binaries/$target" -merge=1 "${limits[@]}" "$fresh" "$kept" "$found" >>"$logs/$target.txt" 2>&1
+    nice -n 19 "$binaries/$target" -set_cover_merge=1 -use_counters=0 "${limits[@]}" "$fresh" "$kept" "$found" >>"$logs/$target.txt" 2>&1
     # Seeds stay, whether or not something smaller reaches as much: they show what the inputs are.
     for file in "$fresh"/*; do
         cmp -s "$file" "$kept"/seed-* 2>/dev/null || cp "$file" "$kept/"
