@@ -6,7 +6,7 @@ use crate::environment::{Environment, LoadOptions};
 use crate::files::read_stream;
 use crate::shade::reference::Surface;
 use crate::spelling::suggestion;
-use crate::table::csv::Cell;
+use crate::table::csv::{Cell, unguarded};
 use glam::DVec3;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -132,6 +132,7 @@ impl<'a> Reader<'a> {
         // Reading from memory as UTF-8 with rows of any length has no errors.
         while records.read_record(&mut record).unwrap_or(false) {
             let line = record.position().map_or(0, |position| line_of(text, position.byte()));
+            record = record.iter().map(unguarded).collect();
             if is_header {
                 is_header = false;
                 self.header(line, &record);
