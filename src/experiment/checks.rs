@@ -95,7 +95,10 @@ pub fn check_exclusions(config: &Config, options: &LoadOptions, faults: &mut Fau
             if !known.contains(&value) && !is_input() {
                 let near = suggestion(value, &known);
                 let known = known.join(", ");
-                faults.add(&placed.place, format!("exclude.{name}: the axis has no value {value:?}{near}; it has {known}"));
+                faults.add(
+                    &placed.place,
+                    format!("exclude.{name}: the axis has no value {value:?}{near}; it has {known}"),
+                );
             }
         }
     }

@@ -100,6 +100,8 @@ pub struct Config {
     pub has_printed_slips: bool,
     /// `--set` texts that took part.
     pub overrides: Vec<String>,
+    /// The folder that files named by `--set` are relative to; the current one when empty.
+    pub set_dir: PathBuf,
 }
 
 /// Enough for a variance within about 40 % at two sigma of one pixel, and far better over an image.
@@ -170,6 +172,7 @@ impl Config {
             light_places: Vec::new(),
             has_printed_slips: false,
             overrides: overrides.to_vec(),
+            set_dir: PathBuf::new(),
         };
         let root = root.get_ref();
         for (key, value, place) in entries(root) {
@@ -310,8 +313,10 @@ impl Config {
                     has_why = true;
                     match raw(value.get_ref()) {
                         Raw::Text(why) if !why.is_empty() => exclusion.why = why,
-                        other => faults
-                            .add(&at, format!("exclude.why: {other} is not text that says why these cells are left out")),
+                        other => faults.add(
+                            &at,
+                            format!("exclude.why: {other} is not text that says why these cells are left out"),
+                        ),
                     }
                     continue;
                 }

@@ -58,6 +58,13 @@ impl Config {
         }
     }
 
+    /// Whether a value of `--set` names a file.
+    pub fn has_set_files(&self) -> bool {
+        let inputs = self.axes.iter().filter(|sweep| matches!(AXES[sweep.axis].kind, Kind::Input));
+        let set = inputs.flat_map(|sweep| &sweep.values).filter(|placed| matches!(placed.place, Place::Set(_)));
+        set.into_iter().any(|placed| self.set_dir.join(placed.value.text()).is_file())
+    }
+
     /// The axes that vary together with this one, itself among them, where each has a value in each row; nothing where it stands alone or
     /// its zip is faulty.
     fn zipped_with(&self, axis: usize) -> Vec<usize> {

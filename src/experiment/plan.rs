@@ -76,22 +76,34 @@ impl Plan {
             faults.add(&Place::Default, format!("cannot be read: {error}; expected an experiment file (TOML)"));
             faults.into_result().expect_err("one fault was added")
         })?;
-        Self::from_text_with(path, &text, overrides, options)
+        Self::from_text_with(path, &text, overrides, Path::new(""), options)
     }
 
     /// As [`Plan::load`], of a text that stands for the file at `path`.
     pub fn from_text(path: &Path, text: &str, overrides: &[String]) -> Result<Self, ConfigError> {
-        Self::from_text_with(path, text, overrides, &LoadOptions::default())
+        Self::from_text_set_in(path, text, overrides, Path::new(""))
+    }
+
+    /// As [`Plan::from_text`], with files named by `--set` relative to `set_dir`.
+    pub fn from_text_set_in(
+        path: &Path,
+        text: &str,
+        overrides: &[String],
+        set_dir: &Path,
+    ) -> Result<Self, ConfigError> {
+        Self::from_text_with(path, text, overrides, set_dir, &LoadOptions::default())
     }
 
     fn from_text_with(
         path: &Path,
         text: &str,
         overrides: &[String],
+        set_dir: &Path,
         options: &LoadOptions,
     ) -> Result<Self, ConfigError> {
         let mut faults = Faults::new(path, text);
-        let config = Config::parse(path, text, overrides, &mut faults);
+        let mut config = Config::parse(path, text, overrides, &mut faults);
+        config.set_dir = set_dir.to_owned();
         let inputs = load_inputs(&config, options, &mut faults);
         let combinations = config.combination_count();
         if combinations > COMBINATIONS_MAX {
@@ -224,10 +236,10 @@ fn text_of(bytes: Vec<u8>) -> std::io::Result<String> {
     String::from_utf8(bytes).map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
 }
 
-/// The folder that a path written at `place` is relative to: the file's, or for `--set` the current one.
+/// The folder that a path written at `place` is relative to: the file's, or for `--set` [`Config::set_dir`].
 pub(super) fn base_dir<'c>(config: &'c Config, place: &Place) -> &'c Path {
     match place {
-        Place::Set(_) => Path::new(""),
+        Place::Set(_) => &config.set_dir,
         Place::File(_) | Place::Default => config.path.parent().unwrap_or(Path::new("")),
     }
 }

@@ -135,7 +135,11 @@ impl Config {
                 zip.is_some_and(|zip| members.iter().any(|&member| zip.axes.contains(&self.axes[member].axis)))
             });
             match known {
-                Some((members, _)) => members.push(index),
+                // Of different lengths only where that is a fault, or a value has one.
+                Some((members, steps)) => {
+                    members.push(index);
+                    *steps = (*steps).min(sweep.values.len());
+                }
                 None => dimensions.push((vec![index], sweep.values.len())),
             }
         }

@@ -166,6 +166,18 @@ fn an_empty_plan_has_its_own_exit_code() {
     }
 }
 
+/// What a reader finds of exit codes is one sentence.
+#[test]
+fn the_readme_tells_the_exit_codes_as_the_help_does() {
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let dir = tempfile::tempdir().unwrap();
+    let help = words(&stdout(&splitsum(dir.path(), &["--help"])));
+    let codes = help.split("Exit codes: ").nth(1).unwrap().split(" Examples:").next().unwrap();
+    let readme = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
+    assert!(words(&std::fs::read_to_string(readme).unwrap()).contains(codes), "{codes}");
+    assert!(codes.starts_with("0 done, now or before;"), "{codes}");
+}
+
 #[test]
 fn commands_that_are_not_built_say_so() {
     assert_refused(&["view", "x"], 1, &["splitsum view is not there yet"]);

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 fn planned() -> Option<(tempfile::TempDir, usize)> {
     let dir = folder()?;
     std::fs::write(dir.path().join("tiny.toml"), format!("{EXPERIMENT}[timing]\nrounds = 3\nwarmup = 1\n")).unwrap();
-    let output = splitsum(dir.path(), &["plan", "tiny.toml", "--chunk-seconds", "1.4", "--out", "plan.json"]);
+    let output = splitsum(dir.path(), &["plan", "tiny.toml", "--chunk-seconds", "1.02", "--out", "plan.json"]);
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(!dir.path().join("runs").exists(), "a plan makes its file only");
     let plan: serde_json::Value =

@@ -146,14 +146,20 @@ fn a_run_dir_of_another_experiment_is_refused() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_stops_after_a_cell_and_the_next_run_goes_on() {
+fn ctrl_c_and_a_kill_stop_after_a_cell_and_the_next_run_goes_on() {
+    ["-INT", "-TERM"].into_iter().for_each(stops_after_a_cell);
+}
+
+#[cfg(unix)]
+fn stops_after_a_cell(signal: &str) {
     let Some(dir) = folder() else { return };
     let mut child =
         command(dir.path(), &["run", "tiny.toml"]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
     let first = lines.find(|line| line.starts_with("[1/")).expect("a first cell");
     assert!(first.contains("brdf=ggx"), "{first}");
-    let kill = std::process::Command::new("sh").args(["-c", "kill -INT $0", &child.id().to_string()]).status().unwrap();
+    let kill =
+        std::process::Command::new("sh").args(["-c", "kill $1 $0", &child.id().to_string(), signal]).status().unwrap();
     assert!(kill.success());
     let rest: Vec<String> = lines.collect();
     assert_eq!(child.wait().unwrap().code(), Some(1), "{rest:#?}");

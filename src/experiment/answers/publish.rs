@@ -67,12 +67,12 @@ impl PublishError {
 pub fn check(dir: &Path, into: &Path, replace: bool) -> Result<(), PublishError> {
     let new = run_folder::provenance(dir).map_err(AnswersError::from)?;
     let target = into.join(new["name"].as_str().unwrap_or_default());
-    let same = |a: &Path, b: &Path| std::fs::canonicalize(a).is_ok_and(|a| std::fs::canonicalize(b).is_ok_and(|b| a == b));
+    let same =
+        |a: &Path, b: &Path| std::fs::canonicalize(a).is_ok_and(|a| std::fs::canonicalize(b).is_ok_and(|b| a == b));
     if same(dir, &target) {
         return Err(PublishError::Itself { path: target });
     }
-    let is_a_file =
-        |entry: &std::fs::DirEntry| entry.path().is_file() && entry.file_name() != REMARK_FILE;
+    let is_a_file = |entry: &std::fs::DirEntry| entry.path().is_file() && entry.file_name() != REMARK_FILE;
     let has_files = std::fs::read_dir(&target).into_iter().flatten().flatten().any(|entry| is_a_file(&entry));
     if !has_files {
         return Ok(());

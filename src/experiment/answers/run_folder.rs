@@ -241,9 +241,7 @@ fn check_errors(
     let rows = errors.rows.len();
     let records = if rows < records.len() { records.iter().filter(is_record).count() } else { records.len() };
     if rows < records {
-        return damaged(format!(
-            "{rows} rows, but the folder has records of {records} cells: it is cut off"
-        ));
+        return damaged(format!("{rows} rows, but the folder has records of {records} cells: it is cut off"));
     }
     // A published folder has no records. A run that was stopped before its first cell has no session that did work.
     let has_worked = provenance["sessions"].as_array().is_some_and(|sessions| !sessions.is_empty());

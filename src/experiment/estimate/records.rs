@@ -1,9 +1,8 @@
 //! Speeds from the records of runs: what their cells and timings took, and how large their files are.
 
-use super::items::{all_tables, file_kind, image_kind, reference_kind};
+use super::items::{all_tables, amount, file_kind, image_kind, reference_kind};
 use super::speeds::{Amount, Line, Speeds};
 use crate::experiment::axis::{AXES, Point};
-use crate::experiment::chunk::cost::amount;
 use crate::experiment::plan::Plan;
 use crate::experiment::statistics::median;
 use crate::experiment::store::{CHUNKS_FOLDER, CellRecord, Store};

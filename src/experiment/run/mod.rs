@@ -262,8 +262,8 @@ impl<'p> Run<'p> {
         let damaged = images::damaged(plan, &self.store, done);
         let Some(name) = damaged.first() else { return Ok(()) };
         progress.note(&format!(
-            "{} of finished cells missing or changed since they were written, the first images/{name}; their cells are made again",
-            if damaged.len() == 1 { "1 image".to_owned() } else { format!("{} images", damaged.len()) }
+            "images of finished cells that are missing or were changed since: {}, the first images/{name}; their cells are made again",
+            damaged.len()
         ));
         damaged.iter().try_for_each(|name| self.store.remove_image(name))?;
         let is_hit = |cell: &&Cell| images::files(plan, cell).iter().any(|name| damaged.contains(name));
