@@ -1,7 +1,10 @@
 //! How a plan is cut: every step in one chunk, and what shares work together.
 
 use super::{Bench, CELL_SECONDS, CELLS, GROUP_CELLS, prices};
+use splitsum::experiment::Cell;
+use splitsum::experiment::chunk::Prices;
 use splitsum::experiment::chunk::split::split;
+use splitsum::experiment::estimate::{Host, SAMPLES_PER_SECOND, Source, constants, estimate, items};
 use splitsum::experiment::timing;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -93,4 +96,22 @@ fn cells_of_one_reference_and_environment_share_a_chunk() {
         split(&bench.plan, 1e-3, &slow).iter().filter(|chunk| !chunk.cells.is_empty()).count(),
         CELLS / GROUP_CELLS
     );
+}
+
+/// One truth: a plan in a single chunk is reckoned to take what the estimate of the same prices says, and a faster device less.
+#[test]
+fn a_chunk_is_as_long_as_the_estimate_says() {
+    let bench = Bench::new(1.0);
+    let plan = &bench.plan;
+    let cells: Vec<&Cell> = plan.cells.iter().collect();
+    let work = items(plan, &cells, &timing::jobs(plan), &BTreeSet::new());
+    let sources = [(Source::Constants, constants())];
+    let estimated = estimate(plan, &cells, &work, &sources, Host::STATED).seconds;
+    let seconds = |rate: f64| split(plan, 1e9, &Prices::stated(plan, rate))[0].seconds;
+    let stated = seconds(SAMPLES_PER_SECOND);
+    // Chunks are told to the millisecond.
+    assert!((stated - estimated).abs() <= 5.1e-4, "{stated} s and {estimated} s");
+    assert!(seconds(0.1 * SAMPLES_PER_SECOND) > 2.0 * stated && seconds(1e12) < stated);
+    let prices = Prices::stated(plan, SAMPLES_PER_SECOND);
+    assert!(prices.basis.starts_with("stated, for 6e7 samples a second"), "{}", prices.basis);
 }
