@@ -43,6 +43,8 @@ pub enum PublishError {
     Picture(#[from] PixelsError),
     #[error("{}: is the folder of the run itself; expected another one to publish into", path.display())]
     Itself { path: PathBuf },
+    #[error("{}: is a file; expected a folder of published runs, or the name of one to make", path.display())]
+    NotAFolder { path: PathBuf },
     #[error("{}: holds files but no published run; expected a folder of published runs", path.display())]
     NotPublished { path: PathBuf },
     #[error(
@@ -56,7 +58,8 @@ impl PublishError {
     /// Whether the user named a wrong folder, rather than a file failing.
     pub fn is_misuse(&self) -> bool {
         match self {
-            Self::Itself { .. } | Self::NotPublished { .. } | Self::OtherPlan { .. } => true,
+            Self::Itself { .. } | Self::NotAFolder { .. } | Self::NotPublished { .. } | Self::OtherPlan { .. } => true,
+            Self::Answers(AnswersError::Run(_)) => true,
             Self::Answers(_) | Self::Io { .. } | Self::Picture(_) => false,
         }
     }
@@ -67,6 +70,9 @@ impl PublishError {
 pub fn check(dir: &Path, into: &Path, replace: bool) -> Result<(), PublishError> {
     let new = run_folder::provenance(dir).map_err(AnswersError::from)?;
     let target = into.join(new["name"].as_str().unwrap_or_default());
+    if let Some(file) = [into, &target].into_iter().find(|path| path.is_file()) {
+        return Err(PublishError::NotAFolder { path: file.to_owned() });
+    }
     let same =
         |a: &Path, b: &Path| std::fs::canonicalize(a).is_ok_and(|a| std::fs::canonicalize(b).is_ok_and(|b| a == b));
     if same(dir, &target) {

@@ -16,6 +16,8 @@ use std::path::{Path, PathBuf};
 /// Why a folder cannot be reported.
 #[derive(Debug, thiserror::Error)]
 pub enum RunFolderError {
+    #[error("{}: is a file; expected the folder of a run of `splitsum run`", dir.display())]
+    NotAFolder { dir: PathBuf },
     #[error("{}: has no {file}; expected the folder of a run of `splitsum run`", dir.display())]
     NotARun { dir: PathBuf, file: &'static str },
     #[error("{}: the run was stopped before its first table; to go on run the same command again: {command}", dir.display())]
@@ -186,6 +188,9 @@ fn last_command(provenance: &serde_json::Value) -> Option<String> {
 /// `provenance.json` of a run, published or not.
 pub(super) fn provenance(dir: &Path) -> Result<serde_json::Value, RunFolderError> {
     let file = "provenance.json";
+    if dir.is_file() {
+        return Err(RunFolderError::NotAFolder { dir: dir.to_owned() });
+    }
     json(&dir.join(file))?.ok_or_else(|| RunFolderError::NotARun { dir: dir.to_owned(), file })
 }
 

@@ -116,7 +116,8 @@ impl PlanFile {
         let expected = "expected a file that `splitsum plan --chunk-seconds` wrote";
         let text =
             std::fs::read_to_string(path).map_err(|error| fault(format!("cannot be read ({error}); {expected}")))?;
-        let head: Head = serde_json::from_str(&text).map_err(|error| fault(format!("{error}; {expected}")))?;
+        let head: Head =
+            serde_json::from_str(&text).map_err(|error| fault(format!("is not a plan file ({error}); {expected}")))?;
         if head.format.as_deref() != Some(FORMAT) {
             return Err(fault(format!("is not a plan file; {expected}")));
         }
@@ -141,7 +142,8 @@ impl PlanFile {
         let written = std::fs::read_to_string(experiment).map_err(|error| {
             let name = experiment.display();
             fault(format!(
-                "its experiment {name} cannot be read ({error}); expected it there, since paths in a plan file start at its own folder: use the                  file where it was made, or {again}"
+                "its experiment {name} cannot be read ({error}); expected it there, since paths in a plan file start at its own folder: use the \
+                 file where it was made, or {again}"
             ))
         })?;
         if experiment_hash(&written) != file.experiment_hash {
