@@ -217,7 +217,7 @@ struct Run<'p> {
     is_halted: bool,
     /// References that an earlier invocation had rendered.
     references_read: usize,
-    /// Content hash of each linear image that this invocation wrote or read back, by name.
+    /// Content hash of the linear images of the cell that is kept next, by name.
     file_hashes: BTreeMap<String, String>,
     /// Content hashes of the images of each cell that an earlier invocation finished, by its id. Gone when they are checked.
     recorded_hashes: BTreeMap<String, BTreeMap<String, String>>,
@@ -232,7 +232,7 @@ impl<'p> Run<'p> {
         for cell in &plan.cells {
             if let Some(mut record) = store.cell(&cell.id)? {
                 recorded_hashes.insert(cell.id.clone(), std::mem::take(&mut record.files));
-                results.insert(cell.id.clone(), CellResult::Done(Box::new(record.without_bins())));
+                results.insert(cell.id.clone(), CellResult::Done(Box::new(record.into())));
             }
         }
         let jobs = timing::jobs(plan);
@@ -341,7 +341,7 @@ impl<'p> Run<'p> {
     }
 
     fn remember(&mut self, record: CellRecord) {
-        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(record.without_bins())));
+        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(record.into())));
     }
 
     fn fail(&mut self, cells: &[&Cell], reason: &str, progress: &mut dyn Progress) -> Result<(), RunError> {
