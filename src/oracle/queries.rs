@@ -67,8 +67,9 @@ impl Queries {
     /// As [`Queries::read`], of the bytes of the file at `path`.
     pub fn from_bytes(path: &Path, bytes: &[u8], kind: Kind, options: &LoadOptions) -> Result<Self, QueryFaults> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
-            let line = bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
-            whole(path, format!("line {} is not UTF-8 text", line + 1))
+            let line = 1 + bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count() as u64;
+            let what = "the line is not UTF-8 text".to_owned();
+            QueryFaults { path: path.to_owned(), faults: vec![Fault { line, column: String::new(), what }] }
         })?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         Reader::new(path, kind, options).read(text).map_err(|faults| QueryFaults { path: path.to_owned(), faults })

@@ -13,3 +13,5 @@ mod run;
 pub mod runs;
 mod statistics;
 mod timed;
+mod under_way;
+mod zips;
