@@ -49,7 +49,8 @@ pub fn sufficiency(study: &Study) -> Vec<Sufficiency> {
     let rows: Vec<&Row> = study.rows.iter().filter(|row| row.error.is_some() && is_plain(study, row)).collect();
     let mut models: Vec<Option<&str>> = vec![None];
     if let Some(axis) = study.axis("brdf").filter(|axis| study.axes[*axis].values.len() > 1) {
-        models.extend(study.axes[axis].values.iter().filter(|value| !value.is_empty()).map(|value| Some(value.as_str())));
+        models
+            .extend(study.axes[axis].values.iter().filter(|value| !value.is_empty()).map(|value| Some(value.as_str())));
     }
     let mut ways: Vec<(&str, u32)> = Vec::new();
     for row in &rows {

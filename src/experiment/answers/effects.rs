@@ -53,14 +53,17 @@ pub fn effects(study: &Study) -> Vec<Effect> {
         .enumerate()
         .filter(|(_, axis)| axis.role == Role::Variant && !NOT_PARAMETERS.contains(&axis.name.as_str()));
     let base = |axis: usize| study.axes[axis].values.iter().find(|value| !value.is_empty() && *value != "none");
-    swept.flat_map(|(index, _)| base(index).map_or_else(Vec::new, |base| against(study, index, base))).collect()
+    swept
+        .flat_map(|(index, _)| base(index).map_or_else(Vec::new, |base| against(study, index, base, &|_| true)))
+        .collect()
 }
 
-/// Effects of the other values of an axis against this one, over all alphas first and then by alpha.
-pub fn against(study: &Study, axis: usize, base: &str) -> Vec<Effect> {
+/// Effects of the other values of an axis against this one among some of the rows, over all alphas first and then by alpha.
+pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -> bool) -> Vec<Effect> {
     let name = study.axes[axis].name.as_str();
     let display = study.display_axes();
-    let rows: Vec<&Row> = study.images().into_iter().filter(|row| row.error.is_some()).collect();
+    let images = study.images().into_iter();
+    let rows: Vec<&Row> = images.filter(|row| row.error.is_some() && is_among(row)).collect();
     let usual: BTreeMap<&str, String> =
         AXES.iter().map(|axis: &Axis| (axis.name, (axis.default)().to_string())).collect();
     let agrees = |a: &Row, b: &Row| {
@@ -93,7 +96,7 @@ pub fn against(study: &Study, axis: usize, base: &str) -> Vec<Effect> {
         let alpha = study.value(row, "alpha");
         let keys = [String::new(), alpha.to_owned()].map(|alpha| [row.axes[axis].clone(), method.clone(), alpha]);
         for key in &keys[..if alpha.is_empty() { 1 } else { 2 }] {
-            if !logs.contains_key(key) {
+            if !order.contains(key) {
                 order.push(key.clone());
             }
             let others =

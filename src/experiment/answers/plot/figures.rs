@@ -3,7 +3,7 @@
 use super::canvas::{MUTED, Marker, PlotError, Rgb, Stroke, name_color};
 use super::lines::{LineChart, Panel, Point, Rule, Series, Y};
 use super::scale::{Kind, Scale};
-use super::{Picture, maps, parameters, light};
+use super::{Picture, light, maps, parameters};
 use crate::experiment::answers::break_even::BreakEven;
 use crate::experiment::answers::cases::{Case, Pair};
 use crate::experiment::answers::exposure::{VISIBLE_FROM, Visibility};
@@ -269,7 +269,8 @@ fn break_even(answers: &Answers, pair: &Pair) -> Option<LineChart> {
     }
     let counts: Vec<f64> = pair.sample_counts.iter().map(|n| f64::from(*n)).collect();
     let mut notes = vec!["Bars: 95 % intervals; an arrow is an end beyond the counts that were tried.".to_owned()];
-    let is_there = |wanted: Y| panels.iter().flat_map(|p: &Panel| &p.series).flat_map(|s| &s.points).any(|p| p.y == wanted);
+    let is_there =
+        |wanted: Y| panels.iter().flat_map(|p: &Panel| &p.series).flat_map(|s| &s.points).any(|p| p.y == wanted);
     let bands = [(Y::Below, format!("< {smallest}")), (Y::Above, format!("> {largest}"))]
         .map(|(y, text)| is_there(y).then_some(text));
     if bands[0].is_some() {

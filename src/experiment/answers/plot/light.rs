@@ -22,7 +22,9 @@ pub fn dynamic_range(answers: &Answers) -> Option<LineChart> {
     let lights = distinct(points.iter().map(|point| (point.environment.as_str(), point.range)));
     let x_of = |point: &RangePoint| match is_clipped {
         true => point.range,
-        false => lights.iter().position(|light| *light == (&point.environment, point.range)).map_or(f64::NAN, |i| i as f64),
+        false => {
+            lights.iter().position(|light| *light == (&point.environment, point.range)).map_or(f64::NAN, |i| i as f64)
+        }
     };
     let has_bars = methods.len() <= SERIES_WITH_BARS_MAX;
     let panel = |name: &String| Panel {
@@ -56,7 +58,9 @@ pub fn dynamic_range(answers: &Answers) -> Option<LineChart> {
         true => Scale::of(Kind::Linear, points.iter().map(|point| point.range))?,
         false => {
             let mut scale = Scale::of(Kind::Linear, [-0.4, lights.len() as f64 - 0.6])?;
-            let text = |(name, range): &(&str, f64)| format!("{}\n{} stops", short("environment", name), significant(*range, 3));
+            let text = |(name, range): &(&str, f64)| {
+                format!("{}\n{} stops", short("environment", name), significant(*range, 3))
+            };
             scale.ticks = lights.iter().enumerate().map(|(i, light)| (i as f64, text(light))).collect();
             scale
         }
@@ -125,16 +129,15 @@ pub fn energy(answers: &Answers) -> Option<LineChart> {
                 color: name_color(index),
                 marker: Some(Marker::of(index)),
                 stroke: Some([Stroke::Solid, Stroke::Dashed, Stroke::Dotted][index % 3]),
-                points: all.iter().filter(|one| of_panel(one) == *name && of_series(one) == *label).filter_map(point).collect(),
+                points: all
+                    .iter()
+                    .filter(|one| of_panel(one) == *name && of_series(one) == *label)
+                    .filter_map(point)
+                    .collect(),
             })
             .filter(|series| !series.points.is_empty())
             .collect(),
-        rules: vec![Rule {
-            label: "all that arrives".to_owned(),
-            color: MUTED,
-            stroke: Stroke::Dashed,
-            y: 1.0,
-        }],
+        rules: vec![Rule { label: "all that arrives".to_owned(), color: MUTED, stroke: Stroke::Dashed, y: 1.0 }],
     };
     let drawn: Vec<Panel> = panels.iter().take(PANELS_MAX).map(panel).collect();
     let points = || drawn.iter().flat_map(|panel| &panel.series).flat_map(|series| &series.points);

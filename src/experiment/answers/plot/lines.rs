@@ -251,8 +251,10 @@ impl LineChart {
         for y in self.y.minor.iter().filter_map(|value| self.y.place(*value)).map(|place| frame.y(place)) {
             canvas.path(&[(frame.left - 2, y), (frame.left, y)], INK, 1, Stroke::Solid)?;
         }
-        for edge in [frame.top + frame.bands[1], bottom - frame.bands[0]] {
-            canvas.path(&[(frame.left, edge), (right, edge)], MUTED, 1, Stroke::Solid)?;
+        for (edge, band) in [(bottom - frame.bands[0], frame.bands[0]), (frame.top + frame.bands[1], frame.bands[1])] {
+            if band > 0 {
+                canvas.path(&[(frame.left, edge), (right, edge)], MUTED, 1, Stroke::Solid)?;
+            }
         }
         canvas.frame((frame.left, frame.top), (right, bottom), INK)?;
         if let Some(below) = below {

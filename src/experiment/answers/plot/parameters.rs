@@ -141,7 +141,8 @@ pub fn time_and_error(study: &Study) -> Option<LineChart> {
         .collect();
     let points = || series.iter().flat_map(|series| &series.points);
     let x = Scale::of(Kind::Log, points().map(|point| point.x))?;
-    let y = Scale::of(Kind::Log, points().flat_map(|p| p.y.known().into_iter().chain(p.interval.into_iter().flatten())))?;
+    let y =
+        Scale::of(Kind::Log, points().flat_map(|p| p.y.known().into_iter().chain(p.interval.into_iter().flatten())))?;
     Some(LineChart {
         title: "Frame time against error".to_owned(),
         notes: vec![

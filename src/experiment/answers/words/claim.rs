@@ -2,7 +2,7 @@
 
 use super::{Answer, ERROR_DIGITS, in_brackets, listed};
 use crate::experiment::answers::Answers;
-use crate::experiment::answers::claim::{CLAIMED, Sufficiency};
+use crate::experiment::answers::claim::{Against, CLAIMED, Sufficiency};
 use crate::experiment::answers::exposure::VISIBLE_FROM;
 use crate::table::markdown::significant;
 
@@ -20,20 +20,12 @@ fn ends(of: &[&Sufficiency; 2], value: impl Fn(&Sufficiency) -> f64) -> String {
 fn says(of: &[&Sufficiency; 2]) -> String {
     let last = of[1];
     let method = &last.method;
-    let beats = match of.map(|one| one.against.as_ref()) {
-        [Some(a), Some(b)] => {
-            let verdict = match () {
-                () if a.interval[1] < 1.0 && b.interval[1] < 1.0 => "beat",
-                () if a.interval[0] > 1.0 && b.interval[0] > 1.0 => "do not beat",
-                () => "are not told apart from",
+    let beats = match of.map(|one| one.against.as_ref().map(|against| (one.samples, against))) {
+        [Some(few), Some(many)] => {
+            let say = |(samples, against): (u32, &Against)| {
+                format!("at {samples} {}{}", text(against.ratio), in_brackets(against.interval))
             };
-            let [x, y] = [a.ratio, b.ratio].map(text);
-            let times = if x == y { x } else { format!("{x} to {y}") };
-            format!(
-                "with {method} they {verdict} {}, {times} times its error{}",
-                b.fixed,
-                in_brackets([a.interval[0].min(b.interval[0]), a.interval[1].max(b.interval[1])])
-            )
+            format!("with {method} the error is that of {} times {}", many.1.fixed, listed(&[say(few), say(many)]))
         }
         _ => format!("with {method} they err by a relMSE of {}", ends(of, |one| one.error.median)),
     };
@@ -46,7 +38,11 @@ fn says(of: &[&Sufficiency; 2]) -> String {
         };
         let [x, y] = [a.median, b.median].map(text);
         let flip = if x == y { x } else { format!("{x} to {y}") };
-        format!("{verdict} (mean FLIP {flip}, visible in {} of {} cases at {})", last.visible, b.n, last.samples)
+        let cases = match b.n {
+            1 => String::new(),
+            n => format!(", visible in {} of {n} cases at {}", last.visible, last.samples),
+        };
+        format!("{verdict} (mean FLIP {flip}{cases})")
     });
     match seen {
         Some(seen) => format!("{beats}, and {seen}"),
@@ -77,19 +73,27 @@ pub(super) fn from_claim(answers: &Answers) -> Option<Answer> {
     let [first, ..] = methods.as_slice() else { return None };
     let lead = counts(first, None)?;
     let parts: Vec<String> = methods.iter().filter_map(|method| Some(says(&counts(method, None)?))).collect();
-    let is_beaten = lead[1].against.as_ref().is_some_and(|against| against.interval[1] < 1.0);
-    let is_hidden = lead[1].flip.is_some_and(|flip| flip.median < VISIBLE_FROM);
-    let verdict = match (lead[1].against.is_some(), is_beaten, is_hidden) {
-        (true, true, true) | (false, _, true) => "suffice".to_owned(),
-        (true, true, false) => format!("suffice to beat {}, not to hide the error", fixed_of(lead[1])),
-        (true, false, true) => format!("suffice to hide the error, not to beat {}", fixed_of(lead[1])),
-        (true, false, false) => format!("suffice neither to beat {} for sure nor to hide the error", fixed_of(lead[1])),
-        (false, _, false) => "do not suffice to hide the error".to_owned(),
-    };
     let [few, many] = CLAIMED;
+    let is_beaten = lead.map(|one| one.against.as_ref().map(|against| against.interval[1] < 1.0));
+    let hides = if lead.iter().all(|one| one.flip.is_some_and(|flip| flip.median < VISIBLE_FROM)) {
+        "hide"
+    } else {
+        "do not hide"
+    };
+    let verdict = match (is_beaten, lead[1].against.as_ref().map(|against| &against.fixed)) {
+        ([Some(true), Some(true)], Some(fixed)) => {
+            format!("{few} to {many} samples beat {fixed} and {hides} the error")
+        }
+        ([_, Some(true)], Some(fixed)) => {
+            format!("{many} samples beat {fixed}, {few} not for sure, and {hides} the error")
+        }
+        (_, Some(fixed)) => format!("{few} to {many} samples do not beat {fixed} for sure, and {hides} the error"),
+        (_, None) => format!("{few} to {many} samples {hides} the error"),
+    };
     let mut facts: Vec<String> = Vec::new();
     for model in &models {
-        let of_model: Vec<String> = methods.iter().filter_map(|method| Some(says(&counts(method, Some(model))?))).collect();
+        let of_model: Vec<String> =
+            methods.iter().filter_map(|method| Some(says(&counts(method, Some(model))?))).collect();
         facts.push(format!("{model}: {}.", of_model.join("; ")));
     }
     facts.extend(methods.iter().map(|method| hidden_from(all, method)));
@@ -100,17 +104,13 @@ pub(super) fn from_claim(answers: &Answers) -> Option<Answer> {
             Some(against) => format!("the error of {} with {first} at {many} samples", against.fixed),
             None => format!("relMSE of {first} at {many} samples"),
         },
-        sentence: format!("{few} to {many} samples {verdict}: {}.", parts.join("; ")),
+        sentence: format!("{verdict}: {}.", parts.join("; ")),
         facts,
     })
 }
 
 /// The method with the mip filter.
 const FILTERED: &str = "sampled";
-
-fn fixed_of(one: &Sufficiency) -> &str {
-    one.against.as_ref().map_or("", |against| &against.fixed)
-}
 
 /// From which tried count on a viewer notices nothing.
 fn hidden_from(all: &[Sufficiency], method: &str) -> String {

@@ -32,9 +32,14 @@ pub(super) fn from_effects(study: &Study, answers: &Answers) -> Option<Answer> {
             (_, method) => format!(" of {method}"),
         };
         let [value, base] = [&effect.value, &effect.base].map(|value| short(&effect.axis, value));
+        let in_noise = match effect.in_noise {
+            0 => String::new(),
+            n => format!(" and {n} more within the reference's noise"),
+        };
+        // The name of an estimator says what it is.
+        let axis = if is_parameter(effect) { format!("{} ", effect.axis) } else { String::new() };
         format!(
-            "{} {value} instead of {base} {} the error{method} by {} ({interval}{} {}){}.",
-            effect.axis,
+            "{axis}{value} instead of {base} {} the error{method} by {} ({interval}{} {}{in_noise}){}",
             if effect.is_decided() { "multiplies" } else { "may multiply" },
             text(effect.ratio),
             effect.n,
@@ -47,12 +52,18 @@ pub(super) fn from_effects(study: &Study, answers: &Answers) -> Option<Answer> {
         )
     };
     let first = all.first()?;
-    let rest = all.iter().skip(1).take(FACTS_OF_A_KIND).map(|effect| say(effect));
+    let rest = all.iter().skip(1).take(FACTS_OF_A_KIND).map(|effect| say(effect) + ".");
+    let mut best = best_values(&all);
+    // The parameter beside an estimator is asked about with it, at the same sample count.
+    let beside =
+        best.iter().position(|(method, _)| !is_parameter(first) && method.rsplit(' ').next() == Some(&first.method));
+    let beside = beside.map_or_else(String::new, |place| format!("; of {}", best.remove(place).1));
+    let before = base_error(study, first).map_or_else(String::new, |text| text + "; ");
     Some(Answer {
         number: format!("×{}", text(first.ratio)),
         unit: format!("the error with {} {} instead of {}", first.axis, first.value, first.base),
-        sentence: say(first),
-        facts: base_error(study, first).into_iter().chain(best_values(&all)).chain(rest).collect(),
+        sentence: format!("{before}{}{beside}.", say(first)),
+        facts: best.into_iter().map(|(_, text)| format!("Of {text}.")).chain(rest).collect(),
     })
 }
 
@@ -65,15 +76,16 @@ fn base_error(study: &Study, effect: &Effect) -> Option<String> {
     (effect.axis == "diffuse" && !errors.is_empty()).then(|| {
         let [middle, least, most] = [median(&errors), least, most].map(text);
         format!(
-            "{} errs by a relMSE of {middle} in the median of {} cases, from {least} to {most}.",
+            "{} errs by a relMSE of {middle} in the median of {} cases, from {least} to {most}",
             effect.base,
             errors.len()
         )
     })
 }
 
-/// Which value of each parameter with three or more errs least, for each method that has it. `all` holds the effects over all alphas.
-fn best_values(all: &[&Effect]) -> Vec<String> {
+/// Which value of each parameter with three or more errs least, for each method that has it: the method, and what follows "of".
+/// `all` holds the effects over all alphas.
+fn best_values(all: &[&Effect]) -> Vec<(String, String)> {
     let mut groups: BTreeMap<(&str, &str), Vec<&Effect>> = BTreeMap::new();
     for effect in all.iter().filter(|effect| effect.axis != "method") {
         groups.entry((&effect.axis, &effect.method)).or_default().push(effect);
@@ -89,15 +101,17 @@ fn best_values(all: &[&Effect]) -> Vec<String> {
         let [value, base] = [&least.value, &least.base].map(|value| short(axis, value));
         let ratio = text(least.ratio);
         let doubt = if least.is_decided() { "" } else { "; the interval does not tell the two apart" };
-        Some(match least.ratio < 1.0 {
-            true => format!(
-                "Of the tried {axis}, {value} errs least{of}: {ratio} times the error with {base}{interval}{doubt}."
-            ),
+        let text = match least.ratio < 1.0 {
+            true => {
+                format!(
+                    "the tried {axis}, {value} errs least{of}: {ratio} times the error with {base}{interval}{doubt}"
+                )
+            }
             false => format!(
-                "Of the tried {axis}, {base} errs least{of}; the next, {value}, multiplies the error by {ratio}{interval}{doubt}."
+                "the tried {axis}, {base} errs least{of}; the next, {value}, multiplies the error by {ratio}{interval}{doubt}"
             ),
-        })
+        };
+        Some((method.to_owned(), text))
     };
     groups.into_iter().filter_map(best).collect()
 }
-

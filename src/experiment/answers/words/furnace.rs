@@ -21,11 +21,6 @@ fn parted<'k>(answers: &Answers, one: &'k Furnace) -> (String, &'k str) {
     (label, alpha.map_or("", |axis| one.key[axis].as_str()))
 }
 
-/// `loses 2.9 %`, `creates 1.0 %`.
-fn verb(change: f64) -> String {
-    format!("{} {}", if change > 0.0 { "creates" } else { "loses" }, percent(change))
-}
-
 pub(super) fn from_furnace(answers: &Answers) -> Option<Answer> {
     let all = &answers.furnace;
     let mut alphas: Vec<&str> = all.iter().map(|one| parted(answers, one).1).collect();
@@ -49,32 +44,26 @@ pub(super) fn from_furnace(answers: &Answers) -> Option<Answer> {
     let lost = listed(&ends.iter().filter_map(|alpha| at(alpha)).collect::<Vec<_>>());
     let half = all.iter().filter_map(|one| one.interval.map(|[lo, hi]| 0.5 * (hi - lo))).reduce(f64::max);
     let exactness = half.map_or_else(String::new, |half| format!(", each within ± {} (95 %)", percent(half)));
-    let strongest = all
-        .iter()
-        .filter_map(|one| one.extremes.map(|[_, most]| (one, most)))
-        .filter(|(one, (change, _))| *change > one.interval.map_or(0.0, |[lo, _]| one.change - lo) * CLEAR)
-        .max_by(|a, b| a.1.0.total_cmp(&b.1.0));
-    let created = match strongest {
-        None => "none creates energy at any n·v".to_owned(),
-        Some((one, (change, [lo, hi]))) => {
-            let mut who: Vec<String> = Vec::new();
-            for other in all.iter().filter(|other| other.extremes.is_some_and(|[_, most]| most.0 > MEANT)) {
-                let name = parted(answers, other).0;
-                if !who.contains(&name) {
-                    who.push(name);
-                }
-            }
-            let (name, alpha) = parted(answers, one);
-            let at = if alpha.is_empty() { String::new() } else { format!(" at alpha {}", short("alpha", alpha)) };
-            match who.is_empty() {
-                true => format!("none creates more than {}", percent(change)),
-                false => format!(
-                    "only {} create any, up to {} ({name}{at}, n·v {lo} to {})",
-                    listed(&who),
-                    percent(change),
-                    hi.min(1.0)
-                ),
-            }
+    let most = |one: &Furnace| one.extremes.map_or((f64::NEG_INFINITY, [0.0; 2]), |[_, most]| most);
+    let mut creators: Vec<String> = Vec::new();
+    for name in all.iter().filter(|one| most(one).0 > MEANT).map(|one| parted(answers, one).0) {
+        if !creators.contains(&name) {
+            creators.push(name);
+        }
+    }
+    let strongest = all.iter().max_by(|a, b| most(a).0.total_cmp(&most(b).0))?;
+    let created = match creators.len() {
+        0 => format!("none creates more than {} at any n·v", percent(MEANT)),
+        count => {
+            let ((change, [lo, hi]), (name, alpha)) = (most(strongest), parted(answers, strongest));
+            let at = if alpha.is_empty() { String::new() } else { format!("alpha {}, ", short("alpha", alpha)) };
+            format!(
+                "only {} {} any, up to {} ({name} at {at}n·v {lo} to {})",
+                listed(&creators),
+                if count == 1 { "creates" } else { "create" },
+                percent(change),
+                hi.min(1.0)
+            )
         }
     };
     let worst = all.iter().min_by(|a, b| a.change.total_cmp(&b.change))?;
@@ -87,21 +76,29 @@ pub(super) fn from_furnace(answers: &Answers) -> Option<Answer> {
     let fact = |name: &String| {
         let mut own: Vec<&Furnace> = all.iter().filter(|one| parted(answers, one).0 == *name).collect();
         own.sort_by_key(|one| alphas.iter().position(|alpha| *alpha == parted(answers, one).1));
-        let at = own.iter().map(|one| match parted(answers, one).1 {
-            "" => verb(one.change),
-            alpha => format!("{} at alpha {}", verb(one.change), short("alpha", alpha)),
+        let mut verb = "";
+        let at = own.iter().map(|one| {
+            let own = if one.change > 0.0 { "creates " } else { "loses " };
+            let said = if verb == own { "" } else { own };
+            verb = own;
+            match parted(answers, one).1 {
+                "" => format!("{said}{}", percent(one.change)),
+                alpha => format!("{said}{} at alpha {}", percent(one.change), short("alpha", alpha)),
+            }
         });
         format!("{name} {}.", listed(&at.collect::<Vec<_>>()))
     };
     Some(Answer {
         number: percent(worst.change),
-        unit: format!("of the energy {} by {}", if worst.change > 0.0 { "is created" } else { "is lost" }, parted(answers, worst).0),
+        unit: format!(
+            "of the energy {} by {}",
+            if worst.change > 0.0 { "is created" } else { "is lost" },
+            parted(answers, worst).0
+        ),
         sentence: format!("In a white furnace one scattering loses {lost} of the energy{exactness}; {created}."),
         facts: names.iter().map(fact).collect(),
     })
 }
 
-/// A bin holds a tenth of the surface or so: its noise is a few times that of the whole.
-const CLEAR: f64 = 5.0;
-/// Less than this share is no creation worth a name: it is within what a bin's own noise gives.
+/// A bin of n·v that shows more than this above what arrives creates energy: less is within what its own noise gives.
 const MEANT: f64 = 0.005;

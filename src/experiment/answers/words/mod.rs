@@ -40,7 +40,8 @@ pub struct Answer {
 /// light whose peaks are cut off what they do. Else break-even leads where there is one, else times; then what a parameter changes, then
 /// which way is best. What does not lead follows as facts.
 pub fn answer(study: &Study, answers: &Answers) -> Answer {
-    let break_even = || answers.pairs.iter().find_map(|pair| Some(pairs::from_pair(study, answers, pair, pair.quartiles()?)));
+    let break_even =
+        || answers.pairs.iter().find_map(|pair| Some(pairs::from_pair(study, answers, pair, pair.quartiles()?)));
     let values = |axis: usize| study.axes[axis].values.iter().filter(|value| !value.is_empty()).count();
     let is_swept = |name: &str| study.axis(name).is_some_and(|axis| values(axis) > 1);
     let curves: usize = study.display_axes().into_iter().map(values).product();
@@ -107,4 +108,10 @@ fn in_brackets(interval: [f64; 2]) -> String {
         true => format!(" (95 % {})", interval.map(|end| significant(end, ERROR_DIGITS)).join(" to ")),
         false => String::new(),
     }
+}
+
+/// The text with its first letter large.
+fn sentence_case(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -10,7 +10,12 @@ use crate::experiment::statistics::TOO_FEW_ROUNDS;
 use crate::table::markdown::significant;
 use std::collections::BTreeSet;
 
-pub(super) fn from_pair(study: &Study, answers: &Answers, pair: &Pair, [lower, middle, upper]: [BreakEven; 3]) -> Answer {
+pub(super) fn from_pair(
+    study: &Study,
+    answers: &Answers,
+    pair: &Pair,
+    [lower, middle, upper]: [BreakEven; 3],
+) -> Answer {
     let (sampled, fixed) = (&pair.sampled, &pair.fixed);
     let count = pair.cases.len();
     let breadth = breadth(answers, pair);
@@ -92,4 +97,3 @@ fn breadth(answers: &Answers, pair: &Pair) -> String {
     let counts: Vec<String> = counts.collect();
     if counts.is_empty() { String::new() } else { format!(" ({})", counts.join(", ")) }
 }
-

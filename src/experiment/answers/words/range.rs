@@ -31,4 +31,3 @@ pub(super) fn from_range(answers: &Answers) -> Option<Answer> {
         facts: rest.iter().take(FACTS_OF_A_KIND).map(say).collect(),
     })
 }
-

@@ -1,6 +1,6 @@
 //! How large tables must be.
 
-use super::{Answer, change, in_brackets, listed, plural};
+use super::{Answer, change, in_brackets, listed, plural, sentence_case};
 use crate::experiment::answers::Answers;
 use crate::experiment::answers::effects::Effect;
 use crate::experiment::answers::sizes::{Enough, GAIN};
@@ -23,40 +23,51 @@ fn costs(one: &Enough) -> Option<String> {
 pub(super) fn from_sizes(answers: &Answers) -> Option<Answer> {
     let method = &answers.enough.first()?.method;
     let own: Vec<&Enough> = answers.enough.iter().filter(|one| one.method == *method).collect();
-    let enough = listed(&own.iter().map(|one| format!("{} {}", one.axis, one.value)).collect::<Vec<_>>());
+    let names = |of: &dyn Fn(&Enough) -> bool| -> Vec<String> {
+        own.iter().filter(|one| of(one)).map(|one| format!("{} {}", one.axis, one.value)).collect()
+    };
+    let (settled, largest) = (names(&|one| one.beyond.is_some()), names(&|one| one.beyond.is_none()));
     let gain = own.iter().filter_map(|one| one.beyond.as_ref()).min_by(|a, b| a.ratio.total_cmp(&b.ratio));
-    let beyond = match gain {
-        None => "no larger one was tried".to_owned(),
-        Some(effect) => format!(
-            "the larger one that does most, {} {}, changes it by {}",
+    let settled = gain.map(|effect| {
+        format!(
+            "from {} on nothing is gained, at most {} % of the error of {method} (the larger one that does most, {} {}, changes it by {})",
+            listed(&settled),
+            100.0 * GAIN,
             effect.axis,
             effect.value,
             changes(effect)
-        ),
+        )
+    });
+    let largest = match largest.as_slice() {
+        [] => None,
+        some => Some(format!("of {} no larger one was tried", listed(some))),
     };
     let fewer: Vec<String> = own.iter().filter_map(|one| costs(one)).collect();
     let fewer = match fewer.as_slice() {
-        [] => String::new(),
-        some => format!("; less costs: {}", listed(some)),
+        [] => None,
+        some => Some(format!("less costs: {}", listed(some))),
     };
     let fact = |one: &Enough| {
-        let below = costs(one).map_or_else(|| "it is the smallest tried".to_owned(), |costs| costs);
+        let below = costs(one).unwrap_or_else(|| "no smaller one was tried beside such others".to_owned());
         let beyond = one.beyond.as_ref().map_or_else(
             || "no larger one was tried".to_owned(),
             |effect| {
                 let doubt = if effect.interval[0] < 1.0 - GAIN { ", which leaves a gain open" } else { "" };
-                format!("{} changes it by {} ({} {}){doubt}", effect.value, changes(effect), effect.n, plural(effect.n, "pair"))
+                let pairs = plural(effect.n, "pair");
+                format!("{} changes the error by {} ({} {pairs}){doubt}", effect.value, changes(effect), effect.n)
             },
         );
-        format!("{} {} is enough for {}: {beyond}; {below}.", one.axis, one.value, one.method)
+        format!("{} {} for {}: {beyond}; {below}.", one.axis, one.value, one.method)
     };
+    let parts: Vec<String> = [settled, largest, fewer].into_iter().flatten().collect();
+    let lead = own.iter().find(|one| one.beyond.is_some()).unwrap_or(&own[0]);
     Some(Answer {
-        number: own[0].value.clone(),
-        unit: format!("{} from which on a larger one gains nothing", own[0].axis),
-        sentence: format!(
-            "From {enough} on nothing is gained, that is at most {} % of the error of {method}: {beyond}{fewer}.",
-            100.0 * GAIN
-        ),
+        number: lead.value.clone(),
+        unit: match lead.beyond {
+            Some(_) => format!("{} from which on a larger one gains nothing", lead.axis),
+            None => format!("{}, the largest tried", lead.axis),
+        },
+        sentence: sentence_case(&parts.join("; ")) + ".",
         facts: answers.enough.iter().map(fact).collect(),
     })
 }

@@ -1,6 +1,6 @@
 //! What a frame and the tables behind it take.
 
-use super::{Answer, ERROR_DIGITS, TIME_DIGITS};
+use super::{Answer, ERROR_DIGITS, TIME_DIGITS, sentence_case};
 use crate::experiment::answers::Answers;
 use crate::experiment::answers::study::{FrameTime, Row, Study};
 use crate::experiment::answers::times::FrameRatio;
@@ -96,11 +96,6 @@ pub(super) fn from_times(study: &Study, answers: &Answers) -> Option<Answer> {
     Some(Answer { number: format!("×{ratio}"), unit, sentence, facts: further.into_iter().chain(others).collect() })
 }
 
-fn sentence_case(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
 /// What the tables of a method cost once, pass by pass, each with the smallest and largest median over what was timed.
 fn tables_words(answers: &Answers, method: &str) -> Option<String> {
     let mut passes: Vec<(&str, Vec<f64>)> = Vec::new();
@@ -128,10 +123,9 @@ fn tables_words(answers: &Answers, method: &str) -> Option<String> {
 /// When a method has paid for its tables against the first sampling method it was timed with.
 fn payback_words(answers: &Answers, fixed: &str) -> Option<String> {
     let first = answers.frame_ratios.iter().find(|ratio| ratio.fixed == fixed)?;
-    let own = answers
-        .frame_ratios
-        .iter()
-        .filter(|ratio| (&ratio.fixed, &ratio.sampled, &ratio.samples) == (&first.fixed, &first.sampled, &first.samples));
+    let own = answers.frame_ratios.iter().filter(|ratio| {
+        (&ratio.fixed, &ratio.sampled, &ratio.samples) == (&first.fixed, &first.sampled, &first.samples)
+    });
     let mut ends: Vec<[f64; 3]> = Vec::new();
     for ratio in own {
         match ratio.payback {

@@ -31,14 +31,23 @@ fn runs(tried: &[f64], wanted: &[f64]) -> String {
     listed(&words)
 }
 
-/// Where a method's difference shows at one contrast.
-fn shown(one: &Hiding) -> String {
-    let visible: Vec<f64> = one.tried.iter().copied().filter(|x| !one.hidden_at.contains(x)).collect();
-    match (visible.as_slice(), one.hidden_at.as_slice()) {
-        ([], _) => format!("nowhere at contrast {}", one.contrast),
-        (_, []) => format!("at every tried exposure at contrast {}", one.contrast),
-        _ => format!("at exposure {} at contrast {}", runs(&one.tried, &visible), one.contrast),
+/// Where a method's difference shows: contrasts with the same exposures together, those with most first.
+fn shown(own: &[&Hiding]) -> String {
+    let mut groups: Vec<(String, usize, Vec<String>)> = Vec::new();
+    for one in own {
+        let visible: Vec<f64> = one.tried.iter().copied().filter(|x| !one.hidden_at.contains(x)).collect();
+        let words = match visible.len() {
+            0 => "nowhere".to_owned(),
+            n if n == one.tried.len() => "at every tried exposure".to_owned(),
+            _ => format!("at exposure {}", runs(&one.tried, &visible)),
+        };
+        match groups.iter_mut().find(|(known, ..)| *known == words) {
+            Some(group) => group.2.push(one.contrast.to_string()),
+            None => groups.push((words, visible.len(), vec![one.contrast.to_string()])),
+        }
     }
+    groups.sort_by_key(|(_, count, _)| std::cmp::Reverse(*count));
+    groups.iter().map(|(words, _, at)| format!("{words} (contrast {})", listed(at))).collect::<Vec<_>>().join(", ")
 }
 
 pub(super) fn from_visibility(answers: &Answers) -> Option<Answer> {
@@ -58,17 +67,25 @@ pub(super) fn from_visibility(answers: &Answers) -> Option<Answer> {
         let mut own: Vec<&Hiding> = hiding.iter().filter(|one| one.method == method).collect();
         own.sort_by(|a, b| a.contrast.total_cmp(&b.contrast));
         let peak = peak(answers, method)?;
-        let hidden: Vec<String> = own
-            .iter()
-            .filter(|one| !one.hidden_at.is_empty() && one.hidden_at.len() < one.tried.len())
-            .map(|one| format!("{} at contrast {}", runs(&one.tried, &one.hidden_at), one.contrast))
-            .collect();
-        let hidden = match hidden.as_slice() {
-            [] => String::new(),
-            some => format!(" and hidden at exposure {}", some.join(", ")),
+        let hidden: Vec<f64> = own.iter().flat_map(|one| one.hidden_at.iter().copied()).collect();
+        let tried: Vec<f64> = own.iter().flat_map(|one| one.tried.iter().copied()).collect();
+        let hidden = if hidden.is_empty() {
+            String::new()
+        } else {
+            let (lo, hi) = tried.iter().fold((f64::INFINITY, 0.0f64), |(lo, hi), x| (lo.min(*x), hi.max(*x)));
+            format!(
+                ", and the other {} of {} tone curves, exposures from {lo} to {hi}, hide it",
+                hidden.len(),
+                tried.len()
+            )
         };
         let spread = if peak.n > 1 {
-            format!(", the middle half of {} cases {} to {}", peak.n, text(peak.lower_quartile), text(peak.upper_quartile))
+            format!(
+                ", the middle half of {} cases {} to {}",
+                peak.n,
+                text(peak.lower_quartile),
+                text(peak.upper_quartile)
+            )
         } else {
             String::new()
         };
@@ -77,7 +94,7 @@ pub(super) fn from_visibility(answers: &Answers) -> Option<Answer> {
             peak.exposure,
             peak.contrast,
             text(peak.median),
-            own.iter().map(|one| shown(one)).collect::<Vec<_>>().join(", ")
+            shown(&own)
         );
         Some((peak.exposure, sentence))
     };
@@ -87,7 +104,9 @@ pub(super) fn from_visibility(answers: &Answers) -> Option<Answer> {
     Some(Answer {
         number: exposure.to_string(),
         unit: format!("the exposure at which the error of {lead} shows most"),
-        sentence: format!("After the tone curve {sentence}; visible is a mean FLIP of at least {VISIBLE_FROM}, {SOURCE}."),
+        sentence: format!(
+            "After the tone curve {sentence}; visible is a mean FLIP of at least {VISIBLE_FROM}, {SOURCE}."
+        ),
         facts: rest.map(|(_, sentence)| format!("After the tone curve {sentence}.")).collect(),
     })
 }

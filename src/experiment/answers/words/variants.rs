@@ -65,4 +65,3 @@ pub(super) fn from_variants(study: &Study) -> Answer {
         facts: facts.collect(),
     }
 }
-
