@@ -93,30 +93,54 @@ pub(super) fn from_times(study: &Study, answers: &Answers) -> Option<Answer> {
     };
     let sampled: BTreeSet<&str> = ways.iter().filter(|way| !way.1.is_empty()).map(|way| way.0).collect();
     let others = sampled.into_iter().filter_map(|method| Some(sentence_case(&tables_words(answers, method)?) + "."));
-    Some(Answer { number: format!("×{ratio}"), unit, sentence, facts: further.into_iter().chain(others).collect() })
+    Some(Answer { number: format!("×{ratio}"), unit, sentence, facts: further.into_iter().chain(level_words(answers, fixed.0)).chain(others).collect() })
 }
 
 /// What the tables of a method cost once, pass by pass, each with the smallest and largest median over what was timed.
 fn tables_words(answers: &Answers, method: &str) -> Option<String> {
-    let mut passes: Vec<(&str, Vec<f64>)> = Vec::new();
-    let mut sums: BTreeMap<(&str, &str, [u32; 2]), f64> = BTreeMap::new();
+    // The levels of a prefiltered map are passes of their own, "prefilter mip 2": here they count together.
+    let mut kinds: Vec<&str> = Vec::new();
+    let mut sums: BTreeMap<(&str, &str, [u32; 2]), BTreeMap<&str, f64>> = BTreeMap::new();
     for time in answers.table_times.iter().filter(|time| time.method == method) {
-        match passes.iter_mut().find(|(pass, _)| *pass == time.pass) {
-            Some((_, known)) => known.push(time.ms.median),
-            None => passes.push((&time.pass, vec![time.ms.median])),
+        let kind = time.pass.split(' ').next().unwrap_or_default();
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
         }
-        *sums.entry((&time.brdf, &time.diffuse, time.environment_size)).or_default() += time.ms.median;
+        let own = sums.entry((&time.brdf, &time.diffuse, time.environment_size)).or_default();
+        *own.entry(kind).or_default() += time.ms.median;
     }
     let range = |medians: &[f64]| {
         let (lo, hi) = medians.iter().fold((f64::INFINITY, 0.0f64), |(lo, hi), ms| (lo.min(*ms), hi.max(*ms)));
         let [lo, hi] = [lo, hi].map(|ms| significant(ms, TIME_DIGITS));
         if lo == hi { format!("{lo} ms") } else { format!("{lo} to {hi} ms") }
     };
-    let all: Vec<f64> = sums.into_values().collect();
-    let words: Vec<String> = passes.iter().map(|(pass, medians)| format!("{pass} {}", range(medians))).collect();
-    (!passes.is_empty()).then(|| {
-        let of_passes = if words.len() > 1 { format!(" ({})", words.join(", ")) } else { String::new() };
-        format!("the tables of {method} cost {} once for each map and model{of_passes}", range(&all))
+    let all: Vec<f64> = sums.values().map(|of_kind| of_kind.values().sum()).collect();
+    let of = |kind: &&str| {
+        let medians: Vec<f64> = sums.values().filter_map(|of_kind| of_kind.get(kind).copied()).collect();
+        format!("{kind} {}", range(&medians))
+    };
+    let words: Vec<String> = kinds.iter().map(of).collect();
+    (!kinds.is_empty()).then(|| {
+        let of_kinds = if words.len() > 1 { format!(" ({})", words.join(", ")) } else { String::new() };
+        format!("the tables of {method} cost {} once for each map and model{of_kinds}", range(&all))
+    })
+}
+
+/// What each level of the prefiltered map costs, the median over what was timed.
+fn level_words(answers: &Answers, method: &str) -> Option<String> {
+    let own = || answers.table_times.iter().filter(|time| time.method == method && time.pass.contains(" mip "));
+    let mut levels: Vec<&str> = Vec::new();
+    for time in own().filter(|time| !time.pass.is_empty()) {
+        if !levels.contains(&time.pass.as_str()) {
+            levels.push(&time.pass);
+        }
+    }
+    let cost = |pass: &&str| {
+        let medians: Vec<f64> = own().filter(|time| time.pass == **pass).map(|time| time.ms.median).collect();
+        format!("{} {} ms", pass.replace("prefilter ", ""), significant(median(&medians), TIME_DIGITS))
+    };
+    (!levels.is_empty()).then(|| {
+        format!("Of the prefiltered map of {method} {}.", levels.iter().map(cost).collect::<Vec<_>>().join(", "))
     })
 }
 
