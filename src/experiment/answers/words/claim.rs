@@ -22,10 +22,17 @@ fn says(of: &[&Sufficiency; 2]) -> String {
     let method = &last.method;
     let beats = match of.map(|one| one.against.as_ref().map(|against| (one.samples, against))) {
         [Some(few), Some(many)] => {
-            let say = |(samples, against): (u32, &Against)| {
-                format!("at {samples} {}{}", text(against.ratio), in_brackets(against.interval))
+            let say = |(_, against): (u32, &Against)| {
+                format!("{} times{}", text(against.ratio), in_brackets(against.interval))
             };
-            format!("with {method} the error is that of {} times {}", many.1.fixed, listed(&[say(few), say(many)]))
+            format!(
+                "with {method} the error is {} that of {} at {} samples and {} at {}",
+                say(few),
+                many.1.fixed,
+                few.0,
+                say(many),
+                many.0
+            )
         }
         _ => format!("with {method} they err by a relMSE of {}", ends(of, |one| one.error.median)),
     };
@@ -75,20 +82,21 @@ pub(super) fn from_claim(answers: &Answers) -> Option<Answer> {
     let parts: Vec<String> = methods.iter().filter_map(|method| Some(says(&counts(method, None)?))).collect();
     let [few, many] = CLAIMED;
     let is_beaten = lead.map(|one| one.against.as_ref().map(|against| against.interval[1] < 1.0));
-    let hides = if lead.iter().all(|one| one.flip.is_some_and(|flip| flip.median < VISIBLE_FROM)) {
-        "hide"
-    } else {
-        "do not hide"
-    };
+    let are_hidden = lead.iter().all(|one| one.flip.is_some_and(|flip| flip.median < VISIBLE_FROM));
+    let hide = if are_hidden { "hide" } else { "do not hide" };
     let verdict = match (is_beaten, lead[1].against.as_ref().map(|against| &against.fixed)) {
-        ([Some(true), Some(true)], Some(fixed)) => {
-            format!("{few} to {many} samples beat {fixed} and {hides} the error")
-        }
+        (_, None) => format!("{few} to {many} samples {hide} the error"),
         ([_, Some(true)], Some(fixed)) => {
-            format!("{many} samples beat {fixed}, {few} not for sure, and {hides} the error")
+            let who = match is_beaten[0] {
+                Some(true) => format!("{few} to {many} samples beat {fixed}"),
+                _ => format!("{many} samples beat {fixed}, {few} not for sure,"),
+            };
+            format!("{who} {} {hide} the error", if are_hidden { "and" } else { "but" })
         }
-        (_, Some(fixed)) => format!("{few} to {many} samples do not beat {fixed} for sure, and {hides} the error"),
-        (_, None) => format!("{few} to {many} samples {hides} the error"),
+        (_, Some(fixed)) => {
+            let and = if are_hidden { "but" } else { "and" };
+            format!("{few} to {many} samples do not beat {fixed} for sure, {and} {hide} the error")
+        }
     };
     let mut facts: Vec<String> = Vec::new();
     for model in &models {

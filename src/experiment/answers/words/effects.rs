@@ -12,7 +12,10 @@ use std::collections::BTreeMap;
 pub(super) const ESTIMATORS: [&str; 2] = ["method", "diffuse"];
 
 pub(super) fn from_effects(study: &Study, answers: &Answers) -> Option<Answer> {
-    let mut all: Vec<&Effect> = answers.effects.iter().filter(|effect| effect.alpha.is_none()).collect();
+    // Sizes of tables have an answer of their own, which does not set tables side by side that are too small in another way.
+    let is_size = |effect: &Effect| answers.enough.iter().any(|one| one.axis == effect.axis);
+    let mut all: Vec<&Effect> =
+        answers.effects.iter().filter(|effect| effect.alpha.is_none() && !is_size(effect)).collect();
     // Estimators before their parameters, what is decided first, then the strongest, whichever its direction.
     let is_parameter = |effect: &Effect| !ESTIMATORS.contains(&effect.axis.as_str());
     let strength = |effect: &Effect| effect.ratio.ln().abs();

@@ -93,7 +93,12 @@ pub(super) fn from_times(study: &Study, answers: &Answers) -> Option<Answer> {
     };
     let sampled: BTreeSet<&str> = ways.iter().filter(|way| !way.1.is_empty()).map(|way| way.0).collect();
     let others = sampled.into_iter().filter_map(|method| Some(sentence_case(&tables_words(answers, method)?) + "."));
-    Some(Answer { number: format!("×{ratio}"), unit, sentence, facts: further.into_iter().chain(level_words(answers, fixed.0)).chain(others).collect() })
+    Some(Answer {
+        number: format!("×{ratio}"),
+        unit,
+        sentence,
+        facts: further.into_iter().chain(level_words(answers, fixed.0)).chain(others).collect(),
+    })
 }
 
 /// What the tables of a method cost once, pass by pass, each with the smallest and largest median over what was timed.
