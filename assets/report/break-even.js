@@ -9,16 +9,16 @@ import { number, quartiles } from "report/dom";
 const CROSSING = ["break_even", "crossing", "crossing_lo", "crossing_hi", "interval_from", "at_equal_time"];
 const crossingCells = (c) => [breakEvenText(c.break_even), c.crossing, ...(ends(c.interval) ?? [null, null]), c.basis === "none" ? null : c.basis, c.at_equal_time === "not-timed" ? null : c.at_equal_time];
 const TIME = ["samples_in_equal_time", "samples_in_equal_time_lo", "samples_in_equal_time_hi"];
-const timeCells = (c) => (c.time ? [c.time.samples ?? Infinity, ...ends(c.time.interval)] : [null, null, null]);
+const timeCells = (c) => (c.time ? [c.time.samples ?? Infinity, ...(ends(c.time.interval) ?? [null, null])] : [null, null, null]);
 const isTimed = (c) => c.time !== null && c.at_equal_time !== "not-timed";
 const timeNote = (cases) => (cases.some((c) => c.time?.is_cpu) ? " Times of a CPU driver say nothing about a GPU." : "");
-const winner = (pair, c) => ({ sampled: pair.sampled, fixed: pair.fixed, undecided: "undecided" })[c.at_equal_time];
+const winner = (pair, c) => ({ sampled: pair.sampled, fixed: pair.fixed, undecided: "undecided", "too-few-rounds": "too few rounds for an interval" })[c.at_equal_time];
 
 /** A case in a few lines: break-even and crossing with intervals, at equal error and at equal time. */
 function caseText(pair, c) {
   const { sample_counts: counts } = pair;
   const lines = [keyLabel(c.key), `at equal error: ${breakEvenText(c.break_even)} samples; crosses at ${c.crossing === null ? "none" : number(c.crossing, 2)} (95 %: ${intervalText(c.interval, counts)})`];
-  if (isTimed(c)) lines.push(`in the time of ${pair.fixed}: ${countText(c.time.samples, counts)} samples (95 %: ${ends(c.time.interval).map((n) => countText(n, counts)).join(" to ")}); errs less: ${winner(pair, c)}`);
+  if (isTimed(c)) lines.push(`in the time of ${pair.fixed}: ${countText(c.time.samples, counts)} samples (95 %: ${ends(c.time.interval)?.map((n) => countText(n, counts)).join(" to ") ?? "no interval"}); errs less: ${winner(pair, c)}`);
   return lines.join("\n");
 }
 
@@ -130,7 +130,7 @@ export function breakEvenMap(pair) {
   });
 }
 
-const WINNERS = { sampled: { color: "var(--series-0)", ink: "var(--on-series)" }, fixed: { color: "var(--series-1)", ink: "var(--on-series)" }, undecided: { color: "var(--line)", ink: "var(--ink)" } };
+const WINNERS = { sampled: { color: "var(--series-0)", ink: "var(--on-series)" }, fixed: { color: "var(--series-1)", ink: "var(--on-series)" }, undecided: { color: "var(--line)", ink: "var(--ink)" }, "too-few-rounds": { color: "var(--line)", ink: "var(--ink)" } };
 
 /** Who errs less in the frame time of the method without samples; null where nothing was timed. */
 export function equalTimeMap(pair) {
@@ -142,7 +142,7 @@ export function equalTimeMap(pair) {
     title: `At equal frame time: ${pair.sampled} or ${pair.fixed}`,
     note: `Samples that fit into the time of ${pair.fixed} / samples that its error takes. Decided where their 95 % intervals do not meet.${timeNote(timed)}`,
     height: () => 80 + 34 * grid.lines.length,
-    legend: [...["sampled", "fixed", "undecided"].map((key) => ({ label: key === "undecided" ? "undecided: the intervals meet" : `${pair[key]} errs less`, fill: WINNERS[key].color })),
+    legend: [...["sampled", "fixed", "undecided"].map((key) => ({ label: key === "undecided" ? "undecided: the intervals meet, or too few rounds for one" : `${pair[key]} errs less`, fill: WINNERS[key].color })),
       ...(untimed ? [{ label: "not timed", fill: "var(--faint)" }] : []), ...missingLegend(grid.gaps)],
     table: { columns: [...caseAxes, ...TIME, ...CROSSING], rows: timed.map((c) => [...c.key, ...timeCells(c), ...crossingCells(c)]), onrow: (i) => open(timed[i].fixed_cell, timed[i].fixed_run)() },
     draw: heatmap({
@@ -178,7 +178,7 @@ export function equalTimeIntervals(pair, facet) {
       y: { label: "", domain: [own.length - 0.5, -0.5], ticks: own.map((_, i) => i), format: (i) => seriesLabel(own[i].key) || facet, room: 16 + 7 * Math.max(...own.map((c) => seriesLabel(c.key).length)) },
       marks: [
         { color: "var(--series-0)", shape: "circle", r: 4.5, dots: own.map((c, i) => ({ x: mark(c.crossing ?? (c.break_even.above ? null : edge[0])), y: i - spread, xs: ends(c.interval).map(into), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) })) },
-        { color: "var(--series-1)", shape: "square", r: 4.5, dots: own.flatMap((c, i) => (isTimed(c) ? [{ x: mark(c.time.samples), y: i + spread, xs: ends(c.time.interval).map(into), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) }] : [])) },
+        { color: "var(--series-1)", shape: "square", r: 4.5, dots: own.flatMap((c, i) => (isTimed(c) ? [{ x: mark(c.time.samples), y: i + spread, xs: ends(c.time.interval)?.map(into), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) }] : [])) },
       ],
     }),
   });

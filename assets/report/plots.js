@@ -51,7 +51,7 @@ export function convergence(facet = curveFacets[0]) {
   });
 }
 
-/** The widest 95 % interval of the median frame time over rows, and p05 and p95; without intervals (one round) these stand for it. */
+/** The widest 95 % interval of the median frame time over rows, and p05 and p95; without intervals (too few rounds) these stand for it. */
 function timeEnds(of) {
   const widest = (ends) => [Math.min(...ends.map(([lo]) => lo)), Math.max(...ends.map(([, hi]) => hi))];
   const [t05, t95] = widest(of.map(({ time }) => [time.p05, time.p95]));
@@ -77,7 +77,7 @@ function timeError(facet) {
   return figure({
     name: `time-error-${facet}`,
     title: `Time against error · ${facet}`,
-    note: `Median over the chosen cells; whiskers: the middle half of the errors, and ${points.every((p) => p.isInterval) ? "the 95 % interval of the median frame time (resampled rounds)" : "p05 to p95 of the frame times"}. Line: the Pareto front. ${cpu ? "Times of a CPU driver say nothing about a GPU." : ""}`,
+    note: `Median over the chosen cells; whiskers: the middle half of the errors, and ${points.every((p) => p.isInterval) ? "the 95 % interval of the median frame time (of the rounds)" : "p05 to p95 of the frame times"}. Line: the Pareto front. ${cpu ? "Times of a CPU driver say nothing about a GPU." : ""}`,
     legend: [...methods.map((method, i) => ({ label: method, color: COLORS[i % 7], shape: SHAPES[i % SHAPES.length], line: false })), { label: "Pareto front", color: "var(--muted)", dash: "5 3" }],
     table: { columns: ["variant", "frame_ms", "frame_ms_lo", "frame_ms_hi", "p05_ms", "p95_ms", headline, "lower_quartile", "upper_quartile", "cells", "on_front"], rows: points.map((p) => [p.name, p.time, ...p.ends, p.t05, p.t95, p.error, p.lo, p.hi, p.n, front.includes(p) ? "yes" : "no"]), onrow: (i) => open(points[i].row.cell, points[i].row.run)() },
     draw: xy({
