@@ -116,7 +116,8 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
         .collect();
     let html = page::render(&fixed, &model, &tables, &images, &light)?;
     write_atomically(&path, |writer| writer.write_all(html.as_bytes()))?;
-    Ok(Written { path, bytes: html.len(), notes: images.notes })
+    let notes = runs.iter().filter_map(RunFolder::under_way_note).chain(images.notes).collect();
+    Ok(Written { path, bytes: html.len(), notes })
 }
 
 /// Bytes of a value in the page.
@@ -170,7 +171,8 @@ fn warnings(runs: &[RunFolder]) -> Vec<String> {
     for run in runs {
         let (done, planned) = (run.errors.rows.len(), run.provenance["cell_count"].as_u64().unwrap_or(0));
         if (done as u64) < planned {
-            warnings.push(format!("{done} of {planned} cells of {} are done: the run was stopped.", run.text("/name")));
+            let state = if run.is_under_way { "is under way" } else { "was stopped" };
+            warnings.push(format!("{done} of {planned} cells of {} are done: the run {state}.", run.text("/name")));
         }
     }
     warnings
