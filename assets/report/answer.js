@@ -17,7 +17,7 @@ const maps = (run) => { const pair = pairOf(run); return pair ? [breakEvenMap(pa
 
 /** The figures of a run, the one that answers its question first. */
 function figures(run) {
-  const { kind, axis } = model.runs[run].lead;
+  const { kind, axis, metric } = model.runs[run].lead;
   const made = {
     "visibility": () => [visibility(run), ownConvergence(run), ...maps(run)],
     "range": () => [rangeFigure(run), ...maps(run)],
@@ -25,7 +25,7 @@ function figures(run) {
     "times": () => [passes(run, "frame"), passes(run, "precompute"), paybackTable(run), timeError(run, "all")],
     "effects": () => [effectsFigure(run, axis), ...effectAxes(run).filter((name) => name !== axis).slice(0, 3).map((name) => effectsFigure(run, name))],
     "convergence": () => [ownConvergence(run)],
-    "sweep": () => [sweepFigure(run, axis)],
+    "sweep": () => [sweepFigure(run, axis, metric ?? undefined)],
     "profile": () => [profile(run, scenes[0])],
   }[kind]();
   return made.filter(Boolean);
@@ -84,7 +84,7 @@ function choose(run, withPixels) {
   }
   const [scene] = withPixels, own = shownOf(run, scene), differ = kind === "effects" && variantAxes.includes(axis) ? axis : variantAxes.includes("method") ? "method" : variantAxes.find((name) => name !== "run");
   const ranked = (differ ? alike(own, differ) : own).sort((a, b) => a.scores[headline] - b.scores[headline]);
-  return { scene, chosen: unique([ranked.at(-1), ranked[ranked.length >> 1], ranked[0]].filter(Boolean)), note: `The largest, the middle and the lowest error of images that differ in ${differ ?? "nothing"} alone.` };
+  return { scene, chosen: unique([ranked.at(-1), ranked[ranked.length >> 1], ranked[0]].filter(Boolean)), note: ranked.length > 1 ? `The largest, the middle and the lowest error of images that differ in ${differ} alone.` : "The only image of the scene." };
 }
 
 /** The images of one telling scene. */

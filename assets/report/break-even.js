@@ -14,7 +14,7 @@ const TIME = ["samples_in_equal_time", "samples_in_equal_time_lo", "samples_in_e
 const timeCells = (c) => (c.time ? [c.time.samples ?? Infinity, ...(ends(c.time.interval) ?? [null, null])] : [null, null, null]);
 const isTimed = (c) => c.time !== null && c.at_equal_time !== "not-timed";
 const timeNote = (cases) => (cases.some((c) => c.time?.is_cpu) ? " Times of a CPU driver say nothing about a GPU." : "");
-const winner = (pair, c) => ({ sampled: pair.sampled, fixed: pair.fixed, undecided: "undecided" })[c.at_equal_time];
+const winner = (pair, c) => ({ sampled: pair.sampled, fixed: pair.fixed, undecided: "undecided", "too-few-rounds": "too few rounds for an interval" })[c.at_equal_time];
 
 /** A case in a few lines: break-even and crossing with intervals, at equal error and at equal time. */
 function caseText(pair, c) {
@@ -127,7 +127,7 @@ export function breakEvenMap(pair) {
   });
 }
 
-const WINNERS = { sampled: { color: "var(--series-0)", ink: "var(--on-series)" }, fixed: { color: "var(--series-1)", ink: "var(--on-series)" }, undecided: { color: "var(--undecided)", ink: "#000" } };
+const WINNERS = { sampled: { color: "var(--series-0)", ink: "var(--on-series)" }, fixed: { color: "var(--series-1)", ink: "var(--on-series)" }, undecided: { color: "var(--undecided)", ink: "#000" }, "too-few-rounds": { color: "var(--undecided)", ink: "#000" } };
 
 /** Who errs less in the frame time of the method without samples; null where nothing was timed. */
 export function equalTimeMap(pair) {
@@ -139,7 +139,7 @@ export function equalTimeMap(pair) {
     title: `At equal frame time: ${pair.sampled} or ${pair.fixed}${runTitle(pair.run)}`,
     note: `Samples that fit into the time of ${pair.fixed} / samples that its error takes. Decided where their 95 % intervals do not meet.${timeNote(timed)}`,
     height: () => 80 + 34 * grid.lines.length,
-    legend: [...["sampled", "fixed", "undecided"].map((key) => ({ label: key === "undecided" ? "undecided: the intervals meet" : `${pair[key]} errs less`, fill: WINNERS[key].color })),
+    legend: [...["sampled", "fixed", "undecided"].map((key) => ({ label: key === "undecided" ? "undecided: the intervals meet, or too few rounds for one" : `${pair[key]} errs less`, fill: WINNERS[key].color })),
       ...(untimed ? [{ label: "not timed", fill: "var(--faint)" }] : []), ...missingLegend(grid.gaps)],
     table: { columns: [...caseAxes, ...TIME, ...CROSSING], rows: timed.map((c) => [...c.key, ...timeCells(c), ...crossingCells(c)]), onrow: (i) => open(timed[i].fixed_cell, timed[i].fixed_run)() },
     ...mapped({
@@ -163,8 +163,8 @@ export function equalTimeIntervals(pair, facet) {
   const into = (n) => Math.min(edge[1], Math.max(edge[0], n));
   // What was not reached, and what was reached at once, has a mark of its own: its place is not known, only its side.
   const last = counts.at(-1), never = own.some((c) => c.break_even.above), always = own.some((c) => !c.break_even.above && c.crossing === null);
-  const errorMark = (c) => (c.break_even.above ? { x: edge[1], shape: "beyond", r: 6 } : c.crossing === null ? { x: edge[0], shape: "before", r: 6 } : { x: into(c.crossing) });
-  const timeMark = ({ samples: n }) => (n === null ? { x: edge[1], shape: "beyond", r: 6 } : n === 0 ? { x: edge[0], shape: "before", r: 6 } : { x: into(n) });
+  const errorMark = (c) => (c.break_even.above ? { x: edge[1], dx: -7, shape: "beyond", r: 6 } : c.crossing === null ? { x: edge[0], dx: 7, shape: "before", r: 6 } : { x: into(c.crossing) });
+  const timeMark = ({ samples: n }) => (n === null ? { x: edge[1], dx: -7, shape: "beyond", r: 6 } : n === 0 ? { x: edge[0], dx: 7, shape: "before", r: 6 } : { x: into(n) });
   const spread = 0.14;
   return figure({
     name: `equal-time-intervals-${facet}${runSuffix(pair.run)}`,

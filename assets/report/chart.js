@@ -47,7 +47,8 @@ export function domain(values, log) {
 
 function ticks({ log, domain: [lo, hi], ticks }, count) {
   if (ticks) return ticks.map((t) => [t, true]);
-  if (log) {
+  // Within a factor of three the digits of a decade are too few.
+  if (log && hi / lo > 3) {
     const all = [];
     for (let e = Math.floor(Math.log10(lo)); e <= Math.ceil(Math.log10(hi)); e++) {
       for (let m = 1; m < 10; m++) { const t = m * 10 ** e; if (t >= lo * 0.999 && t <= hi * 1.001) all.push([t, m === 1]); }

@@ -8,7 +8,7 @@ export function bars({ bars, parts, unit }) {
   return (width, height, tip) => {
     const targets = [];
     const svg = s("svg", { width, height, class: "chart" });
-    const left = Math.min(width * 0.42, 12 + 6.6 * Math.max(...bars.map((bar) => bar.name.length)));
+    const left = Math.min(width * 0.5, 14 + 7.2 * Math.max(...bars.map((bar) => bar.name.length)));
     const longest = Math.max(...bars.map((bar) => bar.total)), rowHeight = height / bars.length;
     bars.forEach((bar, i) => {
       const y = i * rowHeight, middle = y + rowHeight / 2 + 4;
@@ -20,7 +20,7 @@ export function bars({ bars, parts, unit }) {
         x += w;
       }
       svg.append(s("text", { x: x + 6, y: middle, class: "tick" }, `${number(bar.total)} ${unit}`));
-      const text = [`${bar.name}: ${number(bar.total)} ${unit}`, ...bar.parts.map(([part, value]) => `${part} ${number(value)}`)].join("\n");
+      const text = [`${bar.name}: ${number(bar.total)} ${unit}`, ...(bar.passes ?? bar.parts).map(([part, value]) => `${part} ${number(value)}`)].join("\n");
       const box = { x: left - 2, y: y + rowHeight * 0.06, width: Math.max(4, x - left + 4), height: rowHeight * 0.88 };
       targets.push({ px: left, py: y + rowHeight / 2, box, dot: { text, open: bar.open } });
       if (bar.open) svg.append(s("rect", { ...box, fill: "transparent", class: "open", onclick: bar.open }, s("title", {}, text)));

@@ -59,13 +59,20 @@ function configuration(run, axes, device, environmentSize) {
   return [...words, ...telling].join(" ") || environmentSize.join("×");
 }
 
+/** Passes of one kind as one part: the levels of a prefiltered map, "prefilter mip 2", are passes of their own. */
+function byKind(passes) {
+  const sums = new Map();
+  for (const [name, ms] of passes) { const [kind] = name.split(" "); sums.set(kind, (sums.get(kind) ?? 0) + ms); }
+  return [...sums];
+}
+
 /** Pass times of a run stacked, one bar a configuration. */
 export function passes(run, phase) {
   const [title, note] = PASSES[phase];
   const bars = model.runs[run].timings.filter((record) => record.phase === phase).map((record) => {
     // The first cell of this configuration stands for all that were timed as one; what is made once has none.
     const shown = phase === "frame" && rows.find((row) => row.run === run && Object.entries(record.axes).every(([axis, value]) => !value || (row.axes[axis] ?? value) === value));
-    return { name: configuration(run, record.axes, record.device, record.environment_size), parts: record.passes, total: record.passes.reduce((sum, [, ms]) => sum + ms, 0),
+    return { name: configuration(run, record.axes, record.device, record.environment_size), parts: byKind(record.passes), passes: record.passes, total: record.passes.reduce((sum, [, ms]) => sum + ms, 0),
       order: `${record.axes.brdf} ${record.axes.method} ${String(record.axes.samples).padStart(6, "0")}`, open: shown && open(shown.cell, shown.run) };
   }).sort((a, b) => (a.order < b.order ? -1 : 1));
   if (!bars.length) return null;
@@ -75,8 +82,8 @@ export function passes(run, phase) {
     title: `${title}${runTitle(run)}`, note: `${note}${cpuNote(run)}`,
     legend: names.map((name, i) => ({ label: name, color: COLORS[i % 7], shape: "square", line: false })),
     height: () => 22 * bars.length,
-    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => bar.parts.map(([name, ms]) => [bar.name, name, ms])),
-      onrow: bars.some((bar) => bar.open) && ((i) => bars.flatMap((bar) => bar.parts.map(() => bar))[i].open?.()) },
+    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => bar.passes.map(([name, ms]) => [bar.name, name, ms])),
+      onrow: bars.some((bar) => bar.open) && ((i) => bars.flatMap((bar) => bar.passes.map(() => bar))[i].open?.()) },
     draw: barChart({ bars, parts: names, unit: "ms" }),
   });
 }
@@ -93,7 +100,7 @@ export function paybackTable(run) {
     h("td", { class: "number" }, `${number(one.tables_ms)} ms`), h("td", { class: "number" }, `× ${number(one.ratio)}${ends(one)}`), h("td", { class: "number payback" }, one.payback || "tables not timed"));
   const body = h("tbody", {}, all.slice(0, PAYBACK_ROWS).map(line));
   const more = all.length > PAYBACK_ROWS && h("button", { type: "button", onclick: () => { body.append(...all.slice(PAYBACK_ROWS).map(line)); more.remove(); } }, `Show all ${all.length}`);
-  return h("section", { class: "figure payback-table" }, h("h3", {}, `When the tables have paid for themselves${runTitle(run)}`),
+  return h("section", { class: "payback-table" }, h("h3", {}, `When the tables have paid for themselves${runTitle(run)}`),
     h("p", { class: "note" }, `Frames after which a method with tables made once has cost less than one that samples. Time ratio: sampling over it, the median of the ratios round by round with its 95 % interval, not the quotient of two medians.${cpuNote(run)}`),
     h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ["with tables", "against", "tables, beyond its", "time ratio", "frames to pay back"].map((name) => h("th", { scope: "col" }, name)))), body)), more);
 }

@@ -9,6 +9,8 @@ import { Surface } from "report/surface";
 
 const SCALE_MAX = 96;
 const KEY_MAX = 9;
+/** What the sliders reach, and so what an address may ask for. */
+const STOPS = [-14, 14], CONTRAST = [0.1, 5];
 const MODES = [["image", "Image", "the image through the tone curve"], ["error", "Error", "relative error (E)"], ["signed", "Signed", "signed relative error (S)"]];
 const TONES = [["curve", "Tone curve", "(e L / (e L + 1))^(contrast / 2.2), the project's"], ["srgb", "sRGB", "clipped linear, sRGB-encoded"]];
 
@@ -42,15 +44,15 @@ class Viewer {
   async show(state) {
     const row = rowOf(state.cell, state.run ?? 0) ?? scenes.flatMap((one) => one.variants).find(hasPixels) ?? rows[0];
     if (!row || !this.surface.gl) return this.sayNothing(row);
-    const scene = row.scene, real = (text, otherwise) => (text !== undefined && Number.isFinite(Number(text)) ? Number(text) : otherwise);
+    const scene = row.scene, real = (text, lo, hi, otherwise) => (text !== undefined && text !== "" && Number.isFinite(Number(text)) ? Math.min(hi, Math.max(lo, Number(text))) : otherwise);
     this.row = row.original;
     this.other = scene.variants.find((v) => v.cell === state.with) ?? null;
     this.mode = MODES.some(([name]) => name === state.mode) ? state.mode : "image";
     this.tone = state.tone === "srgb" ? "srgb" : "curve";
-    this.stops = real(state.ev, Math.log2(Number(row.axes.exposure) || 1));
-    this.contrast = real(state.contrast, Number(row.axes.contrast) || 1);
+    this.stops = real(state.ev, ...STOPS, Math.log2(Number(row.axes.exposure) || 1));
+    this.contrast = real(state.contrast, ...CONTRAST, Number(row.axes.contrast) || 1);
     this.clipped = state.clip === "1";
-    this.split = state.split === undefined ? null : real(state.split, 0.5);
+    this.split = state.split === undefined ? null : real(state.split, 0, 1, 0.5);
     const isNew = this.scene !== scene;
     this.scene = scene;
     this.surface.wanted = new Set(scene.variants.flatMap((v) => [v.image, v.reference]).filter((i) => i !== null));
@@ -68,8 +70,8 @@ class Viewer {
     if (isNew || !this.origin) this.fit();
     if (state.zoom !== undefined) {
       this.isFitted = false;
-      this.scale = Math.min(SCALE_MAX, Math.max(0.05, real(state.zoom, 1)));
-      this.center(real(state.x, texels.width / 2), real(state.y, texels.height / 2));
+      this.scale = real(state.zoom, Math.min(this.fitScale, 1) / 2, SCALE_MAX, 1);
+      this.center(real(state.x, 0, texels.width, texels.width / 2), real(state.y, 0, texels.height, texels.height / 2));
     }
     this.draw();
     // The rest of the scene, so that flipping and the probe are instant.
@@ -212,6 +214,7 @@ class Viewer {
     this.handle.hidden = !isSplit;
     if (isSplit) this.handle.style.left = `${this.split * 100}%`;
     this.handle.setAttribute("aria-valuenow", isSplit ? Math.round(this.split * 100) : 0);
+    this.clipText.textContent = this.mode === "image" ? " Mark clipped" : " Mark beyond the range";
     this.legend.hidden = this.mode === "image";
     if (this.legend.dataset.mode !== this.mode) this.fillLegend();
   }
@@ -219,7 +222,7 @@ class Viewer {
   fillLegend() {
     this.legend.dataset.mode = this.mode;
     if (this.mode === "image") return;
-    fillErrorLegend(this.legend, this.mode === "signed");
+    fillErrorLegend(this.legend, this.mode === "signed", true);
   }
 
   // --- Probe ---------------------------------------------------------------------------------------------------------------
@@ -273,11 +276,12 @@ class Viewer {
   // --- Controls ------------------------------------------------------------------------------------------------------------
 
   build() {
-    this.exposure = slider("Exposure", -12, 12, 0.1, "exposure", (stops) => { this.stops = stops; this.redraw(); });
-    this.contrastSlider = slider("Contrast", 0.1, 5, 0.05, "contrast", (value) => { this.contrast = value; this.redraw(); });
+    this.exposure = slider("Exposure", ...STOPS, 0.1, "exposure", (stops) => { this.stops = stops; this.redraw(); });
+    this.contrastSlider = slider("Contrast", ...CONTRAST, 0.05, "contrast", (value) => { this.contrast = value; this.redraw(); });
     this.modeChoice = choice("What is shown", MODES, "image", (mode) => { this.mode = mode; this.redraw(); });
     this.toneChoice = choice("Tone", TONES, "curve", (tone) => { this.tone = tone; this.redraw(); });
     this.clipBox = h("input", { type: "checkbox", onchange: () => { this.clipped = this.clipBox.checked; this.redraw(); } });
+    this.clipText = h("span", {}, " Mark clipped");
     this.splitBox = h("input", { type: "checkbox", onchange: () => this.setSplit(this.splitBox.checked ? 0.5 : null) });
     this.badge = h("p", { class: "badge" });
     this.rightBadge = h("p", { class: "badge right", hidden: true });
@@ -298,7 +302,7 @@ class Viewer {
       h("div", { class: "row" }, this.scenePicker), this.variants,
       h("div", { class: "row" }, this.modeChoice, this.toneChoice), this.legend,
       this.exposure.element, this.contrastSlider.element,
-      h("div", { class: "row checks" }, h("label", {}, this.splitBox, " Split with "), this.withPicker, h("label", {}, this.clipBox, " Mark clipped")),
+      h("div", { class: "row checks" }, h("label", {}, this.splitBox, " Split with "), this.withPicker, h("label", {}, this.clipBox, this.clipText)),
       h("section", { class: "probe", "aria-label": "Probe" }, h("h3", {}, "Linear values ", this.probePlace),
         h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ["", "R", "G", "B", "error"].map((name) => h("th", { scope: "col" }, name)))), this.probeBody)),
         h("p", { class: "note" }, "Half floats: 11 significant bits. Click the image to pin the texel, shift and arrows move it.")),
@@ -343,14 +347,17 @@ class Viewer {
       this.setSplit(this.split ?? 0.5);
     }));
     this.withPicker.querySelector("select").setAttribute("aria-label", "Split with");
-    const keyed = keyedVariants(this.scene), keyOf = (row) => (keyed.includes(row) ? String(keyed.indexOf(row) + 1) : "·");
-    this.variants.replaceChildren(...this.scene.variants.map((row) => h("li", {}, h("button", { type: "button", "data-cell": row.cell, onclick: () => this.choose(row), class: "variant" },
-      h("kbd", {}, keyOf(row)), h("span", {}, variantLabel(row)), h("span", { class: "score" }, row.scores[headline] === null ? "failed" : number(row.scores[headline]))))));
+    // What has a key stands first, in the order of the keys; of many point sets the rest would bury it.
+    const keyed = keyedVariants(this.scene), rest = this.scene.variants.filter((row) => !keyed.includes(row));
+    const item = (row, key) => h("li", {}, h("button", { type: "button", "data-cell": row.cell, "data-run": row.run, onclick: () => this.choose(row), class: "variant" },
+      h("kbd", {}, key), h("span", {}, variantLabel(row)), h("span", { class: "score" }, row.scores[headline] === null ? "failed" : number(row.scores[headline]))));
+    this.variants.replaceChildren(...keyed.map((row, i) => item(row, String(i + 1))),
+      ...(keyed.length && rest.length ? [h("li", { class: "more-head" }, `${rest.length} more without a key`)] : []), ...rest.map((row) => item(row, "·")));
     this.markVariant();
   }
 
   markVariant() {
-    for (const button of this.variants.querySelectorAll("button")) button.setAttribute("aria-pressed", String(button.dataset.cell === this.row.cell));
+    for (const button of this.variants.querySelectorAll("button")) button.setAttribute("aria-pressed", String(button.dataset.cell === this.row.cell && Number(button.dataset.run) === this.row.run));
     const image = model.images[this.row.image];
     if (image) {
       this.exr.href = exrLink(this.row.image);
@@ -431,8 +438,8 @@ class Viewer {
       t: () => { this.tone = this.tone === "srgb" ? "curve" : "srgb"; this.redraw(); },
       c: () => { this.clipped = !this.clipped; this.redraw(); },
       d: () => this.setSplit(this.split === null ? 0.5 : null),
-      "[": () => { this.stops -= 0.5; this.redraw(); },
-      "]": () => { this.stops += 0.5; this.redraw(); },
+      "[": () => { this.stops = Math.max(STOPS[0], this.stops - 0.5); this.redraw(); },
+      "]": () => { this.stops = Math.min(STOPS[1], this.stops + 0.5); this.redraw(); },
       "+": () => this.zoom(1.5), "=": () => this.zoom(1.5), "-": () => this.zoom(1 / 1.5),
       0: () => { this.fit(); this.draw(); this.keepState(); },
       ArrowLeft: () => (onHandle ? this.setSplit(Math.max(0, this.split - 0.02)) : this.step(-1)),

@@ -128,9 +128,8 @@ fn command(run: &RunFolder) -> String {
 
 fn cells(run: &RunFolder) -> String {
     let planned = run.provenance["cell_count"].as_u64().map_or_else(|| "?".to_owned(), |count| count.to_string());
-    let excluded: u64 = run.provenance["excluded"]
-        .as_array()
-        .map_or(0, |all| all.iter().filter_map(|one| one["count"].as_u64()).sum());
+    let excluded: u64 =
+        run.provenance["excluded"].as_array().map_or(0, |all| all.iter().filter_map(|one| one["count"].as_u64()).sum());
     let (done, failed) = (run.errors.rows.len() - run.failed_count(), run.failed_count());
     format!("{done} of {planned} done, {failed} failed, {excluded} excluded")
 }
