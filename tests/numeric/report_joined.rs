@@ -50,7 +50,7 @@ fn a_run_joined_with_itself_is_no_more_evidence() {
     }
     let said = repeats(&runs, &names);
     assert_eq!(said.len(), 1, "{said:?}");
-    assert!(said[0].contains("run 1 is identical to run 0") && said[0].contains("all 14 cells"), "{said:?}");
+    assert!(said[0].contains("run 1 is identical to run 0") && said[0].contains("all 20 cells"), "{said:?}");
 }
 
 #[test]
