@@ -2,7 +2,7 @@
 
 import { breakEvenChart, breakEvenMap, equalTimeMap } from "report/break-even";
 import { isJoined, pairs, runTitle, unique } from "report/cases";
-import { hasPixels, headline, model, scenes, variantAxes, variantLabel } from "report/data";
+import { hasPixels, headline, idOf, model, scenes, variantAxes, variantLabel } from "report/data";
 import { byId, h } from "report/dom";
 import { effectAxes, effectsFigure, rangeFigure, sweepFigure } from "report/effects";
 import { settingsOf, thumbnail } from "report/grid";
@@ -99,5 +99,5 @@ function strip(run) {
       chosen.map((row) => h("div", { "data-shown": row.cell }, h("h4", {}, label(row)), thumbnail(row, "image", settings), thumbnail(row, "error", settings)))),
     h("p", {}, h("a", { href: "#images" }, scenes.length === 1 ? "All images of the scene" : `All ${scenes.length} scenes`), " · ",
       h("a", { href: link({ view: "compare", cell: chosen[0].cell, run: run || undefined, split: 0.5 }) }, `Compare ${label(chosen[0])} with the reference`),
-      chosen.length > 1 && [" · ", h("a", { href: link({ view: "compare", cell: chosen[0].cell, run: run || undefined, with: chosen.at(-1).cell, split: 0.5 }) }, `with ${label(chosen.at(-1))}`)]));
+      chosen.length > 1 && [" · ", h("a", { href: link({ view: "compare", cell: chosen[0].cell, run: run || undefined, with: idOf(chosen.at(-1)), split: 0.5 }) }, `with ${label(chosen.at(-1))}`)]));
 }

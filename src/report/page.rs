@@ -24,7 +24,7 @@ mod shaders {
 }
 
 /// The modules of the page by the name they import each other under. An import map points each to its text.
-const MODULES: [(&str, &str); 25] = [
+const MODULES: [(&str, &str); 26] = [
     ("report/main", include_str!("../../assets/report/main.js")),
     ("report/data", include_str!("../../assets/report/data.js")),
     ("report/state", include_str!("../../assets/report/state.js")),
@@ -43,6 +43,7 @@ const MODULES: [(&str, &str); 25] = [
     ("report/stage", include_str!("../../assets/report/stage.js")),
     ("report/surface", include_str!("../../assets/report/surface.js")),
     ("report/legend", include_str!("../../assets/report/legend.js")),
+    ("report/viewer-input", include_str!("../../assets/report/viewer-input.js")),
     ("report/viewer", include_str!("../../assets/report/viewer.js")),
     ("report/live", include_str!("../../assets/report/live.js")),
     ("report/live-render", include_str!("../../assets/report/live-render.js")),

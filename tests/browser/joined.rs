@@ -105,6 +105,30 @@ fn no_chart_joins_runs() {
 }
 
 #[test]
+fn images_of_equal_cells_of_two_runs_are_told_apart() {
+    let Some(mut page) = chromium::open() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let (_, report) = joined(dir.path());
+    page.resize(1440, 900, "light");
+    page.go(&report, "#compare");
+    page.wait("document.querySelector('.viewer-stage canvas')?.dataset.ready !== undefined");
+    let pressed = "[...document.querySelectorAll('.variant[aria-pressed=true]')].map((b) => b.dataset.run)";
+    assert_eq!(page.eval(pressed), json!(["0"]));
+    // The same cell of the second run, beside that of the first.
+    page.eval("(() => { const cell = document.querySelector('.variant[aria-pressed=true]').dataset.cell; \
+               [...document.querySelectorAll('.variant')].find((b) => b.dataset.cell === cell && b.dataset.run === '1').click(); })()");
+    page.wait("location.hash.includes('run=1')");
+    assert_eq!(page.eval(pressed), json!(["1"]));
+    assert_eq!(page.eval("document.querySelectorAll('.probe tr.current').length"), json!(1));
+    page.eval("(() => { const box = document.querySelector('[aria-label=\"Split with\"]'), cell = document.querySelector('.variant[aria-pressed=true]').dataset.cell; \
+               box.value = cell; box.dispatchEvent(new Event('change')); })()");
+    page.wait("!document.querySelector('.badge.right').hidden");
+    let badges = texts(&mut page, ".badge");
+    assert!(badges[0].starts_with("again") && badges[1].starts_with("one"), "{badges:?}");
+    assert_clean(&page);
+}
+
+#[test]
 fn what_is_never_reached_has_a_mark_of_its_own() {
     let Some(mut page) = chromium::open() else { return };
     let dir = tempfile::tempdir().unwrap();
