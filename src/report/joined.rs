@@ -46,8 +46,15 @@ pub struct RunPair {
     pub pair: Pair,
 }
 
-/// `study`: all runs, each distinct image once ([`Study::distinct`]).
-pub fn analysis(study: &Study, runs: &[RunFolder], labels: &[String]) -> Analysis {
+/// `study`: all rows of all runs.
+pub fn analysis(study: &Study, each: &[Alone], runs: &[RunFolder], labels: &[String]) -> Analysis {
+    // A single run has its own axes, so nothing is to be computed anew.
+    if let [alone] = each {
+        let Answers { case_axes, curves, pairs, .. } = &alone.answers;
+        let pairs = pairs.iter().map(|pair| RunPair { run: 0, pair: pair.clone() }).collect();
+        return Analysis { case_axes: case_axes.clone(), curves: curves.clone(), pairs };
+    }
+    let study = &study.distinct();
     let case_axes = study.case_axes().iter().map(|&axis| study.axes[axis].name.clone()).collect();
     let mut all = Analysis { case_axes, curves: Vec::new(), pairs: Vec::new() };
     for (run, label) in labels.iter().enumerate() {

@@ -85,8 +85,8 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
     let path = options.out.clone().unwrap_or_else(|| options.dirs[0].join("report.html"));
     let labels = labels(&runs);
     let study = Study::new(&runs, &labels);
-    let analysis = joined::analysis(&study.distinct(), &runs, &labels);
     let each = joined::each(&runs, &labels);
+    let analysis = joined::analysis(&study, &each, &runs, &labels);
     let light = live::Light::collect(&runs, live::BUDGET_BYTES);
     let tables: usize = runs.iter().flat_map(|run| &run.csv).map(|(_, text)| text.len()).sum();
     let others = tables + json_bytes(&light) + json_bytes(&analysis) + study.rows.len() * ROW_BYTES + PROGRAM_BYTES;

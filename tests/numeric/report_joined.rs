@@ -32,7 +32,7 @@ fn a_run_joined_with_itself_is_no_more_evidence() {
     let names = labels(&runs);
     let alone = &each(&runs[..1], &names[..1])[0];
     let all = each(&runs, &names);
-    let both = analysis(&Study::new(&runs, &names).distinct(), &runs, &names);
+    let both = analysis(&Study::new(&runs, &names), &each(&runs, &names), &runs, &names);
     assert_eq!(both.case_axes, ["run", "alpha"]);
     assert_eq!(both.pairs.iter().map(|pair| pair.run).collect::<Vec<_>>(), [0, 1]);
     for (pair, own) in both.pairs.iter().zip(&all) {
@@ -60,7 +60,7 @@ fn each_count_belongs_to_its_own_run() {
         .map(|(name, samples)| run(dir.path(), name, &format!("{CASES}{samples}"), ""));
     let runs = vec![few, more];
     let names = labels(&runs);
-    let both = analysis(&Study::new(&runs, &names).distinct(), &runs, &names);
+    let both = analysis(&Study::new(&runs, &names), &each(&runs, &names), &runs, &names);
     let found: Vec<_> =
         both.pairs.iter().map(|pair| (pair.pair.sample_counts.clone(), pair.pair.cases[0].whole.break_even)).collect();
     assert_eq!(found, [(vec![1, 4], BreakEven::Above(4)), (vec![1, 4, 16], BreakEven::From(16))]);
