@@ -30,7 +30,7 @@ export function timeError(run, facet) {
   return figure({
     name: `time-error-${facet}${runSuffix(run)}`,
     title: `Time against error · ${facet}${runTitle(run)}`,
-    note: `Median over the chosen cells; whiskers: the middle half of the errors, and ${points.every((p) => p.isInterval) ? "the 95 % interval of the median frame time (resampled rounds)" : "p05 to p95 of the frame times"}. Ringed: on the Pareto front, no other is both faster and closer.${cpuNote(run)}`,
+    note: `Median over the chosen cells; whiskers: the middle half of the errors, and ${points.every((p) => p.isInterval) ? "the 95 % interval of the median frame time (of the rounds)" : "p05 to p95 of the frame times"}. Ringed: on the Pareto front, no other is both faster and closer.${cpuNote(run)}`,
     legend: [...methods.map((method, i) => ({ label: method, color: COLORS[i % 7], shape: SHAPES[i % SHAPES.length], line: false })), { label: "on the Pareto front", color: "var(--ink)", shape: "ring", line: false }],
     table: { columns: ["variant", "frame_ms", "frame_ms_lo", "frame_ms_hi", "p05_ms", "p95_ms", headline, "lower_quartile", "upper_quartile", "cells", "on_front"], rows: points.map((p) => [p.name, p.time, ...p.ends, p.t05, p.t95, p.error, p.lo, p.hi, p.n, front.includes(p) ? "yes" : "no"]), onrow: (i) => open(points[i].row.cell, points[i].row.run)() },
     draw: xy({

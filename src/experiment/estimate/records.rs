@@ -7,7 +7,7 @@ use crate::experiment::chunk::cost::amount;
 use crate::experiment::plan::Plan;
 use crate::experiment::statistics::median;
 use crate::experiment::store::{CHUNKS_FOLDER, CellRecord, Store};
-use crate::experiment::timing::{FRAME, TimingRecord};
+use crate::experiment::timing::{FRAME, PassSamples, TimingRecord};
 use crate::experiment::value::Value;
 use crate::pipeline::DeviceInfo;
 use std::collections::{BTreeMap, BTreeSet};
@@ -102,11 +102,12 @@ impl Found<'_> {
             self.measured.push((kind, amount(self.plan, &point), median(&record.wall_ms) / 1e3));
             return;
         }
-        for pass in &record.passes {
-            for (_, kind, samples) in all_tables(self.plan, &point) {
-                if kind.split(' ').nth(1) == Some(pass.pass.as_str()) {
-                    self.measured.push((kind, Amount { pixels: 0.0, samples }, median(&pass.ms) / 1e3));
-                }
+        for (_, kind, samples) in all_tables(self.plan, &point) {
+            // The levels of a prefiltered map are passes of their own: "prefilter mip 2".
+            let is_own = |pass: &&PassSamples| kind.split(' ').nth(1) == pass.pass.split(' ').next();
+            let times: Vec<f64> = record.passes.iter().filter(is_own).map(|pass| median(&pass.ms) / 1e3).collect();
+            if !times.is_empty() {
+                self.measured.push((kind, Amount { pixels: 0.0, samples }, times.iter().sum()));
             }
         }
     }

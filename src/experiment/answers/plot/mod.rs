@@ -7,6 +7,7 @@
 mod canvas;
 pub mod figures;
 mod grid;
+mod light;
 mod lines;
 mod maps;
 mod parameters;
