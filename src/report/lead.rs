@@ -2,6 +2,7 @@
 
 use crate::experiment::answers::Answers;
 use crate::experiment::answers::study::{Role, Study};
+use crate::experiment::tables::HEADLINE;
 use serde::Serialize;
 
 /// The first chart of a run.
@@ -20,21 +21,31 @@ pub enum Lead {
     Effects { axis: String },
     /// Error over the sample count.
     Convergence,
-    /// Error over a property of the scene.
-    Sweep { axis: String },
+    /// A metric over a property of the scene.
+    Sweep { axis: String, metric: &'static str },
     /// Error over `n_dot_v`.
     Profile,
 }
 
 /// Axes that choose an estimator; all others with effects are parameters of one.
 const ESTIMATORS: [&str; 2] = ["method", "diffuse"];
+/// The metric of energy: what an image has more or less than its reference.
+const ENERGY: &str = "bias_rel";
 /// A parameter with fewer values is a comparison of two, not a sweep.
 const SWEEP_MIN: usize = 3;
 
 /// The chart of a run that stands alone.
 pub fn lead(study: &Study, answers: &Answers) -> Lead {
+    if !answers.furnace.is_empty() {
+        return sweep(study, ENERGY);
+    }
     let values = |axis: usize| study.axes[axis].values.iter().filter(|value| !value.is_empty()).count();
     let named = |name: &str| study.axis(name).map_or(0, values);
+    let asks_the_sizes = !ESTIMATORS.iter().any(|name| named(name) > 1);
+    let settled = answers.enough.iter().find(|one| one.beyond.is_some()).or(answers.enough.first());
+    if let Some(one) = settled.filter(|_| asks_the_sizes) {
+        return Lead::Effects { axis: one.axis.clone() };
+    }
     let settings: usize = study.display_axes().into_iter().map(values).product();
     if settings > named("samples").max(1) && answers.visibility.iter().any(|one| one.method != "none") {
         return Lead::Visibility;
@@ -62,11 +73,17 @@ pub fn lead(study: &Study, answers: &Answers) -> Lead {
     if let Some(axis) = with_effects.iter().find(|axis| is_estimator(axis)).or(with_effects.first()) {
         return effects(axis);
     }
+    sweep(study, HEADLINE)
+}
+
+/// A metric over the swept property of the scene that is a number: alpha, or else the one with most values.
+fn sweep(study: &Study, metric: &'static str) -> Lead {
+    let values = |axis: usize| study.axes[axis].values.len();
     let is_number = |axis: usize| study.axes[axis].values.iter().all(|value| value.parse::<f64>().is_ok());
     let of_scene = (0..study.axes.len())
         .filter(|&axis| study.axes[axis].role == Role::Scene && values(axis) >= SWEEP_MIN && is_number(axis));
     match of_scene.max_by_key(|&axis| (study.axes[axis].name == "alpha", values(axis))) {
-        Some(axis) => Lead::Sweep { axis: study.axes[axis].name.clone() },
+        Some(axis) => Lead::Sweep { axis: study.axes[axis].name.clone(), metric },
         None => Lead::Profile,
     }
 }

@@ -107,7 +107,12 @@ fn what_an_experiment_sweeps_chooses_the_chart() {
         ("method = [\"sampled\"]\nsamples = [1, 4]\nlod_bias = [0, 1]", "", Lead::Convergence),
         ("method = [\"sampled\"]\nsamples = [4]\nlod_bias = [0, 1]", "", Lead::Effects { axis: axis("lod_bias") }),
         ("method = [\"sampled\", \"sampled-unfiltered\"]\nsamples = [4]", "", Lead::Effects { axis: axis("method") }),
-        ("method = [\"split-sum\"]", "", Lead::Sweep { axis: axis("alpha") }),
+        (
+            "method = [\"split-sum\"]\nprefilter_sample_count = [256, 16, 64]",
+            "",
+            Lead::Effects { axis: axis("prefilter_sample_count") },
+        ),
+        ("method = [\"split-sum\"]", "", Lead::Sweep { axis: axis("alpha"), metric: "relmse_eps1e-2" }),
     ]
     .into_iter()
     .enumerate()
@@ -116,6 +121,13 @@ fn what_an_experiment_sweeps_chooses_the_chart() {
         let own = &each(&runs, &labels(&runs))[0];
         assert_eq!(lead(&own.study, &own.answers), wanted, "{axes}");
     }
+    // A white furnace is asked for its energy.
+    let furnace =
+        text(&format!("{scene}method = [\"reference\"]\nf0 = [1]\nalbedo = [1]\nmetallic = [0]\nsamples = [64]"), "")
+            .replace("{ samples = 64 }", "{ method = \"none\", samples = 64, terms = \"all\" }");
+    let runs = [RunFolder::read(&finished(&plan(&furnace), &dir.path().join("furnace"))).unwrap()];
+    let own = &each(&runs, &labels(&runs))[0];
+    assert_eq!(lead(&own.study, &own.answers), Lead::Sweep { axis: axis("alpha"), metric: "bias_rel" });
     let runs = [run(dir.path(), "profile", "environment = [\"builtin:constant\"]\nmethod = [\"split-sum\"]", "")];
     let own = &each(&runs, &labels(&runs))[0];
     assert_eq!(lead(&own.study, &own.answers), Lead::Profile);
