@@ -59,7 +59,8 @@ function ticks({ log, domain: [lo, hi], ticks }, count) {
   }
   const raw = (hi - lo) / count, power = 10 ** Math.floor(Math.log10(raw)), step = power * [1, 2, 5, 10].find((m) => m * power >= raw);
   const all = [];
-  for (let t = Math.ceil(lo / step - 1e-9) * step; t <= hi + step * 1e-9; t += step) all.push([Number(t.toPrecision(12)), true]);
+  // Whole multiples, so that zero is zero.
+  for (let i = Math.ceil(lo / step - 1e-9); i * step <= hi + step * 1e-9; i++) all.push([Number((i * step).toPrecision(12)), true]);
   return all;
 }
 
