@@ -4,11 +4,11 @@
 # Each target gets that many minutes of CPU time, one after the other, at the lowest priority, within 2 GiB and 10 s an input.
 # A line a target in fuzz/target/logs/summary.txt tells CPU seconds, executions and crashes; crashes are kept in fuzz/artifacts.
 # Needs the nightly toolchain and `cargo install cargo-fuzz`. Every process is in the group of this script:
-# `kill -- -PID` ends it and `kill -STOP -- -PID` pauses it, where PID is in fuzz/target/logs/pid.
+# `kill -- -PID` ends it, where PID is in fuzz/target/logs/pid. Do not pause it: the pause counts as a hang.
 #
 #   scripts/fuzz.sh 20                 20 CPU-minutes each
 #   scripts/fuzz.sh 5 exr hdr          two of them
-#   scripts/fuzz.sh minimize           keeps in fuzz/corpus what the found inputs add, as few and small files as reach as much
+#   scripts/fuzz.sh minimize           keeps in fuzz/corpus what the found inputs add: few and small files that reach every edge
 #   SANITIZER=none scripts/fuzz.sh 20  without AddressSanitizer
 #   BUILD=no scripts/fuzz.sh 20        what was built last
 set -euo pipefail
@@ -43,7 +43,7 @@ build() {
 minimize() {
     local target=$1 kept=fuzz/corpus/$1 found=fuzz/target/corpus/$1 fresh=fuzz/target/minimal/$1
     rm -rf "$fresh" && mkdir -p "$fresh" "$found"
-    nice -n 19 "$binaries/$target" -merge=1 "${limits[@]}" "$fresh" "$kept" "$found" >>"$logs/$target.txt" 2>&1
+    nice -n 19 "$binaries/$target" -set_cover_merge=1 -use_counters=0 "${limits[@]}" "$fresh" "$kept" "$found" >>"$logs/$target.txt" 2>&1
     # Seeds stay, whether or not something smaller reaches as much: they show what the inputs are.
     for file in "$fresh"/*; do
         cmp -s "$file" "$kept"/seed-* 2>/dev/null || cp "$file" "$kept/"

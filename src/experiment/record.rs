@@ -132,16 +132,24 @@ pub struct BinRecord {
     pub scores: Scores,
 }
 
-impl CellRecord {
-    /// What is kept in memory of a record that is on disk: what the plan says of the cell as well, the bins, the files and the times are left out.
-    pub fn without_bins(self) -> Self {
+/// What a run keeps in memory of a finished cell: what its tables and sheets say of it. The plan knows its axes, the disk the rest.
+#[derive(Clone, Debug)]
+pub struct CellOutcome {
+    pub scores: Scores,
+    pub bias_variance: Scores,
+    pub noise_floors: Scores,
+    pub reference: Option<Box<ReferenceStop>>,
+    pub verdict: Box<str>,
+}
+
+impl From<CellRecord> for CellOutcome {
+    fn from(record: CellRecord) -> Self {
         Self {
-            cell: String::new(),
-            axes: BTreeMap::new(),
-            bins: Vec::new(),
-            files: BTreeMap::new(),
-            spent: Spent::default(),
-            ..self
+            scores: record.scores,
+            bias_variance: record.bias_variance,
+            noise_floors: record.noise_floors,
+            reference: record.reference.map(Box::new),
+            verdict: record.verdict.into(),
         }
     }
 }

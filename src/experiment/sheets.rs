@@ -7,7 +7,7 @@ use super::axis::Axis;
 use super::images::{error_name, flip_name, picture_name, reference_picture_name, short_text, sweeps_display};
 use super::plan::{Cell, Plan};
 use super::rows;
-use super::store::{CellRecord, Store, StoreError};
+use super::store::{CellOutcome, Store, StoreError};
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
 use crate::pixels::png;
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
@@ -249,7 +249,7 @@ impl Page<'_> {
         sheet.rows.push(tiles);
     }
 
-    fn done(&self, cell: &Cell) -> Option<&CellRecord> {
+    fn done(&self, cell: &Cell) -> Option<&CellOutcome> {
         match self.results.get(&cell.id) {
             Some(CellResult::Done(record)) => Some(record),
             _ => None,

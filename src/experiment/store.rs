@@ -64,7 +64,9 @@ impl StoreError {
     }
 }
 
-pub use super::record::{BinRecord, CellRecord, Exact, FailureRecord, ReferenceStop, Scores, Spent, StopReason};
+pub use super::record::{
+    BinRecord, CellOutcome, CellRecord, Exact, FailureRecord, ReferenceStop, Scores, Spent, StopReason,
+};
 
 /// The folder of one run.
 #[derive(Clone, Debug)]

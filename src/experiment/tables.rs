@@ -4,7 +4,7 @@ use super::axis::AXES;
 use super::host::UNKNOWN;
 use super::plan::{Cell, Plan};
 use super::statistics::median;
-use super::store::{BinRecord, CellRecord, FailureRecord, ReferenceStop, Scores, Store, StoreError};
+use super::store::{BinRecord, CellOutcome, FailureRecord, ReferenceStop, Scores, Store, StoreError};
 use super::timing::{TimingRecord, summarize};
 use super::timing_ratios::{Ratio, ratios};
 use crate::metrics::{BiasVariance, METRICS, linear_metrics};
@@ -14,8 +14,7 @@ use std::collections::BTreeMap;
 /// What is known of a cell that was tried.
 #[derive(Clone, Debug)]
 pub enum CellResult {
-    /// Without its bins; see [`CellRecord::without_bins`].
-    Done(Box<CellRecord>),
+    Done(Box<CellOutcome>),
     Failed(FailureRecord),
 }
 
@@ -68,9 +67,7 @@ pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Ite
     let none = Scores::default();
     let row = move |cell: &Cell| {
         let (scores, parts, floors, stop, verdict) = match results.get(&cell.id)? {
-            CellResult::Done(r) => {
-                (&r.scores, &r.bias_variance, &r.noise_floors, r.reference.as_ref(), r.verdict.as_str())
-            }
+            CellResult::Done(r) => (&r.scores, &r.bias_variance, &r.noise_floors, r.reference.as_deref(), &*r.verdict),
             CellResult::Failed(_) => (&none, &none, &none, None, "failed"),
         };
         let mut row = cell_fields(plan, cell);

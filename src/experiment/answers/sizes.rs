@@ -18,6 +18,9 @@ pub struct Enough {
     pub method: String,
     /// The smallest value, of those that were tried beside such others, from which on no larger one gains more than [`GAIN`], by the geometric mean of the ratios.
     pub value: String,
+    /// The value in the smallest combination that was tried of values that are all enough: another parameter may need a larger one. As
+    /// `value` where none was tried.
+    pub together: String,
     /// The larger value that gains most, over this one; `None` for the largest tried.
     pub beyond: Option<Effect>,
     /// The next smaller value over this one; `None` for the smallest tried.
@@ -25,7 +28,7 @@ pub struct Enough {
 }
 
 /// A number, or the product of a pair.
-fn size_of(text: &str) -> Option<f64> {
+pub fn size_of(text: &str) -> Option<f64> {
     text.split('x').map(|part| part.parse::<f64>().ok()).try_fold(1.0, |product, side| Some(product * side?))
 }
 
@@ -34,7 +37,33 @@ pub fn enough(study: &Study) -> Vec<Enough> {
     let is_swept = |name: &str| AXES.iter().any(|axis| axis.name == name && is_precompute(axis));
     let axes = study.axes.iter().enumerate().filter(|(_, axis)| is_swept(&axis.name));
     let parameters: Vec<Parameter> = axes.filter_map(|(index, axis)| Parameter::new(index, &axis.values)).collect();
-    parameters.iter().flat_map(|one| of_axis(study, one, &parameters)).collect()
+    let mut found: Vec<Enough> = parameters.iter().flat_map(|one| of_axis(study, one, &parameters)).collect();
+    let mut methods: Vec<String> = Vec::new();
+    for method in found.iter().map(|one| one.method.clone()) {
+        if !methods.contains(&method) {
+            methods.push(method);
+        }
+    }
+    methods.iter().for_each(|method| set_together(study, method, &mut found));
+    found
+}
+
+/// Finds the smallest tried combination, by the product of its sizes, that has of each parameter what is enough.
+fn set_together(study: &Study, method: &str, found: &mut [Enough]) {
+    let places: Vec<usize> = (0..found.len()).filter(|&i| found[i].method == method).collect();
+    let combination = |row: &&Row| -> Option<(f64, Vec<String>)> {
+        let texts: Vec<String> = places.iter().map(|&i| study.value(row, &found[i].axis).to_owned()).collect();
+        let sizes: Option<Vec<f64>> = texts.iter().map(|text| size_of(text)).collect();
+        let is_enough = |(size, &i): (&f64, &usize)| size_of(&found[i].value).is_some_and(|least| *size >= least);
+        let sizes = sizes.filter(|sizes| sizes.iter().zip(&places).all(is_enough))?;
+        Some((sizes.iter().product(), texts))
+    };
+    let images = study.images();
+    let own = images.iter().filter(|row| row.error.is_some() && study.method_label(row) == method);
+    let smallest = own.filter_map(combination).min_by(|a, b| a.0.total_cmp(&b.0));
+    for (text, i) in smallest.into_iter().flat_map(|(_, texts)| texts).zip(places) {
+        found[i].together = text;
+    }
 }
 
 /// A swept parameter with its values, ascending.
@@ -86,6 +115,7 @@ fn of_axis(study: &Study, own: &Parameter, all: &[Parameter]) -> Vec<Enough> {
             axis: study.axes[axis].name.clone(),
             method: method.to_owned(),
             value: values[i].1.clone(),
+            together: values[i].1.clone(),
             beyond: best_beyond(i).cloned(),
             below: below.cloned(),
         })

@@ -140,7 +140,8 @@ impl Probe<'_> {
     fn references(&mut self, kind: &str, point: &Point) -> Result<(), RenderFault> {
         let of = |pixels_max: f64| {
             let point = self.plan.reference_point(&Self::small(point, pixels_max));
-            let nominal = point.settings().samples;
+            // Not the count of the point, which has none where only the diffuse term is drawn.
+            let nominal = self.plan.config.reference.samples;
             let request = self.plan.reference_request(&point);
             let pixels = f64::from(request.size[0]) * f64::from(request.size[1]);
             let terms =

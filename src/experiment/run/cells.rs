@@ -32,13 +32,15 @@ const QUEUE_LENGTHS: std::ops::RangeInclusive<u64> = 4..=256;
 enum Job<'p> {
     /// Write a linear image.
     Keep { path: PathBuf, frame: Arc<Frame> },
+    /// Take the hash of a linear image that an earlier invocation wrote.
+    Known { path: PathBuf },
     /// Score a cell whose images took `spent`.
     Score { rendered: Box<Rendered<'p>>, spent: Spent },
 }
 
 /// What a job led to.
 enum Done<'p> {
-    /// Name and content hash of an image that was written.
+    /// Name and content hash of an image that is there now.
     Kept(String, String),
     /// A cell that was scored, or why it cannot be.
     Scored(&'p Cell, Box<Result<CellRecord, String>>),
@@ -224,7 +226,7 @@ impl<'p> Run<'p> {
             && let Some(reference) = ReferenceImage::read(&path, request.size, request.has_reference_term(), stop)
         {
             self.references_read += 1;
-            self.file_hashes.extend(images::hashes(&self.store, [name])?);
+            desk.hand_in(Job::Known { path });
             return Ok(Ok(reference));
         }
         let started = Instant::now();
@@ -296,10 +298,10 @@ impl<'p> Run<'p> {
         }
         match *scored {
             Ok(mut record) => {
-                let linear = images::linear_files(self.plan, cell).into_iter();
-                record
-                    .files
-                    .extend(linear.filter_map(|name| Some((name.clone(), self.file_hashes.get(&name)?.clone()))));
+                // Images come before the first cell that they belong to, and the cells of a reference together: other names are over.
+                let linear = images::linear_files(self.plan, cell);
+                self.file_hashes.retain(|name, _| linear.contains(name));
+                record.files.extend(self.file_hashes.clone());
                 self.store.write_cell(&record)?;
                 self.remember(record);
                 progress.step(&self.plan.label(cell), None);
@@ -360,12 +362,9 @@ impl<'p> Worker<'_, 'p> {
         match job {
             Job::Keep { path, frame } => {
                 images::write_radiance(&path, &frame)?;
-                let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-                match content_hash(&path) {
-                    Ok(hash) => Ok(Done::Kept(name, hash)),
-                    Err(error) => Err(StoreError::Io { path, error }),
-                }
+                hashed(path)
             }
+            Job::Known { path } => hashed(path),
             Job::Score { rendered, mut spent } => {
                 let started = Instant::now();
                 let scored = match rendered.score(self.plan, self.store, self.device) {
@@ -379,5 +378,13 @@ impl<'p> Worker<'_, 'p> {
                 Ok(Done::Scored(rendered.cell, Box::new(scored)))
             }
         }
+    }
+}
+
+fn hashed<'p>(path: PathBuf) -> Answer<'p> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    match content_hash(&path) {
+        Ok(hash) => Ok(Done::Kept(name, hash)),
+        Err(error) => Err(StoreError::Io { path, error }),
     }
 }

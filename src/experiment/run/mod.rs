@@ -217,7 +217,7 @@ struct Run<'p> {
     is_halted: bool,
     /// References that an earlier invocation had rendered.
     references_read: usize,
-    /// Content hash of each linear image that is there, by name.
+    /// Content hash of the linear images of the cell that is kept next, by name.
     file_hashes: BTreeMap<String, String>,
     /// There when this invocation did something.
     work: Option<Work>,
@@ -228,7 +228,7 @@ impl<'p> Run<'p> {
         let mut results = Results::new();
         for cell in &plan.cells {
             if let Some(record) = store.cell(&cell.id)? {
-                results.insert(cell.id.clone(), CellResult::Done(Box::new(record.without_bins())));
+                results.insert(cell.id.clone(), CellResult::Done(Box::new(record.into())));
             }
         }
         let jobs = timing::jobs(plan);
@@ -334,7 +334,7 @@ impl<'p> Run<'p> {
     }
 
     fn remember(&mut self, record: CellRecord) {
-        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(record.without_bins())));
+        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(record.into())));
     }
 
     fn fail(&mut self, cells: &[&Cell], reason: &str, progress: &mut dyn Progress) -> Result<(), RunError> {

@@ -51,6 +51,24 @@ fn tables_are_enough_from_where_no_larger_one_gains() {
 }
 
 #[test]
+fn what_is_enough_of_one_table_may_need_more_of_another() {
+    // Four levels err by half of what three do, and only the larger map has room for them; its size itself gains nothing.
+    let mut made = Made::new(&["alpha", "method", "prefilter_size", "prefilter_level_count"]);
+    for (alpha, scale) in [("0.1", 1.0), ("0.5", 3.0)] {
+        for (size, levels, error) in [("256x128", "3", 2.0), ("512x256", "3", 2.0), ("512x256", "4", 1.0)] {
+            made.add(&[alpha, "split-sum", size, levels], scale * error);
+        }
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let (answers, answered) = made.answers(dir.path(), [1.0; 3]);
+    let [size, levels] = answers.enough.as_slice() else { panic!("{:?}", answers.enough) };
+    assert_eq!((size.value.as_str(), size.together.as_str()), ("256x128", "512x256"));
+    assert_eq!((levels.value.as_str(), levels.together.as_str()), ("4", "4"));
+    let sentence = &answered.record.answer.sentence;
+    assert!(sentence.starts_with("From prefilter_size 512x256 on nothing is gained"), "{sentence}");
+}
+
+#[test]
 fn thirty_to_forty_samples_are_held_against_the_split_sum_and_the_eye() {
     let mut made = Made::new(&["environment", "brdf", "method", "samples"]);
     for (environment, scale) in [("builtin:sky", 1.0), ("builtin:studio", 2.0)] {

@@ -75,7 +75,7 @@ pub(super) fn sizes(answers: &Answers) -> String {
         return String::new();
     }
     let mut header = left(
-        &["table", "method", "enough", "the larger that does most (95 %)", "the next smaller (95 %)"]
+        &["table", "method", "enough", "together", "the larger that does most (95 %)", "the next smaller (95 %)"]
             .map(str::to_owned),
     );
     header.push(("pairs".to_owned(), Align::Right));
@@ -83,13 +83,14 @@ pub(super) fn sizes(answers: &Answers) -> String {
     for one in &answers.enough {
         let cell = |effect: &Option<Effect>| effect.as_ref().map_or_else(|| "not tried".to_owned(), ratio);
         let pairs = one.beyond.as_ref().or(one.below.as_ref()).map_or(0, |effect| effect.n);
-        let cells = [&one.axis, &one.method, &one.value].map(String::clone);
+        let cells = [&one.axis, &one.method, &one.value, &one.together].map(String::clone);
         let cells = cells.into_iter().chain([cell(&one.beyond), cell(&one.below), pairs.to_string()]);
         rows.row(&cells.collect::<Vec<_>>());
     }
     format!(
         "## How large must the tables be?\n\n{HEADLINE} over that with what is enough, beside other parameters at their first value or larger. Enough \
-         is the smallest value from which on no larger one takes more than {} % off.\n\n{rows}\n",
+         is the smallest value from which on no larger one takes more than {} % off; together: the smallest tried combination that has enough of \
+         each.\n\n{rows}\n",
         100.0 * crate::experiment::answers::sizes::GAIN
     )
 }

@@ -5,6 +5,7 @@ use super::figures::{ERROR_LABEL, ERROR_NOTE, distinct};
 use super::lines::{LineChart, Panel, Point, Rule, Series, Y};
 use super::scale::{Kind, Scale};
 use crate::experiment::answers::effects::Effect;
+use crate::experiment::answers::sizes::size_of;
 use crate::experiment::answers::study::Study;
 use crate::experiment::answers::{Answers, short};
 use crate::experiment::axis::by_name;
@@ -31,6 +32,12 @@ fn chart(answers: &Answers, axis: &str) -> Option<LineChart> {
     let mut texts = distinct(own.iter().map(|effect| x_text(effect)));
     if !is_method {
         texts.insert(0, base.clone());
+    }
+    // Pairs of sides are names, but have an order.
+    let sizes: Option<Vec<(f64, String)>> = texts.iter().map(|text| Some((size_of(text)?, text.clone()))).collect();
+    if let Some(mut sizes) = sizes {
+        sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        texts = sizes.into_iter().map(|(_, text)| text).collect();
     }
     let numbers: Option<Vec<f64>> = texts.iter().map(|text| text.parse().ok()).collect();
     let x = match &numbers {

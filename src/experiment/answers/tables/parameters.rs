@@ -46,7 +46,7 @@ fn finite(number: f64) -> Cell {
 /// One row a parameter of tables: from which value on a larger one gains nothing.
 pub(super) fn sizes(answers: &Answers) -> AnswerTable {
     let row = |one: &Enough| {
-        let mut row = texts(&[&one.axis, &one.method, &one.value].map(|text| text.to_owned()));
+        let mut row = texts(&[&one.axis, &one.method, &one.value, &one.together].map(|text| text.to_owned()));
         for effect in [&one.beyond, &one.below] {
             row.push(effect.as_ref().map_or(Cell::Missing, |effect| Cell::from(effect.value.as_str())));
             let number = |get: fn(&Effect) -> f64| effect.as_ref().map_or(Cell::Missing, |effect| finite(get(effect)));
@@ -58,7 +58,11 @@ pub(super) fn sizes(answers: &Answers) -> AnswerTable {
     let of = |name: &str| {
         [name.to_owned()].into_iter().chain(["ratio", "lo", "hi", "pairs"].map(|end| format!("{name}_{end}")))
     };
-    let columns = ["axis", "method", "enough"].map(str::to_owned).into_iter().chain(of("larger")).chain(of("smaller"));
+    let columns = ["axis", "method", "enough", "enough_together"]
+        .map(str::to_owned)
+        .into_iter()
+        .chain(of("larger"))
+        .chain(of("smaller"));
     AnswerTable { name: "table_sizes", columns: columns.collect(), rows: answers.enough.iter().map(row).collect() }
 }
 

@@ -24,7 +24,7 @@ pub(super) fn from_sizes(answers: &Answers) -> Option<Answer> {
     let method = &answers.enough.first()?.method;
     let own: Vec<&Enough> = answers.enough.iter().filter(|one| one.method == *method).collect();
     let names = |of: &dyn Fn(&Enough) -> bool| -> Vec<String> {
-        own.iter().filter(|one| of(one)).map(|one| format!("{} {}", one.axis, one.value)).collect()
+        own.iter().filter(|one| of(one)).map(|one| format!("{} {}", one.axis, one.together)).collect()
     };
     let (settled, largest) = (names(&|one| one.beyond.is_some()), names(&|one| one.beyond.is_none()));
     let gain = own.iter().filter_map(|one| one.beyond.as_ref()).min_by(|a, b| a.ratio.total_cmp(&b.ratio));
@@ -57,12 +57,16 @@ pub(super) fn from_sizes(answers: &Answers) -> Option<Answer> {
                 format!("{} changes the error by {} ({} {pairs}){doubt}", effect.value, changes(effect), effect.n)
             },
         );
-        format!("{} {} for {}: {beyond}; {below}.", one.axis, one.value, one.method)
+        let beside = match one.together == one.value {
+            true => String::new(),
+            false => format!(", {} beside what the others need", one.together),
+        };
+        format!("{} {} for {}{beside}: {beyond}; {below}.", one.axis, one.value, one.method)
     };
     let parts: Vec<String> = [settled, largest, fewer].into_iter().flatten().collect();
     let lead = own.iter().find(|one| one.beyond.is_some()).unwrap_or(&own[0]);
     Some(Answer {
-        number: lead.value.clone(),
+        number: lead.together.clone(),
         unit: match lead.beyond {
             Some(_) => format!("{} from which on a larger one gains nothing", lead.axis),
             None => format!("{}, the largest tried", lead.axis),
