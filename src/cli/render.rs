@@ -139,6 +139,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             return Err(Failure::BadInput(faults.into_iter().flatten().collect::<Vec<_>>().join("\n")));
         }
     };
+    let misplaced: Vec<String> =
+        arguments.lights.iter().filter_map(|light| Some(format!("--light: {}", light.fault_in(&scene)?))).collect();
+    if !misplaced.is_empty() {
+        return Err(Failure::BadInput(misplaced.join("\n")));
+    }
     for (name, warnings) in [(&environment.name, &environment.warnings), (&scene.name, &scene.warnings)] {
         warnings.iter().for_each(|warning| super::warn(name, warning));
     }

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// (Re)writes the report of one or more finished runs.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Several runs (two devices, two commits) are joined in one report, with what tells them apart.\n\n\
+    after_help = "Of a run that is under way it shows the cells that are done. Several runs (two devices, two commits) are joined in one report, with what tells them apart.\n\n\
     Examples:\n  splitsum report runs/quick\n  splitsum report runs/laptop runs/desktop --out comparison.html"
 )]
 pub struct Arguments {

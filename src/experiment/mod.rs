@@ -4,6 +4,7 @@
 
 pub mod answers;
 pub mod axis;
+mod checks;
 pub mod chunk;
 pub mod config;
 pub mod environments;

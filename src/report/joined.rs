@@ -178,7 +178,8 @@ pub fn warnings(run: &RunFolder) -> Vec<String> {
     }
     let (done, planned) = (run.errors.rows.len() as u64, run.provenance["cell_count"].as_u64().unwrap_or(0));
     if done < planned {
-        warnings.push(format!("{done} of {planned} cells are done: the run was stopped."));
+        let state = if run.is_under_way { "is under way" } else { "was stopped" };
+        warnings.push(format!("{done} of {planned} cells are done: the run {state}."));
     }
     warnings
 }

@@ -123,7 +123,8 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
         .collect();
     let html = page::render(&fixed, &model, &tables, &images, &light)?;
     write_atomically(&path, |writer| writer.write_all(html.as_bytes()))?;
-    Ok(Written { path, bytes: html.len(), notes: images.notes })
+    let notes = runs.iter().filter_map(RunFolder::under_way_note).chain(images.notes).collect();
+    Ok(Written { path, bytes: html.len(), notes })
 }
 
 fn told(run: &RunFolder, label: &str, alone: &Alone) -> page::Told {

@@ -14,3 +14,5 @@ mod run;
 pub mod runs;
 mod statistics;
 mod timed;
+mod under_way;
+mod zips;

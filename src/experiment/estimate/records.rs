@@ -1,10 +1,9 @@
 //! Speeds from the records of runs: what their cells and timings took, and how large their files are.
 
-use super::items::{all_tables, file_kind, image_kind, reference_kind};
+use super::items::{all_tables, amount, file_kind, image_kind, reference_kind};
 use super::speeds::{Amount, Line, Speeds};
 use crate::experiment::axis::{AXES, Point};
-use crate::experiment::chunk::cost::amount;
-use crate::experiment::plan::Plan;
+use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::statistics::median;
 use crate::experiment::store::{CHUNKS_FOLDER, CellRecord, Store};
 use crate::experiment::timing::{FRAME, PassSamples, TimingRecord};
@@ -102,6 +101,11 @@ impl Found<'_> {
             self.measured.push((kind, amount(self.plan, &point), median(&record.wall_ms) / 1e3));
             return;
         }
+        // Tables are timed once for all environments of a size: one of the plan's stands for them.
+        let image = |cell: &Cell| &self.plan.inputs.environment(cell.point.get("environment").text()).image;
+        let is_as_large = |cell: &&Cell| [image(cell).width, image(cell).height] == record.environment_size;
+        let Some(cell) = self.plan.cells.iter().find(is_as_large) else { return };
+        point.set("environment", cell.point.get("environment").clone());
         for (_, kind, samples) in all_tables(self.plan, &point) {
             // The levels of a prefiltered map are passes of their own: "prefilter mip 2".
             let is_own = |pass: &&PassSamples| kind.split(' ').nth(1) == pass.pass.split(' ').next();

@@ -451,17 +451,38 @@ fn published_runs_have_a_page() {
     let (dir, results) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let (_, answered) = made.answers(dir.path(), [1.0; 3]);
     answered.write().unwrap();
-    assert!(publish(dir.path(), results.path()).unwrap().is_empty());
+    assert!(publish(dir.path(), results.path(), false).unwrap().is_empty());
     let stale = results.path().join("made/answers/old.svg");
     std::fs::write(&stale, "old").unwrap();
-    publish(dir.path(), results.path()).unwrap();
+    publish(dir.path(), results.path(), false).unwrap();
     assert!(!stale.exists(), "an earlier picture does not stand beside new ones");
     for name in ["summary.md", "errors.csv", "provenance.json", "answers/break_even.csv", "answers/convergence.svg"] {
         assert!(results.path().join("made").join(name).exists(), "{name}");
     }
     let page = std::fs::read_to_string(write_page(results.path()).unwrap()).unwrap();
     assert!(page.contains("[made](made/summary.md)") && page.contains(&answered.record.answer.sentence), "{page}");
-    let inside = publish(&results.path().join("made"), results.path());
+    // The same plan, run anew, takes its place; another plan only with leave; files that nobody published never.
+    let published = results.path().join("made/provenance.json");
+    let own = std::fs::read(&published).unwrap();
+    let mut other: serde_json::Value = serde_json::from_slice(&own).unwrap();
+    other["plan_hash"] = "0123456789abcdef".into();
+    std::fs::write(&published, other.to_string()).unwrap();
+    let error = publish(dir.path(), results.path(), false).unwrap_err();
+    assert!(error.is_misuse() && error.to_string().contains("of plan 0123456789abcdef of "), "{error}");
+    assert!(error.to_string().contains("give --replace") && error.to_string().lines().count() == 1, "{error}");
+    assert!(std::fs::read(&published).unwrap() != own, "nothing was written");
+    publish(dir.path(), results.path(), true).unwrap();
+    assert!(std::fs::read(&published).unwrap() == own);
+    let foreign = tempfile::tempdir().unwrap();
+    std::fs::create_dir(foreign.path().join("made")).unwrap();
+    std::fs::write(foreign.path().join("made/thesis.tex"), "years of work").unwrap();
+    let error = publish(dir.path(), foreign.path(), true).unwrap_err();
+    assert!(
+        matches!(error, PublishError::NotPublished { .. }) && foreign.path().join("made/thesis.tex").exists(),
+        "{error}"
+    );
+
+    let inside = publish(&results.path().join("made"), results.path(), false);
     assert!(matches!(inside, Err(PublishError::Itself { .. })), "{inside:?}");
     assert!(results.path().join("made/errors.csv").exists());
 }
