@@ -179,7 +179,7 @@ pub fn warnings(run: &RunFolder) -> Vec<String> {
     let (done, planned) = (run.errors.rows.len() as u64, run.provenance["cell_count"].as_u64().unwrap_or(0));
     if done < planned {
         let state = if run.is_under_way { "is under way" } else { "was stopped" };
-        warnings.push(format!("{done} of {planned} cells are done: the run {state}."));
+        warnings.push(format!("{done} of {planned} cells of {} are done: the run {state}.", run.text("/name")));
     }
     warnings
 }
