@@ -1,6 +1,6 @@
 //! `splitsum answers`.
 
-use super::{Failure, print};
+use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::experiment::answers::publish::{PublishError, check, publish, write_page};
 use splitsum::experiment::answers::run_folder::unfinished_note;
@@ -48,7 +48,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             _ => Failure::failed(error),
         };
         if let Some(note) = unfinished_note(dir) {
-            eprintln!("warning: {note}");
+            tell(&format!("warning: {note}"));
         }
         let answered = Answered::of_run(dir).map_err(failed)?;
         if let Some(note) = &answered.under_way {

@@ -1,6 +1,6 @@
 //! `splitsum report`.
 
-use super::{Failure, print};
+use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::experiment::answers::run_folder::unfinished_note;
 use splitsum::report::images::{BUDGET_BYTES, Choice, Window};
@@ -45,7 +45,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let options =
         ReportOptions { dirs: arguments.dirs.clone(), out: arguments.out.clone(), images, budget: BUDGET_BYTES };
     for note in arguments.dirs.iter().filter_map(|dir| unfinished_note(dir)) {
-        eprintln!("warning: {note}");
+        tell(&format!("warning: {note}"));
     }
     let written = write(&options).map_err(|error| match error {
         ReportError::Run(_) | ReportError::Crop(_) | ReportError::OutIsFolder { .. } => Failure::input(error),

@@ -9,6 +9,7 @@ use crate::experiment::store::{CHUNKS_FOLDER, CellRecord, Store};
 use crate::experiment::timing::{FRAME, PassSamples, TimingRecord};
 use crate::experiment::value::Value;
 use crate::pipeline::DeviceInfo;
+use crate::precompute::table_of;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -107,8 +108,7 @@ impl Found<'_> {
         let Some(cell) = self.plan.cells.iter().find(is_as_large) else { return };
         point.set("environment", cell.point.get("environment").clone());
         for (_, kind, samples) in all_tables(self.plan, &point) {
-            // The levels of a prefiltered map are passes of their own: "prefilter mip 2".
-            let is_own = |pass: &&PassSamples| kind.split(' ').nth(1) == pass.pass.split(' ').next();
+            let is_own = |pass: &&PassSamples| kind.split(' ').nth(1) == Some(table_of(&pass.pass));
             let times: Vec<f64> = record.passes.iter().filter(is_own).map(|pass| median(&pass.ms) / 1e3).collect();
             if !times.is_empty() {
                 self.measured.push((kind, Amount { pixels: 0.0, samples }, times.iter().sum()));

@@ -213,6 +213,9 @@ fn known_curves_have_their_slope_and_break_even() {
         assert!(curve.points.iter().all(|point| point.errors.len() == 3), "exposures share their image");
     }
     assert!(answered.summary.contains("never up to 256") && answered.summary.contains("always, from 1"));
+    for name in ["convergence_slopes.csv", "convergence_slopes.svg"] {
+        assert!(answered.files.iter().any(|(known, _)| known == name), "{name}");
+    }
     let table = Table::read(&{
         answered.write().unwrap();
         dir.path().join("answers/break_even.csv")

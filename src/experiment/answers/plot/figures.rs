@@ -3,7 +3,7 @@
 use super::canvas::{MUTED, Marker, PlotError, Rgb, Stroke, name_color};
 use super::lines::{LineChart, Panel, Point, Rule, Series, Y};
 use super::scale::{Kind, Scale};
-use super::{Picture, light, maps, parameters};
+use super::{Picture, light, maps, parameters, slopes};
 use crate::experiment::answers::break_even::BreakEven;
 use crate::experiment::answers::cases::{Case, Pair};
 use crate::experiment::answers::exposure::{VISIBLE_FROM, Visibility};
@@ -39,6 +39,7 @@ pub fn pictures(study: &Study, answers: &Answers) -> Result<Vec<Picture>, PlotEr
         Ok(())
     };
     add("convergence", convergence(answers).map(|chart| chart.svg()))?;
+    add("convergence_slopes", slopes::slopes(answers).map(|chart| chart.svg()))?;
     for (index, pair) in answers.pairs.iter().enumerate() {
         // The first pair has the plain name: it is the one that the answer speaks of.
         let name = |stem: &str| match index {

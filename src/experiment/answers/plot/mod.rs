@@ -12,6 +12,7 @@ mod lines;
 mod maps;
 mod parameters;
 pub mod scale;
+mod slopes;
 
 pub use canvas::PlotError;
 
