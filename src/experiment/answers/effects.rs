@@ -11,10 +11,11 @@
 use super::slope::mean_95;
 use super::study::{Role, Row, Study};
 use crate::experiment::axis::{AXES, Axis};
+use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The error with one value of an axis over that with the base.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Effect {
     pub axis: String,
     pub base: String,

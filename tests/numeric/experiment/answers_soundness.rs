@@ -136,7 +136,7 @@ fn each_image_counts_once() {
     // The split sum reads the tables: its two formats are two images.
     assert_eq!(pair.cases.len(), 4);
     let sentence = &answered.record.answer.sentence;
-    assert!(sentence.contains("the median of 4 cases (2 × alpha, 2 × storage_format)"), "{sentence}");
+    assert!(sentence.contains("the median of 4 cases (2 alphas, 2 values of storage_format)"), "{sentence}");
     // 2 alphas of 4 counts, and of 2 formats of the split sum.
     let copies = "68 of the 80 cells differ from another one only in what cannot reach their pixels";
     assert!(answered.summary.contains(copies) && answered.summary.contains("of 12 cells"), "{}", answered.summary);

@@ -87,13 +87,22 @@ fn equal_time_fact(pair: &Pair) -> Option<String> {
     })
 }
 
-/// ` (2 × environment, 3 × brdf, 5 × alpha)` or nothing: the values among the cases, which need not have every combination.
+/// ` (2 environments, 3 BRDF models, 5 alphas)` or nothing: the values among the cases, which need not have every combination.
 fn breadth(answers: &Answers, pair: &Pair) -> String {
     let counts = answers.case_axes.iter().enumerate().filter_map(|(axis, name)| {
         let values: BTreeSet<&str> = pair.cases.iter().map(|case| case.key[axis].as_str()).collect();
         let count = values.iter().filter(|value| !value.is_empty()).count();
-        (count > 1).then(|| format!("{count} × {name}"))
+        (count > 1).then(|| format!("{count} {}", several(name)))
     });
     let counts: Vec<String> = counts.collect();
     if counts.is_empty() { String::new() } else { format!(" ({})", counts.join(", ")) }
+}
+
+/// Several values of an axis, as people say it.
+fn several(axis: &str) -> String {
+    match axis {
+        "brdf" => "BRDF models".to_owned(),
+        "environment" | "alpha" | "scene" | "albedo" => format!("{axis}s"),
+        other => format!("values of {other}"),
+    }
 }

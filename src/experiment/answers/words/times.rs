@@ -26,11 +26,12 @@ pub(super) fn time_fact(study: &Study, answers: &Answers, sampled: &str, samples
         "A frame then takes {} ms against {} ms for {fixed}, medians over what was timed{}.",
         significant(at_break_even, TIME_DIGITS),
         significant(without, TIME_DIGITS),
-        ratio_words(answers, sampled, &samples, fixed).map_or_else(String::new, |(_, words)| format!(": {words}"))
+        ratio_words(answers, sampled, &samples, fixed).map_or_else(String::new, |(_, words)| format!("; {words}"))
     ))
 }
 
-/// Median and words of the ratios of frame times, each taken pair by pair in the same rounds.
+/// Median and words of the ratios of frame times, each taken pair by pair in the same rounds: it is not the quotient of the medians that stand
+/// beside it, and the words say so.
 fn ratio_words(answers: &Answers, sampled: &str, samples: &str, fixed: &str) -> Option<(f64, String)> {
     let is_it = |ratio: &&FrameRatio| ratio.sampled == sampled && ratio.samples == samples && ratio.fixed == fixed;
     let own: Vec<&FrameRatio> = answers.frame_ratios.iter().filter(is_it).collect();
@@ -46,14 +47,18 @@ fn ratio_words(answers: &Answers, sampled: &str, samples: &str, fixed: &str) -> 
         1 => {
             let times = significant(middle, ERROR_DIGITS);
             let interval = interval_words(own[0].interval, ERROR_DIGITS);
-            format!("{times} times as long ({}{interval})", if is_unknown { "" } else { "95 % " })
+            format!(
+                "round by round it takes {times} times as long ({}{interval})",
+                if is_unknown { "" } else { "95 % " }
+            )
         }
         count => format!(
-            "{} times as long in {count} configurations, {}",
+            "round by round it takes {} times as long in {count} configurations, {} in the middle one, {}",
             range(&|ratio| [ratio.ratio; 2]),
+            significant(middle, ERROR_DIGITS),
             match is_unknown {
                 true => TOO_FEW_ROUNDS.to_owned(),
-                false => format!("whose 95 % intervals reach from {}", range(&|ratio| ratio.interval)),
+                false => format!("and the 95 % intervals reach from {}", range(&|ratio| ratio.interval)),
             }
         ),
     };
@@ -75,7 +80,7 @@ pub(super) fn from_times(study: &Study, answers: &Answers) -> Option<Answer> {
         let ms = frame_ms(study, method, samples)?;
         let (ratio, words) = ratio_words(answers, method, samples, fixed.0)?;
         let sentence = format!(
-            "A frame of {method} with {samples} samples takes {} ms against {} ms for {}, medians over what was timed: {words}",
+            "A frame of {method} with {samples} samples takes {} ms against {} ms for {}, medians over what was timed; {words}",
             significant(ms, TIME_DIGITS),
             significant(without, TIME_DIGITS),
             fixed.0
