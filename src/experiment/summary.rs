@@ -161,6 +161,7 @@ fn times_section(timings: &[TimingRecord]) -> String {
         }
     }
     let mut pairs = MarkdownTable::new(&[
+        ("environment_size", Align::Left),
         ("brdf", Align::Left),
         ("diffuse", Align::Left),
         ("method", Align::Left),
@@ -178,7 +179,8 @@ fn times_section(timings: &[TimingRecord]) -> String {
         let (brdf, diffuse, fixed) =
             (axis(pair.sampled, "brdf"), axis(pair.sampled, "diffuse"), axis(pair.fixed, "method"));
         let verdict = format!("{}{}", pair.verdict, if pair.sampled.device_type == "cpu" { " (CPU)" } else { "" });
-        pairs.row(&[brdf, diffuse, method, fixed, significant(pair.ratio, DIGITS), interval, verdict, payback]);
+        let [width, height] = pair.sampled.environment_size;
+        pairs.row(&[format!("{width}x{height}"), brdf, diffuse, method, fixed, significant(pair.ratio, DIGITS), interval, verdict, payback]);
     }
     let pairs = match ratios.len() {
         0 => String::new(),

@@ -147,6 +147,11 @@ impl Config {
     }
 }
 
+/// A number without the rounding of the arithmetic that made it: 0.1 + 0.2 is 0.3, as a list would have it.
+fn decimal(number: f64) -> f64 {
+    format!("{number:.14e}").parse().unwrap_or(number)
+}
+
 /// The values of a range; those of a whole-number axis are rounded.
 fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
     let expected = || format!("expected a list of values, {RANGE_FORMS}");
@@ -173,7 +178,7 @@ fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
                     // The ends as they are written, whatever the rounding between.
                     _ if i == 0 => first,
                     _ if i == count - 1 => last,
-                    "linspace" => first + t * (last - first),
+                    "linspace" => decimal(first + t * (last - first)),
                     _ => (first.ln() + t * (last / first).ln()).exp(),
                 }
             };
