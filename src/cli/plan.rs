@@ -9,6 +9,7 @@ use serde_json::json;
 use splitsum::experiment::chunk::{PlanFile, Prices};
 use splitsum::experiment::estimate::{Part, SAMPLES_PER_SECOND};
 use splitsum::experiment::store::{CHUNKS_FOLDER, Store};
+use splitsum::experiment::fault::Lines;
 use splitsum::experiment::timing;
 use splitsum::experiment::{Cell, Plan};
 use std::fmt::Write;
@@ -214,8 +215,9 @@ impl Shown<'_> {
             count(State::Open),
             dir.display()
         );
+        let lines = Lines::new(&plan.config.text);
         for (exclusion, count) in plan.config.exclusions.iter().zip(&plan.excluded) {
-            let place = exclusion.place.words(&plan.config.path, &plan.config.text);
+            let place = exclusion.place.words(&plan.config.path, &lines);
             let _ = writeln!(text, "excluded {count} by {place}: {}", exclusion.why);
         }
         if plan.collapsed > 0 {
@@ -275,8 +277,9 @@ impl Shown<'_> {
                 plan.columns_of(cell).iter().map(|(name, value)| (name.to_string(), json!(value.to_string()))).collect();
             json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state.name(), "axes": axes })
         });
+        let lines = Lines::new(&plan.config.text);
         let exclusions = plan.config.exclusions.iter().zip(&plan.excluded).map(|(exclusion, count)| {
-            let place = exclusion.place.words(&plan.config.path, &plan.config.text);
+            let place = exclusion.place.words(&plan.config.path, &lines);
             json!({ "why": exclusion.why, "count": count, "place": place })
         });
         let parts = estimate.parts.iter().map(|(part, found)| {

@@ -18,7 +18,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 /// Above this many combinations a file is taken for a mistake.
 const COMBINATIONS_MAX: u64 = 1_000_000;
 /// Largest experiment file, bytes.
-const MAX_FILE_BYTES: u64 = 1 << 24;
+const MAX_FILE_BYTES: u64 = 1 << 22;
 /// Hex digits of an id: 64 bits, so that a million cells collide with probability 3e-8.
 const ID_LENGTH: usize = 16;
 /// Turns the seed of the judging reference into that of a reference under test.
@@ -227,8 +227,7 @@ impl Plan {
                 warnings.add(&place, text);
             }
         }
-        let error = warnings.into_result().err();
-        error.into_iter().flat_map(|error| error.faults).map(|fault| fault.to_string()).collect()
+        warnings.into_result().err().map_or_else(Vec::new, |error| error.lines())
     }
 }
 

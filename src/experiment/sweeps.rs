@@ -1,7 +1,7 @@
 //! `[axes]` and `[[zip]]`: lists, ranges, and axes that vary together.
 
 use super::axis::{AXES, index_of};
-use super::config::{Config, Placed, Sweep, Zip, axis_names, push_new};
+use super::config::{Config, Placed, Sweep, Zip, Values, axis_names};
 use super::fault::{Faults, Place};
 use super::toml_tree::{checked, entries, list, raw, table, unknown_key};
 use super::value::{Kind, Raw};
@@ -27,7 +27,7 @@ impl Config {
             };
             let (name, kind) = (format!("axes.{key}"), AXES[axis].kind);
             let at = Place::File(value.span().start);
-            let mut values: Vec<Placed> = Vec::new();
+            let mut values = Values::default();
             let mut written = 0;
             match value.get_ref() {
                 DeValue::Array(items) => {
@@ -38,7 +38,7 @@ impl Config {
                     for item in items.iter() {
                         let place = Place::File(item.span().start);
                         if let Some(value) = checked(kind, &name, item, faults) {
-                            push_new(&mut values, Placed { value, place }, &name, faults);
+                            values.push(Placed { value, place }, &name, faults);
                         }
                     }
                 }
@@ -56,14 +56,14 @@ impl Config {
                     written = items.len();
                     for item in items {
                         match kind.parse(&item) {
-                            Ok(value) => push_new(&mut values, Placed { value, place: at.clone() }, &name, faults),
+                            Ok(value) => values.push(Placed { value, place: at.clone() }, &name, faults),
                             Err(fault) => faults.add(&at, format!("{name}: {fault}")),
                         }
                     }
                 }
                 other => faults.add(&at, format!("{name}: {} is not a list of values", raw(other))),
             }
-            self.axes.push(Sweep { axis, values, written });
+            self.axes.push(Sweep { axis, values: values.into_placed(), written });
         }
     }
 
