@@ -41,8 +41,8 @@ pub fn printable(text: &str) -> String {
 
 /// Characters without a shape that change the order in which others are shown [Unicode bidirectional algorithm, UAX 9, section 2].
 const TURNS: [char; 12] = [
-    '\u{061c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202b}', '\u{202c}', '\u{202d}', '\u{202e}', '\u{2066}', '\u{2067}', '\u{2068}',
-    '\u{2069}',
+    '\u{061c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202b}', '\u{202c}', '\u{202d}', '\u{202e}', '\u{2066}',
+    '\u{2067}', '\u{2068}', '\u{2069}',
 ];
 
 /// Digits that tell values of an axis apart for a person.

@@ -3,8 +3,9 @@
 use super::{Failure, print};
 use clap::Args;
 use splitsum::experiment::answers::publish::{PublishError, check, publish, write_page};
-use splitsum::experiment::answers::run_folder::unfinished_note;
+use splitsum::experiment::answers::run_folder::{experiment_note, unfinished_note};
 use splitsum::experiment::answers::{Answered, AnswersError};
+use splitsum::spelling::printable;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -47,8 +48,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             AnswersError::Run(_) => Failure::input(error),
             _ => Failure::failed(error),
         };
-        if let Some(note) = unfinished_note(dir) {
-            eprintln!("warning: {note}");
+        for note in [unfinished_note(dir), experiment_note(dir)].into_iter().flatten() {
+            eprintln!("warning: {}", printable(&note));
         }
         let answered = Answered::of_run(dir).map_err(failed)?;
         if let Some(note) = &answered.under_way {

@@ -2,9 +2,10 @@
 
 use super::{Failure, print};
 use clap::Args;
-use splitsum::experiment::answers::run_folder::unfinished_note;
+use splitsum::experiment::answers::run_folder::{experiment_note, unfinished_note};
 use splitsum::report::images::{BUDGET_BYTES, Choice, Window};
 use splitsum::report::{ReportError, ReportOptions, Written, write};
+use splitsum::spelling::printable;
 use std::path::PathBuf;
 
 /// (Re)writes the report of one or more finished runs.
@@ -44,8 +45,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     let options =
         ReportOptions { dirs: arguments.dirs.clone(), out: arguments.out.clone(), images, budget: BUDGET_BYTES };
-    for note in arguments.dirs.iter().filter_map(|dir| unfinished_note(dir)) {
-        eprintln!("warning: {note}");
+    for note in arguments.dirs.iter().flat_map(|dir| [unfinished_note(dir), experiment_note(dir)]).flatten() {
+        eprintln!("warning: {}", printable(&note));
     }
     let written = write(&options).map_err(|error| match error {
         ReportError::Run(_) | ReportError::Crop(_) => Failure::input(error),

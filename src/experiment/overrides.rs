@@ -37,9 +37,7 @@ impl Config {
             let (mut values, written) = (Values::default(), items.len());
             for item in items {
                 match kind.parse_text(&item) {
-                    Ok(value) => {
-                        values.push(Placed { value, place: place.clone() }, &format!("axes.{name}"), faults)
-                    }
+                    Ok(value) => values.push(Placed { value, place: place.clone() }, &format!("axes.{name}"), faults),
                     Err(fault) => faults.add(&place, format!("axes.{name}: {fault}")),
                 }
             }

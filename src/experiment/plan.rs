@@ -15,8 +15,10 @@ use std::path::Path;
 
 /// Counts up whenever the meaning of a cell changes, so that old records are not taken for new ones.
 pub const SCHEMA_VERSION: u32 = 1;
-/// Above this many combinations a file is taken for a mistake.
-const COMBINATIONS_MAX: u64 = 1_000_000;
+/// Above this many combinations a file is taken for a mistake. As many are planned in about ten seconds of one processor.
+const COMBINATIONS_MAX: u64 = 200_000;
+/// Above this many comparisons of combinations with values of exclusions, too: a few seconds.
+const COMPARISONS_MAX: u64 = 200_000_000;
 /// Largest experiment file, bytes.
 const MAX_FILE_BYTES: u64 = 1 << 22;
 /// Hex digits of an id: 64 bits, so that a million cells collide with probability 3e-8.
@@ -106,8 +108,15 @@ impl Plan {
         config.set_dir = set_dir.to_owned();
         let inputs = load_inputs(&config, options, &mut faults);
         let combinations = config.combination_count();
+        let excluding: usize =
+            config.exclusions.iter().flat_map(|e| &e.conditions).map(|(_, values)| values.len()).sum();
         if combinations > COMBINATIONS_MAX {
             faults.add(&Place::File(0), format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"));
+        } else if combinations.saturating_mul(excluding as u64) > COMPARISONS_MAX {
+            let text = format!(
+                "exclude: {combinations} combinations and {excluding} values of exclusions; their product may be {COMPARISONS_MAX} at most"
+            );
+            faults.add(&config.exclusions[0].place, text);
         } else {
             checks::check_combinations(&config, &mut faults);
         }
