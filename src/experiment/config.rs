@@ -9,7 +9,6 @@ use super::value::{Kind, Range, Raw, Value};
 use crate::scene::{CameraKind, Light, LightKind};
 use crate::shade::METHODS;
 use glam::DVec3;
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -465,29 +464,6 @@ pub fn light(kind: LightKind, vector: [f32; 3], color: Option<[f32; 3]>) -> Resu
 /// The three numbers of a position or direction given as text `x,y,z`.
 pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
     Kind::Color(COORDINATE).parse_text(text).map(|v| v.color()).map_err(|_| format!("{text:?} is not x,y,z"))
-}
-
-/// The values of an axis as they are read: each once.
-#[derive(Default)]
-pub(super) struct Values {
-    placed: Vec<Placed>,
-    seen: HashSet<Value>,
-}
-
-impl Values {
-    /// Adds a value of the axis `name`, or notes that it is there already.
-    pub(super) fn push(&mut self, new: Placed, name: &str, faults: &mut Faults) {
-        if self.seen.insert(new.value.clone()) {
-            self.placed.push(new);
-        } else {
-            faults.add(&new.place, format!("{name}: {} stands twice", new.value));
-        }
-    }
-
-    /// In the order in which they came.
-    pub(super) fn into_placed(self) -> Vec<Placed> {
-        self.placed
-    }
 }
 
 pub(super) fn axis_names() -> Vec<&'static str> {

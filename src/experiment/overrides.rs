@@ -1,8 +1,9 @@
 //! `--set axis=v1,v2`: axes replaced from the command line.
 
 use super::axis::{AXES, index_of};
-use super::config::{Config, Placed, Sweep, Values, axis_names};
+use super::config::{Config, Placed, Sweep, axis_names};
 use super::fault::{Faults, Place};
+use super::sweeps::Values;
 use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
 use std::collections::HashSet;

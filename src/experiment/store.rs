@@ -326,9 +326,9 @@ impl Store {
 
     /// As [`Store::read_record`], of one that holds its name. Records of older programs do not.
     fn read_named<T: DeserializeOwned>(&self, path: &Path, id: &str) -> Result<Option<T>, StoreError> {
-        let name = self.read::<NameOnly>(path)?;
-        named(path, id, name, |name| name.record.as_deref())?;
-        self.read_record(path)
+        let record = self.read_record(path)?;
+        named(path, id, self.read::<NameOnly>(path)?, |name| name.record.as_deref())?;
+        Ok(record)
     }
 
     /// As [`Store::read`], of a record: its checksum must hold. Records of older programs have none.

@@ -4,7 +4,8 @@ use super::axis::{AXES, index_of};
 use super::config::{Config, Placed, Sweep, Values, Zip, axis_names};
 use super::fault::{Faults, Place};
 use super::toml_tree::{checked, entries, list, raw, table, unknown_key};
-use super::value::{Kind, Raw};
+use super::value::{Kind, Raw, Value};
+use std::collections::HashSet;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -144,6 +145,29 @@ impl Config {
             }
         }
         dimensions
+    }
+}
+
+/// The values of an axis as they are read: each once.
+#[derive(Default)]
+pub(super) struct Values {
+    placed: Vec<Placed>,
+    seen: HashSet<Value>,
+}
+
+impl Values {
+    /// Adds a value of the axis `name`, or notes that it is there already.
+    pub(super) fn push(&mut self, new: Placed, name: &str, faults: &mut Faults) {
+        if self.seen.insert(new.value.clone()) {
+            self.placed.push(new);
+        } else {
+            faults.add(&new.place, format!("{name}: {} stands twice", new.value));
+        }
+    }
+
+    /// In the order in which they came.
+    pub(super) fn into_placed(self) -> Vec<Placed> {
+        self.placed
     }
 }
 

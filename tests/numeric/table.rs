@@ -155,7 +155,7 @@ fn hostile_names_stay_text_in_markdown() {
     {
         assert_eq!(paragraph(text), expected);
     }
-    assert_eq!(link("a]<b>[\n", "tables/a (b)\n[c.png"), "[a\\]\\<b>\\[\\n](tables/a%20%28b%29%0A%5Bc.png)");
+    assert_eq!(link("a]<b>[\n", "tables/a (b)\n[c.png"), "[a\\]\\<b>\\[\\\\n](tables/a%20%28b%29%0A%5Bc.png)");
     let mut table = MarkdownTable::new(&[("name", Align::Left)]);
     table.row(&["<b>[x](y)"]);
     assert!(table.to_string().contains("| \\<b>[x\\](y) |"), "{table}");
