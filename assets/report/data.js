@@ -87,6 +87,9 @@ export const rows = model.runs.flatMap((run, index) => {
 });
 export const rowOf = (cell, run = 0) => rows.find((row) => row.cell === cell && row.run === Number(run));
 
+/** What names a cell among all runs: two runs of one plan have the same cells. */
+export const idOf = (row) => (row.run ? `${row.cell}@${row.run}` : row.cell);
+
 /** A value in words; a bare number says what it is. */
 const word = (name, value) => {
   const text = short(name, value);

@@ -1,11 +1,10 @@
 //! `splitsum answers`.
 
-use super::{Failure, print};
+use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::experiment::answers::publish::{PublishError, check, publish, write_page};
 use splitsum::experiment::answers::run_folder::{experiment_note, unfinished_note};
 use splitsum::experiment::answers::{Answered, AnswersError};
-use splitsum::spelling::printable;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -49,7 +48,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             _ => Failure::failed(error),
         };
         for note in [unfinished_note(dir), experiment_note(dir)].into_iter().flatten() {
-            eprintln!("warning: {}", printable(&note));
+            tell(&format!("warning: {note}"));
         }
         let answered = Answered::of_run(dir).map_err(failed)?;
         if let Some(note) = &answered.under_way {

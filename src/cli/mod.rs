@@ -157,7 +157,7 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             // Several faults are several lines.
-            failure.to_string().lines().for_each(|line| eprintln!("{}", printable(line)));
+            tell(&failure.to_string());
             ExitCode::from(failure.exit_code())
         }
     }
@@ -186,7 +186,15 @@ fn print_data(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Writes lines to standard error, without what would steer a terminal. Where nobody can read it (a closed pipe, a log on a full disk) the work goes on, and the exit code
+/// still says how it ended; `eprintln!` would panic.
+fn tell(text: &str) {
+    use std::io::Write;
+    let lines: Vec<String> = text.lines().map(printable).collect();
+    let _ = writeln!(std::io::stderr(), "{}", lines.join("\n"));
+}
+
 /// A line about an odd but usable input.
 fn warn(name: &str, warning: &str) {
-    eprintln!("{}", printable(&format!("warning: {name}: {warning}")));
+    tell(&format!("warning: {name}: {warning}"));
 }

@@ -3,7 +3,7 @@
 use super::cache::CacheArguments;
 use super::estimate::{Estimated, Question, estimated, measured};
 use super::subject::Subject;
-use super::{Failure, print, print_data};
+use super::{Failure, print, print_data, tell};
 use clap::Args;
 use serde_json::json;
 use splitsum::experiment::chunk::{PlanFile, Prices};
@@ -90,7 +90,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let plan = arguments.subject.plan()?;
     let load_s = started.elapsed().as_secs_f64();
     for warning in plan.warnings() {
-        eprintln!("warning: {warning}");
+        tell(&format!("warning: {warning}"));
     }
     if let (Some(seconds), Some(path)) = (arguments.chunk_seconds, &arguments.subject.out) {
         return write_chunks(arguments, &plan, seconds, path, load_s);

@@ -1,7 +1,7 @@
 //! `splitsum render`: one image.
 
 use super::run::open_device;
-use super::{Failure, print};
+use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::brdf::f0_from_ior;
 use splitsum::environment::{Environment, LoadOptions};
@@ -161,10 +161,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let frame = pipeline.render(&request).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
     for term in &frame.convergences {
         let met = if term.is_met { "" } else { ", which is not what was asked for" };
-        eprintln!(
+        tell(&format!(
             "{}: {} samples a pixel, relative standard error {:.3e}{met}",
             term.term, term.sample_count, term.relative_error
-        );
+        ));
     }
     match output {
         Output::LinearExr => write_radiance(&arguments.out, &frame).map_err(Failure::failed)?,

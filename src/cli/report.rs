@@ -1,11 +1,10 @@
 //! `splitsum report`.
 
-use super::{Failure, print};
+use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::experiment::answers::run_folder::{experiment_note, unfinished_note};
 use splitsum::report::images::{BUDGET_BYTES, Choice, Window};
 use splitsum::report::{ReportError, ReportOptions, Written, write};
-use splitsum::spelling::printable;
 use std::path::PathBuf;
 
 /// (Re)writes the report of one or more finished runs.
@@ -46,10 +45,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let options =
         ReportOptions { dirs: arguments.dirs.clone(), out: arguments.out.clone(), images, budget: BUDGET_BYTES };
     for note in arguments.dirs.iter().flat_map(|dir| [unfinished_note(dir), experiment_note(dir)]).flatten() {
-        eprintln!("warning: {}", printable(&note));
+        tell(&format!("warning: {note}"));
     }
     let written = write(&options).map_err(|error| match error {
-        ReportError::Run(_) | ReportError::Crop(_) => Failure::input(error),
+        ReportError::Run(_) | ReportError::Crop(_) | ReportError::OutIsFolder { .. } => Failure::input(error),
         _ => Failure::failed(error),
     })?;
     print(&line(&written))

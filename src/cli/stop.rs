@@ -1,6 +1,6 @@
 //! How a run is asked to stop: Ctrl-C, and on Unix SIGTERM, as `kill`, schedulers and shutdowns send it.
 
-use super::Failure;
+use super::{Failure, tell};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Set by the first request. The second one ends the process at once.
@@ -33,5 +33,5 @@ fn requested(signal: i32) {
         // What shells report for a process that a signal ended.
         std::process::exit(128 + signal);
     }
-    eprintln!("\nstopping after the current cell (Ctrl-C again: at once)");
+    tell("\nstopping after the current cell (Ctrl-C again: at once)");
 }

@@ -27,7 +27,7 @@ pub mod seal;
 mod sheets;
 pub mod statistics;
 pub mod store;
-mod summary;
+pub(crate) mod summary;
 mod sweeps;
 pub mod tables;
 pub mod timing;

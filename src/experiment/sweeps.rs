@@ -1,7 +1,7 @@
 //! `[axes]` and `[[zip]]`: lists, ranges, and axes that vary together.
 
 use super::axis::{AXES, index_of};
-use super::config::{Config, Placed, Sweep, Values, Zip, axis_names};
+use super::config::{Config, Placed, Sweep, Zip, axis_names};
 use super::fault::{Faults, Place};
 use super::toml_tree::{checked, entries, list, raw, table, unknown_key};
 use super::value::{Kind, Raw, Value};

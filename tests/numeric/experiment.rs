@@ -1,6 +1,7 @@
 //! Experiment files, plans and runs. No test needs a device: runs use a renderer made of formulas.
 
 mod answers;
+mod answers_asked;
 mod answers_soundness;
 mod chunk;
 mod config;

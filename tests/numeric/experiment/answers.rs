@@ -59,7 +59,7 @@ impl Made {
         put("errors.csv", text(&errors, ",relmse_eps1e-2,flip,relmse_eps1e-2_noise_floor,verdict"));
         put("errors_by_n_dot_v.csv", text(&bins, ",n_dot_v_from,n_dot_v_to,pixel_count,relmse_eps1e-2"));
         let provenance = serde_json::json!({
-            "name": "made", "question": "What?", "cell_count": self.rows.len(), "sessions": [{ "device":
+            "schema_version": 1, "name": "made", "question": "What?", "cell_count": self.rows.len(), "sessions": [{ "device":
                 { "name": "paper", "driver": "pencil", "type": "cpu" }, "date_utc": "2026-01-01T00:00:00Z" }],
         });
         put("provenance.json", provenance.to_string());
@@ -159,12 +159,17 @@ fn time(samples: u32, ratio: f64) -> TimeLevel {
 fn equal_time_is_where_the_ratio_of_times_is_one() {
     let found = time_match(&[time(1, 0.5), time(4, 2.0), time(16, 8.0)]).unwrap();
     assert!((found.samples - 2.0).abs() < F64, "{found:?}");
-    assert!(found.interval[0] < 2.0 && found.interval[1] > 2.0 && found.interval[1] < 4.0, "{found:?}");
+    let [lo, hi] = found.interval.unwrap();
+    assert!(lo < 2.0 && hi > 2.0 && hi < 4.0, "{found:?}");
     let slower = time_match(&[time(1, 1.5), time(4, 2.0)]).unwrap();
-    assert_eq!((slower.samples, slower.interval), (0.0, [0.0, 1.0]));
+    assert_eq!((slower.samples, slower.interval), (0.0, Some([0.0, 1.0])));
     let faster = time_match(&[time(1, 0.2), time(4, 0.5)]).unwrap();
-    assert_eq!((faster.samples, faster.interval), (f64::INFINITY, [4.0, f64::INFINITY]));
+    assert_eq!((faster.samples, faster.interval), (f64::INFINITY, Some([4.0, f64::INFINITY])));
     assert_eq!(time_match(&[]), None);
+    // Too few rounds at one count: the point stands, without an interval.
+    let few = TimeLevel { interval: [f64::NAN; 2], rounds: 5, ..time(4, 2.0) };
+    let found = time_match(&[time(1, 0.5), few, time(16, 8.0)]).unwrap();
+    assert!((found.samples - 2.0).abs() < F64 && found.interval.is_none(), "{found:?}");
 }
 
 #[test]
@@ -208,6 +213,9 @@ fn known_curves_have_their_slope_and_break_even() {
         assert!(curve.points.iter().all(|point| point.errors.len() == 3), "exposures share their image");
     }
     assert!(answered.summary.contains("never up to 256") && answered.summary.contains("always, from 1"));
+    for name in ["convergence_slopes.csv", "convergence_slopes.svg"] {
+        assert!(answered.files.iter().any(|(known, _)| known == name), "{name}");
+    }
     let table = Table::read(&{
         answered.write().unwrap();
         dir.path().join("answers/break_even.csv")
@@ -343,7 +351,14 @@ fn what_the_curve_hides_is_told_by_exposure_and_contrast() {
     let [plain, strong] = exposure::hiding(&answers.visibility).try_into().unwrap();
     assert_eq!((plain.peak, plain.hidden_at), ((1.0, 0.2), vec![0.1, 500.0]));
     assert_eq!((strong.contrast, strong.hidden_at), (5.0, vec![]));
-    assert!(answered.record.answer.sentence.contains("hidden at 0.1, 500"), "{}", answered.record.answer.sentence);
+    let sentence = &answered.record.answer.sentence;
+    for part in [
+        "shows most at exposure 1 and contrast 5 (mean FLIP 2.0)",
+        "visible at every tried exposure (contrast 5), at exposure 1 (contrast 1), and the other 2 of 6 tone curves",
+        "visible is a mean FLIP of at least 0.05, this project's convention",
+    ] {
+        assert!(sentence.contains(part), "{part}: {sentence}");
+    }
     assert!(answered.files.iter().any(|(name, _)| name == "exposure_and_contrast.svg"));
 }
 
