@@ -54,8 +54,8 @@ pub fn inline(text: &str) -> String {
         // A `<` before a blank or digit is a comparison.
         let is_tag = c == '<' && next.is_some_and(|next| next.is_ascii_alphabetic() || "/!?".contains(next));
         let is_link = c == ']' && next.is_some_and(|next| "([".contains(next));
-        // One that is there already would take the effect of the one that is put before the next character.
-        let is_escape = c == '\\' && next.is_some_and(|next| next.is_ascii_punctuation());
+        // One that is there already would take the effect of the one that is put before what follows.
+        let is_escape = c == '\\' && next.is_some_and(|next| "\\<]".contains(next));
         if is_tag || is_link || is_escape {
             safe.push('\\');
         }

@@ -145,6 +145,8 @@ fn hostile_names_stay_text_in_markdown() {
         ("sky < 4 and [0, 1] (of `ggx`)", "sky < 4 and [0, 1] (of `ggx`)"),
         ("<script>x</script>", "\\<script>x\\</script>"),
         ("\\<img onerror=x>", "\\\\\\<img onerror=x>"),
+        // What the program itself wrote as Markdown.
+        ("reference 64 \\*", "reference 64 \\*"),
         ("[a](javascript:x)", "[a\\](javascript:x)"),
         ("a\n# b\u{1b}[31m\u{202e}c", "a # b\\u{1b}[31m\\u{202e}c"),
     ] {
