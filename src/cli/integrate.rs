@@ -1,6 +1,6 @@
 //! `splitsum integrate`: exact answers to a table of queries, without a device.
 
-use super::{Failure, print, tell};
+use super::{Failure, print_data, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use splitsum::environment::LoadOptions;
@@ -85,7 +85,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     bar.finish_and_clear();
     match &arguments.out {
         Some(out) => answers.write(out).map_err(Failure::failed)?,
-        None => print(&String::from_utf8_lossy(&answers.to_csv()))?,
+        None => print_data(&String::from_utf8_lossy(&answers.to_csv()))?,
     }
     if answers.unmet > 0 {
         let (unmet, all) = (answers.unmet, queries.len());

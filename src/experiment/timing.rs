@@ -8,7 +8,7 @@ use super::host::{HostState, UNKNOWN};
 use super::plan::{Cell, Plan};
 use super::statistics::{drift, median, median_interval, quantile};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::time::Duration;
 
 /// Raw samples of one configuration.
@@ -120,13 +120,12 @@ pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
         }
     }
     // Blocks in the order of their first member.
-    let mut blocks: Vec<String> = Vec::new();
+    let mut blocks: HashMap<String, usize> = HashMap::new();
     for job in &jobs {
-        if !blocks.contains(&job.block) {
-            blocks.push(job.block.clone());
-        }
+        let next = blocks.len();
+        blocks.entry(job.block.clone()).or_insert(next);
     }
-    jobs.sort_by_key(|job| blocks.iter().position(|block| *block == job.block));
+    jobs.sort_by_key(|job| blocks[&job.block]);
     jobs
 }
 

@@ -3,6 +3,7 @@
 use crate::glsl::constants;
 use crate::spelling::suggestion;
 use std::fmt;
+use std::hash::{Hash, Hasher};
 
 /// A checked value. Its `Display` text is what tables, cell ids and `--set` use.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +18,24 @@ pub enum Value {
     Pair([u32; 2]),
     /// A name out of a list, or the name of an input.
     Text(String),
+}
+
+/// Every checked number is one: no range holds a NaN.
+impl Eq for Value {}
+
+impl Hash for Value {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        std::mem::discriminant(self).hash(state);
+        // The two zeros are equal, so they must have one hash.
+        match self {
+            Self::Unset => {}
+            Self::Number(x) => (x + 0.0).to_bits().hash(state),
+            Self::Count(n) => n.hash(state),
+            Self::Color(c) => c.map(|x| (x + 0.0).to_bits()).hash(state),
+            Self::Pair(p) => p.hash(state),
+            Self::Text(text) => text.hash(state),
+        }
+    }
 }
 
 impl fmt::Display for Value {

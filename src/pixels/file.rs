@@ -93,6 +93,8 @@ impl Staged {
         path: &Path,
         fill: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
     ) -> Result<Self, PixelsError> {
+        let target = target_of(path)?;
+        let path = target.as_path();
         let io = |error| write_fault(path, error);
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut builder = tempfile::Builder::new();
@@ -111,6 +113,23 @@ impl Staged {
     pub(crate) fn put(self) -> Result<(), PixelsError> {
         self.temporary.persist(&self.path).map_err(|error| write_fault(&self.path, error.error))?;
         Ok(())
+    }
+}
+
+/// The file that a path stands for: of a link the file that it names, so that the link stays. What is there and is no regular file must not
+/// be replaced by one: who may, would lose a device.
+fn target_of(path: &Path) -> Result<PathBuf, PixelsError> {
+    let is_link = std::fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_symlink());
+    let target = match is_link {
+        // A link to nothing stands for itself.
+        true => std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()),
+        false => path.to_owned(),
+    };
+    match std::fs::metadata(&target) {
+        Ok(metadata) if !metadata.is_file() && !metadata.is_dir() => {
+            Err(Fault::new("is a device or a pipe", "a file, or the name of one to make").at(path))
+        }
+        _ => Ok(target),
     }
 }
 

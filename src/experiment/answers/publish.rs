@@ -3,10 +3,10 @@
 use super::folder::{ANSWER_FILE, AnswerRecord, AnswersError, FOLDER, SUMMARY_FILE};
 use super::run_folder;
 use crate::experiment::sheets::sheet_files;
-use crate::experiment::summary::{SHEETS_FOLDER, sheet_link};
+use crate::experiment::summary::{sheet_link, sheet_title};
 use crate::pixels::{PixelsError, png, write_atomically};
 use crate::slips;
-use crate::table::markdown::{Align, MarkdownTable};
+use crate::table::markdown::{self, Align, MarkdownTable, inline, link_label, paragraph};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -41,6 +41,8 @@ pub enum PublishError {
     Io { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
     Picture(#[from] PixelsError),
+    #[error("{}: cannot be made: {error}; expected a place where this user may write", path.display())]
+    Folder { path: PathBuf, error: std::io::Error },
     #[error("{}: is the folder of the run itself; expected another one to publish into", path.display())]
     Itself { path: PathBuf },
     #[error("{}: is a file; expected a folder of published runs, or the name of one to make", path.display())]
@@ -60,6 +62,7 @@ impl PublishError {
         match self {
             Self::Itself { .. } | Self::NotAFolder { .. } | Self::NotPublished { .. } | Self::OtherPlan { .. } => true,
             Self::Answers(AnswersError::Run(_)) => true,
+            Self::Folder { .. } => true,
             Self::Answers(_) | Self::Io { .. } | Self::Picture(_) => false,
         }
     }
@@ -108,7 +111,8 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     check(dir, into, replace)?;
     let record = AnswerRecord::read(dir)?;
     let target = into.join(&record.name);
-    std::fs::create_dir_all(target.join(FOLDER)).map_err(io(&target))?;
+    std::fs::create_dir_all(target.join(FOLDER))
+        .map_err(|error| PublishError::Folder { path: target.clone(), error })?;
     let mut names: Vec<PathBuf> = FILES.iter().map(PathBuf::from).collect();
     names.extend(record.files.iter().map(|name| Path::new(FOLDER).join(name)));
     names.push(Path::new(FOLDER).join(ANSWER_FILE));
@@ -162,8 +166,8 @@ fn with_published_sheets(summary: &str, sheets: &[PathBuf], published: Option<&s
     names.fold(summary.to_owned(), |text, name| {
         let link = sheet_link(name);
         match published == Some(name) {
-            true => text.replace(&link, &link.replace(&format!("]({SHEETS_FOLDER}/"), "](")),
-            false => text.replace(&link, link.split(['[', ']']).nth(1).unwrap_or(&link)),
+            true => text.replace(&link, &markdown::link(sheet_title(name), name)),
+            false => text.replace(&link, &link_label(sheet_title(name))),
         }
     })
 }
@@ -207,7 +211,8 @@ fn page(runs: &[Published]) -> String {
         .to_owned();
     let mut table = MarkdownTable::new(&[("run", Align::Left), ("question", Align::Left), ("answer", Align::Left)]);
     for Published { folder, run, .. } in runs {
-        table.row(&[&format!("[{}]({folder}/{SUMMARY_FILE})", run.name), &run.question, &run.answer.sentence]);
+        let link = markdown::link(&run.name, &format!("{folder}/{SUMMARY_FILE}"));
+        table.row_with_link(&link, &[&run.question, &run.answer.sentence]);
     }
     text += &format!("{table}\n");
     if runs.iter().any(|published| published.run.is_cpu_timed) {
@@ -215,8 +220,9 @@ fn page(runs: &[Published]) -> String {
                  device's speed.\n\n";
     }
     for Published { folder, remark, sheet, run } in runs {
-        text += &format!("## {}\n\n{}\n\n**{}**\n\n", run.name, run.question, run.answer.sentence);
-        text.extend(run.answer.facts.iter().map(|fact| format!("- {fact}\n")));
+        let [name, sentence] = [&run.name, &run.answer.sentence].map(|text| inline(text));
+        text += &format!("## {name}\n\n{}\n\n**{sentence}**\n\n", paragraph(&run.question));
+        text.extend(run.answer.facts.iter().map(|fact| format!("- {}\n", paragraph(fact))));
         if !remark.trim().is_empty() {
             text += &format!("\n{}\n", remark.trim());
         }
@@ -229,7 +235,7 @@ fn page(runs: &[Published]) -> String {
             text += &format!("[{about}]({folder}/{FOLDER}/{name}) · ");
         }
         if let Some(sheet) = sheet {
-            text += &format!("[contact sheet]({folder}/{sheet}) · ");
+            text += &format!("{} · ", markdown::link("contact sheet", &format!("{folder}/{sheet}")));
         }
         text += &format!("[all numbers]({folder}/{SUMMARY_FILE})\n\n");
         let failed = if run.failed > 0 { format!(", {} failed", run.failed) } else { String::new() };
@@ -237,7 +243,7 @@ fn page(runs: &[Published]) -> String {
         text += &format!(
             "{} cells{failed} on {}{}, {}{commit}.\n\n",
             run.cells,
-            run.devices.join("; "),
+            inline(&run.devices.join("; ")),
             if run.is_cpu_timed { " (CPU)" } else { "" },
             run.date_utc
         );
