@@ -2,6 +2,7 @@
 
 use super::plan::{Plan, SCHEMA_VERSION};
 use super::seal::{self, Seal};
+use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, holds, read_regular};
 use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
 use crate::table::csv;
 use serde::Serialize;
@@ -266,7 +267,7 @@ impl Store {
 
     /// A file of the run, in one step. A file that has this content already is left untouched.
     pub fn write_text(&self, path: &Path, text: &str) -> Result<(), StoreError> {
-        if std::fs::read(path).is_ok_and(|old| old == text.as_bytes()) {
+        if holds(path, text.as_bytes()) {
             return Ok(());
         }
         Ok(write_atomically(path, |writer| writer.write_all(text.as_bytes()))?)
@@ -295,12 +296,12 @@ impl Store {
 
     /// The parsed file, or `None` when it does not exist.
     pub fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
-        read_bytes(path)?.map(|bytes| parsed(path, &bytes)).transpose()
+        read_bytes(path, PLAN_BYTES_MAX)?.map(|bytes| parsed(path, &bytes)).transpose()
     }
 
     /// As [`Store::read`], of a record: its checksum must hold. Records of older programs have none.
     fn read_record<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
-        let Some(bytes) = read_bytes(path)? else { return Ok(None) };
+        let Some(bytes) = read_bytes(path, RECORD_BYTES_MAX)? else { return Ok(None) };
         let record = parsed(path, &bytes)?;
         match seal::check(&String::from_utf8_lossy(&bytes)) {
             Seal::Broken => Err(StoreError::Damaged { path: path.to_owned() }),
@@ -310,8 +311,8 @@ impl Store {
 }
 
 /// A whole file, or `None` when it does not exist.
-fn read_bytes(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-    match std::fs::read(path) {
+fn read_bytes(path: &Path, most_bytes: u64) -> Result<Option<Vec<u8>>, StoreError> {
+    match read_regular(path, most_bytes) {
         Ok(bytes) => Ok(Some(bytes)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(StoreError::Io { path: path.to_owned(), error }),

@@ -208,7 +208,8 @@ impl Kind {
             },
             Self::Alpha => match Self::Number(Range::above(0.0, 1.0)).parse(raw)? {
                 Value::Number(alpha) if alpha < ALPHA_MIN => Err(format!(
-                    "{raw} is below {ALPHA_MIN}, the narrowest lobe that the device shades; `splitsum integrate` takes any in (0, 1]"
+                    "{raw} is below {ALPHA_MIN}, the narrowest lobe that the device shades; `splitsum integrate` takes {} and more",
+                    crate::oracle::ALPHA_MIN
                 )),
                 alpha => Ok(alpha),
             },

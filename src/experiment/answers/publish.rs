@@ -3,6 +3,7 @@
 use super::folder::{ANSWER_FILE, AnswerRecord, AnswersError, FOLDER, SUMMARY_FILE};
 use crate::experiment::sheets::sheet_files;
 use crate::experiment::summary::{SHEETS_FOLDER, sheet_link};
+use crate::files::{TEXT_BYTES_MAX, read_text};
 use crate::pixels::{PixelsError, png, write_atomically};
 use crate::slips;
 use crate::table::markdown::{Align, MarkdownTable};
@@ -98,7 +99,7 @@ pub fn publish(dir: &Path, into: &Path) -> Result<Vec<String>, PublishError> {
         break;
     }
     let summary = target.join(SUMMARY_FILE);
-    let text = std::fs::read_to_string(&summary).map_err(io(&summary))?;
+    let text = read_text(&summary, TEXT_BYTES_MAX).map_err(io(&summary))?;
     let text = with_published_sheets(&text, &sheets, published.as_deref());
     write_atomically(&summary, |writer| writer.write_all(text.as_bytes()))?;
     Ok(notes)
@@ -123,7 +124,7 @@ pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
         if entry.path().join(FOLDER).join(ANSWER_FILE).exists() {
             let folder = entry.file_name().to_string_lossy().into_owned();
             // A remark is a person's choice; most runs have none.
-            let remark = std::fs::read_to_string(entry.path().join(REMARK_FILE)).unwrap_or_default();
+            let remark = read_text(&entry.path().join(REMARK_FILE), TEXT_BYTES_MAX).unwrap_or_default();
             let files = std::fs::read_dir(entry.path()).map_err(io(into))?.flatten();
             let names = files.filter_map(|file| file.file_name().into_string().ok());
             let sheet = names.filter(|name| name.ends_with(".png")).min();

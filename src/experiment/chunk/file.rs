@@ -7,6 +7,7 @@ use super::cost::Rates;
 use super::split::{Chunk, split};
 use crate::experiment::plan::{Plan, SCHEMA_VERSION};
 use crate::experiment::store::{Store, StoreError};
+use crate::files::{PLAN_BYTES_MAX, TEXT_BYTES_MAX, read_text};
 use crate::metrics::METRICS;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -101,7 +102,7 @@ impl PlanFile {
         let again = "make the plan again (splitsum plan EXPERIMENT --chunk-seconds S --out FILE)";
         let expected = "expected a file that `splitsum plan --chunk-seconds` wrote";
         let text =
-            std::fs::read_to_string(path).map_err(|error| fault(format!("cannot be read ({error}); {expected}")))?;
+            read_text(path, PLAN_BYTES_MAX).map_err(|error| fault(format!("cannot be read ({error}); {expected}")))?;
         let head: Head = serde_json::from_str(&text).map_err(|error| fault(format!("{error}; {expected}")))?;
         if head.format.as_deref() != Some(FORMAT) {
             return Err(fault(format!("is not a plan file; {expected}")));
@@ -123,7 +124,7 @@ impl PlanFile {
             return Err(changed("was made by a build with other shaders, whose images may differ".to_owned()));
         }
         let experiment = Path::new(&file.experiment_file);
-        let written = std::fs::read_to_string(experiment).map_err(|error| {
+        let written = read_text(experiment, TEXT_BYTES_MAX).map_err(|error| {
             let name = experiment.display();
             fault(format!(
                 "its experiment {name} cannot be read ({error}); run this in the folder where the plan was made"
