@@ -87,7 +87,7 @@ impl EquirectQuadrature {
         while let Some(region) = pending.pop() {
             // A focus narrower than rounding would be split for ever; what is left is told by the bound of the error.
             if roots.len() + pending.len() < tolerance.max_part_count && self.must_split(&region, focus) {
-                pending.extend(self.split(&region));
+                pending.extend(self.split_towards_square(&region));
             } else {
                 roots.push(region);
             }
@@ -100,14 +100,33 @@ impl EquirectQuadrature {
         if size.x > ROOT_WIDTH {
             return true;
         }
-        let middle = self.uv(0.5 * (region.low + region.high));
-        // The widest row of a region bounds its extent: within half its height of the middle.
-        let widest = (PI * ((middle.y - 0.5).abs() - 0.5 * size.y).max(0.0)).cos();
-        let diagonal = PI * (2.0 * size.x * widest).hypot(size.y);
-        let center = direction_from_uv(middle);
+        let diagonal = self.extent(region).length();
+        let center = direction_from_uv(self.uv(0.5 * (region.low + region.high)));
         focus.iter().any(|focus| {
             diagonal > focus.radius && center.angle_between(focus.direction) < focus.radius + 0.5 * diagonal
         })
+    }
+
+    /// Angular width and height of a region, radians.
+    fn extent(&self, region: &Region) -> DVec2 {
+        let size = self.uv(region.high) - self.uv(region.low);
+        let middle = self.uv(0.5 * (region.low + region.high));
+        // The widest row of a region bounds its width: within half its height of the middle.
+        let widest = (PI * ((middle.y - 0.5).abs() - 0.5 * size.y).max(0.0)).cos();
+        PI * DVec2::new(2.0 * size.x * widest, size.y)
+    }
+
+    /// Parts of a region that are nearer to squares on the sphere: at a pole quarters would be ever thinner needles.
+    fn split_towards_square(&self, region: &Region) -> Vec<Region> {
+        let has_children = region.node.is_some_and(|index| !self.nodes[index].children.is_empty());
+        let DVec2 { x: width, y: height } = self.extent(region);
+        let is_narrow = self.uv(region.high).x - self.uv(region.low).x <= ROOT_WIDTH && width < 0.5 * height;
+        if has_children || !is_narrow {
+            return self.split(region);
+        }
+        let y = middle_knot(region.low.y, region.high.y);
+        let upper = Region { high: DVec2::new(region.high.x, y), node: None, ..*region };
+        vec![upper, Region { low: DVec2::new(region.low.x, y), node: None, ..*region }]
     }
 
     /// Quarters of a region, along the edges of bilinear cells while it has several.

@@ -313,9 +313,9 @@ impl Row<'_> {
     }
 
     fn alpha(&mut self) -> Option<f64> {
-        let alpha = self.above_zero_to_one("alpha")?;
+        let (text, alpha) = (self.cell("alpha").to_owned(), self.above_zero_to_one("alpha")?);
         if alpha < ALPHA_MIN {
-            self.fault("alpha", format!("{alpha} is below {ALPHA_MIN}, the narrowest lobe that is integrated"));
+            self.fault("alpha", format!("{text} is below {ALPHA_MIN}, the narrowest lobe that is integrated"));
         }
         (alpha >= ALPHA_MIN).then_some(alpha)
     }

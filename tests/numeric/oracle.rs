@@ -244,3 +244,39 @@ fn a_tighter_tolerance_stays_within_the_bound() {
         }
     }
 }
+
+/// The narrowest lobe that is taken shows the mirror image, also at a pole, where columns of texels are needles; and a focus that is
+/// narrower than rounding ends with a bound that says so.
+#[test]
+fn narrow_lobes_are_mirrors_in_bounded_work() {
+    let image = RgbImage::from_fn(64, 32, |_, y| [1.0, 2.0 + f32::from(y as u8), 3.0]);
+    let environment = exact_quadrature(&image);
+    let model = brdf::by_name("beckmann").unwrap();
+    let at = |alpha: f64, n: DVec3| {
+        let f0 = DVec3::ONE;
+        let surface = Surface { model, masking: MaskingShadowing::Separable, alpha, f0, n, v: n };
+        reference::integrate(&environment, &surface, TOLERANCE).specular_white
+    };
+    // Rows are constant, and the lobe is a thousandth of one.
+    for n in [DVec3::Y, DVec3::new(0.0, 0.6, 0.8)] {
+        let mirror = splitsum::environment::Environment::from_image("rows", image.clone()).radiance(n);
+        let found = at(splitsum::oracle::ALPHA_MIN, n);
+        assert_close("mirror", found.value, mirror, 2e-3);
+        assert!(found.error.cmple(2e-4 * mirror).all(), "{n}: {found:?}");
+    }
+    let start = std::time::Instant::now();
+    let lost = at(1e-12, DVec3::new(0.0, 0.6, 0.8));
+    assert!(!(lost.error.max_element() <= 1e-3 * lost.value.max_element()), "{lost:?}");
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
+
+/// A map of one row took gigabytes: its tree had leaves far thinner than the row.
+#[test]
+fn maps_of_any_shape_have_small_trees() {
+    for [width, height] in [[40_000, 1], [1, 3000], [5000, 3]] {
+        let environment = exact_quadrature(&RgbImage::filled(width, height, [0.5; 3]));
+        let found = irradiance(&environment, DVec3::Z, Tolerance { relative: 1e-4, ..TOLERANCE });
+        let off = (found.value - DVec3::splat(0.5 * PI)).abs();
+        assert!(off.cmple(found.error + 1e-9).all(), "{width}x{height}: {found:?}");
+    }
+}

@@ -82,9 +82,9 @@ fn check_unpacked(header: &Header, blocks: &[Block]) -> Result<(), Fault> {
     let (largest, all) =
         blocks.iter().fold((0, 0usize), |(most, sum), b| (b.unpacked.max(most), sum.saturating_add(b.unpacked)));
     let channels = header.channels.list.len();
-    for (what, bytes, most) in [("a block", largest, BLOCK_BYTES_MAX), ("its pixels", all, PART_BYTES_MAX)] {
+    for (what, bytes, most) in [("a block has", largest, BLOCK_BYTES_MAX), ("its blocks have", all, PART_BYTES_MAX)] {
         if bytes > most {
-            let what = format!("{what} of {channels} channels unpacks to {} MiB", bytes >> 20);
+            let what = format!("{what} {} MiB of pixels in {channels} channels", bytes >> 20);
             let expected = format!("at most {} MiB; keep the channels of the colour only", most >> 20);
             return Err(Fault::new(what, expected));
         }
