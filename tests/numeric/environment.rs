@@ -317,7 +317,7 @@ mod loading {
             ("builtin:cap:radiance", "an assignment is \"radiance\"; expected PARAMETER=VALUE"),
             ("builtin:cap:radiance=1,radiance=2", "radiance is \"2\"; expected one value"),
             ("sky", "no such file ./sky; did you mean builtin:sky?"),
-            ("", "no such file; expected a file or builtin:NAME"),
+            ("", "no such file; expected a file, FILE.exr#LAYER or builtin:NAME"),
         ];
         for (spec, expected) in cases {
             let message = refusal(spec);

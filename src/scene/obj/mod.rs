@@ -96,18 +96,19 @@ fn read_libraries(
     path: &Path,
     warnings: &mut Vec<String>,
 ) -> Result<mtl::Libraries, SceneError> {
-    let mut libraries = mtl::Libraries::default();
+    let (mut libraries, mut odd) = (mtl::Libraries::default(), Vec::new());
     for names in &obj.libraries {
         let whole = existing(files, path, names);
         if files.has(&whole) || !names.contains(char::is_whitespace) {
-            libraries.add(files, &whole, warnings)?;
+            libraries.add(files, &whole, &mut odd)?;
             continue;
         }
         for name in names.split_whitespace() {
-            libraries.add(files, &existing(files, path, name), warnings)?;
+            libraries.add(files, &existing(files, path, name), &mut odd)?;
         }
     }
     add_first(warnings, std::mem::take(&mut libraries.unreadable));
+    warnings.append(&mut odd);
     Ok(libraries)
 }
 
