@@ -110,7 +110,7 @@ options_of() { # mode
 # Snakemake with the rest of its options.
 workflow() {
     (cd "$work" && "$venv/bin/snakemake" --snakefile "$root/cluster/Snakefile" --workflow-profile "$root/cluster/profiles/$mode" \
-        --config experiment=sweep.toml store=store chunk_seconds=1.35 splitsum="$work/unlucky" "$@")
+        --config experiment=sweep.toml store=store chunk_seconds=1.1 splitsum="$work/unlucky" "$@")
 }
 
 check() { # what, command...

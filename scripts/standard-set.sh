@@ -4,7 +4,8 @@
 #     scripts/standard-set.sh [--only NAME,NAME...] [--runs FOLDER] [--publish FOLDER]
 #
 # Runs go to runs/standard/NAME (gitignored), the small files of each to results/NAME, and results/README.md is written from the answers of
-# all published runs. A set that was stopped goes on where it stopped. Under 40 minutes on two quiet cores with a software driver.
+# all published runs; a run of an earlier plan is replaced. A set that was stopped goes on where it stopped. Under 40 minutes on two quiet
+# cores with a software driver.
 # diffuse-measured needs maps of others in experiments/environments and is left out, with a word, where that folder is missing.
 set -eu
 cd "$(dirname "$0")/.."
@@ -58,5 +59,5 @@ for name in $set_names; do
 done
 say "publishing to $results"
 # shellcheck disable=SC2086 # names of experiments hold no spaces
-target/release/splitsum answers $folders --publish "$results"
+target/release/splitsum answers $folders --publish "$results" --replace
 exit "$status"

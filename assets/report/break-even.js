@@ -1,24 +1,26 @@
 // The figures of the break-even: at equal error, at equal time, over alpha, environment and n.v.
 
-import { domain, figure, heatmap, ordinal, xy } from "report/chart";
-import { breakEvenText, caseAxes, countText, curves, ends, facetAxes, facetLabel, intervalText, keyLabel, open, sampleAxis, seriesAxis, seriesLabel, unique } from "report/cases";
+import { domain, figure, ordinal, xy } from "report/chart";
+import { breakEvenText, caseAxes, countText, curves, ends, facetAxes, facetLabel, intervalText, keyLabel, open, runSuffix, runTitle, sampleAxis, seriesAxis, seriesLabel, unique } from "report/cases";
 import { exclusionOf, headline, model, short, symbol } from "report/data";
+import { heat } from "report/color";
 import { number, quartiles } from "report/dom";
+import { mapped } from "report/maps";
 
 /** What a table says about a crossing, in the words of tables/break_even.csv. */
 const CROSSING = ["break_even", "crossing", "crossing_lo", "crossing_hi", "interval_from", "at_equal_time"];
 const crossingCells = (c) => [breakEvenText(c.break_even), c.crossing, ...(ends(c.interval) ?? [null, null]), c.basis === "none" ? null : c.basis, c.at_equal_time === "not-timed" ? null : c.at_equal_time];
 const TIME = ["samples_in_equal_time", "samples_in_equal_time_lo", "samples_in_equal_time_hi"];
-const timeCells = (c) => (c.time ? [c.time.samples ?? Infinity, ...ends(c.time.interval)] : [null, null, null]);
+const timeCells = (c) => (c.time ? [c.time.samples ?? Infinity, ...(ends(c.time.interval) ?? [null, null])] : [null, null, null]);
 const isTimed = (c) => c.time !== null && c.at_equal_time !== "not-timed";
 const timeNote = (cases) => (cases.some((c) => c.time?.is_cpu) ? " Times of a CPU driver say nothing about a GPU." : "");
-const winner = (pair, c) => ({ sampled: pair.sampled, fixed: pair.fixed, undecided: "undecided" })[c.at_equal_time];
+const winner = (pair, c) => ({ sampled: pair.sampled, fixed: pair.fixed, undecided: "undecided", "too-few-rounds": "too few rounds for an interval" })[c.at_equal_time];
 
 /** A case in a few lines: break-even and crossing with intervals, at equal error and at equal time. */
 function caseText(pair, c) {
   const { sample_counts: counts } = pair;
   const lines = [keyLabel(c.key), `at equal error: ${breakEvenText(c.break_even)} samples; crosses at ${c.crossing === null ? "none" : number(c.crossing, 2)} (95 %: ${intervalText(c.interval, counts)})`];
-  if (isTimed(c)) lines.push(`in the time of ${pair.fixed}: ${countText(c.time.samples, counts)} samples (95 %: ${ends(c.time.interval).map((n) => countText(n, counts)).join(" to ")}); errs less: ${winner(pair, c)}`);
+  if (isTimed(c)) lines.push(`in the time of ${pair.fixed}: ${countText(c.time.samples, counts)} samples (${ends(c.time.interval) ? `95 %: ${ends(c.time.interval).map((n) => countText(n, counts)).join(" to ")}` : "no interval"}); errs less: ${winner(pair, c)}`);
   return lines.join("\n");
 }
 
@@ -31,10 +33,10 @@ export function breakEvenChart(pair) {
   const color = (c) => ordinal(series.indexOf(c.key[seriesAxis]), series.length);
   const crossings = pair.cases.filter((c) => c.crossing !== null);
   return figure({
-    name: "break-even-curves",
+    name: `break-even-curves${runSuffix(pair.run)}`,
     class: "lead-figure",
     height: (width, unit) => Math.round(Math.min(Math.max(260, (innerHeight / unit) * 0.56), width * 0.9)),
-    title: `Error of ${pair.sampled} over error of ${pair.fixed}`,
+    title: `Error of ${pair.sampled} over error of ${pair.fixed}${runTitle(pair.run)}`,
     note: `One line a case; bold: the median, shaded: the middle half. Below 1, ${pair.sampled} is closer to the reference. Open marks on the line: where a case crosses.`,
     legend: [...series.map((value, i) => ({ label: seriesAxis < 0 ? "cases" : `${symbol(caseAxes[seriesAxis])} ${short(caseAxes[seriesAxis], value)}`, color: ordinal(i, series.length) })),
       { label: "median", color: "var(--ink)" }],
@@ -61,16 +63,10 @@ export function breakEvenChart(pair) {
   });
 }
 
-/** The stops of the heat ramp (style sheet), as [r, g, b]. */
-const heat = Array.from({ length: 7 }, (_, i) => getComputedStyle(document.documentElement).getPropertyValue(`--heat-${i}`).trim().match(/[0-9a-f]{2}/gi).map((code) => parseInt(code, 16)));
-
 /** Colour and ink of a break-even count: dark is early. Every count tried has its own step of the ramp, and so has none of them. */
 export function breakEvenColor(pair, { n, above }) {
-  const { sample_counts: counts } = pair, last = heat.length - 1;
-  const place = ((above ? counts.length : counts.indexOf(n)) / Math.max(1, counts.length)) * last, below = Math.min(last - 1, Math.floor(place));
-  const color = heat[below].map((code, c) => Math.round(code + (place - below) * (heat[below + 1][c] - code)));
-  // The ink of the next stop above: dark as soon as the ramp is lighter than its last stop with light ink.
-  return { color: `rgb(${color})`, ink: `var(--heat-ink-${Math.ceil(place)})` };
+  const { sample_counts: counts } = pair;
+  return heat((above ? counts.length : counts.indexOf(n)) / Math.max(1, counts.length));
 }
 
 /** The legend of counts that occur, and of what is missing. */
@@ -89,7 +85,8 @@ const missingLegend = (missing) => [
 function casesGrid(pair) {
   // With what the experiment excludes, so that a column without any case is not missing from the map.
   const { axes, points } = model.exclusions;
-  const excluded = caseAxes.every((name) => axes.includes(name)) ? points.map(([, values]) => caseAxes.map((name) => values[axes.indexOf(name)])) : [];
+  const { label: run } = model.runs[pair.run], isOwn = ([, values]) => !axes.includes("run") || values[axes.indexOf("run")] === run;
+  const excluded = caseAxes.every((name) => axes.includes(name)) ? points.filter(isOwn).map(([, values]) => caseAxes.map((name) => values[axes.indexOf(name)])) : [];
   const keys = [...pair.cases.map((c) => c.key), ...excluded.filter((key) => key.every((value) => value !== ""))];
   const order = (values) => (values.every((value) => Number.isFinite(Number(value))) ? values.sort((a, b) => a - b) : values);
   const lines = order(unique(keys.map((key) => key[seriesAxis]))), facets = unique(keys.map(facetLabel));
@@ -98,7 +95,7 @@ function casesGrid(pair) {
     const key = [...keys.find((one) => facetLabel(one) === facets[c])];
     if (seriesAxis >= 0) key[seriesAxis] = lines[r];
     const wanted = Object.fromEntries(caseAxes.map((name, i) => [name, key[i]]));
-    const why = [pair.sampled, pair.fixed].map((method) => exclusionOf({ ...wanted, method })).find((text) => text !== null);
+    const why = [pair.sampled, pair.fixed].map((method) => exclusionOf({ ...wanted, run, method })).find((text) => text !== null);
     return why === undefined ? { text: "", title: `${keyLabel(key)}: no result, failed or not run` } : { hatch: true, text: "", title: `${keyLabel(key)}: excluded by the experiment: ${why}` };
   };
   const all = lines.flatMap((_, r) => facets.map((_, c) => [r, c]));
@@ -114,13 +111,13 @@ const gridHeads = ({ lines, facets }) => ({
 export function breakEvenMap(pair) {
   const grid = casesGrid(pair);
   return figure({
-    name: "break-even",
-    title: `Break-even of ${pair.sampled} with ${pair.fixed}`,
+    name: `break-even${runSuffix(pair.run)}`,
+    title: `Break-even of ${pair.sampled} with ${pair.fixed}${runTitle(pair.run)}`,
     note: "At equal error: the smallest tried sample count from which on every larger one is better too. Click a cell for its images.",
     height: () => 80 + 34 * grid.lines.length,
     legend: countLegend(pair, pair.cases.map((c) => c.break_even), grid.gaps),
     table: { columns: [...caseAxes, ...CROSSING], rows: pair.cases.map((c) => [...c.key, ...crossingCells(c)]), onrow: (i) => open(pair.cases[i].fixed_cell, pair.cases[i].fixed_run)() },
-    draw: heatmap({
+    ...mapped({
       ...gridHeads(grid),
       cell: (r, c) => {
         const one = grid.at(r, c);
@@ -130,7 +127,7 @@ export function breakEvenMap(pair) {
   });
 }
 
-const WINNERS = { sampled: { color: "var(--series-0)", ink: "var(--on-series)" }, fixed: { color: "var(--series-1)", ink: "var(--on-series)" }, undecided: { color: "var(--line)", ink: "var(--ink)" } };
+const WINNERS = { sampled: { color: "var(--series-0)", ink: "var(--on-series)" }, fixed: { color: "var(--series-1)", ink: "var(--on-series)" }, undecided: { color: "var(--undecided)", ink: "#000" }, "too-few-rounds": { color: "var(--undecided)", ink: "#000" } };
 
 /** Who errs less in the frame time of the method without samples; null where nothing was timed. */
 export function equalTimeMap(pair) {
@@ -138,14 +135,14 @@ export function equalTimeMap(pair) {
   if (!timed.length) return null;
   const grid = casesGrid(pair), untimed = pair.cases.some((c) => !isTimed(c));
   return figure({
-    name: "equal-time",
-    title: `At equal frame time: ${pair.sampled} or ${pair.fixed}`,
+    name: `equal-time${runSuffix(pair.run)}`,
+    title: `At equal frame time: ${pair.sampled} or ${pair.fixed}${runTitle(pair.run)}`,
     note: `Samples that fit into the time of ${pair.fixed} / samples that its error takes. Decided where their 95 % intervals do not meet.${timeNote(timed)}`,
     height: () => 80 + 34 * grid.lines.length,
-    legend: [...["sampled", "fixed", "undecided"].map((key) => ({ label: key === "undecided" ? "undecided: the intervals meet" : `${pair[key]} errs less`, fill: WINNERS[key].color })),
+    legend: [...["sampled", "fixed", "undecided"].map((key) => ({ label: key === "undecided" ? "undecided: the intervals meet, or too few rounds for one" : `${pair[key]} errs less`, fill: WINNERS[key].color })),
       ...(untimed ? [{ label: "not timed", fill: "var(--faint)" }] : []), ...missingLegend(grid.gaps)],
     table: { columns: [...caseAxes, ...TIME, ...CROSSING], rows: timed.map((c) => [...c.key, ...timeCells(c), ...crossingCells(c)]), onrow: (i) => open(timed[i].fixed_cell, timed[i].fixed_run)() },
-    draw: heatmap({
+    ...mapped({
       ...gridHeads(grid),
       cell: (r, c) => {
         const one = grid.at(r, c);
@@ -160,25 +157,29 @@ export function equalTimeMap(pair) {
 
 /** Both counts of every case of a facet with their intervals: what the error takes, and what the time allows. */
 export function equalTimeIntervals(pair, facet) {
-  const own = pair.cases.filter((c) => facetLabel(c.key) === facet && c.interval);
+  const own = pair.cases.filter((c) => facetLabel(c.key) === facet && (ends(c.interval) || isTimed(c)));
   if (!own.length) return null;
   const counts = pair.sample_counts, timed = own.filter(isTimed), edge = [counts[0] / 1.6, counts.at(-1) * 1.6];
   const into = (n) => Math.min(edge[1], Math.max(edge[0], n));
-  const mark = (n) => (n === null ? edge[1] : into(n));
+  // What was not reached, and what was reached at once, has a mark of its own: its place is not known, only its side.
+  const last = counts.at(-1), never = own.some((c) => c.break_even.above), always = own.some((c) => !c.break_even.above && c.crossing === null);
+  const errorMark = (c) => (c.break_even.above ? { x: edge[1], dx: -7, shape: "beyond", r: 6 } : c.crossing === null ? { x: edge[0], dx: 7, shape: "before", r: 6 } : { x: into(c.crossing) });
+  const timeMark = ({ samples: n }) => (n === null ? { x: edge[1], dx: -7, shape: "beyond", r: 6 } : n === 0 ? { x: edge[0], dx: 7, shape: "before", r: 6 } : { x: into(n) });
   const spread = 0.14;
   return figure({
-    name: `equal-time-intervals-${facet}`,
-    title: `Break-even with 95 % intervals · ${facet}`,
-    note: `Dots: samples from which ${pair.sampled} errs less than ${pair.fixed}. ${timed.length ? `Squares: samples that fit into the time of ${pair.fixed}; where a square lies right of its dot, ${pair.sampled} wins at equal time.` : "Nothing was timed."} Marks and lines at the edge go beyond the counts tried.${timeNote(timed)}`,
+    name: `equal-time-intervals-${facet}${runSuffix(pair.run)}`,
+    title: `Break-even with 95 % intervals · ${facet}${runTitle(pair.run)}`,
+    note: `Dots: samples from which ${pair.sampled} errs less than ${pair.fixed}. ${timed.length ? `Squares: samples that fit into the time of ${pair.fixed}; where a square lies right of its dot, ${pair.sampled} wins at equal time.` : "Nothing was timed."} Arrows at the edge: beyond the counts tried.${timeNote(timed)}`,
     height: () => 64 + 38 * own.length,
-    legend: [{ label: "at equal error", color: "var(--series-0)", shape: "circle" }, ...(timed.length ? [{ label: "at equal time", color: "var(--series-1)", shape: "square" }] : [])],
+    legend: [{ label: "at equal error", color: "var(--series-0)", shape: "circle" }, ...(timed.length ? [{ label: "at equal time", color: "var(--series-1)", shape: "square" }] : []),
+      ...(never ? [{ label: `never up to ${last}`, color: "var(--series-0)", shape: "beyond", line: false }] : []), ...(always ? [{ label: `always, from ${counts[0]}`, color: "var(--series-0)", shape: "before", line: false }] : [])],
     table: { columns: [...caseAxes, ...CROSSING, ...TIME], rows: own.map((c) => [...c.key, ...crossingCells(c), ...timeCells(c)]), onrow: (i) => open(own[i].fixed_cell, own[i].fixed_run)() },
     draw: xy({
       x: { ...sampleAxis(counts), domain: edge },
       y: { label: "", domain: [own.length - 0.5, -0.5], ticks: own.map((_, i) => i), format: (i) => seriesLabel(own[i].key) || facet, room: 16 + 7 * Math.max(...own.map((c) => seriesLabel(c.key).length)) },
       marks: [
-        { color: "var(--series-0)", shape: "circle", r: 4.5, dots: own.map((c, i) => ({ x: mark(c.crossing ?? (c.break_even.above ? null : edge[0])), y: i - spread, xs: ends(c.interval).map(into), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) })) },
-        { color: "var(--series-1)", shape: "square", r: 4.5, dots: own.flatMap((c, i) => (isTimed(c) ? [{ x: mark(c.time.samples), y: i + spread, xs: ends(c.time.interval).map(into), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) }] : [])) },
+        { color: "var(--series-0)", shape: "circle", r: 4.5, dots: own.map((c, i) => ({ ...errorMark(c), y: i - spread, xs: ends(c.interval)?.map(into), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) })) },
+        { color: "var(--series-1)", shape: "square", r: 4.5, dots: own.flatMap((c, i) => (isTimed(c) ? [{ ...timeMark(c.time), y: i + spread, xs: ends(c.time.interval)?.map(into), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) }] : [])) },
       ],
     }),
   });
@@ -193,14 +194,14 @@ export function nDotVMap(pair, facet) {
   const all = own.flatMap((c) => c.bins.map((bin) => ({ c, bin })));
   const gaps = all.length < own.length * bins.length;
   return figure({
-    name: `break-even-n-dot-v-${facet}`,
-    title: `Break-even over ${seriesAxis < 0 ? "cases" : symbol(caseAxes[seriesAxis])} and n·v · ${facet}`,
+    name: `break-even-n-dot-v-${facet}${runSuffix(pair.run)}`,
+    title: `Break-even over ${seriesAxis < 0 ? "cases" : symbol(caseAxes[seriesAxis])} and n·v · ${facet}${runTitle(pair.run)}`,
     note: `Samples from which on ${pair.sampled} beats ${pair.fixed}, over the pixels of each bin of n·v: left grazing, right facing the viewer.`,
     height: () => 80 + 34 * own.length,
     legend: [...countLegend(pair, all.map(({ bin }) => bin.break_even), []), ...(gaps ? [{ label: "no pixels", fill: "var(--faint)" }] : [])],
     table: { columns: [...caseAxes, "n_dot_v_from", "n_dot_v_to", `${pair.fixed} ${headline}`, ...CROSSING], rows: all.map(({ c, bin }) => [...c.key, bin.lo, bin.hi, bin.fixed_error, ...crossingCells(bin)]),
       onrow: (i) => { const { c } = all[i]; open(c.fixed_cell, c.fixed_run)(); } },
-    draw: heatmap({
+    ...mapped({
       rows: own.map((c) => short(caseAxes[seriesAxis] ?? "", c.key[seriesAxis] ?? "")), columns: bins.map((lo) => `${number(lo, 2)}–${number(hi[lo], 2)}`), rowTitle: seriesAxis < 0 ? "" : symbol(caseAxes[seriesAxis]), columnTitle: "n·v",
       cell: (r, c) => {
         const bin = own[r].bins.find((one) => one.lo === bins[c]);

@@ -5,7 +5,16 @@ import { model, short, symbol } from "report/data";
 import { number } from "report/dom";
 import { go } from "report/state";
 
-export const { case_axes: caseAxes, curves, pairs } = model.analysis;
+/** Keys without the run: a pair of methods and a curve belong to one run each, and nothing is drawn over several. */
+const runAt = model.analysis.case_axes.indexOf("run");
+const withoutRun = (key) => key.filter((_, i) => i !== runAt);
+export const caseAxes = withoutRun(model.analysis.case_axes);
+export const curves = model.analysis.curves.map((curve) => ({ ...curve, run: curve.points[0].run, key: withoutRun(curve.key) }));
+export const pairs = model.analysis.pairs.map((pair) => ({ ...pair, cases: pair.cases.map((c) => ({ ...c, key: withoutRun(c.key) })) }));
+export const isJoined = model.runs.length > 1;
+/** What tells the figures of one run from those of another: in a title, and in a file's name. */
+export const runTitle = (run) => (isJoined ? ` · ${model.runs[run].label}` : "");
+export const runSuffix = (run) => (isJoined ? `-run-${run + 1}` : "");
 /** The case axis that colours tell apart: alpha, or else the last. */
 export const seriesAxis = caseAxes.includes("alpha") ? caseAxes.indexOf("alpha") : caseAxes.length - 1;
 export const facetAxes = caseAxes.map((_, i) => i).filter((i) => i !== seriesAxis);
@@ -18,19 +27,19 @@ export const unique = (values) => [...new Set(values)];
 /** What opens a cell's images. */
 export const open = (cell, run) => () => go({ view: "compare", cell, run: run || undefined });
 export const sampleAxis = (counts) => ({ label: "samples a pixel", log: true, domain: domain(counts, true), ticks: counts, format: (t) => String(t) });
-export const curveFacets = unique(curves.map((curve) => facetLabel(curve.key)));
+export const curveFacets = (run) => unique(curves.filter((curve) => curve.run === run).map((curve) => facetLabel(curve.key)));
 /** The methods without samples in a case, each with its error. */
-export const fixedOf = (key) => unique(pairs.map((pair) => pair.fixed)).flatMap((fixed) => pairs.filter((pair) => pair.fixed === fixed).slice(0, 1)
+export const fixedOf = (key, run) => unique(pairs.map((pair) => pair.fixed)).flatMap((fixed) => pairs.filter((pair) => pair.fixed === fixed && pair.run === run).slice(0, 1)
   .flatMap((pair) => pair.cases.filter((c) => JSON.stringify(c.key) === JSON.stringify(key)).map((c) => ({ fixed, ...c }))));
 
 export const breakEvenText = ({ n, above }) => (above ? `> ${n}` : `${n}`);
 
-/** Ends of an interval of counts: JSON has no infinity, so an open end is null. */
-export const ends = (interval) => interval && [interval[0], interval[1] ?? Infinity];
+/** Ends of an interval of counts, null without one: JSON has no infinity, so an open end is null. */
+export const ends = (interval) => (interval && interval[0] !== null ? [interval[0], interval[1] ?? Infinity] : null);
 
 /** An interval of sample counts as people read it (answers::break_even::interval_text). */
 export function intervalText(interval, counts) {
-  if (!interval) return "no interval";
+  if (!ends(interval)) return "no interval";
   const [lo, hi] = ends(interval), smallest = counts[0], largest = counts.at(-1), text = (n) => number(n, 2);
   if (lo === 0 && hi === Infinity) return "undecided";
   if (lo >= largest) return `never up to ${largest}`;

@@ -5,6 +5,7 @@ import { announce, csvText, download, h, number, s } from "report/dom";
 /** Okabe and Ito's colours, told apart by the colour-blind too; each theme has its own shades. */
 export const COLORS = Array.from({ length: 7 }, (_, i) => `var(--series-${i})`);
 export const SHAPES = ["circle", "square", "triangle", "diamond", "cross", "down"];
+export const DASHES = [undefined, "7 3", "2 3", "9 3 2 3"];
 /** Viridis at `t` in [0, 1]; the page leaves out its palest end in the light theme and its darkest in the dark one. */
 export function ordinal(index, count) {
   return `var(--ramp-${count < 2 ? 3 : Math.round((index / (count - 1)) * 6)})`;
@@ -16,8 +17,15 @@ function marker(shape, x, y, r, attributes) {
     case "square": return s("rect", { ...attributes, x: x - 0.88 * r, y: y - 0.88 * r, width: 1.76 * r, height: 1.76 * r });
     case "triangle": return p([[0, -1.2], [1.1, 0.8], [-1.1, 0.8]]);
     case "down": return p([[0, 1.2], [1.1, -0.8], [-1.1, -0.8]]);
+    case "ring": return s("circle", { ...attributes, fill: "none", style: `stroke:${attributes.fill};stroke-width:1.6`, cx: x, cy: y, r });
     case "diamond": return p([[0, -1.3], [1.3, 0], [0, 1.3], [-1.3, 0]]);
-    case "cross": return s("path", { ...attributes, fill: "none", "stroke-width": 2, stroke: attributes.fill, d: `M${x - r},${y - r}L${x + r},${y + r}M${x - r},${y + r}L${x + r},${y - r}` });
+    // A style, because the outline of marks is set in the style sheet, which an attribute would not overrule.
+    case "cross": return s("path", { ...attributes, fill: "none", style: `stroke:${attributes.fill};stroke-width:2.2`, d: `M${x - r},${y - r}L${x + r},${y + r}M${x - r},${y + r}L${x + r},${y - r}` });
+    // Open arrows: what lies beyond the tried values, on either side.
+    case "beyond": case "before": {
+      const side = shape === "beyond" ? 1 : -1;
+      return s("path", { ...attributes, fill: "var(--paper)", style: `stroke:${attributes.fill};stroke-width:2`, d: `M${x - side * 0.8 * r},${y - 1.1 * r}L${x + side * 1.2 * r},${y}L${x - side * 0.8 * r},${y + 1.1 * r}Z` });
+    }
     default: return s("circle", { ...attributes, cx: x, cy: y, r });
   }
 }
@@ -39,30 +47,36 @@ export function domain(values, log) {
 
 function ticks({ log, domain: [lo, hi], ticks }, count) {
   if (ticks) return ticks.map((t) => [t, true]);
-  if (log) {
+  // Within a factor of three the digits of a decade are too few.
+  if (log && hi / lo > 3) {
     const all = [];
     for (let e = Math.floor(Math.log10(lo)); e <= Math.ceil(Math.log10(hi)); e++) {
       for (let m = 1; m < 10; m++) { const t = m * 10 ** e; if (t >= lo * 0.999 && t <= hi * 1.001) all.push([t, m === 1]); }
     }
-    const decades = all.filter(([, major]) => major).length;
-    return decades >= 2 ? all : all.map(([t]) => [t, [1, 2, 5].includes(Math.round(t / 10 ** Math.floor(Math.log10(t) + 1e-9)))]);
+    // As many labels as a reader needs to read a value off: fewer digits of a decade get one, the more decades there are.
+    const decades = Math.log10(hi / lo), named = decades > 4 ? [1] : decades > 2 ? [1, 3] : decades > 0.7 ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
+    return all.map(([t]) => [t, named.includes(Math.round(t / 10 ** Math.floor(Math.log10(t) + 1e-9)))]);
   }
   const raw = (hi - lo) / count, power = 10 ** Math.floor(Math.log10(raw)), step = power * [1, 2, 5, 10].find((m) => m * power >= raw);
   const all = [];
-  for (let t = Math.ceil(lo / step - 1e-9) * step; t <= hi + step * 1e-9; t += step) all.push([Number(t.toPrecision(12)), true]);
+  // Whole multiples, so that zero is zero.
+  for (let i = Math.ceil(lo / step - 1e-9); i * step <= hi + step * 1e-9; i++) all.push([Number((i * step).toPrecision(12)), true]);
   return all;
 }
 
 const tickText = (t, log) => (log && (t < 1e-3 || t >= 1e5) ? number(t, 1) : number(t, 4));
 
 let unique = 0;
+/** A name that no other element of the page has. */
+export const uniqueId = (stem) => `${stem}-${unique++}`;
 
 /**
  * A figure around a drawing: title, legend, drawing, and buttons for SVG, CSV and the table.
- * spec: {name, title, note, legend: [{label, color, shape, dash, line, fill, hatch}], table: {columns, rows, onrow}, height, draw(width, height) -> svg}
+ * spec: {name, title, note, legend: [{label, color, shape, dash, line, fill, hatch}], table: {columns, rows, onrow}, height, minWidth,
+ *   draw(width, height) -> svg}
  */
 export function figure(spec) {
-  const id = `figure-${unique++}`;
+  const id = uniqueId("figure");
   const stage = h("div", { class: "stage" });
   const table = h("div", { class: "figure-table", hidden: true });
   const toggle = h("button", { type: "button", "aria-expanded": "false", "aria-controls": `${id}-table`, onclick: () => {
@@ -83,11 +97,13 @@ export function figure(spec) {
     h("div", { class: "stage-box" }, stage, tip), table);
   let drawn = 0;
   const draw = () => {
-    const width = Math.floor(stage.clientWidth);
-    if (width < 40 || width === drawn) return;
-    drawn = width;
-    // Drawn in units of the text size, so that letters and lines grow with it on very large screens.
-    const unit = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16, w = Math.round(width / unit);
+    const room = Math.floor(stage.clientWidth);
+    if (room < 40 || room === drawn) return;
+    drawn = room;
+    // Drawn in units of the text size, so that letters and lines grow with it on very large screens; where that is too narrow to be read, the
+    // stage scrolls.
+    const unit = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16, w = Math.max(Math.round(room / unit), spec.minWidth ?? 0);
+    const width = Math.max(room, Math.round((spec.minWidth ?? 0) * unit));
     const height = spec.height ? spec.height(w, unit) : Math.round(Math.min(420, Math.max(240, w * 0.55)));
     const svg = spec.draw(w, height, tip);
     svg.setAttribute("viewBox", `0 0 ${w} ${height}`);
@@ -106,7 +122,7 @@ export function figure(spec) {
 
 /** A filled or hatched swatch. */
 const shade = (fill, hatch) => [
-  (fill || hatch) && s("rect", { x: 0.5, y: 0.5, width: 25, height: 11, rx: 2, fill: fill ?? "var(--paper)", stroke: "var(--line)" }),
+  (fill || hatch) && s("rect", { x: 0.5, y: 0.5, width: 25, height: 11, rx: 2, fill: fill ?? "var(--paper)", stroke: "var(--cell-line)" }),
   hatch && s("path", { d: "M2,11L12,1M8,11L18,1M14,11L24,1", stroke: "var(--muted)", "stroke-width": 1.2, fill: "none" })];
 
 function legendEntry({ label, color, shape, dash, line, band, fill, hatch }) {
@@ -153,7 +169,7 @@ export function xy({ x, y, marks }) {
     const box = { left: y.room ?? (narrow ? 50 : 60), right: width - 14, top: 10, bottom: height - 42 };
     const sx = scale(x, box.left, box.right), sy = scale(y, box.bottom, box.top);
     const svg = s("svg", { width, height, class: "chart" });
-    const clip = `clip-${unique++}`;
+    const clip = uniqueId("clip");
     svg.append(s("defs", {}, s("clipPath", { id: clip }, s("rect", { x: box.left - 6, y: box.top - 6, width: box.right - box.left + 12, height: box.bottom - box.top + 12 }))));
     let last = -Infinity;
     for (const [t, major] of ticks(x, narrow ? 5 : 9)) {
@@ -165,10 +181,12 @@ export function xy({ x, y, marks }) {
         last = place + 3.6 * text.length;
       }
     }
+    let lastY = Infinity;
     for (const [t, major] of ticks(y, 6)) {
-      const place = sy(t);
+      const place = sy(t), fits = Math.abs(lastY - place) > 13;
       svg.append(s("line", { x1: box.left, x2: box.right, y1: place, y2: place, class: major ? "grid major" : "grid" }));
-      if (major) svg.append(s("text", { x: box.left - 7, y: place + 4, class: "tick", "text-anchor": "end" }, (y.format ?? tickText)(t, y.log)));
+      if (major && fits) lastY = place;
+      if (major && fits) svg.append(s("text", { x: box.left - 7, y: place + 4, class: "tick", "text-anchor": "end" }, (y.format ?? tickText)(t, y.log)));
     }
     svg.append(s("text", { x: (box.left + box.right) / 2, y: height - 6, class: "axis", "text-anchor": "middle" }, x.label));
     svg.append(s("text", { transform: `translate(12 ${(box.top + box.bottom) / 2}) rotate(-90)`, class: "axis", "text-anchor": "middle" }, y.label));
@@ -190,17 +208,17 @@ export function xy({ x, y, marks }) {
         if (mark.label) layer.append(s("text", { x: box.right - 4, y: place + (mark.below ? 14 : -5), class: "mark", "text-anchor": "end", style: `fill:${mark.color}` }, mark.label));
       } else if (mark.dots) {
         for (const dot of mark.dots) {
-          const [px, py] = [sx(dot.x), sy(dot.y)];
+          const [px, py] = [sx(dot.x) + (dot.dx ?? 0), sy(dot.y)];
           if (!fits(px, py)) continue;
           const color = dot.color ?? mark.color;
           if (dot.xs) layer.append(s("line", { x1: sx(dot.xs[0]), x2: sx(dot.xs[1]), y1: py, y2: py, stroke: color, opacity: 0.55 }));
           if (dot.ys) layer.append(s("line", { x1: px, x2: px, y1: sy(dot.ys[0]), y2: sy(dot.ys[1]), stroke: color, opacity: 0.55 }));
-          layer.append(marker(dot.shape ?? mark.shape, px, py, dot.r ?? mark.r ?? 3.4, { fill: color, class: dot.open ? "dot open" : "dot", opacity: mark.opacity }));
+          layer.append(marker(dot.shape ?? mark.shape, px, py, dot.r ?? mark.r ?? 3.4, { fill: color, class: `dot${dot.open ? " open" : ""}${dot.ring ? " ringed" : ""}`, opacity: dot.opacity ?? mark.opacity }));
           if (dot.text) targets.push({ px, py, dot });
         }
       } else if (mark.text) {
         const atX = typeof mark.x === "function" ? mark.x(box) : sx(mark.x), atY = typeof mark.y === "function" ? mark.y(box) : sy(mark.y);
-        svg.append(s("text", { x: atX, y: atY, class: "mark", "text-anchor": mark.anchor ?? "start", style: `fill:${mark.color}` }, mark.text));
+        svg.append(s("text", { x: atX + (mark.dx ?? 0), y: atY + (mark.dy ?? 0), class: "mark", "text-anchor": mark.anchor ?? "start", style: `fill:${mark.color}` }, mark.text));
       }
     }
     hover(svg, tip, targets, width);
@@ -244,7 +262,9 @@ function showTip(svg, tip, target, width) {
   tip.textContent = target.dot.text;
   const unit = svg.getBoundingClientRect().width / width, side = target.px > width / 2 ? "right" : "left";
   const distance = (side === "right" ? width - target.px : target.px) + 14;
-  tip.style.cssText = `top:${Math.max(0, target.py - 14) * unit}px;${side}:${distance * unit}px`;
+  // The tip stands beside the stage's window, the target in what scrolls below it.
+  const scrolled = svg.parentElement.scrollLeft * (side === "right" ? -1 : 1);
+  tip.style.cssText = `top:${Math.max(0, target.py - 14) * unit}px;${side}:${distance * unit - scrolled - (side === "right" ? svg.parentElement.scrollWidth - svg.parentElement.clientWidth : 0)}px`;
 }
 
 const WALK_HINT = " Arrow keys go from value to value, Enter opens the images.";
@@ -285,7 +305,7 @@ function walk(svg, targets, show) {
 }
 
 /** The keyboard alone, for drawings whose parts take the pointer themselves: the target is framed. */
-function walkOnly(svg, tip, targets, width) {
+export function walkOnly(svg, tip, targets, width) {
   const frame = s("rect", { class: "ring", visibility: "hidden", rx: 3 });
   svg.append(frame);
   walk(svg, targets, (target) => {
@@ -295,76 +315,4 @@ function walkOnly(svg, tip, targets, width) {
     for (const [name, value] of Object.entries(target.box)) frame.setAttribute(name, value);
     showTip(svg, tip, target, width);
   });
-}
-
-/** Stacked bars, one a row: bars are {name, parts: [[part, value]], total, open}; colours follow the order of `parts`. */
-export function bars({ bars, parts, unit }) {
-  return (width, height, tip) => {
-    const targets = [];
-    const svg = s("svg", { width, height, class: "chart" });
-    const left = Math.min(width * 0.42, 12 + 6.6 * Math.max(...bars.map((bar) => bar.name.length)));
-    const longest = Math.max(...bars.map((bar) => bar.total)), rowHeight = height / bars.length;
-    bars.forEach((bar, i) => {
-      const y = i * rowHeight, middle = y + rowHeight / 2 + 4;
-      let x = left;
-      svg.append(s("text", { x: left - 8, y: middle, class: "tick", "text-anchor": "end" }, bar.name));
-      for (const [part, value] of bar.parts) {
-        const w = (value / longest) * (width - left - 76);
-        svg.append(s("rect", { x, y: y + rowHeight * 0.14, width: Math.max(0.5, w), height: rowHeight * 0.72, fill: COLORS[parts.indexOf(part) % 7] }, s("title", {}, `${bar.name}: ${part} ${number(value)} ${unit}`)));
-        x += w;
-      }
-      svg.append(s("text", { x: x + 6, y: middle, class: "tick" }, `${number(bar.total)} ${unit}`));
-      const text = [`${bar.name}: ${number(bar.total)} ${unit}`, ...bar.parts.map(([part, value]) => `${part} ${number(value)}`)].join("\n");
-      const box = { x: left - 2, y: y + rowHeight * 0.06, width: Math.max(4, x - left + 4), height: rowHeight * 0.88 };
-      targets.push({ px: left, py: y + rowHeight / 2, box, dot: { text, open: bar.open } });
-      if (bar.open) svg.append(s("rect", { ...box, fill: "transparent", class: "open", onclick: bar.open }, s("title", {}, text)));
-    });
-    walkOnly(svg, tip, targets, width);
-    return svg;
-  };
-}
-
-/**
- * A map of coloured cells with their values written in. rows, columns: labels; cell(r, c) -> {text, color, ink, title, open}; a cell
- * without a colour is missing, and hatched where `hatch` says that it was left out on purpose.
- */
-export function heatmap({ rows, columns, rowTitle, columnTitle, cell }) {
-  return (width, height, tip) => {
-    const left = Math.min(width * 0.3, 14 + 7 * Math.max(4, rowTitle.length, ...rows.map((label) => String(label).length)));
-    const longest = Math.max(...columns.map((label) => String(label).length), 1);
-    const slanted = (width - left - 4) / columns.length < 6.6 * longest;
-    // The last slanted label leans out to the right.
-    const w = (width - left - (slanted ? Math.min(60, 4 * longest) : 4)) / columns.length;
-    const top = slanted ? Math.min(110, 30 + longest * 4.6) : 40, rowHeight = (height - top - 4) / rows.length;
-    const svg = s("svg", { width, height, class: "chart" });
-    svg.append(s("text", { x: left - 8, y: top - 8, class: "axis", "text-anchor": "end" }, rowTitle),
-      s("text", { x: left + (columns.length * w) / 2, y: 12, class: "axis", "text-anchor": "middle" }, columnTitle));
-    columns.forEach((label, c) => {
-      const x = left + (c + 0.5) * w, y = top - 8;
-      svg.append(s("text", slanted ? { transform: `translate(${x} ${y}) rotate(-40)`, class: "tick" } : { x, y, class: "tick", "text-anchor": "middle" }, label));
-    });
-    const cells = rows.map((_, r) => columns.map((_, c) => cell(r, c)));
-    const longestText = Math.max(2, ...cells.flat().map(({ text }) => text.length));
-    const size = Math.min(14, (w - 6) / (0.6 * longestText), rowHeight * 0.6), targets = [];
-    const hatch = `hatch-${unique++}`;
-    svg.append(s("defs", {}, s("pattern", { id: hatch, width: 7, height: 7, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
-      s("rect", { width: 7, height: 7, fill: "var(--paper)" }), s("line", { x1: 0, x2: 0, y1: 0, y2: 7, stroke: "var(--muted)", "stroke-width": 2 }))));
-    rows.forEach((label, r) => {
-      const y = top + r * rowHeight;
-      svg.append(s("text", { x: left - 8, y: y + rowHeight / 2 + 4, class: "tick", "text-anchor": "end" }, label));
-      columns.forEach((_, c) => {
-        const value = cells[r][c], x = left + c * w;
-        const group = s("g", { class: value.open ? "cell open" : value.hatch ? "cell missing excluded-cell" : "cell missing" },
-          s("rect", { x: x + 1, y: y + 1, width: Math.max(1, w - 2), height: Math.max(1, rowHeight - 2), rx: 3, fill: value.color ?? (value.hatch ? `url(#${hatch})` : "var(--faint)") }),
-          value.text && size > 6 && s("text", { x: x + w / 2, y: y + rowHeight / 2 + size * 0.36, "text-anchor": "middle", style: `fill:${value.ink};font-size:${size}px` }, value.text),
-          s("title", {}, value.title));
-        if (value.open) group.addEventListener("click", value.open);
-        targets.push({ px: x + w / 2, py: y + rowHeight / 2, box: { x: x + 1, y: y + 1, width: Math.max(1, w - 2), height: Math.max(1, rowHeight - 2) }, dot: { text: value.title, open: value.open } });
-        svg.append(group);
-      });
-    });
-    tip.hidden = true;
-    walkOnly(svg, tip, targets, width);
-    return svg;
-  };
 }

@@ -1,6 +1,6 @@
 // The run's data as the page holds it: the model, the CSV tables and the linear images.
 
-import { byId } from "report/dom";
+import { byId, unguarded } from "report/dom";
 
 const json = (id) => JSON.parse(byId(id).textContent);
 export const model = json("model");
@@ -40,7 +40,7 @@ export function table(run, name) {
   const id = `csv-${run}-${name}`;
   if (!tables.has(id)) {
     const text = byId(id) ? json(id) : null;
-    const [columns, ...rows] = text === null ? [[]] : parseCsv(text);
+    const [columns, ...rows] = text === null ? [[]] : parseCsv(text).map((row) => row.map(unguarded));
     tables.set(id, text === null ? null : { columns, rows, text });
   }
   return tables.get(id);
@@ -86,6 +86,9 @@ export const rows = model.runs.flatMap((run, index) => {
   });
 });
 export const rowOf = (cell, run = 0) => rows.find((row) => row.cell === cell && row.run === Number(run));
+
+/** What names a cell among all runs: two runs of one plan have the same cells. */
+export const idOf = (row) => (row.run ? `${row.cell}@${row.run}` : row.cell);
 
 /** A value in words; a bare number says what it is. */
 const word = (name, value) => {

@@ -38,10 +38,17 @@ export function download(name, text, type) {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
+/** Whether a spreadsheet would run the text, as src/table/csv.rs says it. */
+const isLikeFormula = (text) =>
+  /^'*[=+\-@\t\r]/.test(text) && !(/^[+-]/.test(text) && (Number.isFinite(Number(text)) || /^.(inf|infinity|nan)$/i.test(text)));
+
+/** The text that a table holds as this field: without the apostrophe that keeps a spreadsheet from running it. */
+export const unguarded = (field) => (field.startsWith("'") && isLikeFormula(field.slice(1)) ? field.slice(1) : field);
+
 /** RFC 4180. */
 export const csvText = (columns, rows) =>
   [columns, ...rows].map((row) => row.map((field) => {
-    const text = field === Infinity ? "inf" : String(field ?? "");
+    const plain = field === Infinity ? "inf" : String(field ?? ""), text = isLikeFormula(plain) ? `'${plain}` : plain;
     return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
   }).join(",")).join("\n") + "\n";
 

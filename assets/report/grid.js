@@ -2,6 +2,7 @@
 
 import { displayAxes, errorColor, exclusionOf, exrLink, hasPixels, headline, HALF, mask, model, overview, pixels, rows, sceneAxes, axisOf, scenes, short, symbol, texelError, tone, variantAxes, variantLabel, variantLabels } from "report/data";
 import { choice, h, number, select } from "report/dom";
+import { sheetLinks } from "report/run";
 import { go, keep } from "report/state";
 
 /** Display codes of every half float: a table makes a picture in a millisecond. */
@@ -104,6 +105,7 @@ export function showGrid(view, state) {
     h("label", { class: "choice" }, h("span", { class: "exposure-text" }, `Exposure ${stops > 0 ? "+" : stops < 0 ? "−" : ""}${Math.abs(stops)} EV`), ev),
     sceneAxes.filter((name) => axisOf[name].values.length > 1).map((name) => select(symbol(name), [["", "all"], ...axisOf[name].values.map((value) => [value, short(name, value)])], filters[name], (value) => again({ [name]: value }))));
   const notes = model.image_notes.map((text) => h("p", { class: "warning" }, text));
+  for (const one of model.runs.filter((each) => each.sheets.length)) notes.push(h("details", { class: "note" }, h("summary", {}, `${one.sheets.length} contact ${one.sheets.length === 1 ? "sheet" : "sheets"} beside this report${model.runs.length > 1 ? ` · ${one.label}` : ""}: every image as a picture`), sheetLinks(one)));
   if (!model.images.some((image) => image.payload !== null)) {
     // Exposure and error maps need pixels.
     view.replaceChildren(h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Images")), ...notes, model.images.length ? exrTable() : "");

@@ -1,14 +1,13 @@
 // Starts the page: navigation, the first screen, keys.
 
-import { hasPixels, headline, model, scenes, variantLabel } from "report/data";
+import { showAnswer } from "report/answer";
 import { byId, h } from "report/dom";
-import { settingsOf, showGrid, thumbnail } from "report/grid";
-import { breakEvenChart, breakEvenMap, equalTimeMap } from "report/break-even";
-import { pairs } from "report/cases";
-import { convergence, hasConvergence, profile, showPlots } from "report/plots";
+import { showGrid } from "report/grid";
 import { liveKey, liveRelease, showLive } from "report/live";
-import { go, link, onState, state } from "report/state";
-import { showRun, showTables } from "report/tables";
+import { showPlots } from "report/plots";
+import { showRun } from "report/run";
+import { go, onState, state } from "report/state";
+import { showTables } from "report/tables";
 import { showViewer, viewerKey, viewerRelease } from "report/viewer";
 
 const PAGES = [
@@ -18,7 +17,7 @@ const PAGES = [
 
 const KEYS = [
   ["1 … 9", "show an image of the scene"], ["space (hold)", "show the reference"], ["← →", "previous, next image"], ["↑ ↓", "previous, next scene"],
-  ["E", "relative error"], ["S", "signed error"], ["T", "tone curve or sRGB"], ["[ ]", "half a stop darker, brighter"], ["C", "mark clipped pixels"],
+  ["E", "relative error"], ["S", "signed error"], ["T", "tone curve or sRGB"], ["[ ]", "half a stop darker, brighter"], ["C", "mark clipped pixels, or errors beyond the range of colours"],
   ["D", "split with the reference"], ["+ − 0", "zoom in, out, fit"], ["click", "pin the probe"], ["shift + arrows", "move the probe by a texel"], ["live: 1 … 4", "split sum, sampled, error, signed error"], ["live: arrows, drag", "turn; + − and the wheel come nearer, 0 returns"], ["live: space (hold)", "show the other of split sum and sampled"],
   ["G A I M L P B R", "go to Answer (G or A), Images, coMpare, Live, Plots, taBles, Run"], ["?", "this list"],
 ];
@@ -37,6 +36,7 @@ function show(current) {
   const here = byId("pages").querySelector("[aria-current]");
   here.setAttribute("aria-current", "page");
   byId("pages").scrollLeft = here.offsetLeft - 60;
+  signalMore();
   document.body.dataset.view = known[0];
   known[2](byId(`view-${known[0]}`), current);
   if (!isNew) return;
@@ -45,41 +45,10 @@ function show(current) {
   if (hadFocus) byId("main").focus({ preventScroll: true });
 }
 
-let answered = false;
-/** Charts and a sample of the images below the sentence, which stands in the page already. */
-function showAnswer() {
-  if (answered) return;
-  answered = true;
-  const pair = pairs[0];
-  if (pair) {
-    byId("lead-chart").append(breakEvenChart(pair));
-    byId("answer-rest").append(h("div", { class: "two" }, [breakEvenMap(pair), equalTimeMap(pair), strip(pair)].filter(Boolean)));
-  } else {
-    const lead = hasConvergence ? convergence() : scenes.length ? profile(scenes[0]) : null;
-    if (lead) byId("lead-chart").append(lead);
-    byId("answer-rest").append(strip(null));
-  }
-  if (model.differences.length) byId("answer-rest").append(h("p", { class: "note" }, "Joined runs differ in ", model.differences.map(([name]) => name).join(", "), ". ", h("a", { href: "#run" }, "Details")));
-}
-
-/** The images of one telling scene: the case in the middle. */
-function strip(pair) {
-  const withPixels = scenes.filter((scene) => scene.variants.some(hasPixels));
-  if (!withPixels.length) return h("p", { class: "note" }, model.image_notes.join(" "));
-  const cases = pair ? [...pair.cases].sort((a, b) => (a.crossing ?? Infinity) - (b.crossing ?? Infinity)) : [];
-  const middle = cases[Math.floor((cases.length - 1) / 2)];
-  const scene = withPixels.find((one) => middle && one.variants.some((row) => row.cell === middle.fixed_cell && row.run === middle.fixed_run)) ?? withPixels[0];
-  const own = scene.variants, settings = settingsOf(scene.main);
-  const fixed = middle && own.find((row) => row.cell === middle.fixed_cell);
-  const sampled = own.filter((row) => (pair ? row.axes.method === pair.sampled : row.axes.method !== "none"));
-  const at = sampled.find((row) => middle && Number(row.axes.samples) === middle.break_even.n) ?? sampled.at(-1);
-  const ranked = [...sampled].sort((a, b) => a.scores[headline] - b.scores[headline]);
-  const chosen = [...new Set((pair ? [fixed, sampled[0], at] : [ranked.at(-1), ranked[ranked.length >> 1], ranked[0]]).filter(Boolean))];
-  return h("figure", { class: "figure strip" }, h("figcaption", {}, h("h3", {}, `See it: ${scene.label}`)),
-    h("p", { class: "note" }, pair ? "The scene whose break-even lies in the middle. Above the images, below their relative error (magma, 10⁻³ to 1). Click to compare them pixel by pixel." : "The largest, the middle and the lowest error. Above the images, below their relative error (magma, 10⁻³ to 1)."),
-    h("div", { class: "strip-images" }, h("div", {}, h("h4", {}, "reference"), thumbnail(scene.main, "image", settings, { isReference: true })),
-      chosen.map((row) => h("div", {}, h("h4", {}, variantLabel(row)), thumbnail(row, "image", settings), thumbnail(row, "error", settings)))),
-    h("p", {}, h("a", { href: "#images" }, `All ${scenes.length} scenes`), " · ", h("a", { href: link({ view: "compare", cell: (fixed ?? own[0]).cell, split: 0.5 }) }, "Compare with the reference")));
+/** Fades the ends of the menu beyond which it goes on. */
+function signalMore() {
+  const { scrollLeft, scrollWidth, clientWidth, dataset } = byId("pages");
+  dataset.more = [scrollLeft > 1 ? "left" : "", scrollLeft + clientWidth < scrollWidth - 1 ? "right" : ""].filter(Boolean).join(" ");
 }
 
 function help() {
@@ -119,6 +88,10 @@ function release() {
 export function start() {
   byId("pages").append(...PAGES.map(([name, title]) => h("a", { href: `#${name}`, "data-view": name }, title)));
   byId("tools").append(h("button", { type: "button", onclick: help, "aria-label": "Keys", title: "Keys (?)" }, "?"));
+  byId("pages").addEventListener("scroll", signalMore, { passive: true });
+  addEventListener("resize", signalMore);
+  // Colours of quantities are computed for the theme.
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (["answer", "plots"].includes(document.body.dataset.view)) show(state()); });
   addEventListener("keydown", onKey);
   addEventListener("keyup", (event) => { if (event.key === " ") release(); });
   addEventListener("blur", release);

@@ -1,31 +1,18 @@
 // The comparison of images on linear data: flip in place, split, zoom to texels, error maps, probe. WebGL2.
 
-import { HALF, errorColor, exrLink, hasPixels, headline, model, rowOf, rows, scenes, texelError, variantLabel } from "report/data";
+import { HALF, errorColor, exrLink, hasPixels, headline, idOf, model, rowOf, rows, scenes, texelError, variantLabel } from "report/data";
 import { announce, choice, h, number, select, slider, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { fitCanvas, linkButton } from "report/stage";
 import { keep, state as current } from "report/state";
 import { Surface } from "report/surface";
+import { STOPS, key, keyedVariants, listen } from "report/viewer-input";
 
 const SCALE_MAX = 96;
-const KEY_MAX = 9;
+/** What the slider reaches, and so what an address may ask for. */
+const CONTRAST = [0.1, 5];
 const MODES = [["image", "Image", "the image through the tone curve"], ["error", "Error", "relative error (E)"], ["signed", "Signed", "signed relative error (S)"]];
 const TONES = [["curve", "Tone curve", "(e L / (e L + 1))^(contrast / 2.2), the project's"], ["srgb", "sRGB", "clipped linear, sRGB-encoded"]];
-
-/**
- * The images that the keys 1 to 9 show: those with pixels, of several point sets the first. Methods without samples always have a key: where
- * there are too many images, the largest sample counts go without.
- */
-function keyedVariants(scene) {
-  const ways = new Map();
-  for (const row of scene.variants.filter(hasPixels)) {
-    const way = variantLabel(row, ["point_set"]);
-    if (!ways.has(way)) ways.set(way, row);
-  }
-  const shown = [...ways.values()], fixed = shown.filter((row) => !row.axes.samples).slice(0, KEY_MAX);
-  const sampled = shown.filter((row) => row.axes.samples).slice(0, KEY_MAX - fixed.length);
-  return shown.filter((row) => fixed.includes(row) || sampled.includes(row));
-}
 
 class Viewer {
   constructor(view) {
@@ -42,15 +29,15 @@ class Viewer {
   async show(state) {
     const row = rowOf(state.cell, state.run ?? 0) ?? scenes.flatMap((one) => one.variants).find(hasPixels) ?? rows[0];
     if (!row || !this.surface.gl) return this.sayNothing(row);
-    const scene = row.scene, real = (text, otherwise) => (text !== undefined && Number.isFinite(Number(text)) ? Number(text) : otherwise);
+    const scene = row.scene, real = (text, lo, hi, otherwise) => (text !== undefined && text !== "" && Number.isFinite(Number(text)) ? Math.min(hi, Math.max(lo, Number(text))) : otherwise);
     this.row = row.original;
-    this.other = scene.variants.find((v) => v.cell === state.with) ?? null;
+    this.other = scene.variants.find((v) => idOf(v) === state.with) ?? null;
     this.mode = MODES.some(([name]) => name === state.mode) ? state.mode : "image";
     this.tone = state.tone === "srgb" ? "srgb" : "curve";
-    this.stops = real(state.ev, Math.log2(Number(row.axes.exposure) || 1));
-    this.contrast = real(state.contrast, Number(row.axes.contrast) || 1);
+    this.stops = real(state.ev, ...STOPS, Math.log2(Number(row.axes.exposure) || 1));
+    this.contrast = real(state.contrast, ...CONTRAST, Number(row.axes.contrast) || 1);
     this.clipped = state.clip === "1";
-    this.split = state.split === undefined ? null : real(state.split, 0.5);
+    this.split = state.split === undefined ? null : real(state.split, 0, 1, 0.5);
     const isNew = this.scene !== scene;
     this.scene = scene;
     this.surface.wanted = new Set(scene.variants.flatMap((v) => [v.image, v.reference]).filter((i) => i !== null));
@@ -68,8 +55,8 @@ class Viewer {
     if (isNew || !this.origin) this.fit();
     if (state.zoom !== undefined) {
       this.isFitted = false;
-      this.scale = Math.min(SCALE_MAX, Math.max(0.05, real(state.zoom, 1)));
-      this.center(real(state.x, texels.width / 2), real(state.y, texels.height / 2));
+      this.scale = real(state.zoom, Math.min(this.fitScale, 1) / 2, SCALE_MAX, 1);
+      this.center(real(state.x, 0, texels.width, texels.width / 2), real(state.y, 0, texels.height, texels.height / 2));
     }
     this.draw();
     // The rest of the scene, so that flipping and the probe are instant.
@@ -89,7 +76,7 @@ class Viewer {
     const texels = this.surface.images.get(this.row.image);
     const isOwn = texels && !this.isFitted, middle = isOwn ? this.middle() : {};
     keep({
-      cell: this.row.cell, run: this.row.run || "", with: this.other?.cell ?? "", mode: this.mode === "image" ? "" : this.mode,
+      cell: this.row.cell, run: this.row.run || "", with: this.other ? idOf(this.other) : "", mode: this.mode === "image" ? "" : this.mode,
       tone: this.tone === "curve" ? "" : this.tone, ev: Number(this.stops.toFixed(3)), contrast: Number(this.contrast.toFixed(3)),
       clip: this.clipped ? "1" : "", split: this.split === null ? "" : Number(this.split.toFixed(4)),
       zoom: isOwn ? Number(this.scale.toFixed(3)) : "", x: middle.x ?? "", y: middle.y ?? "",
@@ -212,6 +199,7 @@ class Viewer {
     this.handle.hidden = !isSplit;
     if (isSplit) this.handle.style.left = `${this.split * 100}%`;
     this.handle.setAttribute("aria-valuenow", isSplit ? Math.round(this.split * 100) : 0);
+    this.clipText.textContent = this.mode === "image" ? " Mark clipped" : " Mark beyond the range";
     this.legend.hidden = this.mode === "image";
     if (this.legend.dataset.mode !== this.mode) this.fillLegend();
   }
@@ -219,7 +207,7 @@ class Viewer {
   fillLegend() {
     this.legend.dataset.mode = this.mode;
     if (this.mode === "image") return;
-    fillErrorLegend(this.legend, this.mode === "signed");
+    fillErrorLegend(this.legend, this.mode === "signed", true);
   }
 
   // --- Probe ---------------------------------------------------------------------------------------------------------------
@@ -241,7 +229,7 @@ class Viewer {
     };
     const window = model.images[this.row.image]?.window;
     this.probePlace.textContent = window ? `texel (${x + window.x}, ${y + window.y})${this.pinned ? " · pinned" : ""}` : "";
-    const line = (name, key, value, error) => h("tr", { "data-probe": key, class: key === this.row.cell ? "current" : "" }, h("th", { scope: "row" }, name),
+    const line = (name, key, value, error) => h("tr", { "data-probe": key, class: key === idOf(this.row) ? "current" : "" }, h("th", { scope: "row" }, name),
       (value ?? [null, null, null]).map((v) => h("td", { "data-value": v ?? "", title: v === null ? "" : String(v) }, number(v, 4))),
       h("td", { "data-value": error?.relative ?? "" }, error ? [h("i", { class: "chip", style: `background:rgb(${errorColor("error", error)})` }), number(error.relative)] : ""));
     const references = new Map();
@@ -250,7 +238,7 @@ class Viewer {
       if (!references.has(row.reference)) references.set(row.reference, truth);
       const bytes = this.surface.images.get(row.reference)?.maskBytes, width = this.surface.images.get(row.reference)?.width;
       const counts = !bytes || bytes[y * width + x] === 1;
-      return line(variantLabel(row), row.cell, value, value && truth && counts ? texelError(value, truth) : null);
+      return line(variantLabel(row), idOf(row), value, value && truth && counts ? texelError(value, truth) : null);
     });
     this.probeBody.replaceChildren(...[...references].map(([index, truth], i) => line(`reference${references.size > 1 ? ` ${i + 1}` : ""}`, `reference-${index}`, truth, null)), ...lines);
   }
@@ -273,11 +261,12 @@ class Viewer {
   // --- Controls ------------------------------------------------------------------------------------------------------------
 
   build() {
-    this.exposure = slider("Exposure", -12, 12, 0.1, "exposure", (stops) => { this.stops = stops; this.redraw(); });
-    this.contrastSlider = slider("Contrast", 0.1, 5, 0.05, "contrast", (value) => { this.contrast = value; this.redraw(); });
+    this.exposure = slider("Exposure", ...STOPS, 0.1, "exposure", (stops) => { this.stops = stops; this.redraw(); });
+    this.contrastSlider = slider("Contrast", ...CONTRAST, 0.05, "contrast", (value) => { this.contrast = value; this.redraw(); });
     this.modeChoice = choice("What is shown", MODES, "image", (mode) => { this.mode = mode; this.redraw(); });
     this.toneChoice = choice("Tone", TONES, "curve", (tone) => { this.tone = tone; this.redraw(); });
     this.clipBox = h("input", { type: "checkbox", onchange: () => { this.clipped = this.clipBox.checked; this.redraw(); } });
+    this.clipText = h("span", {}, " Mark clipped");
     this.splitBox = h("input", { type: "checkbox", onchange: () => this.setSplit(this.splitBox.checked ? 0.5 : null) });
     this.badge = h("p", { class: "badge" });
     this.rightBadge = h("p", { class: "badge right", hidden: true });
@@ -298,14 +287,14 @@ class Viewer {
       h("div", { class: "row" }, this.scenePicker), this.variants,
       h("div", { class: "row" }, this.modeChoice, this.toneChoice), this.legend,
       this.exposure.element, this.contrastSlider.element,
-      h("div", { class: "row checks" }, h("label", {}, this.splitBox, " Split with "), this.withPicker, h("label", {}, this.clipBox, " Mark clipped")),
+      h("div", { class: "row checks" }, h("label", {}, this.splitBox, " Split with "), this.withPicker, h("label", {}, this.clipBox, this.clipText)),
       h("section", { class: "probe", "aria-label": "Probe" }, h("h3", {}, "Linear values ", this.probePlace),
         h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ["", "R", "G", "B", "error"].map((name) => h("th", { scope: "col" }, name)))), this.probeBody)),
         h("p", { class: "note" }, "Half floats: 11 significant bits. Click the image to pin the texel, shift and arrows move it.")),
       h("div", { class: "row" }, linkButton(() => this.row && this.keepState()), this.exr = h("a", {}, "EXR")),
       h("p", { class: "note keys", id: "viewer-keys" }, h("kbd", {}, "1"), "–", h("kbd", {}, "9"), " image · hold ", h("kbd", {}, "space"), " reference · ", h("kbd", {}, "E"), " error · ", h("kbd", {}, "S"), " signed · ", h("kbd", {}, "?"), " all keys"));
     this.view.replaceChildren(h("div", { class: "viewer" }, this.stage, panel));
-    this.listen();
+    listen(this);
     new ResizeObserver(() => {
       // Before the first image is placed there is nothing to draw: `show` fits it.
       if (this.origin && this.surface.images.has(this.row.image) && this.resize()) this.draw();
@@ -337,20 +326,23 @@ class Viewer {
 
   fillVariants() {
     this.scenePicker.replaceChildren(select("Scene", scenes.map((one, i) => [i, one.label]), scenes.indexOf(this.scene), (index) => this.stepScene(Number(index) - scenes.indexOf(this.scene))));
-    this.withPicker.replaceChildren(select("", [["", "reference"], ...this.scene.variants.filter(hasPixels).map((v) => [v.cell, variantLabel(v)])], this.other?.cell ?? "", async (cell) => {
-      this.other = this.scene.variants.find((v) => v.cell === cell) ?? null;
+    this.withPicker.replaceChildren(select("", [["", "reference"], ...this.scene.variants.filter(hasPixels).map((v) => [idOf(v), variantLabel(v)])], this.other ? idOf(this.other) : "", async (id) => {
+      this.other = this.scene.variants.find((v) => idOf(v) === id) ?? null;
       if (this.other) await Promise.all([this.surface.load(this.other.image), this.surface.load(this.other.reference)]);
       this.setSplit(this.split ?? 0.5);
     }));
     this.withPicker.querySelector("select").setAttribute("aria-label", "Split with");
-    const keyed = keyedVariants(this.scene), keyOf = (row) => (keyed.includes(row) ? String(keyed.indexOf(row) + 1) : "·");
-    this.variants.replaceChildren(...this.scene.variants.map((row) => h("li", {}, h("button", { type: "button", "data-cell": row.cell, onclick: () => this.choose(row), class: "variant" },
-      h("kbd", {}, keyOf(row)), h("span", {}, variantLabel(row)), h("span", { class: "score" }, row.scores[headline] === null ? "failed" : number(row.scores[headline]))))));
+    // What has a key stands first, in the order of the keys; of many point sets the rest would bury it.
+    const keyed = keyedVariants(this.scene), rest = this.scene.variants.filter((row) => !keyed.includes(row));
+    const item = (row, key) => h("li", {}, h("button", { type: "button", "data-cell": row.cell, "data-run": row.run, onclick: () => this.choose(row), class: "variant" },
+      h("kbd", {}, key), h("span", {}, variantLabel(row)), h("span", { class: "score" }, row.scores[headline] === null ? "failed" : number(row.scores[headline]))));
+    this.variants.replaceChildren(...keyed.map((row, i) => item(row, String(i + 1))),
+      ...(keyed.length && rest.length ? [h("li", {}, h("details", { open: rest.includes(this.row) }, h("summary", {}, `${rest.length} more without a key`), h("ol", { class: "variants" }, rest.map((row) => item(row, "·")))))] : rest.map((row) => item(row, "·"))));
     this.markVariant();
   }
 
   markVariant() {
-    for (const button of this.variants.querySelectorAll("button")) button.setAttribute("aria-pressed", String(button.dataset.cell === this.row.cell));
+    for (const button of this.variants.querySelectorAll("button")) button.setAttribute("aria-pressed", String(button.dataset.cell === this.row.cell && Number(button.dataset.run) === this.row.run));
     const image = model.images[this.row.image];
     if (image) {
       this.exr.href = exrLink(this.row.image);
@@ -362,95 +354,7 @@ class Viewer {
     announce(`${this.scene.label}: ${variantLabel(this.row)}, relMSE ${number(this.row.scores[headline])}`);
   }
 
-  // --- Pointer and keys ----------------------------------------------------------------------------------------------------
-
-  listen() {
-    const { canvas } = this, pointers = new Map();
-    let moved = false, spread = 0, frame = 0;
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      pointers.set(event.pointerId, event);
-      moved = false;
-      spread = 0;
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      if (!this.row || !this.origin) return;
-      const before = pointers.get(event.pointerId);
-      if (before) {
-        const ratio = canvas.width / canvas.getBoundingClientRect().width;
-        pointers.set(event.pointerId, event);
-        if (Math.hypot(event.clientX - before.clientX, event.clientY - before.clientY) > 0) moved ||= event.buttons > 0;
-        if (pointers.size === 2) {
-          const [a, b] = [...pointers.values()], distance = Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
-          const box = canvas.getBoundingClientRect();
-          if (spread && Math.abs(distance / spread - 1) > 0.08) {
-            this.zoom(distance / spread, ((a.clientX + b.clientX) / 2 - box.left) * ratio, ((a.clientY + b.clientY) / 2 - box.top) * ratio);
-            spread = distance;
-          }
-          spread ||= distance;
-        } else this.pan((event.clientX - before.clientX) * ratio, (event.clientY - before.clientY) * ratio);
-        return;
-      }
-      if (this.pinned) return;
-      this.probed = this.texelAt(event);
-      cancelAnimationFrame(frame);
-      frame = requestAnimationFrame(() => this.probe());
-    });
-    const up = (event) => {
-      if (!pointers.delete(event.pointerId)) return;
-      if (moved) { if (this.row) this.keepState(); return; }
-      this.pinned = !this.pinned || String(this.probed) !== String(this.texelAt(event));
-      this.probed = this.texelAt(event);
-      this.probe();
-    };
-    canvas.addEventListener("pointerup", up);
-    canvas.addEventListener("pointercancel", (event) => pointers.delete(event.pointerId));
-    canvas.addEventListener("wheel", (event) => {
-      event.preventDefault();
-      const box = canvas.getBoundingClientRect(), ratio = canvas.width / box.width;
-      this.zoom(event.deltaY < 0 ? 1.2 : 1 / 1.2, (event.clientX - box.left) * ratio, (event.clientY - box.top) * ratio);
-    }, { passive: false });
-    this.handle.addEventListener("pointerdown", (event) => this.handle.setPointerCapture(event.pointerId));
-    this.handle.addEventListener("pointermove", (event) => {
-      if (!this.handle.hasPointerCapture(event.pointerId)) return;
-      const box = this.stage.getBoundingClientRect();
-      this.split = Math.min(1, Math.max(0, (event.clientX - box.left) / box.width));
-      this.draw();
-    });
-    this.handle.addEventListener("pointerup", () => this.keepState());
-  }
-
-  /** Handles a key of the comparison; true when it was one. */
-  key(event) {
-    if (!this.row || !this.scene || !this.origin) return false;
-    const onHandle = document.activeElement === this.handle;
-    const actions = {
-      " ": () => this.hold(true),
-      e: () => { this.mode = this.mode === "error" ? "image" : "error"; this.redraw(); },
-      s: () => { this.mode = this.mode === "signed" ? "image" : "signed"; this.redraw(); },
-      t: () => { this.tone = this.tone === "srgb" ? "curve" : "srgb"; this.redraw(); },
-      c: () => { this.clipped = !this.clipped; this.redraw(); },
-      d: () => this.setSplit(this.split === null ? 0.5 : null),
-      "[": () => { this.stops -= 0.5; this.redraw(); },
-      "]": () => { this.stops += 0.5; this.redraw(); },
-      "+": () => this.zoom(1.5), "=": () => this.zoom(1.5), "-": () => this.zoom(1 / 1.5),
-      0: () => { this.fit(); this.draw(); this.keepState(); },
-      ArrowLeft: () => (onHandle ? this.setSplit(Math.max(0, this.split - 0.02)) : this.step(-1)),
-      ArrowRight: () => (onHandle ? this.setSplit(Math.min(1, this.split + 0.02)) : this.step(1)),
-      ArrowUp: () => this.stepScene(-1), ArrowDown: () => this.stepScene(1),
-    };
-    const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    const moves = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-    if (event.shiftKey && name in moves) {
-      this.moveProbe(...moves[name]);
-    } else if (/^[1-9]$/.test(name)) {
-      const row = keyedVariants(this.scene)[Number(name) - 1];
-      if (row) this.choose(row);
-    } else if (name in actions) {
-      if (!(name === " " && event.repeat)) actions[name]();
-    } else return false;
-    return true;
-  }
+  // --- Reference ------------------------------------------------------------------------------------------------------------
 
   /** Shows the reference while a key is down. */
   hold(isHeld) {
@@ -466,5 +370,5 @@ export function showViewer(view, state) {
   viewer ??= new Viewer(view);
   return viewer.show(state);
 }
-export const viewerKey = (event) => viewer?.key(event) ?? false;
+export const viewerKey = (event) => (viewer ? key(viewer, event) : false);
 export const viewerRelease = () => viewer?.hold(false);

@@ -33,16 +33,18 @@ vec3 palette_color(float place, int row) {
                x - float(lower));
 }
 
-// The formulas of the columns err_p95 ... and relmse_eps1e-2.
-vec3 error_color(vec3 t, vec3 r, bool is_signed) {
+// The formulas of the columns err_p95 ... and relmse_eps1e-2. Alpha is 0 where the error lies above the range of the colours, or is none.
+vec4 error_color(vec3 t, vec3 r, bool is_signed) {
     vec3 relative = (t - r) / sqrt(r * r + EPSILON);
-    if (any(isnan(relative))) return nan_color;
+    if (any(isnan(relative))) return vec4(nan_color, 0.0);
     if (!is_signed) {
         float e = sqrt(dot(relative, relative) / 3.0);
-        return palette_color(log(max(e, relative_range.x) / relative_range.x) / log(relative_range.y / relative_range.x), 0);
+        float place = log(max(e, relative_range.x) / relative_range.x) / log(relative_range.y / relative_range.x);
+        return vec4(palette_color(place, 0), e > relative_range.y ? 0.0 : 1.0);
     }
     float mean = dot(relative, vec3(1.0 / 3.0));
-    return palette_color((mean - signed_range.x) / (signed_range.y - signed_range.x), 1);
+    bool is_beyond = mean < signed_range.x || mean > signed_range.y;
+    return vec4(palette_color((mean - signed_range.x) / (signed_range.y - signed_range.x), 1), is_beyond ? 0.0 : 1.0);
 }
 
 #endif

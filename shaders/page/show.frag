@@ -31,6 +31,6 @@ void main() {
     } else if (texelFetch(gbuffer_position, texel, 0).w == 0.0) {
         color = vec4(off_mask_color, 1.0);
     } else {
-        color = vec4(error_color(fast, slow, mode == 3), 1.0);
+        color = vec4(error_color(fast, slow, mode == 3).rgb, 1.0);
     }
 }

@@ -1,4 +1,5 @@
-// One texel of an image of the comparison: as display colour, or as error against its reference. Alpha is 0 where a channel is clipped.
+// One texel of an image of the comparison: as display colour, or as error against its reference. Alpha is 0 where a channel is clipped,
+// or the error lies beyond the range of the colours.
 // The target has the image's size, row 0 on top; place.frag brings it to the canvas.
 #include "page/display.glsl"
 
@@ -23,6 +24,6 @@ void main() {
     } else if (texelFetch(mask, texel, 0).r == 0.0) {
         color = vec4(off_mask_color, 1.0);
     } else {
-        color = vec4(error_color(radiance, texelFetch(reference, texel, 0).rgb, mode == 2), 1.0);
+        color = error_color(radiance, texelFetch(reference, texel, 0).rgb, mode == 2);
     }
 }

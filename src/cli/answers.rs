@@ -1,14 +1,15 @@
 //! `splitsum answers`.
 
-use super::{Failure, print};
+use super::{Failure, print, tell};
 use clap::Args;
-use splitsum::experiment::answers::publish::{publish, write_page};
+use splitsum::experiment::answers::publish::{PublishError, check, publish, write_page};
 use splitsum::experiment::answers::run_folder::unfinished_note;
 use splitsum::experiment::answers::{Answered, AnswersError};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// (Re)computes what finished runs answer: answers/ and summary.md, from their tables alone.
+/// (Re)computes what finished runs answer: answers/ and summary.md, from their tables alone. Of a run under way it prints what the
+/// finished cells answer, and writes nothing.
 #[derive(Args, Debug)]
 #[command(after_help = "Needs neither a device nor the inputs of the run.\n\n\
     Examples:\n  splitsum answers runs/break-even\n  splitsum answers runs/* --publish results")]
@@ -19,19 +20,45 @@ pub struct Arguments {
     /// Copies the small files of each run to FOLDER/NAME, and writes FOLDER/README.md with the answers of all runs there.
     #[arg(long, value_name = "FOLDER")]
     publish: Option<PathBuf>,
+    /// Publishes in the place of a run of the same name whose plan is another one. The same plan, run anew, needs no such leave.
+    #[arg(long, requires = "publish")]
+    replace: bool,
+}
+
+fn publish_failure(error: PublishError) -> Failure {
+    if error.is_misuse() { Failure::input(error) } else { Failure::failed(error) }
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut published = BTreeMap::new();
+    // Before anything is written: of several runs all are published, or none.
+    if let Some(into) = &arguments.publish {
+        let faults: Vec<PublishError> =
+            arguments.dirs.iter().filter_map(|dir| check(dir, into, arguments.replace).err()).collect();
+        if !faults.is_empty() {
+            let lines: Vec<String> = faults.iter().map(PublishError::to_string).collect();
+            let text = lines.join("\n");
+            let is_misuse = faults.iter().all(PublishError::is_misuse);
+            return Err(if is_misuse { Failure::BadInput(text) } else { Failure::Failed(text) });
+        }
+    }
     for dir in &arguments.dirs {
         let failed = |error: AnswersError| match error {
             AnswersError::Run(_) => Failure::input(error),
             _ => Failure::failed(error),
         };
         if let Some(note) = unfinished_note(dir) {
-            eprintln!("warning: {note}");
+            tell(&format!("warning: {note}"));
         }
         let answered = Answered::of_run(dir).map_err(failed)?;
+        if let Some(note) = &answered.under_way {
+            if arguments.publish.is_some() {
+                return Err(Failure::BadInput(format!("{note}; expected a finished run to publish")));
+            }
+            // The run writes its answers at its end, and these would come between.
+            print(&format!("{}\n{note}; nothing is written before the run's end\n", answered.summary))?;
+            continue;
+        }
         answered.write().map_err(failed)?;
         print(&format!("{}: {}\n", dir.display(), answered.record.answer.sentence))?;
         if let Some(into) = &arguments.publish {
@@ -41,13 +68,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
                     "{dir}: {name} was just published from {other}; expected runs of different names, since the folder there is the name"
                 )));
             }
-            for note in publish(dir, into).map_err(Failure::failed)? {
+            for note in publish(dir, into, arguments.replace).map_err(publish_failure)? {
                 print(&format!("{note}\n"))?;
             }
         }
     }
     match &arguments.publish {
-        Some(into) => print(&format!("Written {}\n", write_page(into).map_err(Failure::failed)?.display())),
+        Some(into) => print(&format!("Written {}\n", write_page(into).map_err(publish_failure)?.display())),
         None => Ok(()),
     }
 }

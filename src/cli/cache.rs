@@ -1,5 +1,6 @@
 //! Where runs keep tables and references for later ones.
 
+use super::tell;
 use clap::Args;
 use splitsum::experiment::RenderFault;
 use splitsum::pipeline::DiskCache;
@@ -30,7 +31,7 @@ impl CacheArguments {
                 Err(RenderFault { message: format!("--cache: {error}"), device_lost: false, is_input: true })
             }
             Err(error) => {
-                eprintln!("warning: cache: {error}; nothing is kept for later runs");
+                tell(&format!("warning: cache: {error}; nothing is kept for later runs"));
                 Ok(None)
             }
         }

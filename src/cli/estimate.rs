@@ -4,7 +4,7 @@ use super::Failure;
 use super::cache::CacheArguments;
 use super::run::open_device;
 use splitsum::experiment::estimate::{
-    Estimate, Host, Source, Speeds, constants, estimate, items, lack, probe, recorded,
+    Estimate, Host, Item, Source, Speeds, constants, estimate, items, lack, probe, recorded,
 };
 use splitsum::experiment::timing::TimingJob;
 use splitsum::experiment::{Cell, Plan, RenderFault};
@@ -20,68 +20,103 @@ pub struct Estimated {
     pub notes: Vec<String>,
 }
 
-/// The cost of these cells and timings of a plan that took `load_s` to load, with the records of `folders`.
-pub fn estimated(
-    plan: &Plan,
-    open: &[&Cell],
-    jobs: &[TimingJob],
-    folders: &[PathBuf],
-    cache: &CacheArguments,
-    device: Option<usize>,
-    load_s: f64,
-) -> Result<Estimated, Failure> {
-    let choice = device.map_or(DeviceChoice::Default, DeviceChoice::Index);
-    let info = match chosen_device(choice) {
-        Ok(info) => Some(info),
-        Err(error) if device.is_some() => return Err(Failure::input(error)),
-        Err(_) => None,
-    };
-    let mut cache = if info.is_some() { cache.open().map_err(Failure::opening)? } else { None };
-    if let (Some(cache), Some(info)) = (&mut cache, &info) {
-        cache.set_device(info);
-    }
+/// Where prices of work come from, best first, on the machine that is to do it.
+pub struct Sources {
+    pub speeds: Vec<(Source, Speeds)>,
+    pub host: Host,
+    /// One sentence each.
+    notes: Vec<String>,
+}
+
+/// What is asked beside the plan itself.
+pub struct Question<'a> {
+    pub open: &'a [&'a Cell],
+    pub jobs: &'a [TimingJob<'a>],
+    /// With the records that tell.
+    pub folders: &'a [PathBuf],
+    pub cache: &'a CacheArguments,
+    pub device: Option<usize>,
+    /// What loading the plan took.
+    pub load_s: f64,
+}
+
+/// The cost of these cells and timings of a plan.
+pub fn estimated(plan: &Plan, asked: &Question) -> Result<Estimated, Failure> {
+    let (info, mut cache) = device_and_cache(asked)?;
     let mut kept: BTreeSet<&str> = BTreeSet::new();
-    for cell in open {
+    for cell in asked.open {
         let is_there = |cache: &DiskCache| is_kept(cache, &plan.reference_request(&plan.reference_point(&cell.point)));
         if !kept.contains(cell.reference.as_str()) && cache.as_ref().is_some_and(is_there) {
             kept.insert(&cell.reference);
         }
     }
-    let work = items(plan, open, jobs, &kept);
-    let mut notes = Vec::new();
-    let mut sources = Vec::new();
-    let found = recorded(plan, folders, info.as_ref());
-    if found.count > 0 {
-        notes.push(format!("records: {} cells and timings in {}", found.count, listed(folders)));
-    }
-    let needs_more = lack(&found.speeds, &work);
-    sources.push((Source::Records, found.speeds));
-    if let (Some(info), true) = (&info, needs_more) {
-        match probed(plan, cache.as_mut(), device, load_s) {
-            Ok((speeds, note)) => {
-                notes.push(format!("probe: on {} ({}), {note}", info.name, info.driver));
-                sources.push((Source::Probe, speeds));
-            }
-            Err(fault) => notes.push(format!("no probe: {fault}")),
-        }
-    } else if needs_more {
-        notes.push("no device answers, so nothing was measured".to_owned());
-    }
-    sources.push((Source::Constants, constants()));
+    let work = items(plan, asked.open, asked.jobs, &kept);
+    let Sources { speeds, host, mut notes } = sources(plan, asked, &work, info.as_ref(), cache.as_mut());
     if !kept.is_empty() {
         notes.push(format!("{} references are in the cache and take no time", kept.len()));
     }
-    let host = Host {
-        threads: std::thread::available_parallelism().map_or(1, usize::from),
-        is_cpu_device: info.as_ref().is_none_or(|info: &DeviceInfo| info.device_type == "cpu"),
-    };
-    let estimate = estimate(plan, open, &work, &sources, host);
+    let estimate = estimate(plan, asked.open, &work, &speeds, host);
     if estimate.parts.iter().any(|(_, part)| part.sources.contains_key(&Source::Constants) && part.seconds > 0.5) {
         notes.push(
             "constants: a guess, the speed of a software driver on 2 cores; nothing of it was measured here".to_owned(),
         );
     }
     Ok(Estimated { estimate, notes })
+}
+
+/// What work costs on this machine, whatever its cache holds: the other machines' need not hold it.
+pub fn measured(plan: &Plan, asked: &Question) -> Result<Sources, Failure> {
+    let (info, mut cache) = device_and_cache(asked)?;
+    let work = items(plan, asked.open, asked.jobs, &BTreeSet::new());
+    Ok(sources(plan, asked, &work, info.as_ref(), cache.as_mut()))
+}
+
+/// The device that will do the work, where there is one, and its cache.
+fn device_and_cache(asked: &Question) -> Result<(Option<DeviceInfo>, Option<DiskCache>), Failure> {
+    let choice = asked.device.map_or(DeviceChoice::Default, DeviceChoice::Index);
+    let info = match chosen_device(choice) {
+        Ok(info) => info,
+        Err(error) if asked.device.is_some() => return Err(Failure::input(error)),
+        Err(_) => return Ok((None, None)),
+    };
+    let mut cache = asked.cache.open().map_err(Failure::opening)?;
+    if let Some(cache) = &mut cache {
+        cache.set_device(&info);
+    }
+    Ok((Some(info), cache))
+}
+
+fn sources(
+    plan: &Plan,
+    asked: &Question,
+    work: &[Item],
+    info: Option<&DeviceInfo>,
+    cache: Option<&mut DiskCache>,
+) -> Sources {
+    let (mut notes, mut speeds) = (Vec::new(), Vec::new());
+    let found = recorded(plan, asked.folders, info);
+    if found.count > 0 {
+        notes.push(format!("records: {} cells and timings in {}", found.count, listed(asked.folders)));
+    }
+    let needs_more = lack(&found.speeds, work);
+    speeds.push((Source::Records, found.speeds));
+    if let (Some(info), true) = (info, needs_more) {
+        match probed(plan, cache, asked.device, asked.load_s) {
+            Ok((found, note)) => {
+                notes.push(format!("probe: on {} ({}), {note}", info.name, info.driver));
+                speeds.push((Source::Probe, found));
+            }
+            Err(fault) => notes.push(format!("no probe: {fault}")),
+        }
+    } else if needs_more {
+        notes.push("no device answers, so nothing was measured".to_owned());
+    }
+    speeds.push((Source::Constants, constants()));
+    let host = Host {
+        threads: std::thread::available_parallelism().map_or(1, usize::from),
+        is_cpu_device: info.is_none_or(|info| info.device_type == "cpu"),
+    };
+    Sources { speeds, host, notes }
 }
 
 fn listed(folders: &[PathBuf]) -> String {

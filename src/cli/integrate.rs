@@ -1,6 +1,6 @@
 //! `splitsum integrate`: exact answers to a table of queries, without a device.
 
-use super::{Failure, print};
+use super::{Failure, print, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use splitsum::environment::LoadOptions;
@@ -95,9 +95,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     if answers.unmet > 0 {
         let (unmet, all) = (answers.unmet, queries.len());
-        eprintln!(
+        tell(&format!(
             "warning: {unmet} of {all} answers did not reach the tolerance; their error columns say what they have"
-        );
+        ));
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! `splitsum merge`.
 
-use super::Failure;
 use super::run::conclude;
+use super::{Failure, tell};
 use clap::Args;
 use splitsum::experiment::chunk::{Hole, MergeOptions, PlanFile, merge};
 use std::fmt::Write;
@@ -44,7 +44,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     let merged = merge(&file, &plan, &options)?;
     for note in &merged.notes {
-        eprintln!("warning: {note}");
+        tell(&format!("warning: {note}"));
     }
     let failed = conclude(&merged.outcome, plan.cells.len())?;
     if merged.holes.is_empty() {

@@ -15,6 +15,7 @@ mod progress;
 mod render;
 mod report;
 mod run;
+mod stop;
 mod subject;
 
 use clap::{Parser, Subcommand};
@@ -28,9 +29,9 @@ use std::process::ExitCode;
 #[command(
     version,
     about,
-    after_help = "Exit codes: 0 done; 1 failed or stopped; 2 bad usage or input; 3 nothing to do; \
-    4 finished, but some cells failed; 75 a passing fault, worth the same command again: a lost device, or a folder in which \
-    another run is at work.\n\n\
+    after_help = "Exit codes: 0 done, now or before; 1 failed or stopped; 2 bad usage or bad input; 3 nothing to do: the experiment has \
+    no cell, or the table no query; 4 finished but some cells failed; 75 a passing fault, worth the same command again: a lost device, or \
+    a folder in which another run is at work.\n\n\
     Examples:\n  splitsum run experiments/quick.toml\n  splitsum render --method split-sum --alpha 0.25 --out ball.png\n  \
     splitsum list methods"
 )]
@@ -156,7 +157,7 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             // Several faults are several lines.
-            failure.to_string().lines().for_each(|line| eprintln!("{}", printable(line)));
+            tell(&failure.to_string());
             ExitCode::from(failure.exit_code())
         }
     }
@@ -173,7 +174,15 @@ fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Writes lines to standard error, without what would steer a terminal. Where nobody can read it (a closed pipe, a log on a full disk) the work goes on, and the exit code
+/// still says how it ended; `eprintln!` would panic.
+fn tell(text: &str) {
+    use std::io::Write;
+    let lines: Vec<String> = text.lines().map(printable).collect();
+    let _ = writeln!(std::io::stderr(), "{}", lines.join("\n"));
+}
+
 /// A line about an odd but usable input.
 fn warn(name: &str, warning: &str) {
-    eprintln!("{}", printable(&format!("warning: {name}: {warning}")));
+    tell(&format!("warning: {name}: {warning}"));
 }

@@ -1,13 +1,13 @@
 //! `splitsum plan`: what a run would do.
 
 use super::cache::CacheArguments;
-use super::estimate::{Estimated, estimated};
+use super::estimate::{Estimated, Question, estimated, measured};
 use super::subject::Subject;
-use super::{Failure, print};
+use super::{Failure, print, tell};
 use clap::Args;
 use serde_json::json;
-use splitsum::experiment::chunk::{PlanFile, Rates};
-use splitsum::experiment::estimate::Part;
+use splitsum::experiment::chunk::{PlanFile, Prices};
+use splitsum::experiment::estimate::{Part, SAMPLES_PER_SECOND};
 use splitsum::experiment::store::{CHUNKS_FOLDER, Store};
 use splitsum::experiment::timing;
 use splitsum::experiment::{Cell, Plan};
@@ -24,7 +24,8 @@ use std::time::Instant;
     )),
     after_help = "Time and disk are reckoned from the records of the run's folder and of --from; what they do not tell, a probe of a few seconds \
     on the device does, whose result the cache keeps; without a device they are a guess from stated constants. Each figure says which.\n\n\
-    Chunks are a function of the experiment, its inputs, --chunk-seconds and --samples-per-second only: the same on every machine.\n\n\
+    Chunks are a function of the experiment, its inputs, --chunk-seconds and the prices in the plan file. Stated prices are the same on every \
+    machine; measured ones (--prices measured) fit this one.\n\n\
     Examples:\n  splitsum plan experiments/quick.toml\n  splitsum plan experiments/quick.toml --json | jq '.cells | length'\n  \
     splitsum plan experiments/quick.toml --chunk-seconds 60 --out plan.json"
 )]
@@ -37,18 +38,27 @@ pub struct Arguments {
     /// Cuts the experiment into chunks of about this many seconds and writes the plan file --out.
     #[arg(long, value_name = "S", requires = "out", value_parser = positive)]
     chunk_seconds: Option<f64>,
-    /// The speed that the lengths of chunks are reckoned with. Nothing is measured, so that chunks do not depend on the machine.
+    /// What the lengths of chunks are reckoned with: stated prices, or those that the estimate finds here.
+    #[arg(long, value_name = "stated|measured", requires = "chunk_seconds", default_value = "stated")]
+    prices: PriceChoice,
+    /// Samples of the method `sampled` that the device draws in a second; stated prices are scaled to it. [default: 6e7, a
+    /// software driver on two cores]
     #[arg(long, value_name = "RATE", requires = "chunk_seconds", value_parser = positive)]
-    #[arg(default_value_t = Rates::default().samples_per_second)]
-    samples_per_second: f64,
+    samples_per_second: Option<f64>,
     /// Folders whose records tell what cells cost: earlier runs, or the --store of one in chunks.
-    #[arg(long, value_name = "DIR", visible_alias = "store", conflicts_with = "chunk_seconds")]
+    #[arg(long, value_name = "DIR", visible_alias = "store")]
     from: Vec<PathBuf>,
     #[command(flatten)]
     cache: CacheArguments,
     /// Index of the device to reckon for, as `splitsum devices` lists them.
-    #[arg(long, value_name = "N", conflicts_with = "chunk_seconds")]
+    #[arg(long, value_name = "N")]
     device: Option<usize>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
+enum PriceChoice {
+    Stated,
+    Measured,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -79,10 +89,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let plan = arguments.subject.plan()?;
     let load_s = started.elapsed().as_secs_f64();
     for warning in plan.warnings() {
-        eprintln!("warning: {warning}");
+        tell(&format!("warning: {warning}"));
     }
     if let (Some(seconds), Some(path)) = (arguments.chunk_seconds, &arguments.subject.out) {
-        return write_chunks(arguments, &plan, seconds, path);
+        return write_chunks(arguments, &plan, seconds, path, load_s);
     }
     let dir = arguments.subject.dir(&plan);
     let store = Store::at(&dir);
@@ -102,16 +112,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let blocks = jobs.chunk_by(|a, b| a.block == b.block);
     let left: Vec<_> =
         blocks.filter(|block| !block.iter().all(|job| store.has_timing(&job.id))).flatten().cloned().collect();
-    if let Some(stranger) =
-        arguments.from.iter().find(|from| !from.join("cells").is_dir() && !from.join(CHUNKS_FOLDER).is_dir())
-    {
-        let stranger = stranger.display();
-        return Err(Failure::BadInput(format!(
-            "--from: {stranger} holds no run; expected a folder with cells/ or {CHUNKS_FOLDER}/"
-        )));
-    }
+    check_from(&arguments.from)?;
     let folders: Vec<PathBuf> = std::iter::once(dir.clone()).chain(arguments.from.iter().cloned()).collect();
-    let cost = estimated(&plan, &open, &left, &folders, &arguments.cache, arguments.device, load_s)?;
+    let (cache, device) = (&arguments.cache, arguments.device);
+    let cost = estimated(&plan, &Question { open: &open, jobs: &left, folders: &folders, cache, device, load_s })?;
     let shown = Shown { plan: &plan, states: &states, timings: [jobs.len(), jobs.len() - left.len()], cost: &cost };
     print(&if arguments.json { shown.as_json() } else { shown.as_text(&dir) })?;
     if plan.cells.is_empty() {
@@ -120,7 +124,43 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -> Result<(), Failure> {
+fn check_from(folders: &[PathBuf]) -> Result<(), Failure> {
+    match folders.iter().find(|from| !from.join("cells").is_dir() && !from.join(CHUNKS_FOLDER).is_dir()) {
+        Some(stranger) => {
+            let stranger = stranger.display();
+            Err(Failure::BadInput(format!(
+                "--from: {stranger} holds no run; expected a folder with cells/ or {CHUNKS_FOLDER}/"
+            )))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The prices of `--prices`.
+fn prices(arguments: &Arguments, plan: &Plan, load_s: f64) -> Result<Prices, Failure> {
+    let Arguments { from, cache, device, .. } = arguments;
+    if arguments.prices == PriceChoice::Stated {
+        let idle =
+            [(!from.is_empty(), "--from"), (device.is_some(), "--device")].into_iter().find(|(is_given, _)| *is_given);
+        return match idle {
+            Some((_, flag)) => Err(Failure::BadInput(format!(
+                "{flag}: changes nothing with stated prices; expected --prices measured beside it"
+            ))),
+            None => Ok(Prices::stated(plan, arguments.samples_per_second.unwrap_or(SAMPLES_PER_SECOND))),
+        };
+    }
+    if arguments.samples_per_second.is_some() {
+        let text = "--samples-per-second: changes nothing with --prices measured; expected one of the two";
+        return Err(Failure::BadInput(text.to_owned()));
+    }
+    check_from(from)?;
+    let (cells, jobs): (Vec<&Cell>, _) = (plan.cells.iter().collect(), timing::jobs(plan));
+    let asked = Question { open: &cells, jobs: &jobs, folders: from, cache, device: *device, load_s };
+    let found = measured(plan, &asked)?;
+    Ok(Prices::of_sources(plan, &found.speeds, found.host))
+}
+
+fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path, load_s: f64) -> Result<(), Failure> {
     if plan.cells.is_empty() {
         return Err(arguments.subject.nothing_to_do());
     }
@@ -128,21 +168,22 @@ fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -
         let text = "--clamp-invalid: a plan file does not keep it; expected environments without invalid texels";
         return Err(Failure::BadInput(text.to_owned()));
     }
-    let rates = Rates { samples_per_second: arguments.samples_per_second, ..Rates::default() };
-    let file = PlanFile::new(plan, seconds, rates);
+    let prices = prices(arguments, plan, load_s)?;
+    let file = PlanFile::new(plan, path.parent().unwrap_or(Path::new("")), seconds, prices);
     file.write(path).map_err(Failure::input)?;
     let timed: usize = file.chunks.iter().map(|chunk| chunk.timings.len()).sum();
     let longest = file.chunks.iter().map(|chunk| chunk.seconds).fold(0.0, f64::max);
+    let whole: f64 = file.chunks.iter().map(|chunk| chunk.seconds).sum();
     print(&format!(
-        "{}: {} cells and {timed} timed configurations in {}, numbered from 0; the longest is reckoned to take {longest:.0} s\n\
-         at {} million samples a second\nWritten to {}\n",
+        "{}: {} cells and {timed} timed configurations in {}, numbered from 0; the longest is reckoned to take {longest:.0} s,\n\
+         all together {whole:.0} s; prices: {}\nWritten to {}\n",
         file.name,
         plan.cells.len(),
         match file.chunks.len() {
             1 => "1 chunk".to_owned(),
             count => format!("{count} chunks"),
         },
-        rates.samples_per_second / 1e6,
+        file.prices.basis,
         path.display()
     ))
 }

@@ -1,8 +1,8 @@
 //! How long work is followed: a bar with the time left on a terminal, one line a step elsewhere.
 
+use super::tell;
 use indicatif::{ProgressBar, ProgressStyle};
 use splitsum::experiment::Progress;
-use splitsum::spelling::printable;
 use std::io::IsTerminal;
 
 /// Progress on standard error.
@@ -15,10 +15,9 @@ pub struct Terminal {
 
 impl Terminal {
     fn say(&self, text: &str) {
-        let text = text.lines().map(printable).collect::<Vec<_>>().join("\n");
         match &self.bar {
-            Some(bar) => bar.suspend(|| eprintln!("{text}")),
-            None => eprintln!("{text}"),
+            Some(bar) => bar.suspend(|| tell(text)),
+            None => tell(text),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! `splitsum render`: one image.
 
 use super::run::open_device;
-use super::{Failure, print};
+use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::brdf::f0_from_ior;
 use splitsum::environment::{Environment, LoadOptions};
@@ -139,6 +139,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             return Err(Failure::BadInput(faults.into_iter().flatten().collect::<Vec<_>>().join("\n")));
         }
     };
+    let misplaced: Vec<String> =
+        arguments.lights.iter().filter_map(|light| Some(format!("--light: {}", light.fault_in(&scene)?))).collect();
+    if !misplaced.is_empty() {
+        return Err(Failure::BadInput(misplaced.join("\n")));
+    }
     for (name, warnings) in [(&environment.name, &environment.warnings), (&scene.name, &scene.warnings)] {
         warnings.iter().for_each(|warning| super::warn(name, warning));
     }
@@ -156,10 +161,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let frame = pipeline.render(&request).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
     for term in &frame.convergences {
         let met = if term.is_met { "" } else { ", which is not what was asked for" };
-        eprintln!(
+        tell(&format!(
             "{}: {} samples a pixel, relative standard error {:.3e}{met}",
             term.term, term.sample_count, term.relative_error
-        );
+        ));
     }
     match output {
         Output::LinearExr => write_radiance(&arguments.out, &frame).map_err(Failure::failed)?,

@@ -1,6 +1,6 @@
 //! `splitsum report`.
 
-use super::{Failure, print};
+use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::experiment::answers::run_folder::unfinished_note;
 use splitsum::report::images::{BUDGET_BYTES, Choice, Window};
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// (Re)writes the report of one or more finished runs.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Several runs (two devices, two commits) are joined in one report, with what tells them apart.\n\n\
+    after_help = "Of a run that is under way it shows the cells that are done. Several runs (two devices, two commits) are joined in one report, with what tells them apart.\n\n\
     Examples:\n  splitsum report runs/quick\n  splitsum report runs/laptop runs/desktop --out comparison.html"
 )]
 pub struct Arguments {
@@ -45,10 +45,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let options =
         ReportOptions { dirs: arguments.dirs.clone(), out: arguments.out.clone(), images, budget: BUDGET_BYTES };
     for note in arguments.dirs.iter().filter_map(|dir| unfinished_note(dir)) {
-        eprintln!("warning: {note}");
+        tell(&format!("warning: {note}"));
     }
     let written = write(&options).map_err(|error| match error {
-        ReportError::Run(_) | ReportError::Crop(_) => Failure::input(error),
+        ReportError::Run(_) | ReportError::Crop(_) | ReportError::OutIsFolder { .. } => Failure::input(error),
         _ => Failure::failed(error),
     })?;
     print(&line(&written))

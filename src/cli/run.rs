@@ -2,6 +2,7 @@
 
 use super::cache::CacheArguments;
 use super::progress::Terminal;
+use super::stop::{self, STOP};
 use super::subject::Subject;
 use super::{Failure, print};
 use clap::Args;
@@ -11,7 +12,6 @@ use splitsum::experiment::{Outcome, Plan, Progress, RenderFault, Renderer, RunOp
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::report::ReportOptions;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Runs an experiment, or what is left of it.
@@ -19,7 +19,8 @@ use std::time::Instant;
 #[command(
     allow_negative_numbers = true,
     override_usage = "splitsum run [OPTIONS] <EXPERIMENT>\n       splitsum run --plan <FILE> --chunk <K> --store <DIR> [--device <N>]",
-    after_help = "A run that was stopped (Ctrl-C, a crash, a full disk) goes on where it stopped: give the same command again.\n\n\
+    after_help = "A run that was stopped (Ctrl-C, SIGTERM, a crash, a full disk) goes on where it stopped: give the same command again. One \
+    that is finished ends with 0 at once. Cells whose images are gone, or not those that their records name, are done again.\n\n\
     Examples:\n  splitsum run experiments/quick.toml\n  \
     splitsum run experiments/quick.toml --set alpha=0.1,0.5 --set brdf=ggx --out runs/short\n  \
     splitsum run experiments/real.toml --set environment=sky.hdr --set scene=teapot.obj --out runs/teapot\n  \
@@ -50,11 +51,6 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     device: Option<usize>,
 }
-
-/// Set by Ctrl-C. The second Ctrl-C ends the process at once.
-static STOP: AtomicBool = AtomicBool::new(false);
-/// What shells report for a process ended by SIGINT.
-const EXIT_INTERRUPTED: i32 = 130;
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     match (&arguments.subject, &arguments.plan, arguments.chunk, &arguments.store) {
@@ -117,7 +113,7 @@ fn execute_chunk(arguments: &Arguments, plan_file: &Path, chunk: usize, store: &
     print(&format!("Chunk {chunk} of 0 to {} is done, in {}\n", file.chunks.len() - 1, store.display()))
 }
 
-/// Says what is odd about the experiment and takes Ctrl-C.
+/// Says what is odd about the experiment and takes requests to stop.
 fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     let mut progress = Terminal::default();
     for warning in plan.inputs.warnings() {
@@ -126,13 +122,7 @@ fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     for warning in plan.warnings() {
         progress.note(&format!("warning: {warning}"));
     }
-    ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::Relaxed) {
-            std::process::exit(EXIT_INTERRUPTED);
-        }
-        eprintln!("\nstopping after the current cell (Ctrl-C again: at once)");
-    })
-    .map_err(|error| Failure::Failed(format!("Ctrl-C cannot be handled: {error}")))?;
+    stop::listen()?;
     Ok(progress)
 }
 

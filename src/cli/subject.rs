@@ -14,7 +14,8 @@ pub struct Subject {
     /// Folder of the run; runs/NAME when left out.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replaces the values of an axis, as axis=v1,v2. Paths are relative to the current folder.
+    /// Replaces the values of an axis, as axis=v1,v2; of zipped axes, keeps the rows with these values. Paths are relative to the current
+    /// folder.
     #[arg(long = "set", value_name = "AXIS=VALUES")]
     pub overrides: Vec<String>,
     /// Sets NaN, infinite and negative texels of environments to 0, with a warning, instead of refusing them.

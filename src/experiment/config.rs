@@ -42,7 +42,7 @@ pub struct Zip {
 #[derive(Clone, Debug)]
 pub struct Exclusion {
     /// Axis index and the values it matches.
-    pub conditions: Vec<(usize, Vec<Value>)>,
+    pub conditions: Vec<(usize, Vec<Placed>)>,
     pub why: String,
     /// Where it was written.
     pub place: Place,
@@ -85,6 +85,8 @@ pub struct Config {
     pub base_places: Vec<Place>,
     /// In the order of the file, then of the command line.
     pub axes: Vec<Sweep>,
+    /// Axes as the file has them, where `--set` replaced or narrowed them.
+    pub set_aside: Vec<Sweep>,
     /// Axes that take their values together, first with first.
     pub zips: Vec<Zip>,
     pub exclusions: Vec<Exclusion>,
@@ -92,10 +94,14 @@ pub struct Config {
     /// Renders with further point sets for each image of a sampled method, to part bias from variance.
     pub repeats: Option<u32>,
     pub lights: Vec<Light>,
+    /// Where each light was written.
+    pub light_places: Vec<Place>,
     /// Adds the table of what the source documents' slips cost (`slips`).
     pub has_printed_slips: bool,
     /// `--set` texts that took part.
     pub overrides: Vec<String>,
+    /// The folder that files named by `--set` are relative to; the current one when empty.
+    pub set_dir: PathBuf,
 }
 
 /// Enough for a variance within about 40 % at two sigma of one pixel, and far better over an image.
@@ -157,13 +163,16 @@ impl Config {
             base: Point::default(),
             base_places: vec![Place::Default; AXES.len()],
             axes: Vec::new(),
+            set_aside: Vec::new(),
             zips: Vec::new(),
             exclusions: Vec::new(),
             timing: None,
             repeats: None,
             lights: Vec::new(),
+            light_places: Vec::new(),
             has_printed_slips: false,
             overrides: overrides.to_vec(),
+            set_dir: PathBuf::new(),
         };
         let root = root.get_ref();
         for (key, value, place) in entries(root) {
@@ -213,7 +222,8 @@ impl Config {
 
     /// The first exclusion that leaves a point out.
     pub fn exclusion_of(&self, point: &Point) -> Option<usize> {
-        let matches = |(axis, values): &(usize, Vec<Value>)| values.contains(&point.0[*axis]);
+        let matches =
+            |(axis, values): &(usize, Vec<Placed>)| values.iter().any(|placed| placed.value == point.0[*axis]);
         self.exclusions.iter().position(|exclusion| exclusion.conditions.iter().all(matches))
     }
 
@@ -296,12 +306,17 @@ impl Config {
         for item in list(value, "exclude", faults) {
             let place = Place::File(item.span().start);
             let mut exclusion = Exclusion { conditions: Vec::new(), why: String::new(), place };
+            let mut has_why = false;
             for (key, value, place) in table(item, "exclude", faults) {
                 let at = Place::File(value.span().start);
                 if key == "why" {
+                    has_why = true;
                     match raw(value.get_ref()) {
-                        Raw::Text(why) => exclusion.why = why,
-                        other => faults.add(&at, format!("exclude.why: {other} is not text")),
+                        Raw::Text(why) if !why.is_empty() => exclusion.why = why,
+                        other => faults.add(
+                            &at,
+                            format!("exclude.why: {other} is not text that says why these cells are left out"),
+                        ),
                     }
                     continue;
                 }
@@ -314,9 +329,13 @@ impl Config {
                 // A colour or a pair is itself a list: only a list of what the axis takes is a list of values.
                 let one = AXES[axis].kind.parse(&raw(value.get_ref()));
                 let values = match (one, value.get_ref().as_array()) {
-                    (Ok(value), _) => vec![value],
+                    (Ok(value), _) => vec![Placed { value, place: at }],
                     (Err(_), Some(items)) => {
-                        items.iter().filter_map(|item| checked(AXES[axis].kind, &name, item, faults)).collect()
+                        let placed = |item: &Spanned<DeValue>| {
+                            let value = checked(AXES[axis].kind, &name, item, faults)?;
+                            Some(Placed { value, place: Place::File(item.span().start) })
+                        };
+                        items.iter().filter_map(placed).collect()
                     }
                     (Err(fault), None) => {
                         faults.add(&at, format!("{name}: {fault}"));
@@ -325,7 +344,7 @@ impl Config {
                 };
                 exclusion.conditions.push((axis, values));
             }
-            if exclusion.why.is_empty() {
+            if !has_why {
                 faults.add(&exclusion.place, "exclude.why is missing: say why these cells are left out");
             }
             if exclusion.conditions.is_empty() {
@@ -413,7 +432,10 @@ impl Config {
                 _ => Err("needs kind = \"directional\" with direction, or kind = \"point\" with position".to_owned()),
             };
             match light {
-                Ok(light) => self.lights.push(light),
+                Ok(light) => {
+                    self.lights.push(light);
+                    self.light_places.push(at);
+                }
                 Err(fault) => faults.add(&at, format!("lights: {fault}")),
             }
         }

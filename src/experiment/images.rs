@@ -163,10 +163,29 @@ fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
     [radiance, reference, picture_name(plan, cell), reference_picture_name(plan, cell), error_name(plan, cell)]
 }
 
-/// Files of finished cells that are missing or not whole, in the order of their names.
-pub(super) fn damaged<'p>(plan: &Plan, store: &Store, cells: impl Iterator<Item = &'p Cell>) -> BTreeSet<String> {
-    let files: BTreeSet<String> = cells.flat_map(|cell| files(plan, cell)).collect();
-    files.into_par_iter().filter(|name| !is_whole(&store.image_path(name))).collect()
+/// Files of finished cells that are missing or not what the cells' records say, in the order of their names. Each cell comes with the
+/// content hashes of its record; where that has none, a file need only be whole.
+pub(super) fn damaged<'p>(
+    plan: &Plan,
+    store: &Store,
+    cells: impl Iterator<Item = (&'p Cell, &'p BTreeMap<String, String>)>,
+) -> BTreeSet<String> {
+    // What cells share must be what each of them says.
+    let mut said: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
+    for (cell, hashes) in cells {
+        for name in files(plan, cell) {
+            let hash = hashes.get(&name).map(String::as_str);
+            said.entry(name).or_default().extend(hash);
+        }
+    }
+    let is_sound = |name: &str, hashes: &BTreeSet<&str>| {
+        let path = store.image_path(name);
+        match hashes.is_empty() {
+            true => is_whole(&path),
+            false => content_hash(&path).is_ok_and(|found| hashes.iter().all(|hash| *hash == found)),
+        }
+    };
+    said.into_par_iter().filter(|(name, hashes)| !is_sound(name, hashes)).map(|(name, _)| name).collect()
 }
 
 /// `images.csv`: which files of `images/` belong to a cell. One row a finished cell.

@@ -86,6 +86,11 @@ impl Inputs {
         self.scenes.get(name).unwrap_or_else(|| panic!("the plan loaded no scene {name}"))
     }
 
+    /// Every loaded scene.
+    pub fn scenes(&self) -> impl Iterator<Item = &Scene> {
+        self.scenes.values().map(Arc::as_ref)
+    }
+
     /// Name and content hash of every input, environments first.
     pub fn hashes(&self) -> Vec<(String, String)> {
         let environments = self.environments.values().map(|e| (e.name.clone(), e.hash.clone()));

@@ -4,6 +4,7 @@
 
 pub mod answers;
 pub mod axis;
+mod checks;
 pub mod chunk;
 pub mod config;
 pub mod environments;
@@ -26,7 +27,7 @@ pub mod seal;
 mod sheets;
 pub mod statistics;
 pub mod store;
-mod summary;
+pub(crate) mod summary;
 mod sweeps;
 pub mod tables;
 pub mod timing;

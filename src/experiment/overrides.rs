@@ -4,15 +4,17 @@ use super::axis::{AXES, index_of};
 use super::config::{Config, Placed, Sweep, axis_names, push_new};
 use super::fault::{Faults, Place};
 use super::toml_tree::unknown_key;
-use super::value::Kind;
+use super::value::{Kind, Value};
 
 /// What a formula's name begins with; its parameters are written with commas.
 const BUILTIN_PREFIX: &str = "builtin:";
 
 impl Config {
-    /// Replaces axes by `--set` texts; an axis the file does not have is added.
+    /// Replaces axes by `--set` texts; an axis the file does not have is added. Of axes that vary together (`[[zip]]`) those rows are kept
+    /// that have one of the values, unless all of them are given.
     pub(super) fn apply_overrides(&mut self, faults: &mut Faults) {
         let mut seen: Vec<usize> = Vec::new();
+        let mut given: Vec<(Sweep, Place)> = Vec::new();
         for text in self.overrides.clone() {
             let Some((name, list)) = text.split_once('=') else {
                 faults.add(&Place::Set(text.clone()), "is not axis=value or axis=value,value");
@@ -40,13 +42,78 @@ impl Config {
                     Err(fault) => faults.add(&place, format!("axes.{name}: {fault}")),
                 }
             }
-            match self.axes.iter_mut().find(|sweep| sweep.axis == axis) {
-                Some(sweep) => *sweep = Sweep { axis, values, written },
-                None => self.axes.push(Sweep { axis, values, written }),
+            given.push((Sweep { axis, values, written }, place));
+        }
+        let names: Vec<usize> = given.iter().map(|(sweep, _)| sweep.axis).collect();
+        for (sweep, place) in given {
+            let zip = self.zipped_with(sweep.axis);
+            let old = self.axes.iter_mut().find(|old| old.axis == sweep.axis);
+            self.set_aside.extend(old.as_deref().cloned());
+            match old {
+                // Some of the axes that vary together: those rows stay that have the values. All of them: new rows.
+                Some(_) if zip.iter().any(|axis| !names.contains(axis)) => self.narrow(&zip, &sweep, &place, faults),
+                Some(old) => *old = sweep,
+                None => self.axes.push(sweep),
             }
         }
     }
+
+    /// Whether a value of `--set` names a file.
+    pub fn has_set_files(&self) -> bool {
+        let inputs = self.axes.iter().filter(|sweep| matches!(AXES[sweep.axis].kind, Kind::Input));
+        let set = inputs.flat_map(|sweep| &sweep.values).filter(|placed| matches!(placed.place, Place::Set(_)));
+        set.into_iter().any(|placed| self.set_dir.join(placed.value.text()).is_file())
+    }
+
+    /// The axes that vary together with this one, itself among them, where each has a value in each row; nothing where it stands alone or
+    /// its zip is faulty.
+    fn zipped_with(&self, axis: usize) -> Vec<usize> {
+        let Some(zip) = self.zips.iter().find(|zip| zip.axes.contains(&axis)) else { return Vec::new() };
+        let of = |axis: &usize| self.axes.iter().find(|sweep| sweep.axis == *axis);
+        let lengths: Vec<Option<[usize; 2]>> =
+            zip.axes.iter().map(|axis| of(axis).map(|sweep| [sweep.values.len(), sweep.written])).collect();
+        let whole = lengths.iter().all(|length| length.is_some_and(|[n, written]| n == written));
+        let equal = lengths.windows(2).all(|pair| pair[0] == pair[1]);
+        if whole && equal { zip.axes.clone() } else { Vec::new() }
+    }
+
+    /// Keeps the rows of zipped axes in which the axis of `wanted` has one of its values.
+    fn narrow(&mut self, zip: &[usize], wanted: &Sweep, place: &Place, faults: &mut Faults) {
+        let members: Vec<&Sweep> = self.axes.iter().filter(|sweep| zip.contains(&sweep.axis)).collect();
+        let own = members.iter().find(|sweep| sweep.axis == wanted.axis);
+        // Values that could not be read have their own faults.
+        let Some(own) = own.filter(|_| wanted.values.len() == wanted.written) else { return };
+        let is_in = |value: &Value, values: &[Placed]| values.iter().any(|placed| placed.value == *value);
+        let strangers: Vec<String> = wanted
+            .values
+            .iter()
+            .filter(|placed| !is_in(&placed.value, &own.values))
+            .map(|placed| placed.value.to_string())
+            .collect();
+        if !strangers.is_empty() {
+            let row = |i: usize| {
+                let values = members.iter().map(|sweep| format!("{}={}", AXES[sweep.axis].name, sweep.values[i].value));
+                values.collect::<Vec<_>>().join(" ")
+            };
+            let count = own.values.len();
+            let mut rows: Vec<String> = (0..count.min(ROWS_SHOWN)).map(row).collect();
+            rows.extend(count.checked_sub(ROWS_SHOWN).filter(|more| *more > 0).map(|more| format!("{more} more")));
+            let (name, strangers) = (AXES[wanted.axis].name, strangers.join(", "));
+            let text = format!("axes.{name}: {strangers} is in no row of its zip; the rows are {}", rows.join("; "));
+            faults.add(place, text);
+            return;
+        }
+        let kept: Vec<bool> = own.values.iter().map(|placed| is_in(&placed.value, &wanted.values)).collect();
+        for sweep in self.axes.iter_mut().filter(|sweep| zip.contains(&sweep.axis)) {
+            let mut kept = kept.iter();
+            sweep.values.retain(|_| kept.next().is_some_and(|kept| *kept));
+            sweep.written = sweep.values.len();
+        }
+    }
 }
+
+/// Rows of a zip that a message shows.
+const ROWS_SHOWN: usize = 8;
 
 /// The items of a list with commas. A comma between the parameters of a formula ends no item:
 /// `builtin:cap:half_angle_deg=10,radiance=100,builtin:sky` are two.

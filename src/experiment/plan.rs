@@ -1,14 +1,14 @@
 //! The validated experiment: every cell with its id, what it shares with others, and what was left out.
 
 use super::axis::{AXES, Axis, Point, REFERENCE, View};
+use super::checks;
 use super::config::{Config, Sweep};
 use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
 use crate::environment::LoadOptions;
 use crate::files::{TEXT_BYTES_MAX, read_given};
-use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, RenderRequest, image_buffer_bytes};
-use crate::shade::reference_pass::ScramblePlan;
+use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
 use crate::spelling::short_number;
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -74,30 +74,44 @@ impl Plan {
             faults.add(&Place::Default, format!("cannot be read: {error}; expected an experiment file (TOML)"));
             faults.into_result().expect_err("one fault was added")
         })?;
-        Self::from_text_with(path, &text, overrides, options)
+        Self::from_text_with(path, &text, overrides, Path::new(""), options)
     }
 
     /// As [`Plan::load`], of a text that stands for the file at `path`.
     pub fn from_text(path: &Path, text: &str, overrides: &[String]) -> Result<Self, ConfigError> {
-        Self::from_text_with(path, text, overrides, &LoadOptions::default())
+        Self::from_text_set_in(path, text, overrides, Path::new(""))
+    }
+
+    /// As [`Plan::from_text`], with files named by `--set` relative to `set_dir`.
+    pub fn from_text_set_in(
+        path: &Path,
+        text: &str,
+        overrides: &[String],
+        set_dir: &Path,
+    ) -> Result<Self, ConfigError> {
+        Self::from_text_with(path, text, overrides, set_dir, &LoadOptions::default())
     }
 
     fn from_text_with(
         path: &Path,
         text: &str,
         overrides: &[String],
+        set_dir: &Path,
         options: &LoadOptions,
     ) -> Result<Self, ConfigError> {
         let mut faults = Faults::new(path, text);
-        let config = Config::parse(path, text, overrides, &mut faults);
+        let mut config = Config::parse(path, text, overrides, &mut faults);
+        config.set_dir = set_dir.to_owned();
         let inputs = load_inputs(&config, options, &mut faults);
         let combinations = config.combination_count();
         if combinations > COMBINATIONS_MAX {
             faults.add(&Place::File(0), format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"));
         } else {
-            check_combinations(&config, &mut faults);
+            checks::check_combinations(&config, &mut faults);
         }
-        check_sizes(&config, &mut faults);
+        checks::check_sizes(&config, &mut faults);
+        checks::check_lights(&config, &inputs, &mut faults);
+        checks::check_exclusions(&config, options, &mut faults);
         faults.into_result()?;
         Ok(expand(config, inputs))
     }
@@ -200,7 +214,7 @@ impl Plan {
         for (exclusion, _) in self.config.exclusions.iter().zip(&self.excluded).filter(|(_, count)| **count == 0) {
             warnings.add(&exclusion.place, format!("the exclusion {:?} matches no combination", exclusion.why));
         }
-        for (place, [width, height]) in sizes(&self.config) {
+        for (place, [width, height]) in checks::sizes(&self.config) {
             let bytes = image_buffer_bytes([width, height]);
             if bytes > BUFFER_BYTES_EVERYWHERE {
                 let text = format!(
@@ -220,10 +234,10 @@ fn text_of(bytes: Vec<u8>) -> std::io::Result<String> {
     String::from_utf8(bytes).map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
 }
 
-/// The folder that a path written at `place` is relative to: the file's, or for `--set` the current one.
-fn base_dir<'c>(config: &'c Config, place: &Place) -> &'c Path {
+/// The folder that a path written at `place` is relative to: the file's, or for `--set` [`Config::set_dir`].
+pub(super) fn base_dir<'c>(config: &'c Config, place: &Place) -> &'c Path {
     match place {
-        Place::Set(_) => Path::new(""),
+        Place::Set(_) => &config.set_dir,
         Place::File(_) | Place::Default => config.path.parent().unwrap_or(Path::new("")),
     }
 }
@@ -254,59 +268,6 @@ fn load_inputs(config: &Config, options: &LoadOptions, faults: &mut Faults) -> I
         }
     }
     inputs
-}
-
-/// Values that are right one by one but not together.
-fn check_combinations(config: &Config, faults: &mut Faults) {
-    for point in product(config).filter(|point| config.exclusion_of(point).is_none()) {
-        let has_lights = !config.lights.is_empty();
-        let judge = point.reference(&config.reference, has_lights);
-        let point = point.collapsed(has_lights);
-        check_reference_counts(config, &point, &judge, faults);
-        if let Err(error) = point.settings().precompute.validate() {
-            let partners = [error.field(), "prefilter_size"];
-            let place =
-                partners.iter().map(|name| config.place_of(name, &point)).find(|place| *place != Place::Default);
-            faults.add(&place.unwrap_or(Place::Default), error.to_string());
-        }
-    }
-}
-
-/// Every size of the images, with its place.
-fn sizes(config: &Config) -> Vec<(Place, [u32; 2])> {
-    match config.axes.iter().find(|sweep| AXES[sweep.axis].name == "size") {
-        Some(sweep) => sweep.values.iter().map(|placed| (placed.place.clone(), placed.value.pair())).collect(),
-        None => vec![(config.base_place("size").clone(), config.base.get("size").pair())],
-    }
-}
-
-/// Sizes that no device can hold.
-fn check_sizes(config: &Config, faults: &mut Faults) {
-    for (place, [width, height]) in sizes(config) {
-        if image_buffer_bytes([width, height]) > BUFFER_BYTES_MAX {
-            let pixels = BUFFER_BYTES_MAX / image_buffer_bytes([1, 1]);
-            let text = format!(
-                "size: {width}x{height} has {} pixels; at most {pixels} fit into the largest buffer of Vulkan",
-                u64::from(width) * u64::from(height)
-            );
-            faults.add(&place, text);
-        }
-    }
-}
-
-/// A row must not name another number of samples than the reference draws.
-fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults: &mut Faults) {
-    let has_term = |point: &Point, term: &str| point.get(term).text() == REFERENCE;
-    let is_method = has_term(point, "method");
-    if is_method && let Err(error) = ScramblePlan::exact(point.get("samples").count()) {
-        faults.add(&config.place_of("samples", point), format!("samples of method {REFERENCE}: {error}"));
-    }
-    let is_judged_by = has_term(judge, "method") || has_term(judge, "diffuse");
-    if (is_judged_by || has_term(point, "diffuse") && !is_method)
-        && let Err(error) = ScramblePlan::exact(config.reference.samples)
-    {
-        faults.add(&config.reference_samples_place, format!("reference.samples: {error}"));
-    }
 }
 
 fn expand(config: Config, inputs: Inputs) -> Plan {
@@ -350,7 +311,7 @@ impl Config {
 }
 
 /// Every combination of the axes' values over the base point, the last axis fastest; zipped axes step together.
-fn product(config: &Config) -> impl Iterator<Item = Point> + '_ {
+pub(super) fn product(config: &Config) -> impl Iterator<Item = Point> + '_ {
     let dimensions = config.dimensions();
     let count: usize = dimensions.iter().map(|(_, steps)| steps).product();
     (0..count).map(move |index| {

@@ -3,6 +3,7 @@
 pub use super::scores::Scores;
 
 use crate::pipeline::{FrameTimings, PassTime};
+use crate::precompute::table_of;
 use crate::shade::reference_pass::Convergence;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -116,7 +117,7 @@ impl Spent {
     pub fn add(&mut self, part: fn(&mut Self) -> &mut Option<f64>, timings: &FrameTimings, wall_ms: f64) {
         let tables_ms: f64 = timings.precompute.iter().map(|time| time.ms).sum();
         for PassTime { pass, ms } in &timings.precompute {
-            *self.tables_ms.entry((*pass).to_owned()).or_default() += ms;
+            *self.tables_ms.entry(table_of(pass).to_owned()).or_default() += ms;
         }
         *part(self).get_or_insert(0.0) += (wall_ms - tables_ms).max(0.0);
     }

@@ -53,11 +53,34 @@ pub fn median(samples: &[f64]) -> f64 {
 const RESAMPLE_COUNT: usize = 2000;
 const RESAMPLE_SEED: u64 = 1;
 
-/// 95 % percentile interval of the median by resampling with replacement [Efron79]; NaN below two samples.
-pub fn median_interval(samples: &[f64]) -> [f64; 2] {
-    if samples.len() < 2 {
-        return [f64::NAN; 2];
+/// Fewer samples than this have no 95 % interval of their median, whatever is computed from them: the widest one there is, from the
+/// smallest to the largest, misses the median when all samples fall on one side of it, which happens with probability 2 0.5^n > 0.05.
+pub const INTERVAL_SAMPLES_MIN: usize = 6;
+/// Stands where there are fewer.
+pub const TOO_FEW_ROUNDS: &str = "too few rounds for an interval";
+/// How often an interval may miss.
+const MISS_MAX: f64 = 0.05;
+
+/// The place k, from 0, of the narrowest pair of order statistics, the k-th from each end, that holds the median of any continuous
+/// distribution with at least 95 %: the chance that it lies outside is 2 P(B <= k), where B counts heads of n fair coins. `None` where
+/// not even the outermost do.
+pub fn median_order(n: usize) -> Option<usize> {
+    let (mut term, mut below, mut found) = (0.5f64.powi(i32::try_from(n).ok()?), 0.0, None);
+    for k in 0..n.div_ceil(2) {
+        below += term;
+        if 2.0 * below > MISS_MAX {
+            break;
+        }
+        found = Some(k);
+        term *= (n - k) as f64 / (k + 1) as f64;
     }
+    found
+}
+
+/// 95 % interval of the median: the percentile interval by resampling with replacement [Efron79], and never narrower than the order
+/// statistics that hold the median with 95 % ([`median_order`]), as resampling few samples does. NaN below [`INTERVAL_SAMPLES_MIN`].
+pub fn median_interval(samples: &[f64]) -> [f64; 2] {
+    let Some(outer) = median_order(samples.len()) else { return [f64::NAN; 2] };
     let mut sorted: Vec<(usize, f64)> = samples.iter().copied().enumerate().collect();
     sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
     let mut rank_of = vec![0; samples.len()];
@@ -82,7 +105,8 @@ pub fn median_interval(samples: &[f64]) -> [f64; 2] {
         })
         .collect();
     medians.sort_by(f64::total_cmp);
-    [quantile(&medians, 0.025), quantile(&medians, 0.975)]
+    let order = [sorted[outer].1, sorted[samples.len() - 1 - outer].1];
+    [quantile(&medians, 0.025).min(order[0]), quantile(&medians, 0.975).max(order[1])]
 }
 
 /// Slope of samples over their places: the median of the slopes of all pairs [Sen68]. NaN when no two places differ.

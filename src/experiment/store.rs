@@ -164,6 +164,13 @@ impl Store {
         Ok(())
     }
 
+    /// Whether a run is at work in the folder. Not known, and taken for no, on a file system without locks.
+    pub fn is_under_way(&self) -> bool {
+        let file = File::open(self.dir.join(LOCK_FILE));
+        // Shared, so that two readers do not take each other for a run; given back with the file.
+        file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+    }
+
     /// The folder.
     pub fn dir(&self) -> &Path {
         &self.dir

@@ -8,7 +8,7 @@ use super::statistics::median;
 use super::store::StopReason;
 use super::tables::REFERENCE_COLUMNS;
 use super::timing::{self, TimingRecord, summarize};
-use super::timing_ratios::ratios;
+use super::timing_ratios::{interval_words, ratios};
 use crate::slips;
 use crate::table::markdown::{Align, MarkdownTable, significant};
 use std::collections::{BTreeMap, BTreeSet};
@@ -173,7 +173,7 @@ fn times_section(timings: &[TimingRecord]) -> String {
     let ratios = ratios(timings);
     for pair in &ratios {
         let method = format!("{} {}", axis(pair.sampled, "method"), axis(pair.sampled, "samples"));
-        let interval = pair.interval.map(|end| significant(end, DIGITS)).join(" to ");
+        let interval = interval_words(pair.interval, DIGITS);
         let payback = pair.payback.to_string();
         let (brdf, diffuse, fixed) =
             (axis(pair.sampled, "brdf"), axis(pair.sampled, "diffuse"), axis(pair.fixed, "method"));

@@ -12,6 +12,8 @@ use toml::de::{DeTable, DeValue};
 const RANGE_LENGTH_MAX: i64 = 100_000;
 /// Largest power of two in a range.
 const POWER_MAX: i64 = 60;
+/// The names of ranges.
+const RANGES: &[&str] = &["linspace", "logspace", "pow2"];
 /// How a range is written.
 const RANGE_FORMS: &str =
     "{ linspace = [first, last, count] }, { logspace = [first, last, count] } or { pow2 = [from, to] }";
@@ -41,7 +43,13 @@ impl Config {
                     }
                 }
                 DeValue::Table(range) => {
-                    let items = range_values(kind, range).unwrap_or_else(|fault| {
+                    let mut unknown = entries(range);
+                    unknown.retain(|(key, ..)| !RANGES.contains(key));
+                    for (key, _, place) in &unknown {
+                        unknown_key(place, &format!("{name}."), key, RANGES, faults);
+                    }
+                    let items = if unknown.is_empty() { range_values(kind, range) } else { Ok(Vec::new()) };
+                    let items = items.unwrap_or_else(|fault| {
                         faults.add(&at, format!("{name}: {fault}"));
                         Vec::new()
                     });
@@ -127,7 +135,11 @@ impl Config {
                 zip.is_some_and(|zip| members.iter().any(|&member| zip.axes.contains(&self.axes[member].axis)))
             });
             match known {
-                Some((members, _)) => members.push(index),
+                // Of different lengths only where that is a fault, or a value has one.
+                Some((members, steps)) => {
+                    members.push(index);
+                    *steps = (*steps).min(sweep.values.len());
+                }
                 None => dimensions.push((vec![index], sweep.values.len())),
             }
         }

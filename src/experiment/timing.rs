@@ -140,7 +140,7 @@ pub struct Summary {
     pub p05: f64,
     pub p95: f64,
     pub min: f64,
-    /// 95 % interval of the median by resampling.
+    /// 95 % interval of the median; NaN below six samples.
     pub interval: [f64; 2],
 }
 

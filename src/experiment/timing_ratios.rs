@@ -1,14 +1,13 @@
 //! Two methods timed in the same rounds: which is faster, and when a method's tables have paid for themselves.
 
-use super::statistics::{median, median_interval};
+use super::statistics::{INTERVAL_SAMPLES_MIN, TOO_FEW_ROUNDS, median, median_interval};
 use super::timing::{FRAME, PRECOMPUTE, TimingRecord};
 use crate::shade::METHODS;
+use crate::table::markdown::significant;
 use std::fmt;
 
 /// Times closer than this count as the same: below it neither is worth a choice.
 const SAME_WITHIN: f64 = 0.02;
-/// Fewer rounds than this decide nothing.
-const ROUNDS_MIN: usize = 5;
 
 /// What an interval of a ratio of times says of the first method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,11 +34,19 @@ impl fmt::Display for Verdict {
 /// The verdict on a median ratio with this 95 % interval over `rounds` pairs.
 pub fn verdict([lo, hi]: [f64; 2], rounds: usize) -> Verdict {
     match () {
-        () if rounds < ROUNDS_MIN || lo.is_nan() || hi.is_nan() => Verdict::Ambiguous,
+        () if rounds < INTERVAL_SAMPLES_MIN || lo.is_nan() || hi.is_nan() => Verdict::Ambiguous,
         () if hi < 1.0 - SAME_WITHIN => Verdict::Fast,
         () if lo > 1.0 + SAME_WITHIN => Verdict::Slow,
         () if lo >= 1.0 - SAME_WITHIN && hi <= 1.0 + SAME_WITHIN => Verdict::Same,
         () => Verdict::Ambiguous,
+    }
+}
+
+/// The interval of a ratio or a time as people read it.
+pub fn interval_words(interval: [f64; 2], digits: usize) -> String {
+    match interval.iter().any(|end| end.is_nan()) {
+        true => TOO_FEW_ROUNDS.to_owned(),
+        false => interval.map(|end| significant(end, digits)).join(" to "),
     }
 }
 
@@ -50,7 +57,7 @@ pub struct Ratio<'r> {
     pub fixed: &'r TimingRecord,
     /// Median over rounds of time of `sampled` / time of `fixed`.
     pub ratio: f64,
-    /// 95 % interval of it; the rounds are resampled, never single samples.
+    /// 95 % interval of it; the rounds are resampled, never single samples. NaN below [`INTERVAL_SAMPLES_MIN`] rounds.
     pub interval: [f64; 2],
     pub rounds: usize,
     /// That of `sampled`.
@@ -82,7 +89,7 @@ impl Payback {
             Verdict::Fast => Self::Never,
             Verdict::Slow => Self::Frames { count: frames(ratio), interval: [frames(hi), frames(lo)] },
             Verdict::Same => Self::NotDecided("frames within 2 % of each other"),
-            _ if rounds < ROUNDS_MIN => Self::NotDecided("too few rounds"),
+            _ if rounds < INTERVAL_SAMPLES_MIN => Self::NotDecided(TOO_FEW_ROUNDS),
             _ => Self::NotDecided("the interval of the ratio leaves open whose frames are faster"),
         }
     }

@@ -1,6 +1,6 @@
 //! Instance, physical devices and what is known of them.
 
-use super::GpuError;
+use super::{GpuError, driver_cache};
 use ash::{Entry, ext, vk};
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex};
@@ -56,6 +56,7 @@ impl Instance {
     pub(super) fn new(validation: bool) -> Result<Self, GpuError> {
         // A loader that cannot parse a manifest says that memory ran out.
         let failed = |call| move |result| GpuError::Loader { call, result };
+        driver_cache::disable_without_room();
         // SAFETY: the loader is a well-behaved library that has no preconditions on being opened.
         let entry = unsafe { Entry::load() }.map_err(|e| GpuError::NoLoader(e.to_string()))?;
         // SAFETY: the entry is loaded; the call only reads.

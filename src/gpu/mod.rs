@@ -8,6 +8,7 @@
 mod bounded;
 mod buffer;
 mod device;
+mod driver_cache;
 mod error;
 mod image;
 mod inject;

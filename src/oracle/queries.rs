@@ -6,7 +6,7 @@ use crate::environment::{Environment, LoadOptions};
 use crate::files::{TEXT_BYTES_MAX, read_given};
 use crate::shade::reference::Surface;
 use crate::spelling::suggestion;
-use crate::table::csv::Cell;
+use crate::table::csv::{Cell, unguarded};
 use glam::DVec3;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -65,8 +65,9 @@ impl Queries {
     /// As [`Queries::read`], of the bytes of the file at `path`.
     pub fn from_bytes(path: &Path, bytes: &[u8], kind: Kind, options: &LoadOptions) -> Result<Self, QueryFaults> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
-            let line = bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
-            whole(path, format!("line {} is not UTF-8 text", line + 1))
+            let line = 1 + bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count() as u64;
+            let what = "the line is not UTF-8 text".to_owned();
+            QueryFaults { path: path.to_owned(), faults: vec![Fault { line, column: String::new(), what }] }
         })?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         Reader::new(path, kind, options).read(text).map_err(|faults| QueryFaults { path: path.to_owned(), faults })
@@ -130,6 +131,7 @@ impl<'a> Reader<'a> {
         // Reading from memory as UTF-8 with rows of any length has no errors.
         while records.read_record(&mut record).unwrap_or(false) {
             let line = record.position().map_or(0, |position| line_of(text, position.byte()));
+            record = record.iter().map(unguarded).collect();
             if is_header {
                 is_header = false;
                 self.header(line, &record);

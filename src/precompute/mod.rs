@@ -16,3 +16,8 @@ use crate::pixels::RgbImage;
 pub fn exact_quadrature(image: &RgbImage) -> EquirectQuadrature {
     EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y))
 }
+
+/// The table that a pass makes, or a part of it: `prefilter mip 2` makes a level of `prefilter`.
+pub fn table_of(pass: &str) -> &str {
+    pass.split(' ').next().unwrap_or(pass)
+}

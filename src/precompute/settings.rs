@@ -45,10 +45,10 @@ pub struct PrecomputeSettings {
 }
 
 impl PrecomputeSettings {
-    /// Samples that a pass draws for its table in all; `None` for a pass that draws none.
-    pub fn samples_of(&self, pass: &str) -> Option<f64> {
+    /// Samples that are drawn for a table in all; `None` for a table that takes none.
+    pub fn samples_of(&self, table: &str) -> Option<f64> {
         let texels = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
-        match pass {
+        match table {
             "prefilter" => {
                 // Each level has a quarter of the texels of the one before.
                 let levels = (0..self.prefilter_level_count).map(|level| 0.25_f64.powi(level as i32)).sum::<f64>();

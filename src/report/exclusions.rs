@@ -2,7 +2,7 @@
 //! was not reached. Read from the frozen experiment files: no record of a run says it cell by cell.
 
 use crate::experiment::answers::run_folder::RunFolder;
-use crate::experiment::answers::study::{RUN_AXIS, Role, Study};
+use crate::experiment::answers::study::{RUN_AXIS, Role, Row, Study};
 use crate::experiment::axis;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -32,6 +32,10 @@ pub fn collect(runs: &[RunFolder], labels: &[String], study: &Study) -> Exclusio
             }
         }
     }
+    let of_row =
+        |row: &Row| -> Vec<String> { exclusions.axes.iter().map(|name| study.value(row, name).to_owned()).collect() };
+    // What another combination makes is not left out: a method without samples has one cell whichever counts are excluded.
+    let made: BTreeSet<Vec<String>> = study.rows.iter().map(of_row).collect();
     let mut points: BTreeSet<(usize, Vec<String>)> = BTreeSet::new();
     for (run, label) in runs.iter().zip(labels) {
         let Some(config) = &run.config else { continue };
@@ -39,7 +43,10 @@ pub fn collect(runs: &[RunFolder], labels: &[String], study: &Study) -> Exclusio
         exclusions.reasons.extend(config.exclusions.iter().map(|exclusion| exclusion.why.clone()));
         for (index, point) in config.excluded_points() {
             let value = |name: &String| if name == RUN_AXIS { label.clone() } else { point.get(name).to_string() };
-            points.insert((first + index, exclusions.axes.iter().map(value).collect()));
+            let values: Vec<String> = exclusions.axes.iter().map(value).collect();
+            if !made.contains(&values) {
+                points.insert((first + index, values));
+            }
             if points.len() >= POINTS_MAX {
                 break;
             }

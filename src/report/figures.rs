@@ -2,10 +2,11 @@
 //! want to restyle it or put it into a paper. The tables are those of `experiment::answers`.
 
 use crate::experiment::answers::run_folder::RunFolder;
-use crate::experiment::answers::study::Study;
 use crate::experiment::answers::tables::{AnswerTable, of_figures};
 use crate::experiment::answers::{Answers, exposure};
 use crate::experiment::tables::{DISPLAY_HEADLINE, HEADLINE};
+use crate::experiment::timing::TimingRecord;
+use crate::report::joined::Alone;
 use crate::table::csv::{TableError, TableWriter};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -22,15 +23,24 @@ pub enum FigureError {
 /// The schema of the specifications; an identifier, never fetched by this program.
 const VEGA_LITE: &str = "https://vega.github.io/schema/vega-lite/v6.json";
 
-/// Writes `NAME.csv` and `NAME.vl.json` for every figure that the runs have data for. Returns the names.
-pub fn write(folder: &Path, study: &Study, answers: &Answers, runs: &[RunFolder]) -> Result<Vec<String>, FigureError> {
+/// Writes `NAME.csv` and `NAME.vl.json` for every figure that the runs have data for. Returns the names, which hold the folder of the run where
+/// there are several: no figure joins runs.
+pub fn write(folder: &Path, each: &[Alone], runs: &[RunFolder]) -> Result<Vec<String>, FigureError> {
+    let mut names = Vec::new();
+    for (i, (alone, run)) in each.iter().zip(runs).enumerate() {
+        let own = if runs.len() > 1 { format!("run-{}", i + 1) } else { String::new() };
+        let written = write_run(&folder.join(&own), alone, &run.timings)?;
+        names.extend(written.into_iter().map(|name| if own.is_empty() { name } else { format!("{own}/{name}") }));
+    }
+    Ok(names)
+}
+
+fn write_run(folder: &Path, alone: &Alone, timings: &[TimingRecord]) -> Result<Vec<String>, FigureError> {
     let io = |error| FigureError::Io { path: folder.to_owned(), error };
     std::fs::create_dir_all(folder).map_err(io)?;
-    // Times of different devices never share a figure: those of the first run that was timed.
-    let timings = runs.iter().map(|run| run.timings.as_slice()).find(|timings| !timings.is_empty()).unwrap_or_default();
     let mut names = Vec::new();
-    for table in &of_figures(study, answers, timings) {
-        let Some(own) = spec(table, answers) else { continue };
+    for table in &of_figures(&alone.study, &alone.answers, timings) {
+        let Some(own) = spec(table, &alone.answers) else { continue };
         let columns: Vec<&str> = table.columns.iter().map(String::as_str).collect();
         let mut writer = TableWriter::create(&folder.join(format!("{}.csv", table.name)), &columns)?;
         table.rows.iter().try_for_each(|row| writer.append(row))?;

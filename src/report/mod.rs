@@ -7,18 +7,22 @@
 pub mod exclusions;
 mod figures;
 pub mod images;
+pub mod joined;
+pub mod lead;
 pub mod live;
 pub mod page;
+mod times;
 
+use crate::experiment::answers::exposure::VISIBLE_FROM;
 use crate::experiment::answers::run_folder::{RunFolder, RunFolderError};
 use crate::experiment::answers::study::{Row, Study};
-use crate::experiment::answers::{Answers, words};
+use crate::experiment::summary::SHEETS_FOLDER;
 use crate::experiment::tables::HEADLINE;
 use crate::pixels::{PixelsError, write_atomically};
 use crate::table::colormap::{NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR};
 use images::{Choice, ImageSet};
+use joined::Alone;
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -64,6 +68,8 @@ pub enum ReportError {
     Figures(#[from] figures::FigureError),
     #[error(transparent)]
     Crop(#[from] images::CropError),
+    #[error("--out {}: is a folder; expected the file to write, such as {}", path.display(), path.join("report.html").display())]
+    OutIsFolder { path: PathBuf },
     #[error("the page's template: {0}")]
     Template(#[from] minijinja::Error),
     #[error(transparent)]
@@ -72,41 +78,42 @@ pub enum ReportError {
 
 /// Writes the report, and `NAME-figures/` beside it.
 pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
+    if let Some(path) = options.out.as_ref().filter(|path| path.is_dir()) {
+        return Err(ReportError::OutIsFolder { path: path.clone() });
+    }
     let runs: Vec<RunFolder> = options.dirs.iter().map(|dir| RunFolder::read(dir)).collect::<Result<_, _>>()?;
     let path = options.out.clone().unwrap_or_else(|| options.dirs[0].join("report.html"));
     let labels = labels(&runs);
     let study = Study::new(&runs, &labels);
-    let distinct = study.distinct();
-    let answers = Answers::new(&distinct, &runs);
-    let answer = words::answer(&distinct, &answers);
+    let each = joined::each(&runs, &labels);
+    let analysis = joined::analysis(&study, &each, &runs, &labels);
     let light = live::Light::collect(&runs, live::BUDGET_BYTES);
     let tables: usize = runs.iter().flat_map(|run| &run.csv).map(|(_, text)| text.len()).sum();
-    let others = tables + json_bytes(&light) + json_bytes(&answers) + study.rows.len() * ROW_BYTES + PROGRAM_BYTES;
+    let others = tables + json_bytes(&light) + json_bytes(&analysis) + study.rows.len() * ROW_BYTES + PROGRAM_BYTES;
     let images = images::collect(&runs, options.images, options.budget.saturating_sub(others))?;
-    let figures = figures::write(&figures_folder(&path), &distinct, &answers, &runs)?;
+    let figures = figures::write(&figures_folder(&path), &each, &runs)?;
     let fixed = page::Static {
         name: runs[0].text("/name"),
         question: runs[0].text("/question"),
-        number: answer.number.clone(),
-        unit: answer.unit.clone(),
-        sentence: answer.sentence.clone(),
-        facts: answer.facts.clone(),
-        warnings: warnings(&runs),
-        devices: runs.iter().map(device_line).collect(),
+        runs: runs.iter().zip(&labels).zip(&each).map(|((run, label), alone)| told(run, label, alone)).collect(),
+        facts: joined::facts(&runs),
+        repeats: joined::repeats(&runs, &labels),
     };
     let here = path.parent().unwrap_or(Path::new(""));
+    let described = runs.iter().zip(&labels).zip(&each);
     let model = json!({
         "headline": HEADLINE,
-        "runs": runs.iter().zip(&labels).map(|(run, label)| run_model(run, label, here)).collect::<Vec<_>>(),
-        "differences": differences(&runs),
+        "runs": described.map(|((run, label), alone)| run_model(run, label, alone, here)).collect::<Vec<_>>(),
+        "facts": fixed.facts,
         "axes": study.axes,
         "metrics": runs[0].provenance["metrics"],
         "cells": cells(&study, &runs, &images),
-        "analysis": answers,
+        "analysis": analysis,
         "exclusions": exclusions::collect(&runs, &labels, &study),
         "images": images.images,
         "image_notes": images.notes,
         "figures": figures.iter().map(|name| format!("{}/{name}", figures_name(&path))).collect::<Vec<_>>(),
+        "visible_from": VISIBLE_FROM,
         "colors": colors(),
     });
     let tables: Vec<(String, &str)> = runs
@@ -116,7 +123,18 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
         .collect();
     let html = page::render(&fixed, &model, &tables, &images, &light)?;
     write_atomically(&path, |writer| writer.write_all(html.as_bytes()))?;
-    Ok(Written { path, bytes: html.len(), notes: images.notes })
+    let notes = runs.iter().filter_map(RunFolder::under_way_note).chain(images.notes).collect();
+    Ok(Written { path, bytes: html.len(), notes })
+}
+
+fn told(run: &RunFolder, label: &str, alone: &Alone) -> page::Told {
+    page::Told {
+        label: label.to_owned(),
+        question: run.text("/question"),
+        answer: alone.answer.clone(),
+        warnings: joined::warnings(run),
+        device: device_line(run),
+    }
 }
 
 /// Bytes of a value in the page.
@@ -154,71 +172,36 @@ fn device_line(run: &RunFolder) -> String {
     format!("{} · {} · {}", text("/device/name"), text("/device/driver"), text("/date_utc"))
 }
 
-/// What a reader must know before believing a number.
-fn warnings(runs: &[RunFolder]) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if runs.iter().any(RunFolder::is_cpu_timed) {
-        warnings.push(
-            "The times come from a CPU driver: they say nothing about a GPU. The errors do not depend on the device's speed."
-                .to_owned(),
-        );
-    }
-    let failed: usize = runs.iter().map(|run| run.failures.len()).sum();
-    if failed > 0 {
-        warnings.push(format!("{failed} cells failed and are missing from every figure; the Run page lists them."));
-    }
-    for run in runs {
-        let (done, planned) = (run.errors.rows.len(), run.provenance["cell_count"].as_u64().unwrap_or(0));
-        if (done as u64) < planned {
-            warnings.push(format!("{done} of {planned} cells of {} are done: the run was stopped.", run.text("/name")));
-        }
-    }
-    warnings
-}
-
-/// What tells joined runs apart, by provenance: [what, value of each run].
-fn differences(runs: &[RunFolder]) -> Vec<Value> {
-    let session = |name: &str| runs.iter().map(|run| run.text(&format!("{}{name}", run.last_session()))).collect();
-    let whole = |pointer: &str| runs.iter().map(|run| run.text(pointer)).collect();
-    let facts: [(&str, Vec<String>); 9] = [
-        ("device", session("/device/name")),
-        ("driver", session("/device/driver")),
-        ("commit", session("/commit/hash")),
-        ("date", session("/date_utc")),
-        ("host", session("/host/cpu")),
-        ("experiment", whole("/experiment_hash")),
-        ("overrides", whole("/overrides")),
-        ("shaders", whole("/shader_hash")),
-        ("inputs", whole("/inputs")),
-    ];
-    let differs = |values: &Vec<String>| values.iter().collect::<BTreeSet<_>>().len() > 1;
-    facts.iter().filter(|(_, values)| differs(values)).map(|(name, values)| json!([name, values])).collect()
-}
-
-fn run_model(run: &RunFolder, label: &str, here: &Path) -> Value {
+fn run_model(run: &RunFolder, label: &str, alone: &Alone, here: &Path) -> Value {
     let excluded = match &run.provenance["excluded"] {
         Value::Array(excluded) => Value::Array(excluded.clone()),
         _ => json!([]),
     };
+    let link = relative(here, &run.dir);
     json!({
         "label": label,
         "device": device_line(run),
-        "link": relative(here, &run.dir),
+        "sheets": sheets(&run.dir).iter().map(|name| json!([name, format!("{link}/{SHEETS_FOLDER}/{}", escape(name))])).collect::<Vec<_>>(),
+        "link": link,
         "provenance": run.provenance,
         "experiment": run.experiment,
         "failures": run.failures,
         "excluded": excluded,
-        "timings": run.timings.iter().map(|record| json!({
-            "phase": record.phase,
-            "axes": record.axes,
-            "size": record.size,
-            "environment_size": record.environment_size,
-            "device_type": record.device_type,
-            "wall_check": record.wall_check(),
-            "passes": record.passes.iter()
-                .map(|pass| json!([pass.pass, crate::experiment::timing::summarize(&pass.ms).median])).collect::<Vec<_>>(),
-        })).collect::<Vec<_>>(),
+        "lead": lead::lead(&alone.study, &alone.answers),
+        "effects": alone.answers.effects,
+        "dynamic_range": alone.answers.dynamic_range,
+        "timings": times::records(run),
+        "paybacks": times::paybacks(run),
     })
+}
+
+/// The contact sheets of a run, by name.
+fn sheets(dir: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(dir.join(SHEETS_FOLDER)).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.retain(|name| name.ends_with(".png"));
+    names.sort();
+    names
 }
 
 /// Images and times by run and cell.

@@ -5,7 +5,9 @@
 //! request, so that what is promised (one offline file) is also enforced.
 
 use super::images::ImageSet;
+use super::joined::Fact;
 use super::live::Light;
+use crate::experiment::answers::words::Answer;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use minijinja::value::{Serde, Value};
@@ -22,24 +24,33 @@ mod shaders {
 }
 
 /// The modules of the page by the name they import each other under. An import map points each to its text.
-const MODULES: [(&str, &str); 17] = [
+const MODULES: [(&str, &str); 26] = [
     ("report/main", include_str!("../../assets/report/main.js")),
     ("report/data", include_str!("../../assets/report/data.js")),
     ("report/state", include_str!("../../assets/report/state.js")),
     ("report/dom", include_str!("../../assets/report/dom.js")),
+    ("report/color", include_str!("../../assets/report/color.js")),
     ("report/cases", include_str!("../../assets/report/cases.js")),
+    ("report/answer", include_str!("../../assets/report/answer.js")),
     ("report/break-even", include_str!("../../assets/report/break-even.js")),
+    ("report/effects", include_str!("../../assets/report/effects.js")),
+    ("report/visibility", include_str!("../../assets/report/visibility.js")),
+    ("report/times", include_str!("../../assets/report/times.js")),
     ("report/chart", include_str!("../../assets/report/chart.js")),
+    ("report/maps", include_str!("../../assets/report/maps.js")),
     ("report/plots", include_str!("../../assets/report/plots.js")),
     ("report/program", include_str!("../../assets/report/program.js")),
     ("report/stage", include_str!("../../assets/report/stage.js")),
     ("report/surface", include_str!("../../assets/report/surface.js")),
     ("report/legend", include_str!("../../assets/report/legend.js")),
+    ("report/viewer-input", include_str!("../../assets/report/viewer-input.js")),
     ("report/viewer", include_str!("../../assets/report/viewer.js")),
     ("report/live", include_str!("../../assets/report/live.js")),
     ("report/live-render", include_str!("../../assets/report/live-render.js")),
     ("report/grid", include_str!("../../assets/report/grid.js")),
+    ("report/filter", include_str!("../../assets/report/filter.js")),
     ("report/tables", include_str!("../../assets/report/tables.js")),
+    ("report/run", include_str!("../../assets/report/run.js")),
 ];
 
 /// What the page shows without its scripts.
@@ -47,12 +58,22 @@ const MODULES: [(&str, &str); 17] = [
 pub struct Static {
     pub name: String,
     pub question: String,
-    pub number: String,
-    pub unit: String,
-    pub sentence: String,
-    pub facts: Vec<String>,
+    /// Every run, in the order in which they were joined.
+    pub runs: Vec<Told>,
+    /// What tells joined runs apart.
+    pub facts: Vec<Fact>,
+    /// Which of them repeat another one, one sentence each.
+    pub repeats: Vec<String>,
+}
+
+/// A run in words.
+#[derive(Debug, Serialize)]
+pub struct Told {
+    pub label: String,
+    pub question: String,
+    pub answer: Answer,
     pub warnings: Vec<String>,
-    pub devices: Vec<String>,
+    pub device: String,
 }
 
 /// Renders the page. `model` is what the scripts read; `tables` are CSV files by element id; `light` is what the live view reads.

@@ -1,5 +1,6 @@
 //! Analytic lights.
 
+use super::{Scene, Sphere};
 use glam::DVec3;
 
 /// Kind of an analytic light; the discriminants are `glsl::constants::LIGHT_*`.
@@ -17,4 +18,20 @@ pub struct Light {
     pub position_or_direction: DVec3,
     /// Linear RGB.
     pub color: [f32; 3],
+}
+
+impl Light {
+    /// Why the light cannot stand in a scene: a point light in a sphere is below the horizon of all of its surface, and on it the distance
+    /// is 0. What is inside a mesh, which need not be closed, is not asked.
+    pub fn fault_in(&self, scene: &Scene) -> Option<String> {
+        let p = self.position_or_direction;
+        let around = |sphere: &&Sphere| p.distance(sphere.center) <= sphere.radius;
+        let sphere = scene.spheres.iter().find(around).filter(|_| self.kind == LightKind::Point)?;
+        let [place, center] = [p, sphere.center].map(|v| format!("({}, {}, {})", v.x, v.y, v.z));
+        let (radius, scene) = (sphere.radius, &scene.name);
+        Some(format!(
+            "the point light at {place} is in the sphere of scene {scene} with centre {center} and radius {radius}, which it cannot light; \
+             expected a place outside"
+        ))
+    }
 }

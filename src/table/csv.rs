@@ -4,10 +4,11 @@
 //! crash of the machine cuts off is found by [`TableWriter::resume`] and removed.
 //!
 //! Numbers are written with the fewest digits that read back to the same f64; infinities as `inf` and `-inf`, which pandas,
-//! R and DuckDB read. A missing value is an empty cell. Text that begins with `=`, `+`, `-` or `@` is written as it is: this is
-//! data for programs, the names are the user's own, and a protecting apostrophe would be a wrong name when read back.
+//! R and DuckDB read. A missing value is an empty cell. Text that a spreadsheet would take for a formula is written with an apostrophe
+//! before it, and read back without; see [`guarded`].
 
 use crate::files::read_regular;
+use std::borrow::Cow;
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -43,7 +44,7 @@ impl From<Option<f64>> for Cell {
 impl Cell {
     fn field(&self) -> String {
         match self {
-            Self::Text(text) => text.clone(),
+            Self::Text(text) => guarded(text).into_owned(),
             Self::Number(number) => shortest(*number),
             Self::Integer(integer) => integer.to_string(),
             Self::Missing => String::new(),
@@ -64,6 +65,24 @@ fn shortest(number: f64) -> String {
     } else {
         format!("{number:e}")
     }
+}
+
+/// What a field may not begin with in a spreadsheet: it would be run as a formula.
+const FORMULA_STARTS: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
+
+/// Whether text begins like a formula, after any number of apostrophes. Numbers are none, whatever their sign.
+fn is_like_formula(text: &str) -> bool {
+    text.trim_start_matches('\'').starts_with(FORMULA_STARTS) && text.parse::<f64>().is_err()
+}
+
+/// Text as it stands in a table: names are the user's, and one such as `=1+1` must stay text in a spreadsheet.
+pub fn guarded(text: &str) -> Cow<'_, str> {
+    if is_like_formula(text) { Cow::Owned(format!("'{text}")) } else { Cow::Borrowed(text) }
+}
+
+/// The text that a table holds as this field; the inverse of [`guarded`].
+pub fn unguarded(field: &str) -> &str {
+    field.strip_prefix('\'').filter(|text| is_like_formula(text)).unwrap_or(field)
 }
 
 /// Why a table could not be written or read.
@@ -199,7 +218,8 @@ impl Table {
 
     fn parse(path: &Path, bytes: &[u8]) -> Result<Self, TableError> {
         let syntax_error = |source| TableError::Syntax { path: path.to_owned(), source };
-        let fields = |record: &::csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();
+        let fields =
+            |record: &::csv::StringRecord| record.iter().map(|field| unguarded(field).to_owned()).collect::<Vec<_>>();
         let mut reader = ::csv::Reader::from_reader(bytes);
         let columns = fields(reader.headers().map_err(syntax_error)?);
         let rows: Result<_, _> = reader.records().map(|record| record.map(|record| fields(&record))).collect();

@@ -151,3 +151,86 @@ fn every_count_tried_has_its_own_step_of_the_ramp() {
     }
     assert_clean(&page);
 }
+
+#[test]
+fn an_address_asks_for_no_more_than_the_controls_reach() {
+    let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
+    page.resize(1200, 800, "light");
+    page.go(&report, "#compare?contrast=-3&ev=99&zoom=1e6&x=-500&y=1e9&split=7");
+    page.wait(READY);
+    let shown = page.eval(
+        "[Number(document.getElementById('contrast').value), Number(document.getElementById('exposure').value), document.querySelector('.scale-text').textContent, \
+         document.querySelector('.split-handle').style.left, document.querySelector('.slider output[for=contrast]').textContent]",
+    );
+    assert_eq!(shown, json!([0.1, 14, "96×", "100%", "0.1"]));
+    // The place lies within the image: its corner is in the middle of the stage.
+    let texel = middle(&mut page);
+    assert!(
+        texel.starts_with(&format!("texel (0, {SIDE})")) || texel.starts_with(&format!("texel (0, {})", SIDE - 1)),
+        "{texel}"
+    );
+    // Nonsense is no number.
+    page.go(&report, "#compare?contrast=x&ev=&zoom=NaN");
+    page.wait(READY);
+    assert_eq!(
+        page.eval("[document.getElementById('contrast').value, document.getElementById('exposure').value]"),
+        json!(["1", "0"])
+    );
+    assert_clean(&page);
+}
+
+#[test]
+fn errors_beyond_the_range_of_the_colours_can_be_marked() {
+    let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
+    page.resize(1200, 800, "light");
+    // The fake errs by far less than 1, so nothing of it lies beyond; a range that is narrower stands for larger errors.
+    for (range, expected) in [("", false), ("report.colors.relative[1] = 0.01;", true)] {
+        page.go(&report, "#answer");
+        let script = format!(
+            "import('report/data').then((data) => {{ const report = data.model; {range} location.hash = '#compare?mode=error&clip=1'; }})"
+        );
+        page.eval(&script);
+        page.wait(READY);
+        let marked = page.eval(
+            "(() => { const c = document.querySelector('.viewer-stage canvas'), gl = c.getContext('webgl2'); \
+             const ev = document.getElementById('exposure'); ev.dispatchEvent(new Event('input')); \
+             const n = 40, out = new Uint8Array(4 * n); gl.readPixels((c.width >> 1) - 20, c.height >> 1, n, 1, gl.RGBA, gl.UNSIGNED_BYTE, out); \
+             let found = 0; for (let i = 0; i < n; i++) if (out[4 * i] > 250 && out[4 * i + 1] < 5 && out[4 * i + 2] > 220) found++; return found > 5; })()",
+        );
+        assert_eq!(marked, json!(expected), "{range}");
+        assert!(
+            page.text(".error-legend").contains("≥ ") && page.text(".error-legend").contains("Mark beyond the range")
+        );
+        assert!(page.text(".checks").contains("Mark beyond the range"));
+    }
+    assert_clean(&page);
+}
+
+#[test]
+fn images_with_keys_stand_first_and_contact_sheets_are_linked() {
+    let Some(mut page) = chromium::open() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nalpha = [0.25]\nmethod = [\"sampled\", \"split-sum\"]\n\
+                samples = [1, 4]\npoint_set = [0, 1, 2, 3]";
+    let report = report_of(dir.path(), axes, "");
+    page.resize(1440, 900, "light");
+    page.go(&report, "#compare");
+    page.wait(READY);
+    let keys = page.eval("[...document.querySelectorAll('.variants :is(kbd, summary)')].map((e) => e.textContent)");
+    assert_eq!(keys, json!(["1", "2", "3", "6 more without a key", "·", "·", "·", "·", "·", "·"]));
+    for view in ["images", "run"] {
+        page.go(&report, &format!("#{view}"));
+        let links = page.eval(&format!("[...document.querySelectorAll('#view-{view} .sheets a')].map((a) => a.href)"));
+        let links = links.as_array().unwrap();
+        assert!(!links.is_empty(), "{view}");
+        for link in links {
+            let file = link.as_str().unwrap().strip_prefix("file://").unwrap();
+            assert!(std::path::Path::new(file).exists(), "{file}");
+        }
+    }
+    // One scene is not "1 scenes".
+    page.go(&report, "#answer");
+    page.wait("document.querySelector('.strip') !== null");
+    assert!(!page.text("#view-answer").contains("1 scenes"));
+    assert_clean(&page);
+}

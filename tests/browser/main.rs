@@ -2,10 +2,14 @@
 
 mod chromium;
 mod compare;
+mod contrast;
 #[path = "../numeric/experiment/fake.rs"]
 mod fake;
+mod joined;
+mod leads;
 mod live;
 mod sections;
+mod tables;
 
 use chromium::Page;
 use fake::{ERROR_AT_ONE, Fake, Log, SPLIT_SUM_ERROR};

@@ -16,20 +16,26 @@ use std::sync::atomic::AtomicBool;
 
 /// The report of a finished run of an experiment whose axes are given.
 pub fn report_of(dir: &Path, axes: &str, rest: &str) -> PathBuf {
+    write(&ReportOptions::of_run(&run_of(&dir.join("run"), axes, rest, Log::default()))).unwrap().path
+}
+
+/// A finished run in `dir` of an experiment whose axes are given.
+pub fn run_of(dir: &Path, axes: &str, rest: &str, log: Log) -> PathBuf {
     let text =
         format!("name = \"sections\"\nsize = [24, 24]\nreference = {{ samples = 64 }}\n[axes]\n{axes}\n{rest}\n");
-    let plan = Plan::from_text(&dir.join("sections.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let file = dir.with_file_name("sections.toml");
+    let plan = Plan::from_text(&file, &text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let stop = AtomicBool::new(false);
     let options =
-        RunOptions { dir: dir.join("run"), stop: &stop, command_line: Vec::new(), fail_fast: true, trace: false };
-    let log = Rc::new(RefCell::new(Log::default()));
+        RunOptions { dir: dir.to_owned(), stop: &stop, command_line: Vec::new(), fail_fast: true, trace: false };
+    let log = Rc::new(RefCell::new(log));
     let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
     run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
-    write(&ReportOptions::of_run(&options.dir)).unwrap().path
+    options.dir
 }
 
 /// What the button `CSV` of a figure saves.
-fn saved_csv(page: &mut Page, figure: &str) -> String {
+pub fn saved_csv(page: &mut Page, figure: &str) -> String {
     let script = format!(
         "(() => {{ const make = URL.createObjectURL; let saved; URL.createObjectURL = (blob) => {{ saved = blob; return 'data:,'; }}; \
          [...document.querySelectorAll('[data-figure=\"{figure}\"] .figure-tools button')].find((b) => b.textContent === 'CSV').click(); \
@@ -38,7 +44,7 @@ fn saved_csv(page: &mut Page, figure: &str) -> String {
     page.eval(&script).as_str().unwrap().to_owned()
 }
 
-fn wait_for_figures(page: &mut Page) {
+pub fn wait_for_figures(page: &mut Page) {
     page.wait("[...document.querySelectorAll('.view:not([hidden]) .figure .stage')].every((stage) => stage.querySelector('svg'))");
 }
 

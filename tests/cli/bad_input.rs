@@ -121,6 +121,25 @@ fn inputs_that_are_missing_are_all_named_at_once() {
 }
 
 #[test]
+fn a_file_in_the_place_of_a_folder_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("errors.csv"), "").unwrap();
+    let published = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("results/timing");
+    let published = published.to_str().unwrap();
+    for (arguments, what) in [
+        (vec!["answers", "errors.csv"], "expected the folder of a run"),
+        (vec!["report", "errors.csv"], "expected the folder of a run"),
+        (vec!["answers", published, "--publish", "errors.csv"], "expected a folder of published runs"),
+    ] {
+        let output = splitsum(dir.path(), &arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stderr(&output));
+        let message = stderr(&output);
+        assert!(message.starts_with("errors.csv: is a file; ") && message.contains(what), "{arguments:?}: {message}");
+        assert_eq!(message.trim().lines().count(), 1, "{message}");
+    }
+}
+
+#[test]
 fn settings_that_do_not_go_together_are_refused() {
     let message = &["--set: prefilter_level_count is 9, but a prefilter_size of 256x128", "at most 5 levels"];
     assert_refused(&["bake", "builtin:sky", "--out", "baked", "--set", "prefilter_level_count=9"], 2, message);
@@ -164,6 +183,18 @@ fn an_empty_plan_has_its_own_exit_code() {
         assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
         assert_eq!(entries(dir.path()), ["e.toml"]);
     }
+}
+
+/// What a reader finds of exit codes is one sentence.
+#[test]
+fn the_readme_tells_the_exit_codes_as_the_help_does() {
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let dir = tempfile::tempdir().unwrap();
+    let help = words(&stdout(&splitsum(dir.path(), &["--help"])));
+    let codes = help.split("Exit codes: ").nth(1).unwrap().split(" Examples:").next().unwrap();
+    let readme = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
+    assert!(words(&std::fs::read_to_string(readme).unwrap()).contains(codes), "{codes}");
+    assert!(codes.starts_with("0 done, now or before;"), "{codes}");
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 fn planned() -> Option<(tempfile::TempDir, usize)> {
     let dir = folder()?;
     std::fs::write(dir.path().join("tiny.toml"), format!("{EXPERIMENT}[timing]\nrounds = 3\nwarmup = 1\n")).unwrap();
-    let output = splitsum(dir.path(), &["plan", "tiny.toml", "--chunk-seconds", "1.4", "--out", "plan.json"]);
+    let output = splitsum(dir.path(), &["plan", "tiny.toml", "--chunk-seconds", "1.02", "--out", "plan.json"]);
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(!dir.path().join("runs").exists(), "a plan makes its file only");
     let plan: serde_json::Value =
@@ -70,7 +70,14 @@ fn chunks_side_by_side_killed_and_repeated_make_the_run_of_one_machine() {
         let output = child.wait_with_output().unwrap();
         assert!(output.status.success(), "{}", stderr(&output));
     }
-    (2..count).for_each(|chunk| run_chunk(dir, chunk));
+    // From another folder: the plan file knows its files from its own.
+    std::fs::create_dir(dir.join("elsewhere")).unwrap();
+    for chunk in 2..count {
+        let chunk = chunk.to_string();
+        let arguments = ["run", "--plan", "../plan.json", "--chunk", &chunk, "--store", "../store"];
+        let output = splitsum(&dir.join("elsewhere"), &arguments);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
     let (code, text) = merge(dir);
     assert_eq!(code, Some(0), "{text}");
     assert!(text.contains("break-even") && text.contains("Written to store") && text.contains("report.html"), "{text}");
@@ -82,6 +89,13 @@ fn chunks_side_by_side_killed_and_repeated_make_the_run_of_one_machine() {
     // The merged folder is a run like any other.
     let output = splitsum(dir, &["run", "tiny.toml", "--out", "store"]);
     assert!(output.status.success() && !stderr(&output).contains("[1/"), "{}", stderr(&output));
+
+    // Its records price another cut, and the plan file says so.
+    let measured = ["plan", "tiny.toml", "--chunk-seconds", "60", "--out", "measured.json", "--prices", "measured"];
+    let output = splitsum(dir, &[measured.as_slice(), &["--from", "whole"]].concat());
+    assert!(stdout(&output).contains("prices: records"), "{}{}", stdout(&output), stderr(&output));
+    let file: serde_json::Value = serde_json::from_slice(&std::fs::read(dir.join("measured.json")).unwrap()).unwrap();
+    assert!(file["prices"]["basis"].as_str().unwrap().starts_with("records"), "{:#}", file["prices"]);
 }
 
 #[test]
@@ -135,6 +149,11 @@ fn a_plan_file_that_does_not_fit_is_refused_before_work() {
     refused(&["run", "tiny.toml", "--plan", "plan.json", "--chunk", "0", "--store", "store"], &["cannot be used with"]);
     refused(&["plan", "tiny.toml", "--chunk-seconds", "0", "--out", "x.json"], &["expected a number above 0"]);
     refused(&["plan", "tiny.toml", "--chunk-seconds", "60"], &["--out <PATH>"]);
+    let chunks = ["plan", "tiny.toml", "--chunk-seconds", "60", "--out", "x.json"];
+    let idle = "changes nothing with stated prices; expected --prices measured";
+    refused(&[chunks.as_slice(), &["--from", "."]].concat(), &["--from: ", idle]);
+    let both = ["--prices", "measured", "--samples-per-second", "1e9"];
+    refused(&[chunks.as_slice(), &both].concat(), &["--samples-per-second: changes nothing with --prices measured"]);
     refused(&["merge", "--plan", "plan.json", "--store", "store"], &["store: holds no chunk of this plan"]);
     std::fs::write(dir.join("tiny.toml"), EXPERIMENT.replace("samples = 64", "samples = 65")).unwrap();
     refused(&chunk, &["tiny.toml has changed since the plan was made; make the plan again"]);

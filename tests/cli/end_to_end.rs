@@ -133,6 +133,37 @@ fn a_plan_says_where_its_estimate_comes_from() {
     assert!(text.contains("no device answers") && !text.contains("probe"), "{text}");
 }
 
+/// A run that is at work writes its own answers at its end: who asks meanwhile is told, and leaves no file.
+#[test]
+fn answers_of_a_run_under_way_are_told_and_not_written() {
+    let Some(dir) = folder() else { return };
+    assert!(splitsum(dir.path(), &["run", "tiny.toml", "--set", "brdf=ggx"]).status.success());
+    let run = dir.path().join("runs/tiny");
+    std::fs::remove_dir_all(run.join("answers")).unwrap();
+    // As a run holds it.
+    let lock = std::fs::File::options().write(true).open(run.join(".lock")).unwrap();
+    lock.lock().unwrap();
+    let output = splitsum(dir.path(), &["answers", "runs/tiny"]);
+    let note = "runs/tiny: under way: 12 of 12 cells";
+    assert!(output.status.success() && stdout(&output).contains(note), "{}{}", stdout(&output), stderr(&output));
+    assert!(!run.join("answers").exists());
+    let output = splitsum(dir.path(), &["answers", "runs/tiny", "--publish", "results"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains(&format!("{note}; expected a finished run to publish")), "{}", stderr(&output));
+    assert!(!dir.path().join("results").exists());
+    lock.unlock().unwrap();
+    // The same again is one command; another plan needs leave.
+    for _ in 0..2 {
+        assert!(splitsum(dir.path(), &["answers", "runs/tiny", "--publish", "results"]).status.success());
+    }
+    assert!(splitsum(dir.path(), &["run", "tiny.toml", "--set", "brdf=phong", "--out", "runs/other"]).status.success());
+    let publish = ["answers", "runs/other", "--publish", "results"];
+    let output = splitsum(dir.path(), &publish);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).starts_with("results/tiny: holds the published run of plan "), "{}", stderr(&output));
+    assert!(splitsum(dir.path(), &[publish.as_slice(), &["--replace"]].concat()).status.success());
+}
+
 #[test]
 fn a_run_dir_of_another_experiment_is_refused() {
     let Some(dir) = folder() else { return };
@@ -146,14 +177,20 @@ fn a_run_dir_of_another_experiment_is_refused() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_stops_after_a_cell_and_the_next_run_goes_on() {
+fn ctrl_c_and_a_kill_stop_after_a_cell_and_the_next_run_goes_on() {
+    ["-INT", "-TERM"].into_iter().for_each(stops_after_a_cell);
+}
+
+#[cfg(unix)]
+fn stops_after_a_cell(signal: &str) {
     let Some(dir) = folder() else { return };
     let mut child =
         command(dir.path(), &["run", "tiny.toml"]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
     let first = lines.find(|line| line.starts_with("[1/")).expect("a first cell");
     assert!(first.contains("brdf=ggx"), "{first}");
-    let kill = std::process::Command::new("sh").args(["-c", "kill -INT $0", &child.id().to_string()]).status().unwrap();
+    let kill =
+        std::process::Command::new("sh").args(["-c", "kill $1 $0", &child.id().to_string(), signal]).status().unwrap();
     assert!(kill.success());
     let rest: Vec<String> = lines.collect();
     assert_eq!(child.wait().unwrap().code(), Some(1), "{rest:#?}");

@@ -297,7 +297,7 @@ fn tables_that_cannot_be_used_at_all() {
     let dir = folder("x");
     for (arguments, code, part) in [
         (&["integrate", "no.csv"][..], 2, "no.csv:1: cannot be read"),
-        (&["integrate", "env_analytic.exr"][..], 2, "is not UTF-8 text"),
+        (&["integrate", "env_analytic.exr"][..], 2, "env_analytic.exr:1: the line is not UTF-8 text"),
         (&["integrate", "q.csv", "--out", "no/a.csv"][..], 2, "--out: there is no folder no"),
         (&["integrate", "q.csv", "--kind", "shade"][..], 2, "did you mean \"shading\"?"),
         (&["integrate", "q.csv", "--tolerance", "2"][..], 2, "2 is outside [1e-9, 0.1]"),

@@ -105,6 +105,37 @@ impl Drop for SmallDisk {
     }
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_standard_error_that_takes_nothing_stops_nothing() {
+    let Some(dir) = folder() else { return };
+    let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let run = command(dir.path(), &["run", "tiny.toml", "--out", "run"]).stderr(full()).status().unwrap();
+    assert_eq!(run.code(), Some(0));
+    run_to(dir.path(), "whole");
+    assert!(table(dir.path(), "run", "errors.csv") == table(dir.path(), "whole", "errors.csv"));
+    let refused = command(dir.path(), &["run", "nowhere.toml", "--out", "run"]).stderr(full()).status().unwrap();
+    assert_eq!(refused.code(), Some(2));
+}
+
+#[test]
+fn a_full_disk_below_the_caches_costs_a_warning() {
+    let Some(dir) = folder() else { return };
+    let Some(disk) = SmallDisk::mount(&dir.path().join("disk"), 16) else {
+        eprintln!("skipped: a small file system cannot be mounted (needs root)");
+        return;
+    };
+    // Full to the last page, so that the driver's index of shaders has none.
+    let _ = std::fs::write(dir.path().join("disk/fill"), vec![0; 1 << 16]);
+    let mut command = command(dir.path(), &["run", "tiny.toml", "--out", "run"]);
+    let output = command.env("XDG_CACHE_HOME", dir.path().join("disk")).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{:?}: {}", output.status, stderr(&output));
+    assert!(stderr(&output).contains("warning: cache: "), "{}", stderr(&output));
+    run_to(dir.path(), "whole");
+    assert!(table(dir.path(), "run", "errors.csv") == table(dir.path(), "whole", "errors.csv"));
+    drop(disk);
+}
+
 #[test]
 fn a_full_disk_ends_the_run_and_more_room_lets_it_go_on() {
     let Some(dir) = folder() else { return };

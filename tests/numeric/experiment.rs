@@ -1,6 +1,7 @@
 //! Experiment files, plans and runs. No test needs a device: runs use a renderer made of formulas.
 
 mod answers;
+mod answers_asked;
 mod answers_soundness;
 mod chunk;
 mod config;
@@ -13,3 +14,5 @@ mod run;
 pub mod runs;
 mod statistics;
 mod timed;
+mod under_way;
+mod zips;

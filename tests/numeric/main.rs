@@ -13,6 +13,7 @@ mod precompute;
 mod published;
 mod reference;
 mod report;
+mod report_joined;
 mod report_live;
 mod robustness;
 mod scene;

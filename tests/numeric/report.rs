@@ -136,6 +136,8 @@ fn a_run_is_read_back_as_cases_with_their_answer() {
     assert!(answer.sentence.starts_with("From 16 samples a pixel on, sampled"), "{}", answer.sentence);
     assert!(answer.facts.iter().any(|fact| fact.contains("shows most at exposure 1 ")), "{:?}", answer.facts);
     assert!(answer.facts.iter().any(|fact| fact.contains("18.0 ms against 3.00 ms")), "{:?}", answer.facts);
+    // The ratio beside the two is not their quotient, and says so.
+    assert!(answer.facts.iter().any(|fact| fact.contains("; round by round it takes")), "{:?}", answer.facts);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use splitsum::table::colormap::{
     ColorScale, FLIP_ERROR, NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR,
 };
 use splitsum::table::contact_sheet::{ContactSheet, ContactSheetError, Legend, Tile};
-use splitsum::table::csv::{Cell, Table, TableError, TableWriter};
+use splitsum::table::csv::{Cell, Table, TableError, TableWriter, guarded, to_text, unguarded};
 use splitsum::table::markdown::{Align, MarkdownTable, significant};
 use std::io::Write;
 
@@ -33,13 +33,36 @@ fn csv_bytes_are_exact() {
         assert_eq!(Table::read(&path).unwrap().rows.len(), i + 1);
     }
     let expected = "method,rmse,samples\nsplit-sum,0.1,0\n\"a,b \"\"quoted\"\"\nsecond line\",0.3333333333333333,\
-                    18446744073709551615\n=1+1,inf,4\n,,\nünïcödé α,-1.5e-300,16\n";
+                    18446744073709551615\n'=1+1,inf,4\n,,\nünïcödé α,-1.5e-300,16\n";
     assert_eq!(std::fs::read_to_string(&path).unwrap(), expected);
     let table = Table::read(&path).unwrap();
     assert_eq!(table.columns, COLUMNS);
     assert_eq!(table.rows[1][0], "a,b \"quoted\"\nsecond line");
     let numbers = [Some(0.1), Some(1.0 / 3.0), Some(f64::INFINITY), None, Some(-1.5e-300)];
     assert_eq!(table.numbers("rmse").unwrap(), numbers);
+}
+
+#[test]
+fn no_text_is_a_formula_and_all_of_it_comes_back() {
+    let formulas =
+        ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "\r=1", "'=1", "''-x", "-", "=", "-1 = x"];
+    let plain = ["-1.5", "+2", "-inf", "1=2", "a-b", "'tis", "''", "", "builtin:sky", "\u{2212}1"];
+    for text in formulas.into_iter().chain(plain) {
+        let field = guarded(text);
+        assert_eq!(unguarded(&field), text);
+        assert_eq!(
+            formulas.contains(&text),
+            field.starts_with('\'') && field.len() > text.len(),
+            "{text:?} as {field:?}"
+        );
+        // What a spreadsheet sees is neither a formula nor what was written before it was guarded.
+        assert!(!field.starts_with(['=', '+', '-', '@', '\t', '\r']) || field.parse::<f64>().is_ok(), "{field:?}");
+    }
+    let bytes = to_text(&["a".to_owned()], formulas.map(|text| [Cell::from(text)]).iter().map(|row| &row[..]));
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("t.csv"), bytes).unwrap();
+    let read = Table::read(&folder.path().join("t.csv")).unwrap().rows;
+    assert_eq!(read.concat(), formulas);
 }
 
 #[test]

@@ -8,6 +8,7 @@ use super::break_even::{Basis, BreakEven, Level, break_even, crossing, crossing_
 use super::curves::{Curve, CurvePoint, Fixed, fits, geometric_mean};
 use super::study::Study;
 use super::times::{PairTimes, TimeLevel, TimeMatch, ratio_at, time_match};
+use crate::experiment::statistics::TOO_FEW_ROUNDS;
 use crate::experiment::timing_ratios::Payback;
 use serde::Serialize;
 
@@ -32,6 +33,8 @@ pub enum Winner {
     Fixed,
     /// The intervals of crossing and time overlap.
     Undecided,
+    /// The times have too few rounds for an interval.
+    TooFewRounds,
     /// The two were not timed in the same rounds.
     NotTimed,
 }
@@ -43,6 +46,7 @@ impl Winner {
             Self::Sampled => "sampled",
             Self::Fixed => "fixed",
             Self::Undecided => "undecided",
+            Self::TooFewRounds => TOO_FEW_ROUNDS,
             Self::NotTimed => "",
         }
     }
@@ -254,10 +258,11 @@ fn cross(errors: &[(u32, Vec<f64>)], fixed: f64, fallback: Option<Vec<Level>>, t
 
 /// Without an interval the point estimates decide nothing.
 fn winner(interval: Option<[f64; 2]>, time: Option<TimeMatch>) -> Winner {
-    match (interval, time) {
-        (_, None) => Winner::NotTimed,
-        (Some([_, hi]), Some(time)) if hi < time.interval[0] => Winner::Sampled,
-        (Some([lo, _]), Some(time)) if lo > time.interval[1] => Winner::Fixed,
+    let Some(time) = time else { return Winner::NotTimed };
+    match (interval, time.interval) {
+        (_, None) => Winner::TooFewRounds,
+        (Some([_, hi]), Some([fewest, _])) if hi < fewest => Winner::Sampled,
+        (Some([lo, _]), Some([_, most])) if lo > most => Winner::Fixed,
         _ => Winner::Undecided,
     }
 }

@@ -6,9 +6,10 @@
 use super::slope::{Slope, line};
 use super::study::{Row, Study};
 use crate::experiment::statistics::spread;
+use serde::Serialize;
 
 /// The error of one method in light of one dynamic range.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RangePoint {
     /// What is followed: the environment whose peaks are cut off, or "all environments".
     pub series: String,

@@ -4,14 +4,18 @@
 //! on all other axes; the ratio's geometric mean over all such pairs has Student's 95 % interval in logarithms. Point sets of one case are
 //! averaged first and count as one pair: they share all that makes cases differ, and would narrow the interval without telling more. An axis
 //! that one of the two cells does not use stands at its default in the other.
+//!
+//! A pair of which both errors are within the reference's noise tells nothing and is left out. Where one of the two is, the ratio is drawn
+//! towards 1, so what is claimed is the less.
 
 use super::slope::mean_95;
 use super::study::{Role, Row, Study};
 use crate::experiment::axis::{AXES, Axis};
-use std::collections::BTreeMap;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The error with one value of an axis over that with the base.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Effect {
     pub axis: String,
     pub base: String,
@@ -27,6 +31,8 @@ pub struct Effect {
     pub n: usize,
     /// How many of the pairs are better than the base.
     pub better: usize,
+    /// Pairs left out because both errors are within the reference's noise.
+    pub in_noise: usize,
 }
 
 impl Effect {
@@ -47,15 +53,18 @@ pub fn effects(study: &Study) -> Vec<Effect> {
         .iter()
         .enumerate()
         .filter(|(_, axis)| axis.role == Role::Variant && !NOT_PARAMETERS.contains(&axis.name.as_str()));
-    swept.flat_map(|(index, _)| of_axis(study, index)).collect()
+    let base = |axis: usize| study.axes[axis].values.iter().find(|value| !value.is_empty() && *value != "none");
+    swept
+        .flat_map(|(index, _)| base(index).map_or_else(Vec::new, |base| against(study, index, base, &|_| true)))
+        .collect()
 }
 
-fn of_axis(study: &Study, axis: usize) -> Vec<Effect> {
+/// Effects of the other values of an axis against this one among some of the rows, over all alphas first and then by alpha.
+pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -> bool) -> Vec<Effect> {
     let name = study.axes[axis].name.as_str();
     let display = study.display_axes();
-    let rows: Vec<&Row> = study.images().into_iter().filter(|row| row.error.is_some()).collect();
-    let values = study.axes[axis].values.iter().filter(|value| !value.is_empty() && *value != "none");
-    let Some(base) = values.clone().next() else { return Vec::new() };
+    let images = study.images().into_iter();
+    let rows: Vec<&Row> = images.filter(|row| row.error.is_some() && is_among(row)).collect();
     let usual: BTreeMap<&str, String> =
         AXES.iter().map(|axis: &Axis| (axis.name, (axis.default)().to_string())).collect();
     let agrees = |a: &Row, b: &Row| {
@@ -70,12 +79,13 @@ fn of_axis(study: &Study, axis: usize) -> Vec<Effect> {
                     && ((x.is_empty() && Some(y) == default) || (y.is_empty() && Some(x) == default)))
         })
     };
-    let bases: Vec<&Row> = rows.iter().copied().filter(|row| row.axes[axis] == *base).collect();
+    let bases: Vec<&Row> = rows.iter().copied().filter(|row| row.axes[axis] == base).collect();
     // Pairs by value, method and alpha, in the order of the rows.
     let mut order: Vec<[String; 3]> = Vec::new();
     let mut logs: BTreeMap<[String; 3], BTreeMap<Vec<&str>, Vec<f64>>> = BTreeMap::new();
+    let mut in_noise: BTreeMap<[String; 3], BTreeSet<Vec<&str>>> = BTreeMap::new();
     let point_set = study.axis("point_set");
-    for row in rows.iter().filter(|row| !row.axes[axis].is_empty() && row.axes[axis] != *base) {
+    for row in rows.iter().filter(|row| !["", "none", base].contains(&row.axes[axis].as_str())) {
         let Some(partner) = bases.iter().find(|other| agrees(row, other)) else { continue };
         let (Some(error), Some(of_base)) = (row.error, partner.error) else { continue };
         let method = match (name, study.value(row, "method")) {
@@ -87,12 +97,16 @@ fn of_axis(study: &Study, axis: usize) -> Vec<Effect> {
         let alpha = study.value(row, "alpha");
         let keys = [String::new(), alpha.to_owned()].map(|alpha| [row.axes[axis].clone(), method.clone(), alpha]);
         for key in &keys[..if alpha.is_empty() { 1 } else { 2 }] {
-            if !logs.contains_key(key) {
+            if !order.contains(key) {
                 order.push(key.clone());
             }
             let others =
                 row.axes.iter().enumerate().filter(|(index, _)| Some(*index) != point_set && !display.contains(index));
-            let case = others.map(|(_, value)| value.as_str()).collect();
+            let case: Vec<&str> = others.map(|(_, value)| value.as_str()).collect();
+            if !row.is_resolved() && !partner.is_resolved() {
+                in_noise.entry(key.clone()).or_default().insert(case);
+                continue;
+            }
             logs.entry(key.clone()).or_default().entry(case).or_default().push((error / of_base).ln());
         }
     }
@@ -101,11 +115,11 @@ fn of_axis(study: &Study, axis: usize) -> Vec<Effect> {
     let effect = |key: &[String; 3]| {
         let [value, method, alpha] = key.clone();
         let own: Vec<f64> =
-            logs[key].values().map(|of_case| of_case.iter().sum::<f64>() / of_case.len() as f64).collect();
+            logs.get(key)?.values().map(|of_case| of_case.iter().sum::<f64>() / of_case.len() as f64).collect();
         let (mean, half) = mean_95(&own)?;
         Some(Effect {
             axis: name.to_owned(),
-            base: base.clone(),
+            base: base.to_owned(),
             value,
             method,
             alpha: Some(alpha).filter(|alpha| !alpha.is_empty()),
@@ -113,6 +127,7 @@ fn of_axis(study: &Study, axis: usize) -> Vec<Effect> {
             interval: [(mean - half).exp(), (mean + half).exp()],
             n: own.len(),
             better: own.iter().filter(|log| **log < 0.0).count(),
+            in_noise: in_noise.get(key).map_or(0, BTreeSet::len),
         })
     };
     order.iter().filter(|[_, _, alpha]| is_swept_alpha || alpha.is_empty()).filter_map(effect).collect()

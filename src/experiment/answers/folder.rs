@@ -71,6 +71,8 @@ pub struct Answered {
     /// The text of `summary.md`.
     pub summary: String,
     pub record: AnswerRecord,
+    /// What to tell of a run that is under way ([`RunFolder::under_way_note`]).
+    pub under_way: Option<String>,
     /// Name and content of every file of `answers/`.
     pub files: Vec<(String, String)>,
 }
@@ -112,7 +114,7 @@ impl Answered {
             .map_err(|error| AnswersError::Json { path: dir.join(FOLDER).join(ANSWER_FILE), error })?;
         files.push((ANSWER_FILE.to_owned(), json + "\n"));
         let summary = summary::markdown(run, &study, &answers, &record);
-        Ok(Self { dir: dir.to_owned(), summary, record, files })
+        Ok(Self { dir: dir.to_owned(), summary, record, under_way: run.under_way_note(), files })
     }
 
     /// Whether the folder holds this summary already.

@@ -8,24 +8,31 @@
 //! - [`heat`]: error by `n_dot_v` and alpha,
 //! - [`exposure`]: where the tone curve shows a difference and where it hides one,
 //! - [`dynamic_range`]: error over the environment's peaks,
-//! - [`effects`]: what each parameter of a method changes.
+//! - [`effects`] and [`sizes`]: what each parameter of a method changes, and how large its tables must be,
+//! - [`claim`]: whether 30 to 40 samples suffice,
+//! - [`furnace`]: the energy that is lost or created,
+//! - [`table_times`]: what the tables cost once.
 //!
 //! [`words`] says the answer in a sentence; [`tables`], [`markdown`] and [`plot`] write them as CSV, Markdown and SVG.
 
 pub mod break_even;
 pub mod cases;
+pub mod claim;
 pub mod curves;
 pub mod dynamic_range;
 pub mod effects;
 pub mod exposure;
 pub(super) mod folder;
+pub mod furnace;
 pub mod heat;
 pub mod markdown;
 pub mod plot;
 pub mod publish;
 pub mod run_folder;
+pub mod sizes;
 pub mod slope;
 pub mod study;
+pub mod table_times;
 pub mod tables;
 pub mod times;
 pub mod words;
@@ -33,14 +40,18 @@ pub mod words;
 pub use folder::{AnswerRecord, Answered, AnswersError, FOLDER, SUMMARY_FILE};
 
 use cases::Pair;
+use claim::Sufficiency;
 use curves::Curve;
 use dynamic_range::RangePoint;
 use effects::Effect;
 use exposure::Visibility;
+use furnace::Furnace;
 use heat::HeatTable;
 use run_folder::RunFolder;
 use serde::Serialize;
+use sizes::Enough;
 use study::{Row, Study};
+use table_times::TableTime;
 use times::FrameRatio;
 
 /// Everything that is computed from the rows. The report reads the serialised part.
@@ -60,6 +71,14 @@ pub struct Answers {
     pub dynamic_range: Vec<RangePoint>,
     #[serde(skip)]
     pub effects: Vec<Effect>,
+    #[serde(skip)]
+    pub enough: Vec<Enough>,
+    #[serde(skip)]
+    pub sufficiency: Vec<Sufficiency>,
+    #[serde(skip)]
+    pub furnace: Vec<Furnace>,
+    #[serde(skip)]
+    pub table_times: Vec<TableTime>,
 }
 
 impl Answers {
@@ -77,6 +96,10 @@ impl Answers {
             visibility: exposure::visibility(study),
             dynamic_range: dynamic_range::dynamic_range(study),
             effects: effects::effects(study),
+            enough: sizes::enough(study),
+            sufficiency: claim::sufficiency(study),
+            furnace: furnace::furnace(study, runs),
+            table_times: table_times::table_times(runs),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Published runs: the small files of finished runs in a folder for git, and a page with the answers of all of them.
 
 use super::folder::{ANSWER_FILE, AnswerRecord, AnswersError, FOLDER, SUMMARY_FILE};
+use super::run_folder;
 use crate::experiment::sheets::sheet_files;
 use crate::experiment::summary::{SHEETS_FOLDER, sheet_link};
 use crate::files::{TEXT_BYTES_MAX, read_text};
@@ -43,21 +44,72 @@ pub enum PublishError {
     Picture(#[from] PixelsError),
     #[error("{}: is the folder of the run itself; expected another one to publish into", path.display())]
     Itself { path: PathBuf },
+    #[error("{}: is a file; expected a folder of published runs, or the name of one to make", path.display())]
+    NotAFolder { path: PathBuf },
+    #[error("{}: holds files but no published run; expected a folder of published runs", path.display())]
+    NotPublished { path: PathBuf },
+    #[error(
+        "{}: holds the published run of plan {published}, and {} is one of plan {new}; to publish it in its place give --replace",
+        path.display(), dir.display()
+    )]
+    OtherPlan { path: PathBuf, published: String, dir: PathBuf, new: String },
+}
+
+impl PublishError {
+    /// Whether the user named a wrong folder, rather than a file failing.
+    pub fn is_misuse(&self) -> bool {
+        match self {
+            Self::Itself { .. } | Self::NotAFolder { .. } | Self::NotPublished { .. } | Self::OtherPlan { .. } => true,
+            Self::Answers(AnswersError::Run(_)) => true,
+            Self::Answers(_) | Self::Io { .. } | Self::Picture(_) => false,
+        }
+    }
+}
+
+/// Fails when publishing the run in `dir` into a folder would put it in the place of something else: of the run of another plan, unless
+/// `replace`, or of files that were never published. The same plan again, run anew, is no such case.
+pub fn check(dir: &Path, into: &Path, replace: bool) -> Result<(), PublishError> {
+    let new = run_folder::provenance(dir).map_err(AnswersError::from)?;
+    let target = into.join(new["name"].as_str().unwrap_or_default());
+    if let Some(file) = [into, &target].into_iter().find(|path| path.is_file()) {
+        return Err(PublishError::NotAFolder { path: file.to_owned() });
+    }
+    let same =
+        |a: &Path, b: &Path| std::fs::canonicalize(a).is_ok_and(|a| std::fs::canonicalize(b).is_ok_and(|b| a == b));
+    if same(dir, &target) {
+        return Err(PublishError::Itself { path: target });
+    }
+    let is_a_file = |entry: &std::fs::DirEntry| entry.path().is_file() && entry.file_name() != REMARK_FILE;
+    let has_files = std::fs::read_dir(&target).into_iter().flatten().flatten().any(|entry| is_a_file(&entry));
+    if !has_files {
+        return Ok(());
+    }
+    if !target.join(FOLDER).join(ANSWER_FILE).exists() {
+        return Err(PublishError::NotPublished { path: target });
+    }
+    let published = run_folder::provenance(&target).map_err(AnswersError::from)?;
+    if replace || published["plan_hash"] == new["plan_hash"] {
+        return Ok(());
+    }
+    let words = |provenance: &serde_json::Value| {
+        let date = provenance["sessions"].as_array().and_then(|sessions| sessions.last()?["date_utc"].as_str());
+        format!("{} of {}", provenance["plan_hash"].as_str().unwrap_or("unknown"), date.unwrap_or("an unknown date"))
+    };
+    let (published, new) = (words(&published), words(&new));
+    Err(PublishError::OtherPlan { path: target, published, dir: dir.to_owned(), new })
 }
 
 fn io(path: &Path) -> impl Fn(std::io::Error) -> PublishError + '_ {
     move |error| PublishError::Io { path: path.to_owned(), error }
 }
 
-/// Copies what is small of the run in `dir`, which has its answers, to `into/NAME`. Returns what was left out, one sentence each.
-pub fn publish(dir: &Path, into: &Path) -> Result<Vec<String>, PublishError> {
+/// Copies what is small of the run in `dir`, which has its answers, to `into/NAME`, in the place of the published run of another plan only
+/// if `replace` says so ([`check`]). Returns what was left out, one sentence each.
+pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, PublishError> {
+    check(dir, into, replace)?;
     let record = AnswerRecord::read(dir)?;
     let target = into.join(&record.name);
     std::fs::create_dir_all(target.join(FOLDER)).map_err(io(&target))?;
-    let same = |a: &Path, b: &Path| std::fs::canonicalize(a).ok() == std::fs::canonicalize(b).ok();
-    if same(dir, &target) {
-        return Err(PublishError::Itself { path: target });
-    }
     let mut names: Vec<PathBuf> = FILES.iter().map(PathBuf::from).collect();
     names.extend(record.files.iter().map(|name| Path::new(FOLDER).join(name)));
     names.push(Path::new(FOLDER).join(ANSWER_FILE));

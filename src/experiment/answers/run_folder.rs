@@ -16,10 +16,14 @@ use std::path::{Path, PathBuf};
 /// Why a folder cannot be reported.
 #[derive(Debug, thiserror::Error)]
 pub enum RunFolderError {
+    #[error("{}: is a file; expected the folder of a run of `splitsum run`", dir.display())]
+    NotAFolder { dir: PathBuf },
     #[error("{}: has no {file}; expected the folder of a run of `splitsum run`", dir.display())]
     NotARun { dir: PathBuf, file: &'static str },
     #[error("{}: the run was stopped before its first table; to go on run the same command again: {command}", dir.display())]
     Unfinished { dir: PathBuf, command: String },
+    #[error("{}: a run is under way in it and has written no table yet; expected one a few seconds after its first cell", dir.display())]
+    NoTableYet { dir: PathBuf },
     #[error("{}: the run is in the format {found}, and this program knows formats up to {SCHEMA_VERSION}", dir.display())]
     NewerVersion { dir: PathBuf, found: u64 },
     #[error("{}: {error}", path.display())]
@@ -60,6 +64,8 @@ pub struct RunFolder {
     pub slips: Option<Table>,
     pub timings: Vec<TimingRecord>,
     pub failures: Vec<FailureRecord>,
+    /// Whether a run is at work in the folder, so that the tables hold only the cells that are done.
+    pub is_under_way: bool,
     /// By cell; empty for runs older than `images.csv`.
     pub images: BTreeMap<String, CellImages>,
     /// Name and text of each CSV file, as it stands.
@@ -73,9 +79,9 @@ impl RunFolder {
     /// Reads everything but the images themselves. Tables that were emptied or cut off are refused: their answers would be wrong, and would
     /// replace right ones.
     pub fn read(dir: &Path) -> Result<Self, RunFolderError> {
-        let not_a_run = |file| RunFolderError::NotARun { dir: dir.to_owned(), file };
-        let provenance: serde_json::Value =
-            json(&dir.join("provenance.json"))?.ok_or_else(|| not_a_run("provenance.json"))?;
+        // Asked first: what a run that ends meanwhile leaves is whole.
+        let is_under_way = Store::at(dir).is_under_way();
+        let provenance = provenance(dir)?;
         let found = provenance["schema_version"].as_u64().unwrap_or(0);
         if found > SCHEMA_VERSION.into() {
             return Err(RunFolderError::NewerVersion { dir: dir.to_owned(), found });
@@ -84,9 +90,12 @@ impl RunFolder {
             let path = dir.join(name);
             path.exists().then(|| Table::read(&path)).transpose()
         };
-        let errors = table("errors.csv")?.ok_or_else(|| unfinished(dir, &provenance))?;
+        let errors = table("errors.csv")?.ok_or_else(|| match is_under_way {
+            true => RunFolderError::NoTableYet { dir: dir.to_owned() },
+            false => unfinished(dir, &provenance),
+        })?;
         let bins = table("errors_by_n_dot_v.csv")?;
-        check_errors(dir, &provenance, &errors, bins.as_ref())?;
+        check_errors(dir, &provenance, &errors, bins.as_ref(), is_under_way)?;
         let csv = CSV_FILES.iter().filter_map(|&name| text(&dir.join(name)).transpose().map(|t| Ok((name, t?))));
         let experiment = text(&dir.join("experiment.toml"))?.unwrap_or_default();
         Ok(Self {
@@ -101,8 +110,15 @@ impl RunFolder {
             images: table("images.csv")?.map_or_else(|| Ok(BTreeMap::new()), |table| images(&table))?,
             csv: csv.collect::<Result<_, RunFolderError>>()?,
             errors,
+            is_under_way,
             dir: dir.to_owned(),
         })
+    }
+
+    /// What to tell of a run that is under way: how many of its cells the tables hold.
+    pub fn under_way_note(&self) -> Option<String> {
+        let planned = self.provenance["cell_count"].as_u64().filter(|_| self.is_under_way)?;
+        Some(format!("{}: under way: {} of {planned} cells", self.dir.display(), self.errors.rows.len()))
     }
 
     /// A text of the provenance by JSON pointer; empty when it is not there.
@@ -169,14 +185,24 @@ fn last_command(provenance: &serde_json::Value) -> Option<String> {
     Some(words.join(" ")).filter(|command| !command.is_empty())
 }
 
-/// A sentence when cells of the run in `dir` were not tried yet: it was stopped or killed. Nothing for the files of a published run.
+/// `provenance.json` of a run, published or not.
+pub(super) fn provenance(dir: &Path) -> Result<serde_json::Value, RunFolderError> {
+    let file = "provenance.json";
+    if dir.is_file() {
+        return Err(RunFolderError::NotAFolder { dir: dir.to_owned() });
+    }
+    json(&dir.join(file))?.ok_or_else(|| RunFolderError::NotARun { dir: dir.to_owned(), file })
+}
+
+/// A sentence when cells of the run in `dir` were not tried yet: it was stopped or killed. Nothing for the files of a published run, nor
+/// for a run that is under way ([`RunFolder::under_way_note`]).
 pub fn unfinished_note(dir: &Path) -> Option<String> {
     let provenance: serde_json::Value = json(&dir.join("provenance.json")).ok()??;
     let planned = provenance["cell_count"].as_u64()?;
     let count = |folder: &str| std::fs::read_dir(dir.join(folder)).map(|entries| entries.count() as u64);
     let (done, tried) = (count("cells").ok()?, count("cells").ok()? + count("failed").unwrap_or(0));
     let command = last_command(&provenance)?;
-    (tried < planned).then(|| {
+    (tried < planned && !Store::at(dir).is_under_way()).then(|| {
         let dir = dir.display();
         format!("{dir}: {done} of {planned} cells are done; to go on run the same command again: {command}")
     })
@@ -190,12 +216,14 @@ fn images(table: &Table) -> Result<BTreeMap<String, CellImages>, RunFolderError>
     Ok(table.rows.iter().map(entry).collect())
 }
 
-/// Whether the tables of errors are whole: their columns, their numbers, each cell once, and no fewer cells than the folder has records of.
+/// Whether the tables of errors are whole: their columns, their numbers, each cell once, and, unless a run is adding to them, no fewer cells
+/// than the folder has records of.
 fn check_errors(
     dir: &Path,
     provenance: &serde_json::Value,
     errors: &Table,
     bins: Option<&Table>,
+    is_under_way: bool,
 ) -> Result<(), RunFolderError> {
     let damaged = |what: String| Err(RunFolderError::Damaged { path: errors.path().to_owned(), what });
     if let Some(table) = [Some(errors), bins].into_iter().flatten().find(|table| table.columns.is_empty()) {
@@ -208,6 +236,9 @@ fn check_errors(
     if ids.len() < errors.rows.len() {
         return damaged(format!("{} rows of {} cells", errors.rows.len(), ids.len()));
     }
+    if is_under_way {
+        return Ok(());
+    }
     let records: BTreeSet<String> = ["cells", "failed"].iter().flat_map(|name| record_names(&dir.join(name))).collect();
     // Records that cannot be read are none, but are only looked at where there seem to be too many.
     let store = Store::at(dir);
@@ -215,9 +246,7 @@ fn check_errors(
     let rows = errors.rows.len();
     let records = if rows < records.len() { records.iter().filter(is_record).count() } else { records.len() };
     if rows < records {
-        return damaged(format!(
-            "{rows} rows, but the folder has records of {records} cells: it is cut off, or a run is under way"
-        ));
+        return damaged(format!("{rows} rows, but the folder has records of {records} cells: it is cut off"));
     }
     // A published folder has no records. A run that was stopped before its first cell has no session that did work.
     let has_worked = provenance["sessions"].as_array().is_some_and(|sessions| !sessions.is_empty());

@@ -15,7 +15,8 @@ pub struct Slope {
 
 /// Two-sided 95 % quantiles of Student's t for 1 to 10 degrees of freedom; beyond, [`T_NORMAL`] with its first correction.
 const T_95: [f64; 10] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228];
-const T_NORMAL: f64 = 1.960;
+/// That of the normal distribution.
+pub const T_NORMAL: f64 = 1.960;
 
 /// Two-sided 95 % quantile of Student's t; infinite without a degree of freedom.
 pub fn t_95(degrees: usize) -> f64 {

@@ -49,6 +49,9 @@ pub struct Row {
     pub verdict: String,
     /// The display metric: what a viewer notices.
     pub display_error: Option<f64>,
+    /// Energy of the image over that of the reference, minus 1, with the standard error that the reference's noise gives it.
+    pub bias: Option<f64>,
+    pub bias_noise: Option<f64>,
     /// The headline metric by `n_dot_v`; empty for a run that has no such table.
     pub bins: Vec<Bin>,
     /// Mean and peak luminance of the environment as it was clipped, as written, where the run knows them.
@@ -72,6 +75,8 @@ pub struct Bin {
     pub hi: f64,
     pub pixel_count: f64,
     pub error: f64,
+    /// As that of the row; NaN where the run does not know it.
+    pub bias: f64,
 }
 
 /// Time of a frame over the rounds, ms.
@@ -80,7 +85,7 @@ pub struct FrameTime {
     pub median: f64,
     pub p05: f64,
     pub p95: f64,
-    /// 95 % interval of the median by resampling; NaN (in JSON null) below two rounds.
+    /// 95 % interval of the median; NaN (in JSON null) below six rounds.
     pub interval: [f64; 2],
     pub n: usize,
     /// Whether it comes from a CPU driver, which says nothing about a GPU.
@@ -252,6 +257,7 @@ fn rows_of(folder: &RunFolder, run: usize, label: &str, names: &[String]) -> Vec
     let places: Vec<Option<usize>> = names.iter().map(|name| place(name)).collect();
     let [cell, error, floor, verdict, display] =
         ["cell", HEADLINE, &format!("{HEADLINE}_noise_floor"), "verdict", DISPLAY_HEADLINE].map(place);
+    let [bias, bias_noise] = [BIAS, &format!("{BIAS}_noise_floor")].map(place);
     let mut bins = bins_by_cell(folder);
     let lights = lights(folder);
     let text = |fields: &[String], column: Option<usize>| column.map_or_else(String::new, |c| fields[c].clone());
@@ -268,6 +274,8 @@ fn rows_of(folder: &RunFolder, run: usize, label: &str, names: &[String]) -> Vec
             noise_floor: text(fields, floor).parse().ok(),
             verdict: text(fields, verdict),
             display_error: text(fields, display).parse().ok(),
+            bias: text(fields, bias).parse().ok(),
+            bias_noise: text(fields, bias_noise).parse().ok(),
             bins: bins.remove(&text(fields, cell)).unwrap_or_default(),
             copies: Vec::new(),
             light: lights.get(&RANGE_AXES.map(|name| text(fields, place(name)))).map(|light| light.luminance.clone()),
@@ -286,13 +294,18 @@ fn bins_by_cell(folder: &RunFolder) -> BTreeMap<String, Vec<Bin>> {
     let Some(table) = &folder.bins else { return by_cell };
     let columns = ["cell", "n_dot_v_from", "n_dot_v_to", "pixel_count", HEADLINE].map(|name| table.column(name).ok());
     let [Some(cell), Some(lo), Some(hi), Some(count), Some(error)] = columns else { return by_cell };
+    let bias = table.column(BIAS).ok();
     for row in &table.rows {
+        let bias = bias.and_then(|column| row[column].parse().ok()).unwrap_or(f64::NAN);
         if let [Ok(lo), Ok(hi), Ok(pixel_count), Ok(error)] = [lo, hi, count, error].map(|column| row[column].parse()) {
-            by_cell.entry(row[cell].clone()).or_default().push(Bin { lo, hi, pixel_count, error });
+            by_cell.entry(row[cell].clone()).or_default().push(Bin { lo, hi, pixel_count, error, bias });
         }
     }
     by_cell
 }
+
+/// The metric of energy.
+const BIAS: &str = "bias_rel";
 
 /// The axes that a dynamic range hangs on.
 const RANGE_AXES: [&str; 2] = ["environment", "environment_clip_log2"];

@@ -4,7 +4,7 @@ use super::break_even::{Level, crossing_interval};
 use super::run_folder::RunFolder;
 use super::study::{Row, Study};
 use crate::experiment::timing::TimingRecord;
-use crate::experiment::timing_ratios::{Ratio, ratios};
+use crate::experiment::timing_ratios::{Payback, Ratio, ratios};
 use serde::Serialize;
 
 /// Every pair of methods that was timed in the same rounds, of all runs.
@@ -35,9 +35,11 @@ pub struct FrameRatio {
     /// As written.
     pub samples: String,
     pub fixed: String,
-    /// Median over rounds, with its 95 % interval; NaN below two rounds.
+    /// Median over rounds, with its 95 % interval; NaN below six rounds.
     pub ratio: f64,
     pub interval: [f64; 2],
+    /// When the fixed method has paid for its tables.
+    pub payback: Payback,
 }
 
 /// What a sampling method can do in the time of a method without samples.
@@ -46,8 +48,8 @@ pub struct TimeMatch {
     /// Sample count whose frame takes as long as one of the fixed method (log-log interpolation of the tried counts); 0 where even the
     /// smallest tried count takes longer, infinite where the largest does not.
     pub samples: f64,
-    /// 95 % interval of it, with the ends of [`crossing_interval`].
-    pub interval: [f64; 2],
+    /// 95 % interval of it, with the ends of [`crossing_interval`]; `None` where a ratio has too few rounds for one.
+    pub interval: Option<[f64; 2]>,
     /// Whether the times come from a CPU driver, which says nothing about a GPU.
     pub is_cpu: bool,
 }
@@ -68,6 +70,7 @@ impl<'r> PairTimes<'r> {
             fixed: axis(pair.fixed, "method"),
             ratio: pair.ratio,
             interval: pair.interval,
+            payback: pair.payback,
         };
         self.pairs.iter().map(ratio).collect()
     }
@@ -110,7 +113,7 @@ pub fn is_of(study: &Study, record: &TimingRecord, row: &Row) -> bool {
 
 /// The count at which the two take equally long. `levels` ascend by count; `None` without any.
 pub fn time_match(levels: &[TimeLevel]) -> Option<TimeMatch> {
-    // Turned over, the ratio falls with the count as that of errors does. An interval of too few rounds is that of the ratio alone.
+    // Turned over, the ratio falls with the count as that of errors does.
     let level = |time: &TimeLevel, [lo, hi]: [f64; 2]| Level {
         samples: time.samples,
         ln_ratio: -time.ratio.ln(),
@@ -118,9 +121,9 @@ pub fn time_match(levels: &[TimeLevel]) -> Option<TimeMatch> {
         hi: -lo.ln(),
     };
     let sure: Vec<Level> = levels.iter().map(|time| level(time, [time.ratio; 2])).collect();
-    let with_interval = |time: &TimeLevel| {
-        level(time, if time.interval.iter().all(|end| *end > 0.0) { time.interval } else { [time.ratio; 2] })
-    };
+    let has_interval = |time: &TimeLevel| time.interval.iter().all(|end| *end > 0.0);
+    let with_interval = |time: &TimeLevel| has_interval(time).then(|| level(time, time.interval));
+    let wide: Option<Vec<Level>> = levels.iter().map(with_interval).collect();
     let [lo, hi] = crossing_interval(&sure)?;
     // The point estimate: the interval of levels without width, whose ends meet unless the ratio crosses more than once.
     let samples = match () {
@@ -131,7 +134,7 @@ pub fn time_match(levels: &[TimeLevel]) -> Option<TimeMatch> {
     };
     Some(TimeMatch {
         samples,
-        interval: crossing_interval(&levels.iter().map(with_interval).collect::<Vec<_>>())?,
+        interval: wide.and_then(|wide| crossing_interval(&wide)),
         is_cpu: levels.iter().any(|level| level.is_cpu),
     })
 }

@@ -1,9 +1,10 @@
 //! The plan file: the chunks of an experiment and everything that must be the same where they run.
 //!
-//! It is made once and then only read. The same experiment, inputs, length and program give the same bytes on every machine.
+//! It is made once and then only read. The same experiment, inputs, length, prices and program give the same bytes on every machine. Paths
+//! in it start at its own folder, so that commands may run anywhere.
 
 use super::ChunkError;
-use super::cost::Rates;
+use super::prices::Prices;
 use super::split::{Chunk, split};
 use crate::experiment::plan::{Plan, SCHEMA_VERSION};
 use crate::experiment::store::{Store, StoreError};
@@ -11,12 +12,12 @@ use crate::files::{PLAN_BYTES_MAX, TEXT_BYTES_MAX, read_text};
 use crate::metrics::METRICS;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 /// What the file says it is.
 const FORMAT: &str = "splitsum-plan";
 /// Counts up when the file or the way of cutting changes.
-const FORMAT_VERSION: u32 = 1;
+const FORMAT_VERSION: u32 = 2;
 /// Hex digits of [`PlanFile::id`].
 const ID_LENGTH: usize = 16;
 
@@ -32,16 +33,18 @@ pub struct PlanFile {
     /// Version of each metric.
     metrics: BTreeMap<String, u32>,
     pub name: String,
-    /// As it was given: relative to the folder in which the commands run.
+    /// Relative to the folder of the plan file.
     experiment_file: String,
     experiment_hash: String,
     overrides: Vec<String>,
+    /// The folder that files named by `--set` are relative to, itself relative to that of the plan file; none where no override names a file.
+    set_folder: Option<String>,
     /// Content hash of every environment and scene.
     inputs: BTreeMap<String, String>,
     plan_hash: String,
     pub chunk_seconds: f64,
-    /// What the costs were reckoned with.
-    pub rates: Rates,
+    /// What the work was priced with.
+    pub prices: Prices,
     pub chunks: Vec<Chunk>,
 }
 
@@ -53,10 +56,20 @@ struct Head {
 }
 
 impl PlanFile {
-    /// Cuts a plan into chunks of about `chunk_seconds` at `rates`.
-    pub fn new(plan: &Plan, chunk_seconds: f64, rates: Rates) -> Self {
-        // `./x.toml` and `x.toml` are one file.
-        let path: PathBuf = plan.config.path.components().filter(|part| *part != Component::CurDir).collect();
+    /// Cuts a plan into chunks of about `chunk_seconds` at `prices`, for a plan file in the folder `dir`.
+    pub fn new(plan: &Plan, dir: &Path, chunk_seconds: f64, prices: Prices) -> Self {
+        let experiment_file = relative(dir, &plan.config.path);
+        let set_folder = plan.config.has_set_files().then(|| relative(dir, &plan.config.set_dir));
+        Self::with_paths(plan, experiment_file, set_folder, chunk_seconds, prices)
+    }
+
+    fn with_paths(
+        plan: &Plan,
+        experiment_file: String,
+        set_folder: Option<String>,
+        chunk_seconds: f64,
+        prices: Prices,
+    ) -> Self {
         Self {
             format: FORMAT.to_owned(),
             format_version: FORMAT_VERSION,
@@ -69,14 +82,15 @@ impl PlanFile {
                 .map(|d| (d.name.to_owned(), d.version))
                 .collect(),
             name: plan.config.name.clone(),
-            experiment_file: path.display().to_string(),
+            experiment_file,
             experiment_hash: experiment_hash(&plan.config.text),
             overrides: plan.config.overrides.clone(),
+            set_folder,
             inputs: plan.inputs.hashes().into_iter().collect(),
             plan_hash: plan.hash.clone(),
             chunk_seconds,
-            rates,
-            chunks: split(plan, chunk_seconds, &rates),
+            chunks: split(plan, chunk_seconds, &prices),
+            prices,
         }
     }
 
@@ -103,7 +117,8 @@ impl PlanFile {
         let expected = "expected a file that `splitsum plan --chunk-seconds` wrote";
         let text =
             read_text(path, PLAN_BYTES_MAX).map_err(|error| fault(format!("cannot be read ({error}); {expected}")))?;
-        let head: Head = serde_json::from_str(&text).map_err(|error| fault(format!("{error}; {expected}")))?;
+        let head: Head =
+            serde_json::from_str(&text).map_err(|error| fault(format!("is not a plan file ({error}); {expected}")))?;
         if head.format.as_deref() != Some(FORMAT) {
             return Err(fault(format!("is not a plan file; {expected}")));
         }
@@ -123,19 +138,23 @@ impl PlanFile {
         if file.shader_hash != crate::gpu::build_hash() {
             return Err(changed("was made by a build with other shaders, whose images may differ".to_owned()));
         }
-        let experiment = Path::new(&file.experiment_file);
+        let dir = path.parent().unwrap_or(Path::new(""));
+        let experiment = &dir.join(&file.experiment_file);
         let written = read_text(experiment, TEXT_BYTES_MAX).map_err(|error| {
             let name = experiment.display();
             fault(format!(
-                "its experiment {name} cannot be read ({error}); run this in the folder where the plan was made"
+                "its experiment {name} cannot be read ({error}); expected it there, since paths in a plan file start at its own folder: use the \
+                 file where it was made, or {again}"
             ))
         })?;
         if experiment_hash(&written) != file.experiment_hash {
             return Err(changed(format!("{} has changed since the plan was made", experiment.display())));
         }
-        let plan = Plan::from_text(experiment, &written, &file.overrides)
+        let set_dir = file.set_folder.as_ref().map_or_else(PathBuf::new, |folder| dir.join(folder));
+        let plan = Plan::from_text_set_in(experiment, &written, &file.overrides, &set_dir)
             .map_err(|error| fault(format!("its experiment is no longer valid: {error}")))?;
-        let here = Self::new(&plan, file.chunk_seconds, file.rates);
+        let (experiment_file, set_folder) = (file.experiment_file.clone(), file.set_folder.clone());
+        let here = Self::with_paths(&plan, experiment_file, set_folder, file.chunk_seconds, file.prices.clone());
         if let Some(name) = differing(&file.inputs, &here.inputs) {
             return Err(changed(format!("the input {name} has changed since the plan was made")));
         }
@@ -149,6 +168,29 @@ impl PlanFile {
         }
         Ok((file, plan))
     }
+}
+
+/// The path `to` from the folder `from`, with `/` on every machine; whole where no path leads there.
+fn relative(from: &Path, to: &Path) -> String {
+    let whole = |path: &Path| {
+        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+        // What does not exist is reported when it is opened.
+        std::fs::canonicalize(path).or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_owned())
+    };
+    // A link to a file is followed when it is opened; its own place is what was named.
+    let to = match (to.is_file(), to.parent(), to.file_name()) {
+        (true, Some(parent), Some(name)) => whole(parent).join(name),
+        _ => whole(to),
+    };
+    let from = whole(from);
+    let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    if common == 0 {
+        return to.display().to_string();
+    }
+    let up = from.components().skip(common).map(|_| "..".to_owned());
+    let down = to.components().skip(common).map(|part| part.as_os_str().to_string_lossy().into_owned());
+    let parts: Vec<String> = up.chain(down).collect();
+    if parts.is_empty() { ".".to_owned() } else { parts.join("/") }
 }
 
 fn experiment_hash(text: &str) -> String {

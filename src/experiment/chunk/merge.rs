@@ -1,8 +1,8 @@
 //! Makes one run of the attempts at all chunks: the folder that `run` would have left on one machine.
 //!
 //! Every record carries a checksum and the hashes of its images, and all of them are checked before anything is written.
-//! Scores are a function of cell and device, so records of one cell from one device must agree to the last bit; where they do not,
-//! something is wrong with a machine, and nothing is merged. Times are no such function: of several timings of a block the first is kept
+//! Scores and images are a function of cell and device, so records of one cell from one device must agree to the last bit, the hashes of
+//! their images included; where they do not, something is wrong with a machine, and nothing is merged. Times are no such function: of several timings of a block the first is kept
 //! whole, and no table compares times of two devices.
 
 use super::ChunkError;
@@ -233,13 +233,17 @@ fn disagreements(plan: &Plan, found: &BTreeMap<String, Vec<Found<CellRecord>>>) 
     sentences
 }
 
-/// The columns of the tables in which two records differ, with both values. The time that a cell took is in none.
+/// The columns of the tables in which two records differ, with both values, and the images whose bytes differ. The time that a cell took
+/// is in none.
 fn differing_columns(a: &CellRecord, b: &CellRecord) -> Vec<String> {
+    let is_other = |(name, hash): &(&String, &String)| b.files.get(*name).is_some_and(|other| other != *hash);
+    let images: Vec<String> =
+        a.files.iter().filter(is_other).map(|(name, _)| format!("the bytes of images/{name}")).collect();
     let (a, b) = (columns(a), columns(b));
     let names: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
     let value = |map: &BTreeMap<String, String>, name: &String| map.get(name).cloned().unwrap_or("none".to_owned());
     let differing = names.into_iter().filter(|name| a.get(*name) != b.get(*name));
-    differing.map(|name| format!("{name} ({} and {})", value(&a, name), value(&b, name))).collect()
+    differing.map(|name| format!("{name} ({} and {})", value(&a, name), value(&b, name))).chain(images).collect()
 }
 
 /// Everything of a record that stands in a table, by column.

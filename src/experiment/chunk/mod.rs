@@ -1,12 +1,12 @@
 //! One experiment on several machines: a plan file cuts it into chunks, each runs by itself, and a merge makes one run of them.
 //!
-//! `cost` says how long work takes without asking a device, `split` cuts by it, `file` is the plan file, `store` the folder that all
+//! `prices` say how long work takes without asking a device, `split` cuts by them, `file` is the plan file, `store` the folder that all
 //! chunks write to, `work` one chunk, `merge` the end. Nothing relies on locks between machines: every process writes into a folder of
 //! its own and only reads those of others. Scheduling is left to an engine that exists.
 
-pub mod cost;
 pub mod file;
 pub mod merge;
+pub mod prices;
 pub mod split;
 pub mod store;
 pub mod work;
@@ -15,9 +15,9 @@ use super::run::RunError;
 use super::store::StoreError;
 use std::path::PathBuf;
 
-pub use cost::Rates;
 pub use file::PlanFile;
 pub use merge::{Hole, MergeOptions, Merged, merge};
+pub use prices::Prices;
 pub use split::Chunk;
 pub use work::{ChunkOptions, ChunkOutcome, run_chunk};
 

@@ -1,11 +1,13 @@
 //! Cuts a plan into chunks of about equal cost.
 //!
-//! The cut is a function of the plan, the wanted length and the rates, and of nothing else. Cells that share a reference stay together;
+//! The cut is a function of the plan, the wanted length and the prices, and of nothing else. Cells that share a reference stay together;
 //! only a group whose own images outweigh its reference is parted, since each part renders the reference again. Groups of one
 //! environment and model follow each other, because they share tables. Configurations that are compared by time are never parted, nor
 //! parted from the tables they are weighed against: a ratio over two devices would mean nothing.
 
-use super::cost::{Rates, tables};
+use super::prices::Prices;
+use crate::experiment::axis::Point;
+use crate::experiment::estimate::Item;
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::experiment::timing::{self, TimingJob};
 use serde::{Deserialize, Serialize};
@@ -17,7 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Chunk {
     /// Its number, from 0.
     pub index: usize,
-    /// Expected seconds at the plan file's rates.
+    /// Expected seconds at the plan file's prices.
     pub seconds: f64,
     /// Ids of cells, in the order of the plan.
     pub cells: Vec<String>,
@@ -62,14 +64,16 @@ impl Load<'_> {
 }
 
 /// The chunks of a plan, each of about `seconds`: more only where one unit takes longer, less where the next one did not fit.
-pub fn split(plan: &Plan, seconds: f64, rates: &Rates) -> Vec<Chunk> {
-    let mut units: Vec<Unit> = ordered(plan).iter().flat_map(|group| cell_units(plan, group, seconds, rates)).collect();
-    units.extend(timing_units(plan, rates));
+pub fn split(plan: &Plan, seconds: f64, prices: &Prices) -> Vec<Chunk> {
+    let mut units: Vec<Unit> =
+        ordered(plan).iter().flat_map(|group| cell_units(plan, group, seconds, prices)).collect();
+    units.extend(timing_units(plan, prices));
+    let start = prices.seconds(&Item::start());
     let mut loads: Vec<Load> = Vec::new();
     for unit in units {
         let fits = |load: &Load| load.seconds + load.extra(&unit) <= seconds;
         if !loads.last().is_some_and(fits) {
-            loads.push(Load { seconds: rates.seconds_per_chunk, ..Load::default() });
+            loads.push(Load { seconds: start, ..Load::default() });
         }
         if let Some(load) = loads.last_mut() {
             load.seconds += load.extra(&unit);
@@ -113,17 +117,19 @@ fn ordered(plan: &Plan) -> Vec<ReferenceGroup<'_>> {
 }
 
 /// A group whole, or in parts that each cost no less than the reference they render again.
-fn cell_units<'p>(plan: &Plan, group: &ReferenceGroup<'p>, seconds: f64, rates: &Rates) -> Vec<Unit<'p>> {
+fn cell_units<'p>(plan: &Plan, group: &ReferenceGroup<'p>, seconds: f64, prices: &Prices) -> Vec<Unit<'p>> {
     let first = group.radiances[0].1[0];
-    let reference = rates.reference(plan, first);
+    let reference = prices.seconds(&Item::reference(plan, first));
+    let start = prices.seconds(&Item::start());
     let own = |id: &str, cells: &[&Cell]| {
-        let image = if id == group.id { 0.0 } else { rates.image(plan, &cells[0].point) };
-        image + cells.len() as f64 * rates.seconds_per_cell
+        let image = if id == group.id { 0.0 } else { prices.seconds(&Item::image(plan, &cells[0].point)) };
+        let beside = cells.iter().enumerate().flat_map(|(i, cell)| Item::cell(plan, cell, i == 0));
+        image + beside.map(|item| prices.seconds(&item)).sum::<f64>()
     };
     let total: f64 = group.radiances.iter().map(|(id, cells)| own(id, cells)).sum();
-    let parts = match rates.seconds_per_chunk + reference + total <= seconds {
+    let parts = match start + reference + total <= seconds {
         true => 1.0,
-        false => (total / (seconds - rates.seconds_per_chunk - reference).max(reference)).ceil().max(1.0),
+        false => (total / (seconds - start - reference).max(reference)).ceil().max(1.0),
     };
     let mut units = vec![Unit::default()];
     let mut begun = 0.0;
@@ -139,15 +145,20 @@ fn cell_units<'p>(plan: &Plan, group: &ReferenceGroup<'p>, seconds: f64, rates: 
             unit.seconds += share;
             unit.cells.extend(cells);
             unit.shared.insert(format!("reference {}", group.id), reference);
-            let needed = tables(plan, &cells[0].point);
-            unit.shared.extend(needed.into_iter().map(|table| (table.0.clone(), rates.table(&table))));
+            unit.shared.extend(priced_tables(plan, &cells[0].point, prices));
         }
     }
     units
 }
 
+/// The tables of a point, each with its seconds.
+fn priced_tables(plan: &Plan, point: &Point, prices: &Prices) -> Vec<(String, f64)> {
+    Item::tables(plan, point).into_iter().map(|(key, item)| (key, prices.seconds(&item))).collect()
+}
+
 /// Blocks of configurations that are compared, with the tables whose times they are weighed against.
-fn timing_units<'p>(plan: &'p Plan, rates: &Rates) -> Vec<Unit<'p>> {
+fn timing_units<'p>(plan: &'p Plan, prices: &Prices) -> Vec<Unit<'p>> {
+    let Some(timing) = plan.config.timing else { return Vec::new() };
     let jobs = timing::jobs(plan);
     let mut members: BTreeMap<String, usize> = BTreeMap::new();
     for job in &jobs {
@@ -164,9 +175,9 @@ fn timing_units<'p>(plan: &'p Plan, rates: &Rates) -> Vec<Unit<'p>> {
         }
         unit_of.insert(job.block.clone(), index);
         unit_of.insert(tables_key, index);
-        let needed = tables(plan, &job.cell.point);
-        units[index].shared.extend(needed.into_iter().map(|table| (table.0.clone(), rates.table(&table))));
-        units[index].seconds += rates.timing(plan, &job, members[&job.block]);
+        units[index].shared.extend(priced_tables(plan, &job.cell.point, prices));
+        let work = Item::timing(plan, timing, &job, members[&job.block]);
+        units[index].seconds += work.iter().map(|item| prices.seconds(item)).sum::<f64>();
         units[index].jobs.push(job);
     }
     for unit in &mut units {

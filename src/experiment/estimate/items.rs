@@ -1,11 +1,11 @@
 //! The work that is left of a plan, item by item, and how much each is.
 
-use super::speeds::Amount;
-use crate::experiment::axis::Point;
-use crate::experiment::chunk::cost::{amount, tables, timing_frames, warmup_frames};
+use super::speeds::{Amount, Line};
+use crate::experiment::axis::{AXES, Point};
+use crate::experiment::config::{Timing, Warmup};
 use crate::experiment::images;
 use crate::experiment::plan::{Cell, Plan};
-use crate::experiment::timing::{FRAME, TimingJob};
+use crate::experiment::timing::{FRAME, TimingJob, WARMUP_TIME_MAX};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What an item is part of.
@@ -55,6 +55,121 @@ impl Item {
     fn new(part: Part, kind: impl Into<String>, amount: Amount) -> Self {
         Self { part, kind: kind.into(), amount, times: 1.0, seconds_max: f64::INFINITY }
     }
+
+    /// Opening the device.
+    pub fn start() -> Self {
+        Self::new(Part::Ends, "start", Amount::default())
+    }
+
+    /// The image of a point, with its repeats.
+    pub fn image(plan: &Plan, point: &Point) -> Self {
+        let times = f64::from(1 + plan.repeats_of(point).unwrap_or(0));
+        Self { times, ..Self::new(Part::Images, image_kind(point), amount(plan, point)) }
+    }
+
+    /// The reference of a cell: at most, where a relative error may end it earlier.
+    pub fn reference(plan: &Plan, cell: &Cell) -> Self {
+        let point = plan.reference_point(&cell.point);
+        Self::new(Part::References, reference_kind(&point), amount(plan, &point))
+    }
+
+    /// Every table that the image of a point reads, after what tells it from others.
+    pub fn tables(plan: &Plan, point: &Point) -> Vec<(String, Self)> {
+        let item = |kind, samples| Self::new(Part::Tables, kind, Amount { pixels: 0.0, samples });
+        all_tables(plan, point).into_iter().map(|(key, kind, samples)| (key, item(kind, samples))).collect()
+    }
+
+    /// What a cell takes beside its images; `is_first` of those that share one.
+    pub fn cell(plan: &Plan, cell: &Cell, is_first: bool) -> [Self; 3] {
+        let pixels = Amount { pixels: amount(plan, &cell.point).pixels, samples: 0.0 };
+        [
+            Self::new(Part::Displays, "display", pixels),
+            Self::new(Part::Scores, if is_first { "score first" } else { "score again" }, pixels),
+            Self::new(Part::Ends, "end", pixels),
+        ]
+    }
+
+    /// The timing of a configuration in a block with `members` of them.
+    pub fn timing(plan: &Plan, timing: Timing, job: &TimingJob, members: usize) -> Vec<Self> {
+        let point = &job.cell.point;
+        let work = match job.phase {
+            FRAME => {
+                let kind = image_kind(point).replacen("image", "frame", 1);
+                vec![Self::new(Part::Timing, kind, amount(plan, point))]
+            }
+            _ => all_tables(plan, point)
+                .into_iter()
+                .map(|(_, kind, samples)| Self::new(Part::Timing, kind, Amount { pixels: 0.0, samples }))
+                .collect(),
+        };
+        let (warmup, seconds_max) = warmup_frames(timing);
+        let both = |item: Self| {
+            let counted = Self { times: timing_frames(timing, members), ..item.clone() };
+            [Self { times: warmup, seconds_max, ..item }, counted]
+        };
+        work.into_iter().flat_map(both).collect()
+    }
+
+    /// Seconds at the price of one.
+    pub fn seconds(&self, line: &Line) -> f64 {
+        let one = line.at(self.amount);
+        (one * self.times).min(self.seconds_max.max(one))
+    }
+}
+
+/// Pixels of a point's image, and the samples that its terms draw at most.
+pub fn amount(plan: &Plan, point: &Point) -> Amount {
+    let settings = point.settings();
+    let [width, height] = settings.size.map(f64::from);
+    let specular = if settings.method.uses_samples { settings.samples } else { 1 };
+    let diffuse = match settings.diffuse.name {
+        "reference" => plan.config.reference.samples,
+        _ => 0,
+    };
+    let pixels = width * height;
+    Amount { pixels, samples: pixels * (f64::from(specular) + f64::from(diffuse)) }
+}
+
+/// Frames that a warm-up until the times settle is taken to need: twice the window that is compared.
+const STABLE_WARMUP_FRAMES: u32 = 64;
+
+/// Frames of a warm-up, and the seconds after which it ends in any case.
+fn warmup_frames(timing: Timing) -> (f64, f64) {
+    match timing.warmup {
+        Warmup::Frames(frames) => (f64::from(frames), f64::INFINITY),
+        Warmup::Stable => (f64::from(STABLE_WARMUP_FRAMES), WARMUP_TIME_MAX.as_secs_f64()),
+    }
+}
+
+/// Frames of one configuration after its warm-up, in a block with `members` of them.
+fn timing_frames(timing: Timing, members: usize) -> f64 {
+    // A frame that does not count follows each change of configuration.
+    let changes = if members > 1 { timing.rounds } else { 0 };
+    f64::from(timing.rounds + changes)
+}
+
+/// The tables with samples that the image of a point reads: what tells each from others, and the samples it takes.
+fn tables(plan: &Plan, point: &Point) -> Vec<(String, f64)> {
+    let settings = point.settings();
+    let precompute = &settings.precompute;
+    let key = |kind: &str, names: &[&str], prefix: &str| {
+        let axes = AXES.iter().zip(&point.0).filter(|(a, _)| names.contains(&a.name) || a.name.starts_with(prefix));
+        axes.fold(kind.to_owned(), |key, (axis, value)| format!("{key} {}={value}", axis.name))
+    };
+    let samples = |pass: &str| precompute.samples_of(pass).unwrap_or(0.0);
+    let mut tables = Vec::new();
+    if settings.method.uses_prefiltered {
+        let axes = ["environment", "environment_clip_log2", "brdf"];
+        tables.push((key("prefilter", &axes, "prefilter_"), samples("prefilter")));
+    }
+    if settings.method.needs_dfg(settings.diffuse, !plan.config.lights.is_empty()) {
+        tables.push((key("dfg", &["brdf", "masking"], "dfg_"), samples("dfg")));
+    }
+    if settings.diffuse.uses_irradiance_map {
+        let axes = ["environment", "environment_clip_log2"];
+        tables.push((key("irradiance", &axes, "irradiance_"), samples("irradiance")));
+    }
+    tables
 }
 
 /// Kind of an image's work.
@@ -100,57 +215,32 @@ pub fn items(plan: &Plan, cells: &[&Cell], jobs: &[TimingJob], kept: &BTreeSet<&
     let mut items = Vec::new();
     let mut seen: BTreeSet<String> = BTreeSet::new();
     for cell in cells {
-        let size = amount(plan, &cell.point);
-        let pixels = Amount { pixels: size.pixels, samples: 0.0 };
         let reference = plan.reference_point(&cell.point);
         if seen.insert(cell.reference.clone()) && !kept.contains(cell.reference.as_str()) {
-            items.push(Item::new(Part::References, reference_kind(&reference), amount(plan, &reference)));
+            items.push(Item::reference(plan, cell));
         }
         let is_first = seen.insert(cell.radiance.clone());
         if is_first {
-            let times = f64::from(1 + plan.repeats_of(&cell.point).unwrap_or(0));
-            items.push(Item { times, ..Item::new(Part::Images, image_kind(&cell.point), size) });
+            items.push(Item::image(plan, &cell.point));
         }
-        for (key, kind, samples) in all_tables(plan, &cell.point).into_iter().chain(all_tables(plan, &reference)) {
+        for (key, table) in Item::tables(plan, &cell.point).into_iter().chain(Item::tables(plan, &reference)) {
             if seen.insert(key) {
-                items.push(Item::new(Part::Tables, kind, Amount { pixels: 0.0, samples }));
+                items.push(table);
             }
         }
-        items.push(Item::new(Part::Displays, "display", pixels));
-        items.push(Item::new(Part::Scores, if is_first { "score first" } else { "score again" }, pixels));
-        items.push(Item::new(Part::Ends, "end", pixels));
+        items.extend(Item::cell(plan, cell, is_first));
     }
-    timing_items(plan, jobs, &mut items);
+    if let Some(timing) = plan.config.timing {
+        let mut members: BTreeMap<&str, usize> = BTreeMap::new();
+        for job in jobs {
+            *members.entry(&job.block).or_default() += 1;
+        }
+        items.extend(jobs.iter().flat_map(|job| Item::timing(plan, timing, job, members[job.block.as_str()])));
+    }
     if !items.is_empty() {
-        items.push(Item::new(Part::Ends, "start", Amount::default()));
+        items.push(Item::start());
     }
     items
-}
-
-fn timing_items(plan: &Plan, jobs: &[TimingJob], items: &mut Vec<Item>) {
-    let Some(timing) = plan.config.timing else { return };
-    let mut members: BTreeMap<&str, usize> = BTreeMap::new();
-    for job in jobs {
-        *members.entry(&job.block).or_default() += 1;
-    }
-    for job in jobs {
-        let point = &job.cell.point;
-        let work = match job.phase {
-            FRAME => {
-                let kind = image_kind(point).replacen("image", "frame", 1);
-                vec![Item::new(Part::Timing, kind, amount(plan, point))]
-            }
-            _ => all_tables(plan, point)
-                .into_iter()
-                .map(|(_, kind, samples)| Item::new(Part::Timing, kind, Amount { pixels: 0.0, samples }))
-                .collect(),
-        };
-        let (warmup, seconds_max) = warmup_frames(timing);
-        for item in work {
-            items.push(Item { times: warmup, seconds_max, ..item.clone() });
-            items.push(Item { times: timing_frames(timing, members[job.block.as_str()]), ..item });
-        }
-    }
 }
 
 /// Files that are left to write: how many pixels of each kind, and records.

@@ -3,17 +3,18 @@
 //! Items of work (`items`) are priced with speeds: those of earlier records (`records`) where there are any, else those of a short probe on
 //! the device (`probe`), else stated constants, which are a guess and are called so.
 
+mod constants;
 mod items;
 mod probe;
 mod records;
 mod speeds;
 
-pub use items::{Item, Part, items};
+pub use constants::{SAMPLES_PER_SECOND, constants, constants_at};
+pub use items::{Item, Part, amount, items};
 pub use probe::probe;
 pub use records::{Recorded, recorded};
 pub use speeds::{Amount, Line, Speeds};
 
-use super::chunk::Rates;
 use super::plan::{Cell, Plan};
 use std::collections::BTreeMap;
 
@@ -68,51 +69,15 @@ pub struct Host {
     pub is_cpu_device: bool,
 }
 
-/// f32 R, G, B and A.
-const LINEAR_BYTES_PER_PIXEL: f64 = 16.0;
-/// The same with the three channels of the standard error.
-const REFERENCE_BYTES_PER_PIXEL: f64 = 28.0;
-/// A PNG of a rendered image or an error map.
-const PICTURE_BYTES_PER_PIXEL: f64 = 1.3;
-/// All metrics in ten bins.
-const RECORD_BYTES: f64 = 12_000.0;
-/// A pixel of a cell in a contact sheet.
-const SHEET_BYTES_PER_PIXEL: f64 = 1.5;
-/// A cell in the tables and answers.
-const ROWS_BYTES: f64 = 6000.0;
+impl Host {
+    /// The machine that the [`constants`] stand for.
+    pub const STATED: Self = Self { threads: 2, is_cpu_device: true };
+}
+
 /// A pixel of a linear image in the report, which has a budget.
 const REPORT_BYTES_PER_PIXEL: f64 = 5.0;
 /// That budget, bytes.
 pub const REPORT_BYTES_MAX: usize = 40_000_000;
-/// Tables, contact sheets, answers and report, for each pixel of each cell, seconds.
-const END_SECONDS_PER_PIXEL: f64 = 3e-7;
-/// Processors of the machine that the constants stand for.
-const CONSTANTS_THREADS: f64 = 2.0;
-
-/// Speeds that nobody measured here: a software driver on two cores.
-pub fn constants() -> Speeds {
-    let rates = Rates::default();
-    let per_sample = 1.0 / rates.samples_per_second;
-    let fixed = |fixed: f64| Line { fixed, ..Line::default() };
-    let bytes = |per_pixel: f64| Line { per_pixel, ..Line::default() };
-    Speeds::of(&[
-        ("image", Line { per_sample, ..Line::default() }),
-        ("reference", Line { per_sample, ..Line::default() }),
-        ("table", Line { per_sample, ..Line::default() }),
-        ("frame", Line { per_sample, fixed: rates.seconds_per_frame, ..Line::default() }),
-        ("display", fixed(0.0)),
-        ("score", fixed(rates.seconds_per_cell * CONSTANTS_THREADS)),
-        ("start", fixed(rates.seconds_per_chunk)),
-        ("end", Line { per_pixel: END_SECONDS_PER_PIXEL, ..Line::default() }),
-        ("bytes linear", bytes(LINEAR_BYTES_PER_PIXEL)),
-        ("bytes reference", bytes(REFERENCE_BYTES_PER_PIXEL)),
-        ("bytes picture", bytes(PICTURE_BYTES_PER_PIXEL)),
-        ("bytes record", fixed(RECORD_BYTES)),
-        ("bytes sheet", bytes(SHEET_BYTES_PER_PIXEL)),
-        ("bytes rows", fixed(ROWS_BYTES)),
-    ])
-}
-
 /// Parts that only constants tell: they are small.
 const STATED: [&str; 2] = ["start", "end"];
 
@@ -126,16 +91,19 @@ fn line(speeds: &Speeds, kind: &str) -> Option<Line> {
     speeds.line(kind).or_else(as_image).copied()
 }
 
+/// The price of a kind of work by the first source that knows it.
+pub fn line_of(sources: &[(Source, Speeds)], kind: &str) -> (Source, Line) {
+    let of = |(source, speeds): &(Source, Speeds)| Some((*source, line(speeds, kind)?));
+    sources.iter().find_map(of).unwrap_or((Source::Constants, Line::default()))
+}
+
 /// The cost of items and of the files of these cells; `sources` are asked in their order, and the last one knows all kinds.
 pub fn estimate(plan: &Plan, cells: &[&Cell], items: &[Item], sources: &[(Source, Speeds)], host: Host) -> Estimate {
-    let find = |kind: &str| {
-        let of = |(source, speeds): &(Source, Speeds)| Some((*source, line(speeds, kind)?));
-        sources.iter().find_map(of).unwrap_or((Source::Constants, Line::default()))
-    };
+    let find = |kind: &str| line_of(sources, kind);
     let mut found = Estimate::default();
     for item in items {
         let (source, line) = find(&item.kind);
-        let mut seconds = (line.at(item.amount) * item.times).min(item.seconds_max.max(line.at(item.amount)));
+        let mut seconds = item.seconds(&line);
         if item.part == Part::Scores {
             seconds /= host.threads as f64;
         }

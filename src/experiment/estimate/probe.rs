@@ -12,7 +12,7 @@ use crate::experiment::scoring::{ReferenceImage, Rendered, ScoreFault};
 use crate::experiment::store::{Store, StoreError};
 use crate::experiment::value::Value;
 use crate::pipeline::{Frame, RenderRequest};
-use crate::precompute::PrecomputeSettings;
+use crate::precompute::{PrecomputeSettings, table_of};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -98,10 +98,14 @@ impl Probe<'_> {
         let timed = self.renderer.time_precompute(&request, 1, 1)?;
         let image = &request.environment.image;
         let texels = f64::from(image.width) * f64::from(image.height);
-        for (pass, ms) in timed.passes {
-            let samples = request.precompute.samples_of(pass).unwrap_or(texels);
-            let kind = table_kind(pass, request.brdf.name());
-            self.measured.push((kind, Amount { pixels: 0.0, samples }, ms.iter().sum::<f64>() / 1e3));
+        let mut tables: BTreeMap<&str, f64> = BTreeMap::new();
+        for (pass, ms) in &timed.passes {
+            *tables.entry(table_of(pass)).or_default() += ms.iter().sum::<f64>();
+        }
+        for (table, ms) in tables {
+            let samples = request.precompute.samples_of(table).unwrap_or(texels);
+            let kind = table_kind(table, request.brdf.name());
+            self.measured.push((kind, Amount { pixels: 0.0, samples }, ms / 1e3));
         }
         Ok(())
     }

@@ -1,15 +1,15 @@
 //! Speeds from the records of runs: what their cells and timings took, and how large their files are.
 
-use super::items::{all_tables, file_kind, image_kind, reference_kind};
+use super::items::{all_tables, amount, file_kind, image_kind, reference_kind};
 use super::speeds::{Amount, Line, Speeds};
 use crate::experiment::axis::{AXES, Point};
-use crate::experiment::chunk::cost::amount;
-use crate::experiment::plan::Plan;
+use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::statistics::median;
 use crate::experiment::store::{CHUNKS_FOLDER, CellRecord, Store};
-use crate::experiment::timing::{FRAME, TimingRecord};
+use crate::experiment::timing::{FRAME, PassSamples, TimingRecord};
 use crate::experiment::value::Value;
 use crate::pipeline::DeviceInfo;
+use crate::precompute::table_of;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -102,11 +102,16 @@ impl Found<'_> {
             self.measured.push((kind, amount(self.plan, &point), median(&record.wall_ms) / 1e3));
             return;
         }
-        for pass in &record.passes {
-            for (_, kind, samples) in all_tables(self.plan, &point) {
-                if kind.split(' ').nth(1) == Some(pass.pass.as_str()) {
-                    self.measured.push((kind, Amount { pixels: 0.0, samples }, median(&pass.ms) / 1e3));
-                }
+        // Tables are timed once for all environments of a size: one of the plan's stands for them.
+        let image = |cell: &Cell| &self.plan.inputs.environment(cell.point.get("environment").text()).image;
+        let is_as_large = |cell: &&Cell| [image(cell).width, image(cell).height] == record.environment_size;
+        let Some(cell) = self.plan.cells.iter().find(is_as_large) else { return };
+        point.set("environment", cell.point.get("environment").clone());
+        for (_, kind, samples) in all_tables(self.plan, &point) {
+            let is_own = |pass: &&PassSamples| kind.split(' ').nth(1) == Some(table_of(&pass.pass));
+            let times: Vec<f64> = record.passes.iter().filter(is_own).map(|pass| median(&pass.ms) / 1e3).collect();
+            if !times.is_empty() {
+                self.measured.push((kind, Amount { pixels: 0.0, samples }, times.iter().sum()));
             }
         }
     }

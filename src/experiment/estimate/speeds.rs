@@ -25,6 +25,11 @@ impl Line {
         self.fixed + self.per_pixel * amount.pixels + self.per_sample * amount.samples
     }
 
+    /// The line of work that takes this many times as long.
+    pub fn times(self, factor: f64) -> Self {
+        Self { fixed: self.fixed * factor, per_pixel: self.per_pixel * factor, per_sample: self.per_sample * factor }
+    }
+
     /// The line without a fixed part that misses measurements least, in squares over their size: an error of a hundredth then counts
     /// the more the longer the item takes. No cost is negative.
     fn fit(measured: &[(Amount, f64)]) -> Self {

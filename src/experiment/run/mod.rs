@@ -140,7 +140,7 @@ pub fn run(
     };
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
-    run.forget_damaged(progress)?;
+    run.forget_changed(progress)?;
     let steps_left = run.steps_left();
     progress.start(plan.cells.len() + run.jobs.len(), plan.cells.len() + run.jobs.len() - steps_left);
     if steps_left > 0 {
@@ -219,6 +219,8 @@ struct Run<'p> {
     references_read: usize,
     /// Content hash of the linear images of the cell that is kept next, by name.
     file_hashes: BTreeMap<String, String>,
+    /// Content hashes of the images of each cell that an earlier invocation finished, by its id. Gone when they are checked.
+    recorded_hashes: BTreeMap<String, BTreeMap<String, String>>,
     /// There when this invocation did something.
     work: Option<Work>,
 }
@@ -226,8 +228,10 @@ struct Run<'p> {
 impl<'p> Run<'p> {
     fn load(plan: &'p Plan, store: Store, options: &'p RunOptions<'p>) -> Result<Self, RunError> {
         let mut results = Results::new();
+        let mut recorded_hashes = BTreeMap::new();
         for cell in &plan.cells {
-            if let Some(record) = store.cell(&cell.id)? {
+            if let Some(mut record) = store.cell(&cell.id)? {
+                recorded_hashes.insert(cell.id.clone(), std::mem::take(&mut record.files));
                 results.insert(cell.id.clone(), CellResult::Done(Box::new(record.into())));
             }
         }
@@ -244,18 +248,21 @@ impl<'p> Run<'p> {
             is_halted: false,
             references_read: 0,
             file_hashes: BTreeMap::new(),
+            recorded_hashes,
             work: None,
         })
     }
 
-    /// Cells whose images are gone or not whole are made again: their scores come out the same, on the same device.
-    fn forget_damaged(&mut self, progress: &mut dyn Progress) -> Result<(), RunError> {
+    /// Cells whose images are gone or not those that their records name are made again: their scores come out the same, on the same
+    /// device.
+    fn forget_changed(&mut self, progress: &mut dyn Progress) -> Result<(), RunError> {
         let plan = self.plan;
-        let done = plan.cells.iter().filter(|cell| self.is_done(cell));
+        let hashes = std::mem::take(&mut self.recorded_hashes);
+        let done = plan.cells.iter().filter_map(|cell| Some((cell, hashes.get(&cell.id)?)));
         let damaged = images::damaged(plan, &self.store, done);
         let Some(name) = damaged.first() else { return Ok(()) };
         progress.note(&format!(
-            "{} images of finished cells are missing or not whole, the first images/{name}; their cells are made again",
+            "images of finished cells that are missing or were changed since: {}, the first images/{name}; their cells are made again",
             damaged.len()
         ));
         damaged.iter().try_for_each(|name| self.store.remove_image(name))?;

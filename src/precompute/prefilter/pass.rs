@@ -7,6 +7,22 @@ use crate::gpu::{Bind, ComputePipeline, Format, Gpu, GpuError, Image, Report, Sa
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::alpha_from_mip;
 
+/// Name of the pass of each level. Levels halve a side of at most 4096 texels, so there are no more.
+const PASSES: [&str; 12] = [
+    "prefilter mip 0",
+    "prefilter mip 1",
+    "prefilter mip 2",
+    "prefilter mip 3",
+    "prefilter mip 4",
+    "prefilter mip 5",
+    "prefilter mip 6",
+    "prefilter mip 7",
+    "prefilter mip 8",
+    "prefilter mip 9",
+    "prefilter mip 10",
+    "prefilter mip 11",
+];
+
 pub struct PrefilterPass {
     pipeline: ComputePipeline,
 }
@@ -58,7 +74,8 @@ impl PrefilterPass {
                     let binds = [Bind::Sample(environment, sampler), Bind::UpdateMip(map, level), range.bind()];
                     let groups = [width.div_ceil(GROUP_SIDE), (rows.end - rows.start).div_ceil(GROUP_SIDE), 1];
                     let mut recorder = gpu.record("prefilter")?;
-                    recorder.pass("prefilter", |r| r.dispatch(&self.pipeline, &binds, &params.to_bytes(), groups))?;
+                    let name = PASSES[(level as usize).min(PASSES.len() - 1)];
+                    recorder.pass(name, |r| r.dispatch(&self.pipeline, &binds, &params.to_bytes(), groups))?;
                     total.add(recorder.submit()?);
                 }
             }

@@ -159,12 +159,17 @@ fn time(samples: u32, ratio: f64) -> TimeLevel {
 fn equal_time_is_where_the_ratio_of_times_is_one() {
     let found = time_match(&[time(1, 0.5), time(4, 2.0), time(16, 8.0)]).unwrap();
     assert!((found.samples - 2.0).abs() < F64, "{found:?}");
-    assert!(found.interval[0] < 2.0 && found.interval[1] > 2.0 && found.interval[1] < 4.0, "{found:?}");
+    let [lo, hi] = found.interval.unwrap();
+    assert!(lo < 2.0 && hi > 2.0 && hi < 4.0, "{found:?}");
     let slower = time_match(&[time(1, 1.5), time(4, 2.0)]).unwrap();
-    assert_eq!((slower.samples, slower.interval), (0.0, [0.0, 1.0]));
+    assert_eq!((slower.samples, slower.interval), (0.0, Some([0.0, 1.0])));
     let faster = time_match(&[time(1, 0.2), time(4, 0.5)]).unwrap();
-    assert_eq!((faster.samples, faster.interval), (f64::INFINITY, [4.0, f64::INFINITY]));
+    assert_eq!((faster.samples, faster.interval), (f64::INFINITY, Some([4.0, f64::INFINITY])));
     assert_eq!(time_match(&[]), None);
+    // Too few rounds at one count: the point stands, without an interval.
+    let few = TimeLevel { interval: [f64::NAN; 2], rounds: 5, ..time(4, 2.0) };
+    let found = time_match(&[time(1, 0.5), few, time(16, 8.0)]).unwrap();
+    assert!((found.samples - 2.0).abs() < F64 && found.interval.is_none(), "{found:?}");
 }
 
 #[test]
@@ -208,6 +213,9 @@ fn known_curves_have_their_slope_and_break_even() {
         assert!(curve.points.iter().all(|point| point.errors.len() == 3), "exposures share their image");
     }
     assert!(answered.summary.contains("never up to 256") && answered.summary.contains("always, from 1"));
+    for name in ["convergence_slopes.csv", "convergence_slopes.svg"] {
+        assert!(answered.files.iter().any(|(known, _)| known == name), "{name}");
+    }
     let table = Table::read(&{
         answered.write().unwrap();
         dir.path().join("answers/break_even.csv")
@@ -343,7 +351,14 @@ fn what_the_curve_hides_is_told_by_exposure_and_contrast() {
     let [plain, strong] = exposure::hiding(&answers.visibility).try_into().unwrap();
     assert_eq!((plain.peak, plain.hidden_at), ((1.0, 0.2), vec![0.1, 500.0]));
     assert_eq!((strong.contrast, strong.hidden_at), (5.0, vec![]));
-    assert!(answered.record.answer.sentence.contains("hidden at 0.1, 500"), "{}", answered.record.answer.sentence);
+    let sentence = &answered.record.answer.sentence;
+    for part in [
+        "shows most at exposure 1 and contrast 5 (mean FLIP 2.0)",
+        "visible at every tried exposure (contrast 5), at exposure 1 (contrast 1), and the other 2 of 6 tone curves",
+        "visible is a mean FLIP of at least 0.05, this project's convention",
+    ] {
+        assert!(sentence.contains(part), "{part}: {sentence}");
+    }
     assert!(answered.files.iter().any(|(name, _)| name == "exposure_and_contrast.svg"));
 }
 
@@ -439,17 +454,38 @@ fn published_runs_have_a_page() {
     let (dir, results) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let (_, answered) = made.answers(dir.path(), [1.0; 3]);
     answered.write().unwrap();
-    assert!(publish(dir.path(), results.path()).unwrap().is_empty());
+    assert!(publish(dir.path(), results.path(), false).unwrap().is_empty());
     let stale = results.path().join("made/answers/old.svg");
     std::fs::write(&stale, "old").unwrap();
-    publish(dir.path(), results.path()).unwrap();
+    publish(dir.path(), results.path(), false).unwrap();
     assert!(!stale.exists(), "an earlier picture does not stand beside new ones");
     for name in ["summary.md", "errors.csv", "provenance.json", "answers/break_even.csv", "answers/convergence.svg"] {
         assert!(results.path().join("made").join(name).exists(), "{name}");
     }
     let page = std::fs::read_to_string(write_page(results.path()).unwrap()).unwrap();
     assert!(page.contains("[made](made/summary.md)") && page.contains(&answered.record.answer.sentence), "{page}");
-    let inside = publish(&results.path().join("made"), results.path());
+    // The same plan, run anew, takes its place; another plan only with leave; files that nobody published never.
+    let published = results.path().join("made/provenance.json");
+    let own = std::fs::read(&published).unwrap();
+    let mut other: serde_json::Value = serde_json::from_slice(&own).unwrap();
+    other["plan_hash"] = "0123456789abcdef".into();
+    std::fs::write(&published, other.to_string()).unwrap();
+    let error = publish(dir.path(), results.path(), false).unwrap_err();
+    assert!(error.is_misuse() && error.to_string().contains("of plan 0123456789abcdef of "), "{error}");
+    assert!(error.to_string().contains("give --replace") && error.to_string().lines().count() == 1, "{error}");
+    assert!(std::fs::read(&published).unwrap() != own, "nothing was written");
+    publish(dir.path(), results.path(), true).unwrap();
+    assert!(std::fs::read(&published).unwrap() == own);
+    let foreign = tempfile::tempdir().unwrap();
+    std::fs::create_dir(foreign.path().join("made")).unwrap();
+    std::fs::write(foreign.path().join("made/thesis.tex"), "years of work").unwrap();
+    let error = publish(dir.path(), foreign.path(), true).unwrap_err();
+    assert!(
+        matches!(error, PublishError::NotPublished { .. }) && foreign.path().join("made/thesis.tex").exists(),
+        "{error}"
+    );
+
+    let inside = publish(&results.path().join("made"), results.path(), false);
     assert!(matches!(inside, Err(PublishError::Itself { .. })), "{inside:?}");
     assert!(results.path().join("made/errors.csv").exists());
 }

@@ -136,7 +136,7 @@ fn each_image_counts_once() {
     // The split sum reads the tables: its two formats are two images.
     assert_eq!(pair.cases.len(), 4);
     let sentence = &answered.record.answer.sentence;
-    assert!(sentence.contains("the median of 4 cases (2 × alpha, 2 × storage_format)"), "{sentence}");
+    assert!(sentence.contains("the median of 4 cases (2 alphas, 2 values of storage_format)"), "{sentence}");
     // 2 alphas of 4 counts, and of 2 formats of the split sum.
     let copies = "68 of the 80 cells differ from another one only in what cannot reach their pixels";
     assert!(answered.summary.contains(copies) && answered.summary.contains("of 12 cells"), "{}", answered.summary);
@@ -199,7 +199,7 @@ fn tables_are_paid_only_where_the_ratio_is_decided() {
             Verdict::Ambiguous,
             "not decided: the interval of the ratio leaves open whose frames are faster",
         ),
-        (2.0, [1.75, 2.5], 4, Verdict::Ambiguous, "not decided: too few rounds"),
+        (2.0, [1.75, 2.5], 5, Verdict::Ambiguous, "not decided: too few rounds for an interval"),
         (1.005, [1.0, 1.01], 15, Verdict::Same, "not decided: frames within 2 % of each other"),
     ] {
         assert_eq!(verdict(interval, rounds), said);
@@ -323,10 +323,10 @@ fn what_an_experiment_leaves_out_is_named() {
 #[test]
 fn an_effect_whose_interval_holds_1_is_not_claimed() {
     let answer = |factors: [f64; 3]| {
-        let mut made = Made::new(&["alpha", "method", "dfg_size"]);
+        let mut made = Made::new(&["alpha", "method", "samples", "lod_bias"]);
         for (alpha, factor) in ["0.1", "0.5", "1"].into_iter().zip(factors) {
-            made.add(&[alpha, "split-sum", "128"], 0.3);
-            made.add(&[alpha, "split-sum", "16"], 0.3 * factor);
+            made.add(&[alpha, "sampled", "16", "0"], 0.3);
+            made.add(&[alpha, "sampled", "16", "1"], 0.3 * factor);
         }
         let dir = tempfile::tempdir().unwrap();
         made.answers(dir.path(), [1.0; 3]).1.record.answer.sentence

@@ -270,7 +270,7 @@ fn ranges_and_zips_are_checked() {
             "e.toml:4:11: axes.samples: pow2 = [3, 1]; expected two powers, ascending",
             "e.toml:5:8: axes.brdf: a range needs an axis of numbers",
             "e.toml:6:12: axes.exposure: logspace needs two numbers above 0",
-            "e.toml:7:12: axes.contrast: expected a list of values, { linspace = [first, last, count] }",
+            "e.toml:7:14: axes.contrast.linspaces is unknown; did you mean \"linspace\"?",
         ],
     );
     let text = "name = \"x\"\n[axes]\nalpha = [0.1, 0.2]\nsamples = [1, 2, 3]\n[[zip]]\naxes = [\"alpha\", \"samples\"]\n\
@@ -323,4 +323,54 @@ fn images_that_no_device_holds_are_faults_and_those_that_some_refuse_are_warned_
     let [warning] = &warnings(text)[..] else { panic!("{:?}", warnings(text)) };
     assert!(warning.starts_with("e.toml:2:8: size: 2897x2897 needs a buffer of 128 MiB"), "{warning}");
     assert!(warnings(&text.replace("2897", "2896")).is_empty());
+}
+
+#[test]
+fn one_slip_is_one_fault() {
+    let text =
+        "name = \"x\"\n[axes]\nalpha = { linspace = [0.1, 1, 3], stopp = 2 }\n[[exclude]]\nalpha = 0.1\nwhy = 3\n";
+    assert_faults(
+        &faults(text, &[]),
+        &[
+            "e.toml:3:35: axes.alpha.stopp is unknown; expected one of linspace, logspace, pow2",
+            "e.toml:6:7: exclude.why: 3 is not text",
+        ],
+    );
+}
+
+/// An excluded input is a value of the axis as the file has it, whatever `--set` leaves of it, or at least some input.
+#[test]
+fn an_excluded_input_that_is_none_is_a_fault() {
+    let text = "name = \"x\"\n[axes]\nenvironment = [\"builtin:sky\", \"gone.hdr\"]\n\
+                [[exclude]]\nenvironment = [\"gone.hdr\", \"builtin:studio\"]\nwhy = \"fine\"\n";
+    let set = ["environment=builtin:sky"];
+    assert_faults(&faults(text, &set), &[]);
+    let wrong = text.replace("\"builtin:studio\"", "\"builtin:skyy\"");
+    assert_faults(
+        &faults(&wrong, &set),
+        &["e.toml:5:28: exclude.environment: the axis has no value \"builtin:skyy\"; did you mean \"builtin:sky\"?"],
+    );
+    let scene = "name = \"x\"\n[axes]\nalpha = [0.1]\n[[exclude]]\nscene = \"spheer\"\nwhy = \"slip\"\n";
+    assert_faults(
+        &faults(scene, &[]),
+        &["e.toml:5:9: exclude.scene: the axis has no value \"spheer\"; did you mean \"sphere\"?"],
+    );
+}
+
+#[test]
+fn a_point_light_stands_outside_of_every_sphere() {
+    let text = |scene: &str, position: &str| {
+        format!(
+            "name = \"x\"\nscene = \"{scene}\"\n[axes]\nalpha = [0.5]\n\
+             [[lights]]\nkind = \"point\"\nposition = {position}\ncolor = 1\n"
+        )
+    };
+    let fault =
+        "e.toml:5:1: lights: the point light at (0, 0.5, 0) is in the sphere of scene sphere with centre (0, 0, 0)";
+    assert_faults(&faults(&text("sphere", "[0, 0.5, 0]"), &[]), &[fault]);
+    assert_faults(&faults(&text("sphere", "[0, 1, 0]"), &[]), &["e.toml:5:1: lights: the point light at (0, 1, 0)"]);
+    assert_faults(&faults(&text("sphere", "[0, 1.001, 0]"), &[]), &[]);
+    assert_faults(&faults(&text("plane", "[0, 0.5, 0]"), &[]), &[]);
+    let directional = text("sphere", "[0, 0.5, 0]").replace("point", "directional").replace("position", "direction");
+    assert_faults(&faults(&directional, &[]), &[]);
 }

@@ -2,9 +2,9 @@
 
 use super::run::EXPERIMENT;
 use super::runs::{fakes, finished, log, plan, rewrite};
-use splitsum::experiment::chunk::cost::amount;
 use splitsum::experiment::estimate::{
-    Amount, Estimate, Host, Part, REPORT_BYTES_MAX, Source, Speeds, constants, estimate, items, lack, probe, recorded,
+    Amount, Estimate, Host, Part, REPORT_BYTES_MAX, Source, Speeds, amount, constants, estimate, items, lack, probe,
+    recorded,
 };
 use splitsum::experiment::{Cell, Plan, timing};
 use std::collections::BTreeSet;

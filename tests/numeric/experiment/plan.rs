@@ -95,7 +95,7 @@ fn ids_depend_on_everything_that_determines_pixels() {
         "scene = \"spheres\"",
         "reference = { samples = 64 }",
         "precompute = { dfg_size = 8 }",
-        "lights = [{ kind = \"point\", position = [0, 1, 0], color = [1, 1, 1] }]",
+        "lights = [{ kind = \"point\", position = [0, 3, 0], color = [1, 1, 1] }]",
     ];
     let axes = [
         "alpha = [0.2]",

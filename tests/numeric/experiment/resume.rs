@@ -3,7 +3,7 @@
 use super::run::EXPERIMENT;
 use super::runs::{Steps, contents, fakes, finished, invoke, log, options, plan, read, snapshot};
 use splitsum::experiment::answers::run_folder::{RunFolder, unfinished_note};
-use splitsum::experiment::{MakeRenderer, RenderFault, Renderer, RunError, RunOptions, run};
+use splitsum::experiment::{MakeRenderer, Progress, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::table::csv::Table;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -122,6 +122,45 @@ fn images_that_are_gone_or_cut_off_are_made_again() {
     }
 }
 
+/// An image that is whole, as long as before, and another one: its cell is done again, and what it shares with others stands.
+#[test]
+fn an_image_of_a_finished_cell_that_was_changed_is_made_again() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let before = contents(&dir.path().join("images"));
+    let errors = read(dir.path().join("errors.csv"));
+    for end in [".exr", ".error.png"] {
+        let name = before.keys().find(|name| name.contains("split-sum") && name.ends_with(end)).unwrap();
+        let mut changed = before[name].clone();
+        let middle = changed.len() / 2;
+        changed[middle] ^= 1;
+        std::fs::write(dir.path().join("images").join(name), changed).unwrap();
+        let (log, stop) = (log(), AtomicBool::new(false));
+        let mut progress = Notes::default();
+        run(&plan, &mut fakes(&log) as &mut MakeRenderer, &options(dir.path(), &stop), &mut progress).unwrap();
+        let note =
+            format!("images of finished cells that are missing or were changed since: 1, the first images/{name};");
+        assert!(progress.0.len() == 1 && progress.0[0].starts_with(&note), "{:?}", progress.0);
+        assert_eq!(log.borrow().renders, [("split-sum".to_owned(), 1)], "{name}");
+        assert!(
+            contents(&dir.path().join("images")) == before && read(dir.path().join("errors.csv")) == errors,
+            "{name}"
+        );
+    }
+}
+
+/// Keeps what is noted.
+#[derive(Default)]
+struct Notes(Vec<String>);
+
+impl Progress for Notes {
+    fn start(&mut self, _: usize, _: usize) {}
+    fn step(&mut self, _: &str, _: Option<&str>) {}
+    fn note(&mut self, text: &str) {
+        self.0.push(text.to_owned());
+    }
+}
+
 /// A reference whose image is whole but another than the one that finished cells were judged against must not judge the rest.
 #[test]
 fn a_reference_that_was_changed_is_made_again() {
@@ -140,7 +179,7 @@ fn a_reference_that_was_changed_is_made_again() {
         std::fs::remove_file(dir.path().join(format!("cells/{}.json", open.id))).unwrap();
         let log = log();
         invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
-        assert_eq!(log.borrow().renders.len(), 2, "the reference and the cell");
+        assert_eq!(log.borrow().renders.len(), 5, "the reference and the four images that it judges");
         assert!(contents(&dir.path().join("images")) == before);
         assert!(read(dir.path().join("errors.csv")) == errors);
     }

@@ -8,10 +8,10 @@ use std::collections::BTreeMap;
 #[test]
 fn timings_are_taken_once_a_configuration_and_kept() {
     let (dir, log) = (tempfile::tempdir().unwrap(), log());
-    let plan = plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 5\n"));
+    let plan = plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 10\n"));
     invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
     // Two models: each the tables of two methods, and three sample counts and split-sum; neither alpha nor exposure counts.
-    assert_eq!(log.borrow().timings, (4 + 8) * (1 + 5));
+    assert_eq!(log.borrow().timings, (4 + 8) * (1 + 10));
     let table = Table::read(&dir.path().join("timings.csv")).unwrap();
     assert_eq!(table.rows.len(), 4 + 8 * 2);
     let (pass, phase) = (table.column("pass").unwrap(), table.column("phase").unwrap());
@@ -19,10 +19,10 @@ fn timings_are_taken_once_a_configuration_and_kept() {
     let samples = table.numbers("samples").unwrap();
     for (i, row) in table.rows.iter().enumerate() {
         if row[pass] == "shade-specular" {
-            // Samples n, n + 1, ... n + 4; split-sum draws none, which the fake sees as 1.
+            // Samples n, n + 1, ... n + 4, each twice; split-sum draws none, which the fake sees as 1.
             let n = samples[i].unwrap_or(1.0);
             let found = [numbers("min_ms")[i], numbers("p05_ms")[i], numbers("median_ms")[i], numbers("p95_ms")[i]];
-            let expected = [n, n + 0.2, n + 2.0, n + 3.8];
+            let expected = [n, n, n + 2.0, n + 4.0];
             assert!(found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-12), "{found:?} {expected:?}");
             assert_eq!(numbers("mad_ms")[i], 1.0);
         }
@@ -33,7 +33,7 @@ fn timings_are_taken_once_a_configuration_and_kept() {
     let summary = String::from_utf8(read(dir.path().join("summary.md"))).unwrap();
     assert!(summary.contains("Measured on a CPU driver") && summary.contains("SLOW (CPU)"), "{summary}");
 
-    // Frames of 1 + n + i ms against 2 + i in round i: the median of the ratios is that of round 2.
+    // Frames of 1 + n + i ms against 2 + i, for i from 0 to 4: the median of the ratios is that of 2.
     let ratios = Table::read(&dir.path().join("timing_ratios.csv")).unwrap();
     assert_eq!(ratios.rows.len(), 2 * 3);
     let samples = ratios.numbers("samples").unwrap();
@@ -50,7 +50,25 @@ fn timings_are_taken_once_a_configuration_and_kept() {
     // One event a pass and round, besides the names.
     let trace: serde_json::Value = serde_json::from_slice(&read(dir.path().join("trace.json"))).unwrap();
     let events = trace["traceEvents"].as_array().unwrap();
-    assert_eq!(events.iter().filter(|event| event["ph"] == "X").count(), (4 + 8 * 2) * 5);
+    assert_eq!(events.iter().filter(|event| event["ph"] == "X").count(), (4 + 8 * 2) * 10);
+}
+
+#[test]
+fn five_rounds_have_no_interval() {
+    let (dir, log) = (tempfile::tempdir().unwrap(), log());
+    let plan = plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 5\n"));
+    invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+    let ratios = Table::read(&dir.path().join("timing_ratios.csv")).unwrap();
+    let verdict = ratios.column("verdict").unwrap();
+    assert!(ratios.rows.iter().all(|row| row[verdict] == "AMBIGUOUS"));
+    let times = Table::read(&dir.path().join("timings.csv")).unwrap();
+    for (table, names) in [(&ratios, ["ratio_lo", "ratio_hi"]), (&times, ["median_lo_ms", "median_hi_ms"])] {
+        for name in names {
+            assert!(table.numbers(name).unwrap().iter().all(Option::is_none), "{name} stays empty");
+        }
+    }
+    let summary = String::from_utf8(read(dir.path().join("summary.md"))).unwrap();
+    assert!(summary.contains("too few rounds for an interval") && !summary.contains("NaN"), "{summary}");
 }
 
 #[test]

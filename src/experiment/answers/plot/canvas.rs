@@ -199,6 +199,17 @@ impl Canvas<'_> {
     }
 }
 
+impl Canvas<'_> {
+    /// A hollow arrow head: what lies beyond the drawing, upwards for 1 and downwards for -1.
+    pub fn arrow(&self, (x, y): (i32, i32), up: i32, color: Rgb) -> Result<(), PlotError> {
+        const R: i32 = 6;
+        let corners = [(x, y - up * R), (x + R, y + up * (R - 1)), (x - R, y + up * (R - 1))];
+        self.filled(&corners, [255, 255, 255], 1.0)?;
+        let [tip, right, left] = corners;
+        self.path(&[tip, right, left, tip, right], color, 2, Stroke::Solid)
+    }
+}
+
 /// The SVG backend divides font sizes by this.
 const FONT_UNIT: f64 = 1.24;
 

@@ -1,9 +1,9 @@
 //! Which pictures an experiment's answers make.
 
 use super::canvas::{MUTED, Marker, PlotError, Rgb, Stroke, name_color};
-use super::lines::{LineChart, Panel, Point, Rule, Series};
+use super::lines::{LineChart, Panel, Point, Rule, Series, Y};
 use super::scale::{Kind, Scale};
-use super::{Picture, maps, parameters};
+use super::{Picture, light, maps, parameters, slopes};
 use crate::experiment::answers::break_even::BreakEven;
 use crate::experiment::answers::cases::{Case, Pair};
 use crate::experiment::answers::exposure::{VISIBLE_FROM, Visibility};
@@ -13,13 +13,15 @@ use crate::table::colormap::Palette;
 use crate::table::markdown::significant;
 
 /// More panels than this do not fit on a page; the tables have the rest.
-pub(super) const PANELS_MAX: usize = 12;
+pub(super) const PANELS_MAX: usize = 24;
+/// More names than this are not written below a picture.
+const NAMES_MAX: usize = 12;
 /// A noise floor this far below every error would press the curves together: it is written out instead.
 const FLOOR_WITHIN: f64 = 100.0;
 /// More series than this would hide each other behind their bars.
-const SERIES_WITH_BARS_MAX: usize = 6;
+pub(super) const SERIES_WITH_BARS_MAX: usize = 6;
 /// Labels on an axis of tried values.
-const TRIED_LABELS: usize = 9;
+pub(super) const TRIED_LABELS: usize = 9;
 
 /// The headline error on an axis.
 pub(super) const ERROR_LABEL: &str = "relMSE, ε = 0.01";
@@ -37,6 +39,7 @@ pub fn pictures(study: &Study, answers: &Answers) -> Result<Vec<Picture>, PlotEr
         Ok(())
     };
     add("convergence", convergence(answers).map(|chart| chart.svg()))?;
+    add("convergence_slopes", slopes::slopes(answers).map(|chart| chart.svg()))?;
     for (index, pair) in answers.pairs.iter().enumerate() {
         // The first pair has the plain name: it is the one that the answer speaks of.
         let name = |stem: &str| match index {
@@ -48,7 +51,8 @@ pub fn pictures(study: &Study, answers: &Answers) -> Result<Vec<Picture>, PlotEr
     }
     add("error_by_n_dot_v_and_alpha", maps::error(answers).map(|chart| chart.svg()))?;
     add("exposure_and_contrast", visibility(answers).map(|chart| chart.svg()))?;
-    add("dynamic_range", dynamic_range(answers).map(|chart| chart.svg()))?;
+    add("dynamic_range", light::dynamic_range(answers).map(|chart| chart.svg()))?;
+    add("energy", light::energy(answers).map(|chart| chart.svg()))?;
     for (axis, chart) in parameters::charts(answers) {
         add(&format!("effect_of_{axis}"), Some(chart.svg()))?;
     }
@@ -97,9 +101,13 @@ pub(super) fn facet(answers: &Answers, key: &[String]) -> String {
     key_label(&kept(&answers.case_axes), &kept(key))
 }
 
-pub(super) fn cut_off_note(shown: usize, all: usize) -> Option<String> {
-    (all > shown)
-        .then(|| format!("The first {shown} of {all} settings are drawn; the table beside the picture has all."))
+/// Which settings have no panel, by name.
+pub(super) fn cut_off_note(names: &[String]) -> Option<String> {
+    let left_out = names.get(PANELS_MAX..).filter(|names| !names.is_empty())?;
+    let shown = left_out.iter().take(NAMES_MAX).map(String::as_str).collect::<Vec<_>>().join(", ");
+    let more = left_out.len().saturating_sub(NAMES_MAX);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    Some(format!("Not drawn: {shown}{more}; the table beside the picture has them."))
 }
 
 /// Error over sample count with the reference's noise floor.
@@ -133,7 +141,7 @@ fn convergence(answers: &Answers) -> Option<LineChart> {
             };
             let points = curve.points.iter().map(|point| Point {
                 x: f64::from(point.samples),
-                y: point.error,
+                y: Y::At(point.error),
                 interval: (point.errors.len() > 1).then(|| {
                     let end = |f: fn(f64, f64) -> f64| point.errors.iter().copied().reduce(f).unwrap_or(point.error);
                     [end(f64::min), end(f64::max)]
@@ -171,13 +179,13 @@ fn convergence(answers: &Answers) -> Option<LineChart> {
     let values = panels.iter().flat_map(|panel| {
         let points = panel.series.iter().flat_map(|series| &series.points);
         points
-            .flat_map(|p| [p.y].into_iter().chain(p.interval.into_iter().flatten()))
+            .flat_map(|p| p.y.known().into_iter().chain(p.interval.into_iter().flatten()))
             .chain(panel.rules.iter().map(|r| r.y))
     });
     let y = Scale::of(Kind::Log, values)?;
     let x = Scale::of(Kind::Log, counts.iter().copied())?.with_ticks(&counts, TRIED_LABELS);
     let far = all_floors.iter().copied().filter(|floor| !is_near(floor)).reduce(f64::max);
-    let mut notes: Vec<String> = cut_off_note(panels.len(), facets.len()).into_iter().collect();
+    let mut notes: Vec<String> = cut_off_note(&facets).into_iter().collect();
     notes.push(ERROR_NOTE.to_owned());
     if curves.iter().any(|curve| curve.points.iter().any(|point| point.errors.len() > 1)) {
         notes.push("Points: geometric mean of the point sets; bars: from the best set to the worst.".to_owned());
@@ -195,6 +203,8 @@ fn convergence(answers: &Answers) -> Option<LineChart> {
         y_label: ERROR_LABEL.to_owned(),
         x,
         y,
+        bands: [None, None],
+        is_aside: true,
         panels,
     })
 }
@@ -212,9 +222,9 @@ fn break_even(answers: &Answers, pair: &Pair) -> Option<LineChart> {
     let facets = distinct(pair.cases.iter().map(|case| facet(answers, &case.key)));
     let [smallest, largest] = pair.tried().map(f64::from);
     let crossing = |case: &Case| match (case.whole.crossing, case.whole.break_even) {
-        (Some(crossing), _) => crossing,
-        (None, BreakEven::From(_)) => smallest,
-        (None, BreakEven::Above(_)) => largest,
+        (Some(crossing), _) => Y::At(crossing),
+        (None, BreakEven::From(_)) => Y::Below,
+        (None, BreakEven::Above(_)) => Y::Above,
     };
     let mut panels = Vec::new();
     for name in facets.iter().take(PANELS_MAX) {
@@ -229,8 +239,12 @@ fn break_even(answers: &Answers, pair: &Pair) -> Option<LineChart> {
             own.iter().map(|(alpha, case)| Point { x: *alpha, y: crossing(case), interval: case.whole.interval });
         let equal_time = own.iter().filter_map(|(alpha, case)| {
             let time = case.time?;
-            let y = time.samples.clamp(smallest, largest);
-            Some(Point { x: *alpha, y, interval: Some(time.interval) })
+            let y = match time.samples {
+                n if n < smallest => Y::Below,
+                n if n > largest => Y::Above,
+                n => Y::At(n),
+            };
+            Some(Point { x: *alpha, y, interval: time.interval })
         });
         let series = [
             Series {
@@ -255,16 +269,24 @@ fn break_even(answers: &Answers, pair: &Pair) -> Option<LineChart> {
         });
     }
     let counts: Vec<f64> = pair.sample_counts.iter().map(|n| f64::from(*n)).collect();
-    let mut notes = vec![format!(
-        "Bars: 95 % intervals; one that runs out of the drawing is open: fewer than {smallest} or more than {largest} samples."
-    )];
+    let mut notes = vec!["Bars: 95 % intervals; an arrow is an end beyond the counts that were tried.".to_owned()];
+    let is_there =
+        |wanted: Y| panels.iter().flat_map(|p: &Panel| &p.series).flat_map(|s| &s.points).any(|p| p.y == wanted);
+    let bands = [(Y::Below, format!("< {smallest}")), (Y::Above, format!("> {largest}"))]
+        .map(|(y, text)| is_there(y).then_some(text));
+    if bands[0].is_some() {
+        notes.push(format!("Hollow arrow down: at or below {smallest}, the fewest samples that were tried."));
+    }
+    if bands[1].is_some() {
+        notes.push(format!("Hollow arrow up: never up to {largest} samples, the most that were tried."));
+    }
     if pair.cases.iter().any(|case| case.time.is_some()) {
         notes.push(format!("Where the squares lie above the circles, {} wins in equal frame time.", pair.sampled));
     }
     if pair.cases.iter().any(|case| case.time.is_some_and(|time| time.is_cpu)) {
         notes.push("Times of a CPU driver: they say nothing about a GPU.".to_owned());
     }
-    notes.extend(cut_off_note(panels.len(), facets.len()));
+    notes.extend(cut_off_note(&facets));
     Some(LineChart {
         title: format!("Break-even of {} with {}", pair.sampled, pair.fixed),
         notes,
@@ -272,6 +294,8 @@ fn break_even(answers: &Answers, pair: &Pair) -> Option<LineChart> {
         y_label: "samples a pixel".to_owned(),
         x: Scale::of(Kind::Log, alphas.iter().copied())?.with_ticks(&alphas, TRIED_LABELS),
         y: Scale::of(Kind::Log, counts.iter().copied())?.with_ticks(&counts, 2 * TRIED_LABELS),
+        bands,
+        is_aside: true,
         panels,
     })
 }
@@ -302,7 +326,7 @@ fn visibility(answers: &Answers) -> Option<LineChart> {
             let has_bars = methods.len() <= SERIES_WITH_BARS_MAX;
             let interval = |one: &Visibility| (has_bars && one.n > 1).then(|| half(one));
             let mut points: Vec<Point> =
-                own.map(|one| Point { x: x_of(one), y: one.median, interval: interval(one) }).collect();
+                own.map(|one| Point { x: x_of(one), y: Y::At(one.median), interval: interval(one) }).collect();
             points.sort_by(|a, b| a.x.total_cmp(&b.x));
             Series {
                 label: method.to_string(),
@@ -325,7 +349,7 @@ fn visibility(answers: &Answers) -> Option<LineChart> {
     }
     let xs = if over_exposure { exposures } else { contrasts };
     let drawn = panels.iter().flat_map(|panel: &Panel| panel.series.iter().flat_map(|series| &series.points));
-    let drawn = drawn.flat_map(|point| [point.y].into_iter().chain(point.interval.into_iter().flatten()));
+    let drawn = drawn.flat_map(|point| point.y.known().into_iter().chain(point.interval.into_iter().flatten()));
     let y = Scale::of(Kind::Linear, drawn.chain([0.0, VISIBLE_FROM]))?;
     let cuts = distinct(answers.visibility.iter().map(|one| one.contrast.to_bits())).len() > panels.len();
     let notes = (over_exposure && cuts)
@@ -342,51 +366,8 @@ fn visibility(answers: &Answers) -> Option<LineChart> {
         y_label: "mean FLIP".to_owned(),
         x: Scale::of(Kind::Log, xs.iter().copied())?.with_ticks(&xs, TRIED_LABELS),
         y,
-        panels,
-    })
-}
-
-/// Error over the dynamic range of the light.
-fn dynamic_range(answers: &Answers) -> Option<LineChart> {
-    let points = &answers.dynamic_range;
-    let names = distinct(points.iter().map(|point| point.series.as_str()));
-    let methods = distinct(points.iter().map(|point| point.method.as_str()));
-    let panel = |name: &&str| Panel {
-        title: name.to_string(),
-        series: methods
-            .iter()
-            .enumerate()
-            .map(|(index, method)| Series {
-                label: method.to_string(),
-                color: name_color(index),
-                marker: Some(Marker::of(index)),
-                // A line joins one light cut off at several peaks, never different lights.
-                stroke: points.iter().any(|point| !point.clip_log2.is_empty()).then_some(Stroke::Solid),
-                points: points
-                    .iter()
-                    .filter(|point| point.series == *name && point.method == **method)
-                    .map(|point| Point {
-                        x: point.range,
-                        y: point.median,
-                        interval: (point.n > 1).then_some([point.lower_quartile, point.upper_quartile]),
-                    })
-                    .collect(),
-            })
-            .collect(),
-        rules: Vec::new(),
-    };
-    let panels: Vec<Panel> = names.iter().take(PANELS_MAX).map(panel).collect();
-    let ends = points.iter().flat_map(|point| [point.lower_quartile, point.median, point.upper_quartile]);
-    Some(LineChart {
-        title: "Error over the dynamic range of the environment".to_owned(),
-        notes: vec![
-            "Median over everything else that is swept; bars: the middle half.".to_owned(),
-            ERROR_NOTE.to_owned(),
-        ],
-        x_label: "dynamic range, stops (log2 of peak over mean luminance)".to_owned(),
-        y_label: ERROR_LABEL.to_owned(),
-        x: Scale::of(Kind::Linear, points.iter().map(|point| point.range))?,
-        y: Scale::of(Kind::Log, ends)?,
+        bands: [None, None],
+        is_aside: true,
         panels,
     })
 }

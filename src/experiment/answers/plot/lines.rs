@@ -7,9 +7,26 @@ use super::scale::Scale;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     pub x: f64,
-    pub y: f64,
-    /// Ends beyond the axis are drawn to its edge.
+    pub y: Y,
+    /// An end beyond the axis is drawn as an arrow.
     pub interval: Option<[f64; 2]>,
+}
+
+/// Where a point lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Y {
+    At(f64),
+    /// Below all that was tried: a mark in the band under the drawing, joined to nothing.
+    Below,
+    /// Above all that was tried.
+    Above,
+}
+
+impl Y {
+    /// The value, where there is one.
+    pub fn known(self) -> Option<f64> {
+        if let Self::At(y) = self { Some(y) } else { None }
+    }
 }
 
 /// What is joined by a line.
@@ -49,6 +66,10 @@ pub struct LineChart {
     pub y_label: String,
     pub x: Scale,
     pub y: Scale,
+    /// What the bands below and above the drawing mean, where points lie in them.
+    pub bands: [Option<String>; 2],
+    /// Whether series with bars stand a little aside of each other: only where x has a few tried values, never where it is measured.
+    pub is_aside: bool,
     pub panels: Vec<Panel>,
 }
 
@@ -78,6 +99,16 @@ const ASIDE_MAX: f64 = 24.0;
 const ASIDE_SHARE: f64 = 0.5;
 /// Room for half a mark beside the outermost series.
 const MARK: f64 = 6.0;
+/// Height of a band beyond the drawing.
+const BAND: i32 = 22;
+/// Ground of a band.
+const PALE: Rgb = [246, 246, 246];
+/// An open end of a bar goes this far beyond its mark.
+const STUB: i32 = 16;
+/// Distance of the rows of tick labels.
+const LABEL_ROW: i32 = 14;
+/// Room between neighbouring labels of the x axis.
+const LABEL_GAP: i32 = 8;
 
 /// Place of the plot area of a panel.
 #[derive(Clone, Copy)]
@@ -88,6 +119,8 @@ struct Frame {
     height: i32,
     /// Room at the left and the right that series which stand aside reach into.
     inset: f64,
+    /// Heights of the bands at the bottom and at the top.
+    bands: [i32; 2],
 }
 
 impl LineChart {
@@ -117,7 +150,11 @@ impl LineChart {
         let legend_rows = legend.iter().map(|(_, (_, row))| row + 1).max().unwrap_or(0);
         let notes = wrapped(&self.notes, full_width - 2 * MARGIN - LEFT);
         let spread = self.panels.iter().map(|panel| self.spread(panel, width)).fold(0.0, f64::max);
-        let grid_height = rows as i32 * (ABOVE + height + BELOW);
+        let bands = self.bands.each_ref().map(|band| if band.is_some() { BAND } else { 0 });
+        let height = height + bands[0] + bands[1];
+        let (stagger, label_rows) = self.label_rows(width);
+        let below = BELOW + (label_rows - 1) * LABEL_ROW;
+        let grid_height = rows as i32 * (ABOVE + height + below);
         let full_height =
             2 * MARGIN + HEAD + grid_height + legend_rows * LEGEND_ROW + notes.len() as i32 * (LABEL + 4) + GAP;
         picture(&self.title, [full_width, full_height], |canvas| {
@@ -126,14 +163,15 @@ impl LineChart {
                 let (column, row) = ((i % columns) as i32, (i / columns) as i32);
                 let frame = Frame {
                     left: MARGIN + LEFT + column * (LEFT + width + GAP),
-                    top: MARGIN + HEAD + ABOVE + row * (ABOVE + height + BELOW),
+                    top: MARGIN + HEAD + ABOVE + row * (ABOVE + height + below),
                     width,
                     height,
+                    bands,
                     inset: if spread > 0.0 { spread / 2.0 + MARK } else { 0.0 },
                 };
                 // The last panel of each column has the label of the x axis.
                 let is_last = i + columns >= self.panels.len();
-                self.axes(canvas, frame, &panel.title, is_last, column == 0)?;
+                self.axes(canvas, frame, &panel.title, is_last.then_some(below), column == 0, stagger)?;
                 self.panel(canvas, frame, panel)?;
             }
             let top = MARGIN + HEAD + grid_height + GAP;
@@ -148,8 +186,26 @@ impl LineChart {
         })
     }
 
-    fn at(&self, frame: Frame, x: f64, y: f64) -> Option<(i32, i32)> {
-        Some((frame.x(self.x.place(x)?), frame.y(self.y.place(y)?)))
+    fn at(&self, frame: Frame, x: f64, y: Y) -> Option<(i32, i32)> {
+        let y = match y {
+            Y::At(y) => frame.y(self.y.place(y)?),
+            Y::Below => frame.top + frame.height - BAND / 2,
+            Y::Above => frame.top + BAND / 2,
+        };
+        Some((frame.x(self.x.place(x)?), y))
+    }
+
+    /// Rows over which neighbouring labels of the x axis are spread, 1 or 2, and the rows of text that takes.
+    fn label_rows(&self, width: i32) -> (i32, i32) {
+        let lines = self.x.ticks.iter().map(|(_, text)| text.lines().count() as i32).max().unwrap_or(1).max(1);
+        let widest = |text: &str| text.lines().map(|line| text_width(line, LABEL)).max().unwrap_or(0);
+        let places: Vec<(f64, i32)> =
+            self.x.ticks.iter().filter_map(|(value, text)| Some((self.x.place(*value)?, widest(text)))).collect();
+        let touch = |pair: &[(f64, i32)]| {
+            (pair[1].0 - pair[0].0) * f64::from(width) < f64::from((pair[0].1 + pair[1].1) / 2 + LABEL_GAP)
+        };
+        let stagger = if places.windows(2).any(touch) { 2 } else { 1 };
+        (stagger, stagger * lines)
     }
 
     fn axes(
@@ -157,18 +213,31 @@ impl LineChart {
         canvas: &Canvas,
         frame: Frame,
         title: &str,
-        has_x_label: bool,
+        below: Option<i32>,
         has_y_label: bool,
+        stagger: i32,
     ) -> Result<(), PlotError> {
         let (right, bottom) = (frame.left + frame.width, frame.top + frame.height);
         if !title.is_empty() {
             canvas.text(title, (frame.left, frame.top - ABOVE / 2), look(SUBTITLE).bold())?;
         }
-        for (value, text) in &self.x.ticks {
+        for (band, (from, to), middle) in [
+            (&self.bands[0], (bottom - frame.bands[0], bottom), bottom - BAND / 2),
+            (&self.bands[1], (frame.top, frame.top + frame.bands[1]), frame.top + BAND / 2),
+        ] {
+            let Some(text) = band else { continue };
+            canvas.rectangle((frame.left, from), (right, to), PALE)?;
+            canvas.text(text, (frame.left - 7, middle), look(LABEL).right())?;
+        }
+        for (i, (value, text)) in self.x.ticks.iter().enumerate() {
             let Some(x) = self.x.place(*value).map(|place| frame.x(place)) else { continue };
             canvas.path(&[(x, frame.top), (x, bottom)], GRID, 1, Stroke::Solid)?;
             canvas.path(&[(x, bottom), (x, bottom + 4)], INK, 1, Stroke::Solid)?;
-            canvas.text(text, (x, bottom + 13), look(LABEL).centred())?;
+            let lines = text.lines().count() as i32;
+            let top = bottom + 13 + i as i32 % stagger * lines * LABEL_ROW;
+            for (row, line) in text.lines().enumerate() {
+                canvas.text(line, (x, top + row as i32 * LABEL_ROW), look(LABEL).centred())?;
+            }
         }
         for (value, text) in &self.y.ticks {
             let Some(y) = self.y.place(*value).map(|place| frame.y(place)) else { continue };
@@ -182,9 +251,15 @@ impl LineChart {
         for y in self.y.minor.iter().filter_map(|value| self.y.place(*value)).map(|place| frame.y(place)) {
             canvas.path(&[(frame.left - 2, y), (frame.left, y)], INK, 1, Stroke::Solid)?;
         }
+        for (edge, band) in [(bottom - frame.bands[0], frame.bands[0]), (frame.top + frame.bands[1], frame.bands[1])] {
+            if band > 0 {
+                canvas.path(&[(frame.left, edge), (right, edge)], MUTED, 1, Stroke::Solid)?;
+            }
+        }
         canvas.frame((frame.left, frame.top), (right, bottom), INK)?;
-        if has_x_label {
-            canvas.text(&self.x_label, (frame.left + frame.width / 2, bottom + 32), look(SUBTITLE).centred())?;
+        if let Some(below) = below {
+            let at = (frame.left + frame.width / 2, bottom + below - 12);
+            canvas.text(&self.x_label, at, look(SUBTITLE).centred())?;
         }
         if has_y_label {
             let at = (frame.left - LEFT + 8, frame.top + frame.height / 2);
@@ -205,25 +280,55 @@ impl LineChart {
         for (index, series) in panel.series.iter().enumerate() {
             let aside = (spread * (index as f64 / last - 0.5)).round() as i32;
             let at = |p: &Point| self.at(frame, p.x, p.y).map(|(x, y)| (x + aside, y));
-            let shown: Vec<(i32, i32)> = series.points.iter().filter_map(at).collect();
             if let Some(stroke) = series.stroke {
-                canvas.path(&shown, series.color, 2, stroke)?;
-            }
-            for point in &series.points {
-                let (Some([lo, hi]), Some(x)) = (point.interval, self.x.place(point.x)) else { continue };
-                let x = frame.x(x) + aside;
-                let end = |value: f64, open: f64| self.y.place(value).map_or(open, |place| place.clamp(0.0, 1.0));
-                let ends = [frame.y(end(lo, 0.0)), frame.y(end(hi, 1.0))];
-                canvas.path(&[(x, ends[0]), (x, ends[1])], series.color, 1, Stroke::Solid)?;
-                for (value, y) in [lo, hi].into_iter().zip(ends) {
-                    // An end that lies beyond the axis has no cap.
-                    if self.y.place(value).is_some_and(|place| (0.0..=1.0).contains(&place)) {
-                        canvas.path(&[(x - 3, y), (x + 3, y)], series.color, 1, Stroke::Solid)?;
-                    }
+                // What lies beyond the drawing parts the line.
+                for run in series.points.split(|point| point.y.known().is_none()) {
+                    canvas.path(&run.iter().filter_map(at).collect::<Vec<_>>(), series.color, 2, stroke)?;
                 }
             }
-            if let Some(marker) = series.marker {
-                shown.iter().try_for_each(|at| canvas.marker(*at, marker, series.color))?;
+            for point in &series.points {
+                if let (Some(ends), Some(at)) = (point.interval, at(point)) {
+                    self.bar(canvas, frame, at, point.y, ends, series.color)?;
+                }
+            }
+            let Some(marker) = series.marker else { continue };
+            for (point, at) in series.points.iter().filter_map(|point| Some((point, at(point)?))) {
+                match point.y {
+                    Y::At(_) => canvas.marker(at, marker, series.color)?,
+                    Y::Above => canvas.arrow(at, 1, series.color)?,
+                    Y::Below => canvas.arrow(at, -1, series.color)?,
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The interval of a point at a place. Known ends have a cap; one beyond the drawing is an arrow of a fixed length, since a line to the
+    /// edge would hide what is drawn and tell no more. The bar of a point in a band reaches into the drawing from there.
+    fn bar(
+        &self,
+        canvas: &Canvas,
+        frame: Frame,
+        (x, y): (i32, i32),
+        at: Y,
+        ends: [f64; 2],
+        color: Rgb,
+    ) -> Result<(), PlotError> {
+        let known = ends.map(|end| self.y.place(end).filter(|place| (0.0..=1.0).contains(place)).map(|p| frame.y(p)));
+        // Downwards and upwards.
+        for (end, sign) in known.into_iter().zip([1, -1]) {
+            match (end, at) {
+                (Some(end), _) => {
+                    canvas.path(&[(x, y), (x, end)], color, 1, Stroke::Solid)?;
+                    canvas.path(&[(x - 3, end), (x + 3, end)], color, 1, Stroke::Solid)?;
+                }
+                (None, Y::At(_)) => {
+                    let tip = (y + sign * STUB).clamp(frame.top + 1, frame.top + frame.height - 1);
+                    canvas.path(&[(x, y), (x, tip)], color, 1, Stroke::Solid)?;
+                    let wing = tip - sign * 4;
+                    canvas.path(&[(x - 3, wing), (x, tip), (x + 3, wing)], color, 1, Stroke::Solid)?;
+                }
+                (None, _) => {}
             }
         }
         Ok(())
@@ -232,7 +337,7 @@ impl LineChart {
     /// Pixels from the first series of a panel to the last one at the same value: 0 where no bars would hide each other.
     fn spread(&self, panel: &Panel, width: i32) -> f64 {
         let points = || panel.series.iter().flat_map(|series| &series.points);
-        if panel.series.len() < 2 || points().all(|point| point.interval.is_none()) {
+        if !self.is_aside || panel.series.len() < 2 || points().all(|point| point.interval.is_none()) {
             return 0.0;
         }
         let mut places: Vec<f64> = points().filter_map(|point| self.x.place(point.x)).collect();
@@ -278,7 +383,8 @@ impl Frame {
     }
 
     fn y(&self, place: f64) -> i32 {
-        self.top + ((1.0 - place) * f64::from(self.height)).round() as i32
+        let [below, above] = self.bands;
+        self.top + above + ((1.0 - place) * f64::from(self.height - below - above)).round() as i32
     }
 }
 

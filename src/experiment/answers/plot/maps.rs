@@ -59,7 +59,7 @@ pub fn break_even(answers: &Answers, pair: &Pair) -> Option<HeatChart> {
         pair.sampled, pair.fixed
     )];
     notes.extend(gap_notes(&panels));
-    notes.extend(cut_off_note(panels.len(), facets.len()));
+    notes.extend(cut_off_note(&facets));
     Some(HeatChart {
         title: format!("Break-even of {} with {} by α and n·v", pair.sampled, pair.fixed),
         notes,

@@ -7,10 +7,12 @@
 mod canvas;
 pub mod figures;
 mod grid;
+mod light;
 mod lines;
 mod maps;
 mod parameters;
 pub mod scale;
+mod slopes;
 
 pub use canvas::PlotError;
 

@@ -2,9 +2,10 @@
 
 use super::canvas::{MUTED, Marker, Stroke, name_color};
 use super::figures::{ERROR_LABEL, ERROR_NOTE, distinct};
-use super::lines::{LineChart, Panel, Point, Rule, Series};
+use super::lines::{LineChart, Panel, Point, Rule, Series, Y};
 use super::scale::{Kind, Scale};
 use crate::experiment::answers::effects::Effect;
+use crate::experiment::answers::sizes::size_of;
 use crate::experiment::answers::study::Study;
 use crate::experiment::answers::{Answers, short};
 use crate::experiment::axis::by_name;
@@ -32,6 +33,12 @@ fn chart(answers: &Answers, axis: &str) -> Option<LineChart> {
     if !is_method {
         texts.insert(0, base.clone());
     }
+    // Pairs of sides are names, but have an order.
+    let sizes: Option<Vec<(f64, String)>> = texts.iter().map(|text| Some((size_of(text)?, text.clone()))).collect();
+    if let Some(mut sizes) = sizes {
+        sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        texts = sizes.into_iter().map(|(_, text)| text).collect();
+    }
     let numbers: Option<Vec<f64>> = texts.iter().map(|text| text.parse().ok()).collect();
     let x = match &numbers {
         Some(numbers) if is_method || (numbers.iter().all(|x| *x > 0.0) && spans_decades(numbers)) => {
@@ -57,12 +64,12 @@ fn chart(answers: &Answers, axis: &str) -> Option<LineChart> {
             let mut points: Vec<Point> = own
                 .map(|effect| Point {
                     x: place(&x_text(effect)),
-                    y: effect.ratio,
+                    y: Y::At(effect.ratio),
                     interval: effect.interval[1].is_finite().then_some(effect.interval),
                 })
                 .collect();
             if !is_method {
-                points.push(Point { x: place(base), y: 1.0, interval: None });
+                points.push(Point { x: place(base), y: Y::At(1.0), interval: None });
             }
             points.sort_by(|a, b| a.x.total_cmp(&b.x));
             Series {
@@ -91,8 +98,8 @@ fn chart(answers: &Answers, axis: &str) -> Option<LineChart> {
     Some(LineChart {
         title: format!("What {axis} changes"),
         notes: vec![
-            "Geometric mean of the relMSE over that of the cell that differs in nothing else; bars: Student's 95 % interval, which goes on \
-             where it leaves the drawing. Below 1 is better; a bar across 1 decides nothing."
+            "Geometric mean of the relMSE over that of the cell that differs in nothing else; bars: Student's 95 % interval, with an arrow \
+             where an end leaves the drawing. Below 1 is better; a bar across 1 decides nothing."
                 .to_owned(),
             format!("{axis}: {}.", by_name(axis).about.trim_end_matches('.')),
         ],
@@ -100,6 +107,8 @@ fn chart(answers: &Answers, axis: &str) -> Option<LineChart> {
         y_label: format!("relMSE over that of {}", short(axis, base)),
         x,
         y: Scale::of(Kind::Log, own.iter().map(|effect| effect.ratio).chain(ends).chain([1.0]))?,
+        bands: [None, None],
+        is_aside: true,
         panels,
     })
 }
@@ -126,7 +135,7 @@ pub fn time_and_error(study: &Study) -> Option<LineChart> {
                 let times: Vec<f64> = at.clone().filter_map(|row| Some(row.frame_ms?.median)).collect();
                 let error = spread(&at.filter_map(|row| row.error).collect::<Vec<_>>())?;
                 let interval = (error.n > 1).then_some([error.lower_quartile, error.upper_quartile]);
-                Some(Point { x: spread(&times)?.median, y: error.median, interval })
+                Some(Point { x: spread(&times)?.median, y: Y::At(error.median), interval })
             };
             Series {
                 label: method.to_string(),
@@ -139,7 +148,8 @@ pub fn time_and_error(study: &Study) -> Option<LineChart> {
         .collect();
     let points = || series.iter().flat_map(|series| &series.points);
     let x = Scale::of(Kind::Log, points().map(|point| point.x))?;
-    let y = Scale::of(Kind::Log, points().flat_map(|p| [p.y].into_iter().chain(p.interval.into_iter().flatten())))?;
+    let y =
+        Scale::of(Kind::Log, points().flat_map(|p| p.y.known().into_iter().chain(p.interval.into_iter().flatten())))?;
     Some(LineChart {
         title: "Frame time against error".to_owned(),
         notes: vec![
@@ -152,6 +162,8 @@ pub fn time_and_error(study: &Study) -> Option<LineChart> {
         y_label: ERROR_LABEL.to_owned(),
         x,
         y,
+        bands: [None, None],
+        is_aside: false,
         panels: vec![Panel { title: String::new(), series, rules: Vec::new() }],
     })
 }

@@ -32,7 +32,7 @@ const LABEL_DISTANCE: f64 = 0.75;
 /// Longer numbers are rounded for a label.
 const TICK_DIGITS: usize = 6;
 /// About as many ticks has a linear axis.
-const LINEAR_TICKS: f64 = 6.0;
+const LINEAR_TICKS: f64 = 8.0;
 /// An axis with fewer ticks does not tell how it runs.
 const TICKS_MIN: usize = 3;
 /// More decades than this are labelled two by two, and so on.

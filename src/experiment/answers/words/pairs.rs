@@ -1,0 +1,108 @@
+//! From how many samples on a sampling method wins.
+
+use super::times::time_fact;
+use super::{Answer, ERROR_DIGITS, plural};
+use crate::experiment::answers::Answers;
+use crate::experiment::answers::break_even::BreakEven;
+use crate::experiment::answers::cases::{Pair, Winner};
+use crate::experiment::answers::study::Study;
+use crate::experiment::statistics::TOO_FEW_ROUNDS;
+use crate::table::markdown::significant;
+use std::collections::BTreeSet;
+
+pub(super) fn from_pair(
+    study: &Study,
+    answers: &Answers,
+    pair: &Pair,
+    [lower, middle, upper]: [BreakEven; 3],
+) -> Answer {
+    let (sampled, fixed) = (&pair.sampled, &pair.fixed);
+    let count = pair.cases.len();
+    let breadth = breadth(answers, pair);
+    let interval = if lower == upper { lower.to_string() } else { format!("{lower} to {upper}") };
+    let sentence = match middle {
+        BreakEven::From(n) => format!(
+            "From {n} {} a pixel on{censored}, {sampled} is closer to the reference than {fixed}: the median of {count} {}{breadth}. \
+             The middle half of them breaks even at {interval} samples.",
+            plural(n as usize, "sample"),
+            plural(count, "case"),
+            // Fewer were not tried, so the answer is an upper bound.
+            censored = if n == pair.tried()[0] { " at the latest, the fewest that were tried" } else { "" },
+        ),
+        BreakEven::Above(n) => format!(
+            "Up to {n} samples a pixel, {sampled} does not beat {fixed} in the median of {count} {}{breadth}. \
+             The middle half of them breaks even at {interval} samples.",
+            plural(count, "case"),
+        ),
+    };
+    let mut facts = Vec::new();
+    if let Some([best, worst]) = pair.extremes().filter(|[best, worst]| best != worst) {
+        facts.push(format!("The easiest case breaks even at {best} samples, the hardest at {worst}."));
+    }
+    let mut crossings: Vec<f64> = pair.cases.iter().filter_map(|case| case.whole.crossing).collect();
+    crossings.sort_by(f64::total_cmp);
+    if crossings.len() * 2 > count && crossings.len() > 2 {
+        let at = |p: f64| significant(crossings[(p * (crossings.len() - 1) as f64).round() as usize], ERROR_DIGITS);
+        facts.push(format!(
+            "Between the tried counts, the curves cross at {} samples in the median ({} to {} for the middle half of the {} \
+             cases that cross; log-log interpolation).",
+            at(0.5),
+            at(0.25),
+            at(0.75),
+            crossings.len()
+        ));
+    }
+    if let BreakEven::From(n) = middle {
+        facts.extend(time_fact(study, answers, sampled, n, fixed));
+    }
+    facts.extend(equal_time_fact(pair));
+    Answer {
+        number: middle.to_string(),
+        unit: format!("samples a pixel for {sampled} to beat {fixed}"),
+        sentence,
+        facts,
+    }
+}
+
+/// Who errs less in equal time, over the cases.
+fn equal_time_fact(pair: &Pair) -> Option<String> {
+    let timed: Vec<Winner> =
+        pair.cases.iter().map(|case| case.whole.at_equal_time).filter(|winner| *winner != Winner::NotTimed).collect();
+    let count = |wanted: Winner| timed.iter().filter(|winner| **winner == wanted).count();
+    (!timed.is_empty()).then(|| {
+        let few = count(Winner::TooFewRounds);
+        if few == timed.len() {
+            return format!("Who errs less in equal frame time is not decided: {TOO_FEW_ROUNDS}.");
+        }
+        format!(
+            "In equal frame time {} errs less in {} of {} cases and {} in {}; {} are undecided{}.",
+            pair.sampled,
+            count(Winner::Sampled),
+            timed.len(),
+            pair.fixed,
+            count(Winner::Fixed),
+            count(Winner::Undecided),
+            if few > 0 { format!(", {few} have {TOO_FEW_ROUNDS}") } else { String::new() }
+        )
+    })
+}
+
+/// ` (2 environments, 3 BRDF models, 5 alphas)` or nothing: the values among the cases, which need not have every combination.
+fn breadth(answers: &Answers, pair: &Pair) -> String {
+    let counts = answers.case_axes.iter().enumerate().filter_map(|(axis, name)| {
+        let values: BTreeSet<&str> = pair.cases.iter().map(|case| case.key[axis].as_str()).collect();
+        let count = values.iter().filter(|value| !value.is_empty()).count();
+        (count > 1).then(|| format!("{count} {}", several(name)))
+    });
+    let counts: Vec<String> = counts.collect();
+    if counts.is_empty() { String::new() } else { format!(" ({})", counts.join(", ")) }
+}
+
+/// Several values of an axis, as people say it.
+fn several(axis: &str) -> String {
+    match axis {
+        "brdf" => "BRDF models".to_owned(),
+        "environment" | "alpha" | "scene" | "albedo" => format!("{axis}s"),
+        other => format!("values of {other}"),
+    }
+}

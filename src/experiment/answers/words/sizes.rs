@@ -1,0 +1,77 @@
+//! How large tables must be.
+
+use super::{Answer, change, in_brackets, listed, plural, sentence_case};
+use crate::experiment::answers::Answers;
+use crate::experiment::answers::effects::Effect;
+use crate::experiment::answers::sizes::{Enough, GAIN};
+use crate::table::markdown::significant;
+
+/// `(95 % +1.0 % to +3.2 %)` of a ratio.
+fn changes(effect: &Effect) -> String {
+    match effect.interval[1].is_finite() {
+        true => format!("{}, 95 % {}", change(effect.ratio), effect.interval.map(change).join(" to ")),
+        false => format!("{}, without an interval", change(effect.ratio)),
+    }
+}
+
+fn costs(one: &Enough) -> Option<String> {
+    let below = one.below.as_ref()?;
+    let times = significant(below.ratio, super::TIME_DIGITS);
+    Some(format!("{} {} multiplies the error by {times}{}", one.axis, below.value, in_brackets(below.interval)))
+}
+
+pub(super) fn from_sizes(answers: &Answers) -> Option<Answer> {
+    let method = &answers.enough.first()?.method;
+    let own: Vec<&Enough> = answers.enough.iter().filter(|one| one.method == *method).collect();
+    let names = |of: &dyn Fn(&Enough) -> bool| -> Vec<String> {
+        own.iter().filter(|one| of(one)).map(|one| format!("{} {}", one.axis, one.together)).collect()
+    };
+    let (settled, largest) = (names(&|one| one.beyond.is_some()), names(&|one| one.beyond.is_none()));
+    let gain = own.iter().filter_map(|one| one.beyond.as_ref()).min_by(|a, b| a.ratio.total_cmp(&b.ratio));
+    let settled = gain.map(|effect| {
+        format!(
+            "from {} on nothing is gained, at most {} % of the error of {method} (the larger one that does most, {} {}, changes it by {})",
+            listed(&settled),
+            100.0 * GAIN,
+            effect.axis,
+            effect.value,
+            changes(effect)
+        )
+    });
+    let largest = match largest.as_slice() {
+        [] => None,
+        some => Some(format!("of {} no larger one was tried", listed(some))),
+    };
+    let fewer: Vec<String> = own.iter().filter_map(|one| costs(one)).collect();
+    let fewer = match fewer.as_slice() {
+        [] => None,
+        some => Some(format!("less costs: {}", listed(some))),
+    };
+    let fact = |one: &Enough| {
+        let below = costs(one).unwrap_or_else(|| "no smaller one was tried beside such others".to_owned());
+        let beyond = one.beyond.as_ref().map_or_else(
+            || "no larger one was tried".to_owned(),
+            |effect| {
+                let doubt = if effect.interval[0] < 1.0 - GAIN { ", which leaves a gain open" } else { "" };
+                let pairs = plural(effect.n, "pair");
+                format!("{} changes the error by {} ({} {pairs}){doubt}", effect.value, changes(effect), effect.n)
+            },
+        );
+        let beside = match one.together == one.value {
+            true => String::new(),
+            false => format!(", {} beside what the others need", one.together),
+        };
+        format!("{} {} for {}{beside}: {beyond}; {below}.", one.axis, one.value, one.method)
+    };
+    let parts: Vec<String> = [settled, largest, fewer].into_iter().flatten().collect();
+    let lead = own.iter().find(|one| one.beyond.is_some()).unwrap_or(&own[0]);
+    Some(Answer {
+        number: lead.together.clone(),
+        unit: match lead.beyond {
+            Some(_) => format!("{} from which on a larger one gains nothing", lead.axis),
+            None => format!("{}, the largest tried", lead.axis),
+        },
+        sentence: sentence_case(&parts.join("; ")) + ".",
+        facts: answers.enough.iter().map(fact).collect(),
+    })
+}

@@ -1,0 +1,33 @@
+//! Keeps a full disk from killing the process inside the driver.
+//!
+//! Mesa maps the index of its shader cache as a file with holes. On a full disk the first write to a hole ends the process with SIGBUS,
+//! where a failed write would have been a message. So its cache is left off where its folder has no room for that index.
+
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// Mesa's switch, and where it keeps the cache; without the second one in `$XDG_CACHE_HOME`, else in `~/.cache`.
+const DISABLE: &str = "MESA_SHADER_CACHE_DISABLE";
+const FOLDER: &str = "MESA_SHADER_CACHE_DIR";
+/// The index holds 2^16 keys of 20 bytes; as much again for the first shaders.
+const ROOM_BYTES: usize = 1 << 22;
+
+/// Leaves Mesa's shader cache off where the disk cannot hold it. To be called before the Vulkan loader is opened.
+pub(super) fn disable_without_room() {
+    if std::env::var_os(DISABLE).is_none() && folder().is_some_and(|folder| !has_room(&folder)) {
+        // SAFETY: nothing else in the program changes the environment, and those who read it through the C library are the loader and the
+        // drivers, which are not open yet; other threads of the program read it, if at all, under the standard library's lock.
+        unsafe { std::env::set_var(DISABLE, "true") };
+    }
+}
+
+fn folder() -> Option<PathBuf> {
+    let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    set(FOLDER).or_else(|| set("XDG_CACHE_HOME")).or_else(|| set("HOME").map(|home| home.join(".cache")))
+}
+
+/// Whether so many bytes can be written to a folder. Any other obstacle than the room is one that Mesa handles.
+fn has_room(folder: &Path) -> bool {
+    let written = tempfile::tempfile_in(folder).and_then(|mut file| file.write_all(&vec![0; ROOM_BYTES]));
+    !written.is_err_and(|error| matches!(error.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded))
+}

@@ -1,0 +1,84 @@
+//! Contrast of the page's colours in both themes, as WCAG 2 defines it: 4.5 to 1 for text, 3 to 1 for marks.
+
+use super::report;
+use crate::chromium::Page;
+use splitsum::report::images::Choice;
+
+const TEXT: f64 = 4.5;
+const MARK: f64 = 3.0;
+
+/// Red, green and blue of an expression's colour, as the browser computes it.
+fn rgb(page: &mut Page, color: &str) -> [f64; 3] {
+    let script = format!(
+        "(() => {{ const e = document.createElement('i'); e.style.color = '{color}'; document.body.append(e); \
+         const c = getComputedStyle(e).color.match(/[\\d.]+/g).map(Number); e.remove(); return c; }})()"
+    );
+    let all = page.eval(&script);
+    std::array::from_fn(|c| all[c].as_f64().unwrap_or_else(|| panic!("{color}: {all}")))
+}
+
+fn luminance(color: [f64; 3]) -> f64 {
+    let linear = color.map(|code| match code / 255.0 {
+        c if c <= 0.04045 => c / 12.92,
+        c => ((c + 0.055) / 1.055).powf(2.4),
+    });
+    0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+}
+
+fn contrast(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let (a, b) = (luminance(a), luminance(b));
+    (a.max(b) + 0.05) / (a.min(b) + 0.05)
+}
+
+#[test]
+fn the_measure_is_that_of_wcag() {
+    // Black on white, and the grey that is known as the lightest one of 4.5 to 1 on white.
+    assert!((contrast([0.0; 3], [255.0; 3]) - 21.0).abs() < 1e-12);
+    assert!((contrast([118.0; 3], [255.0; 3]) - 4.54).abs() < 0.005);
+}
+
+#[test]
+fn text_and_marks_stand_out_in_both_themes() {
+    let Some((mut page, report, _dir)) = report(Choice::None) else { return };
+    for scheme in ["light", "dark"] {
+        page.resize(1200, 800, scheme);
+        page.go(&report, "");
+        let mut check = |front: &str, back: &str, least: f64| {
+            let [a, b] = [front, back].map(|name| rgb(&mut page, &format!("var(--{name})")));
+            assert!(contrast(a, b) >= least, "{scheme}: {front} on {back} has {:.2}, not {least}", contrast(a, b));
+        };
+        for name in ["ink", "muted", "accent", "warn"] {
+            check(name, "paper", TEXT);
+        }
+        for (front, back) in
+            [("warn", "warn-paper"), ("muted", "faint"), ("paper", "accent"), ("paper", "good"), ("paper", "ink")]
+        {
+            check(front, back, TEXT);
+        }
+        for series in [0, 1] {
+            check("on-series", &format!("series-{series}"), TEXT);
+        }
+        for i in 0..7 {
+            check(&format!("series-{i}"), "paper", MARK);
+            check(&format!("ramp-{i}"), "paper", MARK);
+        }
+        // Cells of maps are bounded by their outline.
+        for name in ["cell-line", "undecided"] {
+            check(name, "paper", MARK);
+        }
+        if scheme == "dark" {
+            (0..7).for_each(|i| check(&format!("heat-{i}"), "paper", MARK));
+        }
+        // Letters in cells, wherever between its stops a colour of the ramp lies.
+        page.go(&report, "#plots");
+        page.wait("document.querySelectorAll('.cell text').length > 4");
+        for place in 0..=60 {
+            let pair = page.eval(&format!("import('report/color').then(({{ heat }}) => heat({place} / 60))"));
+            let [fill, ink] = ["color", "ink"].map(|name| rgb(&mut page, pair[name].as_str().unwrap()));
+            assert!(contrast(fill, ink) >= TEXT, "{scheme}: {pair} has {:.2}", contrast(fill, ink));
+        }
+        let outlined = page
+            .eval("[...document.querySelectorAll('.cell rect')].every((r) => getComputedStyle(r).stroke !== 'none')");
+        assert_eq!(outlined, true);
+    }
+}
