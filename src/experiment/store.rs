@@ -2,7 +2,7 @@
 
 use super::plan::{Plan, SCHEMA_VERSION};
 use super::seal::{self, Seal};
-use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, holds, read_regular};
+use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, holds, open_regular, read_regular};
 use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
 use crate::table::csv;
 use serde::Serialize;
@@ -166,7 +166,7 @@ impl Store {
 
     /// Whether a run is at work in the folder. Not known, and taken for no, on a file system without locks.
     pub fn is_under_way(&self) -> bool {
-        let file = File::open(self.dir.join(LOCK_FILE));
+        let file = open_regular(&self.dir.join(LOCK_FILE));
         // Shared, so that two readers do not take each other for a run; given back with the file.
         file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
     }
