@@ -5,6 +5,9 @@ use crate::color::luminance;
 use crate::pixels::{Decoded, PixelsError, RgbImage, exr, radiance, read_bounded};
 use std::path::{Path, PathBuf};
 
+/// Decodes the bytes of the file at a path: its main image, or the layer of a name.
+type Reader = fn(&Path, &[u8], Option<&str>) -> Result<Decoded, PixelsError>;
+
 /// An image format that an environment can be read from.
 #[derive(Debug)]
 pub struct Format {
@@ -13,8 +16,7 @@ pub struct Format {
     pub extension: &'static str,
     /// One sentence for `splitsum list`.
     pub about: &'static str,
-    /// Decodes the bytes of the file that the path names: its main image, or the layer of that name.
-    read: fn(&Path, &[u8], Option<&str>) -> Result<Decoded, PixelsError>,
+    read: Reader,
 }
 
 /// Every format; the extension of the file chooses.
