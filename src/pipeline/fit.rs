@@ -53,7 +53,8 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
         let words = u64::from(map.height + 2) * (u64::from(map.width) + u64::from(map.width).next_power_of_two() + 2);
         let bytes = 3 * pixels * VEC4 + 4 * words;
         let buffer_bytes = (4 * words).max(pixels * VEC4);
-        needs.push(Need { what: "reference".to_owned(), size, bytes, buffer_bytes, has_images: false });
+        let what = format!("reference under {}", request.environment.name);
+        needs.push(Need { what, size, bytes, buffer_bytes, has_images: false });
     }
     let settings = &request.precompute;
     if request.method.uses_prefiltered {
