@@ -175,7 +175,7 @@ fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path, l
     }
     let prices = prices(arguments, plan, load_s)?;
     let file = PlanFile::new(plan, path.parent().unwrap_or(Path::new("")), seconds, prices);
-    file.write(path).map_err(Failure::input)?;
+    file.write(path)?;
     let timed: usize = file.chunks.iter().map(|chunk| chunk.timings.len()).sum();
     let longest = file.chunks.iter().map(|chunk| chunk.seconds).fold(0.0, f64::max);
     let whole: f64 = file.chunks.iter().map(|chunk| chunk.seconds).sum();

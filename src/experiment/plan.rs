@@ -7,7 +7,7 @@ use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
 use crate::environment::LoadOptions;
-use crate::files::read_stream;
+use crate::files::read_given;
 use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
 use crate::spelling::short_number;
 use std::collections::{BTreeMap, HashSet};
@@ -20,7 +20,7 @@ const COMBINATIONS_MAX: u64 = 200_000;
 /// Above this many comparisons of combinations with values of exclusions, too: a few seconds.
 const COMPARISONS_MAX: u64 = 200_000_000;
 /// Largest experiment file, bytes.
-const MAX_FILE_BYTES: u64 = 1 << 22;
+const FILE_BYTES_MAX: u64 = 1 << 22;
 /// Hex digits of an id: 64 bits, so that a million cells collide with probability 3e-8.
 const ID_LENGTH: usize = 16;
 /// Turns the seed of the judging reference into that of a reference under test.
@@ -73,7 +73,7 @@ impl Plan {
 
     /// As [`Plan::load`], with a say in what environments may hold.
     pub fn load_with(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<Self, ConfigError> {
-        let text = read_stream(path, MAX_FILE_BYTES).and_then(text_of).map_err(|error| {
+        let text = read_given(path, FILE_BYTES_MAX).and_then(text_of).map_err(|error| {
             let mut faults = Faults::new(path, "");
             faults.add(&Place::Default, format!("cannot be read: {error}; expected an experiment file (TOML)"));
             faults.into_result().expect_err("one fault was added")

@@ -3,6 +3,7 @@
 use super::plan::Plan;
 use super::provenance::{self, ProvenanceError};
 use super::seal::{self, Seal};
+use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, holds, open_regular, read_regular};
 use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
 use crate::table::csv;
 use serde::de::DeserializeOwned;
@@ -169,7 +170,7 @@ impl Store {
 
     /// Whether a run is at work in the folder. Not known, and taken for no, on a file system without locks.
     pub fn is_under_way(&self) -> bool {
-        let file = File::open(self.dir.join(LOCK_FILE));
+        let file = open_regular(&self.dir.join(LOCK_FILE));
         // Shared, so that two readers do not take each other for a run; given back with the file.
         file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
     }
@@ -291,7 +292,7 @@ impl Store {
 
     /// A file of the run, in one step. A file that has this content already is left untouched.
     pub fn write_text(&self, path: &Path, text: &str) -> Result<(), StoreError> {
-        if std::fs::read(path).is_ok_and(|old| old == text.as_bytes()) {
+        if holds(path, text.as_bytes()) {
             return Ok(());
         }
         Ok(write_atomically(path, |writer| writer.write_all(text.as_bytes()))?)
@@ -321,7 +322,7 @@ impl Store {
 
     /// The parsed file, or `None` when it does not exist.
     pub fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
-        read_bytes(path)?.map(|bytes| parsed(path, &bytes)).transpose()
+        read_bytes(path, PLAN_BYTES_MAX)?.map(|bytes| parsed(path, &bytes)).transpose()
     }
 
     /// As [`Store::read_record`], of one that holds its name. Records of older programs do not.
@@ -333,7 +334,7 @@ impl Store {
 
     /// As [`Store::read`], of a record: its checksum must hold. Records of older programs have none.
     fn read_record<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
-        let Some(bytes) = read_bytes(path)? else { return Ok(None) };
+        let Some(bytes) = read_bytes(path, RECORD_BYTES_MAX)? else { return Ok(None) };
         let record = parsed(path, &bytes)?;
         match seal::check(&String::from_utf8_lossy(&bytes)) {
             Seal::Broken => Err(StoreError::Damaged { path: path.to_owned() }),
@@ -380,8 +381,8 @@ fn usable<T>(read: Result<Option<T>, StoreError>) -> Result<Option<T>, StoreErro
 }
 
 /// A whole file, or `None` when it does not exist.
-fn read_bytes(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-    match std::fs::read(path) {
+fn read_bytes(path: &Path, most_bytes: u64) -> Result<Option<Vec<u8>>, StoreError> {
+    match read_regular(path, most_bytes) {
         Ok(bytes) => Ok(Some(bytes)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(StoreError::Io { path: path.to_owned(), error }),

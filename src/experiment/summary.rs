@@ -34,7 +34,7 @@ pub fn markdown(run: &RunFolder, study: &Study, answers: &Answers, record: &Answ
     text += &pictures(record);
     text += &contact_sheets(run);
     text += &markdown::sections(study, answers);
-    text += &times_section(&run.timings);
+    text += &times_section(run);
     if let Some(table) = run.slips.as_ref().and_then(|table| slips::markdown(table).ok()) {
         text += &format!("## What each slip costs\n\n{}\n{table}\n", slips::HEADING);
     }
@@ -127,7 +127,24 @@ fn contact_sheets(run: &RunFolder) -> String {
     if links.is_empty() { String::new() } else { format!("Contact sheets: {}\n\n", links.join(" · ")) }
 }
 
-fn times_section(timings: &[TimingRecord]) -> String {
+/// Runnable tasks for each processor above which others were at work too: the run itself keeps each processor busy.
+const LOAD_MAX: f64 = 2.0;
+
+/// A warning where all timings were taken on a busy host.
+fn busy_host(run: &RunFolder) -> Option<String> {
+    let load = |record: &TimingRecord| record.host[0].load_average.as_ref().and_then(|load| load.first().copied());
+    let least = run.timings.iter().filter_map(load).min_by(f64::total_cmp)?;
+    let processors = run.provenance["sessions"].as_array()?.last()?["host"]["cpu_count"].as_f64()?;
+    (processors > 0.0 && least > LOAD_MAX * processors).then(|| {
+        format!(
+            "**The host was busy: a load of {} or more on {processors} processors. Time again on a quiet one.**\n",
+            significant(least, 2)
+        )
+    })
+}
+
+fn times_section(run: &RunFolder) -> String {
+    let timings = &run.timings;
     if timings.is_empty() {
         return String::new();
     }
@@ -197,6 +214,7 @@ fn times_section(timings: &[TimingRecord]) -> String {
     if timings.iter().any(|record| record.device_type == "cpu") {
         text += "**Measured on a CPU driver: these times say nothing about a GPU.**\n";
     }
+    text += &busy_host(run).unwrap_or_default();
     let _ = write!(
         text,
         "\n{frames}\nTables that a method needs, made once per environment or model:\n\n{tables}\n{pairs}"

@@ -216,6 +216,13 @@ const _: () = assert!(ALPHA_MIN as f32 == constants::ALPHA_MIN);
 pub const IMAGE_SIZE: Kind = Kind::Pair { min: 1, max: 16384 };
 
 impl Kind {
+    /// The name that stands for a number of this kind, as it is written in tables.
+    pub fn name_of(self, number: &str) -> Option<&'static str> {
+        let Self::NumberOrName { named, .. } = self else { return None };
+        let number: f64 = number.parse().ok()?;
+        named().into_iter().find(|(_, value)| *value == number).map(|(name, _)| name)
+    }
+
     /// The value of `raw`, or a sentence that names it and what was expected.
     pub fn parse(&self, raw: &Raw) -> Result<Value, String> {
         let expected = |what: &str| Err(format!("{raw} is not {what}"));
@@ -227,7 +234,8 @@ impl Kind {
             },
             Self::Alpha => match Self::Number(Range::above(0.0, 1.0)).parse(raw)? {
                 Value::Number(alpha) if alpha < ALPHA_MIN => Err(format!(
-                    "{raw} is below {ALPHA_MIN}, the narrowest lobe that the device shades; `splitsum integrate` takes any in (0, 1]"
+                    "{raw} is below {ALPHA_MIN}, the narrowest lobe that the device shades; `splitsum integrate` takes {} and more",
+                    crate::oracle::ALPHA_MIN
                 )),
                 alpha => Ok(alpha),
             },

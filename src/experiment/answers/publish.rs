@@ -4,6 +4,7 @@ use super::folder::{ANSWER_FILE, AnswerRecord, AnswersError, FOLDER, SUMMARY_FIL
 use super::run_folder;
 use crate::experiment::sheets::sheet_files;
 use crate::experiment::summary::{sheet_link, sheet_title};
+use crate::files::{TEXT_BYTES_MAX, read_text};
 use crate::pixels::{PixelsError, png, write_atomically};
 use crate::slips;
 use crate::table::markdown::{self, Align, MarkdownTable, inline, link_label, paragraph};
@@ -23,7 +24,7 @@ const FILES: [&str; 9] = [
     SUMMARY_FILE,
 ];
 /// Larger files stay where they are: the folder is kept in git.
-const FILE_BYTES_MAX: u64 = 1 << 20;
+const FILE_BYTES_MAX: u64 = 2 << 20;
 /// The contact sheet that is published, the first that fits: its width, pixels, and its height when it has that width.
 const SHEET_WIDTH_MAX: u32 = 1200;
 const SHEET_HEIGHT_MAX: u32 = 2400;
@@ -117,6 +118,7 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     names.extend(record.files.iter().map(|name| Path::new(FOLDER).join(name)));
     names.push(Path::new(FOLDER).join(ANSWER_FILE));
     let mut notes = Vec::new();
+    let mut left_out: Vec<String> = Vec::new();
     // What an earlier publication left and this one does not have must not stand beside it.
     for folder in [target.clone(), target.join(FOLDER)] {
         for entry in std::fs::read_dir(&folder).map_err(io(&folder))?.flatten() {
@@ -131,7 +133,9 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
         match std::fs::metadata(&from) {
             Err(_) => {}
             Ok(file) if file.len() > FILE_BYTES_MAX => {
-                notes.push(format!("{}: left out, {:.1} MB", from.display(), file.len() as f64 / 1e6));
+                let size = format!("{:.1} MB", file.len() as f64 / 1e6);
+                notes.push(format!("{}: left out, {size}", from.display()));
+                left_out.push(format!("{} ({size})", name.display()));
             }
             Ok(_) => {
                 std::fs::copy(&from, target.join(&name)).map_err(io(&from))?;
@@ -154,8 +158,11 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
         break;
     }
     let summary = target.join(SUMMARY_FILE);
-    let text = std::fs::read_to_string(&summary).map_err(io(&summary))?;
-    let text = with_published_sheets(&text, &sheets, published.as_deref());
+    let text = read_text(&summary, TEXT_BYTES_MAX).map_err(io(&summary))?;
+    let mut text = with_published_sheets(&text, &sheets, published.as_deref());
+    if !left_out.is_empty() {
+        text += &format!("\nToo large to be published, made again by the run: {}.\n", left_out.join(", "));
+    }
     write_atomically(&summary, |writer| writer.write_all(text.as_bytes()))?;
     Ok(notes)
 }
@@ -179,7 +186,7 @@ pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
         if entry.path().join(FOLDER).join(ANSWER_FILE).exists() {
             let folder = entry.file_name().to_string_lossy().into_owned();
             // A remark is a person's choice; most runs have none.
-            let remark = std::fs::read_to_string(entry.path().join(REMARK_FILE)).unwrap_or_default();
+            let remark = read_text(&entry.path().join(REMARK_FILE), TEXT_BYTES_MAX).unwrap_or_default();
             let files = std::fs::read_dir(entry.path()).map_err(io(into))?.flatten();
             let names = files.filter_map(|file| file.file_name().into_string().ok());
             let sheet = names.filter(|name| name.ends_with(".png")).min();

@@ -15,11 +15,10 @@ use crate::experiment::provenance;
 use crate::experiment::run::{Outcome, RunOptions, tabulate};
 use crate::experiment::store::{CellRecord, Exact, FailureRecord, ReferenceStop, Store, StoreError};
 use crate::experiment::timing::{self, TimingRecord};
-use crate::files::content_hash;
+use crate::files::{content_hash, open_regular};
 use crate::pixels::write_atomically;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -386,7 +385,7 @@ fn place(from: &Path, to: &Path, hash: Option<&str>) -> Result<(), StoreError> {
     if std::fs::hard_link(from, to).is_ok() {
         return Ok(());
     }
-    write_atomically(to, |writer| std::io::copy(&mut File::open(from)?, writer).map(drop))?;
+    write_atomically(to, |writer| std::io::copy(&mut open_regular(from)?, writer).map(drop))?;
     match (hash, content_hash(to).map_err(|error| io(to, error))?) {
         (Some(hash), found) if found != hash => {
             Err(io(to, std::io::Error::other("the copy differs from what was copied")))
