@@ -50,13 +50,14 @@ function ticks({ log, domain: [lo, hi], ticks }, count) {
   if (ticks) return ticks.map((t) => [t, true]);
   // Within a factor of three the digits of a decade are too few.
   if (log && hi / lo > 3) {
+    // As many labels as a reader needs to read a value off: fewer digits of a decade get one, the more decades there are.
+    const decades = Math.log10(hi / lo), digits = [1, 2, 3, 4, 5, 6, 7, 8, 9];
+    const named = decades > 4 ? [1] : decades > 2 ? [1, 3] : decades > 1 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9];
     const all = [];
     for (let e = Math.floor(Math.log10(lo)); e <= Math.ceil(Math.log10(hi)); e++) {
-      for (let m = 1; m < 10; m++) { const t = m * 10 ** e; if (t >= lo * 0.999 && t <= hi * 1.001) all.push([t, m === 1]); }
+      for (const m of new Set([...digits, ...named])) { const t = Number((m * 10 ** e).toPrecision(3)); if (t >= lo * 0.999 && t <= hi * 1.001) all.push([t, named.includes(m)]); }
     }
-    // As many labels as a reader needs to read a value off: fewer digits of a decade get one, the more decades there are.
-    const decades = Math.log10(hi / lo), named = decades > 4 ? [1] : decades > 2 ? [1, 3] : decades > 0.7 ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
-    return all.map(([t]) => [t, named.includes(Math.round(t / 10 ** Math.floor(Math.log10(t) + 1e-9)))]);
+    return all.sort(([s], [t]) => s - t);
   }
   const raw = (hi - lo) / count, power = 10 ** Math.floor(Math.log10(raw)), step = power * [1, 2, 5, 10].find((m) => m * power >= raw);
   const all = [];
@@ -203,7 +204,7 @@ export function xy({ x: ownX, y: ownY, marks }) {
     for (const [t, major] of up) svg.append(s("line", { x1: box.left, x2: box.right, y1: sy(t), y2: sy(t), class: major ? "grid major" : "grid" }));
     for (const [i, t] of rises.entries()) if (named.has(i)) svg.append(s("text", { x: box.left - 7, y: sy(t) + 4, class: "tick", "text-anchor": "end" }, (y.format ?? tickText)(t, y.log)));
     svg.append(s("text", { x: (box.left + box.right) / 2, y: height - 6, class: "axis", "text-anchor": "middle" }, x.label));
-    svg.append(s("text", { transform: `translate(12 ${(box.top + box.bottom) / 2}) rotate(-90)`, class: "axis", "text-anchor": "middle" }, y.label));
+    svg.append(s("text", { transform: `translate(12 ${(box.top + box.bottom) / 2}) rotate(-90)`, class: "axis", "text-anchor": "middle", style: `font-size:${Math.min(12, (1.7 * (height - 12)) / Math.max(1, y.label.length))}px` }, y.label));
     const layer = s("g", { "clip-path": `url(#${clip})` });
     svg.append(layer);
     const fits = (px, py) => Number.isFinite(px) && Number.isFinite(py);
@@ -219,7 +220,7 @@ export function xy({ x: ownX, y: ownY, marks }) {
         const place = sy(mark.rule);
         if (!Number.isFinite(place)) continue;
         layer.append(s("line", { x1: box.left, x2: box.right, y1: place, y2: place, stroke: mark.color, "stroke-width": mark.width ?? 1.5, "stroke-dasharray": mark.dash, opacity: mark.opacity }));
-        if (mark.label) layer.append(s("text", { x: box.right - 4, y: place + (mark.below ? 14 : -5), class: "mark", "text-anchor": "end", style: `fill:${mark.color}` }, mark.label));
+        if (mark.label) layer.append(s("text", { x: mark.isLeft ? box.left + 4 : box.right - 4, y: place + (mark.below ? 14 : -5), class: "mark", "text-anchor": mark.isLeft ? "start" : "end", style: `fill:${mark.color}` }, mark.label));
       } else if (mark.dots) {
         for (const dot of mark.dots) {
           const [px, py] = [sx(dot.x) + (dot.dx ?? 0), sy(dot.y)];

@@ -6,7 +6,7 @@ import { s } from "report/dom";
 const PAINT = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "stroke-linejoin", "stroke-opacity", "opacity", "paint-order", "visibility"];
 const LETTERS = ["font-family", "font-size", "font-weight", "font-style", "font-variant-numeric", "text-anchor", "dominant-baseline"];
 /** Of the page alone: the keyboard's frame, places for the pointer, and what points to other elements. */
-const PAGE_PARTS = ".ring, rect.open, desc";
+const PAGE_PARTS = ".ring, rect.open:not(.dot), desc";
 const PAGE_ATTRIBUTES = ["style", "class", "tabindex", "role", "aria-labelledby", "aria-hidden", "data-hint", "data-at"];
 
 /** A copy of drawn elements that looks the same without the page: every style is an attribute with its computed value. */

@@ -35,7 +35,7 @@ function layout(own) {
 }
 
 /** A value with as many digits as it takes to say on which side of the threshold it lies. */
-function flipText(flip, from) {
+export function flipText(flip, from) {
   let digits = Math.abs(flip - from) < 0.005 ? 3 : 2;
   while (digits < 8 && Number(flip.toFixed(digits)) >= from !== flip >= from) digits++;
   return flip.toFixed(digits);
