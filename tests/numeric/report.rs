@@ -177,7 +177,8 @@ fn a_report_is_the_same_each_time_and_has_its_figures_beside_it() {
         }
         // No two cases lie on each other: what tells them apart is drawn, by itself or within a made field that is.
         let is_drawn = |axis: &str| {
-            fields.contains(axis) || fields.iter().any(|field| made.get(field).is_some_and(|of| of.contains(&format!("datum['{axis}']"))))
+            fields.contains(axis)
+                || fields.iter().any(|field| made.get(field).is_some_and(|of| of.contains(&format!("datum['{axis}']"))))
         };
         let answers = Answers::new(&study, &runs);
         for axis in answers.case_axes.iter().filter(|axis| table.columns.contains(axis)) {
