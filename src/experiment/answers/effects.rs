@@ -35,20 +35,20 @@ pub struct Effect {
     pub better: usize,
     /// Cases left out because both errors are within the reference's noise.
     pub in_noise: usize,
-    /// Each pair, where there are no more than [`PAIRS_SHOWN_MAX`]: its mean says little then.
+    /// Each case, where there are no more than [`PAIRS_SHOWN_MAX`]: its mean says little then.
     pub pairs: Vec<Pair>,
 }
 
-/// A case that has both values.
+/// A case that has both values: its pairs of cells together.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pair {
-    /// What tells it from the other pairs, in the words of its axes; empty for a single one.
+    /// What tells it from the other cases, in the words of its axes; empty for a single one.
     pub label: String,
-    /// Error over that with the base; the geometric mean over point sets.
+    /// Error over that with the base; the geometric mean over its pairs.
     pub ratio: f64,
 }
 
-/// More pairs than this are told by their mean and its interval.
+/// More cases than this are told by their mean and its interval.
 pub const PAIRS_SHOWN_MAX: usize = 12;
 
 impl Effect {
@@ -100,12 +100,7 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
     let mut order: Vec<[String; 3]> = Vec::new();
     let mut logs: BTreeMap<[String; 3], BTreeMap<Vec<&str>, Vec<f64>>> = BTreeMap::new();
     let mut in_noise: BTreeMap<[String; 3], BTreeSet<Vec<&str>>> = BTreeMap::new();
-<<<<<<< HEAD
-    let point_set = study.axis("point_set");
-    let of_case: Vec<usize> =
-        (0..study.axes.len()).filter(|index| Some(*index) != point_set && !display.contains(index)).collect();
-=======
->>>>>>> main
+    let of_case: Vec<usize> = (0..study.axes.len()).filter(|&index| study.axes[index].role == Role::Scene).collect();
     for row in rows.iter().filter(|row| !["", "none", base].contains(&row.axes[axis].as_str())) {
         let Some(partner) = bases.iter().find(|other| agrees(row, other)) else { continue };
         let (Some(error), Some(of_base)) = (row.error, partner.error) else { continue };
@@ -121,12 +116,7 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
             if !order.contains(key) {
                 order.push(key.clone());
             }
-<<<<<<< HEAD
             let case: Vec<&str> = of_case.iter().map(|&index| row.axes[index].as_str()).collect();
-=======
-            let of_case = row.axes.iter().zip(&study.axes).filter(|(_, axis)| axis.role == Role::Scene);
-            let case: Vec<&str> = of_case.map(|(value, _)| value.as_str()).collect();
->>>>>>> main
             if !row.is_resolved() && !partner.is_resolved() {
                 in_noise.entry(key.clone()).or_default().insert(case);
                 continue;
@@ -139,11 +129,11 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
     let effect = |key: &[String; 3]| {
         let [value, method, alpha] = key.clone();
         let cases = logs.get(key)?;
-        let own: Vec<f64> =
-            cases.values().map(|of_sets| of_sets.iter().sum::<f64>() / of_sets.len() as f64).collect();
+        let own: Vec<f64> = cases.values().map(|of_sets| of_sets.iter().sum::<f64>() / of_sets.len() as f64).collect();
         // The values that tell the pairs apart.
-        let telling: Vec<usize> =
-            (0..of_case.len()).filter(|&i| cases.keys().any(|case| case[i] != cases.keys().next().map_or("", |first| first[i]))).collect();
+        let telling: Vec<usize> = (0..of_case.len())
+            .filter(|&i| cases.keys().any(|case| case[i] != cases.keys().next().map_or("", |first| first[i])))
+            .collect();
         let label = |case: &Vec<&str>| {
             let words = telling.iter().map(|&i| short(&study.axes[of_case[i]].name, case[i]));
             words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" · ")
