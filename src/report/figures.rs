@@ -196,7 +196,7 @@ fn time_and_error(case_axes: &[String]) -> Value {
 
 /// Channels that have nothing to show are left out: `null` would remove what Vega-Lite adds by itself.
 fn without_nulls(mut spec: Value) -> Value {
-    if let Some(encoding) = spec["encoding"].as_object_mut() {
+    if let Some(encoding) = spec.get_mut("encoding").and_then(Value::as_object_mut) {
         encoding.retain(|_, channel| !channel.is_null());
     }
     spec

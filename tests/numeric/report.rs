@@ -153,8 +153,6 @@ fn a_report_is_the_same_each_time_and_has_its_figures_beside_it() {
     let page = String::from_utf8(before).unwrap();
     assert!(!page.contains("src=\"http") && !page.contains("href=\"http") && page.contains("default-src 'none'"));
     let figures = run.join("report-figures");
-    let runs = [RunFolder::read(&run).unwrap()];
-    let study = Study::new(&runs, &["run".to_owned()]);
     for name in [
         "convergence",
         "break_even",
@@ -175,14 +173,29 @@ fn a_report_is_the_same_each_time_and_has_its_figures_beside_it() {
             let is_known = made.contains_key(field) || table.columns.iter().any(|column| column == field);
             assert!(is_known, "{name} draws {field}");
         }
-        // No two cases lie on each other: what tells them apart is drawn, by itself or within a made field that is.
-        let is_drawn = |axis: &str| {
-            fields.contains(axis)
-                || fields.iter().any(|field| made.get(field).is_some_and(|of| of.contains(&format!("datum['{axis}']"))))
-        };
-        let answers = Answers::new(&study, &runs);
-        for axis in answers.case_axes.iter().filter(|axis| table.columns.contains(axis)) {
-            assert!(is_drawn(axis), "{name} does not tell values of {axis} apart: {fields:?}");
+        assert!(spec.get("encoding").is_none_or(serde_json::Value::is_object), "{name}");
+    }
+}
+
+#[test]
+fn no_two_cases_lie_on_each_other_in_a_figure() {
+    let dir = tempfile::tempdir().unwrap();
+    let more = EXPERIMENT
+        .replace("[\"builtin:constant\"]", "[\"builtin:constant\", \"builtin:sky\"]\nbrdf = [\"ggx\", \"phong\"]");
+    let run = finished(&plan(&more.replace("200, 200", "24, 24")), &dir.path().join("run"));
+    write(&ReportOptions::of_run(&run)).unwrap();
+    let runs = [RunFolder::read(&run).unwrap()];
+    let answers = Answers::new(&Study::new(&runs, &["run".to_owned()]), &runs);
+    assert_eq!(answers.case_axes, ["environment", "brdf", "alpha"]);
+    for name in ["convergence", "break_even", "break_even_by_n_dot_v", "n_dot_v_profile", "time_and_error"] {
+        let text = std::fs::read_to_string(run.join("report-figures").join(format!("{name}.vl.json"))).unwrap();
+        let (made, fields) = fields_of(&serde_json::from_str(&text).unwrap());
+        // By itself, or within a made field.
+        let is_within = |of: &String, axis: &str| of.contains(&format!("datum['{axis}']"));
+        for axis in &answers.case_axes {
+            let is_drawn = fields.contains(axis)
+                || fields.iter().any(|field| made.get(field).is_some_and(|of| is_within(of, axis)));
+            assert!(is_drawn, "{name} does not tell values of {axis} apart: {fields:?}");
         }
     }
 }

@@ -67,11 +67,7 @@ pub(super) fn from_effects(study: &Study, answers: &Answers) -> Option<Answer> {
         number: format!("×{}", text(first.ratio)),
         unit: format!("the error with {} {} instead of {}", first.axis, first.value, first.base),
         sentence: format!("{before}{}{beside}.", say(first)),
-        facts: presets(&all)
-            .into_iter()
-            .chain(best.into_iter().map(|(_, text)| format!("Of {text}.")))
-            .chain(rest)
-            .collect(),
+        facts: presets(&all).into_iter().chain(best.into_iter().map(|(_, text)| format!("Of {text}."))).chain(rest).collect(),
     })
 }
 
