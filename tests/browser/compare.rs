@@ -10,6 +10,40 @@ use splitsum::table::csv::Table;
 
 const READY: &str = "document.querySelector('.viewer-stage canvas')?.dataset.ready !== undefined";
 
+#[test]
+fn without_images_the_comparison_says_so() {
+    let Some((mut page, report, _dir)) = report(Choice::None) else { return };
+    page.go(&report, "#compare");
+    page.wait("document.querySelector('#view-compare [role=status]')");
+    assert!(page.text("#view-compare").contains("images were left out"), "{}", page.text("#view-compare"));
+    assert_eq!(page.eval("document.querySelectorAll('#view-compare input, #view-compare canvas').length"), json!(0));
+    assert_clean(&page);
+}
+
+#[test]
+fn a_pinned_texel_is_marked_where_it_lies() {
+    let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
+    page.resize(1440, 900, "light");
+    page.go(&report, "#compare?zoom=40&x=5.5&y=7.5");
+    page.wait(READY);
+    assert_eq!(page.eval("document.querySelector('.probe-mark').hidden"), json!(true));
+    let texel = middle(&mut page);
+    let place = "(() => { const b = document.querySelector('.probe-mark').getBoundingClientRect(), c = document.querySelector('.viewer-stage canvas').getBoundingClientRect(); \
+                 return [b.left + b.width / 2 - c.left - c.width / 2, b.top + b.height / 2 - c.top - c.height / 2, b.width]; })()";
+    let at = |page: &mut Page| -> Vec<f64> {
+        page.eval(place).as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+    };
+    let before = at(&mut page);
+    assert!(
+        texel == "texel (5, 7)" && before[0].abs() < 2.0 && before[1].abs() < 2.0 && before[2] >= 40.0,
+        "{before:?}"
+    );
+    page.eval("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight', shiftKey: true, bubbles: true }))");
+    let after = at(&mut page);
+    assert!((after[0] - before[0] - 40.0).abs() < 1.0 && (after[1] - before[1]).abs() < 1.0, "{before:?} {after:?}");
+    assert_clean(&page);
+}
+
 /// Waits until the canvas has as many pixels as its stage.
 fn wait_for_size(page: &mut Page) {
     page.wait(

@@ -144,6 +144,13 @@ fn the_first_screen_answers_with_numbers_and_hostile_names_stay_text() {
     );
     assert!(page.text(".warning").contains("CPU driver"));
     assert!(page.text(".device").contains("fake · formula"));
+    // Where and when stand on the first screen, the date in one piece.
+    page.resize(1440, 900, "light");
+    let bottoms = "[...document.querySelectorAll('.device, .warning')].map((e) => e.getBoundingClientRect().bottom)";
+    let bottoms = page.eval(bottoms);
+    assert!(bottoms.as_array().unwrap().iter().all(|bottom| bottom.as_f64().unwrap() < 900.0), "{bottoms}");
+    assert!(page.text(".device").ends_with("\u{a0}UTC"), "{}", page.text(".device"));
+    assert!(page.eval("document.querySelectorAll('.lead-more > .facts > li').length").as_u64().unwrap() <= 5);
     page.wait("document.querySelectorAll('.lead-figure svg path').length > 2");
     page.go(&report, "#run");
     let run = page.text("#view-run");
@@ -166,6 +173,10 @@ fn keys_flip_in_place_and_space_holds_the_reference() {
     assert_eq!(shown(&mut page), split);
     page.press(" ");
     assert_eq!(shown(&mut page), "reference");
+    // The score is that of the image, not of what judges it.
+    let label = "document.querySelector('.viewer-stage canvas').getAttribute('aria-label')";
+    let spoken = page.eval(label);
+    assert!(spoken.as_str().is_some_and(|text| text.contains("reference") && !text.contains("relMSE")), "{spoken}");
     page.release(" ");
     assert_eq!(shown(&mut page), split);
     page.key("ArrowLeft");
@@ -173,6 +184,13 @@ fn keys_flip_in_place_and_space_holds_the_reference() {
     page.key("e");
     assert_eq!(page.eval("document.querySelector('.viewer-stage canvas').dataset.mode"), json!("error"));
     assert_eq!(page.eval("document.querySelectorAll('.ramp-ticks span').length"), json!(4));
+    // No tone curve reaches an error.
+    let disabled =
+        "[...document.querySelectorAll('#exposure, #contrast, [aria-label=Tone] button')].map((e) => e.disabled)";
+    assert_eq!(page.eval(disabled), json!([true, true, true, true]));
+    page.key("e");
+    assert_eq!(page.eval(disabled), json!([false, false, false, false]));
+    page.key("e");
     let flip = page.eval(
         "(() => { const canvas = document.querySelector('.viewer-stage canvas'), gl = canvas.getContext('webgl2'); \
          const times = []; for (let i = 0; i < 20; i++) { const start = performance.now(); \

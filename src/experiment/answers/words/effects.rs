@@ -11,9 +11,13 @@ use std::collections::BTreeMap;
 /// Axes that choose an estimator. An experiment that sweeps one asks about it, whatever it sweeps beside.
 pub(super) const ESTIMATORS: [&str; 2] = ["method", "diffuse"];
 
-pub(super) fn from_effects(study: &Study, answers: &Answers) -> Option<Answer> {
-    // Sizes of tables have an answer of their own, which does not set tables side by side that are too small in another way.
-    let is_size = |effect: &Effect| answers.enough.iter().any(|one| one.axis == effect.axis);
+/// The headline where the interval holds 1.
+const UNDECIDED: &str = "undecided";
+
+pub(super) fn from_effects(study: &Study, answers: &Answers, sizes_are_asked: bool) -> Option<Answer> {
+    // Where sizes of tables are what is asked they have an answer of their own, which does not set tables side by side that are too
+    // small in another way.
+    let is_size = |effect: &Effect| sizes_are_asked && answers.enough.iter().any(|one| one.axis == effect.axis);
     let mut all: Vec<&Effect> =
         answers.effects.iter().filter(|effect| effect.alpha.is_none() && !is_size(effect)).collect();
     // Estimators before their parameters, what is decided first, then the strongest, whichever its direction.
@@ -35,10 +39,7 @@ pub(super) fn from_effects(study: &Study, answers: &Answers) -> Option<Answer> {
             (_, method) => format!(" of {method}"),
         };
         let [value, base] = [&effect.value, &effect.base].map(|value| short(&effect.axis, value));
-        let in_noise = match effect.in_noise {
-            0 => String::new(),
-            n => format!(" and {n} more within the reference's noise"),
-        };
+        let in_noise = super::noise_words(effect);
         // The name of an estimator says what it is.
         let axis = if is_parameter(effect) { format!("{} ", effect.axis) } else { String::new() };
         format!(
@@ -62,9 +63,22 @@ pub(super) fn from_effects(study: &Study, answers: &Answers) -> Option<Answer> {
         best.iter().position(|(method, _)| !is_parameter(first) && method.rsplit(' ').next() == Some(&first.method));
     let beside = beside.map_or_else(String::new, |place| format!("; of {}", best.remove(place).1));
     let before = base_error(study, first).map_or_else(String::new, |text| text + "; ");
+    let values = format!("{} {} instead of {}", first.axis, first.value, first.base);
+    // A large number would sell what the interval leaves open.
+    let (number, unit) = match (first.is_decided(), first.interval[1].is_finite()) {
+        (true, _) => (format!("×{}", text(first.ratio)), format!("the error with {values}")),
+        (false, true) => {
+            let [lo, hi] = first.interval.map(text);
+            let unit = format!("the error with {values}: × {}, 95 % {lo} to {hi}", text(first.ratio));
+            (UNDECIDED.to_owned(), unit)
+        }
+        (false, false) => {
+            (UNDECIDED.to_owned(), format!("the error with {values}: × {} in one pair", text(first.ratio)))
+        }
+    };
     Some(Answer {
-        number: format!("×{}", text(first.ratio)),
-        unit: format!("the error with {} {} instead of {}", first.axis, first.value, first.base),
+        number,
+        unit,
         sentence: format!("{before}{}{beside}.", say(first)),
         facts: best.into_iter().map(|(_, text)| format!("Of {text}.")).chain(rest).collect(),
     })
