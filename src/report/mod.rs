@@ -157,6 +157,7 @@ fn told(run: &RunFolder, label: &str, alone: &Alone) -> page::Told {
         answer: alone.answer.clone(),
         warnings: joined::outdated(run, &alone.answer).into_iter().chain(joined::warnings(run)).collect(),
         device: device_line(run),
+        date: date_line(&run.text(&format!("{}/date_utc", run.last_session()))),
     }
 }
 
@@ -192,13 +193,13 @@ fn labels(runs: &[RunFolder]) -> Vec<String> {
 fn device_line(run: &RunFolder) -> String {
     let session = run.last_session();
     let text = |name: &str| run.text(&format!("{session}{name}"));
-    format!("{} · {} · {}", text("/device/name"), text("/device/driver"), date_line(&text("/date_utc")))
+    format!("{} · {}", text("/device/name"), text("/device/driver"))
 }
 
-/// `2026-11-21 18:07 UTC` of `2026-11-21T18:07:34Z`; another text as it is. Its spaces do not break.
+/// `2026-11-21 18:07 UTC` of `2026-11-21T18:07:34Z`; another text as it is.
 fn date_line(date: &str) -> String {
     let parts = date.split_once('T').and_then(|(day, time)| Some((day, time.strip_suffix('Z')?.get(..5)?)));
-    parts.map_or_else(|| date.to_owned(), |(day, time)| format!("{day}\u{a0}{time}\u{a0}UTC"))
+    parts.map_or_else(|| date.to_owned(), |(day, time)| format!("{day} {time} UTC"))
 }
 
 fn run_model(run: &RunFolder, label: &str, alone: &Alone, here: &Path) -> Value {

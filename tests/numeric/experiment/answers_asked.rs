@@ -177,7 +177,10 @@ fn a_furnace_tells_what_is_lost_and_what_creates() {
     );
     // What creates energy is the first fact, with what the whole surface keeps.
     let answer = &answered.record.answer;
-    assert_eq!(answer.facts[0], "phong creates energy: +40 % at alpha 1 (n·v 0 to 0.5; the whole surface −40 %).");
+    assert_eq!(
+        answer.facts[0],
+        "phong creates energy at n·v 0 to 0.5: +40 % at alpha 1; over the whole surface −40 %."
+    );
     assert_eq!(answer.unit, "of the energy is lost at most: ggx at alpha 1");
     for name in ["energy.csv", "energy.svg"] {
         assert!(answered.files.iter().any(|(known, _)| known == name), "{name}");

@@ -117,7 +117,10 @@ fn best_values(all: &[&Effect]) -> Vec<(String, String)> {
         };
         let [value, base] = [&least.value, &least.base].map(|value| short(axis, value));
         let ratio = text(least.ratio);
-        let doubt = if least.is_decided() { "" } else { "; the interval does not tell the two apart" };
+        let (verb, doubt) = match least.is_decided() {
+            true => ("multiplies", ""),
+            false => ("may multiply", "; the interval does not tell the two apart"),
+        };
         let text = match least.ratio < 1.0 {
             true => {
                 format!(
@@ -125,7 +128,7 @@ fn best_values(all: &[&Effect]) -> Vec<(String, String)> {
                 )
             }
             false => format!(
-                "the tried {axis}, {base} errs least{of}; the next, {value}, multiplies the error by {ratio}{interval}{doubt}"
+                "the tried {axis}, {base} errs least{of}; the next, {value}, {verb} the error by {ratio}{interval}{doubt}"
             ),
         };
         Some((method.to_owned(), text))

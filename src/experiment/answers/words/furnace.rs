@@ -104,20 +104,27 @@ pub(super) fn from_furnace(answers: &Answers) -> Option<Answer> {
 fn creation(answers: &Answers, creators: &[String]) -> Vec<String> {
     let of = |name: &String| {
         let own = answers.furnace.iter().filter(|one| parted(answers, one).0 == *name);
-        let gains = own.filter_map(|one| {
-            let (change, [lo, hi]) = one.extremes.map(|[_, most]| most).filter(|most| most.0 > MEANT)?;
-            let at = match parted(answers, one).1 {
+        let gains: Vec<(&Furnace, f64, [f64; 2])> = own
+            .filter_map(|one| {
+                let (change, bin) = one.extremes.map(|[_, most]| most).filter(|most| most.0 > MEANT)?;
+                Some((one, change, bin))
+            })
+            .collect();
+        let view = |[lo, hi]: [f64; 2]| format!(" at n·v {lo} to {}", hi.min(1.0));
+        // Bins that are the same everywhere are said once.
+        let shared = gains.first().map(|gain| gain.2).filter(|bin| gains.iter().all(|gain| gain.2 == *bin));
+        let at = |(one, change, bin): &(&Furnace, f64, [f64; 2])| {
+            let own_view = if shared.is_some() { String::new() } else { view(*bin) };
+            let alpha = match parted(answers, one).1 {
                 "" => String::new(),
                 alpha => format!(" at alpha {}", short("alpha", alpha)),
             };
-            Some(format!(
-                "+{}{at} (n·v {lo} to {}; the whole surface {})",
-                percent(change),
-                hi.min(1.0),
-                signed(one.change)
-            ))
-        });
-        format!("{name} creates energy: {}.", listed(&gains.collect::<Vec<_>>()))
+            format!("+{}{alpha}{own_view}", percent(*change))
+        };
+        let [parts, wholes]: [Vec<String>; 2] =
+            [gains.iter().map(at).collect(), gains.iter().map(|gain| signed(gain.0.change)).collect()];
+        let shared = shared.map_or_else(String::new, view);
+        format!("{name} creates energy{shared}: {}; over the whole surface {}.", listed(&parts), listed(&wholes))
     };
     creators.iter().map(of).collect()
 }
@@ -127,7 +134,7 @@ fn signed(change: f64) -> String {
     format!("{}{}", if change < 0.0 { "−" } else { "+" }, percent(change))
 }
 
-/// What is lost at each alpha: a sentence for every model, from its best way of masking to its worst.
+/// What is lost at each alpha: at the ends and in the middle of the sweep: a sentence for every model, from its best way of masking to its worst.
 fn losses(answers: &Answers, alphas: &[&str]) -> Vec<String> {
     let all = &answers.furnace;
     let model = |one: &Furnace| parted(answers, one).0.split(' ').next().unwrap_or_default().to_owned();
@@ -137,8 +144,11 @@ fn losses(answers: &Answers, alphas: &[&str]) -> Vec<String> {
             models.push(name);
         }
     }
+    // The ends and the middle of the sweep: the tables have all of it.
+    let mut told = vec![0, alphas.len() / 2, alphas.len().saturating_sub(1)];
+    told.dedup();
     let of = |name: &String| {
-        let at = alphas.iter().filter_map(|alpha| {
+        let at = told.iter().filter_map(|&i| alphas.get(i)).filter_map(|alpha| {
             let own = || all.iter().filter(|one| model(one) == *name && parted(answers, one).1 == *alpha);
             let least = own().max_by(|a, b| a.change.total_cmp(&b.change))?;
             let most = own().min_by(|a, b| a.change.total_cmp(&b.change))?;

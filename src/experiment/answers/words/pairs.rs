@@ -74,12 +74,12 @@ fn equal_time(pair: &Pair) -> Option<(String, String)> {
         () if count(&[Winner::TooFewRounds]) == timed => {
             (" At equal time nothing is decided.".to_owned(), "not decided".to_owned())
         }
-        () if sampled == 0 => (
-            format!(" At equal time it never is: {} errs less in {fixed} of {timed} cases.", pair.fixed),
+        () if fixed == timed => (
+            format!(" At equal time it is never closer: {} errs less in {fixed} of {timed} cases.", pair.fixed),
             "never".to_owned(),
         ),
         () => (
-            format!(" At equal time it is in {sampled} of {timed} cases, and {} in {fixed}.", pair.fixed),
+            format!(" At equal time it is closer in {sampled} of {timed} cases, and {} in {fixed}.", pair.fixed),
             format!("in {sampled} of {timed} cases"),
         ),
     };
