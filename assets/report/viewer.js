@@ -384,7 +384,7 @@ export function showViewer(view, state) {
   if (!rows.length) return view.replaceChildren(h("p", { class: "note" }, "No cell is done."));
   // Controls without a picture would do nothing.
   if (!rows.some(hasPixels)) {
-    return view.replaceChildren(h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Compare")), h("p", { class: "note", role: "status" }, `The images were left out of this page, so there is nothing to compare. ${model.image_notes.join(" ")}`),
+    return view.replaceChildren(h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Compare")), h("p", { class: "note", role: "status" }, `There is nothing to compare: this page holds no images. ${model.image_notes.join(" ")}`),
       h("p", {}, h("a", { href: "#images" }, "Links to the linear EXR files")));
   }
   viewer ??= new Viewer(view);

@@ -14,8 +14,8 @@ const READY: &str = "document.querySelector('.viewer-stage canvas')?.dataset.rea
 fn without_images_the_comparison_says_so() {
     let Some((mut page, report, _dir)) = report(Choice::None) else { return };
     page.go(&report, "#compare");
-    page.wait("document.querySelector('#view-compare [role=status]')");
-    assert!(page.text("#view-compare").contains("images were left out"), "{}", page.text("#view-compare"));
+    page.wait("document.querySelector('#view-compare [role=status]') !== null");
+    assert!(page.text("#view-compare").contains("Images were left out"), "{}", page.text("#view-compare"));
     assert_eq!(page.eval("document.querySelectorAll('#view-compare input, #view-compare canvas').length"), json!(0));
     assert_clean(&page);
 }

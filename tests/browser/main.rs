@@ -305,7 +305,7 @@ fn a_link_restores_what_was_seen() {
     let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
     let id = cell(&report, ["sampled", "1", "0.1", "ggx", "1"]);
     open_compare(&mut page, &report, &id);
-    for key in ["3", "e", "d", "]", "]", "+", "+", "c"] {
+    for key in ["3", "]", "]", "e", "d", "+", "+", "c"] {
         page.key(key);
     }
     page.wait("location.hash.includes('clip=1')");
