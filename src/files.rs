@@ -4,27 +4,63 @@ use std::fs::File;
 use std::io::{Error, Read, Result};
 use std::path::Path;
 
-/// The bytes of a regular file of at most `most_bytes`. A file may name others: a device or pipe among them may never end, and
-/// opening a pipe blocks until somebody writes, so the type is asked for first.
-pub fn read_regular(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
+/// Largest text that a person gives, an experiment or a table of queries: a million rows.
+pub const TEXT_BYTES_MAX: u64 = 1 << 26;
+/// Largest record of one cell, answer or attempt; they take kilobytes.
+pub const RECORD_BYTES_MAX: u64 = 1 << 24;
+/// Largest file about a whole plan: its chunks, its provenance. The largest plan takes some 100 MiB.
+pub const PLAN_BYTES_MAX: u64 = 1 << 28;
+
+/// Opens a regular file. A file may name others: a device or pipe among them may never end, and opening a pipe blocks until somebody
+/// writes, so the type is asked for first.
+pub fn open_regular(path: &Path) -> Result<File> {
     if !std::fs::metadata(path)?.is_file() {
         return Err(Error::other("not a regular file"));
     }
-    read_stream(path, most_bytes)
+    File::open(path)
 }
 
-/// As [`read_regular`], but of anything that can be opened: what the user names on the command line may be a pipe.
-pub fn read_stream(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    File::open(path)?.take(most_bytes + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > most_bytes {
-        return Err(Error::other(format!("larger than {} MiB", most_bytes >> 20)));
+/// The bytes of a regular file of at most `most_bytes`.
+pub fn read_regular(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
+    read_at_most(open_regular(path)?, most_bytes)
+}
+
+/// As [`read_regular`], of a file of UTF-8.
+pub fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
+    String::from_utf8(read_regular(path, most_bytes)?).map_err(|_| Error::other("not UTF-8 text"))
+}
+
+/// As [`read_regular`], but also of what the shell opened for us: standard input, or the end of a pipe as in `<(command)`. Somebody
+/// holds the other end of those, unlike that of a pipe that is found by its name.
+pub fn read_given(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
+    let is_open = ["/dev/stdin", "/dev/fd", "/proc/self/fd"].iter().any(|place| path.starts_with(place));
+    if is_open { read_at_most(File::open(path)?, most_bytes) } else { read_regular(path, most_bytes) }
+}
+
+fn read_at_most(file: File, most_bytes: u64) -> Result<Vec<u8>> {
+    let too_large = || Error::other(format!("larger than {} MiB", most_bytes >> 20));
+    // Known before anything is read; what has no length is counted as it comes.
+    let length = file.metadata().map_or(0, |metadata| metadata.len());
+    if length > most_bytes {
+        return Err(too_large());
     }
-    Ok(bytes)
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(length as usize).map_err(|_| {
+        Error::new(std::io::ErrorKind::OutOfMemory, format!("no memory for its {} MiB", length.div_ceil(1 << 20)))
+    })?;
+    file.take(most_bytes + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most_bytes { Err(too_large()) } else { Ok(bytes) }
 }
 
-/// Hash of a file's bytes, in hexadecimal.
+/// Whether `path` is a regular file of this content.
+pub fn holds(path: &Path, content: &[u8]) -> bool {
+    let length = content.len() as u64;
+    std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file() && metadata.len() == length)
+        && read_regular(path, length).is_ok_and(|found| found == content)
+}
+
+/// Hash of a regular file's bytes, in hexadecimal.
 pub fn content_hash(path: &Path) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
-    Ok(hasher.update_reader(File::open(path)?)?.finalize().to_hex().to_string())
+    Ok(hasher.update_reader(open_regular(path)?)?.finalize().to_hex().to_string())
 }

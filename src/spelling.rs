@@ -2,12 +2,23 @@
 
 use std::borrow::Cow;
 
+/// Names that are compared with a misspelt one: the product's own lists are shorter, those of a file may not be.
+const NAMES_COMPARED: usize = 500;
+
 /// `; did you mean "x"?` for the nearest of `names`, or nothing when none is near.
 ///
 /// Near: at most half of the longer word differs (Damerau-Levenshtein), so that noise suggests nothing.
 pub fn suggestion(wrong: &str, names: &[&str]) -> String {
+    let length = wrong.chars().count();
+    // Of names more than twice as long, or less than half, more than half differs: not asked, since a name may be as long as its file.
+    let is_as_long = |name: &&&str| {
+        let other = name.chars().count();
+        length.max(other) <= 2 * length.min(other)
+    };
     names
         .iter()
+        .take(NAMES_COMPARED)
+        .filter(is_as_long)
         .map(|name| (strsim::normalized_damerau_levenshtein(&wrong.to_lowercase(), name), name))
         .filter(|(similarity, _)| *similarity >= 0.5)
         .max_by(|a, b| a.0.total_cmp(&b.0))
@@ -15,10 +26,11 @@ pub fn suggestion(wrong: &str, names: &[&str]) -> String {
         .unwrap_or_default()
 }
 
-/// `text` with its control characters written as escapes: names come from files of anyone's making, and a terminal obeys what it shows.
+/// `text` with its control characters, and those that turn the direction of writing, written as escapes: names come from files of anyone's
+/// making, and a terminal obeys what it shows.
 pub fn printable(text: &str) -> String {
     text.chars().fold(String::with_capacity(text.len()), |mut shown, c| {
-        if c.is_control() {
+        if c.is_control() || TURNS.contains(&c) {
             shown.extend(c.escape_default())
         } else {
             shown.push(c)
@@ -26,6 +38,12 @@ pub fn printable(text: &str) -> String {
         shown
     })
 }
+
+/// Characters without a shape that change the order in which others are shown [Unicode bidirectional algorithm, UAX 9, section 2].
+const TURNS: [char; 12] = [
+    '\u{061c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202b}', '\u{202c}', '\u{202d}', '\u{202e}', '\u{2066}',
+    '\u{2067}', '\u{2068}', '\u{2069}',
+];
 
 /// Digits that tell values of an axis apart for a person.
 const DIGITS: usize = 4;

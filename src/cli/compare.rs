@@ -1,6 +1,6 @@
 //! `splitsum compare`: every metric on two files.
 
-use super::{Failure, print};
+use super::{Failure, print, print_data};
 use clap::Args;
 use serde::{Serialize, Serializer};
 use splitsum::experiment::axis;
@@ -56,7 +56,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let scores = comparison.evaluate_all();
     if arguments.json {
         let text = serde_json::to_string_pretty(&InOrder(&scores)).map_err(Failure::failed)?;
-        return print(&(text + "\n"));
+        return print_data(&(text + "\n"));
     }
     let mut table = MarkdownTable::new(&[
         ("metric", Align::Left),

@@ -1,6 +1,6 @@
 //! `splitsum integrate`: exact answers to a table of queries, without a device.
 
-use super::{Failure, print, tell};
+use super::{Failure, print_data, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use splitsum::environment::LoadOptions;
@@ -28,7 +28,7 @@ Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _
   irradiance  environment,nx,ny,nz [id] -> irradiance (not divided by pi)
   sh9         environment [id] -> l00,l1m1,l10,l11,l2m2,l2m1,l20,l21,l22 (y up, no Condon-Shortley sign)
 
-Cells: environment is builtin:NAME or an .hdr or .exr file (relative to QUERIES.csv); brdf ggx, beckmann or phong; alpha in (0, 1];
+Cells: environment is builtin:NAME or an .hdr or .exr file (relative to QUERIES.csv; FILE.exr#NAME for a layer); brdf ggx, beckmann or phong; alpha in [0.0001, 1];
 f0 one number or R:G:B in [0, 1]; n, v and r unit vectors within 1e-5, y up, v above the horizon of n; masking separable (default),
 correlated, schlick or smith-exact; id anything, passed on. Radiance is in the units of the map, looked up bilinearly.
 
@@ -83,9 +83,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let tolerance = Tolerance { relative: arguments.tolerance, ..TOLERANCE };
     let answers = queries.answer(tolerance, arguments.seed0_literal, || bar.inc(1));
     bar.finish_and_clear();
+    if let Some(row) = answers.not_finite.first() {
+        let (path, count) = (arguments.queries.display(), answers.not_finite.len());
+        return Err(Failure::Failed(format!(
+            "{path}: the answer to query {row} is not finite ({count} in all): a cosine or width too small for f64"
+        )));
+    }
     match &arguments.out {
         Some(out) => answers.write(out).map_err(Failure::failed)?,
-        None => print(&String::from_utf8_lossy(&answers.to_csv()))?,
+        None => print_data(&String::from_utf8_lossy(&answers.to_csv()))?,
     }
     if answers.unmet > 0 {
         let (unmet, all) = (answers.unmet, queries.len());

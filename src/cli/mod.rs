@@ -163,8 +163,20 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Writes to standard output; a closed pipe (`splitsum list | head`) is no failure.
+/// Writes to standard output for people: names of anyone's making are shown so that a terminal obeys none of them.
 fn print(text: &str) -> Result<(), Failure> {
+    let safe: String = text
+        .split_inclusive(['\n', '\t'])
+        .map(|part| match part.strip_suffix(['\n', '\t']) {
+            Some(line) => printable(line) + &part[line.len()..],
+            None => printable(part),
+        })
+        .collect();
+    print_data(&safe)
+}
+
+/// Writes to standard output for programs, byte for byte; a closed pipe (`splitsum list | head`) is no failure.
+fn print_data(text: &str) -> Result<(), Failure> {
     use std::io::Write;
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {

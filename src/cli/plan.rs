@@ -3,14 +3,15 @@
 use super::cache::CacheArguments;
 use super::estimate::{Estimated, Question, estimated, measured};
 use super::subject::Subject;
-use super::{Failure, print, tell};
+use super::{Failure, print, print_data, tell};
 use clap::Args;
 use serde_json::json;
 use splitsum::experiment::chunk::{PlanFile, Prices};
 use splitsum::experiment::estimate::{Part, SAMPLES_PER_SECOND};
+use splitsum::experiment::fault::Lines;
 use splitsum::experiment::store::{CHUNKS_FOLDER, Store};
 use splitsum::experiment::timing;
-use splitsum::experiment::{Cell, Plan};
+use splitsum::experiment::{Cell, Plan, RunError};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -99,8 +100,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     store.check_identity(&plan).map_err(Failure::input)?;
     let mut states = Vec::new();
     for cell in &plan.cells {
-        let failure = store.failure(&cell.id).map_err(Failure::failed)?;
-        states.push(match (store.cell(&cell.id).map_err(Failure::failed)?, failure) {
+        let fault = |error| Failure::from(RunError::Store(error));
+        let failure = store.failure(&cell.id).map_err(fault)?;
+        states.push(match (store.cell(&cell.id).map_err(fault)?, failure) {
             (Some(_), _) => State::Done,
             (None, Some(_)) => State::Failed,
             (None, None) => State::Open,
@@ -117,7 +119,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (cache, device) = (&arguments.cache, arguments.device);
     let cost = estimated(&plan, &Question { open: &open, jobs: &left, folders: &folders, cache, device, load_s })?;
     let shown = Shown { plan: &plan, states: &states, timings: [jobs.len(), jobs.len() - left.len()], cost: &cost };
-    print(&if arguments.json { shown.as_json() } else { shown.as_text(&dir) })?;
+    match arguments.json {
+        true => print_data(&shown.as_json())?,
+        false => print(&shown.as_text(&dir))?,
+    }
     if plan.cells.is_empty() {
         return Err(arguments.subject.nothing_to_do());
     }
@@ -170,7 +175,7 @@ fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path, l
     }
     let prices = prices(arguments, plan, load_s)?;
     let file = PlanFile::new(plan, path.parent().unwrap_or(Path::new("")), seconds, prices);
-    file.write(path).map_err(Failure::input)?;
+    file.write(path)?;
     let timed: usize = file.chunks.iter().map(|chunk| chunk.timings.len()).sum();
     let longest = file.chunks.iter().map(|chunk| chunk.seconds).fold(0.0, f64::max);
     let whole: f64 = file.chunks.iter().map(|chunk| chunk.seconds).sum();
@@ -214,8 +219,9 @@ impl Shown<'_> {
             count(State::Open),
             dir.display()
         );
+        let lines = Lines::new(&plan.config.text);
         for (exclusion, count) in plan.config.exclusions.iter().zip(&plan.excluded) {
-            let place = exclusion.place.words(&plan.config.path, &plan.config.text);
+            let place = exclusion.place.words(&plan.config.path, &lines);
             let _ = writeln!(text, "excluded {count} by {place}: {}", exclusion.why);
         }
         if plan.collapsed > 0 {
@@ -275,8 +281,9 @@ impl Shown<'_> {
                 plan.columns_of(cell).iter().map(|(name, value)| (name.to_string(), json!(value.to_string()))).collect();
             json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state.name(), "axes": axes })
         });
+        let lines = Lines::new(&plan.config.text);
         let exclusions = plan.config.exclusions.iter().zip(&plan.excluded).map(|(exclusion, count)| {
-            let place = exclusion.place.words(&plan.config.path, &plan.config.text);
+            let place = exclusion.place.words(&plan.config.path, &lines);
             json!({ "why": exclusion.why, "count": count, "place": place })
         });
         let parts = estimate.parts.iter().map(|(part, found)| {

@@ -31,7 +31,7 @@ macro_rules! axis {
     splitsum render --environment studio.hdr --scene teapot.obj --camera perspective --background --size 800x600 --out teapot.png"
 )]
 pub struct Arguments {
-    /// builtin:NAME, or an .hdr or .exr file.
+    /// builtin:NAME, or an .hdr or .exr file; FILE.exr#NAME for a layer or part of it.
     #[arg(long, value_name = "FILE|builtin:NAME", value_parser = axis!("environment"))]
     environment: Option<Value>,
     /// sphere, spheres, plane, or an .obj file.

@@ -79,7 +79,7 @@ pub const COMPENSATION: f64 = 0.5;
 #[derive(Clone, Debug)]
 pub struct EnvironmentDistribution {
     /// Luminance above the threshold, of each texel.
-    weights: Pixels<f64>,
+    weights: Pixels<f32>,
     /// w_b of each band; all 0 when no texel is above the threshold.
     band_weights: Vec<f64>,
     /// Columns and bands of a cell.
@@ -124,14 +124,19 @@ struct Quad {
 /// Weight of each texel, `max(luminance - threshold, 0)` with a threshold of `compensation` times the mean luminance. The device holds
 /// them in the alpha channel of the environment.
 fn sampling_weights(image: &RgbImage, compensation: f64) -> Pixels<f32> {
+    image.map(sampling_weight(image, compensation))
+}
+
+/// Weight of a texel of `image` by its radiance; see [`sampling_weights`].
+fn sampling_weight(image: &RgbImage, compensation: f64) -> impl Fn([f32; 3]) -> f32 {
     let threshold = compensation * mean_luminance(image);
-    image.map(|texel| (color::luminance(texel) - threshold).max(0.0) as f32)
+    move |texel| (color::luminance(texel) - threshold).max(0.0) as f32
 }
 
 /// The texels of level 0 as the device holds them: radiance, and the weight with which [`EnvironmentDistribution::new`] samples.
 pub fn weighted_texels(image: &RgbImage) -> Vec<[f32; 4]> {
-    let weights = sampling_weights(image, COMPENSATION);
-    image.data.iter().zip(weights.data).map(|(&[r, g, b], weight)| [r, g, b, weight]).collect()
+    let weight = sampling_weight(image, COMPENSATION);
+    image.data.iter().map(|&[r, g, b]| [r, g, b, weight([r, g, b])]).collect()
 }
 
 impl EnvironmentDistribution {
@@ -146,14 +151,14 @@ impl EnvironmentDistribution {
         assert!((1..=SIDE_MAX).contains(&width), "width {width} of an environment, 1 to {SIDE_MAX} expected");
         assert!((1..SIDE_MAX).contains(&height), "height {height} of an environment, 1 to {SIDE_MAX} - 1 expected");
         // Rounded as the device holds them, so that both sample the same map.
-        let weights = sampling_weights(image, compensation).map(f64::from);
+        let weights = sampling_weights(image, compensation);
         let band_count = height as usize + 1;
         // Light of the place right of each column in each band, from the texels that bound it.
         let light = |band: usize, column: u32| {
             let [above, below] = rows_of_band(band, height);
             let [top, bottom] = band_limits(band, height);
             let right = (column + 1) % width;
-            let at = |x, y| weights.get(x, y);
+            let at = |x, y| f64::from(weights.get(x, y));
             let mean = (at(column, above) + at(right, above) + at(column, below) + at(right, below)) / 4.0;
             mean / f64::from(width) * (bottom - top) * mean_sine(band, height)
         };
@@ -287,7 +292,7 @@ impl EnvironmentDistribution {
     fn quad(&self, band: usize, column: u32) -> Quad {
         let [above, below] = rows_of_band(band, self.weights.height);
         let right = (column + 1) % self.weights.width;
-        let at = |x, y| self.weights.get(x, y);
+        let at = |x, y| f64::from(self.weights.get(x, y));
         Quad { corners: [at(column, above), at(right, above), at(column, below), at(right, below)] }
     }
 }

@@ -5,6 +5,9 @@ use crate::color::luminance;
 use crate::pixels::{Decoded, PixelsError, RgbImage, exr, radiance, read_bounded};
 use std::path::{Path, PathBuf};
 
+/// Decodes the bytes of the file at a path: its main image, or the layer of a name.
+type Reader = fn(&Path, &[u8], Option<&str>) -> Result<Decoded, PixelsError>;
+
 /// An image format that an environment can be read from.
 #[derive(Debug)]
 pub struct Format {
@@ -13,8 +16,7 @@ pub struct Format {
     pub extension: &'static str,
     /// One sentence for `splitsum list`.
     pub about: &'static str,
-    /// Decodes the bytes of the file that the path names.
-    read: fn(&Path, &[u8]) -> Result<Decoded, PixelsError>,
+    read: Reader,
 }
 
 /// Every format; the extension of the file chooses.
@@ -28,7 +30,7 @@ pub static FORMATS: &[Format] = &[
     Format {
         name: "openexr",
         extension: "exr",
-        about: "OpenEXR, first part with colour: RGB or luminance-chroma, half, float or uint, scan lines or tiles",
+        about: "OpenEXR, first part with colour or FILE#NAME for a layer or part: RGB, XYZ or luminance-chroma, half, float or uint",
         read: exr::read_bytes,
     },
 ];
@@ -86,23 +88,38 @@ pub(super) fn load(spec: &str, base_dir: &Path, options: &LoadOptions) -> Result
     if let Some(formula) = spec.strip_prefix(BUILTIN_PREFIX) {
         return Ok(Environment::from_image(spec, builtin::make(spec, formula, options.builtin_size)?));
     }
-    let path = base_dir.join(spec);
+    let (path, layer) = file_and_layer(spec, base_dir);
     if spec.is_empty() || !path.exists() {
         let hint = match builtin::nearest(spec) {
             Some(name) => format!("; did you mean {BUILTIN_PREFIX}{name}?"),
-            None => format!("; expected a file or {BUILTIN_PREFIX}NAME"),
+            None => format!("; expected a file, FILE.exr#LAYER or {BUILTIN_PREFIX}NAME"),
         };
         let path = (path.as_os_str() != spec && !spec.is_empty()).then_some(path);
         return Err(EnvironmentError::Missing { spec: spec.to_owned(), path, hint });
     }
     let format = format_of(spec, &path)?;
-    decode(spec, &path, &read_bounded(&path)?, format, options)
+    let decoded = (format.read)(&path, &read_bounded(&path)?, layer)?;
+    checked(spec, decoded, options)
+}
+
+/// The path of `NAME` or `FILE#LAYER`, and the layer. A file whose own name holds a number sign goes before.
+fn file_and_layer<'a>(spec: &'a str, base_dir: &Path) -> (PathBuf, Option<&'a str>) {
+    let whole = base_dir.join(spec);
+    if !whole.exists() {
+        for (at, sign) in spec.rmatch_indices('#').filter(|(at, _)| *at > 0) {
+            let path = base_dir.join(&spec[..at]);
+            if path.is_file() {
+                return (path, Some(&spec[at + sign.len()..]));
+            }
+        }
+    }
+    (whole, None)
 }
 
 /// As [`load`] of the file at `path`, whose bytes are given.
 pub(super) fn from_bytes(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Environment, EnvironmentError> {
     let spec = path.to_string_lossy();
-    decode(&spec, path, bytes, format_of(&spec, path)?, options)
+    checked(&spec, (format_of(&spec, path)?.read)(path, bytes, None)?, options)
 }
 
 fn format_of(spec: &str, path: &Path) -> Result<&'static Format, EnvironmentError> {
@@ -113,14 +130,8 @@ fn format_of(spec: &str, path: &Path) -> Result<&'static Format, EnvironmentErro
     })
 }
 
-fn decode(
-    spec: &str,
-    path: &Path,
-    bytes: &[u8],
-    format: &Format,
-    options: &LoadOptions,
-) -> Result<Environment, EnvironmentError> {
-    let Decoded { rgb: mut image, mut warnings, .. } = (format.read)(path, bytes)?;
+fn checked(spec: &str, decoded: Decoded, options: &LoadOptions) -> Result<Environment, EnvironmentError> {
+    let Decoded { rgb: mut image, mut warnings, .. } = decoded;
     if let Some(found) = invalid_texels(&image) {
         if !options.clamp_invalid {
             return Err(EnvironmentError::InvalidTexels { spec: spec.to_owned(), found });

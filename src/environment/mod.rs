@@ -39,7 +39,7 @@ impl Environment {
         Self::from_image(self.name.clone(), self.image.map(|texel| texel.map(|x| x.min(limit))))
     }
 
-    /// Loads `builtin:NAME`, `builtin:NAME:PARAMETER=VALUE,...` or an image file; a relative path starts at `base_dir`.
+    /// Loads `builtin:NAME`, `builtin:NAME:PARAMETER=VALUE,...`, an image file or `FILE.exr#LAYER`; a relative path starts at `base_dir`.
     pub fn load(spec: &str, base_dir: &std::path::Path, options: &LoadOptions) -> Result<Self, EnvironmentError> {
         load::load(spec, base_dir, options)
     }

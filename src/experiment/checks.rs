@@ -11,6 +11,7 @@ use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
 use crate::scene::Scene;
 use crate::shade::reference_pass::ScramblePlan;
 use crate::spelling::suggestion;
+use std::collections::{HashMap, HashSet};
 
 /// Values that are right one by one but not together.
 pub fn check_combinations(config: &Config, faults: &mut Faults) {
@@ -78,6 +79,7 @@ pub fn check_lights(config: &Config, inputs: &Inputs, faults: &mut Faults) {
 /// slip, whose exclusion would leave nothing out. Values that only `--set` took away are those of the file.
 pub fn check_exclusions(config: &Config, options: &LoadOptions, faults: &mut Faults) {
     let conditions = config.exclusions.iter().flat_map(|exclusion| &exclusion.conditions);
+    let mut found: HashMap<(usize, &str), bool> = HashMap::new();
     for (axis, values) in conditions.filter(|(axis, _)| matches!(AXES[*axis].kind, Kind::Input)) {
         let name = AXES[*axis].name;
         let mut known: Vec<&str> = vec![config.base.0[*axis].text()];
@@ -86,19 +88,19 @@ pub fn check_exclusions(config: &Config, options: &LoadOptions, faults: &mut Fau
         if !sweeps.is_empty() {
             known = sweeps.iter().flat_map(|sweep| &sweep.values).map(|placed| placed.value.text()).collect();
         }
+        let is_known: HashSet<&str> = known.iter().copied().collect();
         for placed in values {
             let (value, dir) = (placed.value.text(), base_dir(config, &placed.place));
             let is_input = || match name {
                 "scene" => Scene::load(value, dir).is_ok(),
                 _ => Environment::load(value, dir, options).is_ok(),
             };
-            if !known.contains(&value) && !is_input() {
-                let near = suggestion(value, &known);
-                let known = known.join(", ");
-                faults.add(
-                    &placed.place,
-                    format!("exclude.{name}: the axis has no value {value:?}{near}; it has {known}"),
-                );
+            // Each is loaded once, however many exclusions name it.
+            if !is_known.contains(value) && !*found.entry((*axis, value)).or_insert_with(is_input) {
+                faults.add_with(&placed.place, |_| {
+                    let near = suggestion(value, &known);
+                    format!("exclude.{name}: the axis has no value {value:?}{near}; it has {}", known.join(", "))
+                });
             }
         }
     }

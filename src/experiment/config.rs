@@ -3,7 +3,7 @@
 //! Reading never stops at the first fault. Paths in the file are relative to the file.
 
 use super::axis::{AXES, Axis, Point, Reference, Terms, by_name, index_of, is_precompute};
-use super::fault::{Faults, Place, line_column};
+use super::fault::{Faults, Place};
 use super::toml_tree::{checked, entries, first_of_twice, list, raw, table, unknown_key};
 use super::value::{Kind, Range, Raw, Value};
 use crate::scene::{CameraKind, Light, LightKind};
@@ -143,12 +143,14 @@ impl Config {
         let (root, errors) = DeTable::parse_recoverable(text);
         for error in &errors {
             let span = error.span().unwrap_or_default();
-            let first = first_of_twice(root.get_ref(), text, &span, error.message());
-            let twice = first.map(|(key, first)| {
-                let (line, _) = line_column(text, first);
-                format!("not TOML: the key {key} stands twice, here and in line {line}")
+            faults.add_with(&Place::File(span.start), |lines| {
+                let first = first_of_twice(root.get_ref(), text, &span, error.message());
+                let twice = first.map(|(key, first)| {
+                    let (line, _) = lines.line_column(first);
+                    format!("not TOML: the key {key} stands twice, here and in line {line}")
+                });
+                twice.unwrap_or_else(|| format!("not TOML: {}", error.message()))
             });
-            faults.add(&Place::File(span.start), twice.unwrap_or_else(|| format!("not TOML: {}", error.message())));
         }
         let mut config = Self {
             path: path.to_owned(),
@@ -234,7 +236,13 @@ impl Config {
         match key {
             "name" => match &raw {
                 Raw::Text(name) if is_file_name(name) => self.name = name.clone(),
-                _ => faults.add(&at, format!("name: {raw} is not a name of letters, digits, '-', '_' and '.'")),
+                _ => faults.add(
+                    &at,
+                    format!(
+                        "name: {raw} is not a name of 1 to {NAME_LENGTH_MAX} letters, digits, '-', '_' and '.' that begins with a \
+                         letter, digit or '_'"
+                    ),
+                ),
             },
             "question" => match raw {
                 Raw::Text(question) => self.question = question,
@@ -458,20 +466,16 @@ pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
     Kind::Color(COORDINATE).parse_text(text).map(|v| v.color()).map_err(|_| format!("{text:?} is not x,y,z"))
 }
 
-pub(super) fn push_new(values: &mut Vec<Placed>, new: Placed, name: &str, faults: &mut Faults) {
-    if values.iter().any(|old| old.value == new.value) {
-        faults.add(&new.place, format!("{name}: {} stands twice", new.value));
-    } else {
-        values.push(new);
-    }
-}
-
 pub(super) fn axis_names() -> Vec<&'static str> {
     AXES.iter().map(|axis: &Axis| axis.name).collect()
 }
 
+/// Characters of an experiment's name: with what is put before and after it, it stays a file's name.
+const NAME_LENGTH_MAX: usize = 100;
+
+/// A dot would hide the folder of the run, and a dash make it an option of other programs.
 fn is_file_name(name: &str) -> bool {
-    !name.is_empty()
-        && !name.starts_with('.')
+    (1..=NAME_LENGTH_MAX).contains(&name.len())
+        && !name.starts_with(['.', '-'])
         && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.'))
 }

@@ -1,7 +1,14 @@
 //! What is wrong with an experiment: every fault with its place, all reported at once.
 
+use std::collections::HashSet;
 use std::fmt;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
+
+/// Faults that are told; of further ones there is a count. More than anybody mends before the next try.
+pub const FAULTS_SHOWN: usize = 50;
+/// Characters of a fault that are shown: a value may be as long as the file.
+const TEXT_LENGTH_MAX: usize = 2000;
 
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -20,21 +27,26 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Every fault of one experiment, in the order of the file.
+/// The faults of one experiment, in the order of the file.
 #[derive(Debug, thiserror::Error)]
-#[error("{}", self.listing())]
+#[error("{}", self.lines().join("\n"))]
 pub struct ConfigError {
+    /// At most [`FAULTS_SHOWN`].
     pub faults: Vec<Fault>,
+    /// How many more there are.
+    pub more: usize,
 }
 
 impl ConfigError {
-    fn listing(&self) -> String {
-        self.faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("\n")
+    /// A line for each fault, and one for those that are not shown.
+    pub fn lines(&self) -> Vec<String> {
+        let more = (self.more > 0).then(|| format!("and {} more", self.more));
+        self.faults.iter().map(Fault::to_string).chain(more).collect()
     }
 }
 
 /// Where a value was written.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Hash, PartialEq)]
 pub enum Place {
     /// Byte offset in the experiment file.
     File(usize),
@@ -45,11 +57,11 @@ pub enum Place {
 }
 
 impl Place {
-    /// The place for people, in the file at `path` with this text: `experiments/x.toml:12:9` or `--set alpha`.
-    pub fn words(&self, path: &Path, text: &str) -> String {
+    /// The place for people, in the file at `path` with these lines: `experiments/x.toml:12:9` or `--set alpha`.
+    pub fn words(&self, path: &Path, lines: &Lines) -> String {
         match self {
             Self::File(offset) => {
-                let (line, column) = line_column(text, *offset);
+                let (line, column) = lines.line_column(*offset);
                 format!("{}:{line}:{column}", path.display())
             }
             Self::Set(axis) => format!("--set {axis}"),
@@ -58,26 +70,76 @@ impl Place {
     }
 }
 
+/// Where the lines of a text begin.
+#[derive(Debug)]
+pub struct Lines<'t> {
+    text: &'t str,
+    /// Byte offsets, ascending.
+    starts: Vec<usize>,
+}
+
+impl<'t> Lines<'t> {
+    /// Finds them.
+    pub fn new(text: &'t str) -> Self {
+        let after_breaks = text.match_indices('\n').map(|(offset, _)| offset + 1);
+        Self { text, starts: std::iter::once(0).chain(after_breaks).collect() }
+    }
+
+    /// Line and column (in characters), both from 1, of a byte offset.
+    pub fn line_column(&self, offset: usize) -> (usize, usize) {
+        let offset = if self.text.is_char_boundary(offset) { offset } else { self.text.len() };
+        let line = self.starts.partition_point(|start| *start <= offset);
+        (line, self.text[self.starts[line - 1]..offset].chars().count() + 1)
+    }
+}
+
 /// Collects faults of one file.
 pub struct Faults<'a> {
     path: &'a Path,
-    text: &'a str,
+    lines: Lines<'a>,
     found: Vec<Fault>,
+    /// Hashes of place and text of each: many combinations have one fault.
+    seen: HashSet<u64>,
+    /// How many more than those in `found`.
+    more: usize,
 }
 
 impl<'a> Faults<'a> {
     /// No faults yet of the file at `path` with this text.
     pub fn new(path: &'a Path, text: &'a str) -> Self {
-        Self { path, text, found: Vec::new() }
+        Self { path, lines: Lines::new(text), found: Vec::new(), seen: HashSet::new(), more: 0 }
     }
 
-    /// Notes a fault.
+    /// Notes a fault, unless it is noted already.
     pub fn add(&mut self, place: &Place, text: impl Into<String>) {
+        let mut text = text.into();
+        let mut hasher = DefaultHasher::new();
+        (place, &text).hash(&mut hasher);
+        if !self.seen.insert(hasher.finish()) {
+            return;
+        }
+        if self.found.len() == FAULTS_SHOWN {
+            self.more += 1;
+            return;
+        }
+        if let Some((end, _)) = text.char_indices().nth(TEXT_LENGTH_MAX) {
+            text.truncate(end);
+            text.push('…');
+        }
         let position = match place {
-            Place::File(offset) => line_column(self.text, *offset),
+            Place::File(offset) => self.lines.line_column(*offset),
             Place::Set(_) | Place::Default => (0, 0),
         };
-        self.found.push(Fault { position, place: place.words(self.path, self.text), text: text.into() });
+        self.found.push(Fault { position, place: place.words(self.path, &self.lines), text });
+    }
+
+    /// As [`Faults::add`], of the only fault at its place, whose text takes long to make: where it would not be shown it is not made.
+    pub fn add_with(&mut self, place: &Place, text: impl FnOnce(&Lines) -> String) {
+        if self.found.len() == FAULTS_SHOWN {
+            self.more += 1;
+        } else {
+            self.add(place, text(&self.lines));
+        }
     }
 
     /// Whether nothing is wrong so far.
@@ -85,17 +147,9 @@ impl<'a> Faults<'a> {
         self.found.is_empty()
     }
 
-    /// Everything found, in the order of the file and without repeats.
+    /// What was found, in the order of the file.
     pub fn into_result(mut self) -> Result<(), ConfigError> {
         self.found.sort();
-        self.found.dedup();
-        if self.found.is_empty() { Ok(()) } else { Err(ConfigError { faults: self.found }) }
+        if self.found.is_empty() { Ok(()) } else { Err(ConfigError { faults: self.found, more: self.more }) }
     }
-}
-
-/// Line and column (in characters), both from 1, of a byte offset.
-pub(super) fn line_column(text: &str, offset: usize) -> (usize, usize) {
-    let before = text.get(..offset).unwrap_or(text);
-    let line_start = before.rfind('\n').map_or(0, |i| i + 1);
-    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }

@@ -43,10 +43,20 @@ fn slug(plan: &Plan, point: &Point, with_display: bool) -> String {
     let axes = plan.swept().filter(|axis| axis.changes_radiance || with_display);
     let words: Vec<String> = axes.map(|axis| short_text(axis, point)).filter(|word| !word.is_empty()).collect();
     let word = if words.is_empty() { plan.config.name.clone() } else { words.join("_") };
-    word.chars()
-        .map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' })
-        .take(SLUG_LENGTH)
-        .collect()
+    file_words(&word)
+}
+
+/// A text as part of a file name. It begins with a letter, digit or `_`, or as a number does: nothing that a spreadsheet, a shell or a
+/// listing takes for something else.
+pub fn file_words(text: &str) -> String {
+    let is_number = text.strip_prefix('-').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+    let plain = |(place, c): (usize, char)| match c {
+        '-' | '.' if place == 0 && !is_number => '_',
+        c if c.is_ascii_alphanumeric() || "-_.".contains(c) => c,
+        _ if place == 0 => '_',
+        _ => '-',
+    };
+    text.chars().enumerate().map(plain).take(SLUG_LENGTH).collect()
 }
 
 /// File name of the linear image of a point.

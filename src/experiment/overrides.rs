@@ -1,10 +1,12 @@
 //! `--set axis=v1,v2`: axes replaced from the command line.
 
 use super::axis::{AXES, index_of};
-use super::config::{Config, Placed, Sweep, axis_names, push_new};
+use super::config::{Config, Placed, Sweep, axis_names};
 use super::fault::{Faults, Place};
+use super::sweeps::Values;
 use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
+use std::collections::HashSet;
 
 /// What a formula's name begins with; its parameters are written with commas.
 const BUILTIN_PREFIX: &str = "builtin:";
@@ -33,16 +35,14 @@ impl Config {
             seen.push(axis);
             let kind = AXES[axis].kind;
             let items = items(kind, list);
-            let (mut values, written) = (Vec::new(), items.len());
+            let (mut values, written) = (Values::default(), items.len());
             for item in items {
                 match kind.parse_text(&item) {
-                    Ok(value) => {
-                        push_new(&mut values, Placed { value, place: place.clone() }, &format!("axes.{name}"), faults)
-                    }
+                    Ok(value) => values.push(Placed { value, place: place.clone() }, &format!("axes.{name}"), faults),
                     Err(fault) => faults.add(&place, format!("axes.{name}: {fault}")),
                 }
             }
-            given.push((Sweep { axis, values, written }, place));
+            given.push((Sweep { axis, values: values.into_placed(), written }, place));
         }
         let names: Vec<usize> = given.iter().map(|(sweep, _)| sweep.axis).collect();
         for (sweep, place) in given {
@@ -83,11 +83,12 @@ impl Config {
         let own = members.iter().find(|sweep| sweep.axis == wanted.axis);
         // Values that could not be read have their own faults.
         let Some(own) = own.filter(|_| wanted.values.len() == wanted.written) else { return };
-        let is_in = |value: &Value, values: &[Placed]| values.iter().any(|placed| placed.value == *value);
+        let set = |values: &[Placed]| values.iter().map(|placed| placed.value.clone()).collect::<HashSet<Value>>();
+        let (there, asked) = (set(&own.values), set(&wanted.values));
         let strangers: Vec<String> = wanted
             .values
             .iter()
-            .filter(|placed| !is_in(&placed.value, &own.values))
+            .filter(|placed| !there.contains(&placed.value))
             .map(|placed| placed.value.to_string())
             .collect();
         if !strangers.is_empty() {
@@ -103,7 +104,7 @@ impl Config {
             faults.add(place, text);
             return;
         }
-        let kept: Vec<bool> = own.values.iter().map(|placed| is_in(&placed.value, &wanted.values)).collect();
+        let kept: Vec<bool> = own.values.iter().map(|placed| asked.contains(&placed.value)).collect();
         for sweep in self.axes.iter_mut().filter(|sweep| zip.contains(&sweep.axis)) {
             let mut kept = kept.iter();
             sweep.values.retain(|_| kept.next().is_some_and(|kept| *kept));

@@ -7,7 +7,7 @@ use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
 use crate::environment::LoadOptions;
-use crate::files::read_stream;
+use crate::files::read_given;
 use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
 use crate::spelling::short_number;
 use std::collections::{BTreeMap, HashSet};
@@ -15,10 +15,12 @@ use std::path::Path;
 
 /// Counts up whenever the meaning of a cell changes, so that old records are not taken for new ones.
 pub const SCHEMA_VERSION: u32 = 1;
-/// Above this many combinations a file is taken for a mistake.
-const COMBINATIONS_MAX: u64 = 1_000_000;
+/// Above this many combinations a file is taken for a mistake. As many are planned in about ten seconds of one processor.
+const COMBINATIONS_MAX: u64 = 200_000;
+/// Above this many comparisons of combinations with values of exclusions, too: a few seconds.
+const COMPARISONS_MAX: u64 = 200_000_000;
 /// Largest experiment file, bytes.
-const MAX_FILE_BYTES: u64 = 1 << 24;
+const FILE_BYTES_MAX: u64 = 1 << 22;
 /// Hex digits of an id: 64 bits, so that a million cells collide with probability 3e-8.
 const ID_LENGTH: usize = 16;
 /// Turns the seed of the judging reference into that of a reference under test.
@@ -71,7 +73,7 @@ impl Plan {
 
     /// As [`Plan::load`], with a say in what environments may hold.
     pub fn load_with(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<Self, ConfigError> {
-        let text = read_stream(path, MAX_FILE_BYTES).and_then(text_of).map_err(|error| {
+        let text = read_given(path, FILE_BYTES_MAX).and_then(text_of).map_err(|error| {
             let mut faults = Faults::new(path, "");
             faults.add(&Place::Default, format!("cannot be read: {error}; expected an experiment file (TOML)"));
             faults.into_result().expect_err("one fault was added")
@@ -106,8 +108,15 @@ impl Plan {
         config.set_dir = set_dir.to_owned();
         let inputs = load_inputs(&config, options, &mut faults);
         let combinations = config.combination_count();
+        let excluding: usize =
+            config.exclusions.iter().flat_map(|e| &e.conditions).map(|(_, values)| values.len()).sum();
         if combinations > COMBINATIONS_MAX {
             faults.add(&Place::File(0), format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"));
+        } else if combinations.saturating_mul(excluding as u64) > COMPARISONS_MAX {
+            let text = format!(
+                "exclude: {combinations} combinations and {excluding} values of exclusions; their product may be {COMPARISONS_MAX} at most"
+            );
+            faults.add(&config.exclusions[0].place, text);
         } else {
             checks::check_combinations(&config, &mut faults);
         }
@@ -227,8 +236,7 @@ impl Plan {
                 warnings.add(&place, text);
             }
         }
-        let error = warnings.into_result().err();
-        error.into_iter().flat_map(|error| error.faults).map(|fault| fault.to_string()).collect()
+        warnings.into_result().err().map_or_else(Vec::new, |error| error.lines())
     }
 }
 

@@ -3,11 +3,72 @@
 use super::host::{HostState, UNKNOWN};
 use super::plan::{Plan, SCHEMA_VERSION};
 use super::run::Work;
+use crate::files::read_regular;
 use crate::pipeline::DeviceInfo;
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
+
+/// The file in the folder of a run.
+pub const PROVENANCE_FILE: &str = "provenance.json";
+/// Largest one that is read, bytes: every session adds a few thousand.
+const MAX_FILE_BYTES: u64 = 1 << 28;
+
+/// A file that cannot be the provenance of a run for this program.
+#[derive(Debug, thiserror::Error)]
+pub enum ProvenanceError {
+    #[error("{}: cannot be read: {error}", path.display())]
+    Io { path: PathBuf, error: std::io::Error },
+    #[error(
+        "{}: is not a provenance file of splitsum: {what}; expected it as `splitsum run` wrote it (a copy of it, or another folder)",
+        path.display()
+    )]
+    Strange { path: PathBuf, what: String },
+    #[error(
+        "{}: holds a run in the format {found}, and this program knows formats up to {SCHEMA_VERSION}; expected the newer program that \
+         wrote it, or another folder", dir.display()
+    )]
+    Newer { dir: PathBuf, found: u64 },
+}
+
+/// The provenance of the run in a folder, whoever asks for it; `None` when there is none. It is an object that says its format.
+pub fn read(dir: &Path) -> Result<Option<Value>, ProvenanceError> {
+    let path = dir.join(PROVENANCE_FILE);
+    let bytes = match read_regular(&path, MAX_FILE_BYTES) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(ProvenanceError::Io { path, error }),
+    };
+    let value: Value = match serde_json::from_slice(&bytes) {
+        Ok(value) => value,
+        Err(error) => return Err(ProvenanceError::Strange { path, what: error.to_string() }),
+    };
+    let strange = |what: &str| Err(ProvenanceError::Strange { path: path.clone(), what: what.to_owned() });
+    match value.get("schema_version").map(Value::as_u64) {
+        _ if !value.is_object() => strange("it holds no object"),
+        None => strange("it has no schema_version"),
+        Some(None) => strange("its schema_version is not a whole number"),
+        Some(Some(found)) if found > SCHEMA_VERSION.into() => {
+            Err(ProvenanceError::Newer { dir: dir.to_owned(), found })
+        }
+        Some(Some(_)) if !value.get("sessions").is_some_and(Value::is_array) => strange("it has no list of sessions"),
+        Some(Some(_)) => Ok(Some(value)),
+    }
+}
+
+/// Hash of an experiment's text, as the provenance names it.
+pub fn experiment_hash(text: &str) -> String {
+    blake3::hash(text.as_bytes()).to_hex().to_string()
+}
+
+/// Puts the experiment's text of `plan`, which has the same cells, in the place of the one that the provenance names.
+pub(super) fn name_experiment(value: &mut Value, plan: &Plan) {
+    let mut new = provenance(plan);
+    for key in ["question", "experiment_file", "experiment_hash", "overrides"] {
+        value[key] = new[key].take();
+    }
+}
 
 /// The provenance of a new run; `sessions` stays empty until [`session`] is added.
 pub fn provenance(plan: &Plan) -> Value {
@@ -18,7 +79,7 @@ pub fn provenance(plan: &Plan) -> Value {
         "name": plan.config.name,
         "question": plan.config.question,
         "experiment_file": plan.config.path.display().to_string(),
-        "experiment_hash": blake3::hash(plan.config.text.as_bytes()).to_hex().to_string(),
+        "experiment_hash": experiment_hash(&plan.config.text),
         "overrides": plan.config.overrides,
         "plan_hash": plan.hash,
         "shader_hash": crate::gpu::build_hash(),

@@ -1,11 +1,13 @@
 //! The folder of a run. Records are written last and in one step: no record means not done.
 
-use super::plan::{Plan, SCHEMA_VERSION};
+use super::plan::Plan;
+use super::provenance::{self, ProvenanceError};
 use super::seal::{self, Seal};
+use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, holds, open_regular, read_regular};
 use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
 use crate::table::csv;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -18,11 +20,6 @@ pub enum StoreError {
     OtherExperiment { dir: PathBuf, found: String },
     #[error("{}: holds a run made with other shaders, whose images may differ; give another --out, or remove it", dir.display())]
     OtherShaders { dir: PathBuf },
-    #[error(
-        "{}: holds a run in the format {found}, and this program knows formats up to {SCHEMA_VERSION}; use the newer program that wrote \
-         it, or give another --out", dir.display()
-    )]
-    NewerVersion { dir: PathBuf, found: u64 },
     #[error("{}: another run is at work in it; run the same command again after its end, or give another --out", dir.display())]
     Busy { dir: PathBuf },
     #[error("{}: is not empty and not a run (it has no provenance.json); give another --out", dir.display())]
@@ -36,8 +33,13 @@ pub enum StoreError {
     /// Noticed by its checksum ([`seal`]).
     #[error("{}: was changed or damaged after it was written: its checksum does not hold (remove it to make it anew)", path.display())]
     Damaged { path: PathBuf },
+    /// A record that was copied or renamed.
+    #[error("{}: is the record of {found}, under another name (remove it to make it anew)", path.display())]
+    Stranger { path: PathBuf, found: String },
     #[error("{}: {error}", path.display())]
     Io { path: PathBuf, error: std::io::Error },
+    #[error(transparent)]
+    Provenance(#[from] ProvenanceError),
     #[error(transparent)]
     Write(#[from] PixelsError),
     #[error(transparent)]
@@ -47,15 +49,22 @@ pub enum StoreError {
 impl StoreError {
     /// Whether the user named the wrong folder, rather than a file failing.
     pub fn is_misuse(&self) -> bool {
-        matches!(
-            self,
+        match self {
             Self::OtherExperiment { .. }
-                | Self::OtherShaders { .. }
-                | Self::NewerVersion { .. }
-                | Self::NotARun { .. }
-                | Self::NotAFolder { .. }
-                | Self::Folder { .. }
-        )
+            | Self::OtherShaders { .. }
+            | Self::NotARun { .. }
+            | Self::NotAFolder { .. }
+            | Self::Folder { .. }
+            | Self::Provenance(_) => true,
+            // A folder where a file of the run belongs.
+            Self::Io { error, .. } => error.kind() == std::io::ErrorKind::IsADirectory,
+            _ => false,
+        }
+    }
+
+    /// Whether a record is there but cannot be used: whoever can make it anew takes it for none.
+    pub fn is_unusable_record(&self) -> bool {
+        matches!(self, Self::Corrupt { .. } | Self::Damaged { .. } | Self::Stranger { .. })
     }
 
     /// Whether the same command may succeed later, as it is.
@@ -129,11 +138,7 @@ impl Store {
         if self.dir.is_file() {
             return Err(StoreError::NotAFolder { dir: self.dir.clone() });
         }
-        if let Some(provenance) = self.read::<serde_json::Value>(&self.provenance_path())? {
-            let found = provenance["schema_version"].as_u64().unwrap_or(0);
-            if found > SCHEMA_VERSION.into() {
-                return Err(StoreError::NewerVersion { dir: self.dir.clone(), found });
-            }
+        if let Some(provenance) = provenance::read(&self.dir)? {
             if provenance["plan_hash"] == plan.hash {
                 return Ok(());
             }
@@ -165,7 +170,7 @@ impl Store {
 
     /// Whether a run is at work in the folder. Not known, and taken for no, on a file system without locks.
     pub fn is_under_way(&self) -> bool {
-        let file = File::open(self.dir.join(LOCK_FILE));
+        let file = open_regular(&self.dir.join(LOCK_FILE));
         // Shared, so that two readers do not take each other for a run; given back with the file.
         file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
     }
@@ -200,17 +205,16 @@ impl Store {
         self.record_path("cells", id)
     }
 
-    /// The record of a finished cell. One that is not whole, as a power cut may leave it, is none: the cell is done again.
+    /// The record of a finished cell. One that is not whole, as a power cut may leave it, or that is another's is none: the cell is done
+    /// again.
     pub fn cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
-        match self.whole_cell(id) {
-            Err(StoreError::Corrupt { .. } | StoreError::Damaged { .. }) => Ok(None),
-            record => record,
-        }
+        usable(self.whole_cell(id))
     }
 
-    /// As [`Store::cell`], but a record that is not whole is a fault.
+    /// As [`Store::cell`], but a record that cannot be used is a fault.
     pub fn whole_cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
-        self.read_record(&self.cell_path(id))
+        let path = self.cell_path(id);
+        named(&path, id, self.read_record(&path)?, |record: &CellRecord| Some(record.cell.as_str()))
     }
 
     /// Keeps a finished cell and forgets its earlier failure.
@@ -221,9 +225,13 @@ impl Store {
         remove(self.record_path("failed", &record.cell))
     }
 
-    /// Why a cell failed the last time it was tried.
+    /// Why a cell failed the last time it was tried. A record that cannot be used is none.
     pub fn failure(&self, id: &str) -> Result<Option<FailureRecord>, StoreError> {
-        self.read(&self.record_path("failed", id))
+        let path = self.record_path("failed", id);
+        usable(
+            self.read(&path)
+                .and_then(|record| named(&path, id, record, |record: &FailureRecord| Some(record.cell.as_str()))),
+        )
     }
 
     /// Keeps the reason of a failure.
@@ -231,19 +239,30 @@ impl Store {
         self.write_json(&self.record_path("failed", &record.cell), record)
     }
 
-    /// Where the reference image of this id stopped, as an earlier invocation left it.
+    /// Where the reference image of this id stopped, as an earlier invocation left it. A record that cannot be used is none: the reference
+    /// is rendered again.
     pub fn reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
-        self.read_record(&self.record_path("references", id))
+        usable(self.whole_reference(id))
+    }
+
+    /// As [`Store::reference`], but a record that cannot be used is a fault.
+    pub fn whole_reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
+        self.read_named(&self.record_path("references", id), id)
     }
 
     /// Keeps where a reference stopped.
     pub fn write_reference(&self, id: &str, stop: &ReferenceStop) -> Result<(), StoreError> {
-        self.write_record(&self.record_path("references", id), stop)
+        self.write_named(&self.record_path("references", id), id, stop)
     }
 
-    /// A timing record.
+    /// A timing record. One that cannot be used is none: the configuration is timed again.
     pub fn timing<T: DeserializeOwned>(&self, id: &str) -> Result<Option<T>, StoreError> {
-        self.read_record(&self.record_path("timings", id))
+        usable(self.whole_timing(id))
+    }
+
+    /// As [`Store::timing`], but a record that cannot be used is a fault.
+    pub fn whole_timing<T: DeserializeOwned>(&self, id: &str) -> Result<Option<T>, StoreError> {
+        self.read_named(&self.record_path("timings", id), id)
     }
 
     /// Whether a configuration is timed already, and its record whole.
@@ -253,7 +272,7 @@ impl Store {
 
     /// Keeps a timing record.
     pub fn write_timing<T: Serialize>(&self, id: &str, record: &T) -> Result<(), StoreError> {
-        self.write_record(&self.record_path("timings", id), record)
+        self.write_named(&self.record_path("timings", id), id, record)
     }
 
     /// A table of the run, replaced in one step. Rows are made one at a time: all together they would take far more memory than
@@ -273,7 +292,7 @@ impl Store {
 
     /// A file of the run, in one step. A file that has this content already is left untouched.
     pub fn write_text(&self, path: &Path, text: &str) -> Result<(), StoreError> {
-        if std::fs::read(path).is_ok_and(|old| old == text.as_bytes()) {
+        if holds(path, text.as_bytes()) {
             return Ok(());
         }
         Ok(write_atomically(path, |writer| writer.write_all(text.as_bytes()))?)
@@ -289,9 +308,10 @@ impl Store {
         self.write_text(path, &seal::sealed(&pretty(path, record)?))
     }
 
-    /// As [`Store::write_sealed`]; on return the record is on the disk: what it holds cannot be had again the same, or costs much.
-    fn write_record<T: Serialize>(&self, path: &Path, record: &T) -> Result<(), StoreError> {
-        self.write_sealed(path, record)?;
+    /// As [`Store::write_sealed`], with the record's name in it, and on return the record is on the disk: what it holds cannot be had again
+    /// the same, or costs much.
+    fn write_named<T: Serialize>(&self, path: &Path, id: &str, record: &T) -> Result<(), StoreError> {
+        self.write_sealed(path, &Named { record: id.to_owned(), content: record })?;
         let sync = File::open(path).and_then(|file| file.sync_all());
         sync.map_err(|error| StoreError::Io { path: path.to_owned(), error })
     }
@@ -302,12 +322,19 @@ impl Store {
 
     /// The parsed file, or `None` when it does not exist.
     pub fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
-        read_bytes(path)?.map(|bytes| parsed(path, &bytes)).transpose()
+        read_bytes(path, PLAN_BYTES_MAX)?.map(|bytes| parsed(path, &bytes)).transpose()
+    }
+
+    /// As [`Store::read_record`], of one that holds its name. Records of older programs do not.
+    fn read_named<T: DeserializeOwned>(&self, path: &Path, id: &str) -> Result<Option<T>, StoreError> {
+        let record = self.read_record(path)?;
+        named(path, id, self.read::<NameOnly>(path)?, |name| name.record.as_deref())?;
+        Ok(record)
     }
 
     /// As [`Store::read`], of a record: its checksum must hold. Records of older programs have none.
     fn read_record<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
-        let Some(bytes) = read_bytes(path)? else { return Ok(None) };
+        let Some(bytes) = read_bytes(path, RECORD_BYTES_MAX)? else { return Ok(None) };
         let record = parsed(path, &bytes)?;
         match seal::check(&String::from_utf8_lossy(&bytes)) {
             Seal::Broken => Err(StoreError::Damaged { path: path.to_owned() }),
@@ -316,9 +343,46 @@ impl Store {
     }
 }
 
+/// A record whose content does not say whose it is.
+#[derive(Serialize)]
+struct Named<'r, T> {
+    /// The name of its file.
+    record: String,
+    #[serde(flatten)]
+    content: &'r T,
+}
+
+/// What a record says of itself.
+#[derive(Deserialize)]
+struct NameOnly {
+    #[serde(default)]
+    record: Option<String>,
+}
+
+/// The record that was read for `id`, unless the name in it is another one.
+fn named<T>(
+    path: &Path,
+    id: &str,
+    record: Option<T>,
+    name: impl Fn(&T) -> Option<&str>,
+) -> Result<Option<T>, StoreError> {
+    match record.as_ref().and_then(name).filter(|found| *found != id) {
+        Some(found) => Err(StoreError::Stranger { path: path.to_owned(), found: found.to_owned() }),
+        None => Ok(record),
+    }
+}
+
+/// A record, where it can be used.
+fn usable<T>(read: Result<Option<T>, StoreError>) -> Result<Option<T>, StoreError> {
+    match read {
+        Err(error) if error.is_unusable_record() => Ok(None),
+        read => read,
+    }
+}
+
 /// A whole file, or `None` when it does not exist.
-fn read_bytes(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-    match std::fs::read(path) {
+fn read_bytes(path: &Path, most_bytes: u64) -> Result<Option<Vec<u8>>, StoreError> {
+    match read_regular(path, most_bytes) {
         Ok(bytes) => Ok(Some(bytes)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(StoreError::Io { path: path.to_owned(), error }),

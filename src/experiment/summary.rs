@@ -10,7 +10,7 @@ use super::tables::REFERENCE_COLUMNS;
 use super::timing::{self, TimingRecord, summarize};
 use super::timing_ratios::{interval_words, ratios};
 use crate::slips;
-use crate::table::markdown::{Align, MarkdownTable, significant};
+use crate::table::markdown::{Align, MarkdownTable, inline, link, paragraph, significant};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
@@ -19,13 +19,13 @@ const DIGITS: usize = 3;
 
 /// The text of `summary.md`, from the files of the run alone.
 pub fn markdown(run: &RunFolder, study: &Study, answers: &Answers, record: &AnswerRecord) -> String {
-    let mut text = format!("# {}\n\n", record.name);
+    let mut text = format!("# {}\n\n", inline(&record.name));
     if !record.question.is_empty() {
-        let _ = writeln!(text, "{}\n", record.question);
+        let _ = writeln!(text, "{}\n", paragraph(&record.question));
     }
-    let _ = writeln!(text, "**{}**\n", record.answer.sentence);
+    let _ = writeln!(text, "**{}**\n", inline(&record.answer.sentence));
     for fact in &record.answer.facts {
-        let _ = writeln!(text, "- {fact}");
+        let _ = writeln!(text, "- {}", paragraph(fact));
     }
     if !record.answer.facts.is_empty() {
         text.push('\n');
@@ -34,7 +34,7 @@ pub fn markdown(run: &RunFolder, study: &Study, answers: &Answers, record: &Answ
     text += &pictures(record);
     text += &contact_sheets(run);
     text += &markdown::sections(study, answers);
-    text += &times_section(&run.timings);
+    text += &times_section(run);
     if let Some(table) = run.slips.as_ref().and_then(|table| slips::markdown(table).ok()) {
         text += &format!("## What each slip costs\n\n{}\n{table}\n", slips::HEADING);
     }
@@ -53,10 +53,10 @@ fn state(run: &RunFolder, study: &Study, record: &AnswerRecord) -> String {
     let _ = writeln!(
         text,
         ". Images of {sizes} against `{}` with {} samples a pixel{}. Device: {}.\n",
-        run.text("/reference/method"),
-        run.text("/reference/samples"),
+        inline(&run.text("/reference/method")),
+        inline(&run.text("/reference/samples")),
         reference_stops(run),
-        if record.devices.is_empty() { "none yet".to_owned() } else { record.devices.join("; ") }
+        if record.devices.is_empty() { "none yet".to_owned() } else { inline(&record.devices.join("; ")) }
     );
     if record.devices.len() > 1 {
         text +=
@@ -101,7 +101,7 @@ fn pictures(record: &AnswerRecord) -> String {
     let lines: String = pictures
         .map(|name| {
             let about = name.trim_end_matches(".svg").replace('_', " ");
-            format!("![{about}]({}/{name})\n", super::answers::FOLDER)
+            format!("!{}\n", link(&about, &format!("{}/{name}", super::answers::FOLDER)))
         })
         .collect();
     if lines.is_empty() { lines } else { lines + "\n" }
@@ -112,7 +112,12 @@ pub const SHEETS_FOLDER: &str = "tables";
 
 /// A link to a contact sheet of the run, by the name of its file.
 pub fn sheet_link(name: &str) -> String {
-    format!("[{}]({SHEETS_FOLDER}/{})", name.trim_end_matches(".png"), name.replace(' ', "%20"))
+    link(sheet_title(name), &format!("{SHEETS_FOLDER}/{name}"))
+}
+
+/// What a link to a contact sheet says.
+pub fn sheet_title(name: &str) -> &str {
+    name.trim_end_matches(".png")
 }
 
 /// Links to all pages of all contact sheets.
@@ -122,7 +127,24 @@ fn contact_sheets(run: &RunFolder) -> String {
     if links.is_empty() { String::new() } else { format!("Contact sheets: {}\n\n", links.join(" · ")) }
 }
 
-fn times_section(timings: &[TimingRecord]) -> String {
+/// Runnable tasks for each processor above which others were at work too: the run itself keeps each processor busy.
+const LOAD_MAX: f64 = 2.0;
+
+/// A warning where all timings were taken on a busy host.
+fn busy_host(run: &RunFolder) -> Option<String> {
+    let load = |record: &TimingRecord| record.host[0].load_average.as_ref().and_then(|load| load.first().copied());
+    let least = run.timings.iter().filter_map(load).min_by(f64::total_cmp)?;
+    let processors = run.provenance["sessions"].as_array()?.last()?["host"]["cpu_count"].as_f64()?;
+    (processors > 0.0 && least > LOAD_MAX * processors).then(|| {
+        format!(
+            "**The host was busy: a load of {} or more on {processors} processors. Time again on a quiet one.**\n",
+            significant(least, 2)
+        )
+    })
+}
+
+fn times_section(run: &RunFolder) -> String {
+    let timings = &run.timings;
     if timings.is_empty() {
         return String::new();
     }
@@ -161,6 +183,7 @@ fn times_section(timings: &[TimingRecord]) -> String {
         }
     }
     let mut pairs = MarkdownTable::new(&[
+        ("environment_size", Align::Left),
         ("brdf", Align::Left),
         ("diffuse", Align::Left),
         ("method", Align::Left),
@@ -178,17 +201,20 @@ fn times_section(timings: &[TimingRecord]) -> String {
         let (brdf, diffuse, fixed) =
             (axis(pair.sampled, "brdf"), axis(pair.sampled, "diffuse"), axis(pair.fixed, "method"));
         let verdict = format!("{}{}", pair.verdict, if pair.sampled.device_type == "cpu" { " (CPU)" } else { "" });
-        pairs.row(&[brdf, diffuse, method, fixed, significant(pair.ratio, DIGITS), interval, verdict, payback]);
+        let [width, height] = pair.sampled.environment_size;
+        pairs.row(&[format!("{width}x{height}"), brdf, diffuse, method, fixed, significant(pair.ratio, DIGITS), interval, verdict, payback]);
     }
     let pairs = match ratios.len() {
         0 => String::new(),
         _ => format!("Ratios of frame times, round by round, with the 95 % interval of their median:\n\n{pairs}\n"),
     };
     let rounds = timings[0].wall_ms.len();
-    let _ = writeln!(text, "Median over {rounds} rounds on {} ({}).", timings[0].device, timings[0].device_type);
+    let _ =
+        writeln!(text, "Median over {rounds} rounds on {} ({}).", inline(&timings[0].device), timings[0].device_type);
     if timings.iter().any(|record| record.device_type == "cpu") {
         text += "**Measured on a CPU driver: these times say nothing about a GPU.**\n";
     }
+    text += &busy_host(run).unwrap_or_default();
     let _ = write!(
         text,
         "\n{frames}\nTables that a method needs, made once per environment or model:\n\n{tables}\n{pairs}"

@@ -1,10 +1,11 @@
 //! `[axes]` and `[[zip]]`: lists, ranges, and axes that vary together.
 
 use super::axis::{AXES, index_of};
-use super::config::{Config, Placed, Sweep, Zip, axis_names, push_new};
+use super::config::{Config, Placed, Sweep, Zip, axis_names};
 use super::fault::{Faults, Place};
 use super::toml_tree::{checked, entries, list, raw, table, unknown_key};
-use super::value::{Kind, Raw};
+use super::value::{Kind, Raw, Value};
+use std::collections::HashSet;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -27,7 +28,7 @@ impl Config {
             };
             let (name, kind) = (format!("axes.{key}"), AXES[axis].kind);
             let at = Place::File(value.span().start);
-            let mut values: Vec<Placed> = Vec::new();
+            let mut values = Values::default();
             let mut written = 0;
             match value.get_ref() {
                 DeValue::Array(items) => {
@@ -38,7 +39,7 @@ impl Config {
                     for item in items.iter() {
                         let place = Place::File(item.span().start);
                         if let Some(value) = checked(kind, &name, item, faults) {
-                            push_new(&mut values, Placed { value, place }, &name, faults);
+                            values.push(Placed { value, place }, &name, faults);
                         }
                     }
                 }
@@ -56,14 +57,14 @@ impl Config {
                     written = items.len();
                     for item in items {
                         match kind.parse(&item) {
-                            Ok(value) => push_new(&mut values, Placed { value, place: at.clone() }, &name, faults),
+                            Ok(value) => values.push(Placed { value, place: at.clone() }, &name, faults),
                             Err(fault) => faults.add(&at, format!("{name}: {fault}")),
                         }
                     }
                 }
                 other => faults.add(&at, format!("{name}: {} is not a list of values", raw(other))),
             }
-            self.axes.push(Sweep { axis, values, written });
+            self.axes.push(Sweep { axis, values: values.into_placed(), written });
         }
     }
 
@@ -147,6 +148,34 @@ impl Config {
     }
 }
 
+/// A number without the rounding of the arithmetic that made it: 0.1 + 0.2 is 0.3, as a list would have it.
+fn decimal(number: f64) -> f64 {
+    format!("{number:.14e}").parse().unwrap_or(number)
+}
+
+/// The values of an axis as they are read: each once.
+#[derive(Default)]
+pub(super) struct Values {
+    placed: Vec<Placed>,
+    seen: HashSet<Value>,
+}
+
+impl Values {
+    /// Adds a value of the axis `name`, or notes that it is there already.
+    pub(super) fn push(&mut self, new: Placed, name: &str, faults: &mut Faults) {
+        if self.seen.insert(new.value.clone()) {
+            self.placed.push(new);
+        } else {
+            faults.add(&new.place, format!("{name}: {} stands twice", new.value));
+        }
+    }
+
+    /// In the order in which they came.
+    pub(super) fn into_placed(self) -> Vec<Placed> {
+        self.placed
+    }
+}
+
 /// The values of a range; those of a whole-number axis are rounded.
 fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
     let expected = || format!("expected a list of values, {RANGE_FORMS}");
@@ -173,7 +202,7 @@ fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
                     // The ends as they are written, whatever the rounding between.
                     _ if i == 0 => first,
                     _ if i == count - 1 => last,
-                    "linspace" => first + t * (last - first),
+                    "linspace" => decimal(first + t * (last - first)),
                     _ => (first.ln() + t * (last / first).ln()).exp(),
                 }
             };

@@ -8,7 +8,7 @@ use super::host::{HostState, UNKNOWN};
 use super::plan::{Cell, Plan};
 use super::statistics::{drift, median, median_interval, quantile};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::time::Duration;
 
 /// Raw samples of one configuration.
@@ -120,13 +120,12 @@ pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
         }
     }
     // Blocks in the order of their first member.
-    let mut blocks: Vec<String> = Vec::new();
+    let mut blocks: HashMap<String, usize> = HashMap::new();
     for job in &jobs {
-        if !blocks.contains(&job.block) {
-            blocks.push(job.block.clone());
-        }
+        let next = blocks.len();
+        blocks.entry(job.block.clone()).or_insert(next);
     }
-    jobs.sort_by_key(|job| blocks.iter().position(|block| *block == job.block));
+    jobs.sort_by_key(|job| blocks[&job.block]);
     jobs
 }
 
@@ -174,14 +173,26 @@ const WALL_RATIO_MIN: f64 = 0.5;
 
 /// Fewer samples than this say little about tails.
 const FEW_SAMPLES: usize = 10;
+/// Seconds of measurement from which on a trend is told for each minute: over less it is noise, many times enlarged.
+const DRIFT_SECONDS_MIN: f64 = 10.0;
 /// A drift that would move a time by this share within the measurement is named.
 const DRIFT_NAMED: f64 = 0.05;
 /// Samples this many scaled deviations from the median are outliers ([Iglewicz93] as hyperfine uses it).
 const OUTLIER_Z: f64 = 14.826;
 
 impl TimingRecord {
-    /// Trend of a pass, in percent of its median a minute; NaN where the times of the rounds are not known.
+    /// Minutes from the first round to the last.
+    fn minutes(&self) -> f64 {
+        self.rounds.last().map_or(0.0, |place| place.start_s / 60.0)
+    }
+
+    /// Trend of a pass, in percent of its median a minute; NaN where the times of the rounds are not known, or all lie within
+    /// [`DRIFT_SECONDS_MIN`].
     pub fn drift_percent_per_min(&self, pass: &PassSamples) -> f64 {
+        if 60.0 * self.minutes() < DRIFT_SECONDS_MIN { f64::NAN } else { self.trend(pass) }
+    }
+
+    fn trend(&self, pass: &PassSamples) -> f64 {
         let points: Vec<(f64, f64)> =
             self.rounds.iter().zip(&pass.ms).map(|(place, ms)| (place.start_s / 60.0, *ms)).collect();
         100.0 * drift(&points) / median(&pass.ms)
@@ -202,8 +213,7 @@ impl TimingRecord {
     /// What to be wary of, as words with spaces: `few-samples`, `drift`, `outliers`, `throttled`; empty for nothing.
     pub fn flags(&self, pass: &PassSamples) -> String {
         let (n, (middle, mad)) = (pass.ms.len(), centre(&pass.ms));
-        let minutes = self.rounds.last().map_or(0.0, |place| place.start_s / 60.0);
-        let moved = self.drift_percent_per_min(pass) / 100.0 * minutes;
+        let moved = self.trend(pass) / 100.0 * self.minutes();
         let is_outlier = |ms: &f64| mad > 0.0 && (ms - middle).abs() / mad > OUTLIER_Z;
         let flags = [
             ("few-samples", n < FEW_SAMPLES),

@@ -12,8 +12,9 @@ pub type Entry<'t, 'i> = (&'t str, &'t Spanned<DeValue<'i>>, Place);
 
 /// Notes a key that is none of `known`, with the nearest of them.
 pub fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], faults: &mut Faults) {
-    let near = suggestion(key, known);
-    faults.add(place, format!("{prefix}{key} is unknown{near}; expected one of {}", known.join(", ")));
+    faults.add_with(place, |_| {
+        format!("{prefix}{key} is unknown{}; expected one of {}", suggestion(key, known), known.join(", "))
+    });
 }
 
 /// The value that `kind` makes of what is written, or a fault at its place.

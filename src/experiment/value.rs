@@ -3,6 +3,7 @@
 use crate::glsl::constants;
 use crate::spelling::suggestion;
 use std::fmt;
+use std::hash::{Hash, Hasher};
 
 /// A checked value. Its `Display` text is what tables, cell ids and `--set` use.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +18,24 @@ pub enum Value {
     Pair([u32; 2]),
     /// A name out of a list, or the name of an input.
     Text(String),
+}
+
+/// Every checked number is one: no range holds a NaN.
+impl Eq for Value {}
+
+impl Hash for Value {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        std::mem::discriminant(self).hash(state);
+        // The two zeros are equal, so they must have one hash.
+        match self {
+            Self::Unset => {}
+            Self::Number(x) => (x + 0.0).to_bits().hash(state),
+            Self::Count(n) => n.hash(state),
+            Self::Color(c) => c.map(|x| (x + 0.0).to_bits()).hash(state),
+            Self::Pair(p) => p.hash(state),
+            Self::Text(text) => text.hash(state),
+        }
+    }
 }
 
 impl fmt::Display for Value {
@@ -197,6 +216,13 @@ const _: () = assert!(ALPHA_MIN as f32 == constants::ALPHA_MIN);
 pub const IMAGE_SIZE: Kind = Kind::Pair { min: 1, max: 16384 };
 
 impl Kind {
+    /// The name that stands for a number of this kind, as it is written in tables.
+    pub fn name_of(self, number: &str) -> Option<&'static str> {
+        let Self::NumberOrName { named, .. } = self else { return None };
+        let number: f64 = number.parse().ok()?;
+        named().into_iter().find(|(_, value)| *value == number).map(|(name, _)| name)
+    }
+
     /// The value of `raw`, or a sentence that names it and what was expected.
     pub fn parse(&self, raw: &Raw) -> Result<Value, String> {
         let expected = |what: &str| Err(format!("{raw} is not {what}"));
@@ -208,7 +234,8 @@ impl Kind {
             },
             Self::Alpha => match Self::Number(Range::above(0.0, 1.0)).parse(raw)? {
                 Value::Number(alpha) if alpha < ALPHA_MIN => Err(format!(
-                    "{raw} is below {ALPHA_MIN}, the narrowest lobe that the device shades; `splitsum integrate` takes any in (0, 1]"
+                    "{raw} is below {ALPHA_MIN}, the narrowest lobe that the device shades; `splitsum integrate` takes {} and more",
+                    crate::oracle::ALPHA_MIN
                 )),
                 alpha => Ok(alpha),
             },

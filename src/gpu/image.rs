@@ -10,6 +10,9 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
+/// Texels that are written at a time: a copy of 64 MiB, not of a whole map.
+const STAGED_TEXELS: u32 = 1 << 22;
+
 /// Texel format of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
@@ -175,18 +178,25 @@ impl Gpu {
     pub fn write_image(&self, image: &Image, mip: u32, texels: &[[f32; 4]]) -> Result<(), GpuError> {
         let [width, height] = image.mip_size(mip);
         assert_eq!(texels.len(), width as usize * height as usize, "texels of '{}'", image.inner.name);
-        let halves: Vec<[u16; 4]>;
-        let bytes = match image.inner.format {
-            Format::Rgba16Float => {
-                halves = texels.iter().map(|texel| texel.map(|x| half::f16::from_f32(x).to_bits())).collect();
-                bytemuck::cast_slice(&halves)
-            }
-            _ => bytemuck::cast_slice(texels),
-        };
-        let staging = self.staging_from(&image.inner.name, bytes)?;
-        let mut recorder = self.record(&image.inner.name)?;
-        recorder.copy_buffer_to_image(&staging, image, mip);
-        recorder.submit().map(|_| ())
+        let rows_at_a_time = (STAGED_TEXELS / width).clamp(1, height);
+        for (first, texels) in
+            (0..height).step_by(rows_at_a_time as usize).zip(texels.chunks(rows_at_a_time as usize * width as usize))
+        {
+            let halves: Vec<[u16; 4]>;
+            let bytes = match image.inner.format {
+                Format::Rgba16Float => {
+                    halves = texels.iter().map(|texel| texel.map(|x| half::f16::from_f32(x).to_bits())).collect();
+                    bytemuck::cast_slice(&halves)
+                }
+                _ => bytemuck::cast_slice(texels),
+            };
+            let staging = self.staging_from(&image.inner.name, bytes)?;
+            let mut recorder = self.record(&image.inner.name)?;
+            let rows = first..(first + rows_at_a_time).min(height);
+            recorder.copy_buffer_to_rows(&staging, image, mip, rows);
+            recorder.submit()?;
+        }
+        Ok(())
     }
 
     /// The texels of level `mip` of a colour image, row by row.

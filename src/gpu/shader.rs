@@ -1,6 +1,7 @@
 //! The SPIR-V that the build script made, by permutation name.
 
 use super::GpuError;
+use std::sync::LazyLock;
 
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
@@ -16,11 +17,15 @@ pub fn has_shader(name: &str) -> bool {
 }
 
 /// One hash of all shaders: changes whenever any of them does.
-pub fn build_hash() -> String {
-    let mut hasher = blake3::Hasher::new();
-    for (name, bytes) in SHADERS {
-        hasher.update(name.as_bytes());
-        hasher.update(bytes);
-    }
-    hasher.finalize().to_hex().to_string()
+pub fn build_hash() -> &'static str {
+    // A plan asks for it with every cell.
+    static HASH: LazyLock<String> = LazyLock::new(|| {
+        let mut hasher = blake3::Hasher::new();
+        for (name, bytes) in SHADERS {
+            hasher.update(name.as_bytes());
+            hasher.update(bytes);
+        }
+        hasher.finalize().to_hex().to_string()
+    });
+    &HASH
 }

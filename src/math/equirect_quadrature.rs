@@ -55,23 +55,22 @@ pub struct Focus {
 pub struct EquirectQuadrature {
     width: usize,
     height: usize,
-    texels: Vec<DVec3>,
+    texels: Vec<[f32; 3]>,
     rule: TensorRule,
     nodes: Vec<Node>,
     root: Region,
 }
 
 impl EquirectQuadrature {
-    /// Prepares a map of `width` x `height` texels (row 0 at +y). Costs about 1 kB a leaf of some 80 texels.
+    /// Prepares a map of `width` x `height` texels (row 0 at +y). Costs about 1 kB a leaf of 36 to 144 texels.
     pub fn new(width: u32, height: u32, texel: impl Fn(u32, u32) -> [f32; 3]) -> Self {
-        let texels = (0..height)
-            .flat_map(|y| (0..width).map(move |x| (x, y)))
-            .map(|(x, y)| DVec3::from_array(texel(x, y).map(f64::from)))
-            .collect();
+        let mut texels = Vec::with_capacity(width as usize * height as usize);
+        texels.extend((0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| texel(x, y)));
         let (width, height) = (width as usize, height as usize);
         let root =
             Region { low: DVec2::splat(-0.5), high: DVec2::new(width as f64 - 0.5, height as f64 - 0.5), node: None };
         let mut quadrature = Self { width, height, texels, rule: TensorRule::default(), nodes: Vec::new(), root };
+        quadrature.nodes.reserve_exact(quadrature.node_count(&root));
         quadrature.root = quadrature.build(root);
         quadrature
     }
@@ -86,8 +85,9 @@ impl EquirectQuadrature {
         let mut roots = Vec::new();
         let mut pending = vec![self.root];
         while let Some(region) = pending.pop() {
-            if self.must_split(&region, focus) {
-                pending.extend(self.split(&region));
+            // A focus narrower than rounding would be split for ever; what is left is told by the bound of the error.
+            if roots.len() + pending.len() < tolerance.max_part_count && self.must_split(&region, focus) {
+                pending.extend(self.split_towards_square(&region));
             } else {
                 roots.push(region);
             }
@@ -100,14 +100,33 @@ impl EquirectQuadrature {
         if size.x > ROOT_WIDTH {
             return true;
         }
-        let middle = self.uv(0.5 * (region.low + region.high));
-        // The widest row of a region bounds its extent: within half its height of the middle.
-        let widest = (PI * ((middle.y - 0.5).abs() - 0.5 * size.y).max(0.0)).cos();
-        let diagonal = PI * (2.0 * size.x * widest).hypot(size.y);
-        let center = direction_from_uv(middle);
+        let diagonal = self.extent(region).length();
+        let center = direction_from_uv(self.uv(0.5 * (region.low + region.high)));
         focus.iter().any(|focus| {
             diagonal > focus.radius && center.angle_between(focus.direction) < focus.radius + 0.5 * diagonal
         })
+    }
+
+    /// Angular width and height of a region, radians.
+    fn extent(&self, region: &Region) -> DVec2 {
+        let size = self.uv(region.high) - self.uv(region.low);
+        let middle = self.uv(0.5 * (region.low + region.high));
+        // The widest row of a region bounds its width: within half its height of the middle.
+        let widest = (PI * ((middle.y - 0.5).abs() - 0.5 * size.y).max(0.0)).cos();
+        PI * DVec2::new(2.0 * size.x * widest, size.y)
+    }
+
+    /// Parts of a region that are nearer to squares on the sphere: at a pole quarters would be ever thinner needles.
+    fn split_towards_square(&self, region: &Region) -> Vec<Region> {
+        let has_children = region.node.is_some_and(|index| !self.nodes[index].children.is_empty());
+        let DVec2 { x: width, y: height } = self.extent(region);
+        let is_narrow = self.uv(region.high).x - self.uv(region.low).x <= ROOT_WIDTH && width < 0.5 * height;
+        if has_children || !is_narrow {
+            return self.split(region);
+        }
+        let y = middle_knot(region.low.y, region.high.y);
+        let upper = Region { high: DVec2::new(region.high.x, y), node: None, ..*region };
+        vec![upper, Region { low: DVec2::new(region.low.x, y), node: None, ..*region }]
     }
 
     /// Quarters of a region, along the edges of bilinear cells while it has several.
@@ -117,13 +136,9 @@ impl EquirectQuadrature {
         {
             return node.children.clone();
         }
-        let middle = |low: f64, high: f64| {
-            let knot = (0.5 * (low + high)).round();
-            if knot > low && knot < high { knot } else { 0.5 * (low + high) }
-        };
         let Region { low, high, .. } = *region;
-        let x = [low.x, middle(low.x, high.x), high.x];
-        let y = [low.y, middle(low.y, high.y), high.y];
+        let x = [low.x, middle_knot(low.x, high.x), high.x];
+        let y = [low.y, middle_knot(low.y, high.y), high.y];
         let part = |i: usize, j: usize| Region {
             low: DVec2::new(x[i], y[j]),
             high: DVec2::new(x[i + 1], y[j + 1]),
@@ -167,14 +182,19 @@ impl EquirectQuadrature {
         (texel + 0.5) / DVec2::new(self.width as f64, self.height as f64)
     }
 
+    /// Nodes of a region and everything below it.
+    fn node_count(&self, region: &Region) -> usize {
+        let below = if is_leaf(region) { Vec::new() } else { branches(region) };
+        1 + below.iter().map(|child| self.node_count(child)).sum::<usize>()
+    }
+
     /// Builds the node of a region and everything below it.
     fn build(&mut self, region: Region) -> Region {
-        let cells = region.high - region.low;
-        let node = if cells.max_element() <= LEAF_CELLS as f64 {
+        let node = if is_leaf(&region) {
             let (weights, mass) = self.weights(&region);
             Node { weights, mass, children: Vec::new() }
         } else {
-            let children: Vec<Region> = self.split(&region).into_iter().map(|child| self.build(child)).collect();
+            let children: Vec<Region> = branches(&region).into_iter().map(|child| self.build(child)).collect();
             self.merge(&region, children)
         };
         self.nodes.push(node);
@@ -224,7 +244,7 @@ impl EquirectQuadrature {
             let mut sums = [DVec3::ZERO; NODE_COUNT];
             for column in &columns {
                 let x = column.texel.rem_euclid(self.width as i64) as usize;
-                let radiance = self.texels[y * self.width + x];
+                let radiance = DVec3::from_array(self.texels[y * self.width + x].map(f64::from));
                 for (sum, integral) in sums.iter_mut().zip(&column.integrals) {
                     *sum += radiance * *integral;
                 }
@@ -273,6 +293,30 @@ impl EquirectQuadrature {
         }
         hats
     }
+}
+
+fn is_leaf(region: &Region) -> bool {
+    (region.high - region.low).max_element() <= LEAF_CELLS as f64
+}
+
+/// The children of a node: halves of each axis that is longer than a leaf's. A map of one row has no leaves thinner than that row.
+fn branches(region: &Region) -> Vec<Region> {
+    let parts = |low: f64, high: f64| match high - low > LEAF_CELLS as f64 {
+        true => vec![(low, middle_knot(low, high)), (middle_knot(low, high), high)],
+        false => vec![(low, high)],
+    };
+    let columns = parts(region.low.x, region.high.x);
+    let rows = parts(region.low.y, region.high.y).into_iter();
+    rows.flat_map(|y| {
+        columns.iter().map(move |x| Region { low: DVec2::new(x.0, y.0), high: DVec2::new(x.1, y.1), node: None })
+    })
+    .collect()
+}
+
+/// The edge of bilinear cells nearest to the middle of an interval, or the middle when no edge is inside.
+fn middle_knot(low: f64, high: f64) -> f64 {
+    let knot = (0.5 * (low + high)).round();
+    if knot > low && knot < high { knot } else { 0.5 * (low + high) }
 }
 
 /// Integrals of one texel's hat function, along one axis.

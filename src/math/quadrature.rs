@@ -117,9 +117,13 @@ impl<const K: usize> Estimate<K> {
         self.value.map(|value| value.abs().max(DVec3::splat(SCALE_FLOOR * largest)))
     }
 
-    /// The largest error in units of `scale`; 0/0 counts as no error.
+    /// The largest error in units of `scale`; 0/0 counts as no error, and what is no number as an infinite one.
     fn relative_error(&self, scale: &[DVec3; K]) -> f64 {
-        let channel = |error: f64, scale: f64| if error > 0.0 { error / scale } else { 0.0 };
+        let channel = |error: f64, scale: f64| match error / scale {
+            relative if !relative.is_nan() => relative.max(0.0),
+            _ if error == 0.0 => 0.0,
+            _ => f64::INFINITY,
+        };
         let largest = |k: usize| (0..3).map(|c| channel(self.error[k][c], scale[k][c])).fold(0.0, f64::max);
         (0..K).map(largest).fold(0.0, f64::max)
     }

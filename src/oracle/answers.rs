@@ -24,6 +24,8 @@ pub struct Answers {
     pub rows: Vec<Vec<Cell>>,
     /// Rows whose integration ended at its cap of parts, above the error that was asked for. Their bounds say what was reached.
     pub unmet: usize,
+    /// Rows of which a number is not finite, from 1: a direction or cosine so small that f64 cannot hold what it makes.
+    pub not_finite: Vec<usize>,
 }
 
 /// The numbers of one answer.
@@ -76,10 +78,12 @@ impl Queries {
         }
         let found: Vec<Numbers> = found.into_iter().flatten().collect();
         let unmet = found.iter().filter(|numbers| !numbers.is_met).count();
+        let is_finite = |numbers: &Numbers| numbers.values.iter().all(|value| value.is_finite());
+        let not_finite = (1..).zip(&found).filter(|(_, numbers)| !is_finite(numbers)).map(|(row, _)| row).collect();
         let with_numbers = |(cells, numbers): (&Vec<Cell>, &Numbers)| {
             cells.iter().cloned().chain(numbers.values.iter().map(|&value| value.into())).collect()
         };
-        Answers { columns, rows: self.cells.iter().zip(&found).map(with_numbers).collect(), unmet }
+        Answers { columns, rows: self.cells.iter().zip(&found).map(with_numbers).collect(), unmet, not_finite }
     }
 }
 
@@ -101,7 +105,10 @@ fn answer(
         }
         Query::Dfg { model, masking, alpha, n_dot_v } => {
             let pair = dfg(*model, *masking, *n_dot_v, *alpha);
-            return Numbers { values: vec![pair.f0_scale, pair.f90_scale, pair.albedo(), pair.error], is_met: true };
+            return Numbers {
+                values: vec![pair.f0_scale, pair.f90_scale, pair.albedo(), pair.error],
+                is_met: pair.error.is_finite(),
+            };
         }
         Query::Prefilter { model, alpha, r, .. } => {
             let value = prefilter(environment(), *model, *alpha, *r, tolerance);

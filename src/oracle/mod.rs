@@ -15,6 +15,10 @@ use crate::brdf::{Brdf, MaskingShadowing};
 use crate::shade::reference::Surface;
 use glam::DVec3;
 
+/// Narrowest lobe that is integrated: a tenth of what the device shades. Lobes near 1e-5 are narrower than the rounding of their
+/// mirror direction lets the default tolerance be met.
+pub const ALPHA_MIN: f64 = 1e-4;
+
 /// What is asked. Each kind has its columns, see [`KindColumns`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {

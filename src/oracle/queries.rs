@@ -1,9 +1,9 @@
 //! Reading a table of queries: every row is checked, and every fault is told with its line and column.
 
-use super::{Kind, KindColumns, Query};
+use super::{ALPHA_MIN, Kind, KindColumns, Query};
 use crate::brdf::{self, Brdf, MODELS, MaskingShadowing};
 use crate::environment::{Environment, LoadOptions};
-use crate::files::read_stream;
+use crate::files::{TEXT_BYTES_MAX, read_given};
 use crate::shade::reference::Surface;
 use crate::spelling::suggestion;
 use crate::table::csv::{Cell, unguarded};
@@ -11,8 +11,6 @@ use glam::DVec3;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Largest file that is read, bytes.
-const MAX_FILE_BYTES: u64 = 1 << 30;
 /// Largest departure of a direction's length from 1; within it the direction is normalised. Five digits a coordinate suffice.
 pub const LENGTH_TOLERANCE: f64 = 1e-5;
 
@@ -59,7 +57,7 @@ impl std::error::Error for QueryFaults {}
 impl Queries {
     /// Reads a CSV file with a header. Environments are loaded once each; relative paths start at the folder of the file.
     pub fn read(path: &Path, kind: Kind, options: &LoadOptions) -> Result<Self, QueryFaults> {
-        let bytes = read_stream(path, MAX_FILE_BYTES)
+        let bytes = read_given(path, TEXT_BYTES_MAX)
             .map_err(|error| whole(path, format!("cannot be read ({error}); expected a CSV file of queries")))?;
         Self::from_bytes(path, &bytes, kind, options)
     }
@@ -317,7 +315,11 @@ impl Row<'_> {
     }
 
     fn alpha(&mut self) -> Option<f64> {
-        self.above_zero_to_one("alpha")
+        let (text, alpha) = (self.cell("alpha").to_owned(), self.above_zero_to_one("alpha")?);
+        if alpha < ALPHA_MIN {
+            self.fault("alpha", format!("{text} is below {ALPHA_MIN}, the narrowest lobe that is integrated"));
+        }
+        (alpha >= ALPHA_MIN).then_some(alpha)
     }
 
     /// `x`, or `R:G:B`.

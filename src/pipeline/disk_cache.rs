@@ -7,6 +7,7 @@
 //! An entry is written in one step and carries a checksum; one that does not hold is removed and made anew. Several processes may share
 //! a folder. Above its limit the entries that were used longest ago go first.
 
+use crate::files::read_regular;
 use crate::gpu::DeviceInfo;
 use crate::pixels::{PART_PREFIX, write_atomically};
 use std::fs::{File, Metadata};
@@ -14,6 +15,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::{Duration, SystemTime};
+
+/// Largest entry that is read, bytes: larger than any image.
+const ENTRY_BYTES_MAX: u64 = 1 << 32;
 
 /// First bytes of an entry; the digit counts up with its form.
 const MAGIC: &[u8; 8] = b"splitsu1";
@@ -81,7 +85,7 @@ impl DiskCache {
     pub fn load(&mut self, key: &str) -> Option<Vec<u8>> {
         let key = format!("{}{key}", self.base);
         let path = self.path(&key);
-        let bytes = match std::fs::read(&path) {
+        let bytes = match read_regular(&path, ENTRY_BYTES_MAX) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
             Err(error) => {

@@ -18,7 +18,7 @@ pub fn image_buffer_bytes([width, height]: [u32; 2]) -> u64 {
 
 /// One resource, or several of one size and kind.
 struct Need {
-    what: &'static str,
+    what: String,
     size: [u32; 2],
     /// Bytes in all.
     bytes: u64,
@@ -33,7 +33,8 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
     let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
     // A chain of halved levels takes a third more.
     let with_mips = |texels: u64| texels * VEC4 * 4 / 3;
-    let image = |what, size, bytes| Need { what, size, bytes, buffer_bytes: 0, has_images: true };
+    let image =
+        |what: &str, size, bytes| Need { what: what.to_owned(), size, bytes, buffer_bytes: 0, has_images: true };
     let map = &request.environment.image;
     let (size, map_size) = (request.size, [map.width, map.height]);
     let (pixels, map_texels) = (texels(size), texels(map_size));
@@ -41,14 +42,19 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
     let mut needs = vec![
         // Four attachments, depth, radiance, the copy.
         Need { buffer_bytes: image_buffer_bytes(size), ..image("image", size, pixels * (6 * VEC4 + 4)) },
-        image("environment", map_size, with_mips(map_texels) + map_texels * VEC4),
+        image(
+            &format!("environment {}", request.environment.name),
+            map_size,
+            with_mips(map_texels) + map_texels * VEC4,
+        ),
     ];
     if request.has_reference_term() {
         // Means, deviations, squared error; starts and guide entries of the map's distribution, one word each, rounded up to powers of two.
         let words = u64::from(map.height + 2) * (u64::from(map.width) + u64::from(map.width).next_power_of_two() + 2);
         let bytes = 3 * pixels * VEC4 + 4 * words;
         let buffer_bytes = (4 * words).max(pixels * VEC4);
-        needs.push(Need { what: "reference", size, bytes, buffer_bytes, has_images: false });
+        let what = format!("reference under {}", request.environment.name);
+        needs.push(Need { what, size, bytes, buffer_bytes, has_images: false });
     }
     let settings = &request.precompute;
     if request.method.uses_prefiltered {

@@ -6,10 +6,17 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Largest image that is read or made, texels (32768 x 4096): 1.5 GiB as RGB floats.
-pub(crate) const MAX_TEXELS: u64 = 1 << 27;
+/// Most texels of an environment, read or made (8192 x 4096): with [`ENVIRONMENT_TEXEL_BYTES`] they stay below 2 GiB.
+pub(crate) const ENVIRONMENT_TEXELS_MAX: u64 = 1 << 25;
+/// Bytes that a texel of an environment takes at most: 12 as radiance, as many again in f32 for the exact integrals, up to 34 for the
+/// quadtree of those; or 12, 16 on the way to the device and, where that is this machine, 22 there.
+const ENVIRONMENT_TEXEL_BYTES: u64 = 58;
+/// Most texels of any other image that is read, such as a frame (8192 x 8192).
+pub(super) const FRAME_TEXELS_MAX: u64 = 1 << 26;
+/// Bytes that a texel takes while it is decoded: planes of red, green, blue and alpha, and the image.
+const DECODED_TEXEL_BYTES: u64 = 28;
 /// Largest file that is read, bytes. Readers hold the file in memory.
-const MAX_FILE_BYTES: u64 = 1 << 32;
+const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// An image file that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -45,15 +52,25 @@ pub(crate) fn read_bounded(path: &Path) -> Result<Vec<u8>, PixelsError> {
 }
 
 /// Checks a size that a header claims; `file_bytes * texels_per_byte` bounds what the file can plausibly hold.
-pub(super) fn check_claim(width: u64, height: u64, file_bytes: usize, texels_per_byte: u64) -> Result<(), Fault> {
+pub(super) fn check_claim(
+    width: u64,
+    height: u64,
+    most_texels: u64,
+    file_bytes: usize,
+    texels_per_byte: u64,
+) -> Result<(), Fault> {
     if width == 0 || height == 0 {
         return Err(Fault::new(format!("the header claims {width}x{height} pixels"), "at least one pixel"));
     }
     let texels = width.saturating_mul(height);
-    if texels > MAX_TEXELS {
+    if texels > most_texels {
+        let is_map = most_texels == ENVIRONMENT_TEXELS_MAX;
+        let texel_bytes = if is_map { ENVIRONMENT_TEXEL_BYTES } else { DECODED_TEXEL_BYTES };
+        let mebibytes = texels.saturating_mul(texel_bytes) >> 20;
+        let size = if is_map { "8192x4096" } else { "8192x8192" };
         return Err(Fault::new(
-            format!("the header claims {width}x{height} pixels"),
-            format!("at most {MAX_TEXELS} pixels"),
+            format!("the header claims {width}x{height} pixels, which take {mebibytes} MiB of memory"),
+            format!("at most {most_texels} pixels; resample the image to {size} or less"),
         ));
     }
     if texels > (file_bytes as u64).saturating_mul(texels_per_byte) {
@@ -63,6 +80,23 @@ pub(super) fn check_claim(width: u64, height: u64, file_bytes: usize, texels_per
         ));
     }
     Ok(())
+}
+
+/// An empty vector with room for `count` values of an image, or what is missing: a process that is out of memory must say so.
+pub(super) fn reserved<T>(count: usize) -> Result<Vec<T>, Fault> {
+    let mut data = Vec::new();
+    data.try_reserve_exact(count).map_err(|_| {
+        let mebibytes = count.saturating_mul(size_of::<T>()) >> 20;
+        Fault::new(format!("{mebibytes} MiB of memory for its {count} pixels are not to be had"), "a machine with more")
+    })?;
+    Ok(data)
+}
+
+/// As [`reserved`], of `count` times the same value.
+pub(super) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>, Fault> {
+    let mut data = reserved(count)?;
+    data.resize(count, value);
+    Ok(data)
 }
 
 /// What the names of unfinished files begin with; they end in `.part`.
@@ -93,6 +127,8 @@ impl Staged {
         path: &Path,
         fill: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
     ) -> Result<Self, PixelsError> {
+        let target = target_of(path)?;
+        let path = target.as_path();
         let io = |error| write_fault(path, error);
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut builder = tempfile::Builder::new();
@@ -111,6 +147,23 @@ impl Staged {
     pub(crate) fn put(self) -> Result<(), PixelsError> {
         self.temporary.persist(&self.path).map_err(|error| write_fault(&self.path, error.error))?;
         Ok(())
+    }
+}
+
+/// The file that a path stands for: of a link the file that it names, so that the link stays. What is there and is no regular file must not
+/// be replaced by one: who may, would lose a device.
+fn target_of(path: &Path) -> Result<PathBuf, PixelsError> {
+    let is_link = std::fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_symlink());
+    let target = match is_link {
+        // A link to nothing stands for itself.
+        true => std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()),
+        false => path.to_owned(),
+    };
+    match std::fs::metadata(&target) {
+        Ok(metadata) if !metadata.is_file() && !metadata.is_dir() => {
+            Err(Fault::new("is a device or a pipe", "a file, or the name of one to make").at(path))
+        }
+        _ => Ok(target),
     }
 }
 

@@ -11,7 +11,7 @@ pub mod radiance;
 mod shrink;
 
 pub use file::PixelsError;
-pub(crate) use file::{MAX_TEXELS, PART_PREFIX, Staged, read_bounded, write_atomically};
+pub(crate) use file::{ENVIRONMENT_TEXELS_MAX, PART_PREFIX, Staged, read_bounded, write_atomically};
 
 /// What a reader of float images returns.
 #[derive(Clone, Debug)]
@@ -52,7 +52,9 @@ impl<T: Copy> Pixels<T> {
 
     /// An image computed from (column, row).
     pub fn from_fn(width: u32, height: u32, mut pixel: impl FnMut(u32, u32) -> T) -> Self {
-        let data = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect();
+        // The iterator does not know its length.
+        let mut data = Vec::with_capacity(width as usize * height as usize);
+        data.extend((0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)));
         Self { width, height, data }
     }
 

@@ -1,6 +1,6 @@
 //! 8-bit RGB PNG, sRGB-encoded: the display-referred pictures.
 
-use super::file::{Fault, check_claim, read_bounded};
+use super::file::{FRAME_TEXELS_MAX, Fault, check_claim, read_bounded, reserved};
 use super::{PixelsError, Rgb8Image, write_atomically};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageFormat, ImageReader};
@@ -29,11 +29,12 @@ fn decode(bytes: &[u8]) -> Result<Rgb8Image, Fault> {
     let refuse = |error: image::ImageError| Fault::new(format!("cannot be decoded ({error})"), "a whole PNG file");
     let (width, height) =
         ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png).into_dimensions().map_err(refuse)?;
-    check_claim(width.into(), height.into(), bytes.len(), MAX_TEXELS_PER_BYTE)?;
+    check_claim(width.into(), height.into(), FRAME_TEXELS_MAX, bytes.len(), MAX_TEXELS_PER_BYTE)?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
     // The size was checked above; the default limit of the crate would refuse images that we allow.
     reader.no_limits();
     let decoded = reader.decode().map_err(refuse)?.into_rgb8();
-    let data = decoded.as_raw().as_chunks::<3>().0.to_vec();
+    let mut data = reserved(decoded.as_raw().len() / 3)?;
+    data.extend_from_slice(decoded.as_raw().as_chunks().0);
     Ok(Rgb8Image::new(width, height, data))
 }

@@ -9,7 +9,7 @@
 //! grey, which the D65 matrix would turn pink. XYZE is photometric, so the result is 179 (lm/W) times what RGBE of the same scene
 //! holds; it is left in the unit of the file, with a warning.
 
-use super::file::{Fault, check_claim, read_bounded};
+use super::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled, read_bounded};
 use super::{Decoded, PixelsError, RgbImage};
 use crate::color::{Chromaticities, RADIANCE, REC709};
 use glam::{DMat3, DVec2, DVec3};
@@ -24,11 +24,16 @@ const EXPONENT_BIAS: i32 = 136;
 
 /// Reads a Radiance picture as linear Rec.709, row 0 at the top whatever the orientation in the file.
 pub fn read(path: &Path) -> Result<Decoded, PixelsError> {
-    read_bytes(path, &read_bounded(path)?)
+    read_bytes(path, &read_bounded(path)?, None)
 }
 
-/// As [`read`], of the bytes of the file at `path`, which only errors name.
-pub fn read_bytes(path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
+/// As [`read`], of the bytes of the file at `path`, which only errors name. There are no layers to ask for.
+pub fn read_bytes(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Decoded, PixelsError> {
+    if let Some(name) = layer {
+        return Err(
+            Fault::new(format!("is asked for layer {name:?}"), "no layer: a Radiance picture has one image").at(path)
+        );
+    }
     decode(bytes).map_err(|fault| fault.at(path))
 }
 
@@ -54,12 +59,12 @@ fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
     let mut input = Input { rest: bytes };
     let header = read_header(&mut input)?;
     let Layout { width, height, columns_first, flip_x, flip_y } = header.layout;
-    check_claim(width as u64, height as u64, bytes.len(), MAX_TEXELS_PER_BYTE)?;
+    check_claim(width as u64, height as u64, ENVIRONMENT_TEXELS_MAX, bytes.len(), MAX_TEXELS_PER_BYTE)?;
 
     let mut warnings = Vec::new();
     let to_rgb = conversion(&header, &mut warnings);
     let mut out_of_gamut = 0u64;
-    let mut image = RgbImage::filled(width as u32, height as u32, [0.0; 3]);
+    let mut image = RgbImage::new(width as u32, height as u32, filled(width * height, [0.0; 3])?);
     let (slow, fast) = if columns_first { (width, height) } else { (height, width) };
     let mut scanline = vec![[0u8; 4]; fast];
     for s in 0..slow {

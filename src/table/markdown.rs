@@ -1,6 +1,7 @@
 //! Small tables for a terminal and for Markdown alike: the columns are aligned in the source text.
 
-use std::fmt;
+use crate::spelling::printable;
+use std::fmt::{self, Write};
 
 /// Side on which the cells of a column line up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +24,13 @@ impl MarkdownTable {
         Self { columns: columns.iter().map(|&(name, align)| (escape(name), align)).collect(), rows: Vec::new() }
     }
 
+    /// As [`MarkdownTable::row`], with a [`link`] before the cells.
+    pub fn row_with_link<T: AsRef<str>>(&mut self, link: &str, cells: &[T]) {
+        assert_eq!(cells.len() + 1, self.columns.len(), "cells of a Markdown row");
+        let rest = cells.iter().map(|cell| escape(cell.as_ref()));
+        self.rows.push(std::iter::once(link.replace('|', "\\|")).chain(rest).collect());
+    }
+
     /// Appends a row. Panics when the number of cells is not that of the columns.
     pub fn row<T: AsRef<str>>(&mut self, cells: &[T]) {
         assert_eq!(cells.len(), self.columns.len(), "cells of a Markdown row");
@@ -32,7 +40,59 @@ impl MarkdownTable {
 
 /// A cell is one line and holds no bare column separator.
 fn escape(cell: &str) -> String {
-    cell.replace('|', "\\|").replace("\r\n", " ").replace(['\n', '\r'], " ")
+    inline(cell).replace('|', "\\|")
+}
+
+/// A text of anyone's making within a line of Markdown: one line, in which no tag, no link and no image begins, and nothing that a terminal
+/// obeys. What is only written strangely, such as a name with `_`, stays as it is: people read the source, too.
+pub fn inline(text: &str) -> String {
+    let line = text.replace("\r\n", " ").replace(['\n', '\r', '\t'], " ");
+    let mut safe = String::with_capacity(line.len());
+    let mut characters = line.chars().peekable();
+    while let Some(c) = characters.next() {
+        let next = characters.peek().copied();
+        // A `<` before a blank or digit is a comparison.
+        let is_tag = c == '<' && next.is_some_and(|next| next.is_ascii_alphabetic() || "/!?".contains(next));
+        let is_link = c == ']' && next.is_some_and(|next| "([".contains(next));
+        // One that is there already would take the effect of the one that is put before what follows.
+        let is_escape = c == '\\' && next.is_some_and(|next| "\\<]".contains(next));
+        if is_tag || is_link || is_escape {
+            safe.push('\\');
+        }
+        safe.push(c);
+    }
+    printable(&safe)
+}
+
+/// As [`inline`], of a text that is a paragraph of its own: it begins no heading, list, quotation, table, rule or block of code.
+pub fn paragraph(text: &str) -> String {
+    let line = inline(text.trim());
+    let digits = line.len() - line.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    match line[digits..].chars().next() {
+        Some('.' | ')') if digits > 0 => format!("{}\\{}", &line[..digits], &line[digits..]),
+        Some('#' | '>' | '-' | '+' | '*' | '=' | '~' | '`' | '|' | '[' | '_') if digits == 0 => format!("\\{line}"),
+        _ => line,
+    }
+}
+
+/// A link to a file beside the text, whatever its name holds.
+pub fn link(label: &str, target: &str) -> String {
+    let mut path = String::new();
+    for byte in target.bytes() {
+        match byte {
+            b'/' | b'-' | b'_' | b'.' | b'~' => path.push(byte.into()),
+            byte if byte.is_ascii_alphanumeric() => path.push(byte.into()),
+            byte => {
+                let _ = write!(path, "%{byte:02X}");
+            }
+        }
+    }
+    format!("[{}]({path})", link_label(label))
+}
+
+/// The label of a [`link`].
+pub fn link_label(label: &str) -> String {
+    printable(label).replace('\\', "\\\\").replace('[', "\\[").replace(']', "\\]").replace('<', "\\<")
 }
 
 impl fmt::Display for MarkdownTable {

@@ -296,3 +296,48 @@ fn answers_of_a_run_whose_table_was_emptied_are_refused_and_stay() {
     assert_eq!(stderr(&output).trim().lines().count(), 1, "{}", stderr(&output));
     assert_eq!(std::fs::read(dir.path().join("summary.md")).unwrap(), summary);
 }
+
+/// Devices and pipes in the place of files never end, or never begin.
+#[cfg(unix)]
+#[test]
+fn what_is_no_regular_file_is_refused_at_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let made = Command::new("mkfifo").arg(dir.path().join("pipe")).status();
+    assert!(made.is_ok_and(|status| status.success()), "mkfifo");
+    for path in ["pipe", "/dev/zero"] {
+        for arguments in [
+            &["plan", path][..],
+            &["run", path],
+            &["integrate", path],
+            &["merge", "--plan", path, "--store", "store"],
+            &["compare", path, path],
+        ] {
+            let output = splitsum(dir.path(), arguments);
+            let message = stderr(&output);
+            assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+            assert!(message.contains(path) && message.contains("not a regular file"), "{arguments:?}: {message}");
+        }
+    }
+    // What the shell opened is read.
+    let script = "printf 'brdf,alpha,n_dot_v\\nggx,0.5,0.5\\n' | \"$0\" integrate /dev/stdin --kind dfg";
+    let output = Command::new("sh").args(["-c", script, env!("CARGO_BIN_EXE_splitsum")]).output().unwrap();
+    assert!(output.status.success() && stdout(&output).contains("ggx,0.5,0.5,0.67"), "{}", stderr(&output));
+}
+
+/// A process that may not have the memory of a map says so; it is not aborted.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_that_is_not_to_be_had_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    // 8192 x 4096 texels by runs, 48 kB: 384 MiB as floats.
+    let row = [0x80, 0x80, 0x80, 0x81, 1, 1, 1, 0xff, 1, 1, 1, 0x1f];
+    let header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4096 +X 8192\n";
+    std::fs::write(dir.path().join("large.hdr"), [&header[..], &row.repeat(4096)].concat()).unwrap();
+    let script = "ulimit -v 400000; exec \"$0\" render --environment large.hdr --out x.png";
+    let mut command = Command::new("sh");
+    command.current_dir(dir.path()).args(["-c", script, env!("CARGO_BIN_EXE_splitsum")]);
+    let output = command.output().unwrap();
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("large.hdr: 384 MiB of memory for its 33554432 pixels are not to be had"), "{message}");
+}

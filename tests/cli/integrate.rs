@@ -308,6 +308,16 @@ fn tables_that_cannot_be_used_at_all() {
     }
 }
 
+/// Widths and cosines that f64 cannot answer end in a message, never in NaN or without an end.
+#[test]
+fn what_has_no_answer_is_refused() {
+    let dfg = |row: &str| format!("brdf,alpha,n_dot_v\nggx,0.5,0.5\n{row}\n");
+    let below = "q.csv:3:alpha: 1e-300 is below 0.0001, the narrowest lobe that is integrated";
+    assert_refused(&dfg("ggx,1e-300,0.5"), &["--kind", "dfg"], 2, &[below]);
+    let infinite = "q.csv: the answer to query 2 is not finite (1 in all)";
+    assert_refused(&dfg("ggx,0.5,1e-300"), &["--kind", "dfg"], 1, &[infinite]);
+}
+
 #[test]
 fn spreadsheets_and_editors_leave_their_marks() {
     // A byte order mark, CRLF, blanks around cells, quotes and a blank line change nothing.

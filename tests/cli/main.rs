@@ -6,6 +6,7 @@ mod cache;
 mod chunks;
 mod end_to_end;
 mod faults;
+mod hostile;
 mod integrate;
 #[cfg(unix)]
 mod interruptions;

@@ -317,7 +317,7 @@ mod loading {
             ("builtin:cap:radiance", "an assignment is \"radiance\"; expected PARAMETER=VALUE"),
             ("builtin:cap:radiance=1,radiance=2", "radiance is \"2\"; expected one value"),
             ("sky", "no such file ./sky; did you mean builtin:sky?"),
-            ("", "no such file; expected a file or builtin:NAME"),
+            ("", "no such file; expected a file, FILE.exr#LAYER or builtin:NAME"),
         ];
         for (spec, expected) in cases {
             let message = refusal(spec);
@@ -374,6 +374,33 @@ mod loading {
             .unwrap();
         let message = refusal("cut.hdr");
         assert!(message.contains("cut.hdr: the file ends within scanline 0 of 2; expected"), "{message}");
+    }
+
+    /// Two layers of one file are two environments; a number sign in a file's own name stays one.
+    #[test]
+    fn a_layer_is_chosen_behind_a_number_sign() {
+        let folder = tempfile::tempdir().unwrap();
+        let gray = |value| GrayImage::filled(4, 2, value);
+        let channels = |first: f32| {
+            let of = |layer: &str, value| ["R", "G", "B"].map(|c| (format!("{layer}.{c}"), gray(value))).to_vec();
+            [of("day", first), of("night", 0.25)].concat()
+        };
+        exr::write_channels(&folder.path().join("sky.exr"), channels(1.0)).unwrap();
+        exr::write_channels(&folder.path().join("a#1.exr"), channels(4.0)).unwrap();
+        let load = |spec: &str| Environment::load(spec, folder.path(), &LoadOptions::default());
+        let [sky, day, night] = ["sky.exr", "sky.exr#day", "sky.exr#night"].map(|spec| load(spec).unwrap());
+        assert_eq!((day.image.data[0], night.image.data[0]), ([1.0; 3], [0.25; 3]));
+        assert_ne!(day.hash, night.hash);
+        assert_eq!((sky.hash, night.name.as_str()), (day.hash, "sky.exr#night"));
+        assert!(sky.warnings[0].contains("only layer \"day\" is used; FILE#NAME reads another (night)"));
+        assert!(day.warnings.is_empty(), "{:?}", day.warnings);
+        assert_eq!(load("a#1.exr#night").unwrap().hash, night.hash);
+        assert_eq!(load("a#1.exr").unwrap().image.data[0], [4.0; 3]);
+        let message = load("sky.exr#noon").unwrap_err().to_string();
+        assert!(message.contains("in layer \"noon\" (layers with colour: day, night)"), "{message}");
+        std::fs::write(folder.path().join("x.hdr"), b"").unwrap();
+        let message = load("x.hdr#day").unwrap_err().to_string();
+        assert!(message.contains("a Radiance picture has one image"), "{message}");
     }
 
     #[test]

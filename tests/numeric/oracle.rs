@@ -4,6 +4,7 @@ use glam::{DQuat, DVec2, DVec3};
 use rayon::prelude::*;
 use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing};
 use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
+use splitsum::math::equirect_quadrature::Focus;
 use splitsum::math::frame::Frame;
 use splitsum::math::quadrature::Tolerance;
 use splitsum::math::sampling::direction_from_polar;
@@ -242,5 +243,42 @@ fn a_tighter_tolerance_stays_within_the_bound() {
             assert!(off.cmple(a.error + b.error).all(), "{model} {alpha}: off by {off}, bound {}", a.error);
             assert!(b.error.cmplt(a.error).all() && off.max_element() > 0.0);
         }
+    }
+}
+
+/// The narrowest lobe that is taken shows the mirror image, also at a pole, where columns of texels are needles; and a focus that is
+/// narrower than rounding has an end.
+#[test]
+fn narrow_lobes_are_mirrors_in_bounded_work() {
+    let image = RgbImage::from_fn(64, 32, |_, y| [1.0, 2.0 + f32::from(y as u8), 3.0]);
+    let environment = exact_quadrature(&image);
+    let model = brdf::by_name("beckmann").unwrap();
+    let at = |alpha: f64, n: DVec3| {
+        let f0 = DVec3::ONE;
+        let surface = Surface { model, masking: MaskingShadowing::Separable, alpha, f0, n, v: n };
+        reference::integrate(&environment, &surface, TOLERANCE).specular_white
+    };
+    // Rows are constant, and the lobe is a thousandth of one.
+    for n in [DVec3::Y, DVec3::new(0.0, 0.6, 0.8)] {
+        let mirror = splitsum::environment::Environment::from_image("rows", image.clone()).radiance(n);
+        let found = at(splitsum::oracle::ALPHA_MIN, n);
+        assert_close("mirror", found.value, mirror, 2e-3);
+        assert!(found.error.cmple(2e-4 * mirror).all(), "{n}: {found:?}");
+    }
+    // Whatever the focus, the domain is covered once.
+    let focus = [Focus { direction: DVec3::Z, radius: 0.0 }];
+    let tolerance = Tolerance { max_part_count: 2000, ..TOLERANCE };
+    let whole = environment.integrate(|_| [1.0], &focus, tolerance).combine([DVec3::ONE]);
+    assert_close("whole", DVec3::splat(whole.value.x), DVec3::splat(4.0 * PI), 1e-9);
+}
+
+/// A map of one row took gigabytes: its tree had leaves far thinner than the row.
+#[test]
+fn maps_of_any_shape_have_small_trees() {
+    for [width, height] in [[40_000, 1], [1, 3000], [5000, 3]] {
+        let environment = exact_quadrature(&RgbImage::filled(width, height, [0.5; 3]));
+        let found = irradiance(&environment, DVec3::Z, Tolerance { relative: 1e-4, ..TOLERANCE });
+        let off = (found.value - DVec3::splat(0.5 * PI)).abs();
+        assert!(off.cmple(found.error + 1e-9).all(), "{width}x{height}: {found:?}");
     }
 }

@@ -6,7 +6,7 @@ use splitsum::table::colormap::{
 };
 use splitsum::table::contact_sheet::{ContactSheet, ContactSheetError, Legend, Tile};
 use splitsum::table::csv::{Cell, Table, TableError, TableWriter, guarded, to_text, unguarded};
-use splitsum::table::markdown::{Align, MarkdownTable, significant};
+use splitsum::table::markdown::{Align, MarkdownTable, inline, link, paragraph, significant};
 use std::io::Write;
 
 const COLUMNS: [&str; 3] = ["method", "rmse", "samples"];
@@ -137,6 +137,30 @@ fn markdown_is_aligned_and_escaped() {
 | α β       |  16 |      1 |
 ";
     assert_eq!(table.to_string(), expected);
+}
+
+#[test]
+fn hostile_names_stay_text_in_markdown() {
+    for (text, expected) in [
+        ("sky < 4 and [0, 1] (of `ggx`)", "sky < 4 and [0, 1] (of `ggx`)"),
+        ("<script>x</script>", "\\<script>x\\</script>"),
+        ("\\<img onerror=x>", "\\\\\\<img onerror=x>"),
+        // What the program itself wrote as Markdown.
+        ("reference 64 \\*", "reference 64 \\*"),
+        ("[a](javascript:x)", "[a\\](javascript:x)"),
+        ("a\n# b\u{1b}[31m\u{202e}c", "a # b\\u{1b}[31m\\u{202e}c"),
+    ] {
+        assert_eq!(inline(text), expected);
+    }
+    for (text, expected) in
+        [("# head", "\\# head"), ("  - item", "\\- item"), ("12. item", "12\\. item"), ("How much?", "How much?")]
+    {
+        assert_eq!(paragraph(text), expected);
+    }
+    assert_eq!(link("a]<b>[\n", "tables/a (b)\n[c.png"), "[a\\]\\<b>\\[\\\\n](tables/a%20%28b%29%0A%5Bc.png)");
+    let mut table = MarkdownTable::new(&[("name", Align::Left)]);
+    table.row(&["<b>[x](y)"]);
+    assert!(table.to_string().contains("| \\<b>[x\\](y) |"), "{table}");
 }
 
 #[test]

@@ -10,7 +10,7 @@ mod studio;
 
 use super::EnvironmentError;
 use super::load::BUILTIN_PREFIX;
-use crate::pixels::{MAX_TEXELS, RgbImage};
+use crate::pixels::{ENVIRONMENT_TEXELS_MAX, RgbImage};
 
 /// A number that shapes a builtin.
 #[derive(Debug)]
@@ -81,12 +81,12 @@ pub(super) fn make(spec: &str, formula: &str, size: [u32; 2]) -> Result<RgbImage
         EnvironmentError::UnknownBuiltin { spec: spec(), name: name.to_owned(), hint: hint(name, &names) }
     })?;
     let texels = u64::from(size[0]) * u64::from(size[1]);
-    if texels == 0 || texels > MAX_TEXELS {
+    if texels == 0 || texels > ENVIRONMENT_TEXELS_MAX {
         return Err(EnvironmentError::BadValue {
             spec: spec(),
             parameter: "the size of a builtin's map".to_owned(),
             value: format!("{}x{}", size[0], size[1]),
-            expected: format!("1 to {MAX_TEXELS} texels"),
+            expected: format!("1 to {ENVIRONMENT_TEXELS_MAX} texels"),
         });
     }
     let mut values = Values(builtin.parameters.iter().map(|p| (p.name, p.default)).collect());

@@ -26,6 +26,8 @@ pub struct Sufficiency {
     /// Mean FLIP over the cases, at the plain tone curve, and how many of them are visible.
     pub flip: Option<Spread>,
     pub visible: usize,
+    /// Of how many rows bias² outweighs the variance, and how many rows tell.
+    pub mostly_bias: [usize; 2],
 }
 
 /// Errors over those of a method without samples in the same case.
@@ -103,9 +105,15 @@ pub fn sufficiency(study: &Study) -> Vec<Sufficiency> {
             against,
             visible: flips.iter().filter(|flip| **flip >= VISIBLE_FROM).count(),
             flip: spread(&flips),
+            mostly_bias: [told(&own).filter(|is| *is).count(), told(&own).count()],
         })
     };
     models.iter().flat_map(|model| ways.iter().filter_map(|way| of(*model, *way)).collect::<Vec<_>>()).collect()
+}
+
+/// Whether the error of each row is mostly bias, where that is known.
+fn told<'r>(rows: &'r [&Row]) -> impl Iterator<Item = bool> + 'r {
+    rows.iter().filter_map(|row| row.is_mostly_bias)
 }
 
 /// Whether a row has the plain tone curve, or the experiment has only one.

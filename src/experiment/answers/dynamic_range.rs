@@ -32,6 +32,10 @@ pub struct RangePoint {
 pub struct Growth {
     pub series: String,
     pub method: String,
+    /// Whether it is one environment with lower and lower peaks.
+    pub is_one_light: bool,
+    /// Stops and median error, ascending; three or more.
+    pub points: Vec<(f64, f64)>,
     /// ln(error) over stops, of the medians.
     pub fit: Slope,
 }
@@ -98,11 +102,13 @@ pub fn growth(points: &[RangePoint]) -> Vec<Growth> {
         }
         seen.push(name);
         let own = points.iter().filter(|point| (point.series.as_str(), point.method.as_str()) == name);
-        let mut logs: Vec<(f64, f64)> = own.map(|point| (point.range, point.median.ln())).collect();
+        let mut points: Vec<(f64, f64)> = own.map(|point| (point.range, point.median)).collect();
         // A clip above the peak changes nothing and is the same light again.
-        logs.dedup();
+        points.dedup();
+        let logs: Vec<(f64, f64)> = points.iter().map(|(range, error)| (*range, error.ln())).collect();
         if let Some(fit) = line(&logs) {
-            found.push(Growth { series: name.0.to_owned(), method: name.1.to_owned(), fit });
+            let (series, method) = (name.0.to_owned(), name.1.to_owned());
+            found.push(Growth { is_one_light: series != ALL, series, method, points, fit });
         }
     }
     found

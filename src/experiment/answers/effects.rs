@@ -1,9 +1,10 @@
 //! What each parameter of a method does to its error: ratios of pairs of cells that differ in that parameter alone.
 //!
 //! For a swept axis, its first value is the base. Every cell with another value is divided by the cell that has the base and agrees
-//! on all other axes; the ratio's geometric mean over all such pairs has Student's 95 % interval in logarithms. Point sets of one case are
-//! averaged first and count as one pair: they share all that makes cases differ, and would narrow the interval without telling more. An axis
-//! that one of the two cells does not use stands at its default in the other.
+//! on all other axes; the ratio's geometric mean over all cases has Student's 95 % interval in logarithms. A case is one reference: its
+//! point sets, and its pairs at different values of other parameters, are averaged first and count as one pair, because they share all that
+//! makes cases differ and would narrow the interval without telling more. An axis that one of the two cells does not use stands at its
+//! default in the other.
 //!
 //! A pair of which both errors are within the reference's noise tells nothing and is left out. Where one of the two is, the ratio is drawn
 //! towards 1, so what is claimed is the less.
@@ -26,12 +27,13 @@ pub struct Effect {
     pub alpha: Option<String>,
     /// Geometric mean of the ratios; below 1 the value is better than the base.
     pub ratio: f64,
-    /// 95 % interval of it; infinite for a single pair.
+    /// 95 % interval of it; infinite for a single case.
     pub interval: [f64; 2],
+    /// Cases, each with the mean of its pairs.
     pub n: usize,
-    /// How many of the pairs are better than the base.
+    /// How many of the cases are better than the base.
     pub better: usize,
-    /// Pairs left out because both errors are within the reference's noise.
+    /// Cases left out because both errors are within the reference's noise.
     pub in_noise: usize,
 }
 
@@ -84,7 +86,6 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
     let mut order: Vec<[String; 3]> = Vec::new();
     let mut logs: BTreeMap<[String; 3], BTreeMap<Vec<&str>, Vec<f64>>> = BTreeMap::new();
     let mut in_noise: BTreeMap<[String; 3], BTreeSet<Vec<&str>>> = BTreeMap::new();
-    let point_set = study.axis("point_set");
     for row in rows.iter().filter(|row| !["", "none", base].contains(&row.axes[axis].as_str())) {
         let Some(partner) = bases.iter().find(|other| agrees(row, other)) else { continue };
         let (Some(error), Some(of_base)) = (row.error, partner.error) else { continue };
@@ -100,9 +101,8 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
             if !order.contains(key) {
                 order.push(key.clone());
             }
-            let others =
-                row.axes.iter().enumerate().filter(|(index, _)| Some(*index) != point_set && !display.contains(index));
-            let case: Vec<&str> = others.map(|(_, value)| value.as_str()).collect();
+            let of_case = row.axes.iter().zip(&study.axes).filter(|(_, axis)| axis.role == Role::Scene);
+            let case: Vec<&str> = of_case.map(|(value, _)| value.as_str()).collect();
             if !row.is_resolved() && !partner.is_resolved() {
                 in_noise.entry(key.clone()).or_default().insert(case);
                 continue;

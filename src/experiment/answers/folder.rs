@@ -6,6 +6,7 @@ use super::study::Study;
 use super::words::{Answer, answer};
 use super::{Answers, tables};
 use crate::experiment::summary;
+use crate::files::{RECORD_BYTES_MAX, holds, read_text};
 use crate::pixels::{PixelsError, Staged};
 use crate::table::csv;
 use serde::{Deserialize, Serialize};
@@ -57,7 +58,8 @@ impl AnswerRecord {
     /// The answer of a run, published or not.
     pub fn read(dir: &Path) -> Result<Self, AnswersError> {
         let path = dir.join(FOLDER).join(ANSWER_FILE);
-        let text = std::fs::read_to_string(&path).map_err(|error| AnswersError::Io { path: path.clone(), error })?;
+        let text =
+            read_text(&path, RECORD_BYTES_MAX).map_err(|error| AnswersError::Io { path: path.clone(), error })?;
         serde_json::from_str(&text).map_err(|error| AnswersError::Json { path, error })
     }
 }
@@ -117,7 +119,7 @@ impl Answered {
 
     /// Whether the folder holds this summary already.
     pub fn is_summary_written(&self) -> bool {
-        std::fs::read_to_string(self.dir.join(SUMMARY_FILE)).ok().as_deref() == Some(&self.summary)
+        holds(&self.dir.join(SUMMARY_FILE), self.summary.as_bytes())
     }
 
     /// Writes `answers/` and the summary: all of them or, where one cannot be written, none. A picture or table of earlier answers that
@@ -129,7 +131,7 @@ impl Answered {
         let answers = self.files.iter().map(|(name, text)| (folder.join(name), text));
         // The summary is the last to change: it speaks of the others.
         let due = answers.chain([(self.dir.join(SUMMARY_FILE), &self.summary)]);
-        let is_new = |(path, text): &(PathBuf, &String)| std::fs::read(path).ok().as_deref() != Some(text.as_bytes());
+        let is_new = |(path, text): &(PathBuf, &String)| !holds(path, text.as_bytes());
         // What can fail for want of space or rights is done beside the old files, before the first of them is replaced.
         let staged = due.filter(is_new).map(|(path, text)| {
             if path.is_dir() {

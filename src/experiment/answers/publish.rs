@@ -3,10 +3,11 @@
 use super::folder::{ANSWER_FILE, AnswerRecord, AnswersError, FOLDER, SUMMARY_FILE};
 use super::run_folder;
 use crate::experiment::sheets::sheet_files;
-use crate::experiment::summary::{SHEETS_FOLDER, sheet_link};
+use crate::experiment::summary::{sheet_link, sheet_title};
+use crate::files::{TEXT_BYTES_MAX, read_text};
 use crate::pixels::{PixelsError, png, write_atomically};
 use crate::slips;
-use crate::table::markdown::{Align, MarkdownTable};
+use crate::table::markdown::{self, Align, MarkdownTable, inline, link_label, paragraph};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -23,7 +24,7 @@ const FILES: [&str; 9] = [
     SUMMARY_FILE,
 ];
 /// Larger files stay where they are: the folder is kept in git.
-const FILE_BYTES_MAX: u64 = 1 << 20;
+const FILE_BYTES_MAX: u64 = 2 << 20;
 /// The contact sheet that is published, the first that fits: its width, pixels, and its height when it has that width.
 const SHEET_WIDTH_MAX: u32 = 1200;
 const SHEET_HEIGHT_MAX: u32 = 2400;
@@ -41,6 +42,8 @@ pub enum PublishError {
     Io { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
     Picture(#[from] PixelsError),
+    #[error("{}: cannot be made: {error}; expected a place where this user may write", path.display())]
+    Folder { path: PathBuf, error: std::io::Error },
     #[error("{}: is the folder of the run itself; expected another one to publish into", path.display())]
     Itself { path: PathBuf },
     #[error("{}: is a file; expected a folder of published runs, or the name of one to make", path.display())]
@@ -60,6 +63,7 @@ impl PublishError {
         match self {
             Self::Itself { .. } | Self::NotAFolder { .. } | Self::NotPublished { .. } | Self::OtherPlan { .. } => true,
             Self::Answers(AnswersError::Run(_)) => true,
+            Self::Folder { .. } => true,
             Self::Answers(_) | Self::Io { .. } | Self::Picture(_) => false,
         }
     }
@@ -108,11 +112,13 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     check(dir, into, replace)?;
     let record = AnswerRecord::read(dir)?;
     let target = into.join(&record.name);
-    std::fs::create_dir_all(target.join(FOLDER)).map_err(io(&target))?;
+    std::fs::create_dir_all(target.join(FOLDER))
+        .map_err(|error| PublishError::Folder { path: target.clone(), error })?;
     let mut names: Vec<PathBuf> = FILES.iter().map(PathBuf::from).collect();
     names.extend(record.files.iter().map(|name| Path::new(FOLDER).join(name)));
     names.push(Path::new(FOLDER).join(ANSWER_FILE));
     let mut notes = Vec::new();
+    let mut left_out: Vec<String> = Vec::new();
     // What an earlier publication left and this one does not have must not stand beside it.
     for folder in [target.clone(), target.join(FOLDER)] {
         for entry in std::fs::read_dir(&folder).map_err(io(&folder))?.flatten() {
@@ -127,7 +133,9 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
         match std::fs::metadata(&from) {
             Err(_) => {}
             Ok(file) if file.len() > FILE_BYTES_MAX => {
-                notes.push(format!("{}: left out, {:.1} MB", from.display(), file.len() as f64 / 1e6));
+                let size = format!("{:.1} MB", file.len() as f64 / 1e6);
+                notes.push(format!("{}: left out, {size}", from.display()));
+                left_out.push(format!("{} ({size})", name.display()));
             }
             Ok(_) => {
                 std::fs::copy(&from, target.join(&name)).map_err(io(&from))?;
@@ -150,8 +158,11 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
         break;
     }
     let summary = target.join(SUMMARY_FILE);
-    let text = std::fs::read_to_string(&summary).map_err(io(&summary))?;
-    let text = with_published_sheets(&text, &sheets, published.as_deref());
+    let text = read_text(&summary, TEXT_BYTES_MAX).map_err(io(&summary))?;
+    let mut text = with_published_sheets(&text, &sheets, published.as_deref());
+    if !left_out.is_empty() {
+        text += &format!("\nToo large to be published, made again by the run: {}.\n", left_out.join(", "));
+    }
     write_atomically(&summary, |writer| writer.write_all(text.as_bytes()))?;
     Ok(notes)
 }
@@ -162,8 +173,8 @@ fn with_published_sheets(summary: &str, sheets: &[PathBuf], published: Option<&s
     names.fold(summary.to_owned(), |text, name| {
         let link = sheet_link(name);
         match published == Some(name) {
-            true => text.replace(&link, &link.replace(&format!("]({SHEETS_FOLDER}/"), "](")),
-            false => text.replace(&link, link.split(['[', ']']).nth(1).unwrap_or(&link)),
+            true => text.replace(&link, &markdown::link(sheet_title(name), name)),
+            false => text.replace(&link, &link_label(sheet_title(name))),
         }
     })
 }
@@ -175,7 +186,7 @@ pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
         if entry.path().join(FOLDER).join(ANSWER_FILE).exists() {
             let folder = entry.file_name().to_string_lossy().into_owned();
             // A remark is a person's choice; most runs have none.
-            let remark = std::fs::read_to_string(entry.path().join(REMARK_FILE)).unwrap_or_default();
+            let remark = read_text(&entry.path().join(REMARK_FILE), TEXT_BYTES_MAX).unwrap_or_default();
             let files = std::fs::read_dir(entry.path()).map_err(io(into))?.flatten();
             let names = files.filter_map(|file| file.file_name().into_string().ok());
             let sheet = names.filter(|name| name.ends_with(".png")).min();
@@ -207,7 +218,8 @@ fn page(runs: &[Published]) -> String {
         .to_owned();
     let mut table = MarkdownTable::new(&[("run", Align::Left), ("question", Align::Left), ("answer", Align::Left)]);
     for Published { folder, run, .. } in runs {
-        table.row(&[&format!("[{}]({folder}/{SUMMARY_FILE})", run.name), &run.question, &run.answer.sentence]);
+        let link = markdown::link(&run.name, &format!("{folder}/{SUMMARY_FILE}"));
+        table.row_with_link(&link, &[&run.question, &run.answer.sentence]);
     }
     text += &format!("{table}\n");
     if runs.iter().any(|published| published.run.is_cpu_timed) {
@@ -215,8 +227,9 @@ fn page(runs: &[Published]) -> String {
                  device's speed.\n\n";
     }
     for Published { folder, remark, sheet, run } in runs {
-        text += &format!("## {}\n\n{}\n\n**{}**\n\n", run.name, run.question, run.answer.sentence);
-        text.extend(run.answer.facts.iter().map(|fact| format!("- {fact}\n")));
+        let [name, sentence] = [&run.name, &run.answer.sentence].map(|text| inline(text));
+        text += &format!("## {name}\n\n{}\n\n**{sentence}**\n\n", paragraph(&run.question));
+        text.extend(run.answer.facts.iter().map(|fact| format!("- {}\n", paragraph(fact))));
         if !remark.trim().is_empty() {
             text += &format!("\n{}\n", remark.trim());
         }
@@ -229,7 +242,7 @@ fn page(runs: &[Published]) -> String {
             text += &format!("[{about}]({folder}/{FOLDER}/{name}) · ");
         }
         if let Some(sheet) = sheet {
-            text += &format!("[contact sheet]({folder}/{sheet}) · ");
+            text += &format!("{} · ", markdown::link("contact sheet", &format!("{folder}/{sheet}")));
         }
         text += &format!("[all numbers]({folder}/{SUMMARY_FILE})\n\n");
         let failed = if run.failed > 0 { format!(", {} failed", run.failed) } else { String::new() };
@@ -237,7 +250,7 @@ fn page(runs: &[Published]) -> String {
         text += &format!(
             "{} cells{failed} on {}{}, {}{commit}.\n\n",
             run.cells,
-            run.devices.join("; "),
+            inline(&run.devices.join("; ")),
             if run.is_cpu_timed { " (CPU)" } else { "" },
             run.date_utc
         );

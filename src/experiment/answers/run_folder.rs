@@ -2,12 +2,13 @@
 
 use crate::experiment::config::Config;
 use crate::experiment::fault::Faults;
-use crate::experiment::plan::SCHEMA_VERSION;
+use crate::experiment::provenance::{self, PROVENANCE_FILE, ProvenanceError};
 use crate::experiment::store::{FailureRecord, Store};
 use crate::experiment::tables::HEADLINE;
 use crate::experiment::timing::TimingRecord;
 use crate::files::read_regular;
 use crate::slips;
+use crate::spelling::printable;
 use crate::table::csv::{Table, TableError};
 use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,8 +25,8 @@ pub enum RunFolderError {
     Unfinished { dir: PathBuf, command: String },
     #[error("{}: a run is under way in it and has written no table yet; expected one a few seconds after its first cell", dir.display())]
     NoTableYet { dir: PathBuf },
-    #[error("{}: the run is in the format {found}, and this program knows formats up to {SCHEMA_VERSION}", dir.display())]
-    NewerVersion { dir: PathBuf, found: u64 },
+    #[error(transparent)]
+    Provenance(#[from] ProvenanceError),
     #[error("{}: {error}", path.display())]
     Io { path: PathBuf, error: std::io::Error },
     #[error("{}: {error}; expected a file that `splitsum run` wrote", path.display())]
@@ -82,10 +83,6 @@ impl RunFolder {
         // Asked first: what a run that ends meanwhile leaves is whole.
         let is_under_way = Store::at(dir).is_under_way();
         let provenance = provenance(dir)?;
-        let found = provenance["schema_version"].as_u64().unwrap_or(0);
-        if found > SCHEMA_VERSION.into() {
-            return Err(RunFolderError::NewerVersion { dir: dir.to_owned(), found });
-        }
         let table = |name: &str| {
             let path = dir.join(name);
             path.exists().then(|| Table::read(&path)).transpose()
@@ -187,17 +184,16 @@ fn last_command(provenance: &serde_json::Value) -> Option<String> {
 
 /// `provenance.json` of a run, published or not.
 pub(super) fn provenance(dir: &Path) -> Result<serde_json::Value, RunFolderError> {
-    let file = "provenance.json";
     if dir.is_file() {
         return Err(RunFolderError::NotAFolder { dir: dir.to_owned() });
     }
-    json(&dir.join(file))?.ok_or_else(|| RunFolderError::NotARun { dir: dir.to_owned(), file })
+    provenance::read(dir)?.ok_or_else(|| RunFolderError::NotARun { dir: dir.to_owned(), file: PROVENANCE_FILE })
 }
 
 /// A sentence when cells of the run in `dir` were not tried yet: it was stopped or killed. Nothing for the files of a published run, nor
 /// for a run that is under way ([`RunFolder::under_way_note`]).
 pub fn unfinished_note(dir: &Path) -> Option<String> {
-    let provenance: serde_json::Value = json(&dir.join("provenance.json")).ok()??;
+    let provenance = provenance::read(dir).ok()??;
     let planned = provenance["cell_count"].as_u64()?;
     let count = |folder: &str| std::fs::read_dir(dir.join(folder)).map(|entries| entries.count() as u64);
     let (done, tried) = (count("cells").ok()?, count("cells").ok()? + count("failed").unwrap_or(0));
@@ -208,12 +204,36 @@ pub fn unfinished_note(dir: &Path) -> Option<String> {
     })
 }
 
+/// A sentence when the frozen experiment file is not the one that the provenance names, by its hash.
+pub fn experiment_note(dir: &Path) -> Option<String> {
+    let provenance = provenance::read(dir).ok()??;
+    let named = provenance["experiment_hash"].as_str()?;
+    let path = dir.join("experiment.toml");
+    let what = match text(&path) {
+        Ok(Some(text)) if provenance::experiment_hash(&text) == named => return None,
+        Ok(None) => "is missing",
+        _ => "is not the experiment that was run: it was changed or damaged since",
+    };
+    Some(format!("{}: {what}; the same `splitsum run` again writes it anew", path.display()))
+}
+
 fn images(table: &Table) -> Result<BTreeMap<String, CellImages>, RunFolderError> {
     let [cell, radiance, reference] = [table.column("cell")?, table.column("radiance")?, table.column("reference")?];
-    let entry = |row: &Vec<String>| {
-        (row[cell].clone(), CellImages { radiance: row[radiance].clone(), reference: row[reference].clone() })
+    // Joined to the folder's path, and linked from a page: nothing but a name may get that far.
+    let is_name =
+        |text: &str| !text.contains(['/', '\\', ':']) && ![".", ".."].contains(&text) && printable(text) == text;
+    let file = |text: &String| match is_name(text) {
+        true => Ok(text.clone()),
+        false => Err(RunFolderError::Damaged {
+            path: table.path().to_owned(),
+            what: format!("{text:?} is not the name of an image"),
+        }),
     };
-    Ok(table.rows.iter().map(entry).collect())
+    let entry = |row: &Vec<String>| {
+        let images = CellImages { radiance: file(&row[radiance])?, reference: file(&row[reference])? };
+        Ok((row[cell].clone(), images))
+    };
+    table.rows.iter().map(entry).collect()
 }
 
 /// Whether the tables of errors are whole: their columns, their numbers, each cell once, and, unless a run is adding to them, no fewer cells

@@ -6,6 +6,7 @@ use crate::experiment::images::short_value;
 use crate::experiment::tables::{DISPLAY_HEADLINE, HEADLINE};
 use crate::experiment::timing::{FRAME, TimingRecord, summarize};
 use crate::experiment::value::Value;
+use crate::metrics::BiasVariance;
 use crate::table::markdown::significant;
 use serde::Serialize;
 use std::borrow::Cow;
@@ -52,6 +53,8 @@ pub struct Row {
     /// Energy of the image over that of the reference, minus 1, with the standard error that the reference's noise gives it.
     pub bias: Option<f64>,
     pub bias_noise: Option<f64>,
+    /// Whether more samples could remove less than half of the error: bias² is more than the variance, where both were estimated.
+    pub is_mostly_bias: Option<bool>,
     /// The headline metric by `n_dot_v`; empty for a run that has no such table.
     pub bins: Vec<Bin>,
     /// Mean and peak luminance of the environment as it was clipped, as written, where the run knows them.
@@ -257,10 +260,12 @@ fn rows_of(folder: &RunFolder, run: usize, label: &str, names: &[String]) -> Vec
     let places: Vec<Option<usize>> = names.iter().map(|name| place(name)).collect();
     let [cell, error, floor, verdict, display] =
         ["cell", HEADLINE, &format!("{HEADLINE}_noise_floor"), "verdict", DISPLAY_HEADLINE].map(place);
+    let [variance, bias_square] = BiasVariance::RELATIVE_NAMES.map(place);
     let [bias, bias_noise] = [BIAS, &format!("{BIAS}_noise_floor")].map(place);
     let mut bins = bins_by_cell(folder);
     let lights = lights(folder);
     let text = |fields: &[String], column: Option<usize>| column.map_or_else(String::new, |c| fields[c].clone());
+    let number = |fields: &[String], column| text(fields, column).parse::<f64>().ok();
     let row = |fields: &Vec<String>| {
         let axes: Vec<String> = names
             .iter()
@@ -276,6 +281,7 @@ fn rows_of(folder: &RunFolder, run: usize, label: &str, names: &[String]) -> Vec
             display_error: text(fields, display).parse().ok(),
             bias: text(fields, bias).parse().ok(),
             bias_noise: text(fields, bias_noise).parse().ok(),
+            is_mostly_bias: number(fields, bias_square).zip(number(fields, variance)).map(|(bias, noise)| bias > noise),
             bins: bins.remove(&text(fields, cell)).unwrap_or_default(),
             copies: Vec::new(),
             light: lights.get(&RANGE_AXES.map(|name| text(fields, place(name)))).map(|light| light.luminance.clone()),

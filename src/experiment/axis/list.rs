@@ -37,7 +37,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "environment",
-        about: "the light: a builtin formula or an .hdr or .exr file",
+        about: "the light: a builtin formula or an .hdr or .exr file (FILE.exr#NAME: a layer or part of it)",
         default: || Value::Text("builtin:sky".to_owned()),
         apply: |s, v| s.environment = v.text().to_owned(),
         ..PLAIN

@@ -7,7 +7,8 @@ use super::ChunkError;
 use super::prices::Prices;
 use super::split::{Chunk, split};
 use crate::experiment::plan::{Plan, SCHEMA_VERSION};
-use crate::experiment::store::{Store, StoreError};
+use crate::experiment::store::Store;
+use crate::files::{PLAN_BYTES_MAX, TEXT_BYTES_MAX, read_regular, read_text};
 use crate::metrics::METRICS;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -104,9 +105,16 @@ impl PlanFile {
         blake3::hash(self.text().as_bytes()).to_hex()[..ID_LENGTH].to_owned()
     }
 
-    /// Writes the file in one step; one that has this content already is left untouched.
-    pub fn write(&self, path: &Path) -> Result<(), StoreError> {
-        Store::at(Path::new("")).write_text(path, &self.text())
+    /// Writes the file in one step; one that has this content already is left untouched. A plan file is made once: one of another plan is
+    /// not replaced, because chunks that are under way belong to it and would be left without.
+    pub fn write(&self, path: &Path) -> Result<(), ChunkError> {
+        let old = read_regular(path, PLAN_BYTES_MAX).unwrap_or_default();
+        let head = serde_json::from_slice::<Head>(&old);
+        if head.is_ok_and(|head| head.format.as_deref() == Some(FORMAT)) && old != self.text().as_bytes() {
+            let what = "holds another plan; remove it, or give another name with --out".to_owned();
+            return Err(ChunkError::PlanFile { path: path.to_owned(), what });
+        }
+        Ok(Store::at(Path::new("")).write_text(path, &self.text())?)
     }
 
     /// Reads a plan file and the experiment it was made from, and checks that program, experiment and inputs are still those.
@@ -115,7 +123,7 @@ impl PlanFile {
         let again = "make the plan again (splitsum plan EXPERIMENT --chunk-seconds S --out FILE)";
         let expected = "expected a file that `splitsum plan --chunk-seconds` wrote";
         let text =
-            std::fs::read_to_string(path).map_err(|error| fault(format!("cannot be read ({error}); {expected}")))?;
+            read_text(path, PLAN_BYTES_MAX).map_err(|error| fault(format!("cannot be read ({error}); {expected}")))?;
         let head: Head =
             serde_json::from_str(&text).map_err(|error| fault(format!("is not a plan file ({error}); {expected}")))?;
         if head.format.as_deref() != Some(FORMAT) {
@@ -139,7 +147,7 @@ impl PlanFile {
         }
         let dir = path.parent().unwrap_or(Path::new(""));
         let experiment = &dir.join(&file.experiment_file);
-        let written = std::fs::read_to_string(experiment).map_err(|error| {
+        let written = read_text(experiment, TEXT_BYTES_MAX).map_err(|error| {
             let name = experiment.display();
             fault(format!(
                 "its experiment {name} cannot be read ({error}); expected it there, since paths in a plan file start at its own folder: use the \

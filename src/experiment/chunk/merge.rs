@@ -15,11 +15,10 @@ use crate::experiment::provenance;
 use crate::experiment::run::{Outcome, RunOptions, tabulate};
 use crate::experiment::store::{CellRecord, Exact, FailureRecord, ReferenceStop, Store, StoreError};
 use crate::experiment::timing::{self, TimingRecord};
-use crate::files::content_hash;
+use crate::files::{content_hash, open_regular};
 use crate::pixels::write_atomically;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -80,10 +79,9 @@ pub fn merge(file: &PlanFile, plan: &Plan, options: &MergeOptions) -> Result<Mer
     }
     let before = Store::at(&options.out);
     before.check_identity(plan)?;
-    let mut damage = Vec::new();
-    let cells = find_cells(&before, plan, &attempts, &mut damage)?;
+    let (mut damage, mut notes) = (Vec::new(), Vec::new());
+    let cells = find_cells(&before, plan, &attempts, &mut damage, &mut notes)?;
     let blocks = find_blocks(file, plan, &attempts, &mut damage)?;
-    let mut notes = Vec::new();
     let chosen = choose(&cells, "cells", &mut notes);
     let chosen_blocks = choose(&blocks, "blocks of timings", &mut notes);
     let belongings = belongings(&before, plan, &chosen, &attempts, &mut damage)?;
@@ -116,12 +114,13 @@ pub fn merge(file: &PlanFile, plan: &Plan, options: &MergeOptions) -> Result<Mer
     Ok(Merged { outcome: tabulate(plan, out, &run_options)?, holes, notes })
 }
 
-/// Every record of every cell, that of the run's folder first, then in the order of the attempts.
+/// Every record of every cell of the plan, that of the run's folder first, then in the order of the attempts.
 fn find_cells(
     out: &Store,
     plan: &Plan,
     attempts: &[Vec<Attempt>],
     damage: &mut Vec<String>,
+    notes: &mut Vec<String>,
 ) -> Result<BTreeMap<String, Vec<Found<CellRecord>>>, StoreError> {
     let mut found: BTreeMap<String, Vec<Found<CellRecord>>> = BTreeMap::new();
     let mut add = |id: &str, store: &Store| -> Result<(), StoreError> {
@@ -134,16 +133,30 @@ fn find_cells(
     for cell in &plan.cells {
         add(&cell.id, out)?;
     }
+    let of_plan: HashSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
+    let mut strangers = Vec::new();
     for attempt in attempts.iter().flatten() {
-        attempt.ids("cells")?.iter().try_for_each(|id| add(id, &attempt.store))?;
+        for id in attempt.ids("cells")? {
+            match of_plan.contains(id.as_str()) {
+                true => add(&id, &attempt.store)?,
+                false => strangers.push(attempt.store.cell_path(&id)),
+            }
+        }
     }
+    notes.extend(strangers.first().map(|first| {
+        format!(
+            "records of cells that the plan does not have, left out: {}, the first {}",
+            strangers.len(),
+            first.display()
+        )
+    }));
     Ok(found)
 }
 
 /// What was read, where it is whole; a sentence for `damage` where it is not.
 fn whole<T>(read: Result<Option<T>, StoreError>, damage: &mut Vec<String>) -> Result<Option<T>, StoreError> {
     match read {
-        Err(error @ (StoreError::Corrupt { .. } | StoreError::Damaged { .. })) => {
+        Err(error) if error.is_unusable_record() => {
             damage.push(error.to_string());
             Ok(None)
         }
@@ -165,7 +178,7 @@ fn find_blocks(
             for block in chunk.blocks(&jobs) {
                 let mut record = Block::new();
                 for id in &block {
-                    record.extend(whole(attempt.store.timing(id), damage)?.map(|timing| (id.clone(), timing)));
+                    record.extend(whole(attempt.store.whole_timing(id), damage)?.map(|timing| (id.clone(), timing)));
                 }
                 if record.len() < block.len() {
                     continue;
@@ -296,7 +309,7 @@ fn belongings(
         }
         if found.record.reference.is_some() && !stops.contains_key(&cell.reference) {
             for store in std::iter::once(&found.store).chain(others.iter().copied()) {
-                if let Some(stop) = whole(store.reference(&cell.reference), damage)? {
+                if let Some(stop) = whole(store.whole_reference(&cell.reference), damage)? {
                     stops.insert(cell.reference.clone(), stop);
                     break;
                 }
@@ -372,7 +385,7 @@ fn place(from: &Path, to: &Path, hash: Option<&str>) -> Result<(), StoreError> {
     if std::fs::hard_link(from, to).is_ok() {
         return Ok(());
     }
-    write_atomically(to, |writer| std::io::copy(&mut File::open(from)?, writer).map(drop))?;
+    write_atomically(to, |writer| std::io::copy(&mut open_regular(from)?, writer).map(drop))?;
     match (hash, content_hash(to).map_err(|error| io(to, error))?) {
         (Some(hash), found) if found != hash => {
             Err(io(to, std::io::Error::other("the copy differs from what was copied")))
@@ -408,11 +421,11 @@ fn write_provenance<'a>(
     options: &MergeOptions,
 ) -> Result<(), StoreError> {
     let path = out.provenance_path();
-    let mut value = out.read(&path)?.unwrap_or_else(|| provenance::provenance(plan));
+    let mut value = provenance::read(out.dir())?.unwrap_or_else(|| provenance::provenance(plan));
     let kept = value["sessions"].as_array().cloned().unwrap_or_default();
     let mut sessions: Vec<serde_json::Value> = kept.into_iter().filter(|session| session["chunk"].is_null()).collect();
     for attempt in attempts {
-        let own: Option<serde_json::Value> = attempt.store.read(&attempt.store.provenance_path())?;
+        let own = provenance::read(attempt.store.dir())?;
         for mut session in own.and_then(|value| value["sessions"].as_array().cloned()).unwrap_or_default() {
             session["chunk"] = attempt.record.chunk.into();
             session["attempt"] = attempt.name.as_str().into();

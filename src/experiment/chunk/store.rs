@@ -8,6 +8,7 @@ use super::file::PlanFile;
 use crate::experiment::plan::Plan;
 use crate::experiment::provenance::{host_name, now_utc};
 use crate::experiment::store::{CHUNKS_FOLDER, PLAN_FILE, Store, StoreError};
+use crate::files::{PLAN_BYTES_MAX, read_text};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -84,7 +85,7 @@ impl ChunkStore {
     /// The folder as it is.
     pub fn existing(dir: &Path, file: &PlanFile) -> Result<Self, ChunkError> {
         let path = dir.join(PLAN_FILE);
-        match std::fs::read_to_string(&path) {
+        match read_text(&path, PLAN_BYTES_MAX) {
             Ok(text) if text == file.text() => Ok(Self { dir: dir.to_owned(), plan: file.id() }),
             Ok(_) => Err(ChunkError::OtherPlan { dir: dir.to_owned() }),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {

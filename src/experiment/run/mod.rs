@@ -8,7 +8,7 @@ use crate::experiment::environments;
 use crate::experiment::images;
 use crate::experiment::live::{self, LIVE_FILE};
 use crate::experiment::plan::{Cell, Plan};
-use crate::experiment::provenance;
+use crate::experiment::provenance::{self, ProvenanceError};
 use crate::experiment::renderer::{RenderFault, Renderer};
 use crate::experiment::sheets;
 use crate::experiment::store::{CellRecord, FailureRecord, Store, StoreError};
@@ -120,6 +120,9 @@ pub struct Share {
 /// Makes the renderer when the first step needs it, so that a finished run needs no device.
 pub type MakeRenderer<'a> = dyn FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'a;
 
+/// The frozen experiment in the folder of a run.
+const EXPERIMENT_FILE: &str = "experiment.toml";
+
 /// The tables are rewritten at most this often while cells finish.
 const TABLE_INTERVAL: Duration = Duration::from_secs(2);
 
@@ -140,6 +143,7 @@ pub fn run(
     };
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
+    run.freeze_again(progress)?;
     run.forget_changed(progress)?;
     let steps_left = run.steps_left();
     progress.start(plan.cells.len() + run.jobs.len(), plan.cells.len() + run.jobs.len() - steps_left);
@@ -198,6 +202,12 @@ pub(super) fn tabulate(plan: &Plan, store: Store, options: &RunOptions) -> Resul
     Run::load(plan, store, options)?.finish(true)
 }
 
+impl From<ProvenanceError> for RunError {
+    fn from(error: ProvenanceError) -> Self {
+        Self::Store(error.into())
+    }
+}
+
 fn fault_error(fault: RenderFault) -> RunError {
     if fault.device_lost { RunError::DeviceLost(fault.message) } else { RunError::NoRenderer(fault.message) }
 }
@@ -221,6 +231,8 @@ struct Run<'p> {
     file_hashes: BTreeMap<String, String>,
     /// Content hashes of the images of each cell that an earlier invocation finished, by its id. Gone when they are checked.
     recorded_hashes: BTreeMap<String, BTreeMap<String, String>>,
+    /// Records of cells that are there but cannot be used.
+    unusable: Vec<PathBuf>,
     /// There when this invocation did something.
     work: Option<Work>,
 }
@@ -229,10 +241,16 @@ impl<'p> Run<'p> {
     fn load(plan: &'p Plan, store: Store, options: &'p RunOptions<'p>) -> Result<Self, RunError> {
         let mut results = Results::new();
         let mut recorded_hashes = BTreeMap::new();
+        let mut unusable = Vec::new();
         for cell in &plan.cells {
-            if let Some(mut record) = store.cell(&cell.id)? {
-                recorded_hashes.insert(cell.id.clone(), std::mem::take(&mut record.files));
-                results.insert(cell.id.clone(), CellResult::Done(Box::new(record.into())));
+            match store.whole_cell(&cell.id) {
+                Ok(Some(mut record)) => {
+                    recorded_hashes.insert(cell.id.clone(), std::mem::take(&mut record.files));
+                    results.insert(cell.id.clone(), CellResult::Done(Box::new(record.into())));
+                }
+                Ok(None) => {}
+                Err(error) if error.is_unusable_record() => unusable.push(store.cell_path(&cell.id)),
+                Err(error) => return Err(error.into()),
             }
         }
         let jobs = timing::jobs(plan);
@@ -249,14 +267,39 @@ impl<'p> Run<'p> {
             references_read: 0,
             file_hashes: BTreeMap::new(),
             recorded_hashes,
+            unusable,
             work: None,
         })
+    }
+
+    /// Writes the frozen experiment of a run that was begun, where it is missing or not the text of the plan.
+    fn freeze_again(&self, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let Some(mut value) = provenance::read(self.store.dir())? else { return Ok(()) };
+        let (path, text) = (self.store.dir().join(EXPERIMENT_FILE), &self.plan.config.text);
+        if std::fs::read(&path).is_ok_and(|found| found == text.as_bytes()) {
+            return Ok(());
+        }
+        progress.note(&format!("{EXPERIMENT_FILE} was not the experiment of this run; it is written anew"));
+        self.store.write_text(&path, text)?;
+        // A comment may have changed, or the question: what makes no other cells.
+        if value["experiment_hash"] != provenance::experiment_hash(text) {
+            provenance::name_experiment(&mut value, self.plan);
+            self.store.write_json(&self.store.provenance_path(), &value)?;
+        }
+        Ok(())
     }
 
     /// Cells whose images are gone or not those that their records name are made again: their scores come out the same, on the same
     /// device.
     fn forget_changed(&mut self, progress: &mut dyn Progress) -> Result<(), RunError> {
         let plan = self.plan;
+        if let Some(first) = self.unusable.first() {
+            progress.note(&format!(
+                "records of cells that are damaged or another cell's: {}, the first {}; their cells are done again",
+                self.unusable.len(),
+                first.display()
+            ));
+        }
         let hashes = std::mem::take(&mut self.recorded_hashes);
         let done = plan.cells.iter().filter_map(|cell| Some((cell, hashes.get(&cell.id)?)));
         let damaged = images::damaged(plan, &self.store, done);
@@ -291,12 +334,12 @@ impl<'p> Run<'p> {
     /// Writes the frozen experiment and adds this invocation to the provenance.
     fn begin_session(&self, device: &DeviceInfo) -> Result<(), RunError> {
         let path = self.store.provenance_path();
-        let mut value = self.store.read(&path)?.unwrap_or_else(|| provenance::provenance(self.plan));
+        let mut value = provenance::read(self.store.dir())?.unwrap_or_else(|| provenance::provenance(self.plan));
         if let Some(sessions) = value["sessions"].as_array_mut() {
             sessions.push(provenance::session(device, &self.options.command_line));
         }
         self.store.write_json(&path, &value)?;
-        self.store.write_text(&self.store.dir().join("experiment.toml"), &self.plan.config.text)?;
+        self.store.write_text(&self.store.dir().join(EXPERIMENT_FILE), &self.plan.config.text)?;
         Ok(())
     }
 
@@ -308,7 +351,7 @@ impl<'p> Run<'p> {
             references_read_back: self.references_read,
         };
         let path = self.store.provenance_path();
-        let Some(mut value) = self.store.read::<serde_json::Value>(&path)? else { return Ok(()) };
+        let Some(mut value) = provenance::read(self.store.dir())? else { return Ok(()) };
         if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {
             provenance::end_session(session, &renderer.device(), &work, milliseconds(started));
         }

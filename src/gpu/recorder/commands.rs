@@ -5,6 +5,7 @@ use super::{Bind, Recorder};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, ComputePipeline, GpuError, GraphicsPipeline, Image};
 use ash::vk;
+use std::ops::Range;
 
 /// One draw of a graphics pipeline.
 #[derive(Clone, Copy)]
@@ -153,14 +154,20 @@ impl Recorder {
         Ok(())
     }
 
-    pub(in crate::gpu) fn copy_buffer_to_image(&mut self, from: &Buffer, image: &Image, mip: u32) {
+    /// Fills rows of a level; the buffer holds them and no others.
+    pub(in crate::gpu) fn copy_buffer_to_rows(&mut self, from: &Buffer, image: &Image, mip: u32, rows: Range<u32>) {
         let mut barriers = Barriers::default();
         self.access_buffer(from, Access::COPY_READ, &mut barriers);
         self.access_image(image, mip..mip + 1, Access::COPY_WRITE, &mut barriers);
         self.emit(&barriers);
-        let region = [image_region(image, mip)];
+        let whole = image_region(image, mip);
+        let region = [vk::BufferImageCopy {
+            image_offset: vk::Offset3D { y: rows.start as i32, ..whole.image_offset },
+            image_extent: vk::Extent3D { height: rows.end - rows.start, ..whole.image_extent },
+            ..whole
+        }];
         let layout = Access::COPY_WRITE.layout;
-        // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the level.
+        // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the rows.
         unsafe {
             self.device().cmd_copy_buffer_to_image(self.commands, from.inner.raw, image.inner.raw, layout, &region)
         };

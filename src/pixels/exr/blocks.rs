@@ -3,14 +3,19 @@
 //! The crate's own readers are not used because they refuse subsampled channels, allocate what a block's header claims, and leave
 //! blocks that are missing from the file at 0 without a word.
 
-use crate::pixels::file::{Fault, check_claim};
+use crate::pixels::file::{Fault, check_claim, filled};
 use ::exr::meta::BlockDescription;
 use ::exr::meta::header::Header;
 use ::exr::prelude::{Compression, IntegerBounds, SampleType, Vec2, f16};
 use rayon::prelude::*;
 
-/// Blocks that are unpacked at a time; bounds the memory beside the planes.
-const BLOCKS_AT_A_TIME: usize = 64;
+/// Bytes of pixels that are unpacked at a time, or one block if it has more. A block holds all channels of its lines, also those that
+/// nobody wants, and the codecs need its size two or three times.
+const BATCH_BYTES: usize = 1 << 26;
+/// Largest block that is unpacked: one tile of 8192 x 4096 pixels of four halves.
+const BLOCK_BYTES_MAX: usize = 1 << 28;
+/// Most bytes of pixels that are unpacked for an image: some ten seconds. Two channels of 8192 x 4096 floats take 1/16 of it.
+const PART_BYTES_MAX: usize = 1 << 32;
 
 /// One channel of the largest level; `width * sampling.0` columns.
 pub(super) struct Plane {
@@ -35,30 +40,56 @@ struct Block<'a> {
     /// Relative to the data window.
     bounds: IntegerBounds,
     packed: &'a [u8],
+    /// Bytes of its pixels.
+    unpacked: usize,
 }
 
-/// Reads the channels `wanted` (indices of the header's list) of the part `index`.
-pub(super) fn read_planes(parts: &Parts, index: usize, wanted: &[usize]) -> Result<Vec<Plane>, Fault> {
+/// Reads the channels `wanted` (indices of the header's list) of the part `index`, an image of at most `most_texels`.
+pub(super) fn read_planes(
+    parts: &Parts,
+    index: usize,
+    wanted: &[usize],
+    most_texels: u64,
+) -> Result<Vec<Plane>, Fault> {
     let header = &parts.headers[index];
     let Vec2(width, height) = header.layer_size;
-    check_claim(width as u64, height as u64, parts.bytes.len(), max_expansion(header.compression))?;
+    check_claim(width as u64, height as u64, most_texels, parts.bytes.len(), max_expansion(header.compression))?;
     check_sampling(header)?;
     let blocks = find_blocks(parts, index)?;
+    check_unpacked(header, &blocks)?;
     let mut planes: Vec<Plane> = wanted
         .iter()
         .map(|&channel| {
             let Vec2(sx, sy) = header.channels.list[channel].sampling;
             let (width, height) = (width / sx, height / sy);
-            Plane { width, height, sampling: (sx, sy), samples: vec![0.0; width * height] }
+            Ok(Plane { width, height, sampling: (sx, sy), samples: filled(width * height, 0.0)? })
         })
-        .collect();
-    for batch in blocks.chunks(BLOCKS_AT_A_TIME) {
+        .collect::<Result<_, Fault>>()?;
+    let mut blocks = blocks.as_slice();
+    while let Some(largest) = blocks.iter().map(|block| block.unpacked).max() {
+        let (batch, rest) = blocks.split_at((BATCH_BYTES / largest.max(1)).clamp(1, blocks.len()));
+        blocks = rest;
         let unpacked: Vec<Vec<u8>> = batch.par_iter().map(|block| unpack(header, block)).collect::<Result<_, _>>()?;
         for (block, bytes) in batch.iter().zip(unpacked) {
             scatter(header, block.bounds, &bytes, wanted, &mut planes);
         }
     }
     Ok(planes)
+}
+
+/// Refuses what would take too much memory or time to unpack, mostly because of channels that are not wanted.
+fn check_unpacked(header: &Header, blocks: &[Block]) -> Result<(), Fault> {
+    let (largest, all) =
+        blocks.iter().fold((0, 0usize), |(most, sum), b| (b.unpacked.max(most), sum.saturating_add(b.unpacked)));
+    let channels = header.channels.list.len();
+    for (what, bytes, most) in [("a block has", largest, BLOCK_BYTES_MAX), ("its blocks have", all, PART_BYTES_MAX)] {
+        if bytes > most {
+            let what = format!("{what} {} MiB of pixels in {channels} channels", bytes >> 20);
+            let expected = format!("at most {} MiB; keep the channels of the colour only", most >> 20);
+            return Err(Fault::new(what, expected));
+        }
+    }
+    Ok(())
 }
 
 /// Bytes of an unpacked block for each packed byte, at most; bounds what a small file can make us allocate.
@@ -199,11 +230,11 @@ fn find_blocks<'a>(parts: &Parts<'a>, index: usize) -> Result<Vec<Block<'a>>, Fa
             position: Vec2(x as i32, y as i32),
             size: Vec2(block_width.min(width - x), block_height.min(height - y)),
         };
-        let unpacked = block_bytes(header, bounds) as u64;
-        if unpacked > max_expansion(header.compression) * packed.len() as u64 {
+        let unpacked = block_bytes(header, bounds);
+        if unpacked as u64 > max_expansion(header.compression) * packed.len() as u64 {
             return Err(wrong(format!("{} bytes for {unpacked} bytes of pixels", packed.len())));
         }
-        blocks.push(Block { bounds, packed });
+        blocks.push(Block { bounds, packed, unpacked });
     }
     Ok(blocks)
 }
@@ -215,7 +246,7 @@ fn unpack(header: &Header, block: &Block) -> Result<Vec<u8>, Fault> {
         Fault::new(format!("the block at column {x}, line {y} is damaged ({why})"), "pixels that unpack")
     };
     let area = block.bounds.size.area();
-    let bytes = block_bytes(header, block.bounds);
+    let bytes = block.unpacked;
     if bytes == 0 {
         return Ok(Vec::new());
     }

@@ -49,16 +49,12 @@ pub fn logical_lines(text: &str) -> Vec<(usize, Cow<'_, str>)> {
         let mut logical = Cow::Borrowed(line);
         // A comment that ends in a backslash (a Windows folder, say) does not swallow the next line.
         while !logical.starts_with('#') && logical.ends_with('\\') {
-            let mut joined = logical.trim_end_matches('\\').to_owned();
-            let next = physical.next();
-            if let Some((_, next)) = next {
-                joined.push(' ');
-                joined.push_str(next);
-            }
-            logical = Cow::Owned(joined);
-            if next.is_none() {
-                break;
-            }
+            // In place: copying what is joined so far would take the square of the number of lines.
+            let joined = logical.to_mut();
+            joined.truncate(joined.trim_end_matches('\\').len());
+            let Some((_, next)) = physical.next() else { break };
+            joined.push(' ');
+            joined.push_str(next);
         }
         if !logical.is_empty() && !logical.starts_with('#') {
             lines.push((i + 1, logical));

@@ -16,7 +16,7 @@ use glam::{DVec3, Vec3};
 use lines::ObjText;
 use source::existing;
 pub use source::{Disk, SceneFiles};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// Automatic cameras look from this far to the right of +z and this far above the horizon: a front, a side and a top are seen.
@@ -56,11 +56,12 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
     let (models, file_materials) = tobj::load_obj_buf(&mut obj.text.as_bytes(), &options, load_libraries)
         .map_err(|error| file_error(format!("cannot read the faces: {error}")))?;
     let file_materials = file_materials.map_err(|error| file_error(format!("cannot read the materials: {error}")))?;
-    for name in &obj.materials {
-        if !file_materials.iter().any(|material| material.name == *name) {
-            warnings.push(format!("material \"{name}\" is not defined; the default material is used"));
-        }
-    }
+    let defined: HashSet<&str> = file_materials.iter().map(|material| material.name.as_str()).collect();
+    let undefined = obj.materials.iter().filter(|name| !defined.contains(name.as_str()));
+    add_first(
+        &mut warnings,
+        undefined.map(|name| format!("material \"{name}\" is not defined; the default material is used")),
+    );
 
     let (meshes, used) = assemble(&models, path, &mut warnings)?;
     let (textures, maps) = maps::read(files, &libraries, &mut warnings);
@@ -75,6 +76,19 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
     Ok(scene.hashed())
 }
 
+/// Warnings of one cause that are told one by one; a broken exporter can make one a line.
+const TOLD_COUNT: usize = 5;
+
+/// Adds the first warnings of one cause, and the number of those that are left out.
+fn add_first(warnings: &mut Vec<String>, of_one_cause: impl IntoIterator<Item = String>) {
+    let mut of_one_cause = of_one_cause.into_iter();
+    warnings.extend(of_one_cause.by_ref().take(TOLD_COUNT));
+    let left_out = of_one_cause.count();
+    if left_out > 0 {
+        warnings.push(format!("and {left_out} more of the last kind"));
+    }
+}
+
 /// Reads what the `mtllib` statements name: one file whose name may hold spaces, or else several.
 fn read_libraries(
     files: &dyn SceneFiles,
@@ -82,17 +96,19 @@ fn read_libraries(
     path: &Path,
     warnings: &mut Vec<String>,
 ) -> Result<mtl::Libraries, SceneError> {
-    let mut libraries = mtl::Libraries::default();
+    let (mut libraries, mut odd) = (mtl::Libraries::default(), Vec::new());
     for names in &obj.libraries {
         let whole = existing(files, path, names);
         if files.has(&whole) || !names.contains(char::is_whitespace) {
-            libraries.add(files, &whole, warnings)?;
+            libraries.add(files, &whole, &mut odd)?;
             continue;
         }
         for name in names.split_whitespace() {
-            libraries.add(files, &existing(files, path, name), warnings)?;
+            libraries.add(files, &existing(files, path, name), &mut odd)?;
         }
     }
+    add_first(warnings, std::mem::take(&mut libraries.unreadable));
+    warnings.append(&mut odd);
     Ok(libraries)
 }
 
@@ -129,7 +145,7 @@ fn assemble(
             let polygon: Vec<DVec3> = face.iter().map(|&index| position(&mesh.positions, base + index)).collect();
             let split = triangulate::triangulate(&polygon).ok_or_else(|| {
                 let most = triangulate::MAX_CONCAVE_CORNERS;
-                file_error(format!("a face of {arity} corners that is not convex, expected at most {most} corners"))
+                file_error(format!("a face of {arity} corners that its first does not see all of (it is not convex), expected at most {most} corners"))
             })?;
             crossing_count += usize::from(!split.is_simple);
             for triangle in split.triangles {

@@ -10,8 +10,10 @@
 //! | `Ni` above 1 | f0 = ((Ni - 1) / (Ni + 1))² | 0.04 |
 //!
 //! `Ks` is not read: exporters fill it with the strength of a legacy highlight more often than with a reflectance. `Ni 1` is what exporters
-//! write who know no index of refraction, so it counts as absent. Values outside their range are clamped with a warning.
+//! write who know no index of refraction, so it counts as absent. Values outside their range are clamped with a warning; what is no number
+//! is refused.
 
+use super::add_first;
 use super::lines::{logical_lines, number};
 use super::source::{SceneFiles, existing};
 use crate::brdf;
@@ -28,22 +30,24 @@ pub struct Libraries {
     pub text: String,
     /// Albedo maps, each once.
     pub maps: Vec<PathBuf>,
+    /// Warnings about libraries that cannot be read.
+    pub unreadable: Vec<String>,
 }
 
 impl Libraries {
-    /// Adds the library at `path`. A library that cannot be read adds a warning only.
+    /// Adds the library at `path`. A library that cannot be read adds to the warnings of those only.
     pub fn add(&mut self, files: &dyn SceneFiles, path: &Path, warnings: &mut Vec<String>) -> Result<(), SceneError> {
         let bytes = match files.read(path) {
             Ok(bytes) => bytes,
             Err(source) => {
-                warnings.push(format!(
+                self.unreadable.push(format!(
                     "{}: cannot read the materials: {source}; the default material is used",
                     path.display()
                 ));
                 return Ok(());
             }
         };
-        let mut unread = Vec::new();
+        let (mut unread, mut odd) = (Vec::new(), Vec::new());
         for (line, logical) in logical_lines(&String::from_utf8_lossy(&bytes)) {
             let (keyword, rest) = logical.split_once(char::is_whitespace).unwrap_or((&logical, ""));
             let rest = rest.trim();
@@ -58,14 +62,14 @@ impl Libraries {
                     let _ = writeln!(self.text, "newmtl {rest}");
                     Ok(())
                 }
-                "Kd" if rest.starts_with(|c: char| c.is_alphabetic()) => {
-                    warnings.push(warn_at_line(format!("Kd {rest} is not RGB and is not read")));
+                "Kd" if ["spectral", "xyz"].contains(&take_word(rest).0) => {
+                    odd.push(warn_at_line(format!("Kd {rest} is not RGB and is not read")));
                     Ok(())
                 }
                 "Kd" => color(rest).map(|rgb| {
                     let clamped = rgb.map(|x| x.clamp(0.0, 1.0));
                     if clamped != rgb {
-                        warnings.push(warn_at_line(format!("Kd {rest} is outside 0 to 1 and is clamped")));
+                        odd.push(warn_at_line(format!("Kd {rest} is outside 0 to 1 and is clamped")));
                     }
                     let _ = writeln!(self.text, "Kd {} {} {}", clamped[0], clamped[1], clamped[2]);
                 }),
@@ -73,7 +77,7 @@ impl Libraries {
                     let range = if keyword.starts_with('P') { [0.0, 1.0] } else { [0.0, f32::MAX] };
                     scalar(range).map(|(clamped, value)| {
                         if clamped != value {
-                            warnings.push(warn_at_line(format!(
+                            odd.push(warn_at_line(format!(
                                 "{keyword} {value} is outside its range and is read as {clamped}"
                             )));
                         }
@@ -82,7 +86,7 @@ impl Libraries {
                 }
                 "map_Kd" => map_file(rest).map(|(file, has_options)| {
                     if has_options {
-                        warnings.push(warn_at_line("the options of map_Kd are not read".to_owned()));
+                        odd.push(warn_at_line("the options of map_Kd are not read".to_owned()));
                     }
                     let map = existing(files, path, file);
                     let index = self.maps.iter().position(|known| *known == map).unwrap_or_else(|| {
@@ -105,6 +109,7 @@ impl Libraries {
                 message: format!("{keyword}: {message}"),
             })?;
         }
+        add_first(warnings, odd);
         if !unread.is_empty() {
             warnings.push(format!("{}: {} are not read", path.display(), unread.join(", ")));
         }

@@ -1,9 +1,13 @@
 //! Polygons to triangles by ear clipping.
 
 use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
 
 /// Most corners of a polygon that is not convex; clipping takes the square of their number.
 pub const MAX_CONCAVE_CORNERS: usize = 4096;
+
+/// Share of a fan's area that may overlap: what rounding to seven digits makes of a convex outline is a thousandth of it.
+const OVERLAP_MAX: f64 = 1e-6;
 
 /// The triangles of a polygon.
 #[derive(Debug, PartialEq)]
@@ -15,7 +19,7 @@ pub struct Triangulation {
 }
 
 /// Splits a polygon, in general neither convex nor quite planar, into triangles between its corners. The sum of their areas is the
-/// polygon's, projected along its mean normal. `None` if it is not convex and has more than [`MAX_CONCAVE_CORNERS`] corners.
+/// polygon's, projected along its mean normal. `None` if it has more than [`MAX_CONCAVE_CORNERS`] corners and the first does not see all of it.
 pub fn triangulate(polygon: &[DVec3]) -> Option<Triangulation> {
     let fan =
         |ring: &[usize]| -> Vec<[usize; 3]> { (2..ring.len()).map(|i| [ring[0], ring[i - 1], ring[i]]).collect() };
@@ -28,7 +32,7 @@ pub fn triangulate(polygon: &[DVec3]) -> Option<Triangulation> {
         return Some(Triangulation { triangles: fan(&all), is_simple: true });
     }
     if polygon.len() > MAX_CONCAVE_CORNERS {
-        return None;
+        return is_fan(&flat).then(|| Triangulation { triangles: fan(&all), is_simple: true });
     }
     let mut triangles = Vec::with_capacity(polygon.len() - 2);
     let mut ring = all;
@@ -84,6 +88,23 @@ fn is_convex(flat: &[DVec2]) -> bool {
     let n = flat.len();
     (0..n).all(|i| turn(flat[i], flat[(i + 1) % n], flat[(i + 2) % n]) >= 0.0)
         && (2..n).all(|i| turn(flat[0], flat[i - 1], flat[i]) >= 0.0)
+}
+
+/// Whether the fan covers the polygon, which it does where corner 0 sees all of it: its triangles lie side by side, less than once around.
+/// Corners rounded off a convex outline make some of them overlap by next to nothing.
+fn is_fan(flat: &[DVec2]) -> bool {
+    let (mut forward, mut backward, mut angle) = (0.0, 0.0, 0.0);
+    for pair in flat[1..].windows(2) {
+        let [a, b] = [pair[0] - flat[0], pair[1] - flat[0]];
+        let area = a.perp_dot(b);
+        if area >= 0.0 {
+            forward += area
+        } else {
+            backward -= area
+        }
+        angle += area.atan2(a.dot(b));
+    }
+    backward <= OVERLAP_MAX * forward && angle < TAU
 }
 
 /// The corner before `i`, the corner, and the corner after it.

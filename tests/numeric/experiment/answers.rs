@@ -59,7 +59,7 @@ impl Made {
         put("errors.csv", text(&errors, ",relmse_eps1e-2,flip,relmse_eps1e-2_noise_floor,verdict"));
         put("errors_by_n_dot_v.csv", text(&bins, ",n_dot_v_from,n_dot_v_to,pixel_count,relmse_eps1e-2"));
         let provenance = serde_json::json!({
-            "name": "made", "question": "What?", "cell_count": self.rows.len(), "sessions": [{ "device":
+            "schema_version": 1, "name": "made", "question": "What?", "cell_count": self.rows.len(), "sessions": [{ "device":
                 { "name": "paper", "driver": "pencil", "type": "cpu" }, "date_utc": "2026-01-01T00:00:00Z" }],
         });
         put("provenance.json", provenance.to_string());

@@ -148,7 +148,7 @@ fn furnace(dir: &Path, reference: &str, rows: &[(&str, &str, f64, [f64; 2])]) {
     let put = |name: &str, text: String| std::fs::write(dir.join(name), text).unwrap();
     put("errors.csv", format!("{head},relmse_eps1e-2,bias_rel,bias_rel_noise_floor,verdict\n{errors}"));
     put("errors_by_n_dot_v.csv", format!("{head},n_dot_v_from,n_dot_v_to,pixel_count,relmse_eps1e-2,bias_rel\n{bins}"));
-    let provenance = serde_json::json!({ "name": "made", "question": "What?", "cell_count": rows.len(),
+    let provenance = serde_json::json!({ "schema_version": 1, "name": "made", "question": "What?", "cell_count": rows.len(),
         "reference": { "method": reference, "samples": 64 }, "sessions": [] });
     put("provenance.json", provenance.to_string());
 }

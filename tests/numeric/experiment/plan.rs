@@ -301,7 +301,8 @@ fn an_exclusion_says_where_it_was_written() {
     let plan = plan(
         "name = \"x\"\n[axes]\nalpha = [0.1, 0.5]\n[[exclude]]\nalpha = 0.1\nwhy = \"narrow\"\n[[exclude]]\nalpha = 0.2\nwhy = \"none\"\n",
     );
-    let places = plan.config.exclusions.iter().map(|e| e.place.words(&plan.config.path, &plan.config.text));
+    let lines = splitsum::experiment::fault::Lines::new(&plan.config.text);
+    let places = plan.config.exclusions.iter().map(|e| e.place.words(&plan.config.path, &lines));
     assert_eq!(places.collect::<Vec<_>>(), ["e.toml:4:1", "e.toml:7:1"]);
     assert_eq!(plan.excluded, [1, 0]);
 }

@@ -166,7 +166,7 @@ fn multi_part_files_give_the_first_part_with_colour() {
     window.write().to_file(&path).unwrap();
     let image = exr_file::read(&path).unwrap();
     assert_eq!(image.rgb, RgbImage::filled(4, 2, [1.0, 2.0, 3.0]));
-    assert_eq!(image.warnings, ["Of 3 parts, only part 2 is used."]);
+    assert_eq!(image.warnings, ["Of 3 parts, only part 2 is used; FILE#NAME reads another (albedo)."]);
     let albedo = exr_file::read_layer(&path, Some("albedo")).unwrap();
     assert_eq!(albedo.rgb, RgbImage::filled(4, 2, [4.0, 5.0, 6.0]));
 }
@@ -282,8 +282,46 @@ fn channel_names() {
     let partial = at(&["B", "R"]).unwrap();
     assert_eq!(partial.rgb.get(0, 0), [2.0, 0.0, 1.0]);
     assert_eq!(partial.warnings, ["Channel G is missing; it was set to 0."]);
+    let several = at(&["beauty.B", "beauty.G", "beauty.R", "mask.R"]).unwrap();
+    assert_eq!(several.warnings, ["Of its layers, only layer \"beauty\" is used; FILE#NAME reads another (mask)."]);
+    // Directions and places are no colours.
+    assert_eq!(first(&["N.X", "N.Y", "N.Z", "beauty.R"]), [4.0, 0.0, 0.0]);
     let message = at(&["A", "Z"]).unwrap_err().to_string();
     assert!(message.contains("has the channels A, Z; expected R, G, B or Y channels"), "{message}");
+}
+
+/// The white of D65 is (0.9505, 1, 1.0891), and Y is the luminance of what comes out.
+#[test]
+fn xyz_channels_become_rec709() {
+    let at = |channels: &[Channel]| read(&handmade(channels, WINDOW, WINDOW, &[]).0).unwrap();
+    let white = [channel("X", 2, |_, _| 0.9505), channel("Y", 2, |_, _| 1.0), channel("Z", 2, |_, _| 1.0891)];
+    let image = at(&white);
+    assert!(image.rgb.get(0, 0).iter().all(|x| (x - 1.0).abs() < 1e-3), "{:?}", image.rgb.get(0, 0));
+    assert_eq!(image.warnings, ["The channels X, Y and Z were taken as CIE XYZ, whose D65 is white in Rec.709."]);
+    let some = [channel("X", 2, |_, _| 0.5), channel("Y", 2, |_, _| 0.4), channel("Z", 2, |_, _| 0.1)];
+    let [r, g, b] = at(&some).rgb.get(0, 0);
+    assert!((0.2126 * r + 0.7152 * g + 0.0722 * b - 0.4).abs() < 1e-4 && r > g && g > b, "{r} {g} {b}");
+}
+
+/// A header that claims more than fits in memory is refused before anything is unpacked, and so are channels without an end.
+#[test]
+fn claims_are_refused_with_the_figure() {
+    let rgb = ["B", "G", "R"].map(|name| channel(name, 2, |_, _| 1.0));
+    let small = handmade(&rgb, WINDOW, WINDOW, &[]).0;
+    let window = |file: &[u8], from: [i32; 4], to: [i32; 4]| {
+        let bytes = |window: [i32; 4]| window.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+        let at = file.windows(16).position(|part| part == bytes(from)).unwrap();
+        [&file[..at], &bytes(to), &file[at + 16..]].concat()
+    };
+    let huge = window(&small, WINDOW, [0, 0, 16383, 8191]);
+    let environment = |file: &[u8]| exr_file::read_bytes("x.exr".as_ref(), file, None).unwrap_err().to_string();
+    assert!(environment(&huge).contains("x.exr: the header claims 16384x8192 pixels, which take 7424 MiB of memory"));
+    assert!(environment(&huge).contains("resample the image to 8192x4096 or less"));
+    // A frame may be larger than a map.
+    let frame = window(&small, WINDOW, [0, 0, 8191, 8191]);
+    assert!(environment(&frame).contains("which take 3712 MiB"));
+    assert!(read(&frame).unwrap_err().to_string().contains("but the file has"), "{:?}", read(&frame).err());
+    assert!(read(&huge).unwrap_err().to_string().contains("which take 3584 MiB"), "{:?}", read(&huge).err());
 }
 
 #[test]

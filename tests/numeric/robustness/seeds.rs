@@ -240,7 +240,7 @@ const REPORTS: &[(&str, &str)] = &[
     (
         "run",
         r#"@@provenance.json
-{"name": "a <b>", "question": "?", "plan_hash": "1", "shader_hash": "2", "cell_count": 4, "sessions": [{"date_utc": "2020", "device": {"name": "d", "driver": "v"}, "commit": {"hash": "0"}, "host": {"cpu": "c"}}], "metrics": [{"name": "relmse_eps1e-2"}], "excluded": [], "inputs": []}
+{"schema_version": 1, "name": "a <b>", "question": "?", "plan_hash": "1", "shader_hash": "2", "cell_count": 4, "sessions": [{"date_utc": "2020", "device": {"name": "d", "driver": "v"}, "commit": {"hash": "0"}, "host": {"cpu": "c"}}], "metrics": [{"name": "relmse_eps1e-2"}], "excluded": [], "inputs": []}
 @@errors.csv
 cell,environment,alpha,method,samples,exposure,relmse_eps1e-2,rmse,relmse_eps1e-2_noise_floor,verdict
 0,builtin:sky,0.1,sampled,1,1,0.4,1,1e-6,resolved

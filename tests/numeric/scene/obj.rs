@@ -137,6 +137,67 @@ fn materials_and_groups_keep_their_faces() {
 }
 
 #[test]
+fn warnings_of_one_cause_are_counted_after_the_fifth() {
+    let mut text = QUAD.to_owned();
+    (0..2000).for_each(|i| writeln!(text, "usemtl m{i:04}\nf 1 2 3").expect("a string takes all"));
+    let warnings = loaded(&text).warnings;
+    assert_eq!(warnings.len(), 6, "{warnings:?}");
+    assert!(warnings[4].contains("\"m0004\" is not defined") && warnings[5] == "and 1995 more of the last kind");
+}
+
+/// Joining by copies took the square of the number of lines: minutes here.
+#[test]
+fn a_statement_of_a_million_lines_is_read_at_once() {
+    let start = std::time::Instant::now();
+    let scene = loaded(&format!("{QUAD}f 1 2 3 {}4\n", "\\\n".repeat(1_000_000)));
+    assert_eq!(triangle_count(&scene), 2);
+    assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+}
+
+/// Seven digits bend the outline of a fine circle inwards at every other corner.
+#[test]
+fn a_circle_of_rounded_corners_is_filled() {
+    let count = 50_000;
+    let mut text = String::new();
+    for i in 0..count {
+        let (y, x) = (std::f64::consts::TAU * f64::from(i) / f64::from(count)).sin_cos();
+        writeln!(text, "v {x:.7} {y:.7} 0").expect("a string takes all");
+    }
+    let corners: Vec<String> = (1..=count).map(|i| i.to_string()).collect();
+    let scene = loaded(&format!("{text}f {}\n", corners.join(" ")));
+    let area: DVec3 = scene.meshes.iter().flat_map(areas).sum();
+    assert!((area - DVec3::Z * std::f64::consts::PI).length() < 1e-5, "{area}");
+    // A comb of as many corners is not seen from its first.
+    let comb = |i: i32| (f64::from(i / 2), if i % 4 < 2 { 1.0 } else { 2.0 });
+    let teeth: String = (0..count).map(|i| (comb(i).0, comb(i).1)).map(|(x, y)| format!("v {x} {y} 0\n")).collect();
+    let message =
+        load_text(&format!("{teeth}v {count} 0 0\nv 0 0 0\nf {} {} {}\n", corners.join(" "), count + 1, count + 2));
+    assert!(message.unwrap_err().contains("its first does not see all of"));
+}
+
+/// Six times the texels of an albedo map that is read, in 100 kB: refused by its header.
+#[test]
+fn a_map_too_large_for_memory_is_left_out_by_its_header() {
+    let mut header = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x40\0\0\0\x20\0\x08\x02\0\0\0".to_vec();
+    let crc = crc32(&header[12..]);
+    header.extend(crc.to_be_bytes());
+    header.extend(b"\0\0\0\0IDAT\x35\xaf\x06\x1e");
+    let scene = load(&[
+        ("scene.obj", format!("mtllib m.mtl\n{QUAD}usemtl m\nf 1 2 3 4\n").as_bytes()),
+        ("m.mtl", b"newmtl m\nmap_Kd bomb.png\n"),
+        ("bomb.png", &header),
+    ]);
+    let warnings = scene.expect("a readable file").warnings;
+    assert!(warnings[0].contains("16384x8192 texels, which take 5632 MiB"), "{warnings:?}");
+}
+
+/// The checksum of PNG chunks.
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |crc: u32| if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 };
+    !bytes.iter().fold(!0, |crc, byte| (0..8).fold(crc ^ u32::from(*byte), |crc, _| step(crc)))
+}
+
+#[test]
 fn material_parameters_become_alpha_and_f0() {
     let material = |parameters: &str| {
         let obj = format!("mtllib m.mtl\n{QUAD}usemtl m\nf 1 2 3 4\n");
@@ -166,7 +227,9 @@ fn material_parameters_become_alpha_and_f0() {
     let cases = [
         ("Kd 1 1", "m.mtl:2: Kd: 2 values, expected 3"),
         ("Kd 1 1 x", "m.mtl:2: Kd: \"x\" is not a number"),
+        ("Kd x y z", "m.mtl:2: Kd: \"x\" is not a number"),
         ("Ns inf", "m.mtl:2: Ns: \"inf\" is not a finite number"),
+        ("Ns 1e999", "m.mtl:2: Ns: \"1e999\" is not a finite number"),
         ("Pr", "m.mtl:2: Pr: no value"),
         ("map_Kd -clamp on", "m.mtl:2: map_Kd: expected a file name"),
         ("newmtl", "m.mtl:2: newmtl: expected a name"),

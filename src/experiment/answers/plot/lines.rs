@@ -103,8 +103,6 @@ const MARK: f64 = 6.0;
 const BAND: i32 = 22;
 /// Ground of a band.
 const PALE: Rgb = [246, 246, 246];
-/// An open end of a bar goes this far beyond its mark.
-const STUB: i32 = 16;
 /// Distance of the rows of tick labels.
 const LABEL_ROW: i32 = 14;
 /// Room between neighbouring labels of the x axis.
@@ -303,8 +301,8 @@ impl LineChart {
         Ok(())
     }
 
-    /// The interval of a point at a place. Known ends have a cap; one beyond the drawing is an arrow of a fixed length, since a line to the
-    /// edge would hide what is drawn and tell no more. The bar of a point in a band reaches into the drawing from there.
+    /// The interval of a point at a place. Known ends have a cap; towards one beyond the drawing a dotted line runs to an arrow at the
+    /// edge, so that what it crosses is crossed and what is drawn stays readable. The bar of a point in a band reaches into the drawing from there.
     fn bar(
         &self,
         canvas: &Canvas,
@@ -323,8 +321,11 @@ impl LineChart {
                     canvas.path(&[(x - 3, end), (x + 3, end)], color, 1, Stroke::Solid)?;
                 }
                 (None, Y::At(_)) => {
-                    let tip = (y + sign * STUB).clamp(frame.top + 1, frame.top + frame.height - 1);
-                    canvas.path(&[(x, y), (x, tip)], color, 1, Stroke::Solid)?;
+                    let tip = match sign {
+                        1 => frame.top + frame.height - frame.bands[0] - 1,
+                        _ => frame.top + frame.bands[1] + 1,
+                    };
+                    canvas.path(&[(x, y), (x, tip)], color, 1, Stroke::Dotted)?;
                     let wing = tip - sign * 4;
                     canvas.path(&[(x - 3, wing), (x, tip), (x + 3, wing)], color, 1, Stroke::Solid)?;
                 }

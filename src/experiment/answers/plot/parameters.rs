@@ -101,7 +101,7 @@ fn chart(answers: &Answers, axis: &str) -> Option<LineChart> {
             "Geometric mean of the relMSE over that of the cell that differs in nothing else; bars: Student's 95 % interval, with an arrow \
              where an end leaves the drawing. Below 1 is better; a bar across 1 decides nothing."
                 .to_owned(),
-            format!("{axis}: {}.", by_name(axis).about.trim_end_matches('.')),
+            format!("{axis}: {}.{}", by_name(axis).about.trim_end_matches('.'), presets(axis, &texts)),
         ],
         x_label: if is_method { "samples a pixel".to_owned() } else { axis.to_owned() },
         y_label: format!("relMSE over that of {}", short(axis, base)),
@@ -111,6 +111,13 @@ fn chart(answers: &Answers, axis: &str) -> Option<LineChart> {
         is_aside: true,
         panels,
     })
+}
+
+/// Which of the values have names, as those of engines.
+fn presets(axis: &str, values: &[String]) -> String {
+    let name = |value: &String| by_name(axis).kind.name_of(value).map(|name| format!("{} {name}", short(axis, value)));
+    let named: Vec<String> = values.iter().filter_map(name).collect();
+    if named.is_empty() { String::new() } else { format!(" Of the tried values: {}.", named.join(", ")) }
 }
 
 fn spans_decades(numbers: &[f64]) -> bool {

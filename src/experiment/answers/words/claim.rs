@@ -105,6 +105,7 @@ pub(super) fn from_claim(answers: &Answers) -> Option<Answer> {
             methods.iter().filter_map(|method| Some(says(&counts(method, Some(model))?))).collect();
         facts.push(format!("{model}: {}.", of_model.join("; ")));
     }
+    facts.extend(methods.iter().filter_map(|method| remaining(&counts(method, None)?)));
     facts.extend(methods.iter().map(|method| hidden_from(all, method)));
     facts.push(format!("Visible is a mean FLIP of at least {VISIBLE_FROM}, {}.", super::tone::SOURCE));
     Some(Answer {
@@ -119,6 +120,17 @@ pub(super) fn from_claim(answers: &Answers) -> Option<Answer> {
         sentence: format!("{verdict}: {}.", parts.join("; ")),
         facts,
     })
+}
+
+/// What more samples could not remove, where bias and variance were parted.
+fn remaining(of: &[&Sufficiency; 2]) -> Option<String> {
+    let say = |one: &&Sufficiency| {
+        let [mostly, all] = one.mostly_bias;
+        (all > 0).then(|| format!("{mostly} of {all} cases at {}", one.samples))
+    };
+    let cases: Option<Vec<String>> = of.iter().map(say).collect();
+    let method = &of[0].method;
+    Some(format!("With {method} the bias, which more samples cannot remove, outweighs the noise in {}.", cases?.join(" and ")))
 }
 
 /// The method with the mip filter.

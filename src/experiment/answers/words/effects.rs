@@ -4,6 +4,7 @@ use super::{Answer, ERROR_DIGITS, FACTS_OF_A_KIND, TIME_DIGITS, plural};
 use crate::experiment::answers::Answers;
 use crate::experiment::answers::effects::Effect;
 use crate::experiment::answers::study::{Study, short};
+use crate::experiment::axis::AXES;
 use crate::experiment::statistics::median;
 use crate::table::markdown::significant;
 use std::collections::BTreeMap;
@@ -80,7 +81,7 @@ pub(super) fn from_effects(study: &Study, answers: &Answers, sizes_are_asked: bo
         number,
         unit,
         sentence: format!("{before}{}{beside}.", say(first)),
-        facts: best.into_iter().map(|(_, text)| format!("Of {text}.")).chain(rest).collect(),
+        facts: presets(&all).into_iter().chain(best.into_iter().map(|(_, text)| format!("Of {text}."))).chain(rest).collect(),
     })
 }
 
@@ -98,6 +99,40 @@ fn base_error(study: &Study, effect: &Effect) -> Option<String> {
             errors.len()
         )
     })
+}
+
+/// What the values with names do, as those of engines: a sentence for each axis that has some and each method at its largest count.
+fn presets(all: &[&Effect]) -> Vec<String> {
+    let samples = |effect: &Effect| effect.method.rsplit(' ').next().and_then(|count| count.parse::<u32>().ok());
+    let mut groups: BTreeMap<&str, Vec<&Effect>> = BTreeMap::new();
+    for effect in all.iter().filter(|effect| preset(&effect.axis, &effect.value).is_some()) {
+        groups.entry(&effect.axis).or_default().push(effect);
+    }
+    let text = |x: f64| significant(x, TIME_DIGITS);
+    let sentence = |(axis, effects): (&str, Vec<&Effect>)| {
+        let most = effects.iter().filter_map(|effect| samples(effect)).max();
+        let mut own: Vec<&Effect> = effects.into_iter().filter(|effect| samples(effect) == most).collect();
+        own.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
+        let say = |effect: &&Effect| {
+            let name = preset(axis, &effect.value).unwrap_or_default();
+            let [lo, hi] = effect.interval.map(text);
+            let interval = if effect.interval[1].is_finite() { format!(", 95 % {lo} to {hi}") } else { String::new() };
+            format!("{name} ×{} ({}{interval})", text(effect.ratio), short(axis, &effect.value))
+        };
+        let first = own.first()?;
+        Some(format!(
+            "Presets of engines for {axis}, as multiples of the error of {} with {}: {}.",
+            first.method,
+            short(axis, &first.base),
+            own.iter().map(say).collect::<Vec<_>>().join(", ")
+        ))
+    };
+    groups.into_iter().filter_map(sentence).collect()
+}
+
+/// The name of a value, where its axis has names for numbers.
+fn preset(axis: &str, value: &str) -> Option<&'static str> {
+    AXES.iter().find(|known| known.name == axis)?.kind.name_of(value)
 }
 
 /// Which value of each parameter with three or more errs least, for each method that has it: the method, and what follows "of".

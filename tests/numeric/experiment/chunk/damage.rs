@@ -85,3 +85,22 @@ fn a_damaged_image_of_a_merged_run_is_brought_again() {
     assert!(bench.merge().unwrap().holes.is_empty());
     assert!(read(image) == whole);
 }
+
+/// A record of a cell that the plan does not have is left out and told; one under another cell's name is damage.
+#[test]
+fn records_of_other_cells_are_no_part_of_a_merge() {
+    let bench = Bench::new(100.0);
+    bench.chunk_on("fake", 0);
+    let cells = bench.attempts(0)[0].join("cells");
+    let path = |id: &str| cells.join(format!("{id}.json"));
+    let [first, second] = [0, 1].map(|cell| path(&bench.plan.cells[cell].id));
+    std::fs::copy(&first, path("0123456789abcdef")).unwrap();
+    let merged = bench.merge().unwrap();
+    assert!(merged.holes.is_empty());
+    assert!(merged.notes.len() == 1 && merged.notes[0].contains("does not have, left out: 1, the first "));
+    assert!(read(bench.path("merged/errors.csv")) == read(bench.whole().join("errors.csv")));
+
+    std::fs::copy(&first, &second).unwrap();
+    let Err(ChunkError::Damaged(damage)) = bench.merge() else { panic!("it was merged") };
+    assert!(damage.len() == 1 && damage[0].contains("under another name"), "{damage:?}");
+}

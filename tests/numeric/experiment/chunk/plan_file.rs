@@ -87,6 +87,12 @@ fn a_store_belongs_to_one_plan_file() {
     let bench = Bench::new(0.3);
     bench.chunk_on("fake", 0);
     let other = PlanFile::new(&bench.plan, bench.dir.path(), 7.0, bench.file.prices.clone());
+    // Nor does the other one take the plan file's place; the same again does.
+    let (path, before) = (bench.path("plan.json"), read(bench.path("plan.json")));
+    let error = other.write(&path).unwrap_err();
+    assert!(error.is_misuse() && error.to_string().contains("holds another plan"), "{error}");
+    bench.file.write(&path).unwrap();
+    assert!(read(&path) == before);
     let options = |store: &str| MergeOptions {
         store: bench.path(store),
         out: bench.path("merged"),

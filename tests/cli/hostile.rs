@@ -1,0 +1,117 @@
+//! Names, files and folders that are not what they seem. None of it needs a device.
+
+use super::{splitsum, stderr, stdout};
+use std::path::{Path, PathBuf};
+
+/// A published run in a folder of that name.
+fn published(root: &Path, name: &str) -> PathBuf {
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/timing");
+    let dir = root.join(name);
+    std::fs::create_dir(&dir).unwrap();
+    for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap).filter(|entry| entry.path().is_file()) {
+        std::fs::copy(entry.path(), dir.join(entry.file_name())).unwrap();
+    }
+    dir
+}
+
+fn change_provenance(dir: &Path, change: impl FnOnce(&mut serde_json::Value)) {
+    let path = dir.join("provenance.json");
+    let mut value: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    change(&mut value);
+    std::fs::write(path, value.to_string()).unwrap();
+}
+
+#[test]
+fn hostile_names_reach_neither_markdown_nor_terminal() {
+    let root = tempfile::tempdir().unwrap();
+    let dir = published(root.path(), "a\u{1b}[31m\u{202e}b");
+    change_provenance(&dir, |value| {
+        value["question"] = "# head\n<script>alert(1)</script> [x](javascript:y)".into();
+        value["sessions"][0]["device"]["name"] = "gpu\u{1b}[31m<img onerror=x>".into();
+    });
+    let name = dir.file_name().unwrap().to_str().unwrap();
+    let output = splitsum(root.path(), &["answers", name]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let summary = std::fs::read_to_string(dir.join("summary.md")).unwrap();
+    assert!(summary.contains("\n\\# head \\<script>alert(1)\\</script> [x\\](javascript:y)\n"), "{summary}");
+    assert!(summary.contains("\\<img onerror") && !summary.contains(" <img"), "{summary}");
+    let shown = stdout(&output) + &summary;
+    assert!(!shown.contains(['\u{1b}', '\u{202e}']) && shown.contains("\\u{1b}[31m\\u{202e}"), "{shown}");
+}
+
+#[test]
+fn a_provenance_that_is_none_has_one_exit_code() {
+    let root = tempfile::tempdir().unwrap();
+    let dir = published(root.path(), "run");
+    let experiment = dir.join("experiment.toml").display().to_string();
+    for text in ["[1, 2, 3]", "{\"schema_version\": \"2\", \"sessions\": []}"] {
+        std::fs::write(dir.join("provenance.json"), text).unwrap();
+        for arguments in [
+            &["answers", "run"][..],
+            &["report", "run"],
+            &["run", &experiment, "--out", "run"],
+            &["plan", &experiment, "--out", "run"],
+        ] {
+            let output = splitsum(root.path(), arguments);
+            let message = stderr(&output);
+            assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+            assert!(message.contains("is not a provenance file of splitsum"), "{arguments:?}: {message}");
+        }
+    }
+}
+
+#[test]
+fn a_damaged_frozen_experiment_is_told() {
+    let root = tempfile::tempdir().unwrap();
+    let dir = published(root.path(), "run");
+    for command in ["answers", "report"] {
+        assert!(!stderr(&splitsum(root.path(), &[command, "run"])).contains("experiment.toml"));
+    }
+    std::fs::write(dir.join("experiment.toml"), "name = ").unwrap();
+    for command in ["answers", "report"] {
+        let message = stderr(&splitsum(root.path(), &[command, "run"]));
+        assert!(message.contains("warning: run/experiment.toml: is not the experiment that was run"), "{message}");
+    }
+}
+
+#[test]
+fn a_folder_where_a_file_belongs_is_bad_input() {
+    let root = tempfile::tempdir().unwrap();
+    std::fs::write(root.path().join("x.toml"), "name = \"x\"\n[axes]\nalpha = [0.5]\n").unwrap();
+    let plan = |flags: &[&str]| splitsum(root.path(), &[&["plan", "x.toml", "--no-cache"], flags].concat());
+    let cells: serde_json::Value = serde_json::from_str(&stdout(&plan(&["--json"]))).unwrap();
+    let id = cells["cells"][0]["id"].as_str().unwrap().to_owned();
+    std::fs::create_dir_all(root.path().join(format!("runs/x/cells/{id}.json"))).unwrap();
+    let output = plan(&[]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains(&format!("cells/{id}.json")), "{}", stderr(&output));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn nothing_is_published_where_nothing_can_be_made() {
+    let root = tempfile::tempdir().unwrap();
+    published(root.path(), "run");
+    let output = splitsum(root.path(), &["answers", "run", "--publish", "/proc/splitsum"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("where this user may write"), "{}", stderr(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_is_written_through_a_link_and_never_over_a_device() {
+    let root = tempfile::tempdir().unwrap();
+    published(root.path(), "run");
+    std::fs::write(root.path().join("real.html"), "old").unwrap();
+    std::os::unix::fs::symlink("real.html", root.path().join("link.html")).unwrap();
+    let output = splitsum(root.path(), &["report", "run", "--out", "link.html"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(root.path().join("link.html").is_symlink());
+    assert!(std::fs::read_to_string(root.path().join("real.html")).unwrap().contains("<html"));
+
+    let socket = root.path().join("socket");
+    let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+    let output = splitsum(root.path(), &["report", "run", "--out", "socket"]);
+    assert!(stderr(&output).contains("socket: is a device or a pipe; expected a file"), "{}", stderr(&output));
+    assert!(!output.status.success() && !std::fs::metadata(&socket).unwrap().is_file());
+}
