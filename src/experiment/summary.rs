@@ -202,7 +202,17 @@ fn times_section(run: &RunFolder) -> String {
             (axis(pair.sampled, "brdf"), axis(pair.sampled, "diffuse"), axis(pair.fixed, "method"));
         let verdict = format!("{}{}", pair.verdict, if pair.sampled.device_type == "cpu" { " (CPU)" } else { "" });
         let [width, height] = pair.sampled.environment_size;
-        pairs.row(&[format!("{width}x{height}"), brdf, diffuse, method, fixed, significant(pair.ratio, DIGITS), interval, verdict, payback]);
+        pairs.row(&[
+            format!("{width}x{height}"),
+            brdf,
+            diffuse,
+            method,
+            fixed,
+            significant(pair.ratio, DIGITS),
+            interval,
+            verdict,
+            payback,
+        ]);
     }
     let pairs = match ratios.len() {
         0 => String::new(),

@@ -26,8 +26,7 @@ pub struct BiasVariance {
 
 impl BiasVariance {
     /// Column names, in the order of [`BiasVariance::values`].
-    pub const NAMES: [&'static str; 4] =
-        ["var_hat", "bias2_hat", Self::RELATIVE_NAMES[0], Self::RELATIVE_NAMES[1]];
+    pub const NAMES: [&'static str; 4] = ["var_hat", "bias2_hat", Self::RELATIVE_NAMES[0], Self::RELATIVE_NAMES[1]];
     /// Of them the parts of relMSE.
     pub const RELATIVE_NAMES: [&'static str; 2] = ["var_hat_eps1e-2", "bias2_hat_eps1e-2"];
 

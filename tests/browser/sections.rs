@@ -105,7 +105,7 @@ fn sections_open_at_their_top_and_keep_their_place() {
 fn names_tell_the_truth_from_the_method_and_one_image_is_not_the_lowest() {
     let Some(mut page) = chromium::open() else { return };
     let dir = tempfile::tempdir().unwrap();
-    let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nalpha = [0.1, 0.5]\nmethod = [\"reference\"]\nsamples = [16]";
+    let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nalpha = [0.1, 0.5]\nmethod = [\"reference\"]\nsamples = [32]";
     let report = report_of(dir.path(), axes, "");
     page.go(&report, "#images");
     page.wait("document.querySelectorAll('.image-table thead th').length > 2");

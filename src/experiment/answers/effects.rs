@@ -33,7 +33,7 @@ pub struct Effect {
     pub n: usize,
     /// How many of the cases are better than the base.
     pub better: usize,
-    /// Cases left out because both errors are within the reference's noise.
+    /// Cases left out because in all of their pairs both errors are within the reference's noise.
     pub in_noise: usize,
 }
 
@@ -114,8 +114,8 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
     order.sort_by_key(|[_, _, alpha]| !alpha.is_empty());
     let effect = |key: &[String; 3]| {
         let [value, method, alpha] = key.clone();
-        let own: Vec<f64> =
-            logs.get(key)?.values().map(|of_case| of_case.iter().sum::<f64>() / of_case.len() as f64).collect();
+        let told = logs.get(key)?;
+        let own: Vec<f64> = told.values().map(|of_case| of_case.iter().sum::<f64>() / of_case.len() as f64).collect();
         let (mean, half) = mean_95(&own)?;
         Some(Effect {
             axis: name.to_owned(),
@@ -127,7 +127,10 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
             interval: [(mean - half).exp(), (mean + half).exp()],
             n: own.len(),
             better: own.iter().filter(|log| **log < 0.0).count(),
-            in_noise: in_noise.get(key).map_or(0, BTreeSet::len),
+            // A case of which another pair tells something is counted there.
+            in_noise: in_noise
+                .get(key)
+                .map_or(0, |cases| cases.iter().filter(|case| !told.contains_key(*case)).count()),
         })
     };
     order.iter().filter(|[_, _, alpha]| is_swept_alpha || alpha.is_empty()).filter_map(effect).collect()

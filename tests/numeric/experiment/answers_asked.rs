@@ -69,9 +69,9 @@ fn what_an_interval_leaves_open_is_no_large_number() {
     assert!(answer.number == "undecided" && answer.unit.contains(", 95 % "), "{answer:?}");
     let size =
         answers.effects.iter().find(|effect| effect.axis == "irradiance_size" && effect.alpha.is_none()).unwrap();
-    assert_eq!(size.n, 6);
+    assert_eq!(size.n, 3);
     let facts: Vec<&String> = answer.facts.iter().filter(|fact| fact.contains("irradiance_size 16x8")).collect();
-    assert!(matches!(facts.as_slice(), [one] if one.contains("6 pairs")), "{:?}", answer.facts);
+    assert!(matches!(facts.as_slice(), [one] if one.contains("3 cases")), "{:?}", answer.facts);
 }
 
 #[test]

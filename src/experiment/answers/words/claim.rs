@@ -130,7 +130,10 @@ fn remaining(of: &[&Sufficiency; 2]) -> Option<String> {
     };
     let cases: Option<Vec<String>> = of.iter().map(say).collect();
     let method = &of[0].method;
-    Some(format!("With {method} the bias, which more samples cannot remove, outweighs the noise in {}.", cases?.join(" and ")))
+    Some(format!(
+        "With {method} the bias, which more samples cannot remove, outweighs the noise in {}.",
+        cases?.join(" and ")
+    ))
 }
 
 /// The method with the mip filter.

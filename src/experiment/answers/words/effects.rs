@@ -48,7 +48,7 @@ pub(super) fn from_effects(study: &Study, answers: &Answers, sizes_are_asked: bo
             if effect.is_decided() { "multiplies" } else { "may multiply" },
             text(effect.ratio),
             effect.n,
-            plural(effect.n, "pair"),
+            plural(effect.n, "case"),
             match effect.interval[1].is_finite() {
                 _ if effect.is_decided() => "",
                 true => ": the interval does not tell which one errs less",
@@ -74,14 +74,18 @@ pub(super) fn from_effects(study: &Study, answers: &Answers, sizes_are_asked: bo
             (UNDECIDED.to_owned(), unit)
         }
         (false, false) => {
-            (UNDECIDED.to_owned(), format!("the error with {values}: × {} in one pair", text(first.ratio)))
+            (UNDECIDED.to_owned(), format!("the error with {values}: × {} in one case", text(first.ratio)))
         }
     };
     Some(Answer {
         number,
         unit,
         sentence: format!("{before}{}{beside}.", say(first)),
-        facts: presets(&all).into_iter().chain(best.into_iter().map(|(_, text)| format!("Of {text}."))).chain(rest).collect(),
+        facts: presets(&all)
+            .into_iter()
+            .chain(best.into_iter().map(|(_, text)| format!("Of {text}.")))
+            .chain(rest)
+            .collect(),
     })
 }
 

@@ -30,8 +30,8 @@ fn costs(one: &Enough) -> Option<String> {
         false => String::new(),
     };
     let noise = super::noise_words(below);
-    let (n, pairs) = (below.n, plural(below.n, "pair"));
-    Some(format!("{} {} {verb} the error by {times} ({interval}{n} {pairs}{noise}{doubt})", one.axis, below.value))
+    let (n, cases) = (below.n, plural(below.n, "case"));
+    Some(format!("{} {} {verb} the error by {times} ({interval}{n} {cases}{noise}{doubt})", one.axis, below.value))
 }
 
 pub(super) fn from_sizes(answers: &Answers) -> Option<Answer> {
@@ -67,8 +67,8 @@ pub(super) fn from_sizes(answers: &Answers) -> Option<Answer> {
             || "no larger one was tried".to_owned(),
             |effect| {
                 let doubt = if effect.interval[0] < 1.0 - GAIN { ", which leaves a gain open" } else { "" };
-                let pairs = plural(effect.n, "pair");
-                format!("{} changes the error by {} ({} {pairs}){doubt}", effect.value, changes(effect), effect.n)
+                let cases = plural(effect.n, "case");
+                format!("{} changes the error by {} ({} {cases}){doubt}", effect.value, changes(effect), effect.n)
             },
         );
         let beside = match one.together == one.value {
