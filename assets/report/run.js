@@ -14,9 +14,10 @@ function excludedList(run, why) {
   const { axes, points, reasons } = model.exclusions, at = axes.indexOf("run");
   const own = points.filter(([reason, values]) => reasons[reason] === why && (at < 0 || values[at] === "" || values[at] === run.label)).map(([, values]) => values);
   if (!own.length) return h("p", { class: "note" }, "Each of them is left out for another reason, too, or another combination makes the same image.");
-  // What is the same in all of them is said once.
-  const varied = axes.map((name, i) => [name, i]).filter(([name, i]) => name !== "run" && new Set(own.map((values) => values[i])).size > 1);
-  const fixed = axes.map((name, i) => [name, own[0][i]]).filter(([name, value]) => name !== "run" && value !== "" && !varied.some(([other]) => other === name));
+  // What is the same in all of them that have it is said once.
+  const valuesAt = (i) => [...new Set(own.map((values) => values[i]).filter(Boolean))];
+  const varied = axes.map((name, i) => [name, i]).filter(([name, i]) => name !== "run" && valuesAt(i).length > 1);
+  const fixed = axes.map((name, i) => [name, valuesAt(i)]).filter(([name, values]) => name !== "run" && values.length === 1).map(([name, [value]]) => [name, value]);
   const cell = (name, value) => h("td", { title: value }, value === "" ? "any" : short(name, value));
   return [
     fixed.length > 0 && h("p", { class: "note" }, `In all: ${fixed.map(([name, value]) => `${name} ${short(name, value)}`).join(", ")}.`),
