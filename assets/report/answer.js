@@ -2,8 +2,8 @@
 
 import { breakEvenChart, breakEvenMap, equalTimeMap } from "report/break-even";
 import { isJoined, pairs, runTitle, unique } from "report/cases";
-import { hasPixels, headline, idOf, model, scenes, variantAxes, variantLabel } from "report/data";
-import { byId, h } from "report/dom";
+import { hasPixels, headline, idOf, model, scenes, truthName, variantAxes, variantLabel } from "report/data";
+import { byId, h, soft } from "report/dom";
 import { effectAxes, effectsFigure, rangeFigure, sweepFigure } from "report/effects";
 import { settingsOf, thumbnail } from "report/grid";
 import { convergence, hasConvergence, profile } from "report/plots";
@@ -15,6 +15,9 @@ const pairOf = (run) => pairs.find((pair) => pair.run === run);
 const ownConvergence = (run) => (hasConvergence(run) ? convergence(run) : null);
 const maps = (run) => { const pair = pairOf(run); return pair ? [breakEvenMap(pair), equalTimeMap(pair)] : []; };
 
+/** Axes that choose an estimator are answered before a parameter of one, as in the sentence. */
+const estimatorsBefore = (run) => { const { kind, axis } = model.runs[run].lead; return kind === "effects" ? effectAxes(run).filter((name) => ["method", "diffuse"].includes(name) && name !== axis) : []; };
+
 /** The figures of a run, the one that answers its question first. */
 function figures(run) {
   const { kind, axis, metric } = model.runs[run].lead;
@@ -23,7 +26,7 @@ function figures(run) {
     "range": () => [rangeFigure(run), ...maps(run)],
     "break-even": () => [breakEvenChart(pairOf(run)), ...maps(run)],
     "times": () => [passes(run, "frame"), passes(run, "precompute"), paybackTable(run), timeError(run, "all")],
-    "effects": () => [effectsFigure(run, axis), ...effectAxes(run).filter((name) => name !== axis).slice(0, 3).map((name) => effectsFigure(run, name))],
+    "effects": () => [...estimatorsBefore(run), axis, ...effectAxes(run).filter((name) => name !== axis && !estimatorsBefore(run).includes(name)).slice(0, 3)].map((name) => effectsFigure(run, name)),
     "convergence": () => [ownConvergence(run)],
     "sweep": () => [sweepFigure(run, axis, metric ?? undefined)],
     "profile": () => [profile(run, scenes[0])],
@@ -32,7 +35,7 @@ function figures(run) {
 }
 
 /** How many figures stand beside the answer: what a frame costs and what the tables cost are one answer. */
-const beside = (run) => (model.runs[run].lead.kind === "times" ? 3 : 1);
+const beside = (run) => (model.runs[run].lead.kind === "times" ? 3 : 1 + estimatorsBefore(run).length);
 
 let theme = null;
 /** Charts and a sample of the images below the sentence, which stands in the page already. Made anew when the theme changes. */
@@ -95,8 +98,8 @@ function strip(run) {
   const label = (row) => variantLabel(row, ["run", "point_set"]);
   return h("figure", { class: "figure strip" }, h("figcaption", {}, h("h3", {}, `See it: ${scene.label}${runTitle(run)}`)),
     h("p", { class: "note" }, `${note} Above the images, below their relative error (magma, 10⁻³ to 1). Click to compare them pixel by pixel.`),
-    h("div", { class: "strip-images" }, h("div", {}, h("h4", {}, "reference"), thumbnail(own, "image", settings, { isReference: true })),
-      chosen.map((row) => h("div", { "data-shown": row.cell }, h("h4", {}, label(row)), thumbnail(row, "image", settings), thumbnail(row, "error", settings)))),
+    h("div", { class: "strip-images" }, h("div", {}, h("h4", {}, truthName), thumbnail(own, "image", settings, { isReference: true })),
+      chosen.map((row) => h("div", { "data-shown": row.cell }, h("h4", {}, soft(label(row))), thumbnail(row, "image", settings), thumbnail(row, "error", settings)))),
     h("p", {}, h("a", { href: "#images" }, scenes.length === 1 ? "All images of the scene" : `All ${scenes.length} scenes`), " · ",
       h("a", { href: link({ view: "compare", cell: chosen[0].cell, run: run || undefined, split: 0.5 }) }, `Compare ${label(chosen[0])} with the reference`),
       chosen.length > 1 && [" · ", h("a", { href: link({ view: "compare", cell: chosen[0].cell, run: run || undefined, with: idOf(chosen.at(-1)), split: 0.5 }) }, `with ${label(chosen.at(-1))}`)]));

@@ -93,10 +93,33 @@ export const idOf = (row) => (row.run ? `${row.cell}@${row.run}` : row.cell);
 /** A value in words; a bare number says what it is. */
 const word = (name, value) => {
   const text = short(name, value);
+  if (text === "") return "";
+  if (name === "irradiance_size") return text;
+  if (name === "irradiance_sample_count") return `${text} samples`;
   return /^[−-]?[\d.]/.test(text) && !["method", "samples", "run"].includes(name) ? `${symbol(name)} ${text}` : text;
 };
-/** How a cell is made: "sampled 16", "sampled 16 bias 0.5 set 2"; axes may be left out. */
-export const variantLabel = (row, without = []) => (variantAxes.length ? variantAxes : ["method", "samples"]).filter((name) => !without.includes(name)).map((name) => word(name, row.axes[name])).filter(Boolean).join(" ");
+const methods = (axisOf.method?.values ?? []).filter(Boolean);
+/** What the images are held against; a way to make them may be called reference, too. */
+export const truthName = methods.includes("reference") ? "reference (truth)" : "reference";
+/** An image without a specular term is named by its diffuse one. */
+function bareName(diffuse) {
+  if (!diffuse || diffuse === "none") return "no specular term";
+  return methods.length > 1 ? `${diffuse} only` : diffuse;
+}
+/** How a cell is made: "sampled 16", "sampled 16 bias 0.5 set 2", "irradiance-map 64x32, 128x32 samples"; axes may be left out. */
+export function variantLabel(row, without = []) {
+  const names = (variantAxes.length ? variantAxes : ["method", "samples"]).filter((name) => !without.includes(name)), { axes } = row;
+  const isDrawn = axes.method === "reference" && axes.samples && names.includes("method") && names.includes("samples");
+  const part = (name) => {
+    if (name === "method" && axes.method === "none") return names.includes("diffuse") ? "" : bareName(axes.diffuse);
+    if (name === "diffuse" && axes.method === "none") return bareName(axes.diffuse);
+    if (isDrawn && name === "method") return "reference,";
+    if (isDrawn && name === "samples") return `${axes.samples} samples`;
+    if (name === "irradiance_size" && axes[name] && names.includes("irradiance_sample_count")) return `${axes[name]},`;
+    return word(name, axes[name] ?? "");
+  };
+  return names.map(part).filter(Boolean).join(" ");
+}
 /** What a cell shows: "sky ggx α 0.25". */
 export const sceneLabel = (row) => sceneAxes.map((name) => word(name, row.axes[name])).filter(Boolean).join(" · ") || model.runs[row.run].provenance.name;
 /** The name of an axis as people say it. */
@@ -129,7 +152,16 @@ export const scenes = [];
     row.original = byImage.get(imageKey);
   }
 }
+/** How far the tone curve of a row is from the plain one. */
+const distance = ({ axes }) => Math.abs(Math.log(Number(axes.exposure) || 1)) + Math.abs(Math.log(Number(axes.contrast) || 1));
 for (const scene of scenes) {
+  // Of the tone curves that were tried over an image the plainest stands for it.
+  scene.variants = scene.variants.map(({ copies }) => {
+    const plain = copies.reduce((best, row) => (distance(row) < distance(best) ? row : best));
+    copies.forEach((row) => { row.original = plain; row.copies = []; });
+    plain.copies = copies;
+    return plain;
+  });
   // A cell without some term has a reference without it; the scene's is the one that most of its cells have.
   const uses = (row) => scene.variants.filter((other) => other.reference === row.reference).length;
   scene.main = scene.variants.reduce((best, row) => (uses(row) > uses(best) ? row : best));

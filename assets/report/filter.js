@@ -25,7 +25,7 @@ export function parseFilter(columns, filter) {
       tests.push((row) => row.some((field) => field.toLowerCase().includes(word)));
       continue;
     }
-    const test = comparison(columns, name, ALIAS[sign] ?? sign, wanted.replaceAll('"', ""));
+    const test = wanted === "" && name !== "" ? `“${name} ${sign}” says no ${sign === "=" || sign === "!=" ? "value; \"\" stands for an empty field" : "number"}` : comparison(columns, name, ALIAS[sign] ?? sign, wanted.replaceAll('"', ""));
     if (typeof test === "string") complaints.push(test);
     else tests.push(test);
   }

@@ -1,7 +1,7 @@
 // The image table: scenes down, ways to make the image across. Every picture leads into the comparison.
 
-import { displayAxes, errorColor, exclusionOf, exrLink, hasPixels, headline, HALF, mask, model, overview, pixels, rows, sceneAxes, axisOf, scenes, short, symbol, texelError, tone, variantAxes, variantLabel, variantLabels } from "report/data";
-import { choice, h, number, select } from "report/dom";
+import { displayAxes, errorColor, exclusionOf, exrLink, hasPixels, headline, HALF, mask, model, overview, pixels, rows, sceneAxes, axisOf, scenes, short, symbol, texelError, tone, truthName, variantAxes, variantLabel, variantLabels } from "report/data";
+import { choice, h, number, select, soft } from "report/dom";
 import { sheetLinks } from "report/run";
 import { go, keep } from "report/state";
 
@@ -48,7 +48,7 @@ export async function paint(canvas, row, mode, settings, isReference = false) {
 
 /** A picture with its score that opens the comparison. */
 export function thumbnail(row, mode, settings, { isReference = false, isLowest = false } = {}) {
-  const name = isReference ? "reference" : variantLabel(row), error = row.scores[headline];
+  const name = isReference ? truthName : variantLabel(row), error = row.scores[headline];
   const canvas = h("canvas", { width: 8, height: 8, "aria-hidden": "true" });
   const score = isReference ? (row.floor === null ? "" : `floor ${number(row.floor, 2)}`) : error === null ? "failed" : number(error);
   const button = h("button", { type: "button", class: "thumb", "data-cell": row.cell, title: `${row.scene.label}: ${name}`,
@@ -89,7 +89,7 @@ function exrTable() {
   const line = (row, name, index, score) => h("tr", {}, h("th", { scope: "row" }, row.scene.label), h("td", {}, name), h("td", {}, score), h("td", {}, file(index, `${row.scene.label}, ${name}: linear EXR`)));
   return h("div", { class: "scroll data-table", tabindex: 0, role: "region", "aria-label": "Linear EXR files" }, h("table", {},
     h("thead", {}, h("tr", {}, ["scene", "image", headline, "linear EXR"].map((name) => h("th", { scope: "col" }, name)))),
-    h("tbody", {}, scenes.flatMap((scene) => [line(scene.main, "reference", scene.main.reference, ""), ...scene.variants.map((row) => line(row, variantLabel(row), row.image, number(row.scores[headline])))]))));
+    h("tbody", {}, scenes.flatMap((scene) => [line(scene.main, truthName, scene.main.reference, ""), ...scene.variants.map((row) => line(row, variantLabel(row), row.image, number(row.scores[headline])))]))));
 }
 
 /** The page of images. */
@@ -115,19 +115,21 @@ export function showGrid(view, state) {
   // Ways of which the page holds no pixels at all (further point sets of a large run) would be columns of nothing.
   const labels = used.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label && (row.image === null || hasPixels(row)))));
   if (labels.length < used.length) notes.push(h("p", { class: "note" }, `${used.length - labels.length} of ${used.length} ways to make the image have no pixels in this page and are not listed.`));
-  const head = h("tr", {}, h("th", { scope: "col" }, sceneAxes.map(symbol).join(" · ") || "scene"), h("th", { scope: "col" }, "reference"), labels.map((label) => h("th", { scope: "col" }, label)));
+  const head = h("tr", {}, h("th", { scope: "col" }, sceneAxes.map(symbol).join(" · ") || "scene"), h("th", { scope: "col" }, truthName), labels.map((label) => h("th", { scope: "col" }, soft(label))));
   const body = own.map((scene) => {
     const first = scene.main, settings = settingsOf(first);
     settings.exposure *= 2 ** stops;
-    const best = Math.min(...scene.variants.map((row) => row.scores[headline] ?? Infinity));
-    return h("tr", {}, h("th", { scope: "row" }, sceneAxes.map((name) => h("span", {}, `${symbol(name) === name ? "" : `${symbol(name)} `}${short(name, first.axes[name])}`))),
+    // Of one image there is no lowest.
+    const scores = scene.variants.map((row) => row.scores[headline]).filter((score) => score !== null);
+    const best = scores.length > 1 ? Math.min(...scores) : NaN;
+    return h("tr", {}, h("th", { scope: "row" }, sceneAxes.map((name) => h("span", {}, soft(`${symbol(name) === name ? "" : `${symbol(name)} `}${short(name, first.axes[name])}`)))),
       h("td", {}, thumbnail(first, "image", settings, { isReference: true })),
       labels.map((label) => {
         const row = scene.variants.find((one) => variantLabel(one) === label);
         return h("td", {}, row ? thumbnail(row, mode, settings, { isLowest: row.scores[headline] === best }) : missing(first, label));
       }));
   });
-  const legend = mode === "image" ? `Through the project's tone curve at the cell's exposure${displayAxes.length ? " (the first of those tried)" : ""}. ` : mode === "error" ? "√ of the RGB mean of d² / (r² + 0.01), magma, 10⁻³ to 1, the same for all. " : "Mean of d / √(r² + 0.01), −0.5 (blue, too dark) to 0.5 (red, too bright). ";
+  const legend = mode === "image" ? `Through the project's tone curve at the cell's exposure${displayAxes.length ? " (of those tried the nearest to 1)" : ""}. ` : mode === "error" ? "√ of the RGB mean of d² / (r² + 0.01), magma, 10⁻³ to 1, the same for all. " : "Mean of d / √(r² + 0.01), −0.5 (blue, too dark) to 0.5 (red, too bright). ";
   view.replaceChildren(bar, ...notes, h("p", { class: "note" }, legend, "Below each image its relMSE; the lowest of a scene is marked. Click one to compare it pixel by pixel."),
     h("div", { class: "scroll image-table", style: `--columns:${labels.length + 1}`, tabindex: 0, role: "region", "aria-label": "Image table" }, h("table", {}, h("thead", {}, head), h("tbody", {}, body))));
 }

@@ -1,6 +1,6 @@
 // The comparison of images on linear data: flip in place, split, zoom to texels, error maps, probe. WebGL2.
 
-import { HALF, errorColor, exrLink, hasPixels, headline, idOf, model, rowOf, rows, scenes, texelError, variantLabel } from "report/data";
+import { HALF, errorColor, exrLink, hasPixels, headline, idOf, model, rowOf, rows, scenes, texelError, truthName, variantLabel } from "report/data";
 import { announce, choice, h, number, select, slider, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { fitCanvas, linkButton } from "report/stage";
@@ -183,16 +183,16 @@ class Viewer {
 
   describe(isSplit) {
     const { row, other } = this;
-    const name = this.showsReference ? "reference" : variantLabel(row);
+    const name = this.showsReference ? truthName : variantLabel(row);
     const error = row.scores[headline];
     const what = { image: this.tone === "srgb" ? "sRGB" : "tone curve", error: "relative error", signed: "signed error" }[this.mode];
-    const right = other ? variantLabel(other) : "reference", text = `${name}${isSplit ? ` | ${right}` : ""}`;
+    const right = other ? variantLabel(other) : truthName, text = `${name}${isSplit ? ` | ${right}` : ""}`;
     this.badge.textContent = name;
     this.badge.classList.toggle("is-reference", this.showsReference);
     this.rightBadge.textContent = right;
     this.rightBadge.classList.toggle("is-reference", !other);
     this.rightBadge.hidden = !isSplit;
-    this.canvas.setAttribute("aria-label", `${this.scene.label}: ${text}, ${what}; relMSE ${number(error)}`);
+    this.canvas.setAttribute("aria-label", `${this.scene.label}: ${text}, ${what}${this.showsReference ? "" : `; relMSE ${number(error)}`}`);
     this.canvas.dataset.shown = this.showsReference ? "reference" : row.cell;
     this.canvas.dataset.mode = this.mode;
     this.scaleText.textContent = this.scale >= 1 ? `${number(this.scale)}×` : `1/${number(1 / this.scale)}`;
@@ -227,6 +227,7 @@ class Viewer {
       if (!entry || x < 0 || y < 0 || x >= entry.width || y >= entry.height) return null;
       return [0, 1, 2].map((c) => HALF[entry.rgba[4 * (y * entry.width + x) + c]]);
     };
+    this.placeMark(x, y);
     const window = model.images[this.row.image]?.window;
     this.probePlace.textContent = window ? `texel (${x + window.x}, ${y + window.y})${this.pinned ? " · pinned" : ""}` : "";
     const line = (name, key, value, error) => h("tr", { "data-probe": key, class: key === idOf(this.row) ? "current" : "" }, h("th", { scope: "row" }, name),
@@ -240,7 +241,16 @@ class Viewer {
       const counts = !bytes || bytes[y * width + x] === 1;
       return line(variantLabel(row), idOf(row), value, value && truth && counts ? texelError(value, truth) : null);
     });
-    this.probeBody.replaceChildren(...[...references].map(([index, truth], i) => line(`reference${references.size > 1 ? ` ${i + 1}` : ""}`, `reference-${index}`, truth, null)), ...lines);
+    this.probeBody.replaceChildren(...[...references].map(([index, truth], i) => line(`${truthName}${references.size > 1 ? ` ${i + 1}` : ""}`, `reference-${index}`, truth, null)), ...lines);
+  }
+
+  /** A ring with cross hairs around the pinned texel: never smaller than can be seen, and as large as the texel. */
+  placeMark(x, y) {
+    this.mark.hidden = !this.pinned;
+    if (!this.pinned) return;
+    const ratio = this.canvas.width / (this.stage.clientWidth || 1), side = Math.max(14, (this.scale / ratio) * 1.5);
+    const [left, top] = [x, y].map((at, i) => ((at + 0.5 - this.origin[i]) * this.scale) / ratio);
+    Object.assign(this.mark.style, { left: `${left}px`, top: `${top}px`, width: `${side}px`, height: `${side}px` });
   }
 
   /** Moves the probe by whole texels, pins it, and keeps it in sight. */
@@ -272,9 +282,10 @@ class Viewer {
     this.rightBadge = h("p", { class: "badge right", hidden: true });
     this.scaleText = h("span", { class: "scale-text" });
     this.legend = h("div", { class: "error-legend", hidden: true });
+    this.mark = h("i", { class: "probe-mark", "aria-hidden": "true", hidden: true });
     this.caption = h("p", { class: "caption" });
     this.handle = h("div", { class: "split-handle", role: "slider", tabindex: 0, "aria-label": "Split", "aria-valuemin": 0, "aria-valuemax": 100, hidden: true });
-    this.stage = h("div", { class: "viewer-stage" }, this.canvas, this.badge, this.rightBadge, this.handle, h("div", { class: "zoom-tools" },
+    this.stage = h("div", { class: "viewer-stage" }, this.canvas, this.mark, this.badge, this.rightBadge, this.handle, h("div", { class: "zoom-tools" },
       h("button", { type: "button", title: "Zoom out (−)", "aria-label": "Zoom out", onclick: () => this.zoom(1 / 1.5) }, "−"), this.scaleText,
       h("button", { type: "button", title: "Zoom in (+)", "aria-label": "Zoom in", onclick: () => this.zoom(1.5) }, "+"),
       h("button", { type: "button", title: "Fit (0)", onclick: () => { this.fit(); this.draw(); this.keepState(); } }, "Fit")), this.caption);
@@ -317,7 +328,11 @@ class Viewer {
     this.exposure.output.textContent = stopsText(this.stops);
     this.contrastSlider.input.value = this.contrast;
     this.contrastSlider.output.textContent = number(Number(this.contrast.toFixed(3)));
-    this.contrastSlider.input.disabled = this.tone === "srgb";
+    // Errors are of linear values: no tone curve reaches them.
+    const isImage = this.mode === "image";
+    this.exposure.input.disabled = !isImage;
+    this.contrastSlider.input.disabled = !isImage || this.tone === "srgb";
+    for (const button of this.toneChoice.children) button.disabled = !isImage;
     this.modeChoice.press(this.mode);
     this.toneChoice.press(this.tone);
     this.clipBox.checked = this.clipped;
@@ -326,7 +341,7 @@ class Viewer {
 
   fillVariants() {
     this.scenePicker.replaceChildren(select("Scene", scenes.map((one, i) => [i, one.label]), scenes.indexOf(this.scene), (index) => this.stepScene(Number(index) - scenes.indexOf(this.scene))));
-    this.withPicker.replaceChildren(select("", [["", "reference"], ...this.scene.variants.filter(hasPixels).map((v) => [idOf(v), variantLabel(v)])], this.other ? idOf(this.other) : "", async (id) => {
+    this.withPicker.replaceChildren(select("", [["", truthName], ...this.scene.variants.filter(hasPixels).map((v) => [idOf(v), variantLabel(v)])], this.other ? idOf(this.other) : "", async (id) => {
       this.other = this.scene.variants.find((v) => idOf(v) === id) ?? null;
       if (this.other) await Promise.all([this.surface.load(this.other.image), this.surface.load(this.other.reference)]);
       this.setSplit(this.split ?? 0.5);
@@ -367,6 +382,11 @@ class Viewer {
 let viewer = null;
 export function showViewer(view, state) {
   if (!rows.length) return view.replaceChildren(h("p", { class: "note" }, "No cell is done."));
+  // Controls without a picture would do nothing.
+  if (!rows.some(hasPixels)) {
+    return view.replaceChildren(h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Compare")), h("p", { class: "note", role: "status" }, `There is nothing to compare: this page holds no images. ${model.image_notes.join(" ")}`),
+      h("p", {}, h("a", { href: "#images" }, "Links to the linear EXR files")));
+  }
   viewer ??= new Viewer(view);
   return viewer.show(state);
 }

@@ -48,7 +48,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         tell(&format!("warning: {note}"));
     }
     let written = write(&options).map_err(|error| match error {
-        ReportError::Run(_) | ReportError::Crop(_) | ReportError::OutIsFolder { .. } => Failure::input(error),
+        ReportError::Run(_)
+        | ReportError::Crop(_)
+        | ReportError::OutIsFolder { .. }
+        | ReportError::NotAReport { .. } => Failure::input(error),
         _ => Failure::failed(error),
     })?;
     print(&line(&written))

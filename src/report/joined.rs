@@ -1,12 +1,12 @@
 //! Joined runs: each is answered for itself, as if it stood alone, and the page shows the answers side by side. Nothing is pooled over runs:
 //! two runs of one experiment are the same cases twice, not more cases.
 
-use crate::experiment::answers::Answers;
 use crate::experiment::answers::cases::Pair;
 use crate::experiment::answers::curves::Curve;
 use crate::experiment::answers::run_folder::RunFolder;
 use crate::experiment::answers::study::{RUN_AXIS, Study};
 use crate::experiment::answers::words::{self, Answer};
+use crate::experiment::answers::{ANSWER_FILE, AnswerRecord, Answers, FOLDER};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -166,6 +166,20 @@ pub fn repeats(runs: &[RunFolder], labels: &[String]) -> Vec<String> {
         ))
     };
     (0..runs.len()).filter_map(say).collect()
+}
+
+/// What to tell where the answers in the folder of a run are not those of this page: another version of this program wrote them.
+pub fn outdated(run: &RunFolder, answer: &Answer) -> Option<String> {
+    let is_written = run.dir.join(FOLDER).join(ANSWER_FILE).exists();
+    let is_same = || AnswerRecord::read(&run.dir).is_ok_and(|record| record.answer == *answer);
+    (is_written && !run.is_under_way && !is_same()).then(|| {
+        let dir = run.dir.display();
+        format!(
+            "answers/ and summary.md of {} were written by another version of splitsum and say something else than this page: \
+             `splitsum answers {dir}` writes them anew.",
+            run.text("/name")
+        )
+    })
 }
 
 /// What a reader must know of a run before believing its numbers.

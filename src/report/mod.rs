@@ -23,7 +23,7 @@ use crate::table::colormap::{NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR,
 use images::{Choice, ImageSet};
 use joined::Alone;
 use serde_json::{Value, json};
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// How a report is to be made.
@@ -70,6 +70,11 @@ pub enum ReportError {
     Crop(#[from] images::CropError),
     #[error("--out {}: is a folder; expected the file to write, such as {}", path.display(), path.join("report.html").display())]
     OutIsFolder { path: PathBuf },
+    #[error(
+        "--out {}: exists and is no report of splitsum; expected a new file, or a report to write anew",
+        path.display()
+    )]
+    NotAReport { path: PathBuf },
     #[error("the page's template: {0}")]
     Template(#[from] minijinja::Error),
     #[error(transparent)]
@@ -80,6 +85,9 @@ pub enum ReportError {
 pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
     if let Some(path) = options.out.as_ref().filter(|path| path.is_dir()) {
         return Err(ReportError::OutIsFolder { path: path.clone() });
+    }
+    if let Some(path) = options.out.as_ref().filter(|path| path.exists() && !is_report(path)) {
+        return Err(ReportError::NotAReport { path: path.clone() });
     }
     let runs: Vec<RunFolder> = options.dirs.iter().map(|dir| RunFolder::read(dir)).collect::<Result<_, _>>()?;
     let path = options.out.clone().unwrap_or_else(|| options.dirs[0].join("report.html"));
@@ -113,6 +121,7 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
         "images": images.images,
         "image_notes": images.notes,
         "figures": figures.iter().map(|name| format!("{}/{name}", figures_name(&path))).collect::<Vec<_>>(),
+        "program_version": env!("CARGO_PKG_VERSION"),
         "visible_from": VISIBLE_FROM,
         "colors": colors(),
     });
@@ -127,13 +136,28 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
     Ok(Written { path, bytes: html.len(), notes })
 }
 
+/// What the head of every report holds.
+const MARK: &str = " · splitsum</title>";
+/// The mark stands within this many bytes: the name of the run is all that comes before it and has no fixed length.
+const HEAD_BYTES: u64 = 1 << 14;
+
+/// Whether a file is a page that this program wrote, so that it may be written anew.
+fn is_report(path: &Path) -> bool {
+    let mut head = Vec::new();
+    let file = std::fs::File::open(path).ok().filter(|_| path.is_file());
+    let is_read = file.is_some_and(|file| file.take(HEAD_BYTES).read_to_end(&mut head).is_ok());
+    let head = String::from_utf8_lossy(&head);
+    is_read && head.starts_with("<!doctype html>") && head.contains(MARK)
+}
+
 fn told(run: &RunFolder, label: &str, alone: &Alone) -> page::Told {
     page::Told {
         label: label.to_owned(),
         question: run.text("/question"),
         answer: alone.answer.clone(),
-        warnings: joined::warnings(run),
+        warnings: joined::outdated(run, &alone.answer).into_iter().chain(joined::warnings(run)).collect(),
         device: device_line(run),
+        date: date_line(&run.text(&format!("{}/date_utc", run.last_session()))),
     }
 }
 
@@ -169,7 +193,13 @@ fn labels(runs: &[RunFolder]) -> Vec<String> {
 fn device_line(run: &RunFolder) -> String {
     let session = run.last_session();
     let text = |name: &str| run.text(&format!("{session}{name}"));
-    format!("{} · {} · {}", text("/device/name"), text("/device/driver"), text("/date_utc"))
+    format!("{} · {}", text("/device/name"), text("/device/driver"))
+}
+
+/// `2026-11-21 18:07 UTC` of `2026-11-21T18:07:34Z`; another text as it is.
+fn date_line(date: &str) -> String {
+    let parts = date.split_once('T').and_then(|(day, time)| Some((day, time.strip_suffix('Z')?.get(..5)?)));
+    parts.map_or_else(|| date.to_owned(), |(day, time)| format!("{day} {time} UTC"))
 }
 
 fn run_model(run: &RunFolder, label: &str, alone: &Alone, here: &Path) -> Value {
@@ -180,6 +210,7 @@ fn run_model(run: &RunFolder, label: &str, alone: &Alone, here: &Path) -> Value 
     let link = relative(here, &run.dir);
     json!({
         "label": label,
+        "outdated": joined::outdated(run, &alone.answer),
         "device": device_line(run),
         "sheets": sheets(&run.dir).iter().map(|name| json!([name, format!("{link}/{SHEETS_FOLDER}/{}", escape(name))])).collect::<Vec<_>>(),
         "link": link,

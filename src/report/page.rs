@@ -75,6 +75,8 @@ pub struct Told {
     pub answer: Answer,
     pub warnings: Vec<String>,
     pub device: String,
+    /// When it ran, `2026-11-21 18:07 UTC`.
+    pub date: String,
 }
 
 /// Renders the page. `model` is what the scripts read; `tables` are CSV files by element id; `light` is what the live view reads.

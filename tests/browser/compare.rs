@@ -10,6 +10,30 @@ use splitsum::table::csv::Table;
 
 const READY: &str = "document.querySelector('.viewer-stage canvas')?.dataset.ready !== undefined";
 
+#[test]
+fn a_pinned_texel_is_marked_where_it_lies() {
+    let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
+    page.resize(1440, 900, "light");
+    page.go(&report, "#compare?zoom=40&x=5.5&y=7.5");
+    page.wait(READY);
+    assert_eq!(page.eval("document.querySelector('.probe-mark').hidden"), json!(true));
+    let texel = middle(&mut page);
+    let place = "(() => { const b = document.querySelector('.probe-mark').getBoundingClientRect(), c = document.querySelector('.viewer-stage canvas').getBoundingClientRect(); \
+                 return [b.left + b.width / 2 - c.left - c.width / 2, b.top + b.height / 2 - c.top - c.height / 2, b.width]; })()";
+    let at = |page: &mut Page| -> Vec<f64> {
+        page.eval(place).as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+    };
+    let before = at(&mut page);
+    assert!(
+        texel == "texel (5, 7)" && before[0].abs() < 2.0 && before[1].abs() < 2.0 && before[2] >= 40.0,
+        "{before:?}"
+    );
+    page.eval("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight', shiftKey: true, bubbles: true }))");
+    let after = at(&mut page);
+    assert!((after[0] - before[0] - 40.0).abs() < 1.0 && (after[1] - before[1]).abs() < 1.0, "{before:?} {after:?}");
+    assert_clean(&page);
+}
+
 /// Waits until the canvas has as many pixels as its stage.
 fn wait_for_size(page: &mut Page) {
     page.wait(
@@ -114,6 +138,8 @@ fn keys_lead_to_images_with_pixels_and_to_every_method_without_samples() {
     // A cell without pixels says so, and a key leads back.
     page.eval("[...document.querySelectorAll('.variant')].find((b) => b.textContent.includes('set 1')).click()");
     page.wait("document.querySelector('.viewer-stage').classList.contains('empty')");
+    // White on dark, as the text around it.
+    assert_eq!(page.eval("getComputedStyle(document.querySelector('.caption a')).color"), json!("rgb(255, 255, 255)"));
     page.key("1");
     assert_eq!(page.eval("document.querySelector('.viewer-stage').classList.contains('empty')"), json!(false));
     assert_clean(&page);

@@ -47,7 +47,9 @@ fn a_varied_parameter_leads_with_its_effects() {
     let report = report_of(dir.path(), &axes, "");
     page.resize(1440, 900, "light");
     page.go(&report, "");
-    assert_eq!(figures(&mut page)[0], "effects-lod_bias");
+    // The method comes first, as in the sentence; the parameter stands beside it.
+    assert_eq!(figures(&mut page)[..2], ["effects-method", "effects-lod_bias"]);
+    assert_eq!(page.eval("document.querySelectorAll('#lead-chart .figure').length"), json!(2));
     let path = dir.path().join("saved.csv");
     std::fs::write(&path, saved_csv(&mut page, "effects-lod_bias")).unwrap();
     let truth = Table::read(&report.with_file_name("answers").join("effects.csv")).unwrap();

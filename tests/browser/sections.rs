@@ -101,6 +101,34 @@ fn sections_open_at_their_top_and_keep_their_place() {
     assert_clean(&page);
 }
 
+#[test]
+fn names_tell_the_truth_from_the_method_and_one_image_is_not_the_lowest() {
+    let Some(mut page) = chromium::open() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nalpha = [0.1, 0.5]\nmethod = [\"reference\"]\nsamples = [32]";
+    let report = report_of(dir.path(), axes, "");
+    page.go(&report, "#images");
+    page.wait("document.querySelectorAll('.image-table thead th').length > 2");
+    let heads =
+        page.eval("[...document.querySelectorAll('.image-table thead th')].slice(1).map((th) => th.textContent)");
+    assert_eq!(heads[0], "reference (truth)");
+    assert!(heads[1].as_str().unwrap().starts_with("reference"), "{heads}");
+    assert_ne!(heads[0], heads[1]);
+    assert_eq!(page.eval("document.querySelectorAll('.lowest').length"), json!(0));
+    // Without a specular term the diffuse one names the image.
+    let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nmethod = [\"none\"]\ndiffuse = [\"sh9\", \"irradiance-map\"]\n\
+                irradiance_size = [\"16x8\", \"8x4\"]\nirradiance_sample_count = [\"16x8\", \"32x8\"]";
+    let dir = tempfile::tempdir().unwrap();
+    let report = report_of(dir.path(), axes, "");
+    page.go(&report, "#images");
+    page.wait("document.querySelectorAll('.image-table thead th').length > 2");
+    let heads =
+        page.eval("[...document.querySelectorAll('.image-table thead th')].slice(2).map((th) => th.textContent)");
+    let heads: Vec<&str> = heads.as_array().unwrap().iter().map(|head| head.as_str().unwrap()).collect();
+    assert!(heads.contains(&"sh9") && heads.contains(&"irradiance-map 16x8, 32x8 samples"), "{heads:?}");
+    assert_clean(&page);
+}
+
 const LONG_ALPHA: &str = "0.223606797749979";
 const AXES: &str = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.223606797749979, 0.5]\n\
                     method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]";

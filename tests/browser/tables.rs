@@ -33,6 +33,7 @@ fn comparisons_may_have_spaces_and_what_is_not_understood_is_said() {
         ("ggx alpha <= 0.1", count(&|r| r[4] == "ggx" && r[3] == "0.1")),
         ("samples >= 4 brdf = \"phong\"", count(&|r| r[4] == "phong" && ["4", "16"].contains(&r[2].as_str()))),
         ("alpha < inf", all.len()),
+        ("samples = \"\"", count(&|r| r[2].is_empty())),
         ("", all.len()),
     ] {
         assert_eq!(filtered(&mut page, filter), (wanted, String::new()), "{filter}");
@@ -40,6 +41,7 @@ fn comparisons_may_have_spaces_and_what_is_not_understood_is_said() {
     // What is not understood hides nothing and is said in words.
     for (filter, wanted, why) in [
         ("rmse<=", all.len(), "says no number"),
+        ("alpha =", all.len(), "says no value"),
         ("colour = red", all.len(), "no column “colour”"),
         ("= 3", all.len(), "names no column"),
         ("alpha < few brdf = ggx", ggx, "“few” is no number"),

@@ -5,12 +5,12 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use flate2::read::DeflateDecoder;
 use half::f16;
-use splitsum::experiment::answers::Answers;
 use splitsum::experiment::answers::break_even::{BreakEven, crossing};
 use splitsum::experiment::answers::run_folder::RunFolder;
 use splitsum::experiment::answers::slope::slope;
 use splitsum::experiment::answers::study::{Role, Study};
 use splitsum::experiment::answers::words::answer;
+use splitsum::experiment::answers::{Answered, Answers};
 use splitsum::pixels::packed;
 use splitsum::pixels::{GrayImage, RgbImage};
 use splitsum::report::images::{BUDGET_BYTES, Choice, Window, collect};
@@ -259,6 +259,44 @@ fn images_over_the_budget_become_windows_where_the_error_is() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("--crop 500,500,10,10") && !out.exists(), "{output:?}");
     let none = collect(&runs, Choice::None, BUDGET_BYTES).unwrap();
     assert!(none.payloads.is_empty() && none.notes.len() == 1);
+}
+
+#[test]
+fn no_file_but_a_report_is_written_over() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = finished_run(dir.path());
+    let report = |out: PathBuf| {
+        let command = std::process::Command::new(env!("CARGO_BIN_EXE_splitsum"))
+            .args(["report", "--no-images", "--out"])
+            .args([&out, &run])
+            .output();
+        command.unwrap()
+    };
+    for name in ["errors.csv", "provenance.json", "summary.md"] {
+        let path = run.join(name);
+        let before = std::fs::read(&path).unwrap();
+        let output = report(path.clone());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && said.contains("is no report of splitsum"), "{name}: {output:?}");
+        assert!(std::fs::read(&path).unwrap() == before, "{name}");
+    }
+    // A new file, and that file again.
+    for _ in 0..2 {
+        assert_eq!(report(dir.path().join("new.html")).status.code(), Some(0));
+    }
+}
+
+#[test]
+fn a_page_says_that_the_answers_beside_it_are_of_another_version() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = finished_run(dir.path());
+    Answered::of_run(&run).unwrap().write().unwrap();
+    let page = || std::fs::read_to_string(write(&ReportOptions::of_run(&run)).unwrap().path).unwrap();
+    assert!(!page().contains("written by another version of splitsum"));
+    let file = run.join("answers").join("answer.json");
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replace("\"number\": \"16\"", "\"number\": \"17\"")).unwrap();
+    assert!(page().contains("written by another version of splitsum"));
 }
 
 #[test]

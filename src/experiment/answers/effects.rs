@@ -33,7 +33,7 @@ pub struct Effect {
     pub n: usize,
     /// How many of the cases are better than the base.
     pub better: usize,
-    /// Cases left out because both errors are within the reference's noise.
+    /// Cases left out because in all of their pairs both errors are within the reference's noise.
     pub in_noise: usize,
     /// Each case, where there are no more than [`PAIRS_SHOWN_MAX`]: its mean says little then.
     pub pairs: Vec<Pair>,
@@ -128,17 +128,17 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
     order.sort_by_key(|[_, _, alpha]| !alpha.is_empty());
     let effect = |key: &[String; 3]| {
         let [value, method, alpha] = key.clone();
-        let cases = logs.get(key)?;
-        let own: Vec<f64> = cases.values().map(|of_sets| of_sets.iter().sum::<f64>() / of_sets.len() as f64).collect();
+        let told = logs.get(key)?;
+        let own: Vec<f64> = told.values().map(|logs| logs.iter().sum::<f64>() / logs.len() as f64).collect();
         // The values that tell the pairs apart.
         let telling: Vec<usize> = (0..of_case.len())
-            .filter(|&i| cases.keys().any(|case| case[i] != cases.keys().next().map_or("", |first| first[i])))
+            .filter(|&i| told.keys().any(|case| case[i] != told.keys().next().map_or("", |first| first[i])))
             .collect();
         let label = |case: &Vec<&str>| {
             let words = telling.iter().map(|&i| short(&study.axes[of_case[i]].name, case[i]));
             words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" · ")
         };
-        let pairs = cases.keys().zip(&own).map(|(case, log)| Pair { label: label(case), ratio: log.exp() });
+        let pairs = told.keys().zip(&own).map(|(case, log)| Pair { label: label(case), ratio: log.exp() });
         let (mean, half) = mean_95(&own)?;
         Some(Effect {
             axis: name.to_owned(),
@@ -150,7 +150,10 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
             interval: [(mean - half).exp(), (mean + half).exp()],
             n: own.len(),
             better: own.iter().filter(|log| **log < 0.0).count(),
-            in_noise: in_noise.get(key).map_or(0, BTreeSet::len),
+            // A case of which another pair tells something is counted there.
+            in_noise: in_noise
+                .get(key)
+                .map_or(0, |cases| cases.iter().filter(|case| !told.contains_key(*case)).count()),
             pairs: if own.len() > PAIRS_SHOWN_MAX { Vec::new() } else { pairs.collect() },
         })
     };

@@ -17,7 +17,7 @@ pub const FOLDER: &str = "answers";
 /// The summary, beside the tables of the run.
 pub const SUMMARY_FILE: &str = "summary.md";
 /// The answer in words, for programs.
-pub(super) const ANSWER_FILE: &str = "answer.json";
+pub const ANSWER_FILE: &str = "answer.json";
 
 /// Why a run has no answers.
 #[derive(Debug, thiserror::Error)]

@@ -37,7 +37,7 @@ pub mod tables;
 pub mod times;
 pub mod words;
 
-pub use folder::{AnswerRecord, Answered, AnswersError, FOLDER, SUMMARY_FILE};
+pub use folder::{ANSWER_FILE, AnswerRecord, Answered, AnswersError, FOLDER, SUMMARY_FILE};
 
 use cases::Pair;
 use claim::Sufficiency;

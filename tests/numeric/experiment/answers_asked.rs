@@ -52,6 +52,30 @@ fn tables_are_enough_from_where_no_larger_one_gains() {
 }
 
 #[test]
+fn what_an_interval_leaves_open_is_no_large_number() {
+    // Sizes of the tables of an estimator that is asked about: all pairs, as in effects.csv.
+    let mut made = Made::new(&["environment", "method", "diffuse", "irradiance_size", "irradiance_sample_count"]);
+    for (environment, sh9, small) in
+        [("builtin:sky", 8.0, 2.0), ("builtin:studio", 0.5, 9.0), ("builtin:cap", 1.0, 1.5)]
+    {
+        made.add(&[environment, "none", "sh9", "", ""], sh9);
+        for (samples, scale) in [("128x32", 1.0), ("32x8", 3.0)] {
+            made.add(&[environment, "none", "irradiance-map", "64x32", samples], scale);
+            made.add(&[environment, "none", "irradiance-map", "16x8", samples], small * scale);
+        }
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let (answers, answered) = made.answers(dir.path(), [1.0; 3]);
+    let answer = &answered.record.answer;
+    assert!(answer.number == "undecided" && answer.unit.contains(", 95 % "), "{answer:?}");
+    let size =
+        answers.effects.iter().find(|effect| effect.axis == "irradiance_size" && effect.alpha.is_none()).unwrap();
+    assert_eq!(size.n, 3);
+    let facts: Vec<&String> = answer.facts.iter().filter(|fact| fact.contains("irradiance_size 16x8")).collect();
+    assert!(matches!(facts.as_slice(), [one] if one.contains("3 cases")), "{:?}", answer.facts);
+}
+
+#[test]
 fn what_is_enough_of_one_table_may_need_more_of_another() {
     // Four levels err by half of what three do, and only the larger map has room for them; its size itself gains nothing.
     let mut made = Made::new(&["alpha", "method", "prefilter_size", "prefilter_level_count"]);
@@ -152,6 +176,13 @@ fn a_furnace_tells_what_is_lost_and_what_creates() {
         "In a white furnace one scattering loses 0.50 % (phong) to 3.0 % (ggx) at alpha 0.1 and 40 % (phong) to 60 % (ggx) at alpha 1 of the \
          energy, each within ± 0.20 % (95 %); only phong creates any, up to 40 % (phong at alpha 1, n·v 0 to 0.5)."
     );
+    // What creates energy is the first fact, with what the whole surface keeps.
+    let answer = &answered.record.answer;
+    assert_eq!(
+        answer.facts[0],
+        "phong creates energy at n·v 0 to 0.5: +40 % at alpha 1; over the whole surface −40 %."
+    );
+    assert_eq!(answer.unit, "of the energy is lost at most: ggx at alpha 1");
     for name in ["energy.csv", "energy.svg"] {
         assert!(answered.files.iter().any(|(known, _)| known == name), "{name}");
     }

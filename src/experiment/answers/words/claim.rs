@@ -22,11 +22,12 @@ fn says(of: &[&Sufficiency; 2]) -> String {
     let method = &last.method;
     let beats = match of.map(|one| one.against.as_ref().map(|against| (one.samples, against))) {
         [Some(few), Some(many)] => {
+            let over = if many.1.n > 1 { format!(" of {} cases", many.1.n) } else { String::new() };
             let say = |(_, against): (u32, &Against)| {
                 format!("{} times{}", text(against.ratio), in_brackets(against.interval))
             };
             format!(
-                "with {method} the error is {} that of {} at {} samples and {} at {}",
+                "with {method} the error is in the geometric mean{over} {} that of {} at {} samples and {} at {}",
                 say(few),
                 many.1.fixed,
                 few.0,
@@ -110,7 +111,10 @@ pub(super) fn from_claim(answers: &Answers) -> Option<Answer> {
     Some(Answer {
         number: lead[1].against.as_ref().map_or_else(|| text(lead[1].error.median), |a| format!("×{}", text(a.ratio))),
         unit: match &lead[1].against {
-            Some(against) => format!("the error of {} with {first} at {many} samples", against.fixed),
+            Some(against) => {
+                let mean = if against.n > 1 { ", geometric mean; the charts draw medians" } else { "" };
+                format!("the error of {} with {first} at {many} samples{mean}", against.fixed)
+            }
             None => format!("relMSE of {first} at {many} samples"),
         },
         sentence: format!("{verdict}: {}.", parts.join("; ")),

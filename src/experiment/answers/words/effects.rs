@@ -12,9 +12,13 @@ use std::collections::BTreeMap;
 /// Axes that choose an estimator. An experiment that sweeps one asks about it, whatever it sweeps beside.
 pub(super) const ESTIMATORS: [&str; 2] = ["method", "diffuse"];
 
-pub(super) fn from_effects(study: &Study, answers: &Answers) -> Option<Answer> {
-    // Sizes of tables have an answer of their own, which does not set tables side by side that are too small in another way.
-    let is_size = |effect: &Effect| answers.enough.iter().any(|one| one.axis == effect.axis);
+/// The headline where the interval holds 1.
+const UNDECIDED: &str = "undecided";
+
+pub(super) fn from_effects(study: &Study, answers: &Answers, sizes_are_asked: bool) -> Option<Answer> {
+    // Where sizes of tables are what is asked they have an answer of their own, which does not set tables side by side that are too
+    // small in another way.
+    let is_size = |effect: &Effect| sizes_are_asked && answers.enough.iter().any(|one| one.axis == effect.axis);
     let mut all: Vec<&Effect> =
         answers.effects.iter().filter(|effect| effect.alpha.is_none() && !is_size(effect)).collect();
     // Estimators before their parameters, what is decided first, then the strongest, whichever its direction.
@@ -36,10 +40,7 @@ pub(super) fn from_effects(study: &Study, answers: &Answers) -> Option<Answer> {
             (_, method) => format!(" of {method}"),
         };
         let [value, base] = [&effect.value, &effect.base].map(|value| short(&effect.axis, value));
-        let in_noise = match effect.in_noise {
-            0 => String::new(),
-            n => format!(" and {n} more within the reference's noise"),
-        };
+        let in_noise = super::noise_words(effect);
         // The name of an estimator says what it is.
         let axis = if is_parameter(effect) { format!("{} ", effect.axis) } else { String::new() };
         format!(
@@ -47,7 +48,7 @@ pub(super) fn from_effects(study: &Study, answers: &Answers) -> Option<Answer> {
             if effect.is_decided() { "multiplies" } else { "may multiply" },
             text(effect.ratio),
             effect.n,
-            plural(effect.n, "pair"),
+            plural(effect.n, "case"),
             match effect.interval[1].is_finite() {
                 _ if effect.is_decided() => "",
                 true => ": the interval does not tell which one errs less",
@@ -63,9 +64,22 @@ pub(super) fn from_effects(study: &Study, answers: &Answers) -> Option<Answer> {
         best.iter().position(|(method, _)| !is_parameter(first) && method.rsplit(' ').next() == Some(&first.method));
     let beside = beside.map_or_else(String::new, |place| format!("; of {}", best.remove(place).1));
     let before = base_error(study, first).map_or_else(String::new, |text| text + "; ");
+    let values = format!("{} {} instead of {}", first.axis, first.value, first.base);
+    // A large number would sell what the interval leaves open.
+    let (number, unit) = match (first.is_decided(), first.interval[1].is_finite()) {
+        (true, _) => (format!("×{}", text(first.ratio)), format!("the error with {values}")),
+        (false, true) => {
+            let [lo, hi] = first.interval.map(text);
+            let unit = format!("the error with {values}: × {}, 95 % {lo} to {hi}", text(first.ratio));
+            (UNDECIDED.to_owned(), unit)
+        }
+        (false, false) => {
+            (UNDECIDED.to_owned(), format!("the error with {values}: × {} in one case", text(first.ratio)))
+        }
+    };
     Some(Answer {
-        number: format!("×{}", text(first.ratio)),
-        unit: format!("the error with {} {} instead of {}", first.axis, first.value, first.base),
+        number,
+        unit,
         sentence: format!("{before}{}{beside}.", say(first)),
         facts: presets(&all)
             .into_iter()
@@ -142,7 +156,10 @@ fn best_values(all: &[&Effect]) -> Vec<(String, String)> {
         };
         let [value, base] = [&least.value, &least.base].map(|value| short(axis, value));
         let ratio = text(least.ratio);
-        let doubt = if least.is_decided() { "" } else { "; the interval does not tell the two apart" };
+        let (verb, doubt) = match least.is_decided() {
+            true => ("multiplies", ""),
+            false => ("may multiply", "; the interval does not tell the two apart"),
+        };
         let text = match least.ratio < 1.0 {
             true => {
                 format!(
@@ -150,7 +167,7 @@ fn best_values(all: &[&Effect]) -> Vec<(String, String)> {
                 )
             }
             false => format!(
-                "the tried {axis}, {base} errs least{of}; the next, {value}, multiplies the error by {ratio}{interval}{doubt}"
+                "the tried {axis}, {base} errs least{of}; the next, {value}, {verb} the error by {ratio}{interval}{doubt}"
             ),
         };
         Some((method.to_owned(), text))

@@ -11,6 +11,7 @@ mod tone;
 mod variants;
 
 use super::Answers;
+use super::effects::Effect;
 use super::study::Study;
 use crate::table::markdown::significant;
 use serde::{Deserialize, Serialize};
@@ -56,8 +57,7 @@ pub fn answer(study: &Study, answers: &Answers) -> Answer {
     leads.extend(range::from_range(answers).filter(|_| is_swept("environment_clip_log2")));
     leads.extend(break_even().or_else(|| times::from_times(study, answers)));
     leads.extend(tone::from_visibility(answers).filter(|_| !asks_the_curve));
-    leads.extend(effects::from_effects(study, answers));
-    leads.extend(sizes::from_sizes(answers).filter(|_| !asks_the_sizes));
+    leads.extend(effects::from_effects(study, answers, asks_the_sizes));
     if leads.is_empty() {
         leads.push(variants::from_variants(study));
     }
@@ -100,6 +100,14 @@ fn listed(words: &[String]) -> String {
 fn change(ratio: f64) -> String {
     let percent = 100.0 * (ratio - 1.0);
     format!("{}{} %", if percent < 0.0 { "−" } else { "+" }, significant(percent.abs(), ERROR_DIGITS))
+}
+
+/// ` and 1 more within the reference's noise`, where pairs were left out.
+fn noise_words(effect: &Effect) -> String {
+    match effect.in_noise {
+        0 => String::new(),
+        n => format!(" and {n} more within the reference's noise"),
+    }
 }
 
 /// ` (95 % 0.9 to 1.1)` of a ratio; nothing without an interval.

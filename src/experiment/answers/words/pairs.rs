@@ -35,7 +35,8 @@ pub(super) fn from_pair(
             plural(count, "case"),
         ),
     };
-    let mut facts = Vec::new();
+    let mut facts: Vec<String> = equal_time_fact(pair).into_iter().collect();
+    let (of_time, short) = equal_time(pair).unwrap_or_default();
     if let Some([best, worst]) = pair.extremes().filter(|[best, worst]| best != worst) {
         facts.push(format!("The easiest case breaks even at {best} samples, the hardest at {worst}."));
     }
@@ -55,13 +56,34 @@ pub(super) fn from_pair(
     if let BreakEven::From(n) = middle {
         facts.extend(time_fact(study, answers, sampled, n, fixed));
     }
-    facts.extend(equal_time_fact(pair));
     Answer {
         number: middle.to_string(),
-        unit: format!("samples a pixel for {sampled} to beat {fixed}"),
-        sentence,
+        unit: format!("samples a pixel for {sampled} to beat {fixed} at equal error{short}"),
+        sentence: sentence + &of_time,
         facts,
     }
+}
+
+/// What follows the sentence and the unit on equal time; nothing where no time was taken.
+fn equal_time(pair: &Pair) -> Option<(String, String)> {
+    let count = |wanted: &[Winner]| pair.cases.iter().filter(|case| wanted.contains(&case.whole.at_equal_time)).count();
+    let timed = pair.cases.len() - count(&[Winner::NotTimed]);
+    let (sampled, fixed) = (count(&[Winner::Sampled]), count(&[Winner::Fixed]));
+    let told = match () {
+        () if timed == 0 => return None,
+        () if count(&[Winner::TooFewRounds]) == timed => {
+            (" At equal time nothing is decided.".to_owned(), "not decided".to_owned())
+        }
+        () if fixed == timed => (
+            format!(" At equal time it is never closer: {} errs less in {fixed} of {timed} cases.", pair.fixed),
+            "never".to_owned(),
+        ),
+        () => (
+            format!(" At equal time it is closer in {sampled} of {timed} cases, and {} in {fixed}.", pair.fixed),
+            format!("in {sampled} of {timed} cases"),
+        ),
+    };
+    Some((told.0, format!("; at equal time {}", told.1)))
 }
 
 /// Who errs less in equal time, over the cases.

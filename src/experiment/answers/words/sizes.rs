@@ -1,10 +1,14 @@
 //! How large tables must be.
 
-use super::{Answer, change, in_brackets, listed, plural, sentence_case};
+use super::{Answer, ERROR_DIGITS, change, listed, plural, sentence_case};
 use crate::experiment::answers::Answers;
 use crate::experiment::answers::effects::Effect;
 use crate::experiment::answers::sizes::{Enough, GAIN};
 use crate::table::markdown::significant;
+
+/// Which pairs these are: those of the chart and of `effects.csv` are more.
+const SUBSET: &str = "Each parameter is judged by those pairs alone in which the other parameters of the tables have the first value of the \
+                      experiment or a larger one; the chart and effects.csv have all pairs.";
 
 /// `(95 % +1.0 % to +3.2 %)` of a ratio.
 fn changes(effect: &Effect) -> String {
@@ -17,7 +21,17 @@ fn changes(effect: &Effect) -> String {
 fn costs(one: &Enough) -> Option<String> {
     let below = one.below.as_ref()?;
     let times = significant(below.ratio, super::TIME_DIGITS);
-    Some(format!("{} {} multiplies the error by {times}{}", one.axis, below.value, in_brackets(below.interval)))
+    let (verb, doubt) = match below.is_decided() {
+        true => ("multiplies", ""),
+        false => ("may multiply", "; the interval does not tell which one errs less"),
+    };
+    let interval = match below.interval[1].is_finite() {
+        true => format!("95 % {}, ", below.interval.map(|end| significant(end, ERROR_DIGITS)).join(" to ")),
+        false => String::new(),
+    };
+    let noise = super::noise_words(below);
+    let (n, cases) = (below.n, plural(below.n, "case"));
+    Some(format!("{} {} {verb} the error by {times} ({interval}{n} {cases}{noise}{doubt})", one.axis, below.value))
 }
 
 pub(super) fn from_sizes(answers: &Answers) -> Option<Answer> {
@@ -53,8 +67,8 @@ pub(super) fn from_sizes(answers: &Answers) -> Option<Answer> {
             || "no larger one was tried".to_owned(),
             |effect| {
                 let doubt = if effect.interval[0] < 1.0 - GAIN { ", which leaves a gain open" } else { "" };
-                let pairs = plural(effect.n, "pair");
-                format!("{} changes the error by {} ({} {pairs}){doubt}", effect.value, changes(effect), effect.n)
+                let cases = plural(effect.n, "case");
+                format!("{} changes the error by {} ({} {cases}){doubt}", effect.value, changes(effect), effect.n)
             },
         );
         let beside = match one.together == one.value {
@@ -72,6 +86,13 @@ pub(super) fn from_sizes(answers: &Answers) -> Option<Answer> {
             None => format!("{}, the largest tried", lead.axis),
         },
         sentence: sentence_case(&parts.join("; ")) + ".",
-        facts: answers.enough.iter().map(fact).collect(),
+        // Of the method in the sentence, what has no larger value tried stands there in whole.
+        facts: answers
+            .enough
+            .iter()
+            .filter(|one| one.method != *method || one.beyond.is_some())
+            .map(fact)
+            .chain((answers.enough.len() > 1).then(|| SUBSET.to_owned()))
+            .collect(),
     })
 }
