@@ -46,8 +46,8 @@ export function breakEvenChart(pair) {
       onrow: (i) => open(pair.cases[i].fixed_cell, pair.cases[i].fixed_run)(),
     },
     draw: xy({
-      x: sampleAxis(counts),
-      y: { label: `relMSE ratio ${pair.sampled} / ${pair.fixed}`, log: true, domain: domain([...ratios.flat().map(([, ratio]) => ratio), 1], true) },
+      x: sampleAxis(counts, "break-even-curves"),
+      y: { label: `relMSE ratio ${pair.sampled} / ${pair.fixed}`, log: true, share: "break-even-curves y", domain: domain([...ratios.flat().map(([, ratio]) => ratio), 1], true) },
       marks: [
         { band: middle.map(([n, [lo, , hi]]) => [n, lo, hi]), color: "var(--ink)" },
         ...pair.cases.map((c, i) => ({ line: ratios[i].map(([n, ratio]) => [n, ratio]), color: color(c), width: 1.1, opacity: 0.75 })),
@@ -114,7 +114,6 @@ export function breakEvenMap(pair) {
     name: `break-even${runSuffix(pair.run)}`,
     title: `Break-even of ${pair.sampled} with ${pair.fixed}${runTitle(pair.run)}`,
     note: "At equal error: the smallest tried sample count from which on every larger one is better too. Click a cell for its images.",
-    height: () => 80 + 34 * grid.lines.length,
     legend: countLegend(pair, pair.cases.map((c) => c.break_even), grid.gaps),
     table: { columns: [...caseAxes, ...CROSSING], rows: pair.cases.map((c) => [...c.key, ...crossingCells(c)]), onrow: (i) => open(pair.cases[i].fixed_cell, pair.cases[i].fixed_run)() },
     ...mapped({
@@ -138,7 +137,6 @@ export function equalTimeMap(pair) {
     name: `equal-time${runSuffix(pair.run)}`,
     title: `At equal frame time: ${pair.sampled} or ${pair.fixed}${runTitle(pair.run)}`,
     note: `Samples that fit into the time of ${pair.fixed} / samples that its error takes. Decided where their 95 % intervals do not meet.${timeNote(timed)}`,
-    height: () => 80 + 34 * grid.lines.length,
     legend: [...["sampled", "fixed", "undecided"].map((key) => ({ label: key === "undecided" ? "undecided: the intervals meet, or too few rounds for one" : `${pair[key]} errs less`, fill: WINNERS[key].color })),
       ...(untimed ? [{ label: "not timed", fill: "var(--faint)" }] : []), ...missingLegend(grid.gaps)],
     table: { columns: [...caseAxes, ...TIME, ...CROSSING], rows: timed.map((c) => [...c.key, ...timeCells(c), ...crossingCells(c)]), onrow: (i) => open(timed[i].fixed_cell, timed[i].fixed_run)() },
@@ -178,8 +176,8 @@ export function equalTimeIntervals(pair, facet) {
       x: { ...sampleAxis(counts), domain: edge },
       y: { label: "", domain: [own.length - 0.5, -0.5], ticks: own.map((_, i) => i), format: (i) => seriesLabel(own[i].key) || facet, room: 16 + 7 * Math.max(...own.map((c) => seriesLabel(c.key).length)) },
       marks: [
-        { color: "var(--series-0)", shape: "circle", r: 4.5, dots: own.map((c, i) => ({ ...errorMark(c), y: i - spread, xs: ends(c.interval)?.map(into), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) })) },
-        { color: "var(--series-1)", shape: "square", r: 4.5, dots: own.flatMap((c, i) => (isTimed(c) ? [{ ...timeMark(c.time), y: i + spread, xs: ends(c.time.interval)?.map(into), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) }] : [])) },
+        { color: "var(--series-0)", shape: "circle", r: 4.5, dots: own.map((c, i) => ({ ...errorMark(c), y: i - spread, xs: ends(c.interval), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) })) },
+        { color: "var(--series-1)", shape: "square", r: 4.5, dots: own.flatMap((c, i) => (isTimed(c) ? [{ ...timeMark(c.time), y: i + spread, xs: ends(c.time.interval), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) }] : [])) },
       ],
     }),
   });
@@ -197,7 +195,6 @@ export function nDotVMap(pair, facet) {
     name: `break-even-n-dot-v-${facet}${runSuffix(pair.run)}`,
     title: `Break-even over ${seriesAxis < 0 ? "cases" : symbol(caseAxes[seriesAxis])} and n·v · ${facet}${runTitle(pair.run)}`,
     note: `Samples from which on ${pair.sampled} beats ${pair.fixed}, over the pixels of each bin of n·v: left grazing, right facing the viewer.`,
-    height: () => 80 + 34 * own.length,
     legend: [...countLegend(pair, all.map(({ bin }) => bin.break_even), []), ...(gaps ? [{ label: "no pixels", fill: "var(--faint)" }] : [])],
     table: { columns: [...caseAxes, "n_dot_v_from", "n_dot_v_to", `${pair.fixed} ${headline}`, ...CROSSING], rows: all.map(({ c, bin }) => [...c.key, bin.lo, bin.hi, bin.fixed_error, ...crossingCells(bin)]),
       onrow: (i) => { const { c } = all[i]; open(c.fixed_cell, c.fixed_run)(); } },

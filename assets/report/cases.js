@@ -26,7 +26,8 @@ export const keyLabel = (key) => key.map((value, i) => label(i, value)).filter(B
 export const unique = (values) => [...new Set(values)];
 /** What opens a cell's images. */
 export const open = (cell, run) => () => go({ view: "compare", cell, run: run || undefined });
-export const sampleAxis = (counts) => ({ label: "samples a pixel", log: true, domain: domain(counts, true), ticks: counts, format: (t) => String(t) });
+/** Sample counts; `share` names the charts of several runs that have one such axis. */
+export const sampleAxis = (counts, share) => ({ label: "samples a pixel", log: true, domain: domain(counts, true), ticks: counts, format: (t) => String(t), share: share && `${share} x` });
 export const curveFacets = (run) => unique(curves.filter((curve) => curve.run === run).map((curve) => facetLabel(curve.key)));
 /** The methods without samples in a case, each with its error. */
 export const fixedOf = (key, run) => unique(pairs.map((pair) => pair.fixed)).flatMap((fixed) => pairs.filter((pair) => pair.fixed === fixed && pair.run === run).slice(0, 1)

@@ -1,6 +1,7 @@
 // Charts as SVG: crisp at any size, readable by screen readers, saved as they are. One drawing serves the page and the file.
 
 import { announce, csvText, download, h, number, s } from "report/dom";
+import { standalone } from "report/standalone";
 
 /** Okabe and Ito's colours, told apart by the colour-blind too; each theme has its own shades. */
 export const COLORS = Array.from({ length: 7 }, (_, i) => `var(--series-${i})`);
@@ -49,13 +50,14 @@ function ticks({ log, domain: [lo, hi], ticks }, count) {
   if (ticks) return ticks.map((t) => [t, true]);
   // Within a factor of three the digits of a decade are too few.
   if (log && hi / lo > 3) {
+    // As many labels as a reader needs to read a value off: fewer digits of a decade get one, the more decades there are.
+    const decades = Math.log10(hi / lo), digits = [1, 2, 3, 4, 5, 6, 7, 8, 9];
+    const named = decades > 4 ? [1] : decades > 2 ? [1, 3] : decades > 1 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9];
     const all = [];
     for (let e = Math.floor(Math.log10(lo)); e <= Math.ceil(Math.log10(hi)); e++) {
-      for (let m = 1; m < 10; m++) { const t = m * 10 ** e; if (t >= lo * 0.999 && t <= hi * 1.001) all.push([t, m === 1]); }
+      for (const m of new Set([...digits, ...named])) { const t = Number((m * 10 ** e).toPrecision(3)); if (t >= lo * 0.999 && t <= hi * 1.001) all.push([t, named.includes(m)]); }
     }
-    // As many labels as a reader needs to read a value off: fewer digits of a decade get one, the more decades there are.
-    const decades = Math.log10(hi / lo), named = decades > 4 ? [1] : decades > 2 ? [1, 3] : decades > 0.7 ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
-    return all.map(([t]) => [t, named.includes(Math.round(t / 10 ** Math.floor(Math.log10(t) + 1e-9)))]);
+    return all.sort(([s], [t]) => s - t);
   }
   const raw = (hi - lo) / count, power = 10 ** Math.floor(Math.log10(raw)), step = power * [1, 2, 5, 10].find((m) => m * power >= raw);
   const all = [];
@@ -91,7 +93,7 @@ export function figure(spec) {
       h("span", { class: "figure-tools" },
         toggle,
         h("button", { type: "button", onclick: () => download(`${spec.name}.csv`, csvText(spec.table.columns, spec.table.rows), "text/csv") }, "CSV"),
-        h("button", { type: "button", onclick: () => download(`${spec.name}.svg`, standalone(stage.querySelector("svg")), "image/svg+xml") }, "SVG"))),
+        h("button", { type: "button", onclick: () => download(`${spec.name}.svg`, standalone(element), "image/svg+xml") }, "SVG"))),
     spec.note && h("p", { class: "note" }, spec.note),
     spec.legend?.length > 0 && h("ul", { class: "legend" }, spec.legend.map(legendEntry)),
     h("div", { class: "stage-box" }, stage, tip), table);
@@ -143,53 +145,66 @@ function plainTable({ columns, rows, onrow }) {
       onrow && h("td", {}, h("button", { type: "button", onclick: () => onrow(i) }, "Show"))))));
 }
 
-/** The drawing with its colours and fonts written out, so that it looks the same without this page's styles. */
-function standalone(svg) {
-  const copy = svg.cloneNode(true);
-  const [from, to] = [svg, copy].map((root) => [root, ...root.querySelectorAll("*")]);
-  from.forEach((element, i) => {
-    const style = getComputedStyle(element);
-    for (const name of ["fill", "stroke", "opacity", "font-size", "font-family", "font-weight", "text-anchor"]) to[i].setAttribute(name, style.getPropertyValue(name));
-    to[i].removeAttribute("class");
-  });
-  const [, , width, height] = svg.getAttribute("viewBox").split(" ");
-  copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
-  copy.querySelector("desc").after(s("rect", { width, height, fill: getComputedStyle(document.body).backgroundColor }));
-  return `<?xml version="1.0" encoding="UTF-8"?>\n${new XMLSerializer().serializeToString(copy)}\n`;
+/** Axes with one name have one domain and the same ticks, so that charts side by side can be compared by eye. */
+const shared = new Map();
+function share(axis) {
+  if (!axis.share) return () => axis;
+  if (!shared.has(axis.share)) shared.set(axis.share, []);
+  const all = shared.get(axis.share);
+  all.push(axis);
+  return () => {
+    const values = all.flatMap((one) => one.domain);
+    return { ...axis, domain: [Math.min(...values), Math.max(...values)], ticks: axis.ticks && [...new Set(all.flatMap((one) => one.ticks))].sort((a, b) => a - b) };
+  };
+}
+
+/** Ticks whose labels have room: the ends first, then those between. Places of labels, and half of what each takes. */
+function labelled(places, halves) {
+  const last = places.length - 1, kept = new Set(), isFree = (i) => [...kept].every((k) => Math.abs(places[i] - places[k]) > halves[i] + halves[k]);
+  for (const i of [0, last, ...places.keys()]) if (i >= 0 && !kept.has(i) && isFree(i)) kept.add(i);
+  return kept;
 }
 
 /**
- * An xy chart. axes: {label, log, domain, ticks, format, room: pixels for the labels of y}; marks, in drawing order:
+ * A line from one value of an axis to another, with an open arrow where it goes on beyond the frame. `at` places a value along the line, `side`
+ * the line across it; `isUpright` says which way it goes.
+ */
+function whisker([from, to], at, [lo, hi], side, isUpright, color) {
+  const place = (value) => { const p = at(value); return Number.isNaN(p) ? [hi, false] : [Math.min(hi, Math.max(lo, p)), p < lo - 0.5 || p > hi + 0.5]; };
+  const ends = [place(from), place(to)], xy = (along, across) => (isUpright ? `${across.toFixed(1)},${along.toFixed(1)}` : `${along.toFixed(1)},${across.toFixed(1)}`);
+  const [[a], [b]] = ends, points = isUpright ? { x1: side, x2: side, y1: a, y2: b } : { x1: a, x2: b, y1: side, y2: side };
+  const arrow = ([end, isOpen], other) => isOpen && s("path", { class: "open-end", fill: "none", stroke: color, "stroke-width": 1.6, opacity: 0.8,
+    d: `M${xy(end + Math.sign(other - end) * 6, side - 4)}L${xy(end, side)}L${xy(end + Math.sign(other - end) * 6, side + 4)}` });
+  return [s("line", { ...points, stroke: color, opacity: 0.55 }), arrow(ends[0], b), arrow(ends[1], a)].filter(Boolean);
+}
+
+/**
+ * An xy chart. axes: {label, log, domain, ticks, format, share: the name of axes that are one, room: pixels for the labels of y}; what reaches
+ * beyond a domain ends in an open arrow at the frame. Marks, in drawing order:
  *   {band: [[x, lo, hi]], color}  {line: [[x, y]], color, dash, width, opacity}  {rule: y, color, dash, label}
  *   {dots: [{x, y, xs, ys, text, open, shape, color, r}]}  {text, x, y, anchor}
+ *   {labels: [{x, y, text}], dx}: names beside marks, moved apart
  */
-export function xy({ x, y, marks }) {
+export function xy({ x: ownX, y: ownY, marks }) {
+  const [wholeX, wholeY] = [share(ownX), share(ownY)];
   return (width, height, tip) => {
+    const [x, y] = [wholeX(), wholeY()];
     const narrow = width < 460;
     const box = { left: y.room ?? (narrow ? 50 : 60), right: width - 14, top: 10, bottom: height - 42 };
     const sx = scale(x, box.left, box.right), sy = scale(y, box.bottom, box.top);
     const svg = s("svg", { width, height, class: "chart" });
     const clip = uniqueId("clip");
     svg.append(s("defs", {}, s("clipPath", { id: clip }, s("rect", { x: box.left - 6, y: box.top - 6, width: box.right - box.left + 12, height: box.bottom - box.top + 12 }))));
-    let last = -Infinity;
-    for (const [t, major] of ticks(x, narrow ? 5 : 9)) {
-      const place = sx(t);
-      svg.append(s("line", { x1: place, x2: place, y1: box.top, y2: box.bottom, class: major ? "grid major" : "grid" }));
-      const text = (x.format ?? tickText)(t, x.log);
-      if (major && place - last > 9 + 3.6 * text.length + 6) {
-        svg.append(s("text", { x: place, y: box.bottom + 16, class: "tick", "text-anchor": "middle" }, text));
-        last = place + 3.6 * text.length;
-      }
-    }
-    let lastY = Infinity;
-    for (const [t, major] of ticks(y, 6)) {
-      const place = sy(t), fits = Math.abs(lastY - place) > 13;
-      svg.append(s("line", { x1: box.left, x2: box.right, y1: place, y2: place, class: major ? "grid major" : "grid" }));
-      if (major && fits) lastY = place;
-      if (major && fits) svg.append(s("text", { x: box.left - 7, y: place + 4, class: "tick", "text-anchor": "end" }, (y.format ?? tickText)(t, y.log)));
-    }
+    const along = ticks(x, narrow ? 5 : 9), up = ticks(y, 6), textX = (t) => (x.format ?? tickText)(t, x.log);
+    for (const [t, major] of along) svg.append(s("line", { x1: sx(t), x2: sx(t), y1: box.top, y2: box.bottom, class: major ? "grid major" : "grid" }));
+    const majors = along.filter(([, major]) => major).map(([t]) => t), kept = labelled(majors.map(sx), majors.map((t) => 3.6 * textX(t).length + 4));
+    // A label at the end of the axis leans inwards rather than leaving the picture.
+    for (const [i, t] of majors.entries()) if (kept.has(i)) svg.append(s("text", { x: Math.min(sx(t), width - 3.4 * textX(t).length - 1), y: box.bottom + 16, class: "tick", "text-anchor": "middle" }, textX(t)));
+    const rises = up.filter(([, major]) => major).map(([t]) => t), named = labelled(rises.map(sy), rises.map(() => 6.5));
+    for (const [t, major] of up) svg.append(s("line", { x1: box.left, x2: box.right, y1: sy(t), y2: sy(t), class: major ? "grid major" : "grid" }));
+    for (const [i, t] of rises.entries()) if (named.has(i)) svg.append(s("text", { x: box.left - 7, y: sy(t) + 4, class: "tick", "text-anchor": "end" }, (y.format ?? tickText)(t, y.log)));
     svg.append(s("text", { x: (box.left + box.right) / 2, y: height - 6, class: "axis", "text-anchor": "middle" }, x.label));
-    svg.append(s("text", { transform: `translate(12 ${(box.top + box.bottom) / 2}) rotate(-90)`, class: "axis", "text-anchor": "middle" }, y.label));
+    svg.append(s("text", { transform: `translate(12 ${(box.top + box.bottom) / 2}) rotate(-90)`, class: "axis", "text-anchor": "middle", style: `font-size:${Math.min(12, (1.7 * (height - 12)) / Math.max(1, y.label.length))}px` }, y.label));
     const layer = s("g", { "clip-path": `url(#${clip})` });
     svg.append(layer);
     const fits = (px, py) => Number.isFinite(px) && Number.isFinite(py);
@@ -205,17 +220,23 @@ export function xy({ x, y, marks }) {
         const place = sy(mark.rule);
         if (!Number.isFinite(place)) continue;
         layer.append(s("line", { x1: box.left, x2: box.right, y1: place, y2: place, stroke: mark.color, "stroke-width": mark.width ?? 1.5, "stroke-dasharray": mark.dash, opacity: mark.opacity }));
-        if (mark.label) layer.append(s("text", { x: box.right - 4, y: place + (mark.below ? 14 : -5), class: "mark", "text-anchor": "end", style: `fill:${mark.color}` }, mark.label));
+        if (mark.label) layer.append(s("text", { x: mark.isLeft ? box.left + 4 : box.right - 4, y: place + (mark.below ? 14 : -5), class: "mark", "text-anchor": mark.isLeft ? "start" : "end", style: `fill:${mark.color}` }, mark.label));
       } else if (mark.dots) {
         for (const dot of mark.dots) {
           const [px, py] = [sx(dot.x) + (dot.dx ?? 0), sy(dot.y)];
           if (!fits(px, py)) continue;
           const color = dot.color ?? mark.color;
-          if (dot.xs) layer.append(s("line", { x1: sx(dot.xs[0]), x2: sx(dot.xs[1]), y1: py, y2: py, stroke: color, opacity: 0.55 }));
-          if (dot.ys) layer.append(s("line", { x1: px, x2: px, y1: sy(dot.ys[0]), y2: sy(dot.ys[1]), stroke: color, opacity: 0.55 }));
+          if (dot.xs) layer.append(...whisker(dot.xs, sx, [box.left, box.right], py, false, color));
+          if (dot.ys) layer.append(...whisker(dot.ys, sy, [box.top, box.bottom], px, true, color));
           layer.append(marker(dot.shape ?? mark.shape, px, py, dot.r ?? mark.r ?? 3.4, { fill: color, class: `dot${dot.open ? " open" : ""}${dot.ring ? " ringed" : ""}`, opacity: dot.opacity ?? mark.opacity }));
           if (dot.text) targets.push({ px, py, dot });
         }
+      } else if (mark.labels) {
+        const placed = mark.labels.map((one) => ({ ...one, px: sx(one.x), py: sy(one.y) })).filter(({ px, py }) => fits(px, py)).sort((a, b) => a.py - b.py);
+        placed.forEach((one, i) => { if (i) one.py = Math.max(one.py, placed[i - 1].py + 13); });
+        // What was pushed out below goes up again.
+        placed.reverse().forEach((one, i) => { one.py = Math.min(one.py, i ? placed[i - 1].py - 13 : box.bottom - 4); });
+        for (const one of placed) svg.append(s("text", { x: one.px + mark.dx, y: one.py + 4, class: "mark", "text-anchor": mark.dx < 0 ? "end" : "start", style: `fill:${mark.color}` }, one.text));
       } else if (mark.text) {
         const atX = typeof mark.x === "function" ? mark.x(box) : sx(mark.x), atY = typeof mark.y === "function" ? mark.y(box) : sy(mark.y);
         svg.append(s("text", { x: atX + (mark.dx ?? 0), y: atY + (mark.dy ?? 0), class: "mark", "text-anchor": mark.anchor ?? "start", style: `fill:${mark.color}` }, mark.text));

@@ -21,6 +21,11 @@ function scaleOf(axis, values) {
 
 const style = (i, count) => ({ color: count > 7 ? ordinal(i, count) : COLORS[i], shape: SHAPES[i % SHAPES.length], dash: count > 7 ? DASHES[i % DASHES.length] : undefined });
 
+/** A chart with more pairs than this shows their means alone. */
+const PAIR_MARKS = 30;
+/** Names of more pairs than this would cover each other. */
+const NAMED_PAIRS = 6;
+
 /** Axes whose effects are known in a run, those with most values first. */
 export function effectAxes(run) {
   const { effects } = model.runs[run], count = (axis) => effects.filter((e) => e.axis === axis && e.alpha === null).length;
@@ -51,25 +56,35 @@ export function effectsFigure(run, axis) {
   const curve = ({ own }) => [...own.map((e) => [at(e), e.ratio]), ...(overAlpha ? [] : [[place(base), 1]])].sort(([a], [b]) => a - b);
   const isOrdered = overAlpha || values.every(isNumber), dx = (i) => (i - (lines.length - 1) / 2) * (isOrdered ? 3 : 9);
   const text = (e) => `${symbol(axis)} ${short(axis, e.value)} instead of ${short(axis, base)}${e.alpha === null ? "" : ` · α ${e.alpha}`}${e.method ? ` · ${e.method}` : ""}\nerror × ${number(e.ratio)}${known(e) ? ` (95 %: ${number(e.interval[0])} to ${number(e.interval[1])})` : ", one pair, no interval"}\nbetter in ${e.better} of ${e.n} ${e.n === 1 ? "pair" : "pairs"}`;
-  // An interval of two pairs can span a hundred decades; the drawing shows that it leaves the picture.
-  const near = domain([...shown.map((e) => e.ratio), 1], true), span = (end) => Math.min(near[1] * 30, Math.max(near[0] / 30, end));
+  // Of few pairs each has a mark of its own: which of them are better tells more than their mean.
+  const few = !overAlpha && shown.flatMap((e) => e.pairs).length <= PAIR_MARKS ? shown.filter((e) => e.pairs.length > 1) : [], isNamed = lines.length === 1 && few.every((e) => e.pairs.length <= NAMED_PAIRS);
+  // On the side where there is room for their names.
+  const side = (e) => (x.ticks.indexOf(at(e)) >= x.ticks.length / 2 ? -1 : 1);
+  // An interval of two pairs can span a hundred decades; the axis does not follow it, and the whisker leaves the picture.
+  const near = domain([...shown.map((e) => e.ratio), ...few.flatMap((e) => e.pairs.map((pair) => pair.ratio)), 1], true);
+  const seen = shown.flatMap((e) => known(e) ?? []).filter((end) => end > near[0] / 30 && end < near[1] * 30);
   return figure({
     name: `effects-${axis}${runSuffix(run)}`,
     class: "lead-figure",
     title: `${overAlpha ? `${symbol(axis)} ${short(axis, values.at(-1))} instead of ${short(axis, base)}` : `Error over ${symbol(axis)}`}${runTitle(run)}`,
-    note: `relMSE over that with ${symbol(axis)} ${short(axis, base)}: the geometric mean over pairs of cells that differ in nothing else, with its 95 % interval. Below 1 errs less. Pale: the interval does not tell.`,
+    note: `relMSE over that with ${symbol(axis)} ${short(axis, base)}: the geometric mean over pairs of cells that differ in nothing else, with its 95 % interval. Below 1 errs less. Pale: the interval does not tell.${few.length ? ` Small marks: each pair${isNamed ? ", by name" : ""}.` : ""}${shown.some((e) => (known(e) ?? []).some((end) => !seen.includes(end))) ? " Arrows at the frame: the interval goes on." : ""}`,
     legend: series.map(({ line, i }) => ({ label: name(line), ...style(i, lines.length) })),
     table: { columns: ["axis", "value", "base", "method", "alpha", "error_ratio", "ratio_lo", "ratio_hi", "pairs", "pairs_better"], rows: all.map((e) => [axis, e.value, base, e.method, e.alpha, e.ratio, e.interval[0], e.interval[1] ?? Infinity, e.n, e.better]),
       onrow: (i) => { const cell = cellOf(run, axis, all[i].value, all[i].method); open(cell.cell, run)(); } },
     draw: xy({
       x: { ...x, label: overAlpha ? "α" : symbol(axis) },
-      y: { label: `relMSE ratio to ${symbol(axis)} ${short(axis, base)}`, log: true, domain: domain([...shown.map((e) => e.ratio), ...shown.flatMap((e) => (known(e) ?? []).map(span)), 1], true) },
+      y: { label: `relMSE ratio to ${symbol(axis)} ${short(axis, base)}`, log: true, domain: domain([...near, ...seen], true) },
       marks: [
-        { rule: 1, color: "var(--ink)", width: 1.2, label: overAlpha ? "no difference" : `${symbol(axis)} ${short(axis, base)}`, below: true },
+        { rule: 1, color: "var(--ink)", width: 1.2, label: overAlpha ? "no difference" : `${symbol(axis)} ${short(axis, base)}`, below: true, isLeft: few.length > 0 },
         ...(isOrdered ? series.map((one) => ({ line: curve(one), ...style(one.i, lines.length), width: 2 })) : []),
+        ...series.map(({ own, i }) => ({ ...style(i, lines.length), shape: "circle", r: 3, dots: own.filter((e) => few.includes(e)).flatMap((e) => e.pairs.map((pair) => {
+          const cell = cellOf(run, axis, e.value, e.method);
+          return { x: at(e), y: pair.ratio, dx: dx(i) + 16 * side(e), open: open(cell.cell, run), text: `${pair.label}\nerror × ${number(pair.ratio)}: ${symbol(axis)} ${short(axis, pair.ratio < 1 ? e.value : base)} errs less` };
+        })) })),
+        ...(isNamed ? few.map((e) => ({ dx: 26 * side(e), color: "var(--muted)", labels: e.pairs.map((pair) => ({ x: at(e), y: pair.ratio, text: pair.label })) })) : []),
         ...series.map(({ own, i }) => ({ ...style(i, lines.length), r: 4.5, dots: own.map((e) => {
           const cell = cellOf(run, axis, e.value, e.method);
-          return { x: at(e), y: e.ratio, dx: dx(i), ys: known(e)?.map(span), opacity: isDecided(e) ? 1 : 0.55, open: open(cell.cell, run), text: text(e) };
+          return { x: at(e), y: e.ratio, dx: dx(i), ys: known(e), opacity: isDecided(e) ? 1 : 0.55, open: open(cell.cell, run), text: text(e) };
         }) })),
       ],
     }),

@@ -14,8 +14,10 @@ export function bars({ bars, parts, unit }) {
       const y = i * rowHeight, middle = y + rowHeight / 2 + 4;
       let x = left;
       svg.append(s("text", { x: left - 8, y: middle, class: "tick", "text-anchor": "end" }, bar.name));
+      // Medians of parts do not add up to the median of the whole, which the bar's length is.
+      const sum = bar.parts.reduce((all, [, value]) => all + value, 0) || 1;
       for (const [part, value] of bar.parts) {
-        const w = (value / longest) * (width - left - 76);
+        const w = ((value / sum) * bar.total / longest) * (width - left - 76);
         svg.append(s("rect", { x, y: y + rowHeight * 0.14, width: Math.max(0.5, w), height: rowHeight * 0.72, fill: COLORS[parts.indexOf(part) % 7] }, s("title", {}, `${bar.name}: ${part} ${number(value)} ${unit}`)));
         x += w;
       }
@@ -43,6 +45,20 @@ function lettering(cells) {
 
 const rowRoom = (rows, rowTitle) => 14 + 7 * Math.max(4, rowTitle.length, ...rows.map((label) => String(label).length));
 
+const HEAD_LINE = 14, HEAD_LETTER = 6.6;
+
+/** The labels of columns `w` wide, whole: in one line, else parted at " · ", else upright. {lines, isUpright, room: what they need above the cells}. */
+function columnHeads(columns, w) {
+  const longest = (lines) => HEAD_LETTER * Math.max(1, ...lines.flat().map((line) => String(line).length));
+  const whole = columns.map((label) => [String(label)]), parted = columns.map((label) => String(label).split(" · "));
+  for (const lines of [whole, parted]) if (longest(lines) <= w) return { lines, isUpright: false, room: 26 + HEAD_LINE * Math.max(1, ...lines.map((own) => own.length)) };
+  return { lines: whole, isUpright: true, room: 30 + longest(whole) };
+}
+
+const MAP_ROW = 34;
+/** The height of a map with these labels. */
+const mapHeight = ({ rows, columns, rowTitle }, width) => 10 + columnHeads(columns, (width - Math.min(width * 0.36, rowRoom(rows, rowTitle)) - 4) / columns.length).room + MAP_ROW * rows.length;
+
 /** The width below which the values of a map could not be read. */
 function mapWidth({ rows, columns, rowTitle, cell }) {
   const cells = rows.map((_, r) => columns.map((_, c) => cell(r, c)));
@@ -52,11 +68,8 @@ function mapWidth({ rows, columns, rowTitle, cell }) {
 /** Draws a map into `box` of an SVG. Returns the targets of the keyboard. */
 function drawMap(svg, box, { rows, columns, rowTitle, columnTitle, cell }) {
   const width = box.width, left = Math.min(width * 0.36, rowRoom(rows, rowTitle));
-  const longest = Math.max(...columns.map((label) => String(label).length), 1);
-  const slanted = (width - left - 4) / columns.length < 6.6 * longest;
-  // The last slanted label leans out to the right.
-  const w = (width - left - (slanted ? Math.min(60, 4 * longest) : 4)) / columns.length;
-  const top = slanted ? Math.min(110, 30 + longest * 4.6) : 40, rowHeight = (box.height - top - 4) / rows.length;
+  const w = (width - left - 4) / columns.length, { lines: heads, isUpright, room: top } = columnHeads(columns, w);
+  const rowHeight = (box.height - top - 4) / rows.length;
   const cells = rows.map((_, r) => columns.map((_, c) => cell(r, c))), { whole, parted } = lettering(cells);
   const sized = (letters, lines) => Math.min(LETTER_MAX, (w - 6) / (0.6 * letters), (rowHeight * 0.72) / lines);
   const isParted = sized(whole, 1) < LETTER_MIN && parted < whole, size = isParted ? sized(parted, 2) : sized(whole, 1);
@@ -67,7 +80,8 @@ function drawMap(svg, box, { rows, columns, rowTitle, columnTitle, cell }) {
     s("text", { x: x0 + left + (columns.length * w) / 2, y: y0 + 12, class: "axis", "text-anchor": "middle" }, columnTitle));
   columns.forEach((label, c) => {
     const x = x0 + left + (c + 0.5) * w, y = y0 + top - 8;
-    svg.append(s("text", slanted ? { transform: `translate(${x} ${y}) rotate(-40)`, class: "tick" } : { x, y, class: "tick", "text-anchor": "middle" }, label));
+    if (isUpright) svg.append(s("text", { transform: `translate(${x + 4} ${y}) rotate(-90)`, class: "tick" }, label));
+    else heads[c].forEach((line, i) => svg.append(s("text", { x, y: y - HEAD_LINE * (heads[c].length - 1 - i), class: "tick", "text-anchor": "middle" }, line)));
   });
   rows.forEach((label, r) => {
     const y = y0 + top + r * rowHeight;
@@ -102,7 +116,7 @@ function heatmap(map) {
 }
 
 /** What a figure needs to draw a map: its drawing, and how wide it must be. */
-export const mapped = (map) => ({ minWidth: mapWidth(map), draw: heatmap(map) });
+export const mapped = (map) => ({ minWidth: mapWidth(map), height: (width) => mapHeight(map, width), draw: heatmap(map) });
 
 /** Room of a panel with `rows` rows, its title included. */
 const panelHeight = (rows) => 78 + 24 * rows;

@@ -44,8 +44,8 @@ export function convergence(run, facet = curveFacets(run)[0]) {
       onrow: (i) => { const p = own.flatMap((curve) => curve.points)[i]; open(p.cell, p.run)(); },
     },
     draw: xy({
-      x: sampleAxis(counts),
-      y: { label: "relMSE", log: true, domain: domain([...own.flatMap((curve) => curve.points.map((p) => p.error)), ...fixed.map((c) => c.fixed_error), ...floors], true) },
+      x: sampleAxis(counts, `convergence-${facet}`),
+      y: { label: "relMSE", log: true, share: `convergence-${facet} y`, domain: domain([...own.flatMap((curve) => curve.points.map((p) => p.error)), ...fixed.map((c) => c.fixed_error), ...floors], true) },
       marks: [
         ...unique(floors).map((floor, i) => ({ rule: floor, color: "var(--muted)", dash: "1 4", opacity: 0.8, label: i === 0 ? "noise floor" : "" })),
         ...fixed.map((c) => ({ rule: c.fixed_error, color: color(c.key), width: 1, opacity: 0.8, dash: FIXED_DASHES[fixedNames.indexOf(c.fixed) % FIXED_DASHES.length] })),
@@ -97,23 +97,29 @@ export function profileGroups(run, scene) {
   // The axis with most values is what a group varies; the rest names it.
   const [varied] = variantAxes.filter((name) => !["run", "point_set"].includes(name)).sort((a, b) => axisOf[b].values.length - axisOf[a].values.length);
   const nameOf = ({ row }) => variantLabel(row, ["point_set", "run", varied]) || row.axes.method;
-  const groups = unique(all.map(nameOf)).map((name) => ({ name, lines: all.filter((one) => nameOf(one) === name), of: all.length }));
+  // Methods that have neither samples nor what is varied are what the others are compared with: they stand first in every group.
+  const fixed = all.filter(({ row }) => row.axes.samples === "" && row.axes[varied] === "").slice(0, 3), others = all.filter((one) => !fixed.includes(one));
+  const groups = unique(others.map(nameOf)).map((name) => ({ name, lines: others.filter((one) => nameOf(one) === name), of: all.length, fixed: fixed.length }));
   // Where a group is still too large, values at even steps, with both ends.
-  const thin = (lines) => (lines.length <= PROFILE_LINES ? lines : unique(Array.from({ length: PROFILE_LINES }, (_, i) => lines[Math.round((i / (PROFILE_LINES - 1)) * (lines.length - 1))])));
+  const most = PROFILE_LINES - fixed.length;
+  const thin = (lines) => (lines.length <= most ? lines : unique(Array.from({ length: most }, (_, i) => lines[Math.round((i / (most - 1)) * (lines.length - 1))])));
   const place = ({ row }) => Number(row.axes[varied]) || 0;
-  return groups.map((group) => ({ ...group, lines: thin(group.lines.sort((a, b) => place(a) - place(b))) })).sort((a, b) => b.lines.length - a.lines.length);
+  groups.sort((a, b) => b.lines.length - a.lines.length);
+  return groups.map((group) => ({ ...group, lines: [...fixed, ...thin(group.lines.sort((a, b) => place(a) - place(b)))] }));
 }
 
 /** Error over n.v of one scene: a few lines that can be told apart. */
 export function profile(run, scene, wanted) {
   const groups = profileGroups(run, scene), group = groups.find((one) => one.name === wanted) ?? groups[0], own = group.lines;
   if (!own.length) return null;
-  const style = (i) => ({ color: own.length > 3 ? ordinal(i, own.length) : COLORS[i], shape: SHAPES[i % SHAPES.length], width: 2, dash: own[i].row.axes.samples === "" ? "7 3" : undefined });
+  const { fixed = 0 } = group, ramp = own.length - fixed;
+  const colorOf = (i) => (i < fixed ? ["var(--ink)", ...COLORS.slice(1)][i] : ramp > 3 ? ordinal(i - fixed, ramp) : COLORS[i]);
+  const style = (i) => ({ color: colorOf(i), shape: SHAPES[i % SHAPES.length], width: 2, dash: own[i].row.axes.samples === "" ? "7 3" : undefined });
   const middle = ([lo, hi]) => (lo + hi) / 2;
   return figure({
     name: `n-dot-v-${scene.label}${runSuffix(run)}`,
     title: `Error over n·v · ${scene.label}${runTitle(run)}`,
-    note: `relMSE over the pixels of each bin: left grazing, right facing the viewer.${own.length < group.of ? ` ${own.length} of ${group.of} ways to make the image, which differ in one thing alone; the others by “Profile lines”.` : ""}${own.some((one) => one.count > 1) ? " Of several point sets the median." : ""}`,
+    note: `relMSE over the pixels of each bin: left grazing, right facing the viewer.${own.length < group.of ? ` ${own.length} of ${group.of} ways to make the image: ${fixed ? "those without samples, and others" : "those"} that differ in one thing alone; the others by “Profile lines”.` : ""}${own.some((one) => one.count > 1) ? " Of several point sets the median." : ""}`,
     legend: own.map((one, i) => ({ label: one.name, ...style(i) })),
     table: { columns: ["variant", "n_dot_v_from", "n_dot_v_to", headline], rows: own.flatMap(({ name, bins }) => bins.map((bin) => [name, ...bin])), onrow: (i) => { const { row } = own.flatMap((one) => one.bins.map(() => one))[i]; open(row.cell, row.run)(); } },
     draw: xy({

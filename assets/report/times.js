@@ -47,8 +47,8 @@ export function timeError(run, facet) {
 }
 
 const PASSES = {
-  frame: ["Time of a frame by pass", "Median of each pass, in running order."],
-  precompute: ["Made once per environment or model", "Apart from the frame: tables that every frame uses."],
+  frame: ["Time of a frame by pass", "Number and length: the median of the whole frame, summed round by round; the parts share it as the medians of the passes do, which alone do not add up to it."],
+  precompute: ["Made once per environment or model", "Apart from the frame: tables that every frame uses. Number and length: the median of their sum, round by round."],
 };
 
 /** The words that tell timed configurations of a run apart. */
@@ -72,18 +72,19 @@ export function passes(run, phase) {
   const bars = model.runs[run].timings.filter((record) => record.phase === phase).map((record) => {
     // The first cell of this configuration stands for all that were timed as one; what is made once has none.
     const shown = phase === "frame" && rows.find((row) => row.run === run && Object.entries(record.axes).every(([axis, value]) => !value || (row.axes[axis] ?? value) === value));
-    return { name: configuration(run, record.axes, record.device, record.environment_size), parts: byKind(record.passes), passes: record.passes, total: record.passes.reduce((sum, [, ms]) => sum + ms, 0),
+    return { name: configuration(run, record.axes, record.device, record.environment_size), parts: byKind(record.passes), passes: record.passes, total: record.total,
       order: `${record.axes.brdf} ${record.axes.method} ${String(record.axes.samples).padStart(6, "0")}`, open: shown && open(shown.cell, shown.run) };
   }).sort((a, b) => (a.order < b.order ? -1 : 1));
   if (!bars.length) return null;
   const names = unique(bars.flatMap((bar) => bar.parts.map(([name]) => name)));
+  const lines = (bar) => [...bar.passes, ["all passes, round by round", bar.total]];
   return figure({
     name: `passes-${phase}${runSuffix(run)}`,
     title: `${title}${runTitle(run)}`, note: `${note}${cpuNote(run)}`,
     legend: names.map((name, i) => ({ label: name, color: COLORS[i % 7], shape: "square", line: false })),
     height: () => 22 * bars.length,
-    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => bar.passes.map(([name, ms]) => [bar.name, name, ms])),
-      onrow: bars.some((bar) => bar.open) && ((i) => bars.flatMap((bar) => bar.passes.map(() => bar))[i].open?.()) },
+    table: { columns: ["configuration", "pass", "median_ms"], rows: bars.flatMap((bar) => lines(bar).map(([name, ms]) => [bar.name, name, ms])),
+      onrow: bars.some((bar) => bar.open) && ((i) => bars.flatMap((bar) => lines(bar).map(() => bar))[i].open?.()) },
     draw: barChart({ bars, parts: names, unit: "ms" }),
   });
 }
@@ -97,10 +98,10 @@ export function paybackTable(run) {
   if (!all.length) return null;
   const ends = ({ interval: [lo, hi] }) => (lo === null || hi === null ? "" : ` (${number(lo, 2)} to ${number(hi, 2)})`);
   const line = (one) => h("tr", {}, h("th", { scope: "row" }, configuration(run, one.fixed, one.device, one.environment_size)), h("td", {}, [one.sampled.method, one.sampled.samples].filter(Boolean).join(" ")),
-    h("td", { class: "number" }, `${number(one.tables_ms)} ms`), h("td", { class: "number" }, `× ${number(one.ratio)}${ends(one)}`), h("td", { class: "number payback" }, one.payback || "tables not timed"));
+    h("td", { class: "number payback" }, one.payback || "tables not timed"), h("td", { class: "number" }, `× ${number(one.ratio)}${ends(one)}`), h("td", { class: "number" }, `${number(one.tables_ms)} ms`));
   const body = h("tbody", {}, all.slice(0, PAYBACK_ROWS).map(line));
   const more = all.length > PAYBACK_ROWS && h("button", { type: "button", onclick: () => { body.append(...all.slice(PAYBACK_ROWS).map(line)); more.remove(); } }, `Show all ${all.length}`);
   return h("section", { class: "payback-table" }, h("h3", {}, `When the tables have paid for themselves${runTitle(run)}`),
     h("p", { class: "note" }, `Frames after which a method with tables made once has cost less than one that samples. Time ratio: sampling over it, the median of the ratios round by round with its 95 % interval, not the quotient of two medians.${cpuNote(run)}`),
-    h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ["with tables", "against", "tables, beyond its", "time ratio", "frames to pay back"].map((name) => h("th", { scope: "col" }, name)))), body)), more);
+    h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ["with tables", "against", "frames to pay back", "time ratio", "tables, beyond its"].map((name) => h("th", { scope: "col" }, name)))), body)), more);
 }

@@ -34,6 +34,13 @@ function layout(own) {
   });
 }
 
+/** A value with as many digits as it takes to say on which side of the threshold it lies. */
+export function flipText(flip, from) {
+  let digits = Math.abs(flip - from) < 0.005 ? 3 : 2;
+  while (digits < 8 && Number(flip.toFixed(digits)) >= from !== flip >= from) digits++;
+  return flip.toFixed(digits);
+}
+
 /** The visible difference (FLIP) of a run by exposure and contrast; null where the tone curve was not varied. */
 export function visibility(run) {
   const own = rows.filter((row) => row.run === run && row.scores.flip !== null && row.scores.flip !== undefined);
@@ -44,7 +51,7 @@ export function visibility(run) {
   const maps = all.map(({ of, ...panel }) => ({ ...panel, cell: (r, c) => {
     const found = of(r, c), flip = median(found), name = `${panel.title} ${panel.rowTitle} ${panel.rows[r]}, ${panel.columnTitle} ${panel.columns[c]}`;
     if (!Number.isFinite(flip)) return { text: "", title: `${name}: no result` };
-    return { text: flip.toFixed(2), ...(flip >= from ? heat(flip / largest) : { color: "var(--paper)", ink: "var(--muted)" }), open: open(found[0]), title: `${name}: FLIP ${number(flip)}, ${flip >= from ? "visible" : "hidden"}` };
+    return { text: flipText(flip, from), ...(flip >= from ? heat(flip / largest) : { color: "var(--paper)", ink: "var(--muted)" }), open: open(found[0]), title: `${name}: FLIP ${number(flip)}, ${flip >= from ? "visible" : "hidden"}` };
   } }));
   const places = all.flatMap((panel) => panel.rows.flatMap((_, r) => panel.columns.map((_, c) => panel.of(r, c)))).filter((found) => found.length);
   return figure({

@@ -66,27 +66,30 @@ fn nominal(field: &str) -> Value {
 /// How a table is drawn; `None` for one that has no figure of its own.
 fn spec(table: &AnswerTable, answers: &Answers) -> Option<Value> {
     let has = |name: &str| table.columns.iter().any(|column| column == name);
-    // One small chart for each value of the first case axis that is not alpha.
-    let facet = match answers.case_axes.iter().find(|name| *name != "alpha") {
-        Some(name) => nominal(name),
-        None => Value::Null,
-    };
+    // One small chart for each combination of the case axes that are not alpha: no two cases may lie on each other.
+    let axes: Vec<&str> = answers.case_axes.iter().map(String::as_str).filter(|name| *name != "alpha").collect();
+    let facet = small_charts(&axes);
     let alpha = if has("alpha") { json!({ "field": "alpha", "type": "ordinal" }) } else { Value::Null };
     let detail: Vec<Value> = answers.case_axes.iter().map(|name| nominal(name)).collect();
+    let with_sets: Vec<Value> = detail.iter().cloned().chain(has("point_set").then(|| nominal("point_set"))).collect();
     let counts = json!({ "field": "break_even", "type": "ordinal", "scale": { "scheme": "viridis" } });
     let n_dot_v = json!({ "field": "n_dot_v_from", "type": "ordinal" });
     Some(without_nulls(match table.name {
         "convergence" => json!({
             "mark": { "type": "line", "point": true },
+            "transform": case_of(&axes),
             "encoding": { "x": log("samples"), "y": log(HEADLINE), "color": alpha, "strokeDash": nominal("method"),
                 "detail": detail, "facet": facet }
         }),
         "break_even" => json!({
             "mark": "rect",
-            "encoding": { "y": alpha, "x": facet, "color": counts }
+            "transform": case_of(&axes[axes.len().min(1)..]),
+            "encoding": { "y": alpha, "x": axes.first().map_or(Value::Null, |name| nominal(name)), "color": counts,
+                "facet": small_charts(&axes[axes.len().min(1)..]) }
         }),
         "break_even_by_n_dot_v" => json!({
             "mark": "rect",
+            "transform": case_of(&axes),
             "encoding": { "x": n_dot_v, "y": alpha, "color": counts, "facet": facet }
         }),
         "error_by_n_dot_v_and_alpha" => json!({
@@ -98,15 +101,12 @@ fn spec(table: &AnswerTable, answers: &Answers) -> Option<Value> {
         }),
         "n_dot_v_profile" => json!({
             "mark": { "type": "line", "point": true },
-            "transform": [{ "calculate": "(+datum.n_dot_v_from + +datum.n_dot_v_to) / 2", "as": "n_dot_v" }],
+            "transform": joined(case_of(&axes), json!([{ "calculate": "(+datum.n_dot_v_from + +datum.n_dot_v_to) / 2", "as": "n_dot_v" }])),
             "encoding": { "x": { "field": "n_dot_v", "type": "quantitative" }, "y": log(HEADLINE), "color": nominal("method"),
-                "strokeDash": { "field": "samples", "type": "ordinal" }, "detail": detail, "facet": facet }
+                "strokeDash": { "field": "samples", "type": "ordinal" }, "detail": with_sets,
+                "row": if axes.is_empty() { Value::Null } else { nominal(CASE) }, "column": alpha }
         }),
-        "time_and_error" => json!({
-            "mark": "point",
-            "encoding": { "x": log("frame_ms_median"), "y": log(HEADLINE), "color": nominal("method"),
-                "size": { "field": "samples", "type": "ordinal" } }
-        }),
+        "time_and_error" => time_and_error(&answers.case_axes),
         "exposure_and_contrast" => json!({
             "layer": [
                 { "mark": { "type": "line", "point": true },
@@ -136,9 +136,67 @@ fn spec(table: &AnswerTable, answers: &Answers) -> Option<Value> {
     }))
 }
 
+/// The field that names a combination of case axes.
+const CASE: &str = "case";
+
+/// Makes [`CASE`] of the axes; nothing where there are none.
+fn case_of(axes: &[&str]) -> Value {
+    if axes.is_empty() {
+        return json!([]);
+    }
+    let words: Vec<String> = axes.iter().map(|name| format!("datum['{name}']")).collect();
+    json!([{ "calculate": words.join(" + ' · ' + "), "as": CASE }])
+}
+
+fn small_charts(axes: &[&str]) -> Value {
+    if axes.is_empty() { Value::Null } else { json!({ "field": CASE, "type": "nominal", "columns": 3 }) }
+}
+
+/// The steps of both lists.
+fn joined(mut first: Value, second: Value) -> Value {
+    if let (Some(first), Value::Array(second)) = (first.as_array_mut(), second) {
+        first.extend(second);
+    }
+    first
+}
+
+/// The median over point sets with its quartiles, p05 to p95 of the frame, and a line through what nothing else is both faster and closer than.
+fn time_and_error(case_axes: &[String]) -> Value {
+    let axes: Vec<&str> = case_axes.iter().map(String::as_str).collect();
+    let steps = |op: &str, field: &str, name: &str| json!({ "op": op, "field": field, "as": name });
+    let (time, ends) = ("frame_ms_median", ["frame_ms_p05", "frame_ms_p95"]);
+    let groups: Vec<&str> = axes.iter().copied().chain(["method", "samples"]).collect();
+    let transform = joined(
+        json!([{
+            "aggregate": [steps("median", HEADLINE, "error"), steps("q1", HEADLINE, "error_lo"), steps("q3", HEADLINE, "error_hi"),
+                steps("median", time, time), steps("median", ends[0], ends[0]), steps("median", ends[1], ends[1])],
+            "groupby": groups,
+        }]),
+        case_of(&axes),
+    );
+    let color = nominal("method");
+    let front = json!([
+        { "window": [steps("min", "error", "least")], "sort": [{ "field": time }],
+            "groupby": if axes.is_empty() { json!([]) } else { json!([CASE]) } },
+        { "filter": "datum.error <= datum.least" },
+    ]);
+    let layers = json!([
+        { "mark": "rule", "encoding": { "x": log(ends[0]), "x2": { "field": ends[1] }, "y": log("error"), "color": color } },
+        { "mark": "rule", "encoding": { "x": log(time), "y": log("error_lo"), "y2": { "field": "error_hi" }, "color": color } },
+        { "mark": { "type": "point", "filled": true },
+            "encoding": { "x": log(time), "y": log("error"), "color": color, "size": { "field": "samples", "type": "ordinal" } } },
+        { "transform": front, "mark": { "type": "line", "interpolate": "step-after", "strokeDash": [4, 3], "color": "#555" },
+            "encoding": { "x": log(time), "y": log("error") } },
+    ]);
+    match small_charts(&axes) {
+        Value::Null => json!({ "transform": transform, "layer": layers }),
+        _ => json!({ "transform": transform, "facet": nominal(CASE), "columns": 3, "spec": { "layer": layers } }),
+    }
+}
+
 /// Channels that have nothing to show are left out: `null` would remove what Vega-Lite adds by itself.
 fn without_nulls(mut spec: Value) -> Value {
-    if let Some(encoding) = spec["encoding"].as_object_mut() {
+    if let Some(encoding) = spec.get_mut("encoding").and_then(Value::as_object_mut) {
         encoding.retain(|_, channel| !channel.is_null());
     }
     spec

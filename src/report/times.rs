@@ -5,7 +5,7 @@ use crate::experiment::timing::{TimingRecord, summarize};
 use crate::experiment::timing_ratios::ratios;
 use serde_json::{Value, json};
 
-/// Every timed configuration with the median of each pass.
+/// Every timed configuration with the median of each pass and that of their sum: round by round, so that it is not the sum of the medians.
 pub fn records(run: &RunFolder) -> Vec<Value> {
     let record = |record: &TimingRecord| {
         json!({
@@ -16,6 +16,7 @@ pub fn records(run: &RunFolder) -> Vec<Value> {
             "device": record.device,
             "device_type": record.device_type,
             "wall_check": record.wall_check(),
+            "total": summarize(&record.sums_ms()).median,
             "passes": record.passes.iter()
                 .map(|pass| json!([pass.pass, summarize(&pass.ms).median])).collect::<Vec<_>>(),
         })

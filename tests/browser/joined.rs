@@ -13,7 +13,7 @@ const FEW: &str = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nalpha
 const TIMING: &str = "[timing]\nwarmup = 1\nrounds = 9";
 
 /// Three finished runs in a folder: one, the same again, and one with fewer samples on another device. Their joined report comes last.
-fn joined(dir: &Path) -> ([PathBuf; 3], PathBuf) {
+pub fn joined(dir: &Path) -> ([PathBuf; 3], PathBuf) {
     let runs = [
         run_of(&dir.join("one"), ALL, TIMING, Log::default()),
         run_of(&dir.join("again"), ALL, TIMING, Log::default()),
@@ -24,7 +24,7 @@ fn joined(dir: &Path) -> ([PathBuf; 3], PathBuf) {
     (runs, write(&options).unwrap().path)
 }
 
-fn texts(page: &mut Page, selector: &str) -> Vec<String> {
+pub fn texts(page: &mut Page, selector: &str) -> Vec<String> {
     let all =
         page.eval(&format!("[...document.querySelectorAll({})].map((e) => e.textContent.trim())", json!(selector)));
     all.as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect()
@@ -78,11 +78,13 @@ fn no_chart_joins_runs() {
     page.resize(1440, 900, "light");
     page.go(&report, "");
     page.wait("document.querySelectorAll('#view-answer .figure .stage svg').length >= 9");
-    // A panel of lines for each run, over its own counts alone.
-    for (run, largest) in [(0, "16"), (1, "16"), (2, "4")] {
+    // A panel of lines for each run, with its own counts alone on the axis that all of them have.
+    for (run, counts) in [(0, 3), (1, 3), (2, 2)] {
         let own = format!("[data-figure=\"break-even-curves-run-{}\"] .stage svg", run + 1);
         let ticks = texts(&mut page, &format!("{own} .tick[text-anchor=middle]"));
-        assert_eq!(ticks.last().unwrap(), largest, "{ticks:?}");
+        assert_eq!(ticks.last().unwrap(), "16", "{ticks:?}");
+        let places = page.eval(&format!("new Set([...document.querySelectorAll({} + ' circle.dot[r=\\'2.6\\']')].map((dot) => dot.getAttribute('cx'))).size", json!(own)));
+        assert_eq!(places, json!(counts), "run {run}");
         // A line a case and the median.
         let lines =
             page.eval(&format!("document.querySelectorAll({} + ' g > path[stroke]:not(.dot)').length", json!(own)));

@@ -1,5 +1,6 @@
 //! The report in a real browser, opened from disk: what a reader sees, presses and saves. Skips with a line without Chromium.
 
+mod charts;
 mod chromium;
 mod compare;
 mod contrast;

@@ -17,6 +17,7 @@ use splitsum::report::images::{BUDGET_BYTES, Choice, Window, collect};
 use splitsum::report::page::in_script;
 use splitsum::report::{ReportOptions, write};
 use splitsum::table::csv::Table;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -167,16 +168,60 @@ fn a_report_is_the_same_each_time_and_has_its_figures_beside_it() {
         let text = std::fs::read_to_string(figures.join(format!("{name}.vl.json"))).unwrap();
         let spec: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!(spec["data"]["url"], format!("{name}.csv"));
-        let made: Vec<&str> =
-            spec["transform"].as_array().into_iter().flatten().filter_map(|step| step["as"].as_str()).collect();
-        let layers = spec["layer"].as_array().cloned().unwrap_or_else(|| vec![spec.clone()]);
-        for channel in layers.iter().flat_map(|layer| layer["encoding"].as_object().unwrap().values()) {
-            if let Some(field) = channel["field"].as_str() {
-                let is_known = made.contains(&field) || table.columns.iter().any(|column| column == field);
-                assert!(is_known, "{name} draws {field}");
+        let (made, fields) = fields_of(&spec);
+        for field in &fields {
+            let is_known = made.contains_key(field) || table.columns.iter().any(|column| column == field);
+            assert!(is_known, "{name} draws {field}");
+        }
+        assert!(spec.get("encoding").is_none_or(serde_json::Value::is_object), "{name}");
+    }
+}
+
+#[test]
+fn no_two_cases_lie_on_each_other_in_a_figure() {
+    let dir = tempfile::tempdir().unwrap();
+    let more = EXPERIMENT
+        .replace("[\"builtin:constant\"]", "[\"builtin:constant\", \"builtin:sky\"]\nbrdf = [\"ggx\", \"phong\"]");
+    let run = finished(&plan(&more.replace("200, 200", "24, 24")), &dir.path().join("run"));
+    write(&ReportOptions::of_run(&run)).unwrap();
+    let runs = [RunFolder::read(&run).unwrap()];
+    let answers = Answers::new(&Study::new(&runs, &["run".to_owned()]), &runs);
+    assert_eq!(answers.case_axes, ["environment", "brdf", "alpha"]);
+    for name in ["convergence", "break_even", "break_even_by_n_dot_v", "n_dot_v_profile", "time_and_error"] {
+        let text = std::fs::read_to_string(run.join("report-figures").join(format!("{name}.vl.json"))).unwrap();
+        let (made, fields) = fields_of(&serde_json::from_str(&text).unwrap());
+        // By itself, or within a made field.
+        let is_within = |of: &String, axis: &str| of.contains(&format!("datum['{axis}']"));
+        for axis in &answers.case_axes {
+            let is_drawn = fields.contains(axis)
+                || fields.iter().any(|field| made.get(field).is_some_and(|of| is_within(of, axis)));
+            assert!(is_drawn, "{name} does not tell values of {axis} apart: {fields:?}");
+        }
+    }
+}
+
+/// The fields that a specification makes, with their expressions, and those that it draws.
+fn fields_of(spec: &serde_json::Value) -> (BTreeMap<String, String>, BTreeSet<String>) {
+    let (mut made, mut drawn) = (BTreeMap::new(), BTreeSet::new());
+    let text = |value: &serde_json::Value, name: &str| value[name].as_str().map(str::to_owned);
+    for step in spec["transform"].as_array().into_iter().flatten() {
+        let parts = [&step["aggregate"], &step["window"]].map(|list| list.as_array().cloned().unwrap_or_default());
+        for part in parts.concat().iter().chain([step]) {
+            if let Some(name) = text(part, "as") {
+                made.insert(name, text(part, "calculate").unwrap_or_default());
             }
         }
     }
+    let channels = spec["encoding"].as_object().into_iter().flat_map(|encoding| encoding.values());
+    for channel in channels.chain([&spec["facet"]]) {
+        drawn.extend(text(channel, "field"));
+    }
+    for part in spec["layer"].as_array().into_iter().flatten().chain(spec.get("spec")) {
+        let (more_made, more_drawn) = fields_of(part);
+        made.extend(more_made);
+        drawn.extend(more_drawn);
+    }
+    (made, drawn)
 }
 
 #[test]

@@ -10,7 +10,7 @@
 //! towards 1, so what is claimed is the less.
 
 use super::slope::mean_95;
-use super::study::{Role, Row, Study};
+use super::study::{Role, Row, Study, short};
 use crate::experiment::axis::{AXES, Axis};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -35,7 +35,21 @@ pub struct Effect {
     pub better: usize,
     /// Cases left out because in all of their pairs both errors are within the reference's noise.
     pub in_noise: usize,
+    /// Each case, where there are no more than [`PAIRS_SHOWN_MAX`]: its mean says little then.
+    pub pairs: Vec<Pair>,
 }
+
+/// A case that has both values: its pairs of cells together.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Pair {
+    /// What tells it from the other cases, in the words of its axes; empty for a single one.
+    pub label: String,
+    /// Error over that with the base; the geometric mean over its pairs.
+    pub ratio: f64,
+}
+
+/// More cases than this are told by their mean and its interval.
+pub const PAIRS_SHOWN_MAX: usize = 12;
 
 impl Effect {
     /// Whether the interval tells which of the two errs less.
@@ -86,6 +100,7 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
     let mut order: Vec<[String; 3]> = Vec::new();
     let mut logs: BTreeMap<[String; 3], BTreeMap<Vec<&str>, Vec<f64>>> = BTreeMap::new();
     let mut in_noise: BTreeMap<[String; 3], BTreeSet<Vec<&str>>> = BTreeMap::new();
+    let of_case: Vec<usize> = (0..study.axes.len()).filter(|&index| study.axes[index].role == Role::Scene).collect();
     for row in rows.iter().filter(|row| !["", "none", base].contains(&row.axes[axis].as_str())) {
         let Some(partner) = bases.iter().find(|other| agrees(row, other)) else { continue };
         let (Some(error), Some(of_base)) = (row.error, partner.error) else { continue };
@@ -101,8 +116,7 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
             if !order.contains(key) {
                 order.push(key.clone());
             }
-            let of_case = row.axes.iter().zip(&study.axes).filter(|(_, axis)| axis.role == Role::Scene);
-            let case: Vec<&str> = of_case.map(|(value, _)| value.as_str()).collect();
+            let case: Vec<&str> = of_case.iter().map(|&index| row.axes[index].as_str()).collect();
             if !row.is_resolved() && !partner.is_resolved() {
                 in_noise.entry(key.clone()).or_default().insert(case);
                 continue;
@@ -114,8 +128,17 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
     order.sort_by_key(|[_, _, alpha]| !alpha.is_empty());
     let effect = |key: &[String; 3]| {
         let [value, method, alpha] = key.clone();
-        let told = logs.get(key)?;
-        let own: Vec<f64> = told.values().map(|of_case| of_case.iter().sum::<f64>() / of_case.len() as f64).collect();
+        let cases = logs.get(key)?;
+        let own: Vec<f64> = cases.values().map(|of_sets| of_sets.iter().sum::<f64>() / of_sets.len() as f64).collect();
+        // The values that tell the pairs apart.
+        let telling: Vec<usize> = (0..of_case.len())
+            .filter(|&i| cases.keys().any(|case| case[i] != cases.keys().next().map_or("", |first| first[i])))
+            .collect();
+        let label = |case: &Vec<&str>| {
+            let words = telling.iter().map(|&i| short(&study.axes[of_case[i]].name, case[i]));
+            words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" · ")
+        };
+        let pairs = cases.keys().zip(&own).map(|(case, log)| Pair { label: label(case), ratio: log.exp() });
         let (mean, half) = mean_95(&own)?;
         Some(Effect {
             axis: name.to_owned(),
@@ -127,10 +150,8 @@ pub fn against(study: &Study, axis: usize, base: &str, is_among: &dyn Fn(&Row) -
             interval: [(mean - half).exp(), (mean + half).exp()],
             n: own.len(),
             better: own.iter().filter(|log| **log < 0.0).count(),
-            // A case of which another pair tells something is counted there.
-            in_noise: in_noise
-                .get(key)
-                .map_or(0, |cases| cases.iter().filter(|case| !told.contains_key(*case)).count()),
+            in_noise: in_noise.get(key).map_or(0, BTreeSet::len),
+            pairs: if own.len() > PAIRS_SHOWN_MAX { Vec::new() } else { pairs.collect() },
         })
     };
     order.iter().filter(|[_, _, alpha]| is_swept_alpha || alpha.is_empty()).filter_map(effect).collect()

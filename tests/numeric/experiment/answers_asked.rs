@@ -3,6 +3,7 @@
 use super::answers::Made;
 use splitsum::experiment::answers::Answered;
 use splitsum::experiment::answers::Answers;
+use splitsum::experiment::answers::effects::Effect;
 use splitsum::experiment::answers::run_folder::RunFolder;
 use splitsum::experiment::answers::study::Study;
 use std::fmt::Write;
@@ -254,4 +255,75 @@ fn different_environments_are_no_trend() {
     let svg = &answered.files.iter().find(|(name, _)| name == "dynamic_range.svg").unwrap().1;
     assert_eq!(lines(svg), [0usize; 0], "two lights make no line");
     assert!(svg.contains("12.0 stops") && svg.contains("they differ in more than their range"));
+}
+
+#[test]
+fn an_error_that_saturates_is_said_to_be_level_from_there() {
+    let mut made = Made::new(&["environment", "environment_clip_log2", "method", "samples"]);
+    let mut lights = "environment,environment_clip_log2,mean_luminance,peak_luminance,dynamic_range_stops\n".to_owned();
+    for (clip, error) in [0.01, 0.1, 0.5, 0.55, 0.5, 0.52].into_iter().enumerate() {
+        lights += &format!("builtin:sky,{clip},1,{},{clip}\n", 1 << clip);
+        made.add(&["builtin:sky", &clip.to_string(), "split-sum", ""], error);
+    }
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("environments.csv"), lights).unwrap();
+    let sentence = made.answers(dir.path(), [1.0; 3]).1.record.answer.sentence;
+    let expected = "The error of split-sum in sky grows from 0.010 at 0 stops to 0.50 at 2.0 stops, and is level beyond (within a factor of 1.1 \
+                    up to 5.0 stops).";
+    assert_eq!(sentence, expected);
+}
+
+#[test]
+fn pairs_of_one_case_count_once_whatever_else_is_swept() {
+    // The effect is 2 in one case and 8 in the other, at each of three sizes of another table.
+    let mut made = Made::new(&["alpha", "method", "prefilter_size", "dfg_size"]);
+    for (alpha, factor) in [("0.1", 2.0), ("0.5", 8.0)] {
+        for (dfg, own) in [("32", 1.0), ("64", 1.5), ("128", 0.5)] {
+            made.add(&[alpha, "split-sum", "256x128", dfg], own);
+            made.add(&[alpha, "split-sum", "64x32", dfg], own * factor);
+        }
+    }
+    let (answers, _) = made.answers(tempfile::tempdir().unwrap().path(), [1.0; 3]);
+    let is_own = |e: &&Effect| e.axis == "prefilter_size" && e.alpha.is_none();
+    let effect = answers.effects.iter().find(is_own).unwrap();
+    assert!(effect.n == 2 && (effect.ratio - 4.0).abs() < 1e-9 && effect.interval[1] > 1e3, "{effect:?}");
+}
+
+#[test]
+fn values_with_names_are_called_by_them() {
+    let mut made = Made::new(&["alpha", "method", "samples", "lod_bias"]);
+    for alpha in ["0.1", "0.5"] {
+        for (bias, error) in [("0", 1.0), ("0.5", 1.2), ("1", 2.0), ("1.2924812503605780", 3.0)] {
+            made.add(&[alpha, "sampled", "40", bias], error);
+        }
+    }
+    let facts = made.answers(tempfile::tempdir().unwrap().path(), [1.0; 3]).1.record.answer.facts;
+    let said = "Presets of engines for lod_bias, as multiples of the error of sampled 40 with 0: filament ×2.00 (1, 95 % 2.00 to 2.00), \
+                godot ×3.00 (1.292, 95 % 3.00 to 3.00).";
+    assert!(facts.iter().any(|fact| fact == said), "{facts:?}");
+}
+
+#[test]
+fn bias_that_outweighs_the_noise_is_counted() {
+    let header =
+        "alpha,method,samples,relmse_eps1e-2,relmse_eps1e-2_noise_floor,flip,verdict,var_hat_eps1e-2,bias2_hat_eps1e-2";
+    let dir = tempfile::tempdir().unwrap();
+    let mut made = Made::new(&["alpha", "method", "samples"]);
+    for alpha in ["0.1", "0.5"] {
+        for n in ["30", "40"] {
+            made.add(&[alpha, "sampled", n], 0.5);
+        }
+    }
+    made.write(dir.path(), [1.0; 3]);
+    let rows = ["0.1,sampled,30,0.5,0,0.1,resolved,0.3,0.2", "0.5,sampled,30,0.5,0,0.1,resolved,0.2,0.3"];
+    let more = ["0.1,sampled,40,0.5,0,0.1,resolved,0.1,0.2", "0.5,sampled,40,0.5,0,0.1,resolved,0.1,0.3"];
+    let written = std::fs::read_to_string(dir.path().join("errors.csv")).unwrap();
+    let ids: Vec<&str> = written.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
+    // In the order of the cells: alpha, then count.
+    let own = [rows[0], more[0], rows[1], more[1]];
+    let text: Vec<String> = ids.iter().zip(own).map(|(id, row)| format!("{id},{row}")).collect();
+    std::fs::write(dir.path().join("errors.csv"), format!("cell,{header}\n{}\n", text.join("\n"))).unwrap();
+    let facts = Answered::of_run(dir.path()).unwrap().record.answer.facts;
+    let said = "With sampled the bias, which more samples cannot remove, outweighs the noise in 1 of 2 cases at 30 and 2 of 2 cases at 40.";
+    assert!(facts.iter().any(|fact| fact == said), "{facts:?}");
 }

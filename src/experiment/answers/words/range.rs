@@ -7,6 +7,8 @@ use crate::table::markdown::significant;
 
 /// Medians that lie within this factor of each other count as level.
 const LEVEL: f64 = 1.5;
+/// Over this share of the range at least: two neighbours are always close.
+const LEVEL_SHARE: f64 = 1.0 / 3.0;
 
 fn text(x: f64) -> String {
     significant(x, ERROR_DIGITS)
@@ -25,7 +27,8 @@ fn say(one: &Growth) -> String {
     if over(points) <= LEVEL {
         return format!("{subject} is level, {} to {} (within a factor of {}).", at(0), at(last), text(over(points)));
     }
-    let level_from = (0..last).find(|i| over(&points[*i..]) <= LEVEL);
+    let is_long = |i: usize| points[last].0 - points[i].0 >= LEVEL_SHARE * (points[last].0 - points[0].0);
+    let level_from = (0..last).find(|&i| over(&points[i..]) <= LEVEL && is_long(i));
     let verb = if points[last].1 > points[0].1 { "grows" } else { "falls" };
     match level_from {
         Some(from) => format!(
