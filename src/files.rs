@@ -1,7 +1,7 @@
 //! Reading whole files of anyone's making: nothing without an end, nothing above a limit. Hashes of what they hold.
 
 use std::fs::File;
-use std::io::{Error, Read, Result};
+use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
 /// Largest text that a person gives, an experiment or a table of queries: a million rows.
@@ -15,7 +15,7 @@ pub const PLAN_BYTES_MAX: u64 = 1 << 28;
 /// writes, so the type is asked for first.
 pub fn open_regular(path: &Path) -> Result<File> {
     if !std::fs::metadata(path)?.is_file() {
-        return Err(Error::other("not a regular file"));
+        return Err(Error::new(ErrorKind::InvalidInput, "not a regular file"));
     }
     File::open(path)
 }

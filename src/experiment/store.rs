@@ -56,8 +56,10 @@ impl StoreError {
             | Self::NotAFolder { .. }
             | Self::Folder { .. }
             | Self::Provenance(_) => true,
-            // A folder where a file of the run belongs.
-            Self::Io { error, .. } => error.kind() == std::io::ErrorKind::IsADirectory,
+            // A folder, a device or a pipe where a file of the run belongs.
+            Self::Io { error, .. } => {
+                [std::io::ErrorKind::IsADirectory, std::io::ErrorKind::InvalidInput].contains(&error.kind())
+            }
             _ => false,
         }
     }
