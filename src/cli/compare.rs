@@ -40,8 +40,19 @@ fn number(axis: &str, text: &str) -> Result<f64, String> {
     axis::by_name(axis).kind.parse_text(text).map(|value| value.number())
 }
 
+/// Most pixels of images that are compared, a frame of 3840 x 2160: FLIP and SSIM hold some 180 bytes a pixel.
+const COMPARED_PIXELS_MAX: u64 = 1 << 23;
+
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let test = read(&arguments.test)?;
+    let [width, height] = [test.rgb.width, test.rgb.height];
+    if u64::from(width) * u64::from(height) > COMPARED_PIXELS_MAX {
+        return Err(Failure::BadInput(format!(
+            "{}: {width}x{height} pixels, whose metrics take {} MiB of memory; expected at most {COMPARED_PIXELS_MAX} pixels, such as 3840x2160",
+            arguments.test.display(),
+            (u64::from(width) * u64::from(height) * 180) >> 20
+        )));
+    }
     let reference = read(&arguments.reference)?;
     let (mask, mask_source) = match (&arguments.mask, &reference.alpha) {
         (Some(path), _) => (read(path)?.rgb.map(|texel| texel[0]), format!("--mask {}", path.display())),

@@ -11,8 +11,10 @@ pub(crate) const ENVIRONMENT_TEXELS_MAX: u64 = 1 << 25;
 /// Bytes that a texel of an environment takes at most: 12 as radiance, as many again in f32 for the exact integrals, up to 34 for the
 /// quadtree of those; or 12, 16 on the way to the device and, where that is this machine, 22 there.
 const ENVIRONMENT_TEXEL_BYTES: u64 = 58;
-/// Most texels of any other image that is read, such as a frame (8192 x 8192).
-pub(super) const FRAME_TEXELS_MAX: u64 = 1 << 26;
+/// Most pixels of a linear image that is read and is no environment: a frame (4096 x 4096).
+pub(super) const FRAME_TEXELS_MAX: u64 = 1 << 24;
+/// Most pixels of a picture of 8-bit values that is read, such as a contact sheet (8192 x 8192).
+pub(super) const PICTURE_TEXELS_MAX: u64 = 1 << 26;
 /// Bytes that a texel takes while it is decoded: planes of red, green, blue and alpha, and the image.
 const DECODED_TEXEL_BYTES: u64 = 28;
 /// Largest file that is read, bytes. Readers hold the file in memory.
@@ -67,7 +69,9 @@ pub(super) fn check_claim(
         let is_map = most_texels == ENVIRONMENT_TEXELS_MAX;
         let texel_bytes = if is_map { ENVIRONMENT_TEXEL_BYTES } else { DECODED_TEXEL_BYTES };
         let mebibytes = texels.saturating_mul(texel_bytes) >> 20;
-        let size = if is_map { "8192x4096" } else { "8192x8192" };
+        // Each limit is a power of 2.
+        let power = most_texels.ilog2();
+        let size = format!("{}x{}", 1u64 << power.div_ceil(2), 1u64 << (power / 2));
         return Err(Fault::new(
             format!("the header claims {width}x{height} pixels, which take {mebibytes} MiB of memory"),
             format!("at most {most_texels} pixels; resample the image to {size} or less"),

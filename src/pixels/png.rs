@@ -1,6 +1,6 @@
 //! 8-bit RGB PNG, sRGB-encoded: the display-referred pictures.
 
-use super::file::{FRAME_TEXELS_MAX, Fault, check_claim, read_bounded, reserved};
+use super::file::{Fault, PICTURE_TEXELS_MAX, check_claim, read_bounded, reserved};
 use super::{PixelsError, Rgb8Image, write_atomically};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageFormat, ImageReader};
@@ -29,7 +29,7 @@ fn decode(bytes: &[u8]) -> Result<Rgb8Image, Fault> {
     let refuse = |error: image::ImageError| Fault::new(format!("cannot be decoded ({error})"), "a whole PNG file");
     let (width, height) =
         ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png).into_dimensions().map_err(refuse)?;
-    check_claim(width.into(), height.into(), FRAME_TEXELS_MAX, bytes.len(), MAX_TEXELS_PER_BYTE)?;
+    check_claim(width.into(), height.into(), PICTURE_TEXELS_MAX, bytes.len(), MAX_TEXELS_PER_BYTE)?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
     // The size was checked above; the default limit of the crate would refuse images that we allow.
     reader.no_limits();

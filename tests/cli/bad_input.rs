@@ -217,6 +217,17 @@ fn list_prints_every_name() {
 }
 
 #[test]
+fn images_that_are_too_large_to_compare_are_refused_with_the_figure() {
+    let dir = tempfile::tempdir().unwrap();
+    let channels = ["R", "G", "B"].map(|name| (name.to_owned(), splitsum::pixels::GrayImage::filled(8192, 1025, 0.5)));
+    splitsum::pixels::exr::write_channels(&dir.path().join("x.exr"), channels.to_vec()).unwrap();
+    let output = splitsum(dir.path(), &["compare", "x.exr", "x.exr"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    let message = stderr(&output);
+    assert!(message.contains("x.exr: 8192x1025 pixels, whose metrics take 1441 MiB of memory"), "{message}");
+}
+
+#[test]
 fn every_experiment_of_the_project_has_a_plan() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments");
     let elsewhere = tempfile::tempdir().unwrap();
