@@ -151,7 +151,7 @@ fn an_image_of_a_finished_cell_that_was_changed_is_made_again() {
 
 /// Keeps what is noted.
 #[derive(Default)]
-struct Notes(Vec<String>);
+pub struct Notes(pub Vec<String>);
 
 impl Progress for Notes {
     fn start(&mut self, _: usize, _: usize) {}

@@ -1,24 +1,13 @@
 //! Files of a run that are whole but not what their names say, or not what the program wrote.
 
+use super::resume::Notes;
 use super::run::EXPERIMENT;
 use super::runs::{fakes, finished, log, options, plan, read};
 use splitsum::experiment::answers::run_folder::{RunFolder, experiment_note};
 use splitsum::experiment::store::Store;
-use splitsum::experiment::{MakeRenderer, Plan, Progress, RunError, run, timing};
+use splitsum::experiment::{MakeRenderer, Plan, RunError, run, timing};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-
-/// Keeps what the user is told.
-#[derive(Default)]
-struct Notes(Vec<String>);
-
-impl Progress for Notes {
-    fn start(&mut self, _: usize, _: usize) {}
-    fn step(&mut self, _: &str, _: Option<&str>) {}
-    fn note(&mut self, text: &str) {
-        self.0.push(text.to_owned());
-    }
-}
 
 /// Runs again what is not done, and returns what was told and how many images were rendered.
 fn again(plan: &Plan, dir: &Path) -> Result<(Vec<String>, usize), RunError> {
