@@ -4,9 +4,11 @@ import { breakEvenChart, breakEvenMap, equalTimeMap } from "report/break-even";
 import { isJoined, pairs, runTitle, unique } from "report/cases";
 import { hasPixels, headline, idOf, model, scenes, truthName, variantAxes, variantLabel } from "report/data";
 import { byId, h, soft } from "report/dom";
-import { effectAxes, effectsFigure, rangeFigure, sweepFigure } from "report/effects";
+import { ENERGY, effectAxes, effectsFigure, rangeFigure, sweepFigure } from "report/effects";
+import { energyFigure } from "report/energy";
 import { settingsOf, thumbnail } from "report/grid";
-import { convergence, hasConvergence, profile } from "report/plots";
+import { convergence, hasConvergence } from "report/plots";
+import { profile } from "report/profile";
 import { link } from "report/state";
 import { passes, paybackTable, timeError } from "report/times";
 import { visibility } from "report/visibility";
@@ -20,15 +22,16 @@ const estimatorsBefore = (run) => { const { kind, axis } = model.runs[run].lead;
 
 /** The figures of a run, the one that answers its question first. */
 function figures(run) {
-  const { kind, axis, metric } = model.runs[run].lead;
+  const { kind, axis } = model.runs[run].lead;
   const made = {
     "visibility": () => [visibility(run), ownConvergence(run), ...maps(run)],
+    "energy": () => [energyFigure(run), sweepFigure(run, "alpha", ENERGY)],
     "range": () => [rangeFigure(run), ...maps(run)],
     "break-even": () => [breakEvenChart(pairOf(run)), ...maps(run)],
     "times": () => [passes(run, "frame"), passes(run, "precompute"), paybackTable(run), timeError(run, "all")],
     "effects": () => [...estimatorsBefore(run), axis, ...effectAxes(run).filter((name) => name !== axis && !estimatorsBefore(run).includes(name)).slice(0, 3)].map((name) => effectsFigure(run, name)),
     "convergence": () => [ownConvergence(run)],
-    "sweep": () => [sweepFigure(run, axis, metric ?? undefined)],
+    "sweep": () => [sweepFigure(run, axis)],
     "profile": () => [profile(run, scenes[0])],
   }[kind]();
   return made.filter(Boolean);

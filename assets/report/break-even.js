@@ -52,8 +52,8 @@ export function breakEvenChart(pair) {
         { band: middle.map(([n, [lo, , hi]]) => [n, lo, hi]), color: "var(--ink)" },
         ...pair.cases.map((c, i) => ({ line: ratios[i].map(([n, ratio]) => [n, ratio]), color: color(c), width: 1.1, opacity: 0.75 })),
         { rule: 1, color: "var(--ink)", width: 1.4 },
-        { text: `${pair.fixed} better ↑`, x: (box) => box.right - 6, y: (box) => box.top + 14, anchor: "end", color: "var(--muted)" },
-        { text: `${pair.sampled} better ↓`, x: (box) => box.left + 8, y: (box) => box.bottom - 8, color: "var(--muted)" },
+        { text: `${pair.fixed} better ↑`, corner: "top", color: "var(--muted)" },
+        { text: `${pair.sampled} better ↓`, corner: "bottom", color: "var(--muted)" },
         { line: middle.map(([n, [, m]]) => [n, m]), color: "var(--ink)", width: 3 },
         { r: 2.6, dots: pair.cases.flatMap((c, i) => ratios[i].map(([n, ratio, p]) => ({ x: n, y: ratio, color: color(c), open: open(p.cell, p.run),
           text: `${keyLabel(c.key)}\n${pair.sampled} ${n}: relMSE ${number(p.error)}\n${pair.fixed}: ${number(c.fixed_error)} · ratio ${number(ratio)}` }))) },
@@ -174,7 +174,7 @@ export function equalTimeIntervals(pair, facet) {
     table: { columns: [...caseAxes, ...CROSSING, ...TIME], rows: own.map((c) => [...c.key, ...crossingCells(c), ...timeCells(c)]), onrow: (i) => open(own[i].fixed_cell, own[i].fixed_run)() },
     draw: xy({
       x: { ...sampleAxis(counts), domain: edge },
-      y: { label: "", domain: [own.length - 0.5, -0.5], ticks: own.map((_, i) => i), format: (i) => seriesLabel(own[i].key) || facet, room: 16 + 7 * Math.max(...own.map((c) => seriesLabel(c.key).length)) },
+      y: { label: "", domain: [own.length - 0.5, -0.5], ticks: own.map((_, i) => i), format: (i) => seriesLabel(own[i].key) || facet },
       marks: [
         { color: "var(--series-0)", shape: "circle", r: 4.5, dots: own.map((c, i) => ({ ...errorMark(c), y: i - spread, xs: ends(c.interval), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) })) },
         { color: "var(--series-1)", shape: "square", r: 4.5, dots: own.flatMap((c, i) => (isTimed(c) ? [{ ...timeMark(c.time), y: i + spread, xs: ends(c.time.interval), open: open(c.fixed_cell, c.fixed_run), text: caseText(pair, c) }] : [])) },

@@ -1,6 +1,7 @@
 // Charts as SVG: crisp at any size, readable by screen readers, saved as they are. One drawing serves the page and the file.
 
 import { announce, csvText, download, h, number, s } from "report/dom";
+import { Crowd, alongRule, aroundMark, besideMark, textWidth } from "report/labels";
 import { standalone } from "report/standalone";
 
 /** Okabe and Ito's colours, told apart by the colour-blind too; each theme has its own shades. */
@@ -178,72 +179,145 @@ function whisker([from, to], at, [lo, hi], side, isUpright, color) {
   return [s("line", { ...points, stroke: color, opacity: 0.55 }), arrow(ends[0], b), arrow(ends[1], a)].filter(Boolean);
 }
 
+/** The room that labels of an axis take on its left, pixels: the words beside it, and its ticks. */
+const roomFor = (axis, labels) => 24 + Math.ceil(Math.max(0, ...labels.map((label) => textWidth(label)))) + 6;
+const tickLabel = (axis) => (t) => (axis.format ?? tickText)(t, axis.log);
+const majorsOf = (all) => all.filter(([, major]) => major).map(([t]) => t);
+
+/** Grid, ticks and their labels around `box`; `width` is that of the picture. */
+function drawAxes(svg, box, { x, y, along, up, width, isLeft, isBottom }) {
+  const [sx, sy, textX, textY] = [scale(x, box.left, box.right), scale(y, box.bottom, box.top), tickLabel(x), tickLabel(y)];
+  for (const [t, major] of along) svg.append(s("line", { x1: sx(t), x2: sx(t), y1: box.top, y2: box.bottom, class: major ? "grid major" : "grid" }));
+  for (const [t, major] of up) svg.append(s("line", { x1: box.left, x2: box.right, y1: sy(t), y2: sy(t), class: major ? "grid major" : "grid" }));
+  if (isBottom) {
+    // A label at the end of the axis leans inwards rather than leaving the picture.
+    const majors = majorsOf(along), halves = majors.map((t) => textWidth(textX(t)) / 2), places = majors.map((t, i) => Math.min(sx(t), width - halves[i] - 1));
+    const kept = labelled(places, halves.map((half) => half + 3));
+    for (const [i, t] of majors.entries()) if (kept.has(i)) svg.append(s("text", { x: places[i], y: box.bottom + 16, class: "tick", "text-anchor": "middle" }, textX(t)));
+  }
+  if (isLeft) {
+    const rises = majorsOf(up), named = labelled(rises.map(sy), rises.map(() => 6.5));
+    for (const [i, t] of rises.entries()) if (named.has(i)) svg.append(s("text", { x: box.left - 7, y: sy(t) + 4, class: "tick", "text-anchor": "end" }, textY(t)));
+  }
+}
+
+/** The names of the axes around the whole of a drawing. */
+function nameAxes(svg, box, height, x, y) {
+  const room = box.bottom - box.top + 24, size = Math.min(12, (12 * room) / Math.max(1, textWidth(y.label, 12, 600)));
+  svg.append(s("text", { x: (box.left + box.right) / 2, y: height - 6, class: "axis", "text-anchor": "middle" }, x.label));
+  // On the left edge, whatever its length: it may reach beyond the frame, not beyond the picture.
+  const reach = textWidth(y.label, size, 600) / 2, middle = Math.min(Math.max((box.top + box.bottom) / 2, reach + 2), height - reach - 2);
+  svg.append(s("text", { transform: `translate(12 ${middle}) rotate(-90)`, class: "axis", "text-anchor": "middle", style: `font-size:${size}px` }, y.label));
+}
+
+/** Draws marks into `box`. Returns what the pointer and the keyboard reach. */
+function drawMarks(svg, box, { x, y }, marks) {
+  const [sx, sy] = [scale(x, box.left, box.right), scale(y, box.bottom, box.top)], clip = uniqueId("clip");
+  svg.append(s("defs", {}, s("clipPath", { id: clip }, s("rect", { x: box.left - 6, y: box.top - 6, width: box.right - box.left + 12, height: box.bottom - box.top + 12 }))));
+  const layer = s("g", { "clip-path": `url(#${clip})` }), crowd = new Crowd({ left: box.left, right: box.right, top: box.top - 4, bottom: box.bottom });
+  svg.append(layer);
+  const fits = (px, py) => Number.isFinite(px) && Number.isFinite(py), targets = [], words = [];
+  const points = (all) => all.map(([a, b]) => [sx(a), sy(b)]).filter(([a, b]) => fits(a, b));
+  const path = (all) => all.map(([a, b], i) => `${i ? "L" : "M"}${a.toFixed(1)},${b.toFixed(1)}`).join("");
+  const whiskerOf = (ends, at, reach, side, isUpright, color) => {
+    const parts = whisker(ends, at, reach, side, isUpright, color), [line] = parts, end = (n) => [Number(line.getAttribute(`x${n}`)), Number(line.getAttribute(`y${n}`))];
+    crowd.line(end(1), end(2), "rule");
+    layer.append(...parts);
+  };
+  for (const mark of marks) {
+    if (mark.band) {
+      const up = mark.band.map(([a, , hi]) => [a, hi]), down = mark.band.map(([a, lo]) => [a, lo]).reverse();
+      layer.append(s("path", { d: `${path(points([...up, ...down]))}Z`, fill: mark.color, opacity: mark.opacity ?? 0.18 }));
+    } else if (mark.line) {
+      const own = points(mark.line);
+      own.slice(1).forEach((to, i) => crowd.line(own[i], to));
+      layer.append(s("path", { d: path(own), fill: "none", stroke: mark.color, "stroke-width": mark.width ?? 1.8, "stroke-dasharray": mark.dash, opacity: mark.opacity, "stroke-linejoin": "round" }));
+    } else if ("rule" in mark) {
+      const place = sy(mark.rule);
+      if (!Number.isFinite(place)) continue;
+      crowd.line([box.left, place], [box.right, place], "rule");
+      layer.append(s("line", { x1: box.left, x2: box.right, y1: place, y2: place, class: "rule", stroke: mark.color, "stroke-width": mark.width ?? 1.5, "stroke-dasharray": mark.dash, opacity: mark.opacity }));
+      if (mark.label) words.push([mark, mark.label, alongRule(box, place, mark)]);
+    } else if (mark.dots) {
+      for (const dot of mark.dots) {
+        const [px, py] = [sx(dot.x) + (dot.dx ?? 0), sy(dot.y)];
+        if (!fits(px, py)) continue;
+        const color = dot.color ?? mark.color, r = dot.r ?? mark.r ?? 3.4;
+        if (dot.xs) whiskerOf(dot.xs, sx, [box.left, box.right], py, false, color);
+        if (dot.ys) whiskerOf(dot.ys, sy, [box.top, box.bottom], px, true, color);
+        crowd.mark(px, py, r);
+        layer.append(marker(dot.shape ?? mark.shape, px, py, r, { fill: color, class: `dot${dot.open ? " open" : ""}`, opacity: dot.opacity ?? mark.opacity }));
+        if (dot.text) targets.push({ px, py, dot });
+      }
+    } else if (mark.labels) {
+      const placed = mark.labels.map((one) => ({ ...one, px: sx(one.x), py: sy(one.y) })).filter(({ px, py }) => fits(px, py)).sort((a, b) => a.py - b.py);
+      words.push(...placed.map((one) => [mark, one.text, besideMark(one.px, one.py, mark.dx)]));
+    } else if (mark.corner) {
+      const [first, second] = mark.corner === "top" ? ["end", "start"] : ["start", "end"], at = (anchor) => (anchor === "end" ? box.right - 6 : box.left + 8);
+      words.push([mark, mark.text, [first, second].map((anchor, i) => ({ x: at(anchor), y: mark.corner === "top" ? box.top + 14 : box.bottom - 8, anchor, cost: 2 * i }))]);
+    } else if (mark.text) {
+      const [px, py] = [sx(mark.x), sy(mark.y)];
+      if (fits(px, py)) words.push([mark, mark.text, aroundMark(px, py, mark.dx, mark.dy)]);
+    }
+  }
+  // Words last, and those with fewest places first: what they would cover is known then.
+  for (const [mark, text, places] of words.sort((a, b) => a[2].length - b[2].length)) {
+    const { x: px, y: py, anchor } = crowd.place(text, places);
+    svg.append(s("text", { x: px, y: py, class: "mark", "text-anchor": anchor, style: `fill:${mark.color}` }, text));
+  }
+  return targets;
+}
+
 /**
- * An xy chart. axes: {label, log, domain, ticks, format, share: the name of axes that are one, room: pixels for the labels of y}; what reaches
- * beyond a domain ends in an open arrow at the frame. Marks, in drawing order:
- *   {band: [[x, lo, hi]], color}  {line: [[x, y]], color, dash, width, opacity}  {rule: y, color, dash, label}
- *   {dots: [{x, y, xs, ys, text, open, shape, color, r}]}  {text, x, y, anchor}
- *   {labels: [{x, y, text}], dx}: names beside marks, moved apart
+ * An xy chart. axes: {label, log, domain, ticks, format, share: the name of axes that are one}; what reaches beyond a domain ends in an open
+ * arrow at the frame. Marks, in drawing order:
+ *   {band: [[x, lo, hi]], color}  {line: [[x, y]], color, dash, width, opacity}  {rule: y, color, dash, label, below, isLeft}
+ *   {dots: [{x, y, xs, ys, text, open, shape, color, r}]}  {text, x, y, dx, dy}: the name of a mark  {text, corner: "top" or "bottom"}
+ *   {labels: [{x, y, text}], dx}: names beside marks
+ * Words go where they cover least.
  */
 export function xy({ x: ownX, y: ownY, marks }) {
   const [wholeX, wholeY] = [share(ownX), share(ownY)];
   return (width, height, tip) => {
-    const [x, y] = [wholeX(), wholeY()];
-    const narrow = width < 460;
-    const box = { left: y.room ?? (narrow ? 50 : 60), right: width - 14, top: 10, bottom: height - 42 };
-    const sx = scale(x, box.left, box.right), sy = scale(y, box.bottom, box.top);
+    const [x, y] = [wholeX(), wholeY()], up = ticks(y, 6);
+    const box = { left: roomFor(y, majorsOf(up).map(tickLabel(y))) - (y.label ? 0 : 14), right: width - 14, top: 10, bottom: height - 42 };
     const svg = s("svg", { width, height, class: "chart" });
-    const clip = uniqueId("clip");
-    svg.append(s("defs", {}, s("clipPath", { id: clip }, s("rect", { x: box.left - 6, y: box.top - 6, width: box.right - box.left + 12, height: box.bottom - box.top + 12 }))));
-    const along = ticks(x, narrow ? 5 : 9), up = ticks(y, 6), textX = (t) => (x.format ?? tickText)(t, x.log);
-    for (const [t, major] of along) svg.append(s("line", { x1: sx(t), x2: sx(t), y1: box.top, y2: box.bottom, class: major ? "grid major" : "grid" }));
-    const majors = along.filter(([, major]) => major).map(([t]) => t), kept = labelled(majors.map(sx), majors.map((t) => 3.6 * textX(t).length + 4));
-    // A label at the end of the axis leans inwards rather than leaving the picture.
-    for (const [i, t] of majors.entries()) if (kept.has(i)) svg.append(s("text", { x: Math.min(sx(t), width - 3.4 * textX(t).length - 1), y: box.bottom + 16, class: "tick", "text-anchor": "middle" }, textX(t)));
-    const rises = up.filter(([, major]) => major).map(([t]) => t), named = labelled(rises.map(sy), rises.map(() => 6.5));
-    for (const [t, major] of up) svg.append(s("line", { x1: box.left, x2: box.right, y1: sy(t), y2: sy(t), class: major ? "grid major" : "grid" }));
-    for (const [i, t] of rises.entries()) if (named.has(i)) svg.append(s("text", { x: box.left - 7, y: sy(t) + 4, class: "tick", "text-anchor": "end" }, (y.format ?? tickText)(t, y.log)));
-    svg.append(s("text", { x: (box.left + box.right) / 2, y: height - 6, class: "axis", "text-anchor": "middle" }, x.label));
-    svg.append(s("text", { transform: `translate(12 ${(box.top + box.bottom) / 2}) rotate(-90)`, class: "axis", "text-anchor": "middle", style: `font-size:${Math.min(12, (1.7 * (height - 12)) / Math.max(1, y.label.length))}px` }, y.label));
-    const layer = s("g", { "clip-path": `url(#${clip})` });
-    svg.append(layer);
-    const fits = (px, py) => Number.isFinite(px) && Number.isFinite(py);
-    const path = (points) => points.map(([a, b]) => [sx(a), sy(b)]).filter(([a, b]) => fits(a, b)).map(([a, b], i) => `${i ? "L" : "M"}${a.toFixed(1)},${b.toFixed(1)}`).join("");
-    const targets = [];
-    for (const mark of marks) {
-      if (mark.band) {
-        const up = mark.band.map(([a, , hi]) => [a, hi]), down = mark.band.map(([a, lo]) => [a, lo]).reverse();
-        layer.append(s("path", { d: `${path([...up, ...down])}Z`, fill: mark.color, opacity: 0.18 }));
-      } else if (mark.line) {
-        layer.append(s("path", { d: path(mark.line), fill: "none", stroke: mark.color, "stroke-width": mark.width ?? 1.8, "stroke-dasharray": mark.dash, opacity: mark.opacity, "stroke-linejoin": "round" }));
-      } else if ("rule" in mark) {
-        const place = sy(mark.rule);
-        if (!Number.isFinite(place)) continue;
-        layer.append(s("line", { x1: box.left, x2: box.right, y1: place, y2: place, stroke: mark.color, "stroke-width": mark.width ?? 1.5, "stroke-dasharray": mark.dash, opacity: mark.opacity }));
-        if (mark.label) layer.append(s("text", { x: mark.isLeft ? box.left + 4 : box.right - 4, y: place + (mark.below ? 14 : -5), class: "mark", "text-anchor": mark.isLeft ? "start" : "end", style: `fill:${mark.color}` }, mark.label));
-      } else if (mark.dots) {
-        for (const dot of mark.dots) {
-          const [px, py] = [sx(dot.x) + (dot.dx ?? 0), sy(dot.y)];
-          if (!fits(px, py)) continue;
-          const color = dot.color ?? mark.color;
-          if (dot.xs) layer.append(...whisker(dot.xs, sx, [box.left, box.right], py, false, color));
-          if (dot.ys) layer.append(...whisker(dot.ys, sy, [box.top, box.bottom], px, true, color));
-          layer.append(marker(dot.shape ?? mark.shape, px, py, dot.r ?? mark.r ?? 3.4, { fill: color, class: `dot${dot.open ? " open" : ""}${dot.ring ? " ringed" : ""}`, opacity: dot.opacity ?? mark.opacity }));
-          if (dot.text) targets.push({ px, py, dot });
-        }
-      } else if (mark.labels) {
-        const placed = mark.labels.map((one) => ({ ...one, px: sx(one.x), py: sy(one.y) })).filter(({ px, py }) => fits(px, py)).sort((a, b) => a.py - b.py);
-        placed.forEach((one, i) => { if (i) one.py = Math.max(one.py, placed[i - 1].py + 13); });
-        // What was pushed out below goes up again.
-        placed.reverse().forEach((one, i) => { one.py = Math.min(one.py, i ? placed[i - 1].py - 13 : box.bottom - 4); });
-        for (const one of placed) svg.append(s("text", { x: one.px + mark.dx, y: one.py + 4, class: "mark", "text-anchor": mark.dx < 0 ? "end" : "start", style: `fill:${mark.color}` }, one.text));
-      } else if (mark.text) {
-        const atX = typeof mark.x === "function" ? mark.x(box) : sx(mark.x), atY = typeof mark.y === "function" ? mark.y(box) : sy(mark.y);
-        svg.append(s("text", { x: atX + (mark.dx ?? 0), y: atY + (mark.dy ?? 0), class: "mark", "text-anchor": mark.anchor ?? "start", style: `fill:${mark.color}` }, mark.text));
-      }
-    }
-    hover(svg, tip, targets, width);
+    drawAxes(svg, box, { x, y, along: ticks(x, width < 460 ? 5 : 9), up, width, isLeft: true, isBottom: true });
+    nameAxes(svg, box, height, x, y);
+    hover(svg, tip, drawMarks(svg, box, { x, y }, marks), width);
     return svg;
+  };
+}
+
+/** Small charts: the room of one with its title, and how narrow it may be. */
+const SMALL = { width: 150, height: 150, gap: 12, title: 20 };
+const smallAcross = (width, titles, perRow) => {
+  const least = Math.max(SMALL.width, ...titles.map((title) => textWidth(title, 12.5, 650) + SMALL.gap + 4));
+  const most = Math.max(1, Math.floor((width - 60) / least)), whole = Math.min(perRow, titles.length);
+  // Whole rows of `perRow` are broken into equal parts.
+  return Array.from({ length: whole }, (_, i) => whole - i).find((n) => n <= most && whole % n === 0) ?? 1;
+};
+
+/** Small charts with the same axes: all: [{title, marks}]; `perRow` of them belong beside each other. What a figure needs to draw them. */
+export function smallCharts({ x: ownX, y: ownY, all, perRow = all.length }) {
+  const [wholeX, wholeY] = [share(ownX), share(ownY)], acrossAt = (width) => smallAcross(width, all.map(({ title }) => title), perRow), rowsOf = (width) => Math.ceil(all.length / acrossAt(width));
+  return {
+    height: (width) => rowsOf(width) * (SMALL.height + SMALL.title) + 46,
+    draw: (width, height, tip) => {
+      const [x, y] = [wholeX(), wholeY()], across = acrossAt(width), rows = rowsOf(width);
+      const up = ticks(y, 4), left = roomFor(y, majorsOf(up).map(tickLabel(y))), svg = s("svg", { width, height, class: "chart" });
+      const w = (width - left - 14 + SMALL.gap) / across, h = (height - 46) / rows, targets = [];
+      all.forEach(({ title, marks }, i) => {
+        const [column, row] = [i % across, Math.floor(i / across)];
+        const box = { left: left + column * w, right: left + (column + 1) * w - SMALL.gap, top: row * h + SMALL.title, bottom: (row + 1) * h - 8 };
+        svg.append(s("text", { x: box.left, y: box.top - 6, class: "panel-title" }, title));
+        drawAxes(svg, box, { x, y, along: ticks(x, 4), up, width, isLeft: column === 0, isBottom: i + across >= all.length });
+        targets.push(...drawMarks(svg, box, { x, y }, marks));
+      });
+      nameAxes(svg, { left, right: width - 14, top: SMALL.title, bottom: height - 46 }, height, x, y);
+      hover(svg, tip, targets, width);
+      return svg;
+    },
   };
 }
 

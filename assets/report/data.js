@@ -65,6 +65,9 @@ export function short(axis, value) {
   return value.startsWith("builtin:") ? value.slice(8) : value.replace(/^[^]*[/\\]/, "").replace(/\.[^.]*$/, "") || value;
 }
 
+/** The name of a number, where its axis has names for some, as for the level biases of engines. */
+export const preset = (axis, value) => model.presets[axis]?.[value];
+
 const extra = new Map(model.cells.map((cell) => [`${cell.run} ${cell.cell}`, cell]));
 
 /** Every cell: {run, cell, axes, scores, floor, verdict, image, reference, time}. */

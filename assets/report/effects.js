@@ -2,7 +2,7 @@
 
 import { open, runSuffix, runTitle, unique } from "report/cases";
 import { COLORS, DASHES, SHAPES, domain, figure, ordinal, xy } from "report/chart";
-import { axisOf, headline, model, rows, sceneAxes, short, symbol, variantAxes, variantLabel } from "report/data";
+import { axisOf, headline, model, preset, rows, sceneAxes, short, symbol, variantAxes, variantLabel } from "report/data";
 import { number } from "report/dom";
 
 const isNumber = (text) => text !== "" && Number.isFinite(Number(text));
@@ -20,6 +20,9 @@ function scaleOf(axis, values) {
 }
 
 const style = (i, count) => ({ color: count > 7 ? ordinal(i, count) : COLORS[i], shape: SHAPES[i % SHAPES.length], dash: count > 7 ? DASHES[i % DASHES.length] : undefined });
+
+/** A value with its axis: "bias 1.151 (materialx)"; one that says what it is stands alone. */
+const named = (axis, value) => [isNumber(value) ? symbol(axis) : "", short(axis, value), preset(axis, value) && `(${preset(axis, value)})`].filter(Boolean).join(" ");
 
 /** A chart with more pairs than this shows their means alone. */
 const PAIR_MARKS = 30;
@@ -45,19 +48,22 @@ function cellOf(run, axis, value, method) {
 export function effectsFigure(run, axis) {
   const all = model.runs[run].effects.filter((e) => e.axis === axis), whole = all.filter((e) => e.alpha === null);
   if (!whole.length) return null;
-  const [{ base }] = whole, values = (axisOf[axis]?.values ?? []).filter((value) => value === base || whole.some((e) => e.value === value));
+  // The values of every run: charts of joined runs have one axis.
+  const others = model.runs.flatMap((one) => one.effects.filter((e) => e.axis === axis));
+  const [{ base }] = whole, values = (axisOf[axis]?.values ?? []).filter((value) => value === base || others.some((e) => e.value === value || e.base === value));
   const overAlpha = values.length < 3 && all.some((e) => e.alpha !== null);
   const shown = overAlpha ? all.filter((e) => e.alpha !== null) : whole;
   const lineOf = (e) => (overAlpha ? [short(axis, e.value), e.method] : [e.method]).filter(Boolean).join(axis === "method" ? " · samples " : " · ");
   const name = (line) => (axis === "method" && !overAlpha ? `at ${line} samples` : line) || symbol(axis);
-  const lines = unique(shown.map(lineOf)), { place, x } = overAlpha ? scaleOf("alpha", unique(shown.map((e) => e.alpha))) : scaleOf(axis, values);
+  const lines = unique(shown.map(lineOf)), { place, x } = overAlpha ? scaleOf("alpha", unique(others.flatMap((e) => e.alpha ?? []))) : scaleOf(axis, values);
   const at = (e) => place(overAlpha ? e.alpha : e.value), known = (e) => (e.interval[1] === null ? undefined : e.interval), isDecided = (e) => known(e) && (e.interval[0] > 1 || e.interval[1] < 1);
   const series = lines.map((line, i) => ({ line, i, own: shown.filter((e) => lineOf(e) === line).sort((a, b) => at(a) - at(b)) }));
   const curve = ({ own }) => [...own.map((e) => [at(e), e.ratio]), ...(overAlpha ? [] : [[place(base), 1]])].sort(([a], [b]) => a - b);
   const isOrdered = overAlpha || values.every(isNumber), dx = (i) => (i - (lines.length - 1) / 2) * (isOrdered ? 3 : 9);
-  const text = (e) => `${symbol(axis)} ${short(axis, e.value)} instead of ${short(axis, base)}${e.alpha === null ? "" : ` · α ${e.alpha}`}${e.method ? ` · ${e.method}` : ""}\nerror × ${number(e.ratio)}${known(e) ? ` (95 %: ${number(e.interval[0])} to ${number(e.interval[1])})` : ", one pair, no interval"}\nbetter in ${e.better} of ${e.n} ${e.n === 1 ? "pair" : "pairs"}`;
+  const text = (e) => `${named(axis, e.value)} instead of ${short(axis, base)}${e.alpha === null ? "" : ` · α ${e.alpha}`}${e.method ? ` · ${e.method}` : ""}\nerror × ${number(e.ratio)}${known(e) ? ` (95 %: ${number(e.interval[0])} to ${number(e.interval[1])})` : ", one pair, no interval"}\nbetter in ${e.better} of ${e.n} ${e.n === 1 ? "pair" : "pairs"}`;
   // Of few pairs each has a mark of its own: which of them are better tells more than their mean.
   const few = !overAlpha && shown.flatMap((e) => e.pairs).length <= PAIR_MARKS ? shown.filter((e) => e.pairs.length > 1) : [], isNamed = lines.length === 1 && few.every((e) => e.pairs.length <= NAMED_PAIRS);
+  const hasNames = values.some((value) => preset(axis, value)), last = series.at(-1)?.own ?? [];
   // On the side where there is room for their names.
   const side = (e) => (x.ticks.indexOf(at(e)) >= x.ticks.length / 2 ? -1 : 1);
   // An interval of two pairs can span a hundred decades; the axis does not follow it, and the whisker leaves the picture.
@@ -66,16 +72,16 @@ export function effectsFigure(run, axis) {
   return figure({
     name: `effects-${axis}${runSuffix(run)}`,
     class: "lead-figure",
-    title: `${overAlpha ? `${symbol(axis)} ${short(axis, values.at(-1))} instead of ${short(axis, base)}` : `Error over ${symbol(axis)}`}${runTitle(run)}`,
-    note: `relMSE over that with ${symbol(axis)} ${short(axis, base)}: the geometric mean over pairs of cells that differ in nothing else, with its 95 % interval. Below 1 errs less. Pale: the interval does not tell.${few.length ? ` Small marks: each pair${isNamed ? ", by name" : ""}.` : ""}${shown.some((e) => (known(e) ?? []).some((end) => !seen.includes(end))) ? " Arrows at the frame: the interval goes on." : ""}`,
+    title: `${overAlpha ? `${named(axis, values.at(-1))} instead of ${short(axis, base)}` : `Error over ${symbol(axis)}`}${runTitle(run)}`,
+    note: `relMSE over that with ${named(axis, base)}: the geometric mean over pairs of cells that differ in nothing else, with its 95 % interval. Below 1 errs less. Pale: the interval does not tell.${hasNames && !overAlpha ? " By name: the values of engines." : ""}${few.length ? ` Small marks: each pair${isNamed ? ", by name" : ""}.` : ""}${shown.some((e) => (known(e) ?? []).some((end) => !seen.includes(end))) ? " Arrows at the frame: the interval goes on." : ""}`,
     legend: series.map(({ line, i }) => ({ label: name(line), ...style(i, lines.length) })),
-    table: { columns: ["axis", "value", "base", "method", "alpha", "error_ratio", "ratio_lo", "ratio_hi", "pairs", "pairs_better"], rows: all.map((e) => [axis, e.value, base, e.method, e.alpha, e.ratio, e.interval[0], e.interval[1] ?? Infinity, e.n, e.better]),
+    table: { columns: ["axis", "value", ...(hasNames ? ["preset"] : []), "base", "method", "alpha", "error_ratio", "ratio_lo", "ratio_hi", "pairs", "pairs_better"], rows: all.map((e) => [axis, e.value, ...(hasNames ? [preset(axis, e.value)] : []), base, e.method, e.alpha, e.ratio, e.interval[0], e.interval[1] ?? Infinity, e.n, e.better]),
       onrow: (i) => { const cell = cellOf(run, axis, all[i].value, all[i].method); open(cell.cell, run)(); } },
     draw: xy({
       x: { ...x, label: overAlpha ? "α" : symbol(axis) },
-      y: { label: `relMSE ratio to ${symbol(axis)} ${short(axis, base)}`, log: true, domain: domain([...near, ...seen], true) },
+      y: { label: `relMSE ratio to ${named(axis, base)}`, log: true, share: `effects-${axis} ${base} y`, domain: domain([...near, ...seen], true) },
       marks: [
-        { rule: 1, color: "var(--ink)", width: 1.2, label: overAlpha ? "no difference" : `${symbol(axis)} ${short(axis, base)}`, below: true, isLeft: few.length > 0 },
+        { rule: 1, color: "var(--ink)", width: 1.2, label: overAlpha ? "no difference" : named(axis, base), below: true, isLeft: few.length > 0 },
         ...(isOrdered ? series.map((one) => ({ line: curve(one), ...style(one.i, lines.length), width: 2 })) : []),
         ...series.map(({ own, i }) => ({ ...style(i, lines.length), shape: "circle", r: 3, dots: own.filter((e) => few.includes(e)).flatMap((e) => e.pairs.map((pair) => {
           const cell = cellOf(run, axis, e.value, e.method);
@@ -86,6 +92,8 @@ export function effectsFigure(run, axis) {
           const cell = cellOf(run, axis, e.value, e.method);
           return { x: at(e), y: e.ratio, dx: dx(i), ys: known(e), opacity: isDecided(e) ? 1 : 0.55, open: open(cell.cell, run), text: text(e) };
         }) })),
+        // The names of engines' values, once, where they can be read.
+        ...(overAlpha ? [] : last.filter((e) => preset(axis, e.value)).map((e) => ({ text: preset(axis, e.value), x: at(e), y: e.ratio, dx: dx(series.length - 1) + 8, dy: -8, color: "var(--ink)" }))),
       ],
     }),
   });
@@ -93,10 +101,13 @@ export function effectsFigure(run, axis) {
 
 const mean = (logs) => Math.exp(logs.reduce((sum, x) => sum + x, 0) / logs.length);
 
+/** The metric of energy: what an image has more or less than its reference. */
+export const ENERGY = "bias_rel";
+
 /** What a metric is called and how it is drawn: errors on a logarithmic axis, energy around 0. */
 const METRICS = {
   [headline]: { word: "relMSE", log: true, title: "Error", middle: (all) => mean(all.map(Math.log)), say: "the geometric mean" },
-  bias_rel: { word: "relative bias", log: false, title: "Energy created (above 0) or lost", middle: (all) => all.reduce((sum, x) => sum + x, 0) / all.length, say: "the mean" },
+  [ENERGY]: { word: "relative bias", log: false, title: "Energy created (above 0) or lost", middle: (all) => all.reduce((sum, x) => sum + x, 0) / all.length, say: "the mean" },
 };
 
 /** A metric over a property of the scene, one line a model and method. */
@@ -106,7 +117,7 @@ export function sweepFigure(run, axis, metric = headline) {
   const own = rows.filter((row) => row.run === run && row.axes[axis] !== "" && (log ? row.scores[metric] > 0 : Number.isFinite(row.scores[metric])) && row.axes.method !== "none");
   const lineOf = (row) => unique([...models.map((name) => row.axes[name]), variantLabel(row, ["point_set", "run", axis, ...models])]).filter(Boolean).join(" · ");
   if (!own.length) return null;
-  const lines = unique(own.map(lineOf)), { values, place, x } = scaleOf(axis, unique(own.map((row) => row.axes[axis])));
+  const lines = unique(own.map(lineOf)), { values, place, x } = scaleOf(axis, unique(rows.map((row) => row.axes[axis]).filter((value) => value !== "")));
   // Two properties that differ have two channels: the first one's values the colours, the others the dashes and marks.
   const firsts = unique(lines.map((line) => line.split(" · ")[0])), rests = unique(lines.map((line) => line.split(" · ").slice(1).join(" · ")));
   const isCrossed = lines.length > 7 && firsts.length > 1 && firsts.length <= 7;
@@ -115,12 +126,13 @@ export function sweepFigure(run, axis, metric = headline) {
     const [first, ...rest] = lines[i].split(" · "), r = rests.indexOf(rest.join(" · "));
     return { color: COLORS[firsts.indexOf(first)], shape: SHAPES[r % SHAPES.length], dash: DASHES[r % DASHES.length] };
   };
+  if (values.length < 2) return null;
   const points = lines.flatMap((line, i) => values.flatMap((value) => {
     const of = own.filter((row) => lineOf(row) === line && row.axes[axis] === value), errors = of.map((row) => row.scores[metric]);
     return of.length ? [{ line, i, value, error: middle(errors), lo: Math.min(...errors), hi: Math.max(...errors), n: of.length, row: of[0] }] : [];
   }));
   return figure({
-    name: `sweep-${axis}${runSuffix(run)}`,
+    name: `sweep-${axis}${metric === headline ? "" : `-${metric}`}${runSuffix(run)}`,
     class: "lead-figure",
     title: `${title} over ${symbol(axis)}${runTitle(run)}`,
     note: `${word} of each model and method${points.some((p) => p.n > 1) ? `; ${say} over everything else, whiskers from the least to the largest` : ""}. Click a mark for its image.`,
@@ -128,7 +140,7 @@ export function sweepFigure(run, axis, metric = headline) {
     table: { columns: ["line", axis, metric, "smallest", "largest", "cells"], rows: points.map((p) => [p.line, p.value, p.error, p.lo, p.hi, p.n]), onrow: (i) => open(points[i].row.cell, run)() },
     draw: xy({
       x: { ...x, label: symbol(axis) },
-      y: { label: word, log, domain: domain([...points.flatMap((p) => [p.lo, p.hi]), ...(log ? [] : [0])], log) },
+      y: { label: word, log, share: `sweep-${axis}-${metric} y`, domain: domain([...points.flatMap((p) => [p.lo, p.hi]), ...(log ? [] : [0])], log) },
       marks: [
         ...(log ? [] : [{ rule: 0, color: "var(--ink)", width: 1.2 }]),
         ...lines.map((line, i) => ({ line: points.filter((p) => p.i === i).map((p) => [place(p.value), p.error]), ...styleOf(i), width: 2 })),
@@ -154,8 +166,8 @@ export function rangeFigure(run) {
     legend: [...methods.map((method, m) => ({ label: method, color: COLORS[m % 7], shape: SHAPES[m % SHAPES.length] })), ...(series.length > 1 ? series.map((of, s) => ({ label: short("environment", of), color: "var(--muted)", dash: DASHES[s % DASHES.length] ?? "1 0" })) : [])],
     table: { columns: ["series", "environment", "environment_clip_log2", "dynamic_range_stops", "method", headline, "lower_quartile", "upper_quartile", "cells"], rows: points.map((p) => [p.series, p.environment, p.clip_log2, p.range, p.method, p.median, p.lower_quartile, p.upper_quartile, p.n]), onrow: (i) => show(points[i])?.() },
     draw: xy({
-      x: { label: "dynamic range, stops", domain: domain(points.map((p) => p.range)) },
-      y: { label: "relMSE", log: true, domain: domain(points.flatMap((p) => [p.lower_quartile, p.upper_quartile]), true) },
+      x: { label: "dynamic range, stops", share: "dynamic-range x", domain: domain(points.map((p) => p.range)) },
+      y: { label: "relMSE", log: true, share: "dynamic-range y", domain: domain(points.flatMap((p) => [p.lower_quartile, p.upper_quartile]), true) },
       marks: [
         ...lines.map(({ own, ...one }) => ({ line: own.map((p) => [p.range, p.median]), ...one, width: 1.8 })),
         ...lines.map(({ own, ...one }) => ({ ...one, r: 3.8, dots: own.map((p) => ({ x: p.range, y: p.median, ys: p.n > 1 ? [p.lower_quartile, p.upper_quartile] : undefined, open: show(p), text: `${p.method} · ${short("environment", p.environment)}\n${number(p.range)} stops: relMSE ${number(p.median)} (${number(p.lower_quartile)} to ${number(p.upper_quartile)})` })) })),

@@ -2,7 +2,6 @@
 
 use crate::experiment::answers::Answers;
 use crate::experiment::answers::study::{Role, Study};
-use crate::experiment::tables::HEADLINE;
 use serde::Serialize;
 
 /// The first chart of a run.
@@ -11,6 +10,8 @@ use serde::Serialize;
 pub enum Lead {
     /// Exposure and contrast, for each method.
     Visibility,
+    /// What leaves over what arrives in a white furnace, over `n_dot_v`.
+    Energy,
     /// Error over the dynamic range of the light.
     Range,
     /// Error of a sampling method over that of one without samples.
@@ -21,23 +22,21 @@ pub enum Lead {
     Effects { axis: String },
     /// Error over the sample count.
     Convergence,
-    /// A metric over a property of the scene.
-    Sweep { axis: String, metric: &'static str },
+    /// Error over a property of the scene.
+    Sweep { axis: String },
     /// Error over `n_dot_v`.
     Profile,
 }
 
 /// Axes that choose an estimator; all others with effects are parameters of one.
 const ESTIMATORS: [&str; 2] = ["method", "diffuse"];
-/// The metric of energy: what an image has more or less than its reference.
-const ENERGY: &str = "bias_rel";
 /// A parameter with fewer values is a comparison of two, not a sweep.
 const SWEEP_MIN: usize = 3;
 
 /// The chart of a run that stands alone.
 pub fn lead(study: &Study, answers: &Answers) -> Lead {
     if !answers.furnace.is_empty() {
-        return sweep(study, ENERGY);
+        return Lead::Energy;
     }
     let values = |axis: usize| study.axes[axis].values.iter().filter(|value| !value.is_empty()).count();
     let named = |name: &str| study.axis(name).map_or(0, values);
@@ -73,17 +72,17 @@ pub fn lead(study: &Study, answers: &Answers) -> Lead {
     if let Some(axis) = with_effects.iter().find(|axis| is_estimator(axis)).or(with_effects.first()) {
         return effects(axis);
     }
-    sweep(study, HEADLINE)
+    sweep(study)
 }
 
-/// A metric over the swept property of the scene that is a number: alpha, or else the one with most values.
-fn sweep(study: &Study, metric: &'static str) -> Lead {
+/// The error over the swept property of the scene that is a number: alpha, or else the one with most values.
+fn sweep(study: &Study) -> Lead {
     let values = |axis: usize| study.axes[axis].values.len();
     let is_number = |axis: usize| study.axes[axis].values.iter().all(|value| value.parse::<f64>().is_ok());
     let of_scene = (0..study.axes.len())
         .filter(|&axis| study.axes[axis].role == Role::Scene && values(axis) >= SWEEP_MIN && is_number(axis));
     match of_scene.max_by_key(|&axis| (study.axes[axis].name == "alpha", values(axis))) {
-        Some(axis) => Lead::Sweep { axis: study.axes[axis].name.clone(), metric },
+        Some(axis) => Lead::Sweep { axis: study.axes[axis].name.clone() },
         None => Lead::Profile,
     }
 }

@@ -1,7 +1,7 @@
 //! The report of finished runs: one HTML file that opens from disk and asks for nothing else.
 //!
 //! What the rows say is computed by `experiment::answers`, as for the tables of a run. [`images`] chooses what of the linear images fits,
-//! [`live`] what the live view needs, [`page`] writes the file and [`figures`] the data and specifications beside it. The page draws; it
+//! [`live`] what the live view needs, [`page`] writes the file, [`figures`] the data beside it and `specs` how to draw them. The page draws; it
 //! decides nothing that is not shown.
 
 pub mod exclusions;
@@ -11,11 +11,12 @@ pub mod joined;
 pub mod lead;
 pub mod live;
 pub mod page;
+mod specs;
 mod times;
 
 use crate::experiment::answers::exposure::VISIBLE_FROM;
 use crate::experiment::answers::run_folder::{RunFolder, RunFolderError};
-use crate::experiment::answers::study::{Row, Study};
+use crate::experiment::answers::study::{Row, Study, StudyAxis, preset};
 use crate::experiment::summary::SHEETS_FOLDER;
 use crate::experiment::tables::HEADLINE;
 use crate::pixels::{PixelsError, write_atomically};
@@ -114,6 +115,7 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
         "runs": described.map(|((run, label), alone)| run_model(run, label, alone, here)).collect::<Vec<_>>(),
         "facts": fixed.facts,
         "axes": study.axes,
+        "presets": presets(&study),
         "metrics": runs[0].provenance["metrics"],
         "cells": cells(&study, &runs, &images),
         "analysis": analysis,
@@ -224,6 +226,16 @@ fn run_model(run: &RunFolder, label: &str, alone: &Alone, here: &Path) -> Value 
         "timings": times::records(run),
         "paybacks": times::paybacks(run),
     })
+}
+
+/// The names of numbers, by axis and value as it is written: `{"lod_bias": {"1": "filament"}}`.
+fn presets(study: &Study) -> Value {
+    let named = |axis: &StudyAxis| -> serde_json::Map<String, Value> {
+        let name = |value: &String| Some((value.clone(), json!(preset(&axis.name, value)?)));
+        axis.values.iter().filter_map(name).collect()
+    };
+    let all = study.axes.iter().map(|axis| (axis.name.clone(), named(axis))).filter(|(_, names)| !names.is_empty());
+    all.map(|(axis, names)| (axis, Value::Object(names))).collect::<serde_json::Map<_, _>>().into()
 }
 
 /// The contact sheets of a run, by name.

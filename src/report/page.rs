@@ -24,7 +24,7 @@ mod shaders {
 }
 
 /// The modules of the page by the name they import each other under. An import map points each to its text.
-const MODULES: [(&str, &str); 27] = [
+const MODULES: [(&str, &str); 30] = [
     ("report/main", include_str!("../../assets/report/main.js")),
     ("report/data", include_str!("../../assets/report/data.js")),
     ("report/state", include_str!("../../assets/report/state.js")),
@@ -37,9 +37,12 @@ const MODULES: [(&str, &str); 27] = [
     ("report/visibility", include_str!("../../assets/report/visibility.js")),
     ("report/times", include_str!("../../assets/report/times.js")),
     ("report/chart", include_str!("../../assets/report/chart.js")),
+    ("report/labels", include_str!("../../assets/report/labels.js")),
+    ("report/energy", include_str!("../../assets/report/energy.js")),
     ("report/standalone", include_str!("../../assets/report/standalone.js")),
     ("report/maps", include_str!("../../assets/report/maps.js")),
     ("report/plots", include_str!("../../assets/report/plots.js")),
+    ("report/profile", include_str!("../../assets/report/profile.js")),
     ("report/program", include_str!("../../assets/report/program.js")),
     ("report/stage", include_str!("../../assets/report/stage.js")),
     ("report/surface", include_str!("../../assets/report/surface.js")),

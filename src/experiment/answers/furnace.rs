@@ -21,6 +21,8 @@ pub struct Furnace {
     pub interval: Option<[f64; 2]>,
     /// The bins of `n_dot_v` that lose most and create most, each with its ends.
     pub extremes: Option<[(f64, [f64; 2]); 2]>,
+    /// Every bin of `n_dot_v` that has pixels, grazing first: its change and its ends.
+    pub bins: Vec<(f64, [f64; 2])>,
 }
 
 /// Axes of a furnace with the one value that each must have.
@@ -43,15 +45,17 @@ pub fn furnace(study: &Study, runs: &[RunFolder]) -> Vec<Furnace> {
     let axes = study.case_axes();
     let balance = |row: &&Row| {
         let change = row.bias.filter(|bias| bias.is_finite())?;
-        let mut bins: Vec<(f64, [f64; 2])> =
+        let bins: Vec<(f64, [f64; 2])> =
             row.bins.iter().filter(|bin| bin.bias.is_finite()).map(|bin| (bin.bias, [bin.lo, bin.hi])).collect();
-        bins.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let least = bins.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let most = bins.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(Furnace {
             key: super::curves::key(row, &axes),
             method: study.method_label(row),
             change,
             interval: row.bias_noise.map(|noise| [-T_NORMAL, T_NORMAL].map(|z| change + z * noise)),
-            extremes: Some([*bins.first()?, *bins.last()?]),
+            extremes: Some([*least, *most]),
+            bins,
         })
     };
     rows.iter().filter(|row| study.value(row, "method") != "none").filter_map(balance).collect()

@@ -357,6 +357,11 @@ pub fn short<'v>(axis: &str, value: &'v str) -> Cow<'v, str> {
     if AXES.iter().all(|known| known.name != axis) { value.into() } else { short_value(by_name(axis), value) }
 }
 
+/// The name of a number, where its axis has names for some: that of an engine's level bias.
+pub fn preset(axis: &str, value: &str) -> Option<&'static str> {
+    AXES.iter().find(|known| known.name == axis)?.kind.name_of(value)
+}
+
 /// The timed configuration that a row belongs to: the axes that a record names are all the row's.
 fn frame_time(timings: &[TimingRecord], names: &[String], axes: &[String], cell: &str) -> Option<FrameTime> {
     let own: BTreeMap<&str, &str> = names.iter().map(String::as_str).zip(axes.iter().map(String::as_str)).collect();

@@ -87,3 +87,17 @@ pub(super) fn energy(answers: &Answers) -> AnswerTable {
     ];
     AnswerTable { name: "energy", columns: columns(answers, &own), rows: answers.furnace.iter().map(row).collect() }
 }
+
+/// One row an image of a white furnace and bin of `n_dot_v`: energy that leaves over energy that arrives.
+pub(super) fn energy_by_n_dot_v(answers: &Answers) -> AnswerTable {
+    let rows = answers.furnace.iter().flat_map(|one| {
+        one.bins.iter().map(|(change, ends)| {
+            let mut row = texts(&one.key);
+            row.push(Cell::from(one.method.as_str()));
+            row.extend([ends[0], ends[1], 1.0 + change].map(Cell::Number));
+            row
+        })
+    });
+    let own = ["method", "n_dot_v_from", "n_dot_v_to", "albedo"];
+    AnswerTable { name: "energy_by_n_dot_v", columns: columns(answers, &own), rows: rows.collect() }
+}

@@ -42,7 +42,7 @@ pub fn of_run(study: &Study, answers: &Answers) -> Vec<AnswerTable> {
 
 /// What figures draw: also what a run has in a table of its own.
 pub fn of_figures(study: &Study, answers: &Answers, timings: &[TimingRecord]) -> Vec<AnswerTable> {
-    let more = [n_dot_v_profile(study), pass_times(timings)];
+    let more = [n_dot_v_profile(study), pass_times(timings), light::energy_by_n_dot_v(answers)];
     of_run(study, answers).into_iter().chain(more.into_iter().filter(|table| !table.rows.is_empty())).collect()
 }
 

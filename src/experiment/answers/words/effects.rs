@@ -3,8 +3,7 @@
 use super::{Answer, ERROR_DIGITS, FACTS_OF_A_KIND, TIME_DIGITS, plural};
 use crate::experiment::answers::Answers;
 use crate::experiment::answers::effects::Effect;
-use crate::experiment::answers::study::{Study, short};
-use crate::experiment::axis::AXES;
+use crate::experiment::answers::study::{Study, preset, short};
 use crate::experiment::statistics::median;
 use crate::table::markdown::significant;
 use std::collections::BTreeMap;
@@ -132,11 +131,6 @@ fn presets(all: &[&Effect]) -> Vec<String> {
         ))
     };
     groups.into_iter().filter_map(sentence).collect()
-}
-
-/// The name of a value, where its axis has names for numbers.
-fn preset(axis: &str, value: &str) -> Option<&'static str> {
-    AXES.iter().find(|known| known.name == axis)?.kind.name_of(value)
 }
 
 /// Which value of each parameter with three or more errs least, for each method that has it: the method, and what follows "of".
