@@ -88,9 +88,11 @@ function choose(run, withPixels) {
     const at = sampled.find((row) => Number(row.axes.samples) === middle.break_even.n) ?? sampled.at(-1);
     return { scene, chosen: unique([own.find(isIt) ?? own.find((row) => row.axes.method === pair.fixed), sampled[0], at].filter(Boolean)), note: "The scene whose break-even lies in the middle; the fewest samples, and those that break even." };
   }
-  const [scene] = withPixels, own = shownOf(run, scene), differ = kind === "effects" && variantAxes.includes(axis) ? axis : variantAxes.includes("method") ? "method" : variantAxes.find((name) => name !== "run");
+  // Of scenes with one image each the one that errs most.
+  const worst = (one) => Math.max(...shownOf(run, one).map((row) => row.scores[headline] ?? 0));
+  const scene = ["energy", "sweep"].includes(kind) ? withPixels.reduce((best, one) => (worst(one) > worst(best) ? one : best)) : withPixels[0], own = shownOf(run, scene), differ = kind === "effects" && variantAxes.includes(axis) ? axis : variantAxes.includes("method") ? "method" : variantAxes.find((name) => name !== "run");
   const ranked = (differ ? alike(own, differ) : own).sort((a, b) => a.scores[headline] - b.scores[headline]);
-  return { scene, chosen: unique([ranked.at(-1), ranked[ranked.length >> 1], ranked[0]].filter(Boolean)), note: ranked.length > 1 ? `The largest, the middle and the lowest error of images that differ in ${differ} alone.` : "The only image of the scene." };
+  return { scene, chosen: unique([ranked.at(-1), ranked[ranked.length >> 1], ranked[0]].filter(Boolean)), note: ranked.length > 1 ? `The largest, the middle and the lowest error of images that differ in ${differ} alone.` : "The only image of its scene." };
 }
 
 /** The images of one telling scene. */
@@ -99,11 +101,11 @@ function strip(run) {
   if (!withPixels.length) return h("p", { class: "note" }, model.image_notes.join(" "));
   const { scene, chosen, note } = choose(run, withPixels), own = scene.variants.find((row) => row.run === run && row.reference === scene.main.reference) ?? chosen[0], settings = settingsOf(own);
   const label = (row) => variantLabel(row, ["run", "point_set"]);
-  return h("figure", { class: "figure strip" }, h("figcaption", {}, h("h3", {}, `See it: ${scene.label}${runTitle(run)}`)),
+  return h("figure", { class: "figure strip" }, h("figcaption", {}, h("h2", {}, `See it: ${scene.label}${runTitle(run)}`)),
     h("p", { class: "note" }, `${note} Above the images, below their relative error (magma, 10⁻³ to 1). Click to compare them pixel by pixel.`),
-    h("div", { class: "strip-images" }, h("div", {}, h("h4", {}, truthName), thumbnail(own, "image", settings, { isReference: true })),
-      chosen.map((row) => h("div", { "data-shown": row.cell }, h("h4", {}, soft(label(row))), thumbnail(row, "image", settings), thumbnail(row, "error", settings)))),
+    h("div", { class: "strip-images" }, h("div", {}, h("h3", {}, truthName), thumbnail(own, "image", settings, { isReference: true })),
+      chosen.map((row) => h("div", { "data-shown": row.cell }, h("h3", {}, soft(label(row))), thumbnail(row, "image", settings), thumbnail(row, "error", settings)))),
     h("p", {}, h("a", { href: "#images" }, scenes.length === 1 ? "All images of the scene" : `All ${scenes.length} scenes`), " · ",
-      h("a", { href: link({ view: "compare", cell: chosen[0].cell, run: run || undefined, split: 0.5 }) }, `Compare ${label(chosen[0])} with the reference`),
+      h("a", { href: link({ view: "compare", cell: chosen[0].cell, run: run || undefined, split: 0.5 }) }, `Compare ${label(chosen[0])} with the ${truthName}`),
       chosen.length > 1 && [" · ", h("a", { href: link({ view: "compare", cell: chosen[0].cell, run: run || undefined, with: idOf(chosen.at(-1)), split: 0.5 }) }, `with ${label(chosen.at(-1))}`)]));
 }

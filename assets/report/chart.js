@@ -1,6 +1,6 @@
 // Charts as SVG: crisp at any size, readable by screen readers, saved as they are. One drawing serves the page and the file.
 
-import { announce, csvText, download, h, number, s } from "report/dom";
+import { announce, csvText, download, h, number, s, tableHead } from "report/dom";
 import { Crowd, alongRule, aroundMark, besideMark, textWidth } from "report/labels";
 import { standalone } from "report/standalone";
 
@@ -90,7 +90,7 @@ export function figure(spec) {
   table.id = `${id}-table`;
   const tip = h("div", { class: "tip", hidden: true });
   const element = h("figure", { class: `figure ${spec.class ?? ""}`, "data-figure": spec.name },
-    h("figcaption", {}, h("h3", { id }, spec.title),
+    h("figcaption", {}, h("h2", { id }, spec.title),
       h("span", { class: "figure-tools" },
         toggle,
         h("button", { type: "button", onclick: () => download(`${spec.name}.csv`, csvText(spec.table.columns, spec.table.rows), "text/csv") }, "CSV"),
@@ -141,7 +141,7 @@ const fieldText = (field) => (typeof field === "number" || (String(field ?? "").
 
 /** A plain table of a figure; rows that lead somewhere have a button. */
 function plainTable({ columns, rows, onrow }) {
-  return h("table", {}, h("thead", {}, h("tr", {}, columns.map((name) => h("th", { scope: "col" }, name)), onrow && h("th", {}, ""))),
+  return h("table", {}, tableHead(onrow ? [...columns, ""] : columns, "images"),
     h("tbody", {}, rows.map((row, i) => h("tr", {}, row.map((field) => h("td", { title: field ?? "" }, fieldText(field))),
       onrow && h("td", {}, h("button", { type: "button", onclick: () => onrow(i) }, "Show"))))));
 }
@@ -210,6 +210,11 @@ function nameAxes(svg, box, height, x, y) {
   svg.append(s("text", { transform: `translate(12 ${middle}) rotate(-90)`, class: "axis", "text-anchor": "middle", style: `font-size:${size}px` }, y.label));
 }
 
+/** The room of a name that stands upright beside its value, pixels. */
+const GUIDE = 16;
+/** A narrower drawing has no room for them. */
+const GUIDED = 400;
+
 /** Draws marks into `box`. Returns what the pointer and the keyboard reach. */
 function drawMarks(svg, box, { x, y }, marks) {
   const [sx, sy] = [scale(x, box.left, box.right), scale(y, box.bottom, box.top)], clip = uniqueId("clip");
@@ -252,6 +257,15 @@ function drawMarks(svg, box, { x, y }, marks) {
     } else if (mark.labels) {
       const placed = mark.labels.map((one) => ({ ...one, px: sx(one.x), py: sy(one.y) })).filter(({ px, py }) => fits(px, py)).sort((a, b) => a.py - b.py);
       words.push(...placed.map((one) => [mark, one.text, besideMark(one.px, one.py, mark.dx)]));
+    } else if (mark.guides && box.right - box.left >= GUIDED) {
+      let free = box.left;
+      for (const { x: at, text } of [...mark.guides].sort((a, b) => a.x - b.x)) {
+        const px = sx(at), length = textWidth(text, 11.5);
+        if (px - GUIDE < free) continue;
+        free = px;
+        crowd.add("word", px - GUIDE, px, box.top, box.top + length);
+        svg.append(s("text", { transform: `translate(${(px - 5).toFixed(1)} ${box.top + 2}) rotate(-90)`, class: "mark", "text-anchor": "end", style: `fill:${mark.color}` }, text));
+      }
     } else if (mark.corner) {
       const [first, second] = mark.corner === "top" ? ["end", "start"] : ["start", "end"], at = (anchor) => (anchor === "end" ? box.right - 6 : box.left + 8);
       words.push([mark, mark.text, [first, second].map((anchor, i) => ({ x: at(anchor), y: mark.corner === "top" ? box.top + 14 : box.bottom - 8, anchor, cost: 2 * i }))]);
@@ -273,7 +287,7 @@ function drawMarks(svg, box, { x, y }, marks) {
  * arrow at the frame. Marks, in drawing order:
  *   {band: [[x, lo, hi]], color}  {line: [[x, y]], color, dash, width, opacity}  {rule: y, color, dash, label, below, isLeft}
  *   {dots: [{x, y, xs, ys, text, open, shape, color, r}]}  {text, x, y, dx, dy}: the name of a mark  {text, corner: "top" or "bottom"}
- *   {labels: [{x, y, text}], dx}: names beside marks
+ *   {labels: [{x, y, text}], dx}: names beside marks  {guides: [{x, text}]}: names of values of x, those that have room
  * Words go where they cover least.
  */
 export function xy({ x: ownX, y: ownY, marks }) {
@@ -290,17 +304,16 @@ export function xy({ x: ownX, y: ownY, marks }) {
 }
 
 /** Small charts: the room of one with its title, and how narrow it may be. */
-const SMALL = { width: 150, height: 150, gap: 12, title: 20 };
-const smallAcross = (width, titles, perRow) => {
-  const least = Math.max(SMALL.width, ...titles.map((title) => textWidth(title, 12.5, 650) + SMALL.gap + 4));
-  const most = Math.max(1, Math.floor((width - 60) / least)), whole = Math.min(perRow, titles.length);
+const SMALL = { width: 126, height: 140, gap: 20, title: 20 };
+const smallAcross = (width, count, perRow) => {
+  const most = Math.max(1, Math.floor((width - 60 + SMALL.gap) / (SMALL.width + SMALL.gap))), whole = Math.min(perRow, count);
   // Whole rows of `perRow` are broken into equal parts.
   return Array.from({ length: whole }, (_, i) => whole - i).find((n) => n <= most && whole % n === 0) ?? 1;
 };
 
 /** Small charts with the same axes: all: [{title, marks}]; `perRow` of them belong beside each other. What a figure needs to draw them. */
 export function smallCharts({ x: ownX, y: ownY, all, perRow = all.length }) {
-  const [wholeX, wholeY] = [share(ownX), share(ownY)], acrossAt = (width) => smallAcross(width, all.map(({ title }) => title), perRow), rowsOf = (width) => Math.ceil(all.length / acrossAt(width));
+  const [wholeX, wholeY] = [share(ownX), share(ownY)], acrossAt = (width) => smallAcross(width, all.length, perRow), rowsOf = (width) => Math.ceil(all.length / acrossAt(width));
   return {
     height: (width) => rowsOf(width) * (SMALL.height + SMALL.title) + 46,
     draw: (width, height, tip) => {
@@ -310,7 +323,8 @@ export function smallCharts({ x: ownX, y: ownY, all, perRow = all.length }) {
       all.forEach(({ title, marks }, i) => {
         const [column, row] = [i % across, Math.floor(i / across)];
         const box = { left: left + column * w, right: left + (column + 1) * w - SMALL.gap, top: row * h + SMALL.title, bottom: (row + 1) * h - 8 };
-        svg.append(s("text", { x: box.left, y: box.top - 6, class: "panel-title" }, title));
+        const size = Math.min(12.5, (12.5 * (box.right - box.left + SMALL.gap - 6)) / textWidth(title, 12.5, 650));
+        svg.append(s("text", { x: box.left, y: box.top - 6, class: "panel-title", style: `font-size:${size}px` }, title));
         drawAxes(svg, box, { x, y, along: ticks(x, 4), up, width, isLeft: column === 0, isBottom: i + across >= all.length });
         targets.push(...drawMarks(svg, box, { x, y }, marks));
       });

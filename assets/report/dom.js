@@ -61,6 +61,15 @@ export function announce(text) {
   if (announcer.textContent !== text) announcer.textContent = text;
 }
 
+/** What may be wider than its place: it scrolls, by keyboard too. */
+export const scrollBox = (label, ...children) => h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": label }, ...children);
+
+/** Text for screen readers alone. */
+export const unseen = (text) => h("span", { class: "visually-hidden" }, text);
+
+/** The head of a table: names of its columns; one that nothing is written over says what it holds to screen readers. */
+export const tableHead = (names, hidden) => h("thead", {}, h("tr", {}, names.map((name) => h("th", { scope: "col" }, name === "" ? unseen(hidden) : name))));
+
 /** A labelled choice. `options` are [value, label]. */
 export function select(label, options, value, onchange) {
   const box = h("select", { onchange: () => onchange(box.value) },

@@ -63,7 +63,7 @@ export function effectsFigure(run, axis) {
   const text = (e) => `${named(axis, e.value)} instead of ${short(axis, base)}${e.alpha === null ? "" : ` · α ${e.alpha}`}${e.method ? ` · ${e.method}` : ""}\nerror × ${number(e.ratio)}${known(e) ? ` (95 %: ${number(e.interval[0])} to ${number(e.interval[1])})` : ", one pair, no interval"}\nbetter in ${e.better} of ${e.n} ${e.n === 1 ? "pair" : "pairs"}`;
   // Of few pairs each has a mark of its own: which of them are better tells more than their mean.
   const few = !overAlpha && shown.flatMap((e) => e.pairs).length <= PAIR_MARKS ? shown.filter((e) => e.pairs.length > 1) : [], isNamed = lines.length === 1 && few.every((e) => e.pairs.length <= NAMED_PAIRS);
-  const hasNames = values.some((value) => preset(axis, value)), last = series.at(-1)?.own ?? [];
+  const names = values.filter((value) => preset(axis, value) && value !== base), hasNames = names.length > 0;
   // On the side where there is room for their names.
   const side = (e) => (x.ticks.indexOf(at(e)) >= x.ticks.length / 2 ? -1 : 1);
   // An interval of two pairs can span a hundred decades; the axis does not follow it, and the whisker leaves the picture.
@@ -73,7 +73,7 @@ export function effectsFigure(run, axis) {
     name: `effects-${axis}${runSuffix(run)}`,
     class: "lead-figure",
     title: `${overAlpha ? `${named(axis, values.at(-1))} instead of ${short(axis, base)}` : `Error over ${symbol(axis)}`}${runTitle(run)}`,
-    note: `relMSE over that with ${named(axis, base)}: the geometric mean over pairs of cells that differ in nothing else, with its 95 % interval. Below 1 errs less. Pale: the interval does not tell.${hasNames && !overAlpha ? " By name: the values of engines." : ""}${few.length ? ` Small marks: each pair${isNamed ? ", by name" : ""}.` : ""}${shown.some((e) => (known(e) ?? []).some((end) => !seen.includes(end))) ? " Arrows at the frame: the interval goes on." : ""}`,
+    note: `relMSE over that with ${named(axis, base)}: the geometric mean over pairs of cells that differ in nothing else, with its 95 % interval. Below 1 errs less. Pale: the interval does not tell.${hasNames && !overAlpha ? ` Values of engines: ${names.map((value) => `${preset(axis, value)} ${short(axis, value)}`).join(", ")}.` : ""}${few.length ? ` Small marks: each pair${isNamed ? ", by name" : ""}.` : ""}${shown.some((e) => (known(e) ?? []).some((end) => !seen.includes(end))) ? " Arrows at the frame: the interval goes on." : ""}`,
     legend: series.map(({ line, i }) => ({ label: name(line), ...style(i, lines.length) })),
     table: { columns: ["axis", "value", ...(hasNames ? ["preset"] : []), "base", "method", "alpha", "error_ratio", "ratio_lo", "ratio_hi", "pairs", "pairs_better"], rows: all.map((e) => [axis, e.value, ...(hasNames ? [preset(axis, e.value)] : []), base, e.method, e.alpha, e.ratio, e.interval[0], e.interval[1] ?? Infinity, e.n, e.better]),
       onrow: (i) => { const cell = cellOf(run, axis, all[i].value, all[i].method); open(cell.cell, run)(); } },
@@ -92,8 +92,7 @@ export function effectsFigure(run, axis) {
           const cell = cellOf(run, axis, e.value, e.method);
           return { x: at(e), y: e.ratio, dx: dx(i), ys: known(e), opacity: isDecided(e) ? 1 : 0.55, open: open(cell.cell, run), text: text(e) };
         }) })),
-        // The names of engines' values, once, where they can be read.
-        ...(overAlpha ? [] : last.filter((e) => preset(axis, e.value)).map((e) => ({ text: preset(axis, e.value), x: at(e), y: e.ratio, dx: dx(series.length - 1) + 8, dy: -8, color: "var(--ink)" }))),
+        ...(overAlpha ? [] : [{ color: "var(--muted)", guides: names.map((value) => ({ x: place(value), text: preset(axis, value) })) }]),
       ],
     }),
   });

@@ -1,7 +1,7 @@
 // The image table: scenes down, ways to make the image across. Every picture leads into the comparison.
 
 import { displayAxes, errorColor, exclusionOf, exrLink, hasPixels, headline, HALF, mask, model, overview, pixels, rows, sceneAxes, axisOf, scenes, short, symbol, texelError, tone, truthName, variantAxes, variantLabel, variantLabels } from "report/data";
-import { choice, h, number, select, soft } from "report/dom";
+import { choice, h, number, select, soft, unseen } from "report/dom";
 import { sheetLinks } from "report/run";
 import { go, keep } from "report/state";
 
@@ -52,9 +52,8 @@ export function thumbnail(row, mode, settings, { isReference = false, isLowest =
   const canvas = h("canvas", { width: 8, height: 8, "aria-hidden": "true" });
   const score = isReference ? (row.floor === null ? "" : `floor ${number(row.floor, 2)}`) : error === null ? "failed" : number(error);
   const button = h("button", { type: "button", class: "thumb", "data-cell": row.cell, title: `${row.scene.label}: ${name}`,
-    "aria-label": `Compare ${row.scene.label}, ${name}, relMSE ${score}${isLowest ? ", the lowest of the scene" : ""}`,
     onclick: () => go({ view: "compare", cell: row.cell, run: row.run || undefined, mode: mode === "image" ? undefined : mode }) },
-    canvas, isLowest && h("span", { class: "lowest", "aria-hidden": "true" }, "lowest"), h("span", { class: "thumb-text" }, h("span", {}, score), ["reference-limited", "equal-within-noise"].includes(row.verdict) && !isReference && h("abbr", { title: "within ten times what the reference's own noise would give" }, "~")));
+    canvas, unseen(`Compare ${row.scene.label}, ${name}, relMSE `), isLowest && h("span", { class: "lowest" }, "lowest"), h("span", { class: "thumb-text" }, h("span", {}, score), ["reference-limited", "equal-within-noise"].includes(row.verdict) && !isReference && h("abbr", { title: "within ten times what the reference's own noise would give" }, "~")));
   whenSeen(button, async () => { if (!(await paint(canvas, row, mode, settings, isReference))) button.classList.add("no-pixels"); });
   return button;
 }
@@ -100,7 +99,7 @@ export function showGrid(view, state) {
   const stops = Number(state.ev) || 0;
   const own = scenes.filter((scene) => sceneAxes.every((name) => !filters[name] || scene.variants[0].axes[name] === filters[name]));
   const ev = h("input", { type: "range", min: -8, max: 8, step: 0.5, value: stops, "aria-label": "Exposure in stops", onchange: () => again({ ev: ev.value === "0" ? "" : ev.value }) });
-  const bar = h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Images"),
+  const bar = h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Images"),
     choice("What is shown", [["image", "Image"], ["error", "Error"], ["signed", "Signed"]], mode, (value) => again({ mode: value === "image" ? "" : value })),
     h("label", { class: "choice" }, h("span", { class: "exposure-text" }, `Exposure ${stops > 0 ? "+" : stops < 0 ? "−" : ""}${Math.abs(stops)} EV`), ev),
     sceneAxes.filter((name) => axisOf[name].values.length > 1).map((name) => select(symbol(name), [["", "all"], ...axisOf[name].values.map((value) => [value, short(name, value)])], filters[name], (value) => again({ [name]: value }))));
@@ -108,7 +107,7 @@ export function showGrid(view, state) {
   for (const one of model.runs.filter((each) => each.sheets.length)) notes.push(h("details", { class: "note" }, h("summary", {}, `${one.sheets.length} contact ${one.sheets.length === 1 ? "sheet" : "sheets"} beside this report${model.runs.length > 1 ? ` · ${one.label}` : ""}: every image as a picture`), sheetLinks(one)));
   if (!model.images.some((image) => image.payload !== null)) {
     // Exposure and error maps need pixels.
-    view.replaceChildren(h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Images")), ...notes, model.images.length ? exrTable() : "");
+    view.replaceChildren(h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Images")), ...notes, model.images.length ? exrTable() : "");
     return;
   }
   const used = variantLabels.filter((label) => own.some((scene) => scene.variants.some((row) => variantLabel(row) === label)));

@@ -58,7 +58,7 @@ export class Crowd {
 
 /** Places along a horizontal rule at `y`, above and below it. `wanted`: {isLeft, below}. */
 export function alongRule(box, y, { isLeft, below }) {
-  const sides = [isLeft ? 0 : 1, isLeft ? 1 : 0, 0.5, 0.25, 0.75], heights = below ? [y + 14, y - 5] : [y - 5, y + 14];
+  const sides = [isLeft ? 0 : 1, isLeft ? 1 : 0, ...Array.from({ length: 13 }, (_, i) => (i + 3) / 18)], heights = below ? [y + 14, y - 5] : [y - 5, y + 14];
   return sides.flatMap((at, i) => heights.map((place, j) => ({ x: box.left + 4 + at * (box.right - box.left - 8), y: place, anchor: at === 0 ? "start" : at === 1 ? "end" : "middle", cost: i + j })));
 }
 

@@ -1,7 +1,7 @@
 // The live material view: a sphere and a plane lit by the run's own tables, shaded by the renderer's shaders, split sum against samples.
 
 import { errorColor, lightTables, rows, texelError } from "report/data";
-import { announce, byId, choice, h, number, select, slider, stopsText } from "report/dom";
+import { announce, byId, choice, h, number, select, slider, stopsText, scrollBox, tableHead } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { LiveRender, MODES, OBJECTS } from "report/live-render";
 import { keepContext } from "report/program";
@@ -176,7 +176,7 @@ class Live {
   build() {
     const { tables } = this;
     if (this.render.missing || !tables.environments.length) {
-      this.view.replaceChildren(h("h2", {}, "Live material view"), h("p", { class: "note", role: "status" }, [this.render.missing, ...(tables.environments.length ? [] : tables.notes)].filter(Boolean).join(" ")));
+      this.view.replaceChildren(h("h1", {}, "Live material view"), h("p", { class: "note", role: "status" }, [this.render.missing, ...(tables.environments.length ? [] : tables.notes)].filter(Boolean).join(" ")));
       this.isEmpty = true;
       return;
     }
@@ -223,13 +223,13 @@ class Live {
       h("fieldset", {}, h("legend", {}, "Light and tone"),
         bar("turn", "Environment turned", -180, 180, 1, (rotation) => this.set({ rotation })),
         bar("brightness", "Brightness", 0, 5, 0.05, (brightness) => this.set({ brightness })), bar("exposure", "Exposure", -12, 12, 0.1, (stops) => this.set({ stops })), bar("contrast", "Contrast", 0.1, 5, 0.05, (contrast) => this.set({ contrast }))),
-      h("section", { class: "probe", "aria-label": "Probe" }, h("h3", {}, "Linear values ", this.probePlace),
-        h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ["", "R", "G", "B", "error"].map((name) => h("th", { scope: "col" }, name)))), this.probeBody))),
+      h("section", { class: "probe", "aria-label": "Probe" }, h("h2", {}, "Linear values ", this.probePlace),
+        scrollBox("Linear values", h("table", {}, tableHead(["", "R", "G", "B", "error"], "image"), this.probeBody))),
       h("div", { class: "row" }, linkButton(() => this.keepState())),
       h("p", { class: "note keys", id: "live-keys" }, "Drag or ", h("kbd", {}, "arrows"), " to turn · ", h("kbd", {}, "1"), "–", h("kbd", {}, "4"), " what is shown · hold ", h("kbd", {}, "space"), " for the other method · ", h("kbd", {}, "?"), " all keys"),
       h("p", { class: "note" }, "The renderer's shaders with the run's own tables, stored as half floats. Every point sees the whole environment: no shadows, as in the renderer."),
       tables.notes.map((note) => h("p", { class: "note" }, note)));
-    this.view.replaceChildren(h("div", { class: "viewer live" }, this.stage, panel));
+    this.view.replaceChildren(h("h1", { class: "visually-hidden" }, "Live material view"), h("div", { class: "viewer live" }, this.stage, panel));
     this.listen();
     new ResizeObserver(() => {
       if (!this.stage.clientWidth || !this.render.view || !fitCanvas(this.canvas, this.stage)) return;

@@ -71,7 +71,7 @@ export function showPlots(view, state) {
   const scene = ownScenes.find((one) => one.key === state.scene) ?? ownScenes[0], lines = scene ? profileGroups(run, scene) : [];
   const again = (details) => { keep(details); showPlots(view, { ...state, ...details }); };
   const pair = own.find((one) => `${one.sampled} ${one.fixed}` === state.pair) ?? own[0];
-  const bar = h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Plots"),
+  const bar = h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Plots"),
     isJoined && select("Run", model.runs.map((one, i) => [i, one.label]), run, (value) => again({ run: value, facet: "", pair: "", scene: "" })),
     own.length > 1 && select("Methods", own.map((p) => [`${p.sampled} ${p.fixed}`, `${p.sampled} against ${p.fixed}`]), `${pair.sampled} ${pair.fixed}`, (value) => again({ pair: value })),
     facets.length > 1 && select("Show", facets.map((f) => [f, f]), facet, (value) => again({ facet: value })),

@@ -47,7 +47,7 @@ export function standalone(figure) {
   const pen = document.createElement("canvas").getContext("2d"), family = page.fontFamily;
   const measure = (size, weight = 400) => (text) => { pen.font = `${weight} ${size}px ${family}`; return pen.measureText(text).width; };
   const text = (words, x, y, size, fill, weight = 400) => s("text", { x, y, fill, "font-family": family, "font-size": size, "font-weight": weight }, words);
-  const [title, note] = ["h3", ".note"].map((selector) => figure.querySelector(selector)?.textContent ?? ""), room = width - 16;
+  const [title, note] = ["figcaption h2", ".note"].map((selector) => figure.querySelector(selector)?.textContent ?? ""), room = width - 16;
   const titles = wrapped(title, room, measure(15, 650)), notes = note ? wrapped(note, room, measure(12)) : [];
   const top = 12 + 20 * titles.length + LINE * notes.length;
   const head = s("g", {}, titles.map((line, i) => text(line, 8, 20 + 20 * i - top, 15, page.color, 650)),

@@ -1,7 +1,7 @@
 // Tables: sort by a column, filter by words, save as CSV, follow a row to its images.
 
 import { axisOf, model, rowOf, table } from "report/data";
-import { choice, download, h, number, select } from "report/dom";
+import { choice, download, h, number, select, unseen } from "report/dom";
 import { isNumber, parseFilter, value } from "report/filter";
 import { go, keep } from "report/state";
 
@@ -14,7 +14,7 @@ export function showTables(view, state) {
   const files = FILES.filter(([name]) => model.runs.some((_, run) => table(run, name)));
   const file = files.find(([name]) => name === state.table)?.[0] ?? files[0][0];
   const run = Number(state.run) || 0, own = table(run, file);
-  const bar = h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Tables"));
+  const bar = h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Tables"));
   if (!own) return view.replaceChildren(bar, h("p", { class: "note" }, `This run has no ${file}.`));
   const { columns, rows, text } = own;
   const isIdle = (name, i) => name === "cell" || ((axisOf[name] || name === "diffuse_weight" || name === "device") && new Set(rows.map((row) => row[i]).filter(Boolean)).size < 2);
@@ -63,7 +63,7 @@ export function showTables(view, state) {
     h("label", { class: "check" }, h("input", { type: "checkbox", checked: all, onchange: (event) => again({ columns: event.target.checked ? "all" : "" }) }), " all columns"),
     h("button", { type: "button", onclick: () => download(file, text, "text/csv") }, `Save ${file}`));
   fill();
-  view.replaceChildren(bar, complaint, count, h("div", { class: "scroll data-table", tabindex: 0, role: "region", "aria-label": file }, h("table", {}, h("thead", {}, h("tr", {}, h("th", {}), heads)), body)), more);
+  view.replaceChildren(bar, complaint, count, h("div", { class: "scroll data-table", tabindex: 0, role: "region", "aria-label": file }, h("table", {}, h("thead", {}, h("tr", {}, h("th", { scope: "col" }, unseen("images")), heads)), body)), more);
   return undefined;
 }
 

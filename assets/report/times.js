@@ -3,7 +3,7 @@
 import { caseAxes, facetLabel, open, runSuffix, runTitle, unique } from "report/cases";
 import { COLORS, SHAPES, domain, figure, xy } from "report/chart";
 import { headline, model, rows, variantLabel } from "report/data";
-import { h, number, quartiles } from "report/dom";
+import { h, number, quartiles, scrollBox, tableHead } from "report/dom";
 import { bars as barChart } from "report/maps";
 
 const cpuNote = (run) => (model.runs[run].timings.some((record) => record.device_type === "cpu") ? " Times of a CPU driver say nothing about a GPU." : "");
@@ -101,7 +101,7 @@ export function paybackTable(run) {
     h("td", { class: "number payback" }, one.payback || "tables not timed"), h("td", { class: "number" }, `× ${number(one.ratio)}${ends(one)}`), h("td", { class: "number" }, `${number(one.tables_ms)} ms`));
   const body = h("tbody", {}, all.slice(0, PAYBACK_ROWS).map(line));
   const more = all.length > PAYBACK_ROWS && h("button", { type: "button", onclick: () => { body.append(...all.slice(PAYBACK_ROWS).map(line)); more.remove(); } }, `Show all ${all.length}`);
-  return h("section", { class: "payback-table" }, h("h3", {}, `When the tables have paid for themselves${runTitle(run)}`),
+  return h("section", { class: "payback-table" }, h("h2", {}, `When the tables have paid for themselves${runTitle(run)}`),
     h("p", { class: "note" }, `Frames after which a method with tables made once has cost less than one that samples. Time ratio: sampling over it, the median of the ratios round by round with its 95 % interval, not the quotient of two medians.${cpuNote(run)}`),
-    h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ["with tables", "against", "frames to pay back", "time ratio", "tables, beyond its"].map((name) => h("th", { scope: "col" }, name)))), body)), more);
+    scrollBox("When the tables have paid for themselves", h("table", {}, tableHead(["with tables", "against", "frames to pay back", "time ratio", "tables, beyond its"]), body)), more);
 }

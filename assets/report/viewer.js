@@ -1,7 +1,7 @@
 // The comparison of images on linear data: flip in place, split, zoom to texels, error maps, probe. WebGL2.
 
 import { HALF, errorColor, exrLink, hasPixels, headline, idOf, model, rowOf, rows, scenes, texelError, truthName, variantLabel } from "report/data";
-import { announce, choice, h, number, select, slider, stopsText } from "report/dom";
+import { announce, choice, h, number, select, slider, stopsText, scrollBox, tableHead } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { fitCanvas, linkButton } from "report/stage";
 import { keep, state as current } from "report/state";
@@ -299,12 +299,12 @@ class Viewer {
       h("div", { class: "row" }, this.modeChoice, this.toneChoice), this.legend,
       this.exposure.element, this.contrastSlider.element,
       h("div", { class: "row checks" }, h("label", {}, this.splitBox, " Split with "), this.withPicker, h("label", {}, this.clipBox, this.clipText)),
-      h("section", { class: "probe", "aria-label": "Probe" }, h("h3", {}, "Linear values ", this.probePlace),
-        h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ["", "R", "G", "B", "error"].map((name) => h("th", { scope: "col" }, name)))), this.probeBody)),
+      h("section", { class: "probe", "aria-label": "Probe" }, h("h2", {}, "Linear values ", this.probePlace),
+        scrollBox("Linear values", h("table", {}, tableHead(["", "R", "G", "B", "error"], "image"), this.probeBody)),
         h("p", { class: "note" }, "Half floats: 11 significant bits. Click the image to pin the texel, shift and arrows move it.")),
       h("div", { class: "row" }, linkButton(() => this.row && this.keepState()), this.exr = h("a", {}, "EXR")),
       h("p", { class: "note keys", id: "viewer-keys" }, h("kbd", {}, "1"), "–", h("kbd", {}, "9"), " image · hold ", h("kbd", {}, "space"), " reference · ", h("kbd", {}, "E"), " error · ", h("kbd", {}, "S"), " signed · ", h("kbd", {}, "?"), " all keys"));
-    this.view.replaceChildren(h("div", { class: "viewer" }, this.stage, panel));
+    this.view.replaceChildren(h("h1", { class: "visually-hidden" }, "Compare"), h("div", { class: "viewer" }, this.stage, panel));
     listen(this);
     new ResizeObserver(() => {
       // Before the first image is placed there is nothing to draw: `show` fits it.
@@ -384,7 +384,7 @@ export function showViewer(view, state) {
   if (!rows.length) return view.replaceChildren(h("p", { class: "note" }, "No cell is done."));
   // Controls without a picture would do nothing.
   if (!rows.some(hasPixels)) {
-    return view.replaceChildren(h("div", { class: "controls" }, h("h2", { tabindex: -1 }, "Compare")), h("p", { class: "note", role: "status" }, `There is nothing to compare: this page holds no images. ${model.image_notes.join(" ")}`),
+    return view.replaceChildren(h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Compare")), h("p", { class: "note", role: "status" }, `There is nothing to compare: this page holds no images. ${model.image_notes.join(" ")}`),
       h("p", {}, h("a", { href: "#images" }, "Links to the linear EXR files")));
   }
   viewer ??= new Viewer(view);

@@ -92,6 +92,7 @@ pub fn render(
 ) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.add_filter("whole_units", whole_units);
     environment.add_template("report", TEMPLATE)?;
     let imports: serde_json::Map<String, serde_json::Value> = MODULES
         .iter()
@@ -116,6 +117,11 @@ pub fn render(
         tables,
         payloads,
     })
+}
+
+/// Text in which no line ends between a number and its per cent sign.
+fn whole_units(text: &str) -> String {
+    text.replace(" %", "\u{a0}%")
 }
 
 fn safe(text: String) -> Value {

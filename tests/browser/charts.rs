@@ -69,7 +69,7 @@ fn a_saved_drawing_shows_what_the_page_shows() {
             "(() => {{ const b = {svg}.getBoundingClientRect(); return [Math.round(b.left), Math.round(b.top), Math.floor(b.width), Math.floor(b.height)]; }})()"
         ));
         let shown = seen(&mut page, &place);
-        let title = page.text(&format!("[data-figure^=\"{figure}\"] h3"));
+        let title = page.text(&format!("[data-figure^=\"{figure}\"] h2"));
         let entries = texts(&mut page, &format!("[data-figure^=\"{figure}\"] .legend li"));
         let file = saved_svg(&mut page, figure);
         for page_only in ["var(", " style=", " class=", "tabindex"] {

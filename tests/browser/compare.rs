@@ -50,7 +50,7 @@ fn middle(page: &mut Page) -> String {
          return [b.left + b.width / 2 + 1, b.top + b.height / 2 + 1]; })()",
     );
     page.click_at(at[0].as_f64().unwrap(), at[1].as_f64().unwrap());
-    page.text(".probe h3 span").split(" · ").next().unwrap().to_owned()
+    page.text(".probe h2 span").split(" · ").next().unwrap().to_owned()
 }
 
 /// The image fills its stage and lies in its middle.

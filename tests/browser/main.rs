@@ -231,7 +231,7 @@ fn pixels_are_the_renderers_exactly() {
          return [b.left + b.width / 2 + ({x} + 0.5 - {SIDE} / 2) * s, b.top + b.height / 2 + ({y} + 0.5 - {SIDE} / 2) * s]; }})()"
     ));
     page.click_at(place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
-    page.wait(&format!("document.querySelector('.probe h3').textContent.includes('({x}, {y}) · pinned')"));
+    page.wait(&format!("document.querySelector('.probe h2').textContent.includes('({x}, {y}) · pinned')"));
     let probed = |page: &mut Page, key: &str| {
         let script = format!(
             "[...document.querySelectorAll('[data-probe=\"{key}\"] td')].map((td) => Number(td.dataset.value))"

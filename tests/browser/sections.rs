@@ -276,7 +276,7 @@ fn the_probe_moves_by_keyboard() {
     let id = cell(&report, ["sampled", "1", "0.1", "ggx", "1"]);
     open_compare(&mut page, &report, &id);
     // It starts in the middle.
-    assert!(page.text(".probe h3").contains("(12, 12)"), "{}", page.text(".probe h3"));
+    assert!(page.text(".probe h2").contains("(12, 12)"), "{}", page.text(".probe h2"));
     let press = |page: &mut Page, key: &str| {
         page.eval(&format!(
             "document.body.dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}', shiftKey: true, bubbles: true }}))"
@@ -285,12 +285,12 @@ fn the_probe_moves_by_keyboard() {
     for key in ["ArrowRight", "ArrowRight", "ArrowUp"] {
         press(&mut page, key);
     }
-    assert!(page.text(".probe h3").contains("(14, 11) · pinned"), "{}", page.text(".probe h3"));
+    assert!(page.text(".probe h2").contains("(14, 11) · pinned"), "{}", page.text(".probe h2"));
     assert!(page.text("#announcer").contains("texel (14, 11)") && page.text("#announcer").contains("sampled 1"));
     for _ in 0..30 {
         press(&mut page, "ArrowLeft");
     }
-    assert!(page.text(".probe h3").contains("(0, 11)"));
+    assert!(page.text(".probe h2").contains("(0, 11)"));
     assert_eq!(shown(&mut page), id, "arrows with shift choose no image");
     assert_clean(&page);
 }
