@@ -9,13 +9,19 @@ const isNumber = (text) => text !== "" && Number.isFinite(Number(text));
 /** Values further apart than this stand on a logarithmic axis. */
 const LOG_SPAN = 16;
 
-/** Places for the values of an axis: numbers where they lie, names side by side. */
-function scaleOf(axis, values) {
-  if (values.every(isNumber)) {
-    const sorted = [...values].sort((a, b) => a - b), all = sorted.map(Number), log = all[0] > 0 && all.at(-1) / all[0] >= LOG_SPAN;
+/** The texels of a size as tables have it, "256x128"; NaN of anything else. */
+const texels = (text) => (/^\d+x\d+$/.test(text) ? text.split("x").reduce((all, side) => all * side, 1) : NaN);
+/** Whether the values of an axis have an order of their own. */
+const areOrdered = (values) => values.every(isNumber) || values.every((value) => texels(value) > 0);
+
+/** Places for the values of an axis: numbers where they lie, sizes by size and names as they come side by side. */
+function scaleOf(axis, given) {
+  if (given.every(isNumber)) {
+    const sorted = [...given].sort((a, b) => a - b), all = sorted.map(Number), log = all[0] > 0 && all.at(-1) / all[0] >= LOG_SPAN;
     const [lo, hi] = [all[0], all.at(-1)], margin = (hi - lo) * 0.04 || 0.5;
     return { values: sorted, place: Number, x: { log, domain: log ? domain(all, true) : [lo - margin, hi + margin], ticks: all, format: (t) => number(t, 4) } };
   }
+  const values = areOrdered(given) ? [...given].sort((a, b) => texels(a) - texels(b)) : given;
   return { values, place: (value) => values.indexOf(value), x: { domain: [-0.4, values.length - 0.6], ticks: values.map((_, i) => i), format: (i) => short(axis, values[i]) } };
 }
 
@@ -59,7 +65,7 @@ export function effectsFigure(run, axis) {
   const at = (e) => place(overAlpha ? e.alpha : e.value), known = (e) => (e.interval[1] === null ? undefined : e.interval), isDecided = (e) => known(e) && (e.interval[0] > 1 || e.interval[1] < 1);
   const series = lines.map((line, i) => ({ line, i, own: shown.filter((e) => lineOf(e) === line).sort((a, b) => at(a) - at(b)) }));
   const curve = ({ own }) => [...own.map((e) => [at(e), e.ratio]), ...(overAlpha ? [] : [[place(base), 1]])].sort(([a], [b]) => a - b);
-  const isOrdered = overAlpha || values.every(isNumber), dx = (i) => (i - (lines.length - 1) / 2) * (isOrdered ? 3 : 9);
+  const isOrdered = overAlpha || areOrdered(values), dx = (i) => (i - (lines.length - 1) / 2) * (isOrdered ? 3 : 9);
   const text = (e) => `${named(axis, e.value)} instead of ${short(axis, base)}${e.alpha === null ? "" : ` · α ${e.alpha}`}${e.method ? ` · ${e.method}` : ""}\nerror × ${number(e.ratio)}${known(e) ? ` (95 %: ${number(e.interval[0])} to ${number(e.interval[1])})` : ", one pair, no interval"}\nbetter in ${e.better} of ${e.n} ${e.n === 1 ? "pair" : "pairs"}`;
   // Of few pairs each has a mark of its own: which of them are better tells more than their mean.
   const few = !overAlpha && shown.flatMap((e) => e.pairs).length <= PAIR_MARKS ? shown.filter((e) => e.pairs.length > 1) : [], isNamed = lines.length === 1 && few.every((e) => e.pairs.length <= NAMED_PAIRS);
@@ -74,7 +80,7 @@ export function effectsFigure(run, axis) {
     class: "lead-figure",
     title: `${overAlpha ? `${named(axis, values.at(-1))} instead of ${short(axis, base)}` : `Error over ${symbol(axis)}`}${runTitle(run)}`,
     note: `relMSE over that with ${named(axis, base)}: the geometric mean over pairs of cells that differ in nothing else, with its 95 % interval. Below 1 errs less. Pale: the interval does not tell.${hasNames && !overAlpha ? ` Values of engines: ${names.map((value) => `${preset(axis, value)} ${short(axis, value)}`).join(", ")}.` : ""}${few.length ? ` Small marks: each pair${isNamed ? ", by name" : ""}.` : ""}${shown.some((e) => (known(e) ?? []).some((end) => !seen.includes(end))) ? " Arrows at the frame: the interval goes on." : ""}`,
-    legend: series.map(({ line, i }) => ({ label: name(line), ...style(i, lines.length) })),
+    legend: series.length > 1 || lines[0] ? series.map(({ line, i }) => ({ label: name(line), ...style(i, lines.length) })) : [],
     table: { columns: ["axis", "value", ...(hasNames ? ["preset"] : []), "base", "method", "alpha", "error_ratio", "ratio_lo", "ratio_hi", "pairs", "pairs_better"], rows: all.map((e) => [axis, e.value, ...(hasNames ? [preset(axis, e.value)] : []), base, e.method, e.alpha, e.ratio, e.interval[0], e.interval[1] ?? Infinity, e.n, e.better]),
       onrow: (i) => { const cell = cellOf(run, axis, all[i].value, all[i].method); open(cell.cell, run)(); } },
     draw: xy({

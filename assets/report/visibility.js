@@ -46,6 +46,8 @@ export function visibility(run) {
   const own = rows.filter((row) => row.run === run && row.scores.flip !== null && row.scores.flip !== undefined);
   if (!displayAxes.length || !own.length) return null;
   const largest = Math.max(...own.map((row) => row.scores.flip)), from = model.visible_from;
+  // What has no specular term is what the others stand on: it comes last.
+  own.sort((a, b) => (a.axes.method === "none") - (b.axes.method === "none"));
   const all = layout(own), median = (of) => quartiles(of.map((row) => row.scores.flip))[1];
   const open = (row) => () => go({ view: "compare", cell: row.cell, run: row.run || undefined });
   const maps = all.map(({ of, ...panel }) => ({ ...panel, cell: (r, c) => {
