@@ -57,12 +57,16 @@ export const csvText = (columns, rows) =>
 
 /** Says something to screen readers. */
 export function announce(text) {
-  const announcer = byId("announcer");
-  if (announcer.textContent !== text) announcer.textContent = text;
+  say(byId("announcer"), text);
 }
 
 /** What may be wider than its place: it scrolls, by keyboard too. */
 export const scrollBox = (label, ...children) => h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": label }, ...children);
+
+/** Writes a text where it is another one: a new node costs a layout. */
+export function say(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
 
 /** Text for screen readers alone. */
 export const unseen = (text) => h("span", { class: "visually-hidden" }, text);

@@ -1,7 +1,7 @@
 // The comparison of images on linear data: flip in place, split, zoom to texels, error maps, probe. WebGL2.
 
 import { HALF, errorColor, exrLink, hasPixels, headline, idOf, model, rowOf, rows, scenes, texelError, truthName, variantLabel } from "report/data";
-import { announce, choice, h, number, select, slider, stopsText, scrollBox, tableHead } from "report/dom";
+import { announce, choice, h, number, say, scrollBox, select, slider, stopsText, tableHead } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { fitCanvas, linkButton } from "report/stage";
 import { keep, state as current } from "report/state";
@@ -195,7 +195,7 @@ class Viewer {
     this.canvas.setAttribute("aria-label", `${this.scene.label}: ${text}, ${what}${this.showsReference ? "" : `; relMSE ${number(error)}`}`);
     this.canvas.dataset.shown = this.showsReference ? "reference" : row.cell;
     this.canvas.dataset.mode = this.mode;
-    this.scaleText.textContent = this.scale >= 1 ? `${number(this.scale)}×` : `1/${number(1 / this.scale)}`;
+    say(this.scaleText, this.scale >= 1 ? `${number(this.scale)}×` : `1/${number(1 / this.scale)}`);
     this.handle.hidden = !isSplit;
     if (isSplit) this.handle.style.left = `${this.split * 100}%`;
     this.handle.setAttribute("aria-valuenow", isSplit ? Math.round(this.split * 100) : 0);
@@ -229,12 +229,21 @@ class Viewer {
     };
     this.placeMark(x, y);
     const window = model.images[this.row.image]?.window;
-    this.probePlace.textContent = window ? `texel (${x + window.x}, ${y + window.y})${this.pinned ? " · pinned" : ""}` : "";
-    const line = (name, key, value, error) => h("tr", { "data-probe": key, class: key === idOf(this.row) ? "current" : "" }, h("th", { scope: "row" }, name),
+    say(this.probePlace, window ? `texel (${x + window.x}, ${y + window.y})${this.pinned ? " · pinned" : ""}` : "");
+    // A flip changes nothing but which of the lines is the current one.
+    const read = [this.scene.key, x, y, ...this.surface.images.keys()].join(" ");
+    if (read !== this.read) this.readTexel(x, y, at);
+    this.read = read;
+    for (const one of this.probeBody.children) one.classList.toggle("current", one.dataset.probe === idOf(this.row));
+  }
+
+  /** Writes the values of a texel, a line an image. What has no pixels here has none. */
+  readTexel(x, y, at) {
+    const line = (name, key, value, error) => h("tr", { "data-probe": key }, h("th", { scope: "row" }, name),
       (value ?? [null, null, null]).map((v) => h("td", { "data-value": v ?? "", title: v === null ? "" : String(v) }, number(v, 4))),
       h("td", { "data-value": error?.relative ?? "" }, error ? [h("i", { class: "chip", style: `background:rgb(${errorColor("error", error)})` }), number(error.relative)] : ""));
     const references = new Map();
-    const lines = this.scene.variants.map((row) => {
+    const lines = this.scene.variants.filter((row) => hasPixels(row)).map((row) => {
       const [value, truth] = [at(row.image), at(row.reference)];
       if (!references.has(row.reference)) references.set(row.reference, truth);
       const bytes = this.surface.images.get(row.reference)?.maskBytes, width = this.surface.images.get(row.reference)?.width;
@@ -361,10 +370,10 @@ class Viewer {
     const image = model.images[this.row.image];
     if (image) {
       this.exr.href = exrLink(this.row.image);
-      this.exr.textContent = "Linear EXR";
+      say(this.exr, "Linear EXR");
       const { window, size, clamped_count: clampedCount } = image;
       const cut = window && (window.width !== size[0] || window.height !== size[1]);
-      this.caption.textContent = [cut ? `window ${window.width} × ${window.height} at (${window.x}, ${window.y}) of ${size[0]} × ${size[1]}` : "", clampedCount ? `${clampedCount} channels above 65504 are stored as 65504` : ""].filter(Boolean).join("; ");
+      say(this.caption, [cut ? `window ${window.width} × ${window.height} at (${window.x}, ${window.y}) of ${size[0]} × ${size[1]}` : "", clampedCount ? `${clampedCount} channels above 65504 are stored as 65504` : ""].filter(Boolean).join("; "));
     }
     announce(`${this.scene.label}: ${variantLabel(this.row)}, relMSE ${number(this.row.scores[headline])}`);
   }
