@@ -53,7 +53,7 @@ export function thumbnail(row, mode, settings, { isReference = false, isLowest =
   const score = isReference ? (row.floor === null ? "" : `floor ${number(row.floor, 2)}`) : error === null ? "failed" : number(error);
   const button = h("button", { type: "button", class: "thumb", "data-cell": row.cell, title: `${row.scene.label}: ${name}`,
     onclick: () => go({ view: "compare", cell: row.cell, run: row.run || undefined, mode: mode === "image" ? undefined : mode }) },
-    canvas, unseen(`Compare ${row.scene.label}, ${name}, relMSE `), isLowest && h("span", { class: "lowest" }, "lowest"), h("span", { class: "thumb-text" }, h("span", {}, score), ["reference-limited", "equal-within-noise"].includes(row.verdict) && !isReference && h("abbr", { title: "within ten times what the reference's own noise would give" }, "~")));
+    canvas, unseen(`Compare ${row.scene.label}, ${name}, relMSE `), isLowest && [h("span", { class: "lowest" }, "lowest"), " "], h("span", { class: "thumb-text" }, h("span", {}, score), ["reference-limited", "equal-within-noise"].includes(row.verdict) && !isReference && h("abbr", { title: "within ten times what the reference's own noise would give" }, "~")));
   whenSeen(button, async () => { if (!(await paint(canvas, row, mode, settings, isReference))) button.classList.add("no-pixels"); });
   return button;
 }

@@ -1,9 +1,9 @@
 //! Charts: what is saved is what is shown, axes that can be read and compared, intervals that do not end where they do not.
 
-use super::assert_clean;
-use super::joined::{joined, texts};
-use super::sections::{report_of, wait_for_figures};
 use crate::chromium::{self, Page};
+use crate::fixture::assert_clean;
+use crate::joined::{joined, texts};
+use crate::sections::{report_of, wait_for_figures};
 use image::RgbImage;
 use serde_json::{Value, json};
 use splitsum::experiment::answers::run_folder::RunFolder;

@@ -1,8 +1,9 @@
 //! The comparison where the window changes and where not all images are in the page: places, keys, steps of colour.
 
-use super::sections::report_of;
-use super::{SIDE, assert_clean, report, shown};
 use crate::chromium::{self, Page};
+use crate::fixture::{SIDE, assert_clean, report};
+use crate::sections::report_of;
+use crate::viewer::shown;
 use serde_json::json;
 use splitsum::report::images::Choice;
 use splitsum::report::{ReportOptions, write};

@@ -1,7 +1,7 @@
 //! Contrast of the page's colours in both themes, as WCAG 2 defines it: 4.5 to 1 for text, 3 to 1 for marks.
 
-use super::report;
 use crate::chromium::Page;
+use crate::fixture::report;
 use splitsum::report::images::Choice;
 
 const TEXT: f64 = 4.5;

@@ -1,9 +1,9 @@
 //! Joined runs: each with its own answer, its own charts and its own warning, and what tells them apart.
 
-use super::fake::Log;
-use super::sections::{report_of, run_of};
-use super::{assert_clean, sections};
 use crate::chromium::{self, Page};
+use crate::fake::Log;
+use crate::fixture::assert_clean;
+use crate::sections::{self, report_of, run_of};
 use serde_json::json;
 use splitsum::report::{ReportOptions, write};
 use std::path::{Path, PathBuf};

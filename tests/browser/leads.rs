@@ -1,8 +1,8 @@
 //! The chart beside the answer is the one that the experiment asks for, and it can be read.
 
-use super::assert_clean;
-use super::sections::{report_of, saved_csv, wait_for_figures};
 use crate::chromium::{self, Page};
+use crate::fixture::assert_clean;
+use crate::sections::{report_of, saved_csv, wait_for_figures};
 use serde_json::json;
 use splitsum::table::csv::Table;
 

@@ -1,7 +1,7 @@
 //! The filter of tables: what it understands, and what it says of the rest.
 
-use super::{assert_clean, report, rows};
 use crate::chromium::Page;
+use crate::fixture::{assert_clean, report, rows};
 use serde_json::json;
 use splitsum::report::images::Choice;
 

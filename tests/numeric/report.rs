@@ -174,7 +174,57 @@ fn a_report_is_the_same_each_time_and_has_its_figures_beside_it() {
             assert!(is_known, "{name} draws {field}");
         }
         assert!(spec.get("encoding").is_none_or(serde_json::Value::is_object), "{name}");
+        assert_drawn_as_meant(name, &spec, &table);
     }
+}
+
+/// What Vega makes of a specification and no schema tells: found by looking at its pictures.
+fn assert_drawn_as_meant(name: &str, spec: &serde_json::Value, table: &Table) {
+    use serde_json::Value;
+    let columns = |field: &str| table.columns.iter().position(|column| column == field);
+    let values = |column: usize| table.rows.iter().map(move |row| row[column].as_str());
+    // As text, 16 comes before 4.
+    let parsed = spec["data"]["format"]["parse"].as_object().unwrap();
+    for (i, column) in table.columns.iter().enumerate() {
+        let are_numbers = values(i).all(|text| text.is_empty() || text.parse::<f64>().is_ok());
+        let is_empty = values(i).all(str::is_empty);
+        assert_eq!(parsed.contains_key(column), are_numbers && !is_empty, "{name}: {column}");
+    }
+    let mut parts = vec![spec];
+    while let Some(part) = parts.pop() {
+        parts.extend(part["layer"].as_array().into_iter().flatten().chain(part.get("spec")));
+        let channels: Vec<(&String, &Value)> = part["encoding"].as_object().into_iter().flatten().collect();
+        let has = |channel: &str| channels.iter().any(|(known, _)| *known == channel);
+        for (channel, of) in &channels {
+            // Axes of layers would otherwise be called by all their fields.
+            let is_axis = ["x", "y"].contains(&channel.as_str()) && of["field"].is_string();
+            let is_said = of.get("title").is_some()
+                || table.columns.iter().any(|column| of["field"] == **column && !column.contains('_'));
+            assert!(!is_axis || is_said, "{name}: {channel} has no title");
+            // A mark whose size is that of a missing value is not drawn.
+            let missing =
+                of["field"].as_str().and_then(columns).is_some_and(|column| values(column).any(str::is_empty));
+            assert!(*channel != "size" || !missing, "{name}: {channel} of missing values");
+            // A facet sorts its values by their letters unless a field tells it otherwise.
+            let is_facet = ["facet", "row"].contains(&channel.as_str());
+            assert!(!is_facet || of["sort"]["field"].is_string(), "{name}: {channel} in the order of letters");
+        }
+        // A step without an axis to go along is an error.
+        for (size, axis) in [("width", "x"), ("height", "y")] {
+            assert!(part[size].get("step").is_none() || has(axis), "{name}: a step of {size} without {axis}");
+        }
+    }
+}
+
+#[test]
+fn a_specification_without_an_axis_has_no_step_along_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let few = EXPERIMENT.replace("alpha = [0.1, 0.5]", "alpha = [0.1]").replace("200, 200", "24, 24");
+    let run = finished(&plan(&few), &dir.path().join("run"));
+    write(&ReportOptions::of_run(&run)).unwrap();
+    let file = |end: &str| run.join("report-figures").join(format!("break_even.{end}"));
+    let spec = serde_json::from_str(&std::fs::read_to_string(file("vl.json")).unwrap()).unwrap();
+    assert_drawn_as_meant("break_even", &spec, &Table::read(&file("csv")).unwrap());
 }
 
 #[test]
@@ -213,7 +263,9 @@ fn fields_of(spec: &serde_json::Value) -> (BTreeMap<String, String>, BTreeSet<St
         }
     }
     let channels = spec["encoding"].as_object().into_iter().flat_map(|encoding| encoding.values());
-    for channel in channels.chain([&spec["facet"]]) {
+    let rows = ["row", "column"].map(|name| &spec["facet"][name]);
+    let details = spec["encoding"]["detail"].as_array().into_iter().flatten();
+    for channel in channels.chain([&spec["facet"]]).chain(rows).chain(details) {
         drawn.extend(text(channel, "field"));
     }
     for part in spec["layer"].as_array().into_iter().flatten().chain(spec.get("spec")) {

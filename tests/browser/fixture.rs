@@ -1,0 +1,95 @@
+//! A finished run of the renderer made of formulas, under names that would run if they were not inert, and its report in a browser.
+
+use crate::chromium::{self, Page};
+use crate::fake::{Fake, Log};
+use half::f16;
+use serde_json::json;
+use splitsum::experiment::{Plan, Progress, RenderFault, Renderer, RunOptions, run};
+use splitsum::pixels::exr;
+use splitsum::report::images::Choice;
+use splitsum::report::{ReportOptions, write};
+use splitsum::table::csv::Table;
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::atomic::AtomicBool;
+
+/// A name that would run, close elements or start a formula if it were not inert.
+pub const HOSTILE: &str = r#"=1+1, "quoted"
+</script><script>window.pwned = 1</script><img src=x onerror='window.pwned = 2'> {{ 7 * 7 }}"#;
+/// The same for a folder, whose name becomes a label and part of links.
+pub const HOSTILE_FOLDER: &str = r#"le'ft "<b>#1?%41"#;
+pub const SIDE: u32 = 24;
+
+pub struct Quiet;
+
+impl Progress for Quiet {
+    fn start(&mut self, _: usize, _: usize) {}
+    fn step(&mut self, _: &str, _: Option<&str>) {}
+    fn note(&mut self, _: &str) {}
+}
+
+/// A finished run of the renderer made of formulas; the folder's name is hostile too.
+pub fn finished_run(dir: &Path, name: &str, broken: Option<&'static str>) -> PathBuf {
+    let why = json!("phong has \"<b>no</b>\" alpha of 0.5 & </script>");
+    let text = format!(
+        "name = {}\nquestion = {}\nsize = [{SIDE}, {SIDE}]\nreference = {{ samples = 64 }}\n[axes]\n\
+         environment = [\"builtin:constant\"]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.5]\n\
+         method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]\nexposure = [1, 10]\n\
+         [[exclude]]\nbrdf = \"phong\"\nalpha = 0.5\nwhy = {why}\n[timing]\nwarmup = 1\nrounds = 3\n",
+        json!("hostile"),
+        json!(HOSTILE),
+    );
+    let plan = Plan::from_text(Path::new("hostile.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let stop = AtomicBool::new(false);
+    let options = RunOptions {
+        dir: dir.join(name),
+        stop: &stop,
+        command_line: vec![HOSTILE.to_owned()],
+        fail_fast: false,
+        trace: false,
+    };
+    let log = Rc::new(RefCell::new(Log { broken_method: broken, ..Log::default() }));
+    let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
+    run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
+    options.dir
+}
+
+/// The page with the report of a finished run.
+pub fn report(choice: Choice) -> Option<(Page, PathBuf, tempfile::TempDir)> {
+    let page = chromium::open()?;
+    let dir = tempfile::tempdir().unwrap();
+    let run = finished_run(dir.path(), "run", None);
+    let written = write(&ReportOptions { images: choice, ..ReportOptions::of_run(&run) }).unwrap();
+    Some((page, written.path, dir))
+}
+
+/// Rows of errors.csv as (cell, method, samples, alpha, brdf, exposure).
+pub fn rows(report: &Path) -> Vec<[String; 6]> {
+    let table = Table::read(&report.with_file_name("errors.csv")).unwrap();
+    let columns = ["cell", "method", "samples", "alpha", "brdf", "exposure"].map(|name| table.column(name).unwrap());
+    table.rows.iter().map(|row| columns.map(|column| row[column].clone())).collect()
+}
+
+pub fn cell(report: &Path, wanted: [&str; 5]) -> String {
+    rows(report).into_iter().find(|row| row[1..] == wanted).unwrap_or_else(|| panic!("no {wanted:?}"))[0].clone()
+}
+
+/// The texel that the renderer wrote, as the page must hold it.
+pub fn stored(report: &Path, cell: &str, x: u32, y: u32) -> [f32; 3] {
+    let table = Table::read(&report.with_file_name("images.csv")).unwrap();
+    let row = table.rows.iter().find(|row| row[table.column("cell").unwrap()] == cell).unwrap();
+    let file = &row[table.column("radiance").unwrap()];
+    let image = exr::read(&report.with_file_name("images").join(file)).unwrap();
+    image.rgb.get(x, y).map(|value| f16::from_f32(value).to_f32())
+}
+
+pub fn assert_clean(page: &Page) {
+    assert!(page.errors.is_empty(), "{:#?}", page.errors);
+    let foreign: Vec<&String> = page
+        .requests
+        .iter()
+        .filter(|url| !["file:", "data:", "blob:", "about:"].iter().any(|s| url.starts_with(s)))
+        .collect();
+    assert!(foreign.is_empty(), "the page asked for {foreign:?}");
+}
