@@ -89,6 +89,7 @@ export function figure(spec) {
   } }, "Table");
   table.id = `${id}-table`;
   const tip = h("div", { class: "tip", hidden: true });
+  const legend = spec.legend?.length > 0 && h("ul", { class: "legend" }, spec.legend.map(legendEntry));
   const element = h("figure", { class: `figure ${spec.class ?? ""}`, "data-figure": spec.name },
     h("figcaption", {}, h("h2", { id }, spec.title),
       h("span", { class: "figure-tools" },
@@ -96,7 +97,7 @@ export function figure(spec) {
         h("button", { type: "button", onclick: () => download(`${spec.name}.csv`, csvText(spec.table.columns, spec.table.rows), "text/csv") }, "CSV"),
         h("button", { type: "button", onclick: () => download(`${spec.name}.svg`, standalone(element), "image/svg+xml") }, "SVG"))),
     spec.note && h("p", { class: "note" }, spec.note),
-    spec.legend?.length > 0 && h("ul", { class: "legend" }, spec.legend.map(legendEntry)),
+    legend,
     h("div", { class: "stage-box" }, stage, tip), table);
   let drawn = 0;
   const draw = () => {
@@ -117,6 +118,9 @@ export function figure(spec) {
     const description = s("desc", {}, `${spec.description ?? spec.note ?? ""}${svg.dataset.hint ?? ""}`);
     svg.prepend(description);
     stage.replaceChildren(svg);
+    // A legend too long for its place scrolls, by keyboard too.
+    if (legend) legend.toggleAttribute("tabindex", false);
+    if (legend && legend.scrollHeight > legend.clientHeight + 1) legend.tabIndex = 0;
   };
   // Not within the notification: the drawing changes the size of what is observed.
   new ResizeObserver(() => requestAnimationFrame(draw)).observe(stage);

@@ -120,7 +120,9 @@ export function sweepFigure(run, axis, metric = headline) {
   const { word, log, title, middle, say } = METRICS[metric];
   const models = [...sceneAxes, ...variantAxes].filter((name) => ["brdf", "masking", "diffuse"].includes(name));
   const own = rows.filter((row) => row.run === run && row.axes[axis] !== "" && (log ? row.scores[metric] > 0 : Number.isFinite(row.scores[metric])) && row.axes.method !== "none");
-  const lineOf = (row) => unique([...models.map((name) => row.axes[name]), variantLabel(row, ["point_set", "run", axis, ...models])]).filter(Boolean).join(" · ");
+  // One method goes without saying beside models.
+  const ofWay = (row) => (variantAxes.some((name) => !["point_set", "run", axis, ...models].includes(name)) || !models.length ? variantLabel(row, ["point_set", "run", axis, ...models]) : "");
+  const lineOf = (row) => unique([...models.map((name) => row.axes[name]), ofWay(row)]).filter(Boolean).join(" · ");
   if (!own.length) return null;
   const lines = unique(own.map(lineOf)), { values, place, x } = scaleOf(axis, unique(rows.map((row) => row.axes[axis]).filter((value) => value !== "")));
   // Two properties that differ have two channels: the first one's values the colours, the others the dashes and marks.

@@ -25,7 +25,7 @@ class Live {
   constructor(view) {
     this.view = view;
     this.tables = lightTables();
-    this.canvas = h("canvas", { tabindex: 0, role: "img", "aria-describedby": "live-keys" });
+    this.canvas = h("canvas", { tabindex: 0, role: "img", "aria-label": "Live material view", "aria-describedby": "live-keys" });
     this.render = new LiveRender(this.canvas);
     this.held = false;
     this.changed = -Infinity;

@@ -54,7 +54,7 @@ function signalMore() {
 function help() {
   const dialog = byId("help");
   if (!dialog.firstChild) {
-    dialog.append(h("h2", { id: "help-title" }, "Keys"), h("table", { class: "plain" }, h("tbody", {}, KEYS.map(([key, what]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, key)), h("td", {}, what))))),
+    dialog.append(h("h2", {}, "Keys"), h("table", { class: "plain" }, h("tbody", {}, KEYS.map(([key, what]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, key)), h("td", {}, what))))),
       h("form", { method: "dialog" }, h("button", {}, "Close")));
   }
   dialog.showModal();

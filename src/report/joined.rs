@@ -111,7 +111,7 @@ pub fn facts(runs: &[RunFolder]) -> Vec<Fact> {
         ("cells", of(cells)),
         ("timed", of(timed)),
         ("shaders", whole("/shader_hash")),
-        ("inputs", whole("/inputs")),
+        ("inputs", of(inputs)),
     ];
     let fact = |(what, values): (&'static str, Vec<String>)| {
         let differs = values.iter().collect::<BTreeSet<_>>().len() > 1;
@@ -131,6 +131,17 @@ fn command(run: &RunFolder) -> String {
     let words = run.provenance.pointer(&format!("{}/command_line", run.last_session()));
     let words = words.and_then(serde_json::Value::as_array).into_iter().flatten().filter_map(serde_json::Value::as_str);
     words.collect::<Vec<_>>().join(" ")
+}
+
+/// Digits of a hash that tell two inputs apart to people; the provenance has all.
+const HASH_DIGITS: usize = 12;
+
+/// Name and hash of each.
+fn inputs(run: &RunFolder) -> String {
+    let all = run.provenance["inputs"].as_object().into_iter().flatten();
+    let short = |hash: &str| hash.chars().take(HASH_DIGITS).collect::<String>();
+    let said = all.map(|(name, hash)| format!("{name} {}", hash.as_str().map_or_else(|| hash.to_string(), short)));
+    said.collect::<Vec<_>>().join(", ")
 }
 
 fn cells(run: &RunFolder) -> String {
@@ -199,7 +210,7 @@ pub fn warnings(run: &RunFolder) -> Vec<String> {
 }
 
 /// Which devices' times are those of a driver that computes on the CPU.
-fn cpu_warning(run: &RunFolder) -> Option<String> {
+pub(super) fn cpu_warning(run: &RunFolder) -> Option<String> {
     let devices = |is_cpu: bool| -> Vec<String> {
         let own = run.timings.iter().filter(|record| (record.device_type == "cpu") == is_cpu);
         own.map(|record| record.device.clone()).collect::<BTreeSet<_>>().into_iter().collect()

@@ -158,6 +158,7 @@ fn told(run: &RunFolder, label: &str, alone: &Alone) -> page::Told {
         question: run.text("/question"),
         answer: alone.answer.clone(),
         warnings: joined::outdated(run, &alone.answer).into_iter().chain(joined::warnings(run)).collect(),
+        is_cpu: joined::cpu_warning(run).is_some(),
         device: device_line(run),
         date: date_line(&run.text(&format!("{}/date_utc", run.last_session()))),
     }

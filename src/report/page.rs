@@ -77,6 +77,8 @@ pub struct Told {
     pub question: String,
     pub answer: Answer,
     pub warnings: Vec<String>,
+    /// Whether times of it come from a CPU driver.
+    pub is_cpu: bool,
     pub device: String,
     /// When it ran, `2026-11-21 18:07 UTC`.
     pub date: String,

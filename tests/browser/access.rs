@@ -1,6 +1,5 @@
 //! What a screen reader and the keyboard need: headings in order, names, places to scroll to.
 
-use crate::chromium;
 use crate::fixture::{assert_clean, cell, report};
 use crate::sections::wait_for_figures;
 use serde_json::json;

@@ -1,13 +1,15 @@
 //! Charts: what is saved is what is shown, axes that can be read and compared, intervals that do not end where they do not.
 
 use crate::chromium::{self, Page};
+use crate::fake::Log;
 use crate::fixture::assert_clean;
 use crate::joined::{joined, texts};
-use crate::sections::{report_of, wait_for_figures};
+use crate::sections::{report_of, run_of, wait_for_figures};
 use image::RgbImage;
 use serde_json::{Value, json};
 use splitsum::experiment::answers::run_folder::RunFolder;
 use splitsum::experiment::statistics::median;
+use splitsum::report::{ReportOptions, write};
 use std::path::Path;
 
 /// Five series, of which one has crosses; counts so few that sampling never wins, which arrows say; times, whose front has rings.
@@ -161,6 +163,35 @@ fn panels_of_runs_have_the_same_axes() {
     let ticks: Vec<Vec<String>> =
         (1..=3).map(|run| texts(&mut page, &format!("[data-figure=\"break-even-curves-run-{run}\"] .tick"))).collect();
     assert!(ticks[0].len() > 4 && ticks[0] == ticks[1] && ticks[1] == ticks[2], "{ticks:?}");
+}
+
+#[test]
+fn effects_of_runs_have_the_same_axes() {
+    let Some(mut page) = chromium::open() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let run = |name: &str, counts: &str, biases: &str| {
+        let axes = format!(
+            "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nalpha = [0.1, 0.5]\nmethod = [\"sampled\"]\nsamples = [{counts}]\nlod_bias = [{biases}]"
+        );
+        run_of(&dir.path().join(name), &axes, "", Log::default())
+    };
+    // Other values, and other counts, so that each alone would have axes of its own.
+    let dirs = vec![run("few", "4", "0, 1, 2"), run("many", "4, 64", "0, -4, 8")];
+    let options = ReportOptions {
+        dirs: dirs.clone(),
+        out: Some(dir.path().join("joined.html")),
+        ..ReportOptions::of_run(&dirs[0])
+    };
+    let report = write(&options).unwrap().path;
+    page.resize(1440, 900, "light");
+    page.go(&report, "");
+    wait_for_figures(&mut page);
+    let ticks = [1, 2].map(|run| texts(&mut page, &format!("[data-figure=\"effects-lod_bias-run-{run}\"] .tick")));
+    assert!(
+        ticks[0] == ticks[1] && ticks[0].contains(&"−4".to_owned()) && ticks[0].contains(&"8".to_owned()),
+        "{ticks:?}"
+    );
+    assert_clean(&page);
 }
 
 #[test]

@@ -64,7 +64,13 @@ fn words_of_charts_cover_nothing() {
             ),
             "",
         ),
-        ("sizes", format!("{SCENE}method = [\"split-sum\"]\nprefilter_size = [\"64x32\", \"16x8\", \"128x64\"]"), ""),
+        (
+            "sizes",
+            format!(
+                "{SCENE}method = [\"split-sum\"]\nprefilter_level_count = [2]\nprefilter_size = [[64, 32], [32, 16], [128, 64]]"
+            ),
+            "",
+        ),
     ] {
         std::fs::create_dir(dir.path().join(name)).unwrap();
         let report = report_of(&dir.path().join(name), &axes, rest);

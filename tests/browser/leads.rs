@@ -167,6 +167,8 @@ fn a_phone_shows_the_chart_on_its_first_screen() {
     figures(&mut page);
     let top = page.eval("document.querySelector('#lead-chart .stage svg').getBoundingClientRect().top");
     assert!(top.as_f64().unwrap() < 640.0, "{top}");
+    let mind = page.eval("document.querySelector('.mind-first').getBoundingClientRect().bottom").as_f64().unwrap();
+    assert!(mind > 0.0 && mind < 640.0 && page.text(".mind-first").contains("CPU driver"), "{mind}");
     // A menu that goes on beyond an edge says so.
     let menu = "(() => { const nav = document.getElementById('pages'); return [nav.scrollWidth > nav.clientWidth + 1, nav.dataset.more]; })()";
     page.resize(320, 800, "light");

@@ -17,6 +17,7 @@ mod sections;
 mod tables;
 mod viewer;
 
+use chromium::Page;
 use fixture::{HOSTILE, HOSTILE_FOLDER, SIDE, assert_clean, cell, finished_run, report, rows};
 use serde_json::{Value, json};
 use splitsum::report::images::{Choice, Window};
