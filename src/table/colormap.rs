@@ -37,13 +37,14 @@ pub const OFF_MASK_COLOR: [u8; 3] = [236, 236, 236];
 impl Palette {
     /// The sRGB-encoded colour at `t`, which is clamped to [0, 1].
     pub fn color(self, t: f64) -> [u8; 3] {
-        static MAGMA: LazyLock<Vec<[u8; 3]>> =
-            LazyLock::new(|| nv_flip::magma_lut().to_vec().as_chunks::<3>().0.to_vec());
+        // The table has 256 colours.
+        static MAGMA: LazyLock<[[u8; 3]; 256]> =
+            LazyLock::new(|| std::array::from_fn(|i| colorous::MAGMA.eval_rational(i, 256).as_array()));
         if t.is_nan() {
             return NAN_COLOR;
         }
         let colors: &[[u8; 3]] = match self {
-            Self::Magma => &MAGMA,
+            Self::Magma => &*MAGMA,
             Self::BlueRed => &BLUE_RED,
         };
         let place = t.clamp(0.0, 1.0) * (colors.len() - 1) as f64;
