@@ -8,6 +8,7 @@ use crate::brdf::MaskingShadowing;
 use crate::pipeline::{LightTables, RenderRequest};
 use crate::pixels::packed::{self, HALF_MAX};
 use crate::pixels::{Pixels, RgbImage};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// The file in the folder of a run.
@@ -88,7 +89,7 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
             }
             let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
             if !is_kept {
-                let levels = tables.prefiltered.iter().map(|level| pack(level, environment.scale)).collect();
+                let levels = tables.prefiltered.par_iter().map(|level| pack(level, environment.scale)).collect();
                 environment.prefiltered.push(LivePrefiltered { brdf, levels });
             }
         }
@@ -131,7 +132,7 @@ fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) 
         scale,
         size: [request.environment.image.width, request.environment.image.height],
         first_level: tables.first_level,
-        levels: tables.environment.iter().map(|level| pack(level, scale)).collect(),
+        levels: tables.environment.par_iter().map(|level| pack(level, scale)).collect(),
         sh9: tables.sh9.iter().map(|c| c.map(|x| x / scale)).collect(),
         prefiltered: Vec::new(),
     }

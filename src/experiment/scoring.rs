@@ -5,8 +5,8 @@ use super::plan::{Cell, Plan};
 use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, Spent, Store, StoreError};
 use super::tables::HEADLINE;
 use crate::metrics::{
-    BiasVariance, BinRow, Comparison, Displayed, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Space, linear_metrics, metric,
-    noise_floor, verdict,
+    BiasVariance, BinRow, Comparison, Displayed, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Space,
+    linear_metrics, metric, noise_floor, verdict,
 };
 use crate::pipeline::{DeviceInfo, Frame};
 use crate::pixels::{GrayImage, Rgb8Image, RgbImage, exr};
@@ -167,11 +167,8 @@ impl Rendered<'_> {
             .for_each(|(bin, display)| bin.scores = bin.scores.with(&display.scores));
         let noise_floors = reference.noise_floors().map_err(ScoreFault::Cell)?;
         let flip = images::sweeps_display(plan).then(|| images::flip_picture(&comparison, mask));
-        let pictures = images::CellPictures {
-            test: &self.pictures[0],
-            reference: &self.pictures[1],
-            flip: flip.as_ref(),
-        };
+        let pictures =
+            images::CellPictures { test: &self.pictures[0], reference: &self.pictures[1], flip: flip.as_ref() };
         pictures.write(store, plan, cell).map_err(StoreError::from)?;
         let bias_variance = self.bias_variance.map(|parts| BiasVariance::NAMES.into_iter().zip(parts.values()));
         Ok(CellRecord {

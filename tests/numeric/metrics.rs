@@ -3,8 +3,8 @@
 mod display;
 
 use splitsum::metrics::{
-    Better, Comparison, EPSILON, METRICS, MetricsError, N_DOT_V_BIN_EDGES, ReferenceNoise, Repeats,
-    Space, Verdict, linear_metrics, metric, noise_floor, verdict,
+    Better, Comparison, EPSILON, METRICS, MetricsError, N_DOT_V_BIN_EDGES, ReferenceNoise, Repeats, Space, Verdict,
+    linear_metrics, metric, noise_floor, verdict,
 };
 use splitsum::pixels::{GrayImage, RgbImage};
 use splitsum::tonemap::ToneCurve;

@@ -125,8 +125,7 @@ static SENSITIVITY_TAPS: LazyLock<[Vec<Taps>; 3]> = LazyLock::new(|| {
 
 /// A channel as far as the eye resolves it.
 fn seen(channel: &Plane<f32>, gaussians: &[Taps]) -> Plane<f32> {
-    let blurred =
-        |taps: &Taps| channel.filter_rows(taps, Border::Nearest).filter_columns(taps, Border::Nearest);
+    let blurred = |taps: &Taps| channel.filter_rows(taps, Border::Nearest).filter_columns(taps, Border::Nearest);
     let mut sum = blurred(&gaussians[0]);
     for taps in &gaussians[1..] {
         sum.data.iter_mut().zip(blurred(taps).data).for_each(|(sum, value)| *sum += value);
@@ -144,7 +143,10 @@ static FEATURE_TAPS: LazyLock<[Taps; 3]> = LazyLock::new(|| {
         let weights: Vec<f64> = (-radius..=radius).map(|i| factor(at(i)) * (-0.5 * at(i).powi(2)).exp()).collect();
         let sum = |sign: f64| weights.iter().map(|weight| (sign * weight).max(0.0)).sum::<f64>();
         let (positive, negative) = (sum(1.0), sum(-1.0));
-        weights.iter().map(|&w| (if w > 0.0 { w / positive } else { w / negative.max(f64::MIN_POSITIVE) }) as f32).collect()
+        weights
+            .iter()
+            .map(|&w| (if w > 0.0 { w / positive } else { w / negative.max(f64::MIN_POSITIVE) }) as f32)
+            .collect()
     };
     [taps(|_| 1.0), taps(|t| -t), taps(|t| t * t - 1.0)]
 });

@@ -85,9 +85,8 @@ type Codes = splitsum::pixels::Pixels<[f64; 3]>;
 
 /// The error map of the authors' first program, which filters with whole two-dimensional kernels.
 fn map_of_the_authors(test: &Rgb8Image, reference: &Rgb8Image) -> Vec<f32> {
-    let upload = |image: &Rgb8Image| {
-        nv_flip::FlipImageRgb8::with_data(image.width, image.height, image.data.as_flattened())
-    };
+    let upload =
+        |image: &Rgb8Image| nv_flip::FlipImageRgb8::with_data(image.width, image.height, image.data.as_flattened());
     nv_flip::flip(upload(reference), upload(test), PIXELS_PER_DEGREE).to_vec()
 }
 
