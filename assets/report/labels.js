@@ -64,7 +64,7 @@ export function alongRule(box, y, { isLeft, below }) {
 
 /** Places around a mark, the wanted one first. */
 export function aroundMark(x, y, dx, dy) {
-  const sides = [[dx, dy, "start"], [dx, 14, "start"], [-dx, dy, "end"], [-dx, 14, "end"], [0, -12, "middle"], [0, 20, "middle"], [dx, -20, "start"], [-dx, -20, "end"]];
+  const sides = [[dx, dy, "start"], [dx, 14, "start"], [-dx, dy, "end"], [-dx, 14, "end"], [0, -12, "middle"], [0, 20, "middle"], [dx, -20, "start"], [-dx, -20, "end"], [0, -26, "middle"], [0, 34, "middle"], [dx, 28, "start"], [-dx, 28, "end"]];
   return sides.map(([right, down, anchor], i) => ({ x: x + right, y: y + down, anchor, cost: i }));
 }
 

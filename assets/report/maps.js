@@ -2,18 +2,19 @@
 
 import { COLORS, uniqueId, walkOnly } from "report/chart";
 import { number, s } from "report/dom";
+import { textWidth } from "report/labels";
 
 /** Stacked bars, one a row: bars are {name, parts: [[part, value]], total, open}; colours follow the order of `parts`. */
 export function bars({ bars, parts, unit }) {
   return (width, height, tip) => {
     const targets = [];
     const svg = s("svg", { width, height, class: "chart" });
-    const left = Math.min(width * 0.5, 14 + 7.2 * Math.max(...bars.map((bar) => bar.name.length)));
+    const widest = Math.max(...bars.map((bar) => textWidth(bar.name))), left = Math.min(width * 0.5, 14 + widest), letters = Math.min(12, (12 * (left - 10)) / widest);
     const longest = Math.max(...bars.map((bar) => bar.total)), rowHeight = height / bars.length;
     bars.forEach((bar, i) => {
       const y = i * rowHeight, middle = y + rowHeight / 2 + 4;
       let x = left;
-      svg.append(s("text", { x: left - 8, y: middle, class: "tick", "text-anchor": "end" }, bar.name));
+      svg.append(s("text", { x: left - 8, y: middle, class: "tick", "text-anchor": "end", style: `font-size:${letters}px` }, bar.name));
       // Medians of parts do not add up to the median of the whole, which the bar's length is.
       const sum = bar.parts.reduce((all, [, value]) => all + value, 0) || 1;
       for (const [part, value] of bar.parts) {

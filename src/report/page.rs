@@ -121,9 +121,9 @@ pub fn render(
     })
 }
 
-/// Text in which no line ends between a number and its per cent sign.
+/// Text in which no line ends between a number and its sign, before or behind it.
 fn whole_units(text: &str) -> String {
-    text.replace(" %", "\u{a0}%")
+    text.replace(" %", "\u{a0}%").replace("± ", "±\u{a0}")
 }
 
 fn safe(text: String) -> Value {
