@@ -100,6 +100,8 @@ pub struct Config {
     pub has_printed_slips: bool,
     /// `--set` texts that took part.
     pub overrides: Vec<String>,
+    /// The folder that files named in the file are relative to, where not its own.
+    pub file_dir: Option<PathBuf>,
     /// The folder that files named by `--set` are relative to; the current one when empty.
     pub set_dir: PathBuf,
 }
@@ -174,6 +176,7 @@ impl Config {
             light_places: Vec::new(),
             has_printed_slips: false,
             overrides: overrides.to_vec(),
+            file_dir: None,
             set_dir: PathBuf::new(),
         };
         let root = root.get_ref();

@@ -10,6 +10,7 @@ pub mod config;
 pub mod environments;
 pub mod estimate;
 pub mod fault;
+pub mod frozen;
 pub mod host;
 mod images;
 pub mod inputs;
@@ -42,4 +43,4 @@ pub use images::{STANDARD_ERROR_LAYER, error_picture, file_words, write_radiance
 pub use plan::{Cell, Plan};
 pub use provenance::date_utc;
 pub use renderer::{RenderFault, Renderer};
-pub use run::{MakeRenderer, Outcome, Progress, RunError, RunOptions, Work, run};
+pub use run::{MakeRenderer, Outcome, Progress, RunError, RunOptions, Work, run, run_extended};
