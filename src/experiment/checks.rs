@@ -81,7 +81,10 @@ pub fn check_lights(config: &Config, inputs: &Inputs, faults: &mut Faults) {
 pub fn check_exclusions(config: &Config, options: &LoadOptions, faults: &mut Faults) {
     let conditions = config.exclusions.iter().flat_map(|exclusion| &exclusion.conditions);
     let mut found: HashMap<(usize, &str), bool> = HashMap::new();
-    for (axis, values) in conditions {
+    // Values of an axis that could not be read have faults of their own.
+    let is_read =
+        |axis: usize| config.axes.iter().all(|s| s.axis != axis || s.values.len() == s.written && s.written > 0);
+    for (axis, values) in conditions.filter(|(axis, _)| is_read(*axis)) {
         let known = values_of(config, *axis);
         let is_idle = values.iter().all(|placed| !known.contains(&&placed.value));
         let is_input = matches!(AXES[*axis].kind, Kind::Input);
@@ -134,8 +137,8 @@ fn values_of(config: &Config, axis: usize) -> Vec<&Value> {
 
 fn off_axis(axis: usize, value: &Value, known: &[&Value]) -> String {
     let names: Vec<String> = known.iter().map(|value| shown(value)).collect();
-    let near = match AXES[axis].kind {
-        Kind::Number(_) | Kind::Count { .. } => nearest(value, known),
+    let near = match value {
+        Value::Number(_) | Value::Count(_) => nearest(value, known),
         _ => suggestion(&value.to_string(), &names.iter().map(String::as_str).collect::<Vec<_>>()),
     };
     let wrong = if let Value::Text(text) = value { format!("{text:?}") } else { shown(value) };

@@ -36,9 +36,9 @@ fn extend(plan: &Plan, options: &RunOptions, progress: &mut dyn Progress) -> Res
     let store = Store::held(&options.dir)?;
     // Another run may have changed the folder between the check and the lock.
     let Some(extension) = store.extension(plan)? else { return Ok(()) };
-    let stale = rename_images(plan, &store, &extension)?;
+    rename_images(plan, &store, &extension)?;
     freeze(plan, &store, &extension, options)?;
-    stale.iter().try_for_each(|name| store.remove_image(name))?;
+    remove_old_names(plan, &store)?;
     let mut words = format!(
         "extends the run of plan {}: {} of its cells are kept, {} are new",
         plan_hash(&extension.from),
@@ -59,9 +59,8 @@ fn plan_hash(provenance: &Value) -> &str {
     provenance["plan_hash"].as_str().unwrap_or_default()
 }
 
-/// Gives the images of kept cells the names that they have in the plan, and their records too. Returns the old names.
-fn rename_images(plan: &Plan, store: &Store, extension: &Extension) -> Result<BTreeSet<String>, StoreError> {
-    let mut stale = BTreeSet::new();
+/// Gives the images of kept cells the names that they have in the plan, beside the old ones, and their records too.
+fn rename_images(plan: &Plan, store: &Store, extension: &Extension) -> Result<(), StoreError> {
     let mut placed = BTreeSet::new();
     for cell in plan.cells.iter().filter(|cell| extension.kept.contains(&cell.id)) {
         let Some(mut record) = store.cell(&cell.id)? else { continue };
@@ -71,7 +70,6 @@ fn rename_images(plan: &Plan, store: &Store, extension: &Extension) -> Result<BT
             // What is missing or changed is noticed by its hash, and made again.
             if *old != new && from.is_file() && placed.insert(new.clone()) {
                 store.place(&from, &to, None)?;
-                stale.insert(old.clone());
             }
             files.insert(new, record.files[old].clone());
         }
@@ -80,8 +78,17 @@ fn rename_images(plan: &Plan, store: &Store, extension: &Extension) -> Result<BT
             store.write_cell(&record)?;
         }
     }
-    stale.retain(|name| !placed.contains(name));
-    Ok(stale)
+    Ok(())
+}
+
+/// Removes the images of the plan's cells that have other names than in the plan: those of this extension, or of one that was cut off.
+fn remove_old_names(plan: &Plan, store: &Store) -> Result<(), StoreError> {
+    let ids: BTreeSet<&str> = plan.cells.iter().flat_map(|cell| [&*cell.id, &cell.radiance, &cell.reference]).collect();
+    let names: BTreeSet<String> = plan.cells.iter().flat_map(|cell| images::files(plan, cell)).collect();
+    let entries = std::fs::read_dir(store.image_path("")).into_iter().flatten().flatten();
+    let found = entries.filter(|entry| entry.path().is_file()).filter_map(|entry| entry.file_name().into_string().ok());
+    let is_old = |name: &String| !names.contains(name) && name.split('.').any(|part| ids.contains(part));
+    found.filter(is_old).try_for_each(|name| store.remove_image(&name))
 }
 
 /// Makes the plan that of the folder, and tells from where it came.

@@ -148,7 +148,9 @@ fn other_metric(provenance: &Value) -> Option<String> {
 /// A cell by what tells it from the others of its run.
 fn words(id: &str, cells: &BTreeMap<String, BTreeMap<String, String>>) -> String {
     let varies = |name: &str| {
-        let values: BTreeSet<&String> = cells.values().filter_map(|axes| axes.get(name)).collect();
+        let values = cells.values().filter_map(|axes| axes.get(name));
+        // What only some methods use tells nothing beside the method.
+        let values: BTreeSet<&String> = values.filter(|value| !value.is_empty()).collect();
         values.len() > 1
     };
     let axes = &cells[id];

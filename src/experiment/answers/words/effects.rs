@@ -54,7 +54,7 @@ pub(super) fn from_effects(study: &Study, answers: &Answers, sizes_are_asked: bo
             match effect.interval[1].is_finite() {
                 _ if effect.is_decided() => String::new(),
                 true => format!(
-                    ": it errs less in {} of {}, and the interval does not tell which one does",
+                    ": it errs less in {} of {}, and the interval does not tell which one errs less",
                     effect.better, effect.n
                 ),
                 false => ", without an interval".to_owned(),
