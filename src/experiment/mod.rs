@@ -25,6 +25,7 @@ pub mod run;
 mod scores;
 mod scoring;
 pub mod seal;
+mod sections;
 mod sheets;
 pub mod statistics;
 pub mod store;

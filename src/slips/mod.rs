@@ -78,7 +78,7 @@ pub struct Cost {
 
 /// How the quantities begin to which light is proportional: wrong by a factor, what is seen is wrong by it. Others are angles, levels,
 /// exponents, texture coordinates.
-const OF_LIGHT: [&str; 12] = [
+const OF_LIGHT: [&str; 14] = [
     "albedo",
     "specular albedo",
     "reflectance",
@@ -91,6 +91,8 @@ const OF_LIGHT: [&str; 12] = [
     "mean of 1",
     "the same at the peak",
     "second factor",
+    "integral over",
+    "display value",
 ];
 
 /// Side by side, light of this ratio is just told apart: Weber's fraction of daylight vision is one to two percent.

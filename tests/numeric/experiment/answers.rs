@@ -561,7 +561,7 @@ fn printed_slips_are_named_by_what_they_cost() {
     let has = |words: &str| answer.facts.iter().any(|fact| fact.contains(words));
     assert!(has("A factor of 5.00: document 0, `a`: 3.00 instead of 0.600 (albedo, n·v 1)."), "{:#?}", answer.facts);
     assert!(has("Not seen, by at most 2.0 % of the light: document 1, `e`"), "{:#?}", answer.facts);
-    assert!(has("The figures of the other 1 slip are no amounts of light"), "{:#?}", answer.facts);
+    assert!(has("The figures of the other 1 slip are no ratios of light"), "{:#?}", answer.facts);
     // Environment by environment, and no mean over them.
     assert!(
         has("seed0-literal instead of sampled multiplies the error at 40 samples by 2.00 in sky and 8.00 in studio."),

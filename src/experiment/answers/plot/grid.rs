@@ -58,7 +58,9 @@ const ABOVE: i32 = 24;
 const BELOW: i32 = 46;
 /// Cells with one line, and with two.
 const CELL: [i32; 2] = [50, 27];
-const CELL_WITH_RANGE: [i32; 2] = [66, 35];
+const CELL_WITH_RANGE_HEIGHT: i32 = 35;
+/// Room beside a second line.
+const RANGE_MARGIN: i32 = 8;
 /// Second lines: their size, and how far both lines stand from the middle.
 const RANGE_LABEL: i32 = 10;
 const LINE_SHIFT: i32 = 8;
@@ -86,8 +88,9 @@ impl HeatChart {
 
     /// Width and height of a cell.
     fn cell_size(&self) -> [i32; 2] {
-        let mut cells = self.panels.iter().flat_map(|panel| panel.cells.iter().flatten().flatten());
-        if cells.any(|cell| !cell.range.is_empty()) { CELL_WITH_RANGE } else { CELL }
+        let cells = self.panels.iter().flat_map(|panel| panel.cells.iter().flatten().flatten());
+        let ranges = cells.filter(|cell| !cell.range.is_empty()).map(|cell| text_width(&cell.range, RANGE_LABEL));
+        ranges.max().map_or(CELL, |longest| [CELL[0].max(longest + RANGE_MARGIN), CELL_WITH_RANGE_HEIGHT])
     }
 
     pub fn svg(&self) -> Result<String, PlotError> {

@@ -38,7 +38,7 @@ pub(super) fn from_slips(study: &Study, answers: &Answers) -> Option<Answer> {
     }
     if others > 0 {
         facts.push(format!(
-            "The figures of the other {others} {} are no amounts of light: levels, angles, exponents, what is undefined.",
+            "The figures of the other {others} {} are no ratios of light: levels, angles, exponents, steps, what is undefined.",
             plural(others, "slip")
         ));
     }
