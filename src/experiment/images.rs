@@ -68,8 +68,9 @@ pub(super) fn picture_name(plan: &Plan, cell: &Cell) -> String {
     format!("{}.{}.png", slug(plan, &cell.point, true), cell.id)
 }
 
+/// Cells that differ in the tone curve only share it.
 pub(super) fn error_name(plan: &Plan, cell: &Cell) -> String {
-    format!("{}.{}.error.png", slug(plan, &cell.point, true), cell.id)
+    format!("{}.{}.error.png", slug(plan, &cell.point, false), cell.radiance)
 }
 
 pub(super) fn flip_name(plan: &Plan, cell: &Cell) -> String {
@@ -89,9 +90,16 @@ pub fn write_radiance(path: &Path, frame: &Frame) -> Result<(), PixelsError> {
     exr::write_rgba(path, &frame.radiance, &frame.mask, &layers)
 }
 
-/// Relative error in fixed colours.
-pub fn error_picture(comparison: &Comparison, mask: &GrayImage) -> Rgb8Image {
-    RELATIVE_ERROR.image(&comparison.relative_error_map(), mask)
+/// Writes the relative error in fixed colours.
+pub(super) fn write_error(
+    store: &Store,
+    plan: &Plan,
+    cell: &Cell,
+    comparison: &Comparison,
+    mask: &GrayImage,
+) -> Result<(), PixelsError> {
+    let picture = RELATIVE_ERROR.image(&comparison.relative_error_map(), mask);
+    png::write_rgb8(&store.image_path(&error_name(plan, cell)), &picture)
 }
 
 /// FLIP error of the display images in fixed colours.
@@ -108,7 +116,6 @@ pub(super) fn sweeps_display(plan: &Plan) -> bool {
 pub struct CellPictures<'a> {
     pub test: &'a Rgb8Image,
     pub reference: &'a Rgb8Image,
-    pub error: &'a Rgb8Image,
     /// There when the tone curve is swept.
     pub flip: Option<&'a Rgb8Image>,
 }
@@ -117,7 +124,6 @@ impl CellPictures<'_> {
     /// Writes them; the reference's picture is shared by cells and written once.
     pub fn write(&self, store: &Store, plan: &Plan, cell: &Cell) -> Result<(), PixelsError> {
         png::write_rgb8(&store.image_path(&picture_name(plan, cell)), self.test)?;
-        png::write_rgb8(&store.image_path(&error_name(plan, cell)), self.error)?;
         if let Some(flip) = self.flip {
             png::write_rgb8(&store.image_path(&flip_name(plan, cell)), flip)?;
         }

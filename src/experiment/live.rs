@@ -8,6 +8,7 @@ use crate::brdf::MaskingShadowing;
 use crate::pipeline::{LightTables, RenderRequest};
 use crate::pixels::packed::{self, HALF_MAX};
 use crate::pixels::{Pixels, RgbImage};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// The file in the folder of a run.
@@ -17,11 +18,11 @@ const ENVIRONMENT_COUNT: usize = 4;
 /// Wider levels of an environment are left out: a background of this width is as sharp as a screen.
 const ENVIRONMENT_WIDTH: u32 = 1024;
 
-/// The content of [`LIVE_FILE`].
+/// The content of [`LIVE_FILE`]; as [`RgbImage`]s, what it is made of.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct LiveRecord {
-    pub environments: Vec<LiveEnvironment>,
-    pub lobes: Vec<LiveLobe>,
+pub struct LiveRecord<Image = PackedImage> {
+    pub environments: Vec<LiveEnvironment<Image>>,
+    pub lobes: Vec<LiveLobe<Image>>,
     /// Environments of the run that are not here.
     pub left_out: usize,
 }
@@ -33,9 +34,9 @@ pub struct PackedImage {
     pub base64: String,
 }
 
-/// One environment with what was made of it. Radiance is divided by `scale`.
+/// One environment with what was made of it. Packed radiance and `sh9` are divided by `scale`.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct LiveEnvironment {
+pub struct LiveEnvironment<Image = PackedImage> {
     /// For people.
     pub label: String,
     /// Power of two, 1 unless the radiance leaves the range of half floats.
@@ -44,34 +45,34 @@ pub struct LiveEnvironment {
     pub size: [u32; 2],
     /// Levels above the first one of `levels`.
     pub first_level: u32,
-    pub levels: Vec<PackedImage>,
+    pub levels: Vec<Image>,
     /// Radiance coefficients in the order of `shaders/lib/sh.glsl`.
     pub sh9: Vec<[f32; 3]>,
-    pub prefiltered: Vec<LivePrefiltered>,
+    pub prefiltered: Vec<LivePrefiltered<Image>>,
 }
 
 /// The prefiltered levels of one model.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct LivePrefiltered {
+pub struct LivePrefiltered<Image = PackedImage> {
     pub brdf: String,
-    pub levels: Vec<PackedImage>,
+    pub levels: Vec<Image>,
 }
 
 /// The DFG table of one model and masking: what scales f0 in R, what is added in G.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct LiveLobe {
+pub struct LiveLobe<Image = PackedImage> {
     pub brdf: String,
     pub masking: String,
-    pub dfg: PackedImage,
+    pub dfg: Image,
 }
 
 /// Makes the tables of every model in the first environments of a plan.
-pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, RenderFault> {
+pub fn tables(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord<RgbImage>, RenderFault> {
     let mut record = LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0 };
     let environments = distinct(plan, &[], |request| request.environment.hash.clone());
     let lobes = distinct(plan, &["brdf"], |request| (request.brdf.name(), request.masking_shadowing));
     for (point, request) in environments.iter().take(ENVIRONMENT_COUNT) {
-        let mut environment: Option<LiveEnvironment> = None;
+        let mut environment: Option<LiveEnvironment<RgbImage>> = None;
         for (_, of_lobe) in &lobes {
             let (brdf, masking) = (of_lobe.brdf.name().to_owned(), masking_name(of_lobe.masking_shadowing));
             let has_lobe = record.lobes.iter().any(|lobe| lobe.brdf == brdf && lobe.masking == masking);
@@ -83,19 +84,45 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
             let wanted = RenderRequest { brdf: brdf_of, masking_shadowing, ..request.clone() };
             let tables = renderer.light_tables(&wanted, ENVIRONMENT_WIDTH)?;
             if !has_lobe {
-                let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);
+                let dfg = tables.dfg.map(|[a, b]| [a, b, 0.0]);
                 record.lobes.push(LiveLobe { brdf: brdf.clone(), masking: masking.to_owned(), dfg });
             }
             let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
             if !is_kept {
-                let levels = tables.prefiltered.iter().map(|level| pack(level, environment.scale)).collect();
-                environment.prefiltered.push(LivePrefiltered { brdf, levels });
+                environment.prefiltered.push(LivePrefiltered { brdf, levels: tables.prefiltered });
             }
         }
         record.environments.extend(environment);
     }
     record.left_out = environments.len() - record.environments.len();
     Ok(record)
+}
+
+impl LiveRecord<RgbImage> {
+    /// What is written. Takes some tenths of a second, on all cores and without the device.
+    pub fn packed(self) -> LiveRecord {
+        let pack_all = |levels: Vec<RgbImage>, scale: f32| levels.par_iter().map(|level| pack(level, scale)).collect();
+        let of_model = |map: LivePrefiltered<RgbImage>, scale| LivePrefiltered {
+            brdf: map.brdf,
+            levels: pack_all(map.levels, scale),
+        };
+        let of_environment = |environment: LiveEnvironment<RgbImage>| LiveEnvironment {
+            label: environment.label,
+            scale: environment.scale,
+            size: environment.size,
+            first_level: environment.first_level,
+            levels: pack_all(environment.levels, environment.scale),
+            sh9: environment.sh9,
+            prefiltered: environment.prefiltered.into_iter().map(|map| of_model(map, environment.scale)).collect(),
+        };
+        let of_lobe =
+            |lobe: LiveLobe<RgbImage>| LiveLobe { brdf: lobe.brdf, masking: lobe.masking, dfg: pack(&lobe.dfg, 1.0) };
+        LiveRecord {
+            environments: self.environments.into_iter().map(of_environment).collect(),
+            lobes: self.lobes.into_iter().map(of_lobe).collect(),
+            left_out: self.left_out,
+        }
+    }
 }
 
 /// The first cell's point and request for every value of `key`, of the cells that use all of `axes`.
@@ -121,7 +148,7 @@ fn masking_name(masking: MaskingShadowing) -> &'static str {
     found.map(|(name, _)| *name).expect("a listed masking")
 }
 
-fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) -> LiveEnvironment {
+fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) -> LiveEnvironment<RgbImage> {
     let largest = tables.environment.iter().chain(&tables.prefiltered).flat_map(|level| level.data.iter().flatten());
     let scale = half_scale(largest.fold(0.0, |a: f32, b| a.max(*b)));
     let clip = point.get("environment_clip_log2").to_string();
@@ -131,7 +158,7 @@ fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) 
         scale,
         size: [request.environment.image.width, request.environment.image.height],
         first_level: tables.first_level,
-        levels: tables.environment.iter().map(|level| pack(level, scale)).collect(),
+        levels: tables.environment.clone(),
         sh9: tables.sh9.iter().map(|c| c.map(|x| x / scale)).collect(),
         prefiltered: Vec::new(),
     }

@@ -40,7 +40,7 @@ pub mod value;
 
 pub use config::Config;
 pub use fault::{ConfigError, Fault};
-pub use images::{STANDARD_ERROR_LAYER, error_picture, file_words, write_radiance};
+pub use images::{STANDARD_ERROR_LAYER, file_words, write_radiance};
 pub use plan::{Cell, Plan};
 pub use provenance::date_utc;
 pub use renderer::{RenderFault, Renderer};

@@ -5,8 +5,8 @@ use super::plan::{Cell, Plan};
 use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, Spent, Store, StoreError};
 use super::tables::HEADLINE;
 use crate::metrics::{
-    BiasVariance, BinRow, Comparison, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Space, linear_metrics, metric,
-    noise_floor, verdict,
+    BiasVariance, BinRow, Comparison, Displayed, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Space,
+    linear_metrics, metric, noise_floor, verdict,
 };
 use crate::pipeline::{DeviceInfo, Frame};
 use crate::pixels::{GrayImage, Rgb8Image, RgbImage, exr};
@@ -26,11 +26,11 @@ pub struct ReferenceImage {
     pub rendered: Option<Arc<Frame>>,
     noise_floors: OnceLock<Result<Scores, String>>,
     /// What display metrics see of it, by tone curve; of the last few, since a sweep takes them one after the other.
-    displays: Mutex<Vec<(ToneCurve, Arc<Rgb8Image>)>>,
+    displays: Mutex<Vec<(ToneCurve, Arc<Displayed>)>>,
 }
 
-/// Tone curves whose display image of a reference is kept.
-const DISPLAY_COUNT: usize = 16;
+/// Memory for what is kept of a reference's display images, bytes; one is kept whatever its size.
+const DISPLAY_BYTES: usize = 64 << 20;
 
 impl ReferenceImage {
     /// The reference that was just rendered; `wanted` is the relative standard error that was asked for.
@@ -79,7 +79,8 @@ impl ReferenceImage {
         }
         let display = comparison.reference_display().clone();
         let mut known = known();
-        if known.len() == DISPLAY_COUNT {
+        let count_max = DISPLAY_BYTES / (Displayed::BYTES_PER_PIXEL * self.mask.data.len());
+        if known.len() >= count_max.max(1) {
             known.remove(0);
         }
         known.push((curve, display));
@@ -115,7 +116,6 @@ pub struct Rendered<'p> {
 pub struct Linear {
     scores: Scores,
     bins: Vec<BinRecord>,
-    error: Rgb8Image,
 }
 
 /// Why a cell has no record.
@@ -134,7 +134,7 @@ impl From<StoreError> for ScoreFault {
 }
 
 impl Rendered<'_> {
-    /// Scores the cell and writes its pictures. What it spent is left out, and the linear files: they may not be written yet.
+    /// Scores the cell and writes its pictures and error maps. What it spent is left out, and the linear files: they may not be written yet.
     pub fn score(&self, plan: &Plan, store: &Store, device: &DeviceInfo) -> Result<CellRecord, ScoreFault> {
         let bad = |error: &dyn std::fmt::Display| ScoreFault::Cell(error.to_string());
         let (cell, reference) = (self.cell, &self.reference);
@@ -153,8 +153,8 @@ impl Rendered<'_> {
             // Two threads may both compute it: they find the same, and the first one's is kept.
             None => {
                 let metrics = linear_metrics();
-                let error = images::error_picture(&comparison, mask);
-                let found = Linear { scores: by_name(comparison.evaluate(&metrics)), bins: bins_of(&metrics)?, error };
+                images::write_error(store, plan, cell, &comparison, mask).map_err(StoreError::from)?;
+                let found = Linear { scores: by_name(comparison.evaluate(&metrics)), bins: bins_of(&metrics)? };
                 self.linear.get_or_init(|| found)
             }
         };
@@ -167,12 +167,8 @@ impl Rendered<'_> {
             .for_each(|(bin, display)| bin.scores = bin.scores.with(&display.scores));
         let noise_floors = reference.noise_floors().map_err(ScoreFault::Cell)?;
         let flip = images::sweeps_display(plan).then(|| images::flip_picture(&comparison, mask));
-        let pictures = images::CellPictures {
-            test: &self.pictures[0],
-            reference: &self.pictures[1],
-            error: &linear.error,
-            flip: flip.as_ref(),
-        };
+        let pictures =
+            images::CellPictures { test: &self.pictures[0], reference: &self.pictures[1], flip: flip.as_ref() };
         pictures.write(store, plan, cell).map_err(StoreError::from)?;
         let bias_variance = self.bias_variance.map(|parts| BiasVariance::NAMES.into_iter().zip(parts.values()));
         Ok(CellRecord {

@@ -59,12 +59,15 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
         }
         let name = words(&sheet_axes, cells[0], "_").replace(['/', ':'], "-");
         let name = if name.is_empty() { plan.config.name.clone() } else { name };
-        for (page, sheet) in pages.iter().enumerate() {
-            let name = if pages.len() > 1 { format!("{name}_{}.png", page + 1) } else { format!("{name}.png") };
-            let path = store.table_path(&name);
-            png::write_rgb8(&path, &sheet.render().expect(EVEN_SHEET))?;
-            written.insert(path);
-        }
+        let page_path = |page: usize| {
+            let number = if pages.len() > 1 { format!("_{}", page + 1) } else { String::new() };
+            store.table_path(&format!("{name}{number}.png"))
+        };
+        let write = |(page, sheet): (usize, &ContactSheet)| {
+            png::write_rgb8(&page_path(page), &sheet.render().expect(EVEN_SHEET))
+        };
+        pages.par_iter().enumerate().try_for_each(write)?;
+        written.extend((0..pages.len()).map(page_path));
     }
     for path in sheet_files(store.dir()).into_iter().filter(|path| !written.contains(path)) {
         std::fs::remove_file(&path).map_err(|error| StoreError::Io { path, error })?;

@@ -1,5 +1,6 @@
 //! A test image, its reference and a mask, checked once; what several metrics need is computed once.
 
+use super::filter::Plane;
 use super::{EPSILON, METRICS, Metric, flip, linear_metrics, ssim};
 use crate::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use crate::tonemap::ToneCurve;
@@ -25,6 +26,40 @@ pub enum MetricsError {
     BinEdges { edges: Vec<f64> },
 }
 
+/// An image after the tone curve, black off the mask: a background, equal or not, then adds no difference to the windows of SSIM and
+/// FLIP that reach across the silhouette. With what display metrics make of it alone.
+#[derive(Debug)]
+pub struct Displayed {
+    image: Rgb8Image,
+    ssim: OnceLock<ssim::View>,
+    flip: OnceLock<flip::View>,
+}
+
+impl Displayed {
+    /// Upper bound of the memory it comes to hold, bytes a pixel: three of the image, three f64 of SSIM, five f32 of FLIP.
+    pub const BYTES_PER_PIXEL: usize = 3 + 3 * 8 + 5 * 4;
+
+    fn new(image: &RgbImage, pixels: &[usize], curve: ToneCurve) -> Self {
+        let mut display = Rgb8Image::filled(image.width, image.height, [0; 3]);
+        for &pixel in pixels {
+            display.data[pixel] = curve.apply_rgb8(image.data[pixel]);
+        }
+        Self { image: display, ssim: OnceLock::new(), flip: OnceLock::new() }
+    }
+
+    pub(super) fn image(&self) -> &Rgb8Image {
+        &self.image
+    }
+
+    fn ssim(&self) -> &ssim::View {
+        self.ssim.get_or_init(|| ssim::View::new(&self.image))
+    }
+
+    fn flip(&self) -> &flip::View {
+        self.flip.get_or_init(|| flip::View::new(&self.image))
+    }
+}
+
 /// A test image against its reference over a mask. Borrowed images; nothing is computed before a score asks for it.
 pub struct Comparison<'a> {
     test: &'a RgbImage,
@@ -32,9 +67,9 @@ pub struct Comparison<'a> {
     curve: ToneCurve,
     pixels: Vec<usize>,
     relative_squares: OnceLock<Vec<f64>>,
-    test_display: OnceLock<Rgb8Image>,
-    reference_display: OnceLock<Arc<Rgb8Image>>,
-    ssim: OnceLock<Pixels<f64>>,
+    test_display: OnceLock<Displayed>,
+    reference_display: OnceLock<Arc<Displayed>>,
+    ssim: OnceLock<Plane<f64>>,
     flip: OnceLock<GrayImage>,
 }
 
@@ -144,38 +179,36 @@ impl<'a> Comparison<'a> {
         })
     }
 
-    /// The reference as display metrics see it: after the tone curve, black off the mask.
-    pub fn reference_display(&self) -> &Arc<Rgb8Image> {
-        self.reference_display.get_or_init(|| Arc::new(self.displayed(self.reference)))
+    /// The reference as display metrics see it.
+    pub fn reference_display(&self) -> &Arc<Displayed> {
+        self.reference_display.get_or_init(|| Arc::new(Displayed::new(self.reference, &self.pixels, self.curve)))
     }
 
     /// Takes the reference's display image from another comparison with the same reference, mask and tone curve.
-    pub fn with_reference_display(self, display: Arc<Rgb8Image>) -> Self {
+    pub fn with_reference_display(self, display: Arc<Displayed>) -> Self {
         Self { reference_display: display.into(), ..self }
     }
 
-    /// Test and reference after the tone curve, black off the mask: a background, equal or not, then adds no difference to
-    /// the windows of SSIM and FLIP that reach across the silhouette.
-    pub(super) fn display(&self) -> [&Rgb8Image; 2] {
-        [self.test_display.get_or_init(|| self.displayed(self.test)), self.reference_display()]
+    /// Test and reference after the tone curve.
+    pub(super) fn display(&self) -> [&Displayed; 2] {
+        [
+            self.test_display.get_or_init(|| Displayed::new(self.test, &self.pixels, self.curve)),
+            self.reference_display(),
+        ]
     }
 
-    fn displayed(&self, image: &RgbImage) -> Rgb8Image {
-        let mut display = Rgb8Image::filled(image.width, image.height, [0; 3]);
-        for &pixel in &self.pixels {
-            display.data[pixel] = self.curve.apply_rgb8(image.data[pixel]);
-        }
-        display
-    }
-
-    pub(super) fn ssim(&self) -> &Pixels<f64> {
-        let [test, reference] = self.display();
-        self.ssim.get_or_init(|| ssim::ssim_map(test, reference))
+    pub(super) fn ssim(&self) -> &Plane<f64> {
+        self.ssim.get_or_init(|| {
+            let [test, reference] = self.display().map(Displayed::ssim);
+            ssim::ssim_map(test, reference)
+        })
     }
 
     pub(super) fn flip(&self) -> &GrayImage {
-        let [test, reference] = self.display();
-        self.flip.get_or_init(|| flip::flip_map(test, reference))
+        self.flip.get_or_init(|| {
+            let [test, reference] = self.display().map(Displayed::flip);
+            flip::flip_map(test, reference)
+        })
     }
 }
 

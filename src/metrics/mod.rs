@@ -10,6 +10,7 @@ mod bias;
 mod bias_variance;
 mod bins;
 mod comparison;
+mod filter;
 mod flip;
 mod mae;
 mod noise;
@@ -22,7 +23,7 @@ mod tail;
 
 pub use bias_variance::{BiasVariance, Repeats};
 pub use bins::{BinRow, N_DOT_V_BIN_EDGES};
-pub use comparison::{Comparison, MetricsError};
+pub use comparison::{Comparison, Displayed, MetricsError};
 pub use flip::PIXELS_PER_DEGREE;
 pub use noise::{ReferenceNoise, Verdict, noise_floor, verdict};
 

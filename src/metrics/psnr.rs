@@ -1,7 +1,7 @@
 //! Peak signal-to-noise ratio of the 8-bit display images.
 
 use super::comparison::{pixel_mean, rgb_mean};
-use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
+use super::{Better, Comparison, Description, Displayed, Metric, ReferenceNoise, Space};
 
 /// Largest 8-bit code value: the peak.
 const PEAK: f64 = 255.0;
@@ -23,7 +23,7 @@ impl Metric for Psnr {
     }
 
     fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
-        let [test, reference] = comparison.display();
+        let [test, reference] = comparison.display().map(Displayed::image);
         let mse = pixel_mean(pixels, |pixel| {
             let (t, r) = (test.data[pixel].map(f64::from), reference.data[pixel].map(f64::from));
             rgb_mean(|c| (t[c] - r[c]).powi(2))

@@ -8,8 +8,9 @@
 //! the border and its weights are normalised again, so that every masked pixel has a value.
 
 use super::comparison::pixel_mean;
+use super::filter::{Border, Plane};
 use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
-use crate::pixels::{Pixels, Rgb8Image};
+use crate::pixels::Rgb8Image;
 
 /// Pixels from the centre to the edge of the window.
 const WINDOW_RADIUS: usize = 5;
@@ -46,42 +47,49 @@ impl Metric for Ssim {
     }
 }
 
-/// SSIM at every pixel.
-pub(super) fn ssim_map(test: &Rgb8Image, reference: &Rgb8Image) -> Pixels<f64> {
-    let luma = |rgb: [u8; 3]| (0..3).map(|c| LUMA[c] * f64::from(rgb[c])).sum::<f64>();
-    let moments = Pixels::from_fn(test.width, test.height, |x, y| {
-        let (t, r) = (luma(test.get(x, y)), luma(reference.get(x, y)));
-        [t, r, t * t, r * r, t * r]
-    });
-    // The Gaussian is separable, and so is its cut at the image border.
-    let (width, height) = (test.width as usize, test.height as usize);
-    let moments = blur(&moments, |pixel| pixel % width, width, 1);
-    let moments = blur(&moments, |pixel| pixel / width, height, width);
-    moments.map(|[t, r, tt, rr, tr]| {
-        let (variance_t, variance_r, covariance) = (tt - t * t, rr - r * r, tr - t * r);
-        (2.0 * t * r + C1) * (2.0 * covariance + C2) / ((t * t + r * r + C1) * (variance_t + variance_r + C2))
-    })
+/// One image, as SSIM compares it: local means under the window.
+#[derive(Debug)]
+pub(super) struct View {
+    luma: Plane<f64>,
+    mean: Plane<f64>,
+    mean_square: Plane<f64>,
 }
 
-/// Local means over a window: of test, reference, their squares and their product.
-type Moments = Pixels<[f64; 5]>;
+impl View {
+    pub fn new(image: &Rgb8Image) -> Self {
+        let luma_at = |pixel: usize| (0..3).map(|c| LUMA[c] * f64::from(image.data[pixel][c])).sum();
+        let luma = Plane::from_fn(image.width as usize, image.data.len(), luma_at);
+        Self { mean: window_mean(&luma), mean_square: window_mean(&product(&luma, &luma)), luma }
+    }
+}
 
-/// Gaussian mean along one axis of `length` pixels that lie `stride` indices apart; `place` is a pixel's place on the axis.
-fn blur(image: &Moments, place: impl Fn(usize) -> usize, length: usize, stride: usize) -> Moments {
-    let weights: [f64; WINDOW_RADIUS + 1] =
-        std::array::from_fn(|offset| (-0.5 * (offset as f64 / WINDOW_SIGMA).powi(2)).exp());
-    let mean = |pixel: usize| {
-        let centre = place(pixel);
-        let (mut sum, mut weight_sum) = ([0.0; 5], 0.0);
-        for other in centre.saturating_sub(WINDOW_RADIUS)..=(centre + WINDOW_RADIUS).min(length - 1) {
-            let weight = weights[other.abs_diff(centre)];
-            let moments = &image.data[pixel + other * stride - centre * stride];
-            for (total, moment) in sum.iter_mut().zip(moments) {
-                *total += weight * moment;
-            }
-            weight_sum += weight;
-        }
-        sum.map(|total| total / weight_sum)
+/// SSIM at every pixel of two views of one size.
+pub(super) fn ssim_map(test: &View, reference: &View) -> Plane<f64> {
+    let mean_product = window_mean(&product(&test.luma, &reference.luma));
+    let ssim = |pixel: usize| {
+        let [t, r] = [test, reference].map(|view| view.mean.data[pixel]);
+        let [tt, rr] = [test, reference].map(|view| view.mean_square.data[pixel]);
+        let (variance_t, variance_r, covariance) = (tt - t * t, rr - r * r, mean_product.data[pixel] - t * r);
+        (2.0 * t * r + C1) * (2.0 * covariance + C2) / ((t * t + r * r + C1) * (variance_t + variance_r + C2))
     };
-    Pixels::new(image.width, image.height, (0..image.data.len()).map(mean).collect())
+    Plane::from_fn(mean_product.width, mean_product.data.len(), ssim)
+}
+
+fn product(a: &Plane<f64>, b: &Plane<f64>) -> Plane<f64> {
+    Plane::from_fn(a.width, a.data.len(), |pixel| a.data[pixel] * b.data[pixel])
+}
+
+/// Gaussian mean of the part of the window that lies in the image. Window and cut are separable.
+fn window_mean(plane: &Plane<f64>) -> Plane<f64> {
+    let distance = |i: usize| i as f64 - WINDOW_RADIUS as f64;
+    let taps: [f64; 2 * WINDOW_RADIUS + 1] =
+        std::array::from_fn(|i| (-0.5 * (distance(i) / WINDOW_SIGMA).powi(2)).exp());
+    let (width, height) = (plane.width, plane.data.len() / plane.width);
+    let in_row = Plane { width, data: vec![1.0; width] }.filter_rows(&taps, Border::Nothing).data;
+    let in_column = Plane { width: 1, data: vec![1.0; height] }.filter_columns(&taps, Border::Nothing).data;
+    let mut sums = plane.filter_rows(&taps, Border::Nothing).filter_columns(&taps, Border::Nothing);
+    for (row, row_weight) in sums.data.chunks_exact_mut(width).zip(in_column) {
+        row.iter_mut().zip(&in_row).for_each(|(sum, weight)| *sum /= weight * row_weight);
+    }
+    sums
 }

@@ -6,8 +6,8 @@ use std::sync::LazyLock;
 /// A run of colours over [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Palette {
-    /// Black over purple to pale yellow, perceptually uniform: `magma` of Smith and van der Walt (matplotlib, CC0), the table
-    /// that FLIP uses.
+    /// Black over purple to pale yellow, perceptually uniform: `magma` of Smith and van der Walt (matplotlib, CC0), in the 8-bit
+    /// codes of d3. FLIP's authors show their errors by it, too.
     Magma,
     /// Blue over near white to red: the eleven colours of `RdBu` of ColorBrewer 2.0 [Brewer03], from the blue end, interpolated
     /// linearly in encoded RGB. Safe for the colour-blind.
@@ -37,13 +37,14 @@ pub const OFF_MASK_COLOR: [u8; 3] = [236, 236, 236];
 impl Palette {
     /// The sRGB-encoded colour at `t`, which is clamped to [0, 1].
     pub fn color(self, t: f64) -> [u8; 3] {
-        static MAGMA: LazyLock<Vec<[u8; 3]>> =
-            LazyLock::new(|| nv_flip::magma_lut().to_vec().as_chunks::<3>().0.to_vec());
+        // The table has 256 colours.
+        static MAGMA: LazyLock<[[u8; 3]; 256]> =
+            LazyLock::new(|| std::array::from_fn(|i| colorous::MAGMA.eval_rational(i, 256).as_array()));
         if t.is_nan() {
             return NAN_COLOR;
         }
         let colors: &[[u8; 3]] = match self {
-            Self::Magma => &MAGMA,
+            Self::Magma => &*MAGMA,
             Self::BlueRed => &BLUE_RED,
         };
         let place = t.clamp(0.0, 1.0) * (colors.len() - 1) as f64;

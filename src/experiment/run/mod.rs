@@ -2,6 +2,7 @@
 
 mod cells;
 mod extend;
+mod live;
 mod outcome;
 mod session;
 mod timed;
@@ -12,7 +13,6 @@ pub use outcome::{Outcome, Work};
 use crate::experiment::answers::{Answered, AnswersError};
 use crate::experiment::environments;
 use crate::experiment::images;
-use crate::experiment::live::{self, LIVE_FILE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::provenance::ProvenanceError;
 use crate::experiment::renderer::{RenderFault, Renderer};
@@ -289,27 +289,9 @@ impl<'p> Run<'p> {
     }
 
     fn work(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
-        let result = self
-            .live(renderer, progress)
-            .and_then(|()| self.cells(renderer, progress))
-            .and_then(|()| self.time(renderer, progress));
+        let result = self.live_and_cells(renderer, progress).and_then(|()| self.time(renderer, progress));
         renderer.take_warnings().iter().for_each(|warning| progress.note(&format!("warning: {warning}")));
         result
-    }
-
-    /// Leaves what the live view of the report needs, before the cells: a run whose cells are all done has nothing left to make. Without
-    /// it the report has no such view.
-    fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
-        let path = self.store.dir().join(LIVE_FILE);
-        let is_ours = self.share.is_none_or(|share| share.has_live);
-        if !is_ours || self.is_stopped() || path.exists() {
-            return Ok(());
-        }
-        match cell_result(live::record(self.plan, renderer))? {
-            Ok(record) => self.store.write_json(&path, &record)?,
-            Err(reason) => progress.note(&format!("the report will have no live view: {reason}")),
-        }
-        Ok(())
     }
 
     fn remember(&mut self, record: CellRecord) {

@@ -254,10 +254,11 @@ fn a_folder_in_the_place_of_an_image_fails_its_cells_only() {
     let cell = plan.cells.iter().find(|cell| cell.point.get("method").to_string() == "split-sum").unwrap();
     let named =
         |id: &str, end: &str| images.keys().find(|name| name.contains(id) && name.ends_with(end)).unwrap().clone();
-    // The image of two exposures; a picture of one; the picture of a reference, at one exposure of four images; a reference.
+    // The image of two exposures, and its map; a picture of one; the picture of a reference, at one exposure of four images; a reference.
     for (name, count) in [
         (named(&cell.radiance, ".exr"), 2),
-        (named(&cell.id, ".error.png"), 1),
+        (named(&cell.radiance, ".error.png"), 2),
+        (named(&cell.id, ".flip.png"), 1),
         (named(&cell.reference, ".png"), 4),
         (named(&cell.reference, ".exr"), 8),
     ] {

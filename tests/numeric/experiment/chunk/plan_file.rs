@@ -35,7 +35,7 @@ fn a_plan_file_has_the_same_bytes_each_time_and_refuses_what_changed() {
         "splitsum 0.0.9",
     );
     edited("\"shader_hash\": \"", "\"shader_hash\": \"0", "other shaders");
-    edited("\"flip\": 1", "\"flip\": 7", "another version of the metric flip");
+    edited("\"flip\": 2", "\"flip\": 7", "another version of the metric flip");
     edited(&bench.plan.cells[3].id, "0123456789abcdef", "its cells or chunks are not those");
     edited("\"chunk_seconds\": 1.3", "\"chunk_seconds\": 9.3", "its cells or chunks are not those");
     std::fs::write(&path, &text).unwrap();

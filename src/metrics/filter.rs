@@ -1,0 +1,67 @@
+//! Separable filters of one image plane, for the metrics that look at a neighbourhood.
+
+use std::ops::{AddAssign, Mul};
+
+/// One number a pixel, row-major.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Plane<T> {
+    pub width: usize,
+    pub data: Vec<T>,
+}
+
+/// What a filter reads beyond the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Border {
+    /// The nearest pixel of the image.
+    Nearest,
+    /// Nothing: the taps that are left do not sum to what they did.
+    Nothing,
+}
+
+impl<T: Copy + Default + Mul<Output = T> + AddAssign> Plane<T> {
+    /// A plane computed from pixel indices.
+    pub fn from_fn(width: usize, len: usize, value: impl FnMut(usize) -> T) -> Self {
+        Self { width, data: (0..len).map(value).collect() }
+    }
+
+    /// `out(x, y) = Σ taps[i] · self(x + i - r, y)`, with `2 r + 1` taps.
+    pub fn filter_rows(&self, taps: &[T], border: Border) -> Self {
+        let radius = taps.len() / 2;
+        let mut out = vec![T::default(); self.data.len()];
+        let mut padded = vec![T::default(); self.width + 2 * radius];
+        for (row, sums) in self.data.chunks_exact(self.width).zip(out.chunks_exact_mut(self.width)) {
+            padded[radius..radius + self.width].copy_from_slice(row);
+            if border == Border::Nearest {
+                padded[..radius].fill(row[0]);
+                padded[radius + self.width..].fill(row[self.width - 1]);
+            }
+            for (i, &tap) in taps.iter().enumerate() {
+                add_scaled(sums, &padded[i..], tap);
+            }
+        }
+        Self { width: self.width, data: out }
+    }
+
+    /// `out(x, y) = Σ taps[i] · self(x, y + i - r)`, with `2 r + 1` taps.
+    pub fn filter_columns(&self, taps: &[T], border: Border) -> Self {
+        let radius = taps.len() / 2;
+        let mut out = vec![T::default(); self.data.len()];
+        let height = self.data.len() / self.width;
+        for (y, sums) in out.chunks_exact_mut(self.width).enumerate() {
+            for (i, &tap) in taps.iter().enumerate() {
+                let row = match border {
+                    Border::Nearest => (y + i).saturating_sub(radius).min(height - 1),
+                    Border::Nothing if y + i < radius || y + i >= radius + height => continue,
+                    Border::Nothing => y + i - radius,
+                };
+                add_scaled(sums, &self.data[row * self.width..], tap);
+            }
+        }
+        Self { width: self.width, data: out }
+    }
+}
+
+/// `sums += tap · values`, as far as `sums` reaches.
+fn add_scaled<T: Copy + Mul<Output = T> + AddAssign>(sums: &mut [T], values: &[T], tap: T) {
+    sums.iter_mut().zip(values).for_each(|(sum, &value)| *sum += tap * value);
+}
