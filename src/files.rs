@@ -64,3 +64,26 @@ pub fn content_hash(path: &Path) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
     Ok(hasher.update_reader(open_regular(path)?)?.finalize().to_hex().to_string())
 }
+
+/// The path `to` from the folder `from`, with `/` on every machine; whole where no path leads there.
+pub fn relative(from: &Path, to: &Path) -> String {
+    let whole = |path: &Path| {
+        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+        // What does not exist is reported when it is opened.
+        std::fs::canonicalize(path).or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_owned())
+    };
+    // A link to a file is followed when it is opened; its own place is what was named.
+    let to = match (to.is_file(), to.parent(), to.file_name()) {
+        (true, Some(parent), Some(name)) => whole(parent).join(name),
+        _ => whole(to),
+    };
+    let from = whole(from);
+    let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    if common == 0 {
+        return to.display().to_string();
+    }
+    let up = from.components().skip(common).map(|_| "..".to_owned());
+    let down = to.components().skip(common).map(|part| part.as_os_str().to_string_lossy().into_owned());
+    let parts: Vec<String> = up.chain(down).collect();
+    if parts.is_empty() { ".".to_owned() } else { parts.join("/") }
+}

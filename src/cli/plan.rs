@@ -9,7 +9,7 @@ use serde_json::json;
 use splitsum::experiment::chunk::{PlanFile, Prices};
 use splitsum::experiment::estimate::{Part, SAMPLES_PER_SECOND};
 use splitsum::experiment::fault::Lines;
-use splitsum::experiment::store::{CHUNKS_FOLDER, Store};
+use splitsum::experiment::store::{CHUNKS_FOLDER, Extension, Store};
 use splitsum::experiment::timing;
 use splitsum::experiment::{Cell, Plan, RunError};
 use std::fmt::Write;
@@ -97,7 +97,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let dir = arguments.subject.dir(&plan);
     let store = Store::at(&dir);
-    store.check_identity(&plan).map_err(Failure::input)?;
+    let extension = store.extension(&plan).map_err(Failure::input)?;
     let mut states = Vec::new();
     for cell in &plan.cells {
         let fault = |error| Failure::from(RunError::Store(error));
@@ -118,7 +118,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let folders: Vec<PathBuf> = std::iter::once(dir.clone()).chain(arguments.from.iter().cloned()).collect();
     let (cache, device) = (&arguments.cache, arguments.device);
     let cost = estimated(&plan, &Question { open: &open, jobs: &left, folders: &folders, cache, device, load_s })?;
-    let shown = Shown { plan: &plan, states: &states, timings: [jobs.len(), jobs.len() - left.len()], cost: &cost };
+    let shown = Shown {
+        plan: &plan,
+        states: &states,
+        timings: [jobs.len(), jobs.len() - left.len()],
+        extension: extension.as_ref(),
+        cost: &cost,
+    };
     match arguments.json {
         true => print_data(&shown.as_json())?,
         false => print(&shown.as_text(&dir))?,
@@ -199,6 +205,8 @@ struct Shown<'a> {
     states: &'a [State],
     /// Timed configurations, and how many are done.
     timings: [usize; 2],
+    /// What a run of another plan leaves, where the folder holds one.
+    extension: Option<&'a Extension>,
     cost: &'a Estimated,
 }
 
@@ -219,6 +227,15 @@ impl Shown<'_> {
             count(State::Open),
             dir.display()
         );
+        if let Some(extension) = self.extension {
+            let _ = writeln!(
+                text,
+                "{} holds a run of another plan, {}; `splitsum run` with --extend keeps the {} cells that it has done",
+                dir.display(),
+                extension.from["plan_hash"].as_str().unwrap_or_default(),
+                extension.kept.len()
+            );
+        }
         let lines = Lines::new(&plan.config.text);
         for (exclusion, count) in plan.config.exclusions.iter().zip(&plan.excluded) {
             let place = exclusion.place.words(&plan.config.path, &lines);
@@ -294,6 +311,11 @@ impl Shown<'_> {
         let value = json!({
             "name": plan.config.name,
             "plan_hash": plan.hash,
+            "extends": self.extension.map(|extension| json!({
+                "plan_hash": extension.from["plan_hash"],
+                "cells_kept": extension.kept.len(),
+                "timed_again": extension.timed_again,
+            })),
             "cells": cells.collect::<Vec<_>>(),
             "excluded": exclusions.collect::<Vec<_>>(),
             "collapsed": plan.collapsed,

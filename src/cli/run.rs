@@ -8,7 +8,7 @@ use super::{Failure, print};
 use clap::Args;
 use splitsum::experiment::chunk::{ChunkOptions, PlanFile, run_chunk};
 use splitsum::experiment::store::FailureRecord;
-use splitsum::experiment::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run};
+use splitsum::experiment::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run, run_extended};
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::report::ReportOptions;
 use std::path::{Path, PathBuf};
@@ -21,8 +21,14 @@ use std::time::Instant;
     override_usage = "splitsum run [OPTIONS] <EXPERIMENT>\n       splitsum run --plan <FILE> --chunk <K> --store <DIR> [--device <N>]",
     after_help = "A run that was stopped (Ctrl-C, SIGTERM, a crash, a full disk) goes on where it stopped: give the same command again. One \
     that is finished ends with 0 at once. Cells whose images are gone, or not those that their records name, are done again.\n\n\
+    A larger sweep goes on in the folder of a smaller one with --extend: give the experiment more values or axes that leave the cells of \
+    before in the plan. Blocks of timings that have new members are timed anew as a whole, since only times of the same rounds are \
+    compared.\n\n\
+    The experiment.toml that a run keeps runs again as it stands: provenance.json beside it says where its files are and which --set \
+    belong to it.\n\n\
     Examples:\n  splitsum run experiments/quick.toml\n  \
     splitsum run experiments/quick.toml --set alpha=0.1,0.5 --set brdf=ggx --out runs/short\n  \
+    splitsum run experiments/quick.toml --set alpha=0.1,0.25,0.5 --set brdf=ggx --out runs/short --extend\n  \
     splitsum run experiments/real.toml --set environment=sky.hdr --set scene=teapot.obj --out runs/teapot\n  \
     splitsum run --plan plan.json --chunk 17 --store shared/sweep"
 )]
@@ -39,6 +45,10 @@ pub struct Arguments {
     /// The folder that all chunks share; `splitsum merge` makes one run of it.
     #[arg(long, value_name = "DIR", requires = "plan", conflicts_with = "experiment")]
     store: Option<PathBuf>,
+    /// Where the folder holds a run of the same experiment with fewer cells: keeps them and does the others. Refused where one of its cells
+    /// is not in this plan.
+    #[arg(long, conflicts_with = "plan")]
+    extend: bool,
     /// Ends the run at the first cell that fails; without it the others are still done.
     #[arg(long)]
     fail_fast: bool,
@@ -80,6 +90,7 @@ fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure
         trace: arguments.trace,
     };
     let mut open = opener(arguments);
+    let run = if arguments.extend { run_extended } else { run };
     let outcome = run(&plan, &mut open, &options, &mut progress)?;
     let failed = conclude(&outcome, plan.cells.len())?;
     if let Some(work) = &outcome.work {

@@ -1,9 +1,9 @@
 //! What `run` and `plan` are about.
 
-use super::Failure;
+use super::{Failure, tell};
 use clap::Args;
 use splitsum::environment::LoadOptions;
-use splitsum::experiment::Plan;
+use splitsum::experiment::{Plan, frozen};
 use std::path::PathBuf;
 
 /// An experiment, narrowed or not, and the folder of its run.
@@ -27,7 +27,9 @@ impl Subject {
     /// The checked experiment.
     pub fn plan(&self) -> Result<Plan, Failure> {
         let options = LoadOptions { clamp_invalid: self.clamp_invalid, ..LoadOptions::default() };
-        Plan::load_with(&self.experiment, &self.overrides, &options).map_err(Failure::input)
+        let (plan, note) = frozen::load(&self.experiment, &self.overrides, &options).map_err(Failure::input)?;
+        note.iter().for_each(|note| tell(note));
+        Ok(plan)
     }
 
     /// The folder of its run.

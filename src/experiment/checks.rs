@@ -5,13 +5,13 @@ use super::config::{Config, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
 use super::plan::{base_dir, product};
-use super::value::Kind;
+use super::value::{Kind, Value};
 use crate::environment::{Environment, LoadOptions};
 use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
 use crate::scene::Scene;
 use crate::shade::reference_pass::ScramblePlan;
 use crate::spelling::suggestion;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 /// Values that are right one by one but not together.
 pub fn check_combinations(config: &Config, faults: &mut Faults) {
@@ -75,33 +75,85 @@ pub fn check_lights(config: &Config, inputs: &Inputs, faults: &mut Faults) {
     }
 }
 
-/// Environments and scenes that exclusions name. One that no axis has may be left from an earlier sweep; one that is no input either is a
-/// slip, whose exclusion would leave nothing out. Values that only `--set` took away are those of the file.
+/// Values that exclusions name against those of their axes. One that the axis does not have is a slip where the condition has no other: its
+/// exclusion would leave nothing out. Beside values that the axis has it may be left from an earlier sweep ([`idle_values`]), unless it is the
+/// name of an input that is none. Values that only `--set` took away are those of the file.
 pub fn check_exclusions(config: &Config, options: &LoadOptions, faults: &mut Faults) {
     let conditions = config.exclusions.iter().flat_map(|exclusion| &exclusion.conditions);
     let mut found: HashMap<(usize, &str), bool> = HashMap::new();
-    for (axis, values) in conditions.filter(|(axis, _)| matches!(AXES[*axis].kind, Kind::Input)) {
-        let name = AXES[*axis].name;
-        let mut known: Vec<&str> = vec![config.base.0[*axis].text()];
-        let sweeps: Vec<&Sweep> =
-            config.axes.iter().chain(&config.set_aside).filter(|sweep| sweep.axis == *axis).collect();
-        if !sweeps.is_empty() {
-            known = sweeps.iter().flat_map(|sweep| &sweep.values).map(|placed| placed.value.text()).collect();
-        }
-        let is_known: HashSet<&str> = known.iter().copied().collect();
-        for placed in values {
-            let (value, dir) = (placed.value.text(), base_dir(config, &placed.place));
-            let is_input = || match name {
-                "scene" => Scene::load(value, dir).is_ok(),
-                _ => Environment::load(value, dir, options).is_ok(),
-            };
+    // Values of an axis that could not be read have faults of their own.
+    let is_read =
+        |axis: usize| config.axes.iter().all(|s| s.axis != axis || s.values.len() == s.written && s.written > 0);
+    for (axis, values) in conditions.filter(|(axis, _)| is_read(*axis)) {
+        let known = values_of(config, *axis);
+        let is_idle = values.iter().all(|placed| !known.contains(&&placed.value));
+        let is_input = matches!(AXES[*axis].kind, Kind::Input);
+        for placed in values.iter().filter(|placed| !known.contains(&&placed.value)) {
             // Each is loaded once, however many exclusions name it.
-            if !is_known.contains(value) && !*found.entry((*axis, value)).or_insert_with(is_input) {
-                faults.add_with(&placed.place, |_| {
-                    let near = suggestion(value, &known);
-                    format!("exclude.{name}: the axis has no value {value:?}{near}; it has {}", known.join(", "))
-                });
+            let is_slip = is_idle
+                || is_input && {
+                    let (value, dir) = (placed.value.text(), base_dir(config, &placed.place));
+                    let loads = || match AXES[*axis].name {
+                        "scene" => Scene::load(value, dir).is_ok(),
+                        _ => Environment::load(value, dir, options).is_ok(),
+                    };
+                    !*found.entry((*axis, value)).or_insert_with(loads)
+                };
+            if is_slip {
+                faults.add_with(&placed.place, |_| off_axis(*axis, &placed.value, &known));
             }
         }
     }
+}
+
+/// Values of exclusions that their axis does not have, each with its place and a sentence.
+pub fn idle_values(config: &Config) -> Vec<(Place, String)> {
+    let conditions = config.exclusions.iter().flat_map(|exclusion| &exclusion.conditions);
+    let sentences = conditions.flat_map(|(axis, values)| {
+        let known = values_of(config, *axis);
+        let idle = values.iter().filter(|placed| !known.contains(&&placed.value));
+        idle.map(|placed| (placed.place.clone(), off_axis(*axis, &placed.value, &known))).collect::<Vec<_>>()
+    });
+    sentences.collect()
+}
+
+/// The values that an axis has in the file and by `--set`, or the one that all cells take where it is not swept.
+fn values_of(config: &Config, axis: usize) -> Vec<&Value> {
+    let sweeps: Vec<&Sweep> = config.axes.iter().chain(&config.set_aside).filter(|sweep| sweep.axis == axis).collect();
+    let mut known: Vec<&Value> = Vec::new();
+    for placed in sweeps.iter().flat_map(|sweep| &sweep.values) {
+        if !known.contains(&&placed.value) {
+            known.push(&placed.value);
+        }
+    }
+    // An axis that only `--set` sweeps had this value in the file.
+    if config.set_aside.iter().all(|sweep| sweep.axis != axis)
+        && sweeps.iter().flat_map(|sweep| &sweep.values).all(|placed| matches!(placed.place, Place::Set(_)))
+    {
+        known.push(&config.base.0[axis]);
+    }
+    known
+}
+
+fn off_axis(axis: usize, value: &Value, known: &[&Value]) -> String {
+    let names: Vec<String> = known.iter().map(|value| shown(value)).collect();
+    let near = match value {
+        Value::Number(_) | Value::Count(_) => nearest(value, known),
+        _ => suggestion(&value.to_string(), &names.iter().map(String::as_str).collect::<Vec<_>>()),
+    };
+    let wrong = if let Value::Text(text) = value { format!("{text:?}") } else { shown(value) };
+    format!("exclude.{}: the axis has no value {wrong}{near}; it has {}", AXES[axis].name, names.join(", "))
+}
+
+fn shown(value: &Value) -> String {
+    if *value == Value::Unset { "none".to_owned() } else { value.to_string() }
+}
+
+/// The number of `known` that is nearest to `value`, as the end of a clause; nothing where there is none.
+fn nearest(value: &Value, known: &[&Value]) -> String {
+    let number = |value: &Value| value.to_string().parse::<f64>().ok();
+    let distance = |other: &Value| Some((number(other)? - number(value)?).abs());
+    let near = known.iter().filter(|other| distance(other).is_some());
+    let near = near.min_by(|a, b| distance(a).unwrap_or(f64::NAN).total_cmp(&distance(b).unwrap_or(f64::NAN)));
+    near.map_or_else(String::new, |other| format!("; did you mean {other}?"))
 }

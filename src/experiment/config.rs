@@ -2,9 +2,9 @@
 //!
 //! Reading never stops at the first fault. Paths in the file are relative to the file.
 
-use super::axis::{AXES, Axis, Point, Reference, Terms, by_name, index_of, is_precompute};
+use super::axis::{AXES, Axis, Point, Reference, Terms, by_name, index_of};
 use super::fault::{Faults, Place};
-use super::toml_tree::{checked, entries, first_of_twice, list, raw, table, unknown_key};
+use super::toml_tree::{checked, entries, first_of_twice, raw, table, unknown_key};
 use super::value::{Kind, Range, Raw, Value};
 use crate::scene::{CameraKind, Light, LightKind};
 use crate::shade::METHODS;
@@ -100,12 +100,11 @@ pub struct Config {
     pub has_printed_slips: bool,
     /// `--set` texts that took part.
     pub overrides: Vec<String>,
+    /// The folder that files named in the file are relative to, where not its own.
+    pub file_dir: Option<PathBuf>,
     /// The folder that files named by `--set` are relative to; the current one when empty.
     pub set_dir: PathBuf,
 }
-
-/// Enough for a variance within about 40 % at two sigma of one pixel, and far better over an image.
-const REPEATS_DEFAULT: u32 = 16;
 
 /// The camera names.
 pub const CAMERA: Kind =
@@ -132,7 +131,7 @@ const KEYS: &[&str] = &[
 
 /// Radiance and irradiance of analytic lights.
 pub const LIGHT_COLOR: Range = Range::closed(0.0, 1e9);
-const COORDINATE: Range = Range::closed(-1e9, 1e9);
+pub(super) const COORDINATE: Range = Range::closed(-1e9, 1e9);
 /// Seeds.
 pub const SEED: Kind = Kind::Count { min: 0, max: u32::MAX };
 
@@ -174,6 +173,7 @@ impl Config {
             light_places: Vec::new(),
             has_printed_slips: false,
             overrides: overrides.to_vec(),
+            file_dir: None,
             set_dir: PathBuf::new(),
         };
         let root = root.get_ref();
@@ -204,7 +204,7 @@ impl Config {
         }
     }
 
-    fn set_base(&mut self, name: &str, value: Value, place: Place) {
+    pub(super) fn set_base(&mut self, name: &str, value: Value, place: Place) {
         let axis = index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"));
         self.base.0[axis] = value;
         self.base_places[axis] = place;
@@ -306,145 +306,6 @@ impl Config {
                     }
                 }
                 _ => unknown_key(&place, "reference.", key, &["method", "samples", "relative_error", "terms"], faults),
-            }
-        }
-    }
-
-    fn read_exclusions(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        for item in list(value, "exclude", faults) {
-            let place = Place::File(item.span().start);
-            let mut exclusion = Exclusion { conditions: Vec::new(), why: String::new(), place };
-            let mut has_why = false;
-            for (key, value, place) in table(item, "exclude", faults) {
-                let at = Place::File(value.span().start);
-                if key == "why" {
-                    has_why = true;
-                    match raw(value.get_ref()) {
-                        Raw::Text(why) if !why.is_empty() => exclusion.why = why,
-                        other => faults.add(
-                            &at,
-                            format!("exclude.why: {other} is not text that says why these cells are left out"),
-                        ),
-                    }
-                    continue;
-                }
-                let Some(axis) = index_of(key) else {
-                    let names: Vec<&str> = axis_names().into_iter().chain(["why"]).collect();
-                    unknown_key(&place, "exclude.", key, &names, faults);
-                    continue;
-                };
-                let name = format!("exclude.{key}");
-                // A colour or a pair is itself a list: only a list of what the axis takes is a list of values.
-                let one = AXES[axis].kind.parse(&raw(value.get_ref()));
-                let values = match (one, value.get_ref().as_array()) {
-                    (Ok(value), _) => vec![Placed { value, place: at }],
-                    (Err(_), Some(items)) => {
-                        let placed = |item: &Spanned<DeValue>| {
-                            let value = checked(AXES[axis].kind, &name, item, faults)?;
-                            Some(Placed { value, place: Place::File(item.span().start) })
-                        };
-                        items.iter().filter_map(placed).collect()
-                    }
-                    (Err(fault), None) => {
-                        faults.add(&at, format!("{name}: {fault}"));
-                        Vec::new()
-                    }
-                };
-                exclusion.conditions.push((axis, values));
-            }
-            if !has_why {
-                faults.add(&exclusion.place, "exclude.why is missing: say why these cells are left out");
-            }
-            if exclusion.conditions.is_empty() {
-                faults.add(&exclusion.place, "exclude: names no axis, so it would leave out every cell");
-            }
-            self.exclusions.push(exclusion);
-        }
-    }
-
-    fn read_timing(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let mut timing = Timing { warmup: Warmup::Stable, rounds: 15 };
-        for (key, value, place) in table(value, "timing", faults) {
-            match key {
-                "warmup" => {
-                    let kind = Kind::Count { min: 1, max: 10_000 };
-                    timing.warmup = match raw(value.get_ref()) {
-                        Raw::Text(text) if text == "stable" => Warmup::Stable,
-                        _ => checked(kind, "timing.warmup", value, faults)
-                            .map_or(timing.warmup, |v| Warmup::Frames(v.count())),
-                    };
-                }
-                "rounds" => {
-                    let kind = Kind::Count { min: 1, max: 100_000 };
-                    timing.rounds = checked(kind, "timing.rounds", value, faults).map_or(timing.rounds, |v| v.count());
-                }
-                _ => unknown_key(&place, "timing.", key, &["rounds", "warmup"], faults),
-            }
-        }
-        self.timing = Some(timing);
-    }
-
-    fn read_bias_variance(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let mut repeats = REPEATS_DEFAULT;
-        for (key, value, place) in table(value, "bias_variance", faults) {
-            match key {
-                "repeats" => {
-                    let kind = Kind::Count { min: 2, max: 4096 };
-                    repeats = checked(kind, "bias_variance.repeats", value, faults).map_or(repeats, |v| v.count());
-                }
-                _ => unknown_key(&place, "bias_variance.", key, &["repeats"], faults),
-            }
-        }
-        self.repeats = Some(repeats);
-    }
-
-    fn read_precompute(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        for (key, value, place) in table(value, "precompute", faults) {
-            match index_of(key).map(|index| &AXES[index]).filter(|axis| is_precompute(axis)) {
-                Some(axis) => {
-                    if let Some(v) = checked(axis.kind, &format!("precompute.{key}"), value, faults) {
-                        self.set_base(key, v, place);
-                    }
-                }
-                None => {
-                    let names: Vec<&str> = AXES.iter().filter(|a| is_precompute(a)).map(|a| a.name).collect();
-                    unknown_key(&place, "precompute.", key, &names, faults);
-                }
-            }
-        }
-    }
-
-    fn read_lights(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        for item in list(value, "lights", faults) {
-            let at = Place::File(item.span().start);
-            let (mut kind, mut vector, mut color) = (None, None, None);
-            for (key, value, place) in table(item, "lights", faults) {
-                match key {
-                    "kind" => {
-                        let names = Kind::Name { what: "kind of light", names: || vec!["directional", "point"] };
-                        kind = checked(names, "lights.kind", value, faults).map(|v| v.text().to_owned());
-                    }
-                    "direction" | "position" => {
-                        let name = format!("lights.{key}");
-                        vector = checked(Kind::Color(COORDINATE), &name, value, faults).map(|v| (key, v.color()));
-                    }
-                    "color" => {
-                        color = checked(Kind::Color(LIGHT_COLOR), "lights.color", value, faults).map(|v| v.color());
-                    }
-                    _ => unknown_key(&place, "lights.", key, &["kind", "direction", "position", "color"], faults),
-                }
-            }
-            let light = match (kind.as_deref(), vector) {
-                (Some("directional"), Some(("direction", d))) => light(LightKind::Directional, d, color),
-                (Some("point"), Some(("position", p))) => light(LightKind::Point, p, color),
-                _ => Err("needs kind = \"directional\" with direction, or kind = \"point\" with position".to_owned()),
-            };
-            match light {
-                Ok(light) => {
-                    self.lights.push(light);
-                    self.light_places.push(at);
-                }
-                Err(fault) => faults.add(&at, format!("lights: {fault}")),
             }
         }
     }

@@ -143,6 +143,22 @@ pub(super) fn linear_files(plan: &Plan, cell: &Cell) -> [String; 2] {
     [radiance_name(plan, &cell.point, &cell.radiance), radiance_name(plan, &reference, &cell.reference)]
 }
 
+/// Of the files of a cell that a record has under `old` names, each with its name in this plan: what stands before the ids tells what a plan
+/// sweeps.
+pub(super) fn renames<'o>(
+    plan: &Plan,
+    cell: &Cell,
+    old: impl Iterator<Item = &'o String> + Clone,
+) -> Vec<(&'o String, String)> {
+    let ids = [&cell.radiance, &cell.id, &cell.reference].map(|id| format!(".{id}."));
+    let end = |name: &str| ids.iter().find_map(|id| name.rfind(id.as_str())).map(|place| name[place..].to_owned());
+    let known = files(plan, cell).into_iter().filter_map(|name| {
+        let end = end(&name)?;
+        Some((old.clone().find(|old| old.ends_with(&end))?, name))
+    });
+    known.collect()
+}
+
 /// Display images and error maps of a cell and its reference.
 pub(super) fn pictures(plan: &Plan, cell: &Cell) -> Vec<String> {
     let mut names = vec![picture_name(plan, cell), reference_picture_name(plan, cell), error_name(plan, cell)];

@@ -7,6 +7,7 @@ use super::sweeps::Values;
 use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
 use std::collections::HashSet;
+use std::path::Path;
 
 /// What a formula's name begins with; its parameters are written with commas.
 const BUILTIN_PREFIX: &str = "builtin:";
@@ -58,11 +59,31 @@ impl Config {
         }
     }
 
-    /// Whether a value of `--set` names a file.
-    pub fn has_set_files(&self) -> bool {
-        let inputs = self.axes.iter().filter(|sweep| matches!(AXES[sweep.axis].kind, Kind::Input));
-        let set = inputs.flat_map(|sweep| &sweep.values).filter(|placed| matches!(placed.place, Place::Set(_)));
-        set.into_iter().any(|placed| self.set_dir.join(placed.value.text()).is_file())
+    /// The folder of the files that values of `--set` name; `None` where they name none.
+    pub fn set_files_dir(&self) -> Option<&Path> {
+        let set = self.inputs().filter(|(_, place)| matches!(place, Place::Set(_)));
+        set.into_iter().any(|(value, _)| self.set_dir.join(value).is_file()).then_some(&self.set_dir)
+    }
+
+    /// The folder of the files that the experiment file names; `None` where it names none.
+    pub fn files_dir(&self) -> Option<&Path> {
+        let dir = self.file_dir();
+        let written = self.inputs().filter(|(_, place)| matches!(place, Place::File(_)));
+        written.into_iter().any(|(value, _)| dir.join(value).is_file()).then_some(dir)
+    }
+
+    /// The folder that paths in the experiment file are relative to.
+    pub fn file_dir(&self) -> &Path {
+        self.file_dir.as_deref().unwrap_or_else(|| self.path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Every environment and scene with its place.
+    fn inputs(&self) -> impl Iterator<Item = (&str, &Place)> {
+        let is_input = |axis: usize| matches!(AXES[axis].kind, Kind::Input);
+        let swept = self.axes.iter().filter(move |sweep| is_input(sweep.axis)).flat_map(|sweep| &sweep.values);
+        let fixed = (0..AXES.len()).filter(move |&axis| is_input(axis));
+        let fixed = fixed.map(|axis| (self.base.0[axis].text(), &self.base_places[axis]));
+        swept.map(|placed| (placed.value.text(), &placed.place)).chain(fixed)
     }
 
     /// The axes that vary together with this one, itself among them, where each has a value in each row; nothing where it stands alone or

@@ -4,14 +4,14 @@ use super::axis::{AXES, Axis, Point, REFERENCE, View};
 use super::checks;
 use super::config::{Config, Sweep};
 use super::fault::{ConfigError, Faults, Place};
+use super::frozen;
 use super::inputs::Inputs;
 use super::value::Value;
 use crate::environment::LoadOptions;
-use crate::files::read_given;
 use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
 use crate::spelling::short_number;
 use std::collections::{BTreeMap, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Counts up whenever the meaning of a cell changes, so that old records are not taken for new ones.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -20,7 +20,7 @@ const COMBINATIONS_MAX: u64 = 200_000;
 /// Above this many comparisons of combinations with values of exclusions, too: a few seconds.
 const COMPARISONS_MAX: u64 = 200_000_000;
 /// Largest experiment file, bytes.
-const FILE_BYTES_MAX: u64 = 1 << 22;
+pub(super) const FILE_BYTES_MAX: u64 = 1 << 22;
 /// Hex digits of an id: 64 bits, so that a million cells collide with probability 3e-8.
 const ID_LENGTH: usize = 16;
 /// Turns the seed of the judging reference into that of a reference under test.
@@ -65,20 +65,24 @@ pub struct ReferenceGroup<'p> {
     pub radiances: Vec<(&'p str, Vec<&'p Cell>)>,
 }
 
+/// An experiment's text and what it hangs on.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// The file that the text stands for.
+    pub path: &'a Path,
+    pub text: &'a str,
+    /// The texts of `--set`.
+    pub overrides: &'a [String],
+    /// The folder that paths in the text are relative to, where not that of the file.
+    pub file_dir: Option<&'a Path>,
+    /// The folder that paths in `overrides` are relative to; the current one when empty.
+    pub set_dir: &'a Path,
+}
+
 impl Plan {
     /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
-        Self::load_with(path, overrides, &LoadOptions::default())
-    }
-
-    /// As [`Plan::load`], with a say in what environments may hold.
-    pub fn load_with(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<Self, ConfigError> {
-        let text = read_given(path, FILE_BYTES_MAX).and_then(text_of).map_err(|error| {
-            let mut faults = Faults::new(path, "");
-            faults.add(&Place::Default, format!("cannot be read: {error}; expected an experiment file (TOML)"));
-            faults.into_result().expect_err("one fault was added")
-        })?;
-        Self::from_text_with(path, &text, overrides, Path::new(""), options)
+        Ok(frozen::load(path, overrides, &LoadOptions::default())?.0)
     }
 
     /// As [`Plan::load`], of a text that stands for the file at `path`.
@@ -93,19 +97,15 @@ impl Plan {
         overrides: &[String],
         set_dir: &Path,
     ) -> Result<Self, ConfigError> {
-        Self::from_text_with(path, text, overrides, set_dir, &LoadOptions::default())
+        Self::from_source(&Source { path, text, overrides, file_dir: None, set_dir }, &LoadOptions::default())
     }
 
-    fn from_text_with(
-        path: &Path,
-        text: &str,
-        overrides: &[String],
-        set_dir: &Path,
-        options: &LoadOptions,
-    ) -> Result<Self, ConfigError> {
+    /// Checks and expands an experiment, with a say in what environments may hold.
+    pub fn from_source(source: &Source, options: &LoadOptions) -> Result<Self, ConfigError> {
+        let Source { path, text, overrides, file_dir, set_dir } = *source;
         let mut faults = Faults::new(path, text);
         let mut config = Config::parse(path, text, overrides, &mut faults);
-        config.set_dir = set_dir.to_owned();
+        (config.file_dir, config.set_dir) = (file_dir.map(PathBuf::from), set_dir.to_owned());
         let inputs = load_inputs(&config, options, &mut faults);
         let combinations = config.combination_count();
         let excluding: usize =
@@ -218,12 +218,16 @@ impl Plan {
         self.config.axes.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| &AXES[sweep.axis])
     }
 
-    /// What is odd but no fault, each with its place: exclusions that leave nothing out, usually a slip in the file, and images that some
+    /// What is odd but no fault, each with its place: exclusions that leave nothing out, usually a slip in the file, values of exclusions that
+    /// their axis does not have beside some that it has, and images that some
     /// devices refuse.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Faults::new(&self.config.path, &self.config.text);
         for (exclusion, _) in self.config.exclusions.iter().zip(&self.excluded).filter(|(_, count)| **count == 0) {
             warnings.add(&exclusion.place, format!("the exclusion {:?} matches no combination", exclusion.why));
+        }
+        for (place, text) in checks::idle_values(&self.config) {
+            warnings.add(&place, text);
         }
         for (place, [width, height]) in checks::sizes(&self.config) {
             let bytes = image_buffer_bytes([width, height]);
@@ -240,7 +244,7 @@ impl Plan {
     }
 }
 
-fn text_of(bytes: Vec<u8>) -> std::io::Result<String> {
+pub(super) fn text_of(bytes: Vec<u8>) -> std::io::Result<String> {
     String::from_utf8(bytes).map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
 }
 
@@ -248,7 +252,7 @@ fn text_of(bytes: Vec<u8>) -> std::io::Result<String> {
 pub(super) fn base_dir<'c>(config: &'c Config, place: &Place) -> &'c Path {
     match place {
         Place::Set(_) => &config.set_dir,
-        Place::File(_) | Place::Default => config.path.parent().unwrap_or(Path::new("")),
+        Place::File(_) | Place::Default => config.file_dir(),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::host::{HostState, UNKNOWN};
 use super::plan::{Plan, SCHEMA_VERSION};
 use super::run::Work;
-use crate::files::read_regular;
+use crate::files::{read_regular, relative};
 use crate::pipeline::DeviceInfo;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -12,6 +12,12 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 /// The file in the folder of a run.
 pub const PROVENANCE_FILE: &str = "provenance.json";
+/// Key of the folder that paths in the frozen experiment are relative to, itself relative to that of the run; null where it names no file.
+pub const EXPERIMENT_FOLDER: &str = "experiment_folder";
+/// Key of the folder that paths in its overrides are relative to; null where they name no file.
+pub const SET_FOLDER: &str = "set_folder";
+/// Key of the list of extensions, the first one first; none in a run that was never extended.
+pub const EXTENSIONS: &str = "extensions";
 /// Largest one that is read, bytes: every session adds a few thousand.
 const MAX_FILE_BYTES: u64 = 1 << 28;
 
@@ -62,16 +68,29 @@ pub fn experiment_hash(text: &str) -> String {
     blake3::hash(text.as_bytes()).to_hex().to_string()
 }
 
-/// Puts the experiment's text of `plan`, which has the same cells, in the place of the one that the provenance names.
-pub(super) fn name_experiment(value: &mut Value, plan: &Plan) {
-    let mut new = provenance(plan);
-    for key in ["question", "experiment_file", "experiment_hash", "overrides"] {
+/// What of a provenance tells of the experiment file and not of its cells.
+const OF_THE_FILE: [&str; 6] =
+    ["question", "experiment_file", "experiment_hash", "overrides", EXPERIMENT_FOLDER, SET_FOLDER];
+
+/// Whether the provenance in the folder `dir` tells the text of `plan`, and the folders of its files, as they are now.
+pub(super) fn names_experiment(value: &Value, plan: &Plan, dir: &Path) -> bool {
+    let new = provenance(plan, dir);
+    let is_same = |key: &&str| value.get(*key) == new.get(*key) || value.get(*key).is_none() && new[*key].is_null();
+    // The file may be named in another way, by another text of the command line.
+    OF_THE_FILE.iter().filter(|key| **key != "experiment_file" && **key != "overrides").all(is_same)
+}
+
+/// Puts the experiment's text of `plan`, which has the same cells, in the place of the one that the provenance in the folder `dir` names.
+pub(super) fn name_experiment(value: &mut Value, plan: &Plan, dir: &Path) {
+    let mut new = provenance(plan, dir);
+    for key in OF_THE_FILE {
         value[key] = new[key].take();
     }
 }
 
-/// The provenance of a new run; `sessions` stays empty until [`session`] is added.
-pub fn provenance(plan: &Plan) -> Value {
+/// The provenance of a new run in the folder `dir`; `sessions` stays empty until [`session`] is added.
+pub fn provenance(plan: &Plan, dir: &Path) -> Value {
+    let from_here = |folder: Option<&Path>| folder.map(|folder| relative(dir, folder));
     let inputs: serde_json::Map<String, Value> =
         plan.inputs.hashes().into_iter().map(|(name, hash)| (name, Value::String(hash))).collect();
     json!({
@@ -81,6 +100,8 @@ pub fn provenance(plan: &Plan) -> Value {
         "experiment_file": plan.config.path.display().to_string(),
         "experiment_hash": experiment_hash(&plan.config.text),
         "overrides": plan.config.overrides,
+        EXPERIMENT_FOLDER: from_here(plan.config.files_dir()),
+        SET_FOLDER: from_here(plan.config.set_files_dir()),
         "plan_hash": plan.hash,
         "shader_hash": crate::gpu::build_hash(),
         "cell_count": plan.cells.len(),

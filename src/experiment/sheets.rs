@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 const TILE_SIDE_MIN: u32 = 128;
 /// Width of a page, pixels: two sheets fit side by side on a large monitor.
 const PAGE_WIDTH_MAX: u32 = 2600;
-/// Height of a page, pixels: what viewers and browsers show without shrinking it.
-const PAGE_HEIGHT_MAX: u32 = 4096;
+/// Width and height of a published page, pixels: wider ones are shrunk to the width, and then have the height at most.
+pub const PUBLISHED_SIZE: [u32; 2] = [1200, 2400];
 /// Why a sheet can be drawn.
 const EVEN_SHEET: &str = "every row of a sheet has one tile a column, all of one size";
 /// What a page needs beside its tiles: margins and row labels.
@@ -54,7 +54,8 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
             let title = format!("{} {}", plan.config.name, words(&sheet_axes, cells[0], " "));
             let content = Page { store, plan, results, columns, column_axes: &column_axes, tiles };
             let sheet = content.sheet(&cells, format!("{}{of}", title.trim_end()));
-            pages.extend(sheet.pages(PAGE_HEIGHT_MAX).expect(EVEN_SHEET));
+            let [width, _] = sheet.size().expect(EVEN_SHEET);
+            pages.extend(sheet.pages(page_height(width)).expect(EVEN_SHEET));
         }
         let name = words(&sheet_axes, cells[0], "_").replace(['/', ':'], "-");
         let name = if name.is_empty() { plan.config.name.clone() } else { name };
@@ -72,6 +73,12 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
         std::fs::remove_file(&path).map_err(|error| StoreError::Io { path, error })?;
     }
     Ok(())
+}
+
+/// Height of a page of a width, pixels: shrunk for publication it fits.
+fn page_height(width: u32) -> u32 {
+    let [published_width, published_height] = PUBLISHED_SIZE;
+    (width.max(published_width) * published_height) / published_width
 }
 
 /// Contact sheets of the run in a folder: by name, pages by number.

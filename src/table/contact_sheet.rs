@@ -137,6 +137,11 @@ impl ContactSheet {
         Ok(ranges.into_iter().enumerate().map(page).collect())
     }
 
+    /// Width and height of the picture, pixels.
+    pub fn size(&self) -> Result<[u32; 2], ContactSheetError> {
+        Ok(Layout::new(self)?.page)
+    }
+
     /// The picture.
     pub fn render(&self) -> Result<Rgb8Image, ContactSheetError> {
         let layout = Layout::new(self)?;

@@ -171,8 +171,49 @@ fn a_run_dir_of_another_experiment_is_refused() {
     let before = errors(dir.path());
     let output = splitsum(dir.path(), &["run", "tiny.toml"]);
     assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output).contains("another plan of tiny") && stderr(&output).contains("--extend"),
+        "{}",
+        stderr(&output)
+    );
+    assert!(errors(dir.path()) == before);
+    let other = EXPERIMENT.replace("\"tiny\"", "\"small\"");
+    std::fs::write(dir.path().join("small.toml"), other).unwrap();
+    let output = splitsum(dir.path(), &["run", "small.toml", "--out", "runs/tiny", "--extend"]);
+    assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("another experiment"), "{}", stderr(&output));
     assert!(errors(dir.path()) == before);
+}
+
+#[test]
+fn a_run_extended_ends_like_one_of_the_larger_plan() {
+    let Some(dir) = folder() else { return };
+    // Another model and more tone curves: images take other names, and maps of visible differences are due.
+    let part = ["run", "tiny.toml", "--set", "brdf=ggx", "--set", "exposure=1"];
+    assert!(splitsum(dir.path(), &part).status.success());
+    let output = splitsum(dir.path(), &["plan", "tiny.toml"]);
+    assert!(stdout(&output).contains("with --extend keeps the 6 cells that it has done"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("6 done, 0 failed, 18 open"), "{}", stdout(&output));
+    let output = splitsum(dir.path(), &["run", "tiny.toml", "--extend"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(stderr(&output).contains("6 of its cells are kept, 18 are new"), "{}", stderr(&output));
+    assert!(splitsum(dir.path(), &["run", "tiny.toml", "--out", "whole"]).status.success());
+    for name in ["errors.csv", "errors_by_n_dot_v.csv", "images.csv", "tables/ggx.png", "experiment.toml"] {
+        let [extended, whole] =
+            ["runs/tiny", "whole"].map(|run| std::fs::read(dir.path().join(run).join(name)).unwrap());
+        assert!(extended == whole, "{name} differs");
+    }
+    assert_eq!(entries(&dir.path().join("runs/tiny/images")), entries(&dir.path().join("whole/images")));
+    // Back is no way: cells would be lost.
+    let output = splitsum(dir.path(), &[part.as_slice(), &["--extend"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("of its 24 cells 18 would not be in the tables"), "{}", stderr(&output));
+    // The experiment that the run keeps is run again from another folder, to the same bytes.
+    let elsewhere = tempfile::tempdir().unwrap();
+    let frozen = dir.path().join("runs/tiny/experiment.toml").display().to_string();
+    let output = splitsum(elsewhere.path(), &["run", &frozen, "--out", "again"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(std::fs::read(elsewhere.path().join("again/errors.csv")).unwrap() == errors(dir.path()));
 }
 
 #[cfg(unix)]

@@ -1,6 +1,7 @@
 //! The tables in docs/estimators.md and the answers in README.md are those of the published runs. `GOLDEN=update` writes them anew from `results/`.
 
 use splitsum::brdf::{MODELS, MaskingShadowing, alpha_from_perceptual_roughness};
+use splitsum::experiment::timing::{TimingRecord, summarize};
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::slips;
 use splitsum::table::csv::Table;
@@ -11,7 +12,7 @@ use std::path::{Path, PathBuf};
 const PAGE: &str = "docs/estimators.md";
 const README: &str = "README.md";
 /// Published runs whose answers the README shows, each with how the facts begin that the question asks for beside the answer.
-const SHOWN: [(&str, &[&str]); 10] = [
+const SHOWN: [(&str, &[&str]); 11] = [
     ("break-even", &["In equal frame time"]),
     ("sample-count", &[]),
     ("level-bias", &[]),
@@ -19,6 +20,7 @@ const SHOWN: [(&str, &[&str]); 10] = [
     ("tables", &[]),
     ("energy", &[]),
     ("diffuse", &[]),
+    ("diffuse-measured", &[]),
     ("exposure-and-contrast", &[]),
     ("dynamic-range", &["The error of split-sum in sky"]),
     ("timing", &[]),
@@ -188,6 +190,37 @@ fn assert_shown(name: &str, blocks: &[(&str, String)]) {
         assert_eq!(shown, due, "{name} differs from results/; GOLDEN=update writes it anew");
     }
     assert_eq!(page.len(), fresh.len(), "{name}: lines are missing");
+}
+
+/// Where the raw samples of the timings are published, the published table is what they give.
+#[test]
+fn the_published_times_are_those_of_the_raw_samples() {
+    for entry in std::fs::read_dir(file("results")).unwrap().map(Result::unwrap) {
+        let raw = entry.path().join("timings");
+        let records = std::fs::read_dir(&raw).into_iter().flatten().map(|record| record.unwrap().path());
+        let records: Vec<TimingRecord> =
+            records.map(|path| serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()).collect();
+        if records.is_empty() {
+            continue;
+        }
+        let table = Table::read(&entry.path().join("timings.csv")).unwrap();
+        let columns = ["cell", "phase", "pass"].map(|name| table.column(name).unwrap());
+        let medians = table.numbers("median_ms").unwrap();
+        assert_eq!(
+            table.rows.len(),
+            records.iter().map(|record| record.passes.len()).sum::<usize>(),
+            "{}",
+            raw.display()
+        );
+        for (row, median) in table.rows.iter().zip(medians) {
+            let key = columns.map(|column| row[column].as_str());
+            let passes = records.iter().filter(|record| [record.cell.as_str(), &record.phase] == key[..2]);
+            let mut found = passes.flat_map(|record| &record.passes).filter(|pass| pass.pass == key[2]);
+            let given = found
+                .any(|pass| median.is_some_and(|median| (summarize(&pass.ms).median - median).abs() <= 1e-12 * median));
+            assert!(given, "{}: {key:?}", raw.display());
+        }
+    }
 }
 
 #[test]

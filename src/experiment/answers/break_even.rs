@@ -163,6 +163,19 @@ pub fn crossing_interval(levels: &[Level]) -> Option<[f64; 2]> {
     Some([lo, hi])
 }
 
+/// As [`interval_text`], in the room of a cell: `11–19`, `≤ 4`, `≥ 12`, `> 64` and, where nothing is told apart, `?`.
+pub fn range_text([lo, hi]: [f64; 2], [smallest, largest]: [u32; 2]) -> String {
+    let text = |n: f64| crate::table::markdown::significant(n, 2);
+    match () {
+        () if lo == 0.0 && hi == f64::INFINITY => "?".to_owned(),
+        () if lo >= f64::from(largest) => format!("> {largest}"),
+        () if hi <= f64::from(smallest) => format!("≤ {smallest}"),
+        () if lo == 0.0 => format!("≤ {}", text(hi)),
+        () if hi == f64::INFINITY => format!("≥ {}", text(lo)),
+        () => format!("{}–{}", text(lo), text(hi)),
+    }
+}
+
 /// An interval of sample counts as people read it: `11 to 19`, `at most 4`, `12 or more`, `always`, `never up to 64`.
 pub fn interval_text([lo, hi]: [f64; 2], [smallest, largest]: [u32; 2]) -> String {
     let text = |n: f64| crate::table::markdown::significant(n, 2);

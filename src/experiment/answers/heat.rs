@@ -1,9 +1,9 @@
 //! Error by `n_dot_v` and alpha: where on a surface, and on which surface, a method is wrong.
 
-use super::study::Study;
+use super::study::{Role, Study};
 use crate::experiment::axis::by_name;
-use crate::experiment::statistics::median;
-use std::collections::BTreeSet;
+use crate::experiment::statistics::{median, median_order};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The errors of one method at one sample count.
 #[derive(Clone, Debug)]
@@ -15,8 +15,18 @@ pub struct HeatTable {
     pub alphas: Vec<f64>,
     /// Columns: bins of `n_dot_v`, grazing angles first.
     pub bins: Vec<(f64, f64)>,
-    /// Median headline error over everything else that is swept, by row and column; `None` where no pixel fell into the bin.
-    pub errors: Vec<Vec<Option<f64>>>,
+    /// By row and column; `None` where no pixel fell into the bin.
+    pub errors: Vec<Vec<Option<HeatError>>>,
+}
+
+/// The error of one place of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeatError {
+    /// Median headline error over everything else that is swept.
+    pub median: f64,
+    /// Interval that holds the median over cases with at least 95 %, from order statistics ([`median_order`]), so that it needs no
+    /// distribution. A case is one reference: what its rows differ in otherwise is drawn together first. `None` where there are too few.
+    pub interval: Option<[f64; 2]>,
 }
 
 impl HeatTable {
@@ -51,10 +61,20 @@ fn table(study: &Study, method: &str, samples: &str) -> Option<HeatTable> {
     let mut bins: Vec<(f64, f64)> = own.iter().flat_map(|row| row.bins.iter().map(|bin| (bin.lo, bin.hi))).collect();
     bins.sort_by(|a, b| a.0.total_cmp(&b.0));
     bins.dedup();
+    let of_case: Vec<usize> = (0..study.axes.len()).filter(|&index| study.axes[index].role == Role::Scene).collect();
     let error = |at: f64, lo: f64| {
-        let of_alpha = own.iter().filter(|row| alpha(row) == Some(at));
-        let errors: Vec<f64> = of_alpha.flat_map(|row| &row.bins).filter(|bin| bin.lo == lo).map(|b| b.error).collect();
-        (!errors.is_empty()).then(|| median(&errors))
+        let mut cases: BTreeMap<Vec<&str>, Vec<f64>> = BTreeMap::new();
+        for row in own.iter().filter(|row| alpha(row) == Some(at)) {
+            let case = of_case.iter().map(|&index| row.axes[index].as_str()).collect();
+            let errors = row.bins.iter().filter(|bin| bin.lo == lo).map(|bin| bin.error);
+            cases.entry(case).or_default().extend(errors);
+        }
+        cases.retain(|_, errors| !errors.is_empty());
+        let all: Vec<f64> = cases.values().flatten().copied().collect();
+        let mut medians: Vec<f64> = cases.values().map(|errors| median(errors)).collect();
+        medians.sort_by(f64::total_cmp);
+        let interval = median_order(medians.len()).map(|outer| [medians[outer], medians[medians.len() - 1 - outer]]);
+        (!all.is_empty()).then(|| HeatError { median: median(&all), interval })
     };
     let errors = alphas.iter().map(|&at| bins.iter().map(|&(lo, _)| error(at, lo)).collect()).collect();
     let found = HeatTable { method: method.to_owned(), samples: samples.to_owned(), alphas, bins, errors };

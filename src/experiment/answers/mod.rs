@@ -39,6 +39,7 @@ pub mod words;
 
 pub use folder::{ANSWER_FILE, AnswerRecord, Answered, AnswersError, FOLDER, SUMMARY_FILE};
 
+use crate::slips::{self, Cost};
 use cases::Pair;
 use claim::Sufficiency;
 use curves::Curve;
@@ -79,6 +80,9 @@ pub struct Answers {
     pub furnace: Vec<Furnace>,
     #[serde(skip)]
     pub table_times: Vec<TableTime>,
+    /// What the slips of the source documents cost, where the runs ask for it.
+    #[serde(skip)]
+    pub slips: Vec<Cost>,
 }
 
 impl Answers {
@@ -100,6 +104,7 @@ impl Answers {
             sufficiency: claim::sufficiency(study),
             furnace: furnace::furnace(study, runs),
             table_times: table_times::table_times(runs),
+            slips: runs.iter().find_map(|run| slips::costs(run.slips.as_ref()?).ok()).unwrap_or_default(),
         }
     }
 }

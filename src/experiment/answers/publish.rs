@@ -2,9 +2,12 @@
 
 use super::folder::{ANSWER_FILE, AnswerRecord, AnswersError, FOLDER, SUMMARY_FILE};
 use super::run_folder;
-use crate::experiment::sheets::sheet_files;
+use crate::experiment::frozen::EXPERIMENT_FILE;
+use crate::experiment::provenance::{EXPERIMENT_FOLDER, PROVENANCE_FILE, SET_FOLDER};
+use crate::experiment::sheets::{PUBLISHED_SIZE, sheet_files};
+use crate::experiment::store::TIMINGS_FOLDER;
 use crate::experiment::summary::{sheet_link, sheet_title};
-use crate::files::{TEXT_BYTES_MAX, read_text};
+use crate::files::{TEXT_BYTES_MAX, read_text, relative};
 use crate::pixels::{PixelsError, png, write_atomically};
 use crate::slips;
 use crate::table::markdown::{self, Align, MarkdownTable, inline, link_label, paragraph};
@@ -12,9 +15,8 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Files of a run that are published beside its answers.
-const FILES: [&str; 9] = [
-    "experiment.toml",
-    "provenance.json",
+const FILES: [&str; 8] = [
+    EXPERIMENT_FILE,
     "environments.csv",
     "errors.csv",
     "errors_by_n_dot_v.csv",
@@ -25,9 +27,10 @@ const FILES: [&str; 9] = [
 ];
 /// Larger files stay where they are: the folder is kept in git.
 const FILE_BYTES_MAX: u64 = 2 << 20;
-/// The contact sheet that is published, the first that fits: its width, pixels, and its height when it has that width.
-const SHEET_WIDTH_MAX: u32 = 1200;
-const SHEET_HEIGHT_MAX: u32 = 2400;
+/// Folders of a run that are published: the raw samples of its timings.
+const FOLDERS: [&str; 1] = [TIMINGS_FOLDER];
+/// More than this in one of them stays where it is, too, bytes.
+const FOLDER_BYTES_MAX: u64 = 1 << 20;
 /// What a person adds to the published folder of a run: kept, and read into the page.
 const REMARK_FILE: &str = "remark.md";
 /// The page over all runs.
@@ -120,7 +123,8 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     let mut notes = Vec::new();
     let mut left_out: Vec<String> = Vec::new();
     // What an earlier publication left and this one does not have must not stand beside it.
-    for folder in [target.clone(), target.join(FOLDER)] {
+    let folders = FOLDERS.map(|name| target.join(name)).into_iter().filter(|folder| folder.is_dir());
+    for folder in [target.clone(), target.join(FOLDER)].into_iter().chain(folders) {
         for entry in std::fs::read_dir(&folder).map_err(io(&folder))?.flatten() {
             if !entry.path().is_file() || entry.file_name() == REMARK_FILE {
                 continue;
@@ -142,20 +146,23 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
             }
         }
     }
+    write_provenance(dir, &target)?;
+    for name in FOLDERS {
+        if let Some(size) = copy_folder(&dir.join(name), &target.join(name))? {
+            let size = format!("{:.1} MB", size as f64 / 1e6);
+            notes.push(format!("{}: left out, {size}", dir.join(name).display()));
+            left_out.push(format!("{name}/ ({size})"));
+        }
+    }
     let sheets = sheet_files(dir);
     let mut published = None;
-    for sheet in &sheets {
+    // The first page: what a reader of the others has seen.
+    if let Some(sheet) = sheets.first() {
         let image = png::read_rgb8(sheet)?;
-        let width = image.width.min(SHEET_WIDTH_MAX);
-        let height = (u64::from(image.height) * u64::from(width) / u64::from(image.width)).max(1) as u32;
-        if height > SHEET_HEIGHT_MAX {
-            notes.push(format!("{}: left out, {}x{} pixels", sheet.display(), image.width, image.height));
-            continue;
-        }
+        let [width, height] = published_size([image.width, image.height]);
         let name = sheet.file_name().map_or_else(|| "sheet.png".into(), |name| name.to_owned());
         png::write_rgb8(&target.join(&name), &image.shrunk(width, height))?;
         published = name.into_string().ok();
-        break;
     }
     let summary = target.join(SUMMARY_FILE);
     let text = read_text(&summary, TEXT_BYTES_MAX).map_err(io(&summary))?;
@@ -165,6 +172,45 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     }
     write_atomically(&summary, |writer| writer.write_all(text.as_bytes()))?;
     Ok(notes)
+}
+
+/// Size of a contact sheet in a published folder. Pages are made to fit when they have the width; one of an older run may be shrunk further.
+fn published_size([width, height]: [u32; 2]) -> [u32; 2] {
+    let [width_max, height_max] = PUBLISHED_SIZE.map(f64::from);
+    let (width, height) = (f64::from(width), f64::from(height));
+    let factor = (width_max / width).min(height_max / height).min(1.0);
+    [width, height].map(|side| (side * factor).floor().max(1.0) as u32)
+}
+
+/// The provenance, with the folders of the experiment's files as they are reached from the published one.
+fn write_provenance(dir: &Path, target: &Path) -> Result<(), PublishError> {
+    let mut value = run_folder::provenance(dir).map_err(AnswersError::from)?;
+    for key in [EXPERIMENT_FOLDER, SET_FOLDER] {
+        if let Some(folder) = value[key].as_str() {
+            value[key] = relative(target, &dir.join(folder)).into();
+        }
+    }
+    let path = target.join(PROVENANCE_FILE);
+    let text = format!("{value:#}\n");
+    write_atomically(&path, |writer| writer.write_all(text.as_bytes()))?;
+    Ok(())
+}
+
+/// Copies the files of a folder, where there is one; returns its size, bytes, where that is too much.
+fn copy_folder(from: &Path, to: &Path) -> Result<Option<u64>, PublishError> {
+    let entries = std::fs::read_dir(from).into_iter().flatten().flatten();
+    let files: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
+    let size = files.iter().filter_map(|path| Some(std::fs::metadata(path).ok()?.len())).sum::<u64>();
+    if size > FOLDER_BYTES_MAX {
+        return Ok(Some(size));
+    }
+    if !files.is_empty() {
+        std::fs::create_dir_all(to).map_err(|error| PublishError::Folder { path: to.to_owned(), error })?;
+    }
+    for path in files {
+        std::fs::copy(&path, to.join(path.file_name().unwrap_or_default())).map_err(io(&path))?;
+    }
+    Ok(None)
 }
 
 /// The summary with links to those sheets only that are published beside it.

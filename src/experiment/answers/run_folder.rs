@@ -2,8 +2,9 @@
 
 use crate::experiment::config::Config;
 use crate::experiment::fault::Faults;
+use crate::experiment::frozen::EXPERIMENT_FILE;
 use crate::experiment::provenance::{self, PROVENANCE_FILE, ProvenanceError};
-use crate::experiment::store::{FailureRecord, Store};
+use crate::experiment::store::{FailureRecord, Store, StoreError, TIMINGS_FOLDER};
 use crate::experiment::tables::HEADLINE;
 use crate::experiment::timing::TimingRecord;
 use crate::files::read_regular;
@@ -31,6 +32,8 @@ pub enum RunFolderError {
     Io { path: PathBuf, error: std::io::Error },
     #[error("{}: {error}; expected a file that `splitsum run` wrote", path.display())]
     Json { path: PathBuf, error: serde_json::Error },
+    #[error(transparent)]
+    Store(#[from] StoreError),
     #[error(transparent)]
     Table(#[from] TableError),
     #[error("{}: {what}; expected the table as `splitsum run` wrote it, which writes it anew from its records", path.display())]
@@ -94,7 +97,7 @@ impl RunFolder {
         let bins = table("errors_by_n_dot_v.csv")?;
         check_errors(dir, &provenance, &errors, bins.as_ref(), is_under_way)?;
         let csv = CSV_FILES.iter().filter_map(|&name| text(&dir.join(name)).transpose().map(|t| Ok((name, t?))));
-        let experiment = text(&dir.join("experiment.toml"))?.unwrap_or_default();
+        let experiment = text(&dir.join(EXPERIMENT_FILE))?.unwrap_or_default();
         Ok(Self {
             config: config(&experiment, &provenance),
             provenance,
@@ -102,7 +105,7 @@ impl RunFolder {
             bins,
             environments: table("environments.csv")?,
             slips: table(slips::FILE_NAME)?,
-            timings: records(&dir.join("timings"))?,
+            timings: timings(dir)?,
             failures: records(&dir.join("failed"))?,
             images: table("images.csv")?.map_or_else(|| Ok(BTreeMap::new()), |table| images(&table))?,
             csv: csv.collect::<Result<_, RunFolderError>>()?,
@@ -161,7 +164,7 @@ impl RunFolder {
 fn config(experiment: &str, provenance: &serde_json::Value) -> Option<Config> {
     let overrides = provenance["overrides"].as_array().into_iter().flatten();
     let overrides: Vec<String> = overrides.filter_map(|text| Some(text.as_str()?.to_owned())).collect();
-    let path = Path::new("experiment.toml");
+    let path = Path::new(EXPERIMENT_FILE);
     let mut faults = Faults::new(path, experiment);
     let config = Config::parse(path, experiment, &overrides, &mut faults);
     faults.is_empty().then_some(config)
@@ -208,7 +211,7 @@ pub fn unfinished_note(dir: &Path) -> Option<String> {
 pub fn experiment_note(dir: &Path) -> Option<String> {
     let provenance = provenance::read(dir).ok()??;
     let named = provenance["experiment_hash"].as_str()?;
-    let path = dir.join("experiment.toml");
+    let path = dir.join(EXPERIMENT_FILE);
     let what = match text(&path) {
         Ok(Some(text)) if provenance::experiment_hash(&text) == named => return None,
         Ok(None) => "is missing",
@@ -312,6 +315,13 @@ fn json<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, RunFolderError> {
         serde_json::from_str(&text).map_err(|error| RunFolderError::Json { path: path.to_owned(), error })
     };
     text(path)?.map(parse).transpose()
+}
+
+/// The timing records of a run, by file name. One that is damaged or another's, under a name of its own, is none, as for the run itself.
+fn timings(dir: &Path) -> Result<Vec<TimingRecord>, RunFolderError> {
+    let store = Store::at(dir);
+    let read = |id: &String| store.timing(id).map_err(RunFolderError::from).transpose();
+    store.ids(TIMINGS_FOLDER).iter().filter_map(read).collect()
 }
 
 /// Every JSON record of a folder, by file name.

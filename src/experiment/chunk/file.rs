@@ -6,9 +6,12 @@
 use super::ChunkError;
 use super::prices::Prices;
 use super::split::{Chunk, split};
-use crate::experiment::plan::{Plan, SCHEMA_VERSION};
+use crate::environment::LoadOptions;
+use crate::experiment::frozen;
+use crate::experiment::plan::{Plan, SCHEMA_VERSION, Source};
+use crate::experiment::provenance::experiment_hash;
 use crate::experiment::store::Store;
-use crate::files::{PLAN_BYTES_MAX, TEXT_BYTES_MAX, read_regular, read_text};
+use crate::files::{PLAN_BYTES_MAX, TEXT_BYTES_MAX, read_regular, read_text, relative};
 use crate::metrics::METRICS;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -59,7 +62,7 @@ impl PlanFile {
     /// Cuts a plan into chunks of about `chunk_seconds` at `prices`, for a plan file in the folder `dir`.
     pub fn new(plan: &Plan, dir: &Path, chunk_seconds: f64, prices: Prices) -> Self {
         let experiment_file = relative(dir, &plan.config.path);
-        let set_folder = plan.config.has_set_files().then(|| relative(dir, &plan.config.set_dir));
+        let set_folder = plan.config.set_files_dir().map(|folder| relative(dir, folder));
         Self::with_paths(plan, experiment_file, set_folder, chunk_seconds, prices)
     }
 
@@ -158,8 +161,13 @@ impl PlanFile {
             return Err(changed(format!("{} has changed since the plan was made", experiment.display())));
         }
         let set_dir = file.set_folder.as_ref().map_or_else(PathBuf::new, |folder| dir.join(folder));
-        let plan = Plan::from_text_set_in(experiment, &written, &file.overrides, &set_dir)
-            .map_err(|error| fault(format!("its experiment is no longer valid: {error}")))?;
+        let file_dir = frozen::file_dir(experiment, &written);
+        let (text, overrides, file_dir, set_dir) = (&written, &file.overrides, file_dir.as_deref(), &set_dir);
+        let plan = Plan::from_source(
+            &Source { path: experiment, text, overrides, file_dir, set_dir },
+            &LoadOptions::default(),
+        )
+        .map_err(|error| fault(format!("its experiment is no longer valid: {error}")))?;
         let (experiment_file, set_folder) = (file.experiment_file.clone(), file.set_folder.clone());
         let here = Self::with_paths(&plan, experiment_file, set_folder, file.chunk_seconds, file.prices.clone());
         if let Some(name) = differing(&file.inputs, &here.inputs) {
@@ -175,33 +183,6 @@ impl PlanFile {
         }
         Ok((file, plan))
     }
-}
-
-/// The path `to` from the folder `from`, with `/` on every machine; whole where no path leads there.
-fn relative(from: &Path, to: &Path) -> String {
-    let whole = |path: &Path| {
-        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
-        // What does not exist is reported when it is opened.
-        std::fs::canonicalize(path).or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_owned())
-    };
-    // A link to a file is followed when it is opened; its own place is what was named.
-    let to = match (to.is_file(), to.parent(), to.file_name()) {
-        (true, Some(parent), Some(name)) => whole(parent).join(name),
-        _ => whole(to),
-    };
-    let from = whole(from);
-    let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
-    if common == 0 {
-        return to.display().to_string();
-    }
-    let up = from.components().skip(common).map(|_| "..".to_owned());
-    let down = to.components().skip(common).map(|part| part.as_os_str().to_string_lossy().into_owned());
-    let parts: Vec<String> = up.chain(down).collect();
-    if parts.is_empty() { ".".to_owned() } else { parts.join("/") }
-}
-
-fn experiment_hash(text: &str) -> String {
-    blake3::hash(text.as_bytes()).to_hex().to_string()
 }
 
 /// The first name that is in one map only, or has another value there.

@@ -6,20 +6,21 @@
 //! whole, and no table compares times of two devices.
 
 use super::ChunkError;
+use super::agreement::differing_columns;
 use super::file::PlanFile;
 use super::store::{Attempt, ChunkStore};
+use crate::experiment::frozen::EXPERIMENT_FILE;
 use crate::experiment::images;
 use crate::experiment::live::LIVE_FILE;
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::provenance;
 use crate::experiment::run::{Outcome, RunOptions, tabulate};
-use crate::experiment::store::{CellRecord, Exact, FailureRecord, ReferenceStop, Store, StoreError};
+use crate::experiment::store::{CellRecord, FailureRecord, ReferenceStop, Store, StoreError};
 use crate::experiment::timing::{self, TimingRecord};
-use crate::files::{content_hash, open_regular};
-use crate::pixels::write_atomically;
+use crate::files::content_hash;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 /// How to merge.
@@ -247,40 +248,6 @@ fn disagreements(plan: &Plan, found: &BTreeMap<String, Vec<Found<CellRecord>>>) 
     sentences
 }
 
-/// The columns of the tables in which two records differ, with both values, and the images whose bytes differ. The time that a cell took
-/// is in none.
-fn differing_columns(a: &CellRecord, b: &CellRecord) -> Vec<String> {
-    let is_other = |(name, hash): &(&String, &String)| b.files.get(*name).is_some_and(|other| other != *hash);
-    let images: Vec<String> =
-        a.files.iter().filter(is_other).map(|(name, _)| format!("the bytes of images/{name}")).collect();
-    let (a, b) = (columns(a), columns(b));
-    let names: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
-    let value = |map: &BTreeMap<String, String>, name: &String| map.get(name).cloned().unwrap_or("none".to_owned());
-    let differing = names.into_iter().filter(|name| a.get(*name) != b.get(*name));
-    differing.map(|name| format!("{name} ({} and {})", value(&a, name), value(&b, name))).chain(images).collect()
-}
-
-/// Everything of a record that stands in a table, by column.
-fn columns(record: &CellRecord) -> BTreeMap<String, String> {
-    let exact = |name: String, score: &Exact| (name, String::from(*score));
-    let mut columns: BTreeMap<String, String> = record.axes.clone();
-    columns.extend(record.scores.iter().map(|(name, score)| exact(name.to_owned(), score)));
-    columns.extend(record.bias_variance.iter().map(|(name, score)| exact(name.to_owned(), score)));
-    columns.extend(record.noise_floors.iter().map(|(name, score)| exact(format!("{name}_noise_floor"), score)));
-    if let Some(stop) = &record.reference {
-        columns.insert("reference_samples".to_owned(), stop.samples.to_string());
-        columns.extend([exact("reference_relative_error".to_owned(), &stop.relative_error)]);
-        columns.insert("reference_stopped_by".to_owned(), stop.stopped_by.name().to_owned());
-    }
-    columns.insert("verdict".to_owned(), record.verdict.clone());
-    for bin in &record.bins {
-        let place = |name: &str| format!("{name} at n_dot_v {} to {}", bin.lo, bin.hi);
-        columns.insert(place("pixel_count"), bin.pixel_count.to_string());
-        columns.extend(bin.scores.iter().map(|(name, score)| exact(place(name), score)));
-    }
-    columns
-}
-
 /// What belongs to the chosen records.
 struct Belongings {
     /// Where a whole copy of each file of `images/` stands, with its content hash where a record tells it.
@@ -356,7 +323,7 @@ fn import_cells<'a>(
     mut attempts: impl Iterator<Item = &'a Attempt>,
 ) -> Result<(), StoreError> {
     for (name, (from, hash)) in &belongings.files {
-        place(from, &out.image_path(name), hash.as_deref())?;
+        out.place(from, &out.image_path(name), hash.as_deref())?;
     }
     for (id, stop) in &belongings.stops {
         out.write_reference(id, stop)?;
@@ -368,30 +335,7 @@ fn import_cells<'a>(
     }
     let live = out.dir().join(LIVE_FILE);
     let made = attempts.find_map(|attempt| Some(attempt.store.dir().join(LIVE_FILE)).filter(|path| path.exists()));
-    made.filter(|_| !live.exists()).map_or(Ok(()), |from| place(&from, &live, None))
-}
-
-/// Makes `to` the file `from`: by a link, since images never change, or by a copy where links do not reach. A copy must have the content
-/// hash that is told.
-fn place(from: &Path, to: &Path, hash: Option<&str>) -> Result<(), StoreError> {
-    if from == to {
-        return Ok(());
-    }
-    let io = |path: &Path, error| StoreError::Io { path: path.to_owned(), error };
-    match std::fs::remove_file(to) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(io(to, error)),
-        _ => {}
-    }
-    if std::fs::hard_link(from, to).is_ok() {
-        return Ok(());
-    }
-    write_atomically(to, |writer| std::io::copy(&mut open_regular(from)?, writer).map(drop))?;
-    match (hash, content_hash(to).map_err(|error| io(to, error))?) {
-        (Some(hash), found) if found != hash => {
-            Err(io(to, std::io::Error::other("the copy differs from what was copied")))
-        }
-        _ => Ok(()),
-    }
+    made.filter(|_| !live.exists()).map_or(Ok(()), |from| out.place(&from, &live, None))
 }
 
 /// Keeps the last reason of every cell that failed and was not done by another attempt.
@@ -421,7 +365,7 @@ fn write_provenance<'a>(
     options: &MergeOptions,
 ) -> Result<(), StoreError> {
     let path = out.provenance_path();
-    let mut value = provenance::read(out.dir())?.unwrap_or_else(|| provenance::provenance(plan));
+    let mut value = provenance::read(out.dir())?.unwrap_or_else(|| provenance::provenance(plan, out.dir()));
     let kept = value["sessions"].as_array().cloned().unwrap_or_default();
     let mut sessions: Vec<serde_json::Value> = kept.into_iter().filter(|session| session["chunk"].is_null()).collect();
     for attempt in attempts {
@@ -436,7 +380,7 @@ fn write_provenance<'a>(
     value["sessions"] = sessions.into();
     value["merge_command_line"] = options.command_line.clone().into();
     out.write_json(&path, &value)?;
-    out.write_text(&out.dir().join("experiment.toml"), &plan.config.text)
+    out.write_text(&out.dir().join(EXPERIMENT_FILE), &plan.config.text)
 }
 
 /// What the run's folder lacks, by chunk.

@@ -4,6 +4,7 @@
 //! chunks write to, `work` one chunk, `merge` the end. Nothing relies on locks between machines: every process writes into a folder of
 //! its own and only reads those of others. Scheduling is left to an engine that exists.
 
+mod agreement;
 pub mod file;
 pub mod merge;
 pub mod prices;

@@ -42,6 +42,8 @@ enum Job<'p> {
 enum Done<'p> {
     /// Name and content hash of an image that is there now.
     Kept(String, String),
+    /// Name of an image that could not be written, for a reason of its own place, and the reason.
+    Unwritten(String, String),
     /// A cell that was scored, or why it cannot be.
     Scored(&'p Cell, Box<Result<CellRecord, String>>),
 }
@@ -291,6 +293,10 @@ impl<'p> Run<'p> {
                 self.file_hashes.insert(name, hash);
                 return Ok(());
             }
+            Done::Unwritten(name, reason) => {
+                self.unwritten.insert(name, reason);
+                return Ok(());
+            }
             Done::Scored(cell, scored) => (cell, scored),
         };
         if self.is_stopped() {
@@ -300,6 +306,9 @@ impl<'p> Run<'p> {
             Ok(mut record) => {
                 // Images come before the first cell that they belong to, and the cells of a reference together: other names are over.
                 let linear = images::linear_files(self.plan, cell);
+                if let Some(reason) = linear.iter().find_map(|name| self.unwritten.get(name).cloned()) {
+                    return self.fail(&[cell], &reason, progress);
+                }
                 self.file_hashes.retain(|name, _| linear.contains(name));
                 record.files.extend(self.file_hashes.clone());
                 self.store.write_cell(&record)?;
@@ -358,12 +367,19 @@ impl<'p> Worker<'_, 'p> {
         }
     }
 
+    /// Whether a fault is that of the place of one of a cell's pictures, so that others can be written.
+    fn is_of_a_picture(&self, error: &StoreError, cell: &Cell) -> bool {
+        let mut pictures = images::pictures(self.plan, cell).into_iter().map(|name| self.store.image_path(&name));
+        pictures.any(|path| error.is_of_one_place(&path))
+    }
+
     fn answer(&self, job: Job<'p>) -> Answer<'p> {
         match job {
-            Job::Keep { path, frame } => {
-                images::write_radiance(&path, &frame)?;
-                hashed(path)
-            }
+            Job::Keep { path, frame } => match images::write_radiance(&path, &frame).map_err(StoreError::from) {
+                Ok(()) => hashed(path),
+                Err(error) if error.is_of_one_place(&path) => Ok(Done::Unwritten(file_name(&path), error.to_string())),
+                Err(error) => Err(error),
+            },
             Job::Known { path } => hashed(path),
             Job::Score { rendered, mut spent } => {
                 let started = Instant::now();
@@ -373,7 +389,10 @@ impl<'p> Worker<'_, 'p> {
                         Ok(CellRecord { spent, ..record })
                     }
                     Err(ScoreFault::Cell(reason)) => Err(reason),
-                    Err(ScoreFault::Store(error)) => return Err(error),
+                    Err(ScoreFault::Store(error)) => match self.is_of_a_picture(&error, rendered.cell) {
+                        true => Err(error.to_string()),
+                        false => return Err(error),
+                    },
                 };
                 Ok(Done::Scored(rendered.cell, Box::new(scored)))
             }
@@ -381,10 +400,13 @@ impl<'p> Worker<'_, 'p> {
     }
 }
 
+fn file_name(path: &Path) -> String {
+    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
 fn hashed<'p>(path: PathBuf) -> Answer<'p> {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     match content_hash(&path) {
-        Ok(hash) => Ok(Done::Kept(name, hash)),
+        Ok(hash) => Ok(Done::Kept(file_name(&path), hash)),
         Err(error) => Err(StoreError::Io { path, error }),
     }
 }

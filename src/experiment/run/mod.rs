@@ -1,21 +1,26 @@
 //! Runs a plan: renders each reference and each radiance once, scores every cell, keeps records, writes tables.
 
 mod cells;
+mod extend;
 mod live;
+mod outcome;
+mod session;
 mod timed;
+
+pub use extend::run_extended;
+pub use outcome::{Outcome, Work};
 
 use crate::experiment::answers::{Answered, AnswersError};
 use crate::experiment::environments;
 use crate::experiment::images;
 use crate::experiment::plan::{Cell, Plan};
-use crate::experiment::provenance::{self, ProvenanceError};
+use crate::experiment::provenance::ProvenanceError;
 use crate::experiment::renderer::{RenderFault, Renderer};
 use crate::experiment::sheets;
 use crate::experiment::store::{CellRecord, FailureRecord, Store, StoreError};
 use crate::experiment::tables::{self, CellResult, Results};
 use crate::experiment::timing::{self, TimingJob, TimingRecord};
 use crate::experiment::trace;
-use crate::pipeline::{DeviceInfo, SharedWork, Tally};
 use crate::slips;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -47,50 +52,6 @@ pub trait Progress {
     fn note(&mut self, text: &str);
 }
 
-/// What a run left.
-#[derive(Debug)]
-pub struct Outcome {
-    pub dir: PathBuf,
-    /// The text of `summary.md`.
-    pub summary: String,
-    /// Cells without a record, each with its reason.
-    pub failures: Vec<FailureRecord>,
-    /// Whether it was stopped before all steps were tried.
-    pub is_stopped: bool,
-    /// What this invocation did; nothing where all was done before.
-    pub work: Option<Work>,
-}
-
-/// What an invocation spent and shared.
-#[derive(Clone, Debug, Default)]
-pub struct Work {
-    /// Host time in which the device worked or was waited for, ms.
-    pub waited_ms: f64,
-    pub shared: SharedWork,
-    /// References that an earlier invocation had left in the run's folder.
-    pub references_read_back: usize,
-}
-
-impl Work {
-    /// One line for the user, after `wall_ms` of the whole invocation.
-    pub fn line(&self, wall_ms: f64) -> String {
-        let mut made = Vec::new();
-        for (kind, Tally { made: count, read }) in &self.shared {
-            let from_disk = if *read > 0 { format!(" (and {read} from the cache)") } else { String::new() };
-            made.push(format!("{kind} {count}{from_disk}"));
-        }
-        if self.references_read_back > 0 {
-            made.push(format!("references of the run read back {}", self.references_read_back));
-        }
-        format!(
-            "{:.1} s, {:.0} % of it without the device. Made once and shared: {}",
-            wall_ms / 1e3,
-            100.0 * (1.0 - self.waited_ms / wall_ms).max(0.0),
-            if made.is_empty() { "nothing".to_owned() } else { made.join(", ") }
-        )
-    }
-}
-
 /// Why a run ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
@@ -120,9 +81,6 @@ pub struct Share {
 /// Makes the renderer when the first step needs it, so that a finished run needs no device.
 pub type MakeRenderer<'a> = dyn FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'a;
 
-/// The frozen experiment in the folder of a run.
-const EXPERIMENT_FILE: &str = "experiment.toml";
-
 /// The tables are rewritten at most this often while cells finish.
 const TABLE_INTERVAL: Duration = Duration::from_secs(2);
 
@@ -133,13 +91,24 @@ pub fn run(
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<Outcome, RunError> {
+    run_with(plan, None, make_renderer, options, progress)
+}
+
+/// As [`run`], with the renderer where there is one already.
+fn run_with(
+    plan: &Plan,
+    renderer: Option<Box<dyn Renderer>>,
+    make_renderer: &mut MakeRenderer,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+) -> Result<Outcome, RunError> {
     let started = Instant::now();
     // A new run leaves nothing behind when there is no device.
     let folder = Store::at(&options.dir);
     folder.check_identity(plan)?;
-    let mut renderer = match folder.provenance_path().exists() {
-        true => None,
-        false => Some(opened(plan, make_renderer)?),
+    let mut renderer = match renderer {
+        None if !folder.provenance_path().exists() => Some(opened(plan, make_renderer)?),
+        renderer => renderer,
     };
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
@@ -229,6 +198,8 @@ struct Run<'p> {
     references_read: usize,
     /// Content hash of the linear images of the cell that is kept next, by name.
     file_hashes: BTreeMap<String, String>,
+    /// Images that could not be written for a reason of their own place, by name, with the reason: their cells fail.
+    unwritten: BTreeMap<String, String>,
     /// Content hashes of the images of each cell that an earlier invocation finished, by its id. Gone when they are checked.
     recorded_hashes: BTreeMap<String, BTreeMap<String, String>>,
     /// Records of cells that are there but cannot be used.
@@ -266,27 +237,11 @@ impl<'p> Run<'p> {
             is_halted: false,
             references_read: 0,
             file_hashes: BTreeMap::new(),
+            unwritten: BTreeMap::new(),
             recorded_hashes,
             unusable,
             work: None,
         })
-    }
-
-    /// Writes the frozen experiment of a run that was begun, where it is missing or not the text of the plan.
-    fn freeze_again(&self, progress: &mut dyn Progress) -> Result<(), RunError> {
-        let Some(mut value) = provenance::read(self.store.dir())? else { return Ok(()) };
-        let (path, text) = (self.store.dir().join(EXPERIMENT_FILE), &self.plan.config.text);
-        if std::fs::read(&path).is_ok_and(|found| found == text.as_bytes()) {
-            return Ok(());
-        }
-        progress.note(&format!("{EXPERIMENT_FILE} was not the experiment of this run; it is written anew"));
-        self.store.write_text(&path, text)?;
-        // A comment may have changed, or the question: what makes no other cells.
-        if value["experiment_hash"] != provenance::experiment_hash(text) {
-            provenance::name_experiment(&mut value, self.plan);
-            self.store.write_json(&self.store.provenance_path(), &value)?;
-        }
-        Ok(())
     }
 
     /// Cells whose images are gone or not those that their records name are made again: their scores come out the same, on the same
@@ -308,7 +263,9 @@ impl<'p> Run<'p> {
             "images of finished cells that are missing or were changed since: {}, the first images/{name}; their cells are made again",
             damaged.len()
         ));
-        damaged.iter().try_for_each(|name| self.store.remove_image(name))?;
+        // What is no file stays: its cells fail, each for itself.
+        let is_file = |name: &&String| !self.store.image_path(name).is_dir();
+        damaged.iter().filter(is_file).try_for_each(|name| self.store.remove_image(name))?;
         let is_hit = |cell: &&Cell| images::files(plan, cell).iter().any(|name| damaged.contains(name));
         for cell in plan.cells.iter().filter(is_hit) {
             self.results.remove(&cell.id);
@@ -329,34 +286,6 @@ impl<'p> Run<'p> {
     fn steps_left(&self) -> usize {
         let cells = self.plan.cells.iter().filter(|cell| !self.is_done(cell)).count();
         cells + self.jobs.iter().filter(|job| !self.store.has_timing(&job.id)).count()
-    }
-
-    /// Writes the frozen experiment and adds this invocation to the provenance.
-    fn begin_session(&self, device: &DeviceInfo) -> Result<(), RunError> {
-        let path = self.store.provenance_path();
-        let mut value = provenance::read(self.store.dir())?.unwrap_or_else(|| provenance::provenance(self.plan));
-        if let Some(sessions) = value["sessions"].as_array_mut() {
-            sessions.push(provenance::session(device, &self.options.command_line));
-        }
-        self.store.write_json(&path, &value)?;
-        self.store.write_text(&self.store.dir().join(EXPERIMENT_FILE), &self.plan.config.text)?;
-        Ok(())
-    }
-
-    /// Completes this invocation's entry in the provenance.
-    fn end_session(&mut self, renderer: &dyn Renderer, started: Instant) -> Result<(), RunError> {
-        let work = Work {
-            waited_ms: renderer.waited_ms(),
-            shared: renderer.shared_work(),
-            references_read_back: self.references_read,
-        };
-        let path = self.store.provenance_path();
-        let Some(mut value) = provenance::read(self.store.dir())? else { return Ok(()) };
-        if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {
-            provenance::end_session(session, &renderer.device(), &work, milliseconds(started));
-        }
-        self.work = Some(work);
-        Ok(self.store.write_json(&path, &value)?)
     }
 
     fn work(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {

@@ -45,6 +45,8 @@ impl<'p> Run<'p> {
             match cell_result(timed)? {
                 Ok(timed) => {
                     let device = renderer.device();
+                    // Killed among the new records, an old one would stand beside them as if it were of the same rounds.
+                    block.iter().try_for_each(|job| self.store.remove_timing(&job.id))?;
                     for configuration in timed {
                         let id = configuration.job.id.clone();
                         let label = format!("timing {}", configuration.words());

@@ -334,7 +334,8 @@ fn an_effect_whose_interval_holds_1_is_not_claimed() {
     let (sure, unsure) = (answer([2.0, 2.1, 1.9]), answer([0.1, 10.0, 2.0]));
     assert!(sure.contains("multiplies the error") && !sure.contains("does not tell"), "{sure}");
     assert!(
-        unsure.contains("may multiply") && unsure.contains("the interval does not tell which one errs less"),
+        unsure.contains("may multiply")
+            && unsure.contains("errs less in 1 of 3, and the interval does not tell which one errs less"),
         "{unsure}"
     );
 }

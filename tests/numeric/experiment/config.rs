@@ -357,6 +357,33 @@ fn an_excluded_input_that_is_none_is_a_fault() {
     );
 }
 
+/// An exclusion by a value that no cell has leaves nothing out: a slip. Values that `--set` took away, or that stand beside others, are none.
+#[test]
+fn an_excluded_value_that_the_axis_does_not_have_is_a_fault() {
+    let text = |condition: &str| {
+        format!(
+            "name = \"x\"\n[axes]\nalpha = [0.1, 0.5]\nsamples = [1, 16]\nmethod = [\"sampled\"]\n[[exclude]]\n{condition}\nwhy = \"w\"\n"
+        )
+    };
+    for (condition, fault) in [
+        ("alpha = 0.05", "e.toml:7:9: exclude.alpha: the axis has no value 0.05; did you mean 0.1?; it has 0.1, 0.5"),
+        ("samples = [15, 3]", "e.toml:7:12: exclude.samples: the axis has no value 15; did you mean 16?; it has 1, 16"),
+        ("method = \"split-sum\"", "e.toml:7:10: exclude.method: the axis has no value \"split-sum\"; it has sampled"),
+        // Not swept: all cells have the one value.
+        ("exposure = 5", "e.toml:7:12: exclude.exposure: the axis has no value 5; did you mean 1?; it has 1"),
+    ] {
+        let found = faults(&text(condition), &[]);
+        assert!(found.iter().any(|line| line == fault), "{found:#?}");
+    }
+    assert_faults(&faults(&text("samples = [16, 3]"), &[]), &[]);
+    assert_faults(&faults(&text("samples = 16"), &["samples=1,4"]), &[]);
+    assert_faults(&faults(&text("exposure = 1"), &["exposure=2,4"]), &[]);
+    assert_faults(&faults(&text("exposure = 4"), &["exposure=2,4"]), &[]);
+    let plan = splitsum::experiment::Plan::from_text(std::path::Path::new("e.toml"), &text("samples = [16, 3]"), &[]);
+    let warnings = plan.unwrap().warnings();
+    assert_eq!(warnings, ["e.toml:7:16: exclude.samples: the axis has no value 3; did you mean 1?; it has 1, 16"]);
+}
+
 #[test]
 fn a_point_light_stands_outside_of_every_sphere() {
     let text = |scene: &str, position: &str| {

@@ -46,11 +46,11 @@ fn a_method_without_samples_collapses_the_samples_axis() {
 fn an_exclusion_leaves_the_same_cells_as_the_collapse() {
     let text = format!(
         "{SWEEP}[[exclude]]\nmethod = \"split-sum\"\nsamples = [1, 40]\nwhy = \"none drawn\"\n\
-         [[exclude]]\nbrdf = \"beckmann\"\nwhy = \"idle\"\n"
+         [[exclude]]\nmethod = \"split-sum\"\nsamples = 40\nwhy = \"idle\"\n"
     );
     let excluded = plan(&text);
     assert_eq!(excluded.excluded, [16, 0]);
-    let place = text.matches('\n').count() - 2;
+    let place = text.matches('\n').count() - 3;
     let [warning] = &excluded.warnings()[..] else { panic!("{:?}", excluded.warnings()) };
     assert!(warning.ends_with(&format!(":{place}:1: the exclusion \"idle\" matches no combination")), "{warning}");
     assert_eq!(excluded.collapsed, 0);
@@ -299,7 +299,7 @@ fn a_label_rounds_what_the_tables_keep_whole() {
 #[test]
 fn an_exclusion_says_where_it_was_written() {
     let plan = plan(
-        "name = \"x\"\n[axes]\nalpha = [0.1, 0.5]\n[[exclude]]\nalpha = 0.1\nwhy = \"narrow\"\n[[exclude]]\nalpha = 0.2\nwhy = \"none\"\n",
+        "name = \"x\"\n[axes]\nalpha = [0.1, 0.5]\n[[exclude]]\nalpha = 0.1\nwhy = \"narrow\"\n[[exclude]]\nalpha = [0.1]\nwhy = \"none\"\n",
     );
     let lines = splitsum::experiment::fault::Lines::new(&plan.config.text);
     let places = plan.config.exclusions.iter().map(|e| e.place.words(&plan.config.path, &lines));

@@ -245,6 +245,43 @@ fn a_failing_reference_fails_its_cells_only() {
     assert!(outcome.failures[0].reason.starts_with("its reference: "));
 }
 
+/// A folder in the place of one image is a fault of its cells: the run goes on, and ends with them when it is gone.
+#[test]
+fn a_folder_in_the_place_of_an_image_fails_its_cells_only() {
+    let (whole, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
+    finished(&plan, whole.path());
+    let images = contents(&whole.path().join("images"));
+    let cell = plan.cells.iter().find(|cell| cell.point.get("method").to_string() == "split-sum").unwrap();
+    let named =
+        |id: &str, end: &str| images.keys().find(|name| name.contains(id) && name.ends_with(end)).unwrap().clone();
+    // The image of two exposures, and its map; a picture of one; the picture of a reference, at one exposure of four images; a reference.
+    for (name, count) in [
+        (named(&cell.radiance, ".exr"), 2),
+        (named(&cell.radiance, ".error.png"), 2),
+        (named(&cell.id, ".flip.png"), 1),
+        (named(&cell.reference, ".png"), 4),
+        (named(&cell.reference, ".exr"), 8),
+    ] {
+        let dir = tempfile::tempdir().unwrap();
+        let place = dir.path().join("images").join(&name);
+        std::fs::create_dir_all(&place).unwrap();
+        let outcome = invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+        assert_eq!(outcome.failures.len(), count, "{name}");
+        assert!(outcome.failures.iter().all(|failure| failure.reason.contains(&name)), "{:?}", outcome.failures);
+        let table = Table::read(&dir.path().join("errors.csv")).unwrap();
+        let verdict = table.column("verdict").unwrap();
+        assert_eq!(table.rows.iter().filter(|row| row[verdict] == "failed").count(), count);
+        std::fs::remove_dir(&place).unwrap();
+        assert!(invoke(&plan, dir.path(), &log(), usize::MAX).unwrap().failures.is_empty());
+        assert!(contents(&dir.path().join("images")) == images, "{name}");
+        assert!(read(dir.path().join("errors.csv")) == read(whole.path().join("errors.csv")));
+        // The same in the place of an image of a finished cell.
+        std::fs::remove_file(&place).unwrap();
+        std::fs::create_dir(&place).unwrap();
+        assert_eq!(invoke(&plan, dir.path(), &log(), usize::MAX).unwrap().failures.len(), count, "{name}");
+    }
+}
+
 #[test]
 fn a_lost_device_ends_the_run_and_keeps_what_is_done() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
@@ -264,6 +301,9 @@ fn a_folder_of_something_else_is_refused() {
     invoke(&plan(EXPERIMENT), dir.path(), &log(), usize::MAX).unwrap();
     let before = snapshot(dir.path());
     let other = plan(&EXPERIMENT.replace("[0.1, 0.5]", "[0.1, 0.6]"));
+    let error = invoke(&other, dir.path(), &log(), usize::MAX).unwrap_err();
+    assert!(error.to_string().contains("another plan of tiny, and of its 32 cells 16 would not be"), "{error}");
+    let other = plan(&EXPERIMENT.replace("\"tiny\"", "\"small\""));
     let error = invoke(&other, dir.path(), &log(), usize::MAX).unwrap_err();
     assert!(error.to_string().contains("another experiment"), "{error}");
     assert_eq!(before, snapshot(dir.path()));

@@ -1,7 +1,9 @@
 //! Runs with the renderer made of formulas: how they are started, and what of their folders tests look at.
 
 use super::fake::{Fake, Log};
-use splitsum::experiment::{MakeRenderer, Outcome, Plan, Progress, RenderFault, Renderer, RunError, RunOptions, run};
+use splitsum::experiment::{
+    MakeRenderer, Outcome, Plan, Progress, RenderFault, Renderer, RunError, RunOptions, run, run_extended,
+};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -65,6 +67,12 @@ pub fn invoke(plan: &Plan, dir: &Path, log: &Rc<RefCell<Log>>, steps: usize) -> 
     let stop = AtomicBool::new(false);
     let mut progress = Steps { stop: &stop, left: steps, failures: Vec::new() };
     run(plan, &mut fakes(log) as &mut MakeRenderer, &options(dir, &stop), &mut progress)
+}
+
+/// One invocation that extends the run of another plan in `dir`, and what it noted.
+pub fn extend(plan: &Plan, dir: &Path, log: &Rc<RefCell<Log>>) -> Result<Outcome, RunError> {
+    let stop = AtomicBool::new(false);
+    run_extended(plan, &mut fakes(log) as &mut MakeRenderer, &options(dir, &stop), &mut Silent)
 }
 
 /// A finished run in `dir`.

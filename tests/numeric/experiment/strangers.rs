@@ -39,6 +39,12 @@ fn a_record_under_another_name_is_none() {
     let path = |id: &str| dir.path().join(format!("timings/{id}.json"));
     std::fs::copy(path(&jobs[0].id), path(&jobs[1].id)).unwrap();
     assert!(store.has_timing(&jobs[0].id) && !store.has_timing(&jobs[1].id));
+    // Who reads the folder meanwhile counts it once, as the run does.
+    let counted = RunFolder::read(dir.path()).unwrap().timings.len();
+    assert_eq!(counted, jobs.len() - 1);
+    std::fs::copy(path(&jobs[0].id), path("0123456789abcdef")).unwrap();
+    assert_eq!(RunFolder::read(dir.path()).unwrap().timings.len(), counted);
+    std::fs::remove_file(path("0123456789abcdef")).unwrap();
     again(&plan, dir.path()).unwrap();
     assert!(store.has_timing(&jobs[1].id));
 }

@@ -2,7 +2,7 @@
 
 use super::{ESTIMATE_DIGITS, NO_PIXELS, left, no_pixels_note, noise_note, scored, table, words};
 use crate::experiment::answers::Answers;
-use crate::experiment::answers::break_even::{BreakEven, interval_text, median};
+use crate::experiment::answers::break_even::{BreakEven, interval_text, median, range_text};
 use crate::experiment::answers::cases::{Case, Pair};
 use crate::experiment::answers::curves::fits;
 use crate::experiment::answers::study::{Row, Study};
@@ -152,7 +152,14 @@ fn break_even_by_n_dot_v(answers: &Answers, pair: &Pair) -> String {
         let mut cells = words(&answers.case_axes, &case.key);
         cells.extend(bins.iter().map(|(lo, _)| {
             let bin = case.bins.iter().find(|bin| bin.lo == *lo);
-            bin.map_or_else(|| NO_PIXELS.to_owned(), |bin| bin.crossing.break_even.to_string())
+            bin.map_or_else(
+                || NO_PIXELS.to_owned(),
+                |bin| {
+                    let range = bin.crossing.interval.map(|ends| range_text(ends, pair.tried()));
+                    let range = range.map_or_else(String::new, |range| format!(" ({range})"));
+                    format!("{}{range}", bin.crossing.break_even)
+                },
+            )
         }));
         rows.row(&cells);
     }
@@ -160,5 +167,10 @@ fn break_even_by_n_dot_v(answers: &Answers, pair: &Pair) -> String {
         rows.row(&excluded_row(answers, key, header.len()));
     }
     let note = no_pixels_note(&rows.to_string());
-    format!("The same over the pixels of each bin of n_dot_v, grazing angles on the left:\n\n{rows}\n{note}")
+    let has_ranges = pair.cases.iter().flat_map(|case| &case.bins).any(|bin| bin.crossing.interval.is_some());
+    let ranges = match has_ranges {
+        true => " In brackets the 95 % interval of the crossing; `?`: no tried count tells the two apart.",
+        false => "",
+    };
+    format!("The same over the pixels of each bin of n_dot_v, grazing angles on the left.{ranges}\n\n{rows}\n{note}")
 }

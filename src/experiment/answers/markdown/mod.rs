@@ -4,6 +4,7 @@ mod break_even;
 mod light;
 mod parameters;
 
+use super::heat::HeatError;
 use super::study::Study;
 use super::{Answers, grouped, heat, short};
 use crate::experiment::axis::REFERENCE;
@@ -135,17 +136,31 @@ fn slopes(answers: &Answers) -> String {
     )
 }
 
+/// `0.016 (0.008–0.032)`; the number alone without an interval.
+fn ranged(number: f64, interval: Option<[f64; 2]>) -> String {
+    let text = |x: f64| significant(x, ESTIMATE_DIGITS);
+    let interval = interval.map_or_else(String::new, |[lo, hi]| format!(" ({}–{})", text(lo), text(hi)));
+    format!("{}{interval}", text(number))
+}
+
 fn error_by_n_dot_v(answers: &Answers) -> String {
     if answers.heat.is_empty() {
         return String::new();
     }
-    let mut text = format!("## Error by alpha and n_dot_v\n\nMedian {HEADLINE}; grazing angles on the left.\n\n");
+    let has_intervals = answers.heat.iter().flat_map(|table| table.errors.iter().flatten().flatten());
+    let intervals = match has_intervals.into_iter().any(|error| error.interval.is_some()) {
+        true => "; in brackets the interval that holds it with 95 %",
+        false => "",
+    };
+    let mut text = format!(
+        "## Error by alpha and n_dot_v\n\nMedian {HEADLINE} over the cases{intervals}; grazing angles on the left.\n\n"
+    );
     for one in heat::shown(&answers.heat) {
         let mut header = vec![("alpha".to_owned(), Align::Right)];
         header.extend(one.bins.iter().map(|(lo, hi)| (format!("{lo} to {}", hi.min(1.0)), Align::Right)));
         let mut rows = table(&header);
         for (alpha, errors) in one.alphas.iter().zip(&one.errors) {
-            let number = |e| significant(e, ESTIMATE_DIGITS);
+            let number = |e: HeatError| ranged(e.median, e.interval);
             let cells = errors.iter().map(|error| error.map_or_else(|| NO_PIXELS.to_owned(), number));
             let alpha = short("alpha", &alpha.to_string()).into_owned();
             rows.row(&[alpha].into_iter().chain(cells).collect::<Vec<_>>());

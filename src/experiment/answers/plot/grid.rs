@@ -11,6 +11,8 @@ pub struct HeatCell {
     pub value: f64,
     /// What is written.
     pub text: String,
+    /// Smaller, in a second line; empty for none.
+    pub range: String,
 }
 
 /// Why a place of a map has no value.
@@ -54,7 +56,14 @@ const MARGIN: i32 = 14;
 const HEAD: i32 = 34;
 const ABOVE: i32 = 24;
 const BELOW: i32 = 46;
+/// Cells with one line, and with two.
 const CELL: [i32; 2] = [50, 27];
+const CELL_WITH_RANGE_HEIGHT: i32 = 35;
+/// Room beside a second line.
+const RANGE_MARGIN: i32 = 8;
+/// Second lines: their size, and how far both lines stand from the middle.
+const RANGE_LABEL: i32 = 10;
+const LINE_SHIFT: i32 = 8;
 const GAP: i32 = 14;
 /// Colour scale: width of its bar, and room for its labels.
 const BAR: i32 = 16;
@@ -77,14 +86,22 @@ impl HeatChart {
         Palette::Magma.color(PALETTE_TO + (PALETTE_FROM - PALETTE_TO) * place)
     }
 
+    /// Width and height of a cell.
+    fn cell_size(&self) -> [i32; 2] {
+        let cells = self.panels.iter().flat_map(|panel| panel.cells.iter().flatten().flatten());
+        let ranges = cells.filter(|cell| !cell.range.is_empty()).map(|cell| text_width(&cell.range, RANGE_LABEL));
+        ranges.max().map_or(CELL, |longest| [CELL[0].max(longest + RANGE_MARGIN), CELL_WITH_RANGE_HEIGHT])
+    }
+
     pub fn svg(&self) -> Result<String, PlotError> {
+        let size = self.cell_size();
         let rows = self.panels.iter().map(|panel| panel.rows.len()).max().unwrap_or(0) as i32;
         let columns = self.panels.iter().map(|panel| panel.columns.len()).max().unwrap_or(0) as i32;
         let names = self.panels.iter().flat_map(|panel| &panel.rows);
         let left = names.map(|name| text_width(name, LABEL)).max().unwrap_or(0) + 14;
         let across = COLUMNS_MAX.min(self.panels.len()).max(1);
         let down = self.panels.len().div_ceil(across) as i32;
-        let [panel_width, panel_height] = [left + columns * CELL[0] + GAP, ABOVE + rows * CELL[1] + BELOW];
+        let [panel_width, panel_height] = [left + columns * size[0] + GAP, ABOVE + rows * size[1] + BELOW];
         let full_width = 2 * MARGIN + across as i32 * panel_width + BAR + BAR_LABELS;
         let notes = wrapped(&self.notes, full_width - 2 * MARGIN - left);
         let grid_height = (down * panel_height).max(ABOVE + BAR_HEIGHT_MIN + GAP);
@@ -97,7 +114,7 @@ impl HeatChart {
                 self.panel(canvas, panel, (x, y))?;
             }
             let bar = (MARGIN + across as i32 * panel_width, MARGIN + HEAD + ABOVE);
-            self.bar(canvas, bar, (down * panel_height - ABOVE - BELOW).clamp(BAR_HEIGHT_MIN, 10 * CELL[1]))?;
+            self.bar(canvas, bar, (down * panel_height - ABOVE - BELOW).clamp(BAR_HEIGHT_MIN, 10 * size[1]))?;
             let top = MARGIN + HEAD + grid_height + 4;
             for (i, note) in notes.iter().enumerate() {
                 canvas.text(note, (MARGIN + left, top + i as i32 * (LABEL + 4)), look(LABEL).color(MUTED))?;
@@ -107,28 +124,32 @@ impl HeatChart {
     }
 
     fn panel(&self, canvas: &Canvas, panel: &HeatPanel, (x, y): (i32, i32)) -> Result<(), PlotError> {
+        let size = self.cell_size();
         canvas.text(&panel.title, (x, y - ABOVE / 2), look(SUBTITLE).bold())?;
-        let [width, height] = [panel.columns.len() as i32 * CELL[0], panel.rows.len() as i32 * CELL[1]];
+        let [width, height] = [panel.columns.len() as i32 * size[0], panel.rows.len() as i32 * size[1]];
         for (r, row) in panel.cells.iter().enumerate() {
-            let top = y + r as i32 * CELL[1];
-            canvas.text(&panel.rows[r], (x - 6, top + CELL[1] / 2), look(LABEL).right())?;
+            let top = y + r as i32 * size[1];
+            canvas.text(&panel.rows[r], (x - 6, top + size[1] / 2), look(LABEL).right())?;
             for (c, cell) in row.iter().enumerate() {
-                let corner = (x + c as i32 * CELL[0], top);
+                let corner = (x + c as i32 * size[0], top);
                 let cell = match cell {
                     Ok(cell) => cell,
                     Err(gap) => {
-                        empty(canvas, corner, *gap)?;
+                        empty(canvas, corner, size, *gap)?;
                         continue;
                     }
                 };
                 let color = self.color(cell.value);
-                canvas.rectangle(corner, (corner.0 + CELL[0] - 1, corner.1 + CELL[1] - 1), color)?;
-                let middle = (corner.0 + CELL[0] / 2, corner.1 + CELL[1] / 2);
-                canvas.text(&cell.text, middle, look(LABEL).centred().color(ink_on(color)))?;
+                canvas.rectangle(corner, (corner.0 + size[0] - 1, corner.1 + size[1] - 1), color)?;
+                let middle = (corner.0 + size[0] / 2, corner.1 + size[1] / 2);
+                let shift = if cell.range.is_empty() { 0 } else { LINE_SHIFT };
+                let look = |size| look(size).centred().color(ink_on(color));
+                canvas.text(&cell.text, (middle.0, middle.1 - shift), look(LABEL))?;
+                canvas.text(&cell.range, (middle.0, middle.1 + shift), look(RANGE_LABEL))?;
             }
         }
         for (c, name) in panel.columns.iter().enumerate() {
-            let at = (x + c as i32 * CELL[0] + CELL[0] / 2, y + height + 10);
+            let at = (x + c as i32 * size[0] + size[0] / 2, y + height + 10);
             canvas.text(name, at, look(LABEL - 1).centred())?;
         }
         canvas.text(&self.column_label, (x + width / 2, y + height + 28), look(SUBTITLE).centred())?;
@@ -156,8 +177,8 @@ impl HeatChart {
 }
 
 /// A cell without a value: hatched with its name where it was left out, and a dash where there is nothing to measure.
-fn empty(canvas: &Canvas, (x, y): (i32, i32), gap: Gap) -> Result<(), PlotError> {
-    let [width, height] = CELL.map(|side| side - 1);
+fn empty(canvas: &Canvas, (x, y): (i32, i32), size: [i32; 2], gap: Gap) -> Result<(), PlotError> {
+    let [width, height] = size.map(|side| side - 1);
     canvas.rectangle((x, y), (x + width, y + height), PALE)?;
     let text = match gap {
         Gap::NoPixels => "–",

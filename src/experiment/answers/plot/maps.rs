@@ -5,7 +5,7 @@ use super::figures::{
 };
 use super::grid::{Gap, HeatCell, HeatChart, HeatPanel};
 use super::scale::{Kind, Scale};
-use crate::experiment::answers::break_even::BreakEven;
+use crate::experiment::answers::break_even::{BreakEven, range_text};
 use crate::experiment::answers::cases::{Case, Pair};
 use crate::experiment::answers::{Answers, heat};
 use crate::table::markdown::significant;
@@ -33,7 +33,8 @@ pub fn break_even(answers: &Answers, pair: &Pair) -> Option<HeatChart> {
                 BreakEven::From(n) => f64::from(n),
                 BreakEven::Above(_) => never,
             };
-            Ok(HeatCell { value, text: bin.crossing.break_even.to_string() })
+            let range = bin.crossing.interval.map_or_else(String::new, |ends| range_text(ends, pair.tried()));
+            Ok(HeatCell { value, text: bin.crossing.break_even.to_string(), range })
         };
         let mut rows: Vec<(&str, Vec<Result<HeatCell, Gap>>)> = Vec::new();
         for case in pair.cases.iter().filter(|case| is_own(&case.key)) {
@@ -58,6 +59,10 @@ pub fn break_even(answers: &Answers, pair: &Pair) -> Option<HeatChart> {
          there.",
         pair.sampled, pair.fixed
     )];
+    let mut cells = panels.iter().flat_map(|panel| panel.cells.iter().flatten().flatten());
+    if cells.any(|cell| !cell.range.is_empty()) {
+        notes.push("Below it the 95 % interval of the crossing; ?: no tried count tells the two apart.".to_owned());
+    }
     notes.extend(gap_notes(&panels));
     notes.extend(cut_off_note(&facets));
     Some(HeatChart {
@@ -86,19 +91,28 @@ fn gap_notes(panels: &[HeatPanel]) -> Vec<String> {
     notes.into_iter().filter(|(gap, _)| has(*gap)).map(|(_, note)| note.to_owned()).collect()
 }
 
-fn heat_cell(value: f64) -> HeatCell {
-    HeatCell { value, text: significant(value, 2) }
+fn heat_cell(error: heat::HeatError) -> HeatCell {
+    let text = |x: f64| significant(x, 2);
+    let range = error.interval.map_or_else(String::new, |[lo, hi]| format!("{}–{}", text(lo), text(hi)));
+    HeatCell { value: error.median, text: text(error.median), range }
 }
 
 /// Error by alpha and `n_dot_v`.
 pub fn error(answers: &Answers) -> Option<HeatChart> {
     let shown = heat::shown(&answers.heat);
-    let values = shown.iter().flat_map(|table| table.errors.iter().flatten().flatten()).filter(|error| **error > 0.0);
+    let errors = shown.iter().flat_map(|table| table.errors.iter().flatten().flatten());
     let (mut lo, mut hi) = (f64::INFINITY, 0.0f64);
-    values.for_each(|error| (lo, hi) = (lo.min(*error), hi.max(*error)));
+    let values = errors.clone().map(|error| error.median).filter(|error| *error > 0.0);
+    values.for_each(|error| (lo, hi) = (lo.min(error), hi.max(error)));
     if lo > hi {
         return None;
     }
+    let intervals: Vec<String> = errors
+        .into_iter()
+        .any(|error| error.interval.is_some())
+        .then(|| "Below it the interval that holds the median over cases with 95 %.".to_owned())
+        .into_iter()
+        .collect();
     // One value has no range: a decade about it is as good as any.
     let range = if hi > lo { [lo, hi] } else { [lo / 3.0, hi * 3.0] };
     let panel = |table: &&heat::HeatTable| HeatPanel {
@@ -113,7 +127,8 @@ pub fn error(answers: &Answers) -> Option<HeatChart> {
     };
     Some(HeatChart {
         title: "Error by α and n·v".to_owned(),
-        notes: vec!["Median over everything else that is swept.".to_owned(), ERROR_NOTE.to_owned()],
+        notes: [vec!["Median over everything else that is swept.".to_owned()], intervals, vec![ERROR_NOTE.to_owned()]]
+            .concat(),
         row_label: "α".to_owned(),
         column_label: "n·v: grazing to facing the viewer".to_owned(),
         color_label: ERROR_LABEL.to_owned(),

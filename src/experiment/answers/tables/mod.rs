@@ -93,7 +93,7 @@ fn slopes(answers: &Answers) -> AnswerTable {
     AnswerTable { name: "convergence_slopes", columns: columns(answers, &own), rows: rows.collect() }
 }
 
-/// One row a method, sample count, alpha and bin: the median over everything else.
+/// One row a method, sample count, alpha and bin: the median over everything else, with the ends of its 95 % interval over cases.
 fn n_dot_v_and_alpha(answers: &Answers) -> AnswerTable {
     let mut rows = Vec::new();
     for table in &answers.heat {
@@ -101,11 +101,16 @@ fn n_dot_v_and_alpha(answers: &Answers) -> AnswerTable {
             for ((lo, hi), error) in table.bins.iter().zip(errors) {
                 let samples = table.samples.parse().map_or(Cell::Missing, Cell::Integer);
                 let method = Cell::from(table.method.as_str());
-                rows.push(vec![method, samples, (*alpha).into(), (*lo).into(), (*hi).into(), (*error).into()]);
+                let ends = error.and_then(|error| error.interval).map_or([None; 2], |ends| ends.map(Some));
+                let error = error.map(|error| error.median);
+                let mut row = vec![method, samples, (*alpha).into(), (*lo).into(), (*hi).into(), error.into()];
+                row.extend(ends.map(Cell::from));
+                rows.push(row);
             }
         }
     }
-    let columns = ["method", "samples", "alpha", "n_dot_v_from", "n_dot_v_to", HEADLINE].map(str::to_owned).to_vec();
+    let columns = ["method", "samples", "alpha", "n_dot_v_from", "n_dot_v_to", HEADLINE, "median_lo", "median_hi"];
+    let columns = columns.map(str::to_owned).to_vec();
     AnswerTable { name: "error_by_n_dot_v_and_alpha", columns, rows }
 }
 

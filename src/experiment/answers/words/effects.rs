@@ -11,8 +11,10 @@ use std::collections::BTreeMap;
 /// Axes that choose an estimator. An experiment that sweeps one asks about it, whatever it sweeps beside.
 pub(super) const ESTIMATORS: [&str; 2] = ["method", "diffuse"];
 
-/// The headline where the interval holds 1.
-const UNDECIDED: &str = "undecided";
+/// In how many cases an effect errs less than its base: the headline where the interval does not tell.
+fn better(effect: &Effect) -> String {
+    format!("{} of {}", effect.better, effect.n)
+}
 
 pub(super) fn from_effects(study: &Study, answers: &Answers, sizes_are_asked: bool) -> Option<Answer> {
     // Where sizes of tables are what is asked they have an answer of their own, which does not set tables side by side that are too
@@ -49,9 +51,12 @@ pub(super) fn from_effects(study: &Study, answers: &Answers, sizes_are_asked: bo
             effect.n,
             plural(effect.n, "case"),
             match effect.interval[1].is_finite() {
-                _ if effect.is_decided() => "",
-                true => ": the interval does not tell which one errs less",
-                false => ", without an interval",
+                _ if effect.is_decided() => String::new(),
+                true => format!(
+                    ": it errs less in {} of {}, and the interval does not tell which one errs less",
+                    effect.better, effect.n
+                ),
+                false => ", without an interval".to_owned(),
             }
         )
     };
@@ -69,12 +74,13 @@ pub(super) fn from_effects(study: &Study, answers: &Answers, sizes_are_asked: bo
         (true, _) => (format!("×{}", text(first.ratio)), format!("the error with {values}")),
         (false, true) => {
             let [lo, hi] = first.interval.map(text);
-            let unit = format!("the error with {values}: × {}, 95 % {lo} to {hi}", text(first.ratio));
-            (UNDECIDED.to_owned(), unit)
+            let unit = format!(
+                "cases err less with {values}; the error: × {}, 95 % {lo} to {hi}, undecided",
+                text(first.ratio)
+            );
+            (better(first), unit)
         }
-        (false, false) => {
-            (UNDECIDED.to_owned(), format!("the error with {values}: × {} in one case", text(first.ratio)))
-        }
+        (false, false) => (better(first), format!("cases err less with {values}; the error: × {}", text(first.ratio))),
     };
     Some(Answer {
         number,
@@ -151,8 +157,11 @@ fn best_values(all: &[&Effect]) -> Vec<(String, String)> {
         let [value, base] = [&least.value, &least.base].map(|value| short(axis, value));
         let ratio = text(least.ratio);
         let (verb, doubt) = match least.is_decided() {
-            true => ("multiplies", ""),
-            false => ("may multiply", "; the interval does not tell the two apart"),
+            true => ("multiplies", String::new()),
+            false => (
+                "may multiply",
+                format!("; it errs less in {}, and the interval does not tell the two apart", better(least)),
+            ),
         };
         let text = match least.ratio < 1.0 {
             true => {

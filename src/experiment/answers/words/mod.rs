@@ -6,6 +6,7 @@ mod furnace;
 mod pairs;
 mod range;
 mod sizes;
+mod slips;
 mod times;
 mod tone;
 mod variants;
@@ -36,7 +37,7 @@ pub struct Answer {
     pub facts: Vec<String>,
 }
 
-/// Writes the answer for joined runs. What is swept tells what is asked. First what few experiments have: a white furnace asks for energy, sizes
+/// Writes the answer for joined runs. What is swept tells what is asked. First what few experiments have: the printed slips ask what each costs, a white furnace asks for energy, sizes
 /// of tables ask which are enough, the counts of the claim whether they suffice, more tone curves than sample counts what the curve shows,
 /// light whose peaks are cut off what they do. Else break-even leads where there is one, else times; then what a parameter changes, then
 /// which way is best. What does not lead follows as facts.
@@ -50,6 +51,7 @@ pub fn answer(study: &Study, answers: &Answers) -> Answer {
     // Estimators are asked about before the tables of one of them.
     let asks_the_sizes = !effects::ESTIMATORS.iter().any(|name| is_swept(name));
     let mut leads: Vec<Answer> = Vec::new();
+    leads.extend(slips::from_slips(study, answers));
     leads.extend(furnace::from_furnace(answers));
     leads.extend(sizes::from_sizes(answers).filter(|_| asks_the_sizes));
     leads.extend(claim::from_claim(answers));

@@ -1,83 +1,27 @@
 //! The folder of a run. Records are written last and in one step: no record means not done.
 
-use super::plan::Plan;
-use super::provenance::{self, ProvenanceError};
-use super::seal::{self, Seal};
-use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, holds, open_regular, read_regular};
-use crate::pixels::{PART_PREFIX, PixelsError, write_atomically};
-use crate::table::csv;
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
-use std::fs::{File, TryLockError};
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-
-/// Why a run cannot use its folder.
-#[derive(Debug, thiserror::Error)]
-pub enum StoreError {
-    #[error("{}: holds a run of another experiment ({found}); give another --out, or remove it", dir.display())]
-    OtherExperiment { dir: PathBuf, found: String },
-    #[error("{}: holds a run made with other shaders, whose images may differ; give another --out, or remove it", dir.display())]
-    OtherShaders { dir: PathBuf },
-    #[error("{}: another run is at work in it; run the same command again after its end, or give another --out", dir.display())]
-    Busy { dir: PathBuf },
-    #[error("{}: is not empty and not a run (it has no provenance.json); give another --out", dir.display())]
-    NotARun { dir: PathBuf },
-    #[error("{}: is a file; expected a folder, or the name of one to make", dir.display())]
-    NotAFolder { dir: PathBuf },
-    #[error("{}: cannot be made: {error}; expected a place where this user may write", path.display())]
-    Folder { path: PathBuf, error: std::io::Error },
-    #[error("{}: {error}; expected a file that this program wrote (remove it to make it anew)", path.display())]
-    Corrupt { path: PathBuf, error: serde_json::Error },
-    /// Noticed by its checksum ([`seal`]).
-    #[error("{}: was changed or damaged after it was written: its checksum does not hold (remove it to make it anew)", path.display())]
-    Damaged { path: PathBuf },
-    /// A record that was copied or renamed.
-    #[error("{}: is the record of {found}, under another name (remove it to make it anew)", path.display())]
-    Stranger { path: PathBuf, found: String },
-    #[error("{}: {error}", path.display())]
-    Io { path: PathBuf, error: std::io::Error },
-    #[error(transparent)]
-    Provenance(#[from] ProvenanceError),
-    #[error(transparent)]
-    Write(#[from] PixelsError),
-    #[error(transparent)]
-    Table(#[from] csv::TableError),
-}
-
-impl StoreError {
-    /// Whether the user named the wrong folder, rather than a file failing.
-    pub fn is_misuse(&self) -> bool {
-        match self {
-            Self::OtherExperiment { .. }
-            | Self::OtherShaders { .. }
-            | Self::NotARun { .. }
-            | Self::NotAFolder { .. }
-            | Self::Folder { .. }
-            | Self::Provenance(_) => true,
-            // A folder, a device or a pipe where a file of the run belongs.
-            Self::Io { error, .. } => {
-                [std::io::ErrorKind::IsADirectory, std::io::ErrorKind::InvalidInput].contains(&error.kind())
-            }
-            _ => false,
-        }
-    }
-
-    /// Whether a record is there but cannot be used: whoever can make it anew takes it for none.
-    pub fn is_unusable_record(&self) -> bool {
-        matches!(self, Self::Corrupt { .. } | Self::Damaged { .. } | Self::Stranger { .. })
-    }
-
-    /// Whether the same command may succeed later, as it is.
-    pub fn is_passing(&self) -> bool {
-        matches!(self, Self::Busy { .. })
-    }
-}
+mod fault;
+mod identity;
+mod lock;
 
 pub use super::record::{
     BinRecord, CellOutcome, CellRecord, Exact, FailureRecord, ReferenceStop, Scores, Spent, StopReason,
 };
+pub use fault::StoreError;
+pub use identity::Extension;
+
+use super::plan::Plan;
+use super::seal::{self, Seal};
+use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, content_hash, holds, open_regular, read_regular};
+use crate::pixels::{PART_PREFIX, write_atomically};
+use crate::table::csv;
+use lock::{Lock, lock};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The folder of one run.
 #[derive(Clone, Debug)]
@@ -87,27 +31,15 @@ pub struct Store {
     lock: Option<Arc<Lock>>,
 }
 
-/// A locked file.
-#[derive(Debug)]
-struct Lock(File);
-
-impl Drop for Lock {
-    /// Closing alone would not do: a child process that is just being started may hold a copy of the handle for a moment.
-    fn drop(&mut self) {
-        // A lock that cannot be given back goes with the process.
-        let _ = self.0.unlock();
-    }
-}
-
-/// The file that a run locks.
-const LOCK_FILE: &str = ".lock";
-
 /// Where the chunks of a plan file are done, when the folder is that of a run in chunks.
 pub const CHUNKS_FOLDER: &str = "chunks";
 /// The plan file of a run in chunks.
 pub const PLAN_FILE: &str = "plan.json";
 
-const SUBFOLDERS: &[&str] = &["cells", "failed", "images", "references", "tables", "timings"];
+/// Raw samples of timed configurations.
+pub const TIMINGS_FOLDER: &str = "timings";
+
+const SUBFOLDERS: &[&str] = &["cells", "failed", "images", "references", "tables", TIMINGS_FOLDER];
 
 impl Store {
     /// The run's folder as it is, for reading.
@@ -120,7 +52,7 @@ impl Store {
         let mut store = Self::at(dir);
         store.check_identity(plan)?;
         make_subfolders(dir)?;
-        store.lock = lock(dir)?.map(Arc::new);
+        store.take()?;
         // Another run may have made the folder its own between the check and the lock.
         store.check_identity(plan)?;
         for folder in ["", super::answers::folder::FOLDER].iter().chain(SUBFOLDERS) {
@@ -129,52 +61,22 @@ impl Store {
         Ok(store)
     }
 
+    /// The folder, whosever run it holds, for this process alone.
+    pub(super) fn held(dir: &Path) -> Result<Self, StoreError> {
+        let mut store = Self::at(dir);
+        store.take()?;
+        Ok(store)
+    }
+
+    fn take(&mut self) -> Result<(), StoreError> {
+        self.lock = lock(&self.dir)?.map(Arc::new);
+        Ok(())
+    }
+
     /// A folder that only this process writes to, so that it needs no lock.
     pub fn own(dir: &Path) -> Result<Self, StoreError> {
         make_subfolders(dir)?;
         Ok(Self::at(dir))
-    }
-
-    /// Fails when the folder holds something else than a run of this plan.
-    pub fn check_identity(&self, plan: &Plan) -> Result<(), StoreError> {
-        if self.dir.is_file() {
-            return Err(StoreError::NotAFolder { dir: self.dir.clone() });
-        }
-        if let Some(provenance) = provenance::read(&self.dir)? {
-            if provenance["plan_hash"] == plan.hash {
-                return Ok(());
-            }
-            if provenance["shader_hash"] != crate::gpu::build_hash() {
-                return Err(StoreError::OtherShaders { dir: self.dir.clone() });
-            }
-            let found = format!(
-                "{}: its cells are not those of {} {}",
-                provenance["name"],
-                plan.config.path.display(),
-                plan.config.overrides.iter().map(|o| format!("--set {o} ")).collect::<String>().trim_end()
-            );
-            return Err(StoreError::OtherExperiment { dir: self.dir.clone(), found: found.trim_end().to_owned() });
-        }
-        // A run that was stopped before its first file leaves empty folders only.
-        let has_files = |dir: &Path| {
-            let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
-            let is_own = |name: &str, is_dir: bool| match is_dir {
-                true => name == CHUNKS_FOLDER || SUBFOLDERS.contains(&name),
-                false => [LOCK_FILE, PLAN_FILE].contains(&name) || is_part(name),
-            };
-            entries.into_iter().any(|e| !is_own(&e.file_name().to_string_lossy(), e.path().is_dir()))
-        };
-        if has_files(&self.dir) {
-            return Err(StoreError::NotARun { dir: self.dir.clone() });
-        }
-        Ok(())
-    }
-
-    /// Whether a run is at work in the folder. Not known, and taken for no, on a file system without locks.
-    pub fn is_under_way(&self) -> bool {
-        let file = open_regular(&self.dir.join(LOCK_FILE));
-        // Shared, so that two readers do not take each other for a run; given back with the file.
-        file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
     }
 
     /// The folder.
@@ -195,6 +97,31 @@ impl Store {
     /// Removes a file of `images/`, if it is there.
     pub fn remove_image(&self, name: &str) -> Result<(), StoreError> {
         remove(self.image_path(name))
+    }
+
+    /// Makes `to`, a file of the run, the file `from`: by a link, since what is linked is never written in place, or by a copy where links do
+    /// not reach. A copy must have the content hash that is told.
+    pub(super) fn place(&self, from: &Path, to: &Path, hash: Option<&str>) -> Result<(), StoreError> {
+        if from == to {
+            return Ok(());
+        }
+        let io = |error| StoreError::Io { path: to.to_owned(), error };
+        remove(to.to_owned())?;
+        if std::fs::hard_link(from, to).is_ok() {
+            return Ok(());
+        }
+        write_atomically(to, |writer| std::io::copy(&mut open_regular(from)?, writer).map(drop))?;
+        match (hash, content_hash(to).map_err(io)?) {
+            (Some(hash), found) if found != hash => {
+                Err(io(std::io::Error::other("the copy differs from what was copied")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Removes a file of the run's folder itself, if it is there.
+    pub(super) fn remove_file(&self, name: &str) -> Result<(), StoreError> {
+        remove(self.dir.join(name))
     }
 
     /// A file in `tables/`.
@@ -264,7 +191,7 @@ impl Store {
 
     /// As [`Store::timing`], but a record that cannot be used is a fault.
     pub fn whole_timing<T: DeserializeOwned>(&self, id: &str) -> Result<Option<T>, StoreError> {
-        self.read_named(&self.record_path("timings", id), id)
+        self.read_named(&self.record_path(TIMINGS_FOLDER, id), id)
     }
 
     /// Whether a configuration is timed already, and its record whole.
@@ -272,9 +199,14 @@ impl Store {
         matches!(self.timing::<serde_json::Value>(id), Ok(Some(_)))
     }
 
+    /// Forgets a timing record, if it is there.
+    pub(super) fn remove_timing(&self, id: &str) -> Result<(), StoreError> {
+        remove(self.record_path(TIMINGS_FOLDER, id))
+    }
+
     /// Keeps a timing record.
     pub fn write_timing<T: Serialize>(&self, id: &str, record: &T) -> Result<(), StoreError> {
-        self.write_named(&self.record_path("timings", id), id, record)
+        self.write_named(&self.record_path(TIMINGS_FOLDER, id), id, record)
     }
 
     /// A table of the run, replaced in one step. Rows are made one at a time: all together they would take far more memory than
@@ -414,19 +346,6 @@ fn make_subfolders(dir: &Path) -> Result<(), StoreError> {
         let path = dir.join(folder);
         std::fs::create_dir_all(&path).map_err(|error| StoreError::Folder { path, error })
     })
-}
-
-/// Takes the folder's lock, or says that another run has it. `None` on a file system that has no locks, as some shared ones.
-fn lock(dir: &Path) -> Result<Option<Lock>, StoreError> {
-    let path = dir.join(LOCK_FILE);
-    let file = File::options().create(true).truncate(false).write(true).open(&path);
-    let file = file.map_err(|error| StoreError::Io { path: path.clone(), error })?;
-    match file.try_lock() {
-        Ok(()) => Ok(Some(Lock(file))),
-        Err(TryLockError::Error(error)) if error.kind() == std::io::ErrorKind::Unsupported => Ok(None),
-        Err(TryLockError::WouldBlock) => Err(StoreError::Busy { dir: dir.to_owned() }),
-        Err(TryLockError::Error(error)) => Err(StoreError::Io { path, error }),
-    }
 }
 
 /// Whether a file is what a killed run leaves half-written.
