@@ -3,7 +3,7 @@
 use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::experiment::answers::publish::{PublishError, check, publish, write_page};
-use splitsum::experiment::answers::run_folder::{experiment_note, unfinished_note};
+use splitsum::experiment::answers::run_folder::notes;
 use splitsum::experiment::answers::{Answered, AnswersError};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -47,7 +47,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             AnswersError::Run(_) => Failure::input(error),
             _ => Failure::failed(error),
         };
-        for note in [unfinished_note(dir), experiment_note(dir)].into_iter().flatten() {
+        for note in notes(dir) {
             tell(&format!("warning: {note}"));
         }
         let answered = Answered::of_run(dir).map_err(failed)?;

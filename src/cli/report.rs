@@ -2,7 +2,7 @@
 
 use super::{Failure, print, tell};
 use clap::Args;
-use splitsum::experiment::answers::run_folder::{experiment_note, unfinished_note};
+use splitsum::experiment::answers::run_folder::notes;
 use splitsum::report::images::{BUDGET_BYTES, Choice, Window};
 use splitsum::report::{ReportError, ReportOptions, Written, write};
 use std::path::PathBuf;
@@ -44,7 +44,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     let options =
         ReportOptions { dirs: arguments.dirs.clone(), out: arguments.out.clone(), images, budget: BUDGET_BYTES };
-    for note in arguments.dirs.iter().flat_map(|dir| [unfinished_note(dir), experiment_note(dir)]).flatten() {
+    for note in arguments.dirs.iter().flat_map(|dir| notes(dir)) {
         tell(&format!("warning: {note}"));
     }
     let written = write(&options).map_err(|error| match error {

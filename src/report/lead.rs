@@ -1,6 +1,7 @@
 //! Which chart stands beside the answer. It follows the order of `answers::words`: what an experiment sweeps says what it asks.
 
 use crate::experiment::answers::Answers;
+use crate::experiment::answers::sizes::leading;
 use crate::experiment::answers::study::{Role, Study};
 use serde::Serialize;
 
@@ -41,8 +42,7 @@ pub fn lead(study: &Study, answers: &Answers) -> Lead {
     let values = |axis: usize| study.axes[axis].values.iter().filter(|value| !value.is_empty()).count();
     let named = |name: &str| study.axis(name).map_or(0, values);
     let asks_the_sizes = !ESTIMATORS.iter().any(|name| named(name) > 1);
-    let settled = answers.enough.iter().find(|one| one.beyond.is_some()).or(answers.enough.first());
-    if let Some(one) = settled.filter(|_| asks_the_sizes) {
+    if let Some(one) = leading(&answers.enough).filter(|_| asks_the_sizes) {
         return Lead::Effects { axis: one.axis.clone() };
     }
     let settings: usize = study.display_axes().into_iter().map(values).product();

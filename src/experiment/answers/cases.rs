@@ -8,7 +8,7 @@ use super::break_even::{Basis, BreakEven, Level, break_even, crossing, crossing_
 use super::curves::{Curve, CurvePoint, Fixed, fits, geometric_mean};
 use super::study::Study;
 use super::times::{PairTimes, TimeLevel, TimeMatch, ratio_at, time_match};
-use crate::experiment::statistics::TOO_FEW_ROUNDS;
+use crate::experiment::statistics::{TOO_FEW_ROUNDS, median_order};
 use crate::experiment::timing_ratios::Payback;
 use serde::Serialize;
 
@@ -108,6 +108,29 @@ impl Pair {
         // Nearest rank, so that each is one of the tried counts.
         let at = |p: f64| sorted[(p * last as f64).round() as usize];
         Some([at(0.25), median(&sorted)?, at(0.75)])
+    }
+
+    /// 95 % interval of the median by order statistics, of break-even and of where the curves cross, each over all cases: a crossing below the
+    /// smallest tried count is 0, one above the largest is infinite. It takes the cases for independent draws. `None` where cases are too few.
+    pub fn median_interval(&self) -> Option<([BreakEven; 2], [f64; 2])> {
+        let outer = median_order(self.cases.len())?;
+        let ends = [outer, self.cases.len() - 1 - outer];
+        let mut counts: Vec<BreakEven> = self.cases.iter().map(|case| case.whole.break_even).collect();
+        counts.sort();
+        let crossings = self.crossings();
+        Some((ends.map(|place| counts[place]), ends.map(|place| crossings[place])))
+    }
+
+    /// Where the curves of each case cross, ascending; 0 below the smallest tried count, infinite above the largest.
+    pub fn crossings(&self) -> Vec<f64> {
+        let place = |case: &Case| match (case.whole.crossing, case.whole.break_even) {
+            (Some(crossing), _) => crossing,
+            (None, BreakEven::Above(_)) => f64::INFINITY,
+            (None, BreakEven::From(_)) => 0.0,
+        };
+        let mut all: Vec<f64> = self.cases.iter().map(place).collect();
+        all.sort_by(f64::total_cmp);
+        all
     }
 
     /// The extreme cases.

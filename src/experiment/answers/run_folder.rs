@@ -220,6 +220,26 @@ pub fn experiment_note(dir: &Path) -> Option<String> {
     Some(format!("{}: {what}; the same `splitsum run` again writes it anew", path.display()))
 }
 
+/// A sentence when timing records of the run are damaged or others' under their names: they do not count.
+pub fn timings_note(dir: &Path) -> Option<String> {
+    let store = Store::at(dir);
+    let ids = store.ids(TIMINGS_FOLDER);
+    let unusable: Vec<&String> = ids.iter().filter(|id| !store.has_timing(id)).collect();
+    let first = unusable.first()?;
+    Some(format!(
+        "{}: {} of {} timing records are damaged or another's and do not count, the first {first}.json; the same `splitsum run` again \
+         times them anew",
+        dir.join(TIMINGS_FOLDER).display(),
+        unusable.len(),
+        ids.len()
+    ))
+}
+
+/// Whatever is odd about the run in `dir` that does not keep it from being read.
+pub fn notes(dir: &Path) -> impl Iterator<Item = String> {
+    [unfinished_note(dir), experiment_note(dir), timings_note(dir)].into_iter().flatten()
+}
+
 fn images(table: &Table) -> Result<BTreeMap<String, CellImages>, RunFolderError> {
     let [cell, radiance, reference] = [table.column("cell")?, table.column("radiance")?, table.column("reference")?];
     // Joined to the folder's path, and linked from a page: nothing but a name may get that far.

@@ -27,6 +27,17 @@ pub struct Enough {
     pub below: Option<Effect>,
 }
 
+/// The parameter that the answer is about: of those with a larger value tried, the one whose next smaller value costs most; the first where none
+/// costs.
+pub fn leading(all: &[Enough]) -> Option<&Enough> {
+    let method = &all.first()?.method;
+    let own = || all.iter().filter(|one| one.method == *method);
+    let cost = |one: &&Enough| one.below.as_ref().filter(|below| below.is_decided()).map_or(0.0, |below| below.ratio);
+    let settled = own().filter(|one| one.beyond.is_some());
+    // Of equals the first.
+    settled.rev().max_by(|a, b| cost(a).total_cmp(&cost(b))).or_else(|| own().next())
+}
+
 /// A number, or the product of a pair.
 pub fn size_of(text: &str) -> Option<f64> {
     text.split('x').map(|part| part.parse::<f64>().ok()).try_fold(1.0, |product, side| Some(product * side?))

@@ -13,16 +13,22 @@ pub enum StoreError {
     OtherExperiment { dir: PathBuf, found: String },
     /// A run that may grow into the plan.
     #[error(
-        "{}: holds a run of another plan of {name} ({found}), and each of its {count} cells is in this one; to keep them and do the others, \
-         run with --extend, else give another --out", dir.display()
+        "{}: holds a run of another plan of {name} ({found}), and each of its {count} cells is in this one; `splitsum run \
+         --extend` keeps them and does the others, else give another --out", dir.display()
     )]
     Extensible { dir: PathBuf, name: String, found: String, count: usize },
     /// A run of which something would no longer stand in the tables.
     #[error(
-        "{}: holds a run of another plan of {name}, and of its {count} {what} {} would not be in the tables of this one: {}; expected a plan \
-         with all of them to extend it (--extend), or another --out", dir.display(), lost.len(), listed(lost)
+        "{}: holds a run of another plan of {name}, and of its {count} {what} {} would not be in the tables of this one: {}; give another \
+         --out, or extend it (`splitsum run --extend`) by a plan with all of them", dir.display(), lost.len(), listed(lost)
     )]
     WouldLose { dir: PathBuf, name: String, what: &'static str, count: usize, lost: Vec<String> },
+    /// A run of another plan whose tables name cells that the folder has no records of, as a published one.
+    #[error(
+        "{}: holds the tables of a run of another plan, but no records of {count} of its cells, as a published run does; give another \
+         --out, or extend the run that it was published from", dir.display()
+    )]
+    TablesAlone { dir: PathBuf, count: usize },
     #[error(
         "{}: holds a run scored by another version of the metric {metric}, whose numbers do not belong beside those of this one; give another \
          --out", dir.display()
@@ -72,6 +78,7 @@ impl StoreError {
             Self::OtherExperiment { .. }
             | Self::Extensible { .. }
             | Self::WouldLose { .. }
+            | Self::TablesAlone { .. }
             | Self::OtherMetric { .. }
             | Self::OtherShaders { .. }
             | Self::NotARun { .. }

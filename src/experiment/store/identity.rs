@@ -8,6 +8,7 @@ use crate::experiment::provenance;
 use crate::experiment::timing;
 use crate::metrics::METRICS;
 use crate::spelling::short_number;
+use crate::table::csv::Table;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -81,6 +82,10 @@ impl Store {
         }
         let planned: BTreeSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
         let tabulated = self.tabulated()?;
+        let count = self.in_tables_alone(&tabulated)?;
+        if count > 0 {
+            return Err(StoreError::TablesAlone { dir, count });
+        }
         let lost: Vec<&String> = tabulated.keys().filter(|id| !planned.contains(id.as_str())).collect();
         if !lost.is_empty() {
             let lost = lost.into_iter().map(|id| words(id, &tabulated)).collect();
@@ -122,6 +127,17 @@ impl Store {
             }
         }
         Ok(found)
+    }
+
+    /// How many cells stand in `errors.csv` but not in `records`.
+    fn in_tables_alone(&self, records: &BTreeMap<String, BTreeMap<String, String>>) -> Result<usize, StoreError> {
+        let path = self.dir.join("errors.csv");
+        if !path.is_file() {
+            return Ok(0);
+        }
+        let table = Table::read(&path)?;
+        let cell = table.column("cell")?;
+        Ok(table.rows.iter().filter(|row| !records.contains_key(&row[cell])).count())
     }
 
     /// Names of the records in a folder, in order; none where it does not exist.

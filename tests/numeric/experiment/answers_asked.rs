@@ -40,9 +40,10 @@ fn tables_are_enough_from_where_no_larger_one_gains() {
     assert!(levels.value == "3" && levels.beyond.is_none() && (levels.below.as_ref().unwrap().ratio - 2.0).abs() < F64);
     assert!(enough("prefilter_size").is_none(), "no smaller map was tried with as many levels");
     let sentence = &answered.record.answer.sentence;
-    for part in
-        ["From prefilter_sample_count 64 on nothing is gained", "of prefilter_level_count 3 no larger one was tried"]
-    {
+    for part in [
+        "From prefilter_sample_count 64 on a larger one takes at most 5 %",
+        "of prefilter_level_count 3 no larger one was tried",
+    ] {
         assert!(sentence.contains(part), "{sentence}");
     }
     assert!(sentence.contains("prefilter_sample_count 16 multiplies the error by 1.49"), "{sentence}");
@@ -90,7 +91,42 @@ fn what_is_enough_of_one_table_may_need_more_of_another() {
     assert_eq!((size.value.as_str(), size.together.as_str()), ("256x128", "512x256"));
     assert_eq!((levels.value.as_str(), levels.together.as_str()), ("4", "4"));
     let sentence = &answered.record.answer.sentence;
-    assert!(sentence.starts_with("From prefilter_size 512x256 on nothing is gained"), "{sentence}");
+    assert!(sentence.starts_with("From prefilter_size 512x256 on a larger one takes at most 5 %"), "{sentence}");
+}
+
+#[test]
+fn the_answer_is_about_the_table_whose_smaller_size_costs_most() {
+    let mut made = Made::new(&["alpha", "method", "prefilter_sample_count", "prefilter_level_count"]);
+    for (alpha, scale) in [("0.1", 1.0), ("0.5", 3.0)] {
+        for (samples, of_samples) in [("256", 1.0), ("64", 1.2), ("1024", 1.0)] {
+            for (levels, of_levels) in [("4", 1.0), ("3", 2.0), ("5", 1.0)] {
+                made.add(&[alpha, "split-sum", samples, levels], scale * of_samples * of_levels);
+            }
+        }
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let answer = made.answers(dir.path(), [1.0; 3]).1.record.answer;
+    assert_eq!(answer.number, "4");
+    assert!(answer.unit.starts_with("prefilter_level_count from which on"), "{}", answer.unit);
+}
+
+#[test]
+fn the_median_of_break_even_has_the_interval_of_its_order_statistics() {
+    // The error of sampling falls as 1 / n, so that the curves cross at a count of choice, once below what was tried and once above.
+    let mut made = Made::new(&["alpha", "method", "samples"]);
+    for (i, crossing) in [7.0, 0.5, 3.0, 100.0, 6.0, 2.0, 8.0, 5.0, 20.0].iter().enumerate() {
+        let alpha = format!("0.{}", i + 1);
+        made.add(&[&alpha, "split-sum", ""], 30.0);
+        [1, 4, 16, 64]
+            .iter()
+            .for_each(|n| made.add(&[&alpha, "sampled", &n.to_string()], 30.0 * crossing / f64::from(*n)));
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let answer = made.answers(dir.path(), [1.0; 3]).1.record.answer;
+    // Of nine cases the second from each end: both outermost pairs miss the median with 2 · 10 / 512 = 3.9 %.
+    assert!(answer.sentence.contains("the median of 9 cases (9 alphas), 95 % 4 to 64."), "{}", answer.sentence);
+    let fact = answer.facts.iter().find(|fact| fact.contains("curves cross")).unwrap();
+    assert!(fact.contains("at 6.0 samples in the median (95 % 2.0 to 20, which"), "{fact}");
 }
 
 #[test]

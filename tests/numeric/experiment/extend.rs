@@ -105,7 +105,7 @@ fn a_plan_that_would_lose_cells_extends_nothing() {
     for (text, words) in [
         (EXPERIMENT.replace("[0.1, 0.5]", "[0.1, 0.25]"), "16 would not be in the tables of this one: "),
         (EXPERIMENT.replace("[0.1, 0.5]", "[0.1, 0.25]"), " alpha=0.5 exposure=1"),
-        (EXPERIMENT.replace("[0.1, 0.5]", "[0.1, 0.25]"), "; 13 more; expected a plan with all of them"),
+        (EXPERIMENT.replace("[0.1, 0.5]", "[0.1, 0.25]"), "; 13 more; give another --out"),
         // Another seed makes other cells throughout.
         (format!("seed = 2\n{EXPERIMENT}"), "of its 32 cells 32 would not be"),
         (EXPERIMENT.replace("\"tiny\"", "\"small\""), "another experiment"),
@@ -120,9 +120,29 @@ fn a_plan_that_would_lose_cells_extends_nothing() {
     assert!(
         error
             .to_string()
-            .contains("each of its 32 cells is in this one; to keep them and do the others, run with --extend"),
+            .contains("each of its 32 cells is in this one; `splitsum run --extend` keeps them and does the others"),
         "{error}"
     );
+    assert_eq!(before, snapshot(dir.path()));
+}
+
+#[test]
+fn tables_without_their_records_are_not_extended() {
+    let dir = tempfile::tempdir().unwrap();
+    finished(&plan(&EXPERIMENT.replace("[0.1, 0.5]", "[0.5]")), dir.path());
+    // As `answers --publish` leaves it.
+    std::fs::remove_dir_all(dir.path().join("cells")).unwrap();
+    let before = snapshot(dir.path());
+    for text in [EXPERIMENT.to_owned(), EXPERIMENT.replace("[0.1, 0.5]", "[0.25]")] {
+        for error in [
+            extend(&plan(&text), dir.path(), &log()).unwrap_err(),
+            invoke(&plan(&text), dir.path(), &log(), usize::MAX).unwrap_err(),
+        ] {
+            let RunError::Store(fault) = &error else { panic!("{error}") };
+            let is_told = fault.to_string().contains("but no records of 16 of its cells, as a published run does");
+            assert!(fault.is_misuse() && is_told, "{error}");
+        }
+    }
     assert_eq!(before, snapshot(dir.path()));
 }
 

@@ -19,19 +19,20 @@ pub(super) fn from_pair(
     let (sampled, fixed) = (&pair.sampled, &pair.fixed);
     let count = pair.cases.len();
     let breadth = breadth(answers, pair);
-    let interval = if lower == upper { lower.to_string() } else { format!("{lower} to {upper}") };
+    let middle_half = if lower == upper { lower.to_string() } else { format!("{lower} to {upper}") };
+    let interval = pair.median_interval().map_or_else(String::new, |([lo, hi], _)| format!(", 95 % {lo} to {hi}"));
     let sentence = match middle {
         BreakEven::From(n) => format!(
-            "From {n} {} a pixel on{censored}, {sampled} is closer to the reference than {fixed}: the median of {count} {}{breadth}. \
-             The middle half of them breaks even at {interval} samples.",
+            "From {n} {} a pixel on{censored}, {sampled} is closer to the reference than {fixed}: the median of {count} {}{breadth}{interval}. \
+             The middle half of them breaks even at {middle_half} samples.",
             plural(n as usize, "sample"),
             plural(count, "case"),
             // Fewer were not tried, so the answer is an upper bound.
             censored = if n == pair.tried()[0] { " at the latest, the fewest that were tried" } else { "" },
         ),
         BreakEven::Above(n) => format!(
-            "Up to {n} samples a pixel, {sampled} does not beat {fixed} in the median of {count} {}{breadth}. \
-             The middle half of them breaks even at {interval} samples.",
+            "Up to {n} samples a pixel, {sampled} does not beat {fixed} in the median of {count} {}{breadth}{interval}. \
+             The middle half of them breaks even at {middle_half} samples.",
             plural(count, "case"),
         ),
     };
@@ -40,19 +41,7 @@ pub(super) fn from_pair(
     if let Some([best, worst]) = pair.extremes().filter(|[best, worst]| best != worst) {
         facts.push(format!("The easiest case breaks even at {best} samples, the hardest at {worst}."));
     }
-    let mut crossings: Vec<f64> = pair.cases.iter().filter_map(|case| case.whole.crossing).collect();
-    crossings.sort_by(f64::total_cmp);
-    if crossings.len() * 2 > count && crossings.len() > 2 {
-        let at = |p: f64| significant(crossings[(p * (crossings.len() - 1) as f64).round() as usize], ERROR_DIGITS);
-        facts.push(format!(
-            "Between the tried counts, the curves cross at {} samples in the median ({} to {} for the middle half of the {} \
-             cases that cross; log-log interpolation).",
-            at(0.5),
-            at(0.25),
-            at(0.75),
-            crossings.len()
-        ));
-    }
+    facts.extend(crossing_fact(pair));
     if let BreakEven::From(n) = middle {
         facts.extend(time_fact(study, answers, sampled, n, fixed));
     }
@@ -62,6 +51,31 @@ pub(super) fn from_pair(
         sentence: sentence + &of_time,
         facts,
     }
+}
+
+/// Where the curves cross between the tried counts; nothing where most do not.
+fn crossing_fact(pair: &Pair) -> Option<String> {
+    let crossings = pair.crossings();
+    let between = crossings.iter().filter(|crossing| **crossing > 0.0 && crossing.is_finite()).count();
+    if between * 2 <= crossings.len() || between <= 2 {
+        return None;
+    }
+    let [least, most] = pair.tried();
+    let text = |crossing: f64| match crossing {
+        0.0 => format!("< {least}"),
+        f64::INFINITY => format!("> {most}"),
+        crossing => significant(crossing, ERROR_DIGITS),
+    };
+    let at = |p: f64| text(crossings[(p * (crossings.len() - 1) as f64).round() as usize]);
+    let interval = pair.median_interval().map_or_else(String::new, |(_, ends)| {
+        format!("95 % {}, which takes the cases for independent draws; ", ends.map(text).join(" to "))
+    });
+    Some(format!(
+        "Between the tried counts, the curves cross at {} samples in the median ({interval}{} to {} for the middle half; log-log interpolation).",
+        at(0.5),
+        at(0.25),
+        at(0.75),
+    ))
 }
 
 /// What follows the sentence and the unit on equal time; nothing where no time was taken.

@@ -3,7 +3,7 @@
 use super::{Answer, ERROR_DIGITS, change, listed, plural, sentence_case};
 use crate::experiment::answers::Answers;
 use crate::experiment::answers::effects::Effect;
-use crate::experiment::answers::sizes::{Enough, GAIN};
+use crate::experiment::answers::sizes::{Enough, GAIN, leading};
 use crate::table::markdown::significant;
 
 /// Which pairs these are: those of the chart and of `effects.csv` are more.
@@ -43,8 +43,9 @@ pub(super) fn from_sizes(answers: &Answers) -> Option<Answer> {
     let (settled, largest) = (names(&|one| one.beyond.is_some()), names(&|one| one.beyond.is_none()));
     let gain = own.iter().filter_map(|one| one.beyond.as_ref()).min_by(|a, b| a.ratio.total_cmp(&b.ratio));
     let settled = gain.map(|effect| {
+        let doubt = if effect.interval[0] < 1.0 - GAIN { ", which leaves a larger gain open" } else { "" };
         format!(
-            "from {} on nothing is gained, at most {} % of the error of {method} (the larger one that does most, {} {}, changes it by {})",
+            "from {} on a larger one takes at most {} % off the error of {method} (the one that does most, {} {}, changes it by {}{doubt})",
             listed(&settled),
             100.0 * GAIN,
             effect.axis,
@@ -78,11 +79,13 @@ pub(super) fn from_sizes(answers: &Answers) -> Option<Answer> {
         format!("{} {} for {}{beside}: {beyond}; {below}.", one.axis, one.value, one.method)
     };
     let parts: Vec<String> = [settled, largest, fewer].into_iter().flatten().collect();
-    let lead = own.iter().find(|one| one.beyond.is_some()).unwrap_or(&own[0]);
+    let lead = leading(&answers.enough)?;
     Some(Answer {
         number: lead.together.clone(),
         unit: match lead.beyond {
-            Some(_) => format!("{} from which on a larger one gains nothing", lead.axis),
+            Some(_) => {
+                format!("{} from which on a larger one takes at most {} % off the error", lead.axis, 100.0 * GAIN)
+            }
             None => format!("{}, the largest tried", lead.axis),
         },
         sentence: sentence_case(&parts.join("; ")) + ".",
