@@ -3,7 +3,7 @@
 use super::resume::Notes;
 use super::run::EXPERIMENT;
 use super::runs::{fakes, finished, log, options, plan, read};
-use splitsum::experiment::answers::run_folder::{RunFolder, experiment_note, notes};
+use splitsum::experiment::answers::run_folder::{self, RunFolder, experiment_note};
 use splitsum::experiment::store::Store;
 use splitsum::experiment::{MakeRenderer, Plan, RunError, run, timing};
 use std::path::{Path, PathBuf};
@@ -44,12 +44,12 @@ fn a_record_under_another_name_is_none() {
     assert_eq!(counted, jobs.len() - 1);
     std::fs::copy(path(&jobs[0].id), path("0123456789abcdef")).unwrap();
     assert_eq!(RunFolder::read(dir.path()).unwrap().timings.len(), counted);
-    let told: Vec<String> = notes(dir.path()).collect();
+    let told: Vec<String> = run_folder::notes(dir.path()).collect();
     let words = format!("2 of {} timing records are damaged or another's and do not count", jobs.len() + 1);
     assert!(told.len() == 1 && told[0].contains(&words), "{told:?}");
     std::fs::remove_file(path("0123456789abcdef")).unwrap();
     again(&plan, dir.path()).unwrap();
-    assert!(store.has_timing(&jobs[1].id) && notes(dir.path()).next().is_none());
+    assert!(store.has_timing(&jobs[1].id) && run_folder::notes(dir.path()).next().is_none());
 }
 
 #[test]
