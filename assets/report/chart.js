@@ -176,7 +176,7 @@ const STAGGER = 14;
 /** Ticks on two lines in turn, by place: the line of each that has room. */
 function staggered(places, halves) {
   const lines = [0, 1].map((line) => [...places.keys()].filter((i) => i % 2 === line));
-  return new Map(lines.flatMap((own, line) => [...labelled(own.map((i) => places[i]), own.map((i) => halves[i] + 3))].map((k) => [own[k], line])));
+  return new Map(lines.flatMap((own, line) => [...labelled(own.map((i) => places[i]), own.map((i) => halves[i] + 2))].map((k) => [own[k], line])));
 }
 
 /** An axis of names, whose ticks stand on two lines where one has no room for all: each may be the one that is asked for. */
