@@ -7,14 +7,13 @@ import { byId, h, soft } from "report/dom";
 import { ENERGY, effectAxes, effectsFigure, rangeFigure, sweepFigure } from "report/effects";
 import { energyFigure } from "report/energy";
 import { settingsOf, thumbnail } from "report/grid";
-import { convergence, hasConvergence } from "report/plots";
+import { convergence } from "report/plots";
 import { profile } from "report/profile";
 import { link } from "report/state";
 import { passes, paybackTable, timeError } from "report/times";
 import { visibility } from "report/visibility";
 
 const pairOf = (run) => pairs.find((pair) => pair.run === run);
-const ownConvergence = (run) => (hasConvergence(run) ? convergence(run) : null);
 const maps = (run) => { const pair = pairOf(run); return pair ? [breakEvenMap(pair), equalTimeMap(pair)] : []; };
 
 /** Axes that choose an estimator are answered before a parameter of one, as in the sentence. */
@@ -24,13 +23,13 @@ const estimatorsBefore = (run) => { const { kind, axis } = model.runs[run].lead;
 function figures(run) {
   const { kind, axis } = model.runs[run].lead;
   const made = {
-    "visibility": () => [visibility(run), ownConvergence(run), ...maps(run)],
+    "visibility": () => [visibility(run), convergence(run), ...maps(run)],
     "energy": () => [energyFigure(run), sweepFigure(run, "alpha", ENERGY)],
     "range": () => [rangeFigure(run), ...maps(run)],
     "break-even": () => [breakEvenChart(pairOf(run)), ...maps(run)],
     "times": () => [passes(run, "frame"), passes(run, "precompute"), paybackTable(run), timeError(run, "all")],
     "effects": () => [...estimatorsBefore(run), axis, ...effectAxes(run).filter((name) => name !== axis && !estimatorsBefore(run).includes(name)).slice(0, 3)].map((name) => effectsFigure(run, name)),
-    "convergence": () => [ownConvergence(run)],
+    "convergence": () => [convergence(run)],
     "sweep": () => [sweepFigure(run, axis)],
     "profile": () => [profile(run, scenes[0])],
   }[kind]();

@@ -1,7 +1,7 @@
 // The figures of the break-even: at equal error, at equal time, over alpha, environment and n.v.
 
 import { domain, figure, ordinal, xy } from "report/chart";
-import { breakEvenText, caseAxes, countText, curves, ends, facetAxes, facetLabel, intervalText, keyLabel, open, runSuffix, runTitle, sampleAxis, seriesAxis, seriesLabel, unique } from "report/cases";
+import { breakEvenText, caseAxes, countText, curves, ends, facetAxes, facetLabel, intervalText, keyLabel, open, ordered, runSuffix, runTitle, sampleAxis, seriesAxis, seriesLabel, unique } from "report/cases";
 import { exclusionOf, headline, model, short, symbol } from "report/data";
 import { heat } from "report/color";
 import { number, quartiles } from "report/dom";
@@ -27,9 +27,11 @@ function caseText(pair, c) {
 /** Error of sampling over error of the fixed method, for every case: where it falls below 1, sampling wins. */
 export function breakEvenChart(pair) {
   const counts = pair.sample_counts;
-  const series = unique(pair.cases.map((c) => c.key[seriesAxis]));
+  const series = ordered(unique(pair.cases.map((c) => c.key[seriesAxis])));
   const ratios = pair.cases.map((c) => curves[c.curve].points.map((p) => [p.samples, p.error / c.fixed_error, p]));
-  const middle = counts.map((n) => [n, quartiles(ratios.flat().filter(([m]) => m === n).map(([, ratio]) => ratio))]);
+  // Medians of one line are those of the same cases: of those that have every count.
+  const whole = ratios.filter((line) => counts.every((n) => line.some(([m]) => m === n)));
+  const middle = whole.length ? counts.map((n) => [n, quartiles(whole.flat().filter(([m]) => m === n).map(([, ratio]) => ratio))]) : [];
   const color = (c) => ordinal(series.indexOf(c.key[seriesAxis]), series.length);
   const crossings = pair.cases.filter((c) => c.crossing !== null);
   return figure({
@@ -37,9 +39,9 @@ export function breakEvenChart(pair) {
     class: "lead-figure",
     height: (width, unit) => Math.round(Math.min(Math.max(260, (innerHeight / unit) * 0.56), width * 0.9)),
     title: `Error of ${pair.sampled} over error of ${pair.fixed}${runTitle(pair.run)}`,
-    note: `One line a case; bold: the median, shaded: the middle half. Below 1, ${pair.sampled} is closer to the reference. Open marks on the line: where a case crosses.`,
+    note: `One line a case; bold: the median, shaded: the middle half${whole.length < ratios.length ? `, over the ${whole.length} of ${ratios.length} cases that have every count` : ""}. Below 1, ${pair.sampled} is closer to the reference. Open marks on the line: where a case crosses.`,
     legend: [...series.map((value, i) => ({ label: seriesAxis < 0 ? "cases" : `${symbol(caseAxes[seriesAxis])} ${short(caseAxes[seriesAxis], value)}`, color: ordinal(i, series.length) })),
-      { label: "median", color: "var(--ink)" }],
+      ...(whole.length ? [{ label: "median", color: "var(--ink)" }] : [])],
     table: {
       columns: [...caseAxes, pair.fixed, ...counts.map((n) => `${pair.sampled} ${n}`), ...CROSSING, ...TIME],
       rows: pair.cases.map((c) => [...c.key, c.fixed_error, ...counts.map((n) => curves[c.curve].points.find((p) => p.samples === n)?.error ?? null), ...crossingCells(c), ...timeCells(c)]),
@@ -88,8 +90,7 @@ function casesGrid(pair) {
   const { label: run } = model.runs[pair.run], isOwn = ([, values]) => !axes.includes("run") || values[axes.indexOf("run")] === run;
   const excluded = caseAxes.every((name) => axes.includes(name)) ? points.filter(isOwn).map(([, values]) => caseAxes.map((name) => values[axes.indexOf(name)])) : [];
   const keys = [...pair.cases.map((c) => c.key), ...excluded.filter((key) => key.every((value) => value !== ""))];
-  const order = (values) => (values.every((value) => Number.isFinite(Number(value))) ? values.sort((a, b) => a - b) : values);
-  const lines = order(unique(keys.map((key) => key[seriesAxis]))), facets = unique(keys.map(facetLabel));
+  const lines = ordered(unique(keys.map((key) => key[seriesAxis]))), facets = unique(keys.map(facetLabel));
   const at = (r, c) => pair.cases.find((one) => one.key[seriesAxis] === lines[r] && facetLabel(one.key) === facets[c]);
   const missing = (r, c) => {
     const key = [...keys.find((one) => facetLabel(one) === facets[c])];

@@ -24,6 +24,22 @@ export const facetLabel = (key) => facetAxes.map((i) => label(i, key[i])).filter
 export const seriesLabel = (key) => (seriesAxis < 0 ? "" : `${symbol(caseAxes[seriesAxis])} ${short(caseAxes[seriesAxis], key[seriesAxis])}`);
 export const keyLabel = (key) => key.map((value, i) => label(i, value)).filter(Boolean).join(" · ");
 export const unique = (values) => [...new Set(values)];
+/** Values by size where all are numbers, else as they come. */
+export const ordered = (values) => (values.every((value) => Number.isFinite(Number(value))) ? [...values].sort((a, b) => a - b) : values);
+
+/**
+ * What groups of rows can be held against each other by: the rows of those places that every group has, {own, shared, total}. Where cells
+ * failed, medians over all rows would stand for different scenes. Where no place has every group, all rows are left.
+ */
+export function sharedRows(rows, group, place) {
+  const groups = new Set(rows.map(group)).size, found = new Map();
+  for (const row of rows) found.set(place(row), (found.get(place(row)) ?? new Set()).add(group(row)));
+  const isShared = (row) => found.get(place(row)).size === groups, own = rows.filter(isShared);
+  return { own: own.length ? own : rows, shared: new Set(own.map(place)).size, total: found.size };
+}
+/** How many that are, in words, where they are not all. */
+export const sharedText = ({ shared, total }, what) => (shared === total ? "" : shared ? ` Over ${shared} of ${total} ${what}: those that have a result for all that is shown.` : ` No ${what.replace(/s$/, "")} has a result for all that is shown: each mark stands for what it has.`);
+
 /** What opens a cell's images. */
 export const open = (cell, run) => () => go({ view: "compare", cell, run: run || undefined });
 /** Sample counts; `share` names the charts of several runs that have one such axis. */

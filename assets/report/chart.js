@@ -170,6 +170,22 @@ function labelled(places, halves) {
   return kept;
 }
 
+/** The height of a second line of ticks. */
+const STAGGER = 14;
+
+/** Ticks on two lines in turn, by place: the line of each that has room. */
+function staggered(places, halves) {
+  const lines = [0, 1].map((line) => [...places.keys()].filter((i) => i % 2 === line));
+  return new Map(lines.flatMap((own, line) => [...labelled(own.map((i) => places[i]), own.map((i) => halves[i] + 2))].map((k) => [own[k], line])));
+}
+
+/** An axis of names, whose ticks stand on two lines where one has no room for all: each may be the one that is asked for. */
+function withLines(axis, along, box, width) {
+  if (!axis.staggers) return axis;
+  const at = scale(axis, box.left, box.right), majors = majorsOf(along), halves = majors.map((t) => textWidth(tickLabel(axis)(t)) / 2 + 3);
+  return labelled(majors.map((t, i) => Math.min(at(t), width - halves[i] + 2)), halves).size < majors.length ? { ...axis, lines: 2 } : axis;
+}
+
 /**
  * A line from one value of an axis to another, with an open arrow where it goes on beyond the frame. `at` places a value along the line, `side`
  * the line across it; `isUpright` says which way it goes.
@@ -196,8 +212,8 @@ function drawAxes(svg, box, { x, y, along, up, width, isLeft, isBottom }) {
   if (isBottom) {
     // A label at the end of the axis leans inwards rather than leaving the picture.
     const majors = majorsOf(along), halves = majors.map((t) => textWidth(textX(t)) / 2), places = majors.map((t, i) => Math.min(sx(t), width - halves[i] - 1));
-    const kept = labelled(places, halves.map((half) => half + 3));
-    for (const [i, t] of majors.entries()) if (kept.has(i)) svg.append(s("text", { x: places[i], y: box.bottom + 16, class: "tick", "text-anchor": "middle" }, textX(t)));
+    const kept = x.lines === 2 ? staggered(places, halves) : new Map([...labelled(places, halves.map((half) => half + 3))].map((i) => [i, 0]));
+    for (const [i, t] of majors.entries()) if (kept.has(i)) svg.append(s("text", { x: places[i], y: box.bottom + 16 + STAGGER * kept.get(i), class: "tick", "text-anchor": "middle" }, textX(t)));
   }
   if (isLeft) {
     const rises = majorsOf(up), named = labelled(rises.map(sy), rises.map(() => 6.5));
@@ -297,10 +313,11 @@ function drawMarks(svg, box, { x, y }, marks) {
 export function xy({ x: ownX, y: ownY, marks }) {
   const [wholeX, wholeY] = [share(ownX), share(ownY)];
   return (width, height, tip) => {
-    const [x, y] = [wholeX(), wholeY()], up = ticks(y, 6);
+    const [plainX, y] = [wholeX(), wholeY()], up = ticks(y, 6), along = ticks(plainX, width < 460 ? 5 : 9);
     const box = { left: roomFor(y, majorsOf(up).map(tickLabel(y))) - (y.label ? 0 : 14), right: width - 14, top: 10, bottom: height - 42 };
-    const svg = s("svg", { width, height, class: "chart" });
-    drawAxes(svg, box, { x, y, along: ticks(x, width < 460 ? 5 : 9), up, width, isLeft: true, isBottom: true });
+    const x = withLines(plainX, along, box, width), svg = s("svg", { width, height, class: "chart" });
+    if (x.lines === 2) box.bottom -= STAGGER;
+    drawAxes(svg, box, { x, y, along, up, width, isLeft: true, isBottom: true });
     nameAxes(svg, box, height, x, y);
     hover(svg, tip, drawMarks(svg, box, { x, y }, marks), width);
     return svg;

@@ -74,6 +74,13 @@ export const unseen = (text) => h("span", { class: "visually-hidden" }, text);
 /** The head of a table: names of its columns; one that nothing is written over says what it holds to screen readers. */
 export const tableHead = (names, hidden) => h("thead", {}, h("tr", {}, names.map((name) => h("th", { scope: "col" }, name === "" ? unseen(hidden) : name))));
 
+/** Makes a page anew; the control that had the focus, by its place among all, has it again. */
+export function redraw(view, draw) {
+  const controls = () => [...view.querySelectorAll(".controls :is(input, select, button)")], at = controls().indexOf(document.activeElement);
+  draw();
+  if (at >= 0) controls()[at]?.focus({ preventScroll: true });
+}
+
 /** A labelled choice. `options` are [value, label]. */
 export function select(label, options, value, onchange) {
   const box = h("select", { onchange: () => onchange(box.value) },

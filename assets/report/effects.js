@@ -1,6 +1,6 @@
 // Error over what an experiment varies: a parameter of a method, a property of the scene, the peaks of the light.
 
-import { open, runSuffix, runTitle, unique } from "report/cases";
+import { open, runSuffix, runTitle, sharedRows, sharedText, unique } from "report/cases";
 import { COLORS, DASHES, SHAPES, domain, figure, ordinal, xy } from "report/chart";
 import { axisOf, headline, model, preset, rows, sceneAxes, short, symbol, variantAxes, variantLabel } from "report/data";
 import { number } from "report/dom";
@@ -22,7 +22,13 @@ function scaleOf(axis, given) {
     return { values: sorted, place: Number, x: { log, domain: log ? domain(all, true) : [lo - margin, hi + margin], ticks: all, format: (t) => number(t, 4) } };
   }
   const values = areOrdered(given) ? [...given].sort((a, b) => texels(a) - texels(b)) : given;
-  return { values, place: (value) => values.indexOf(value), x: { domain: [-0.4, values.length - 0.6], ticks: values.map((_, i) => i), format: (i) => short(axis, values[i]) } };
+  return { values, place: (value) => values.indexOf(value), x: { domain: [-0.4, values.length - 0.6], ticks: values.map((_, i) => i), format: (i) => short(axis, values[i]), staggers: true } };
+}
+
+/** A place before the first value of an axis, for all of them together: {at, x: the axis with it}. */
+function before({ log, domain: [lo, hi], ticks, format, ...rest }) {
+  const [first, last] = [ticks[0], ticks.at(-1)], at = log ? first * (first / last) ** 0.16 : first - 0.16 * (last - first);
+  return { at, x: { ...rest, log, domain: [log ? at * (first / last) ** 0.06 : at - 0.06 * (last - first), hi], ticks: [at, ...ticks], format: (t) => (t === at ? "all" : format(t)) } };
 }
 
 const style = (i, count) => ({ color: count > 7 ? ordinal(i, count) : COLORS[i], shape: SHAPES[i % SHAPES.length], dash: count > 7 ? DASHES[i % DASHES.length] : undefined });
@@ -62,6 +68,8 @@ export function effectsFigure(run, axis) {
   const lineOf = (e) => (overAlpha ? [short(axis, e.value), e.method] : [e.method]).filter(Boolean).join(axis === "method" ? " · samples " : " · ");
   const name = (line) => (axis === "method" && !overAlpha ? `at ${line} samples` : line) || symbol(axis);
   const lines = unique(shown.map(lineOf)), { place, x } = overAlpha ? scaleOf("alpha", unique(others.flatMap((e) => e.alpha ?? []))) : scaleOf(axis, values);
+  // All alphas together, which the answer states, stand before the first of them.
+  const pooled = overAlpha && x.ticks.length > 1 ? before(x) : null;
   const at = (e) => place(overAlpha ? e.alpha : e.value), known = (e) => (e.interval[1] === null ? undefined : e.interval), isDecided = (e) => known(e) && (e.interval[0] > 1 || e.interval[1] < 1);
   const series = lines.map((line, i) => ({ line, i, own: shown.filter((e) => lineOf(e) === line).sort((a, b) => at(a) - at(b)) }));
   const curve = ({ own }) => [...own.map((e) => [at(e), e.ratio]), ...(overAlpha ? [] : [[place(base), 1]])].sort(([a], [b]) => a - b);
@@ -73,18 +81,18 @@ export function effectsFigure(run, axis) {
   // On the side where there is room for their names.
   const side = (e) => (x.ticks.indexOf(at(e)) >= x.ticks.length / 2 ? -1 : 1);
   // An interval of two pairs can span a hundred decades; the axis does not follow it, and the whisker leaves the picture.
-  const near = domain([...shown.map((e) => e.ratio), ...few.flatMap((e) => e.pairs.map((pair) => pair.ratio)), 1], true);
-  const seen = shown.flatMap((e) => known(e) ?? []).filter((end) => end > near[0] / 30 && end < near[1] * 30);
+  const drawn = pooled ? [...shown, ...whole] : shown, near = domain([...drawn.map((e) => e.ratio), ...few.flatMap((e) => e.pairs.map((pair) => pair.ratio)), 1], true);
+  const seen = drawn.flatMap((e) => known(e) ?? []).filter((end) => end > near[0] / 30 && end < near[1] * 30);
   return figure({
     name: `effects-${axis}${runSuffix(run)}`,
     class: "lead-figure",
     title: `${overAlpha ? `${named(axis, values.at(-1))} instead of ${short(axis, base)}` : `Error over ${symbol(axis)}`}${runTitle(run)}`,
-    note: `relMSE over that with ${named(axis, base)}: the geometric mean over pairs of cells that differ in nothing else, with its 95 % interval. Below 1 errs less. Pale: the interval does not tell.${hasNames && !overAlpha ? ` Values of engines: ${names.map((value) => `${preset(axis, value)} ${short(axis, value)}`).join(", ")}.` : ""}${few.length ? ` Small marks: each pair${isNamed ? ", by name" : ""}.` : ""}${shown.some((e) => (known(e) ?? []).some((end) => !seen.includes(end))) ? " Arrows at the frame: the interval goes on." : ""}`,
+    note: `relMSE over that with ${named(axis, base)}: the geometric mean over pairs of cells that differ in nothing else, with its 95 % interval. Below 1 errs less. Pale: the interval does not tell.${hasNames && !overAlpha ? ` Values of engines: ${names.map((value) => `${preset(axis, value)} ${short(axis, value)}`).join(", ")}.` : ""}${few.length ? ` Small marks: each pair${isNamed ? ", by name" : ""}.` : ""}${pooled ? " Left: all α together." : ""}${drawn.some((e) => (known(e) ?? []).some((end) => !seen.includes(end))) ? " Arrows at the frame: the interval goes on." : ""}`,
     legend: series.length > 1 || lines[0] ? series.map(({ line, i }) => ({ label: name(line), ...style(i, lines.length) })) : [],
     table: { columns: ["axis", "value", ...(hasNames ? ["preset"] : []), "base", "method", "alpha", "error_ratio", "ratio_lo", "ratio_hi", "pairs", "pairs_better"], rows: all.map((e) => [axis, e.value, ...(hasNames ? [preset(axis, e.value)] : []), base, e.method, e.alpha, e.ratio, e.interval[0], e.interval[1] ?? Infinity, e.n, e.better]),
       onrow: (i) => { const cell = cellOf(run, axis, all[i].value, all[i].method); open(cell.cell, run)(); } },
     draw: xy({
-      x: { ...x, label: overAlpha ? "α" : symbol(axis) },
+      x: { ...(pooled?.x ?? x), label: overAlpha ? "α" : symbol(axis) },
       y: { label: `relMSE ratio to ${named(axis, base)}`, log: true, share: `effects-${axis} ${base} y`, domain: domain([...near, ...seen], true) },
       marks: [
         { rule: 1, color: "var(--ink)", width: 1.2, label: overAlpha ? "no difference" : named(axis, base), below: true, isLeft: few.length > 0 },
@@ -98,6 +106,10 @@ export function effectsFigure(run, axis) {
           const cell = cellOf(run, axis, e.value, e.method);
           return { x: at(e), y: e.ratio, dx: dx(i), ys: known(e), opacity: isDecided(e) ? 1 : 0.55, open: open(cell.cell, run), text: text(e) };
         }) })),
+        ...(pooled ? series.map(({ line, i }) => ({ ...style(i, lines.length), r: 6, dots: whole.filter((e) => lineOf(e) === line).map((e) => {
+          const cell = cellOf(run, axis, e.value, e.method);
+          return { x: pooled.at, y: e.ratio, dx: dx(i) * 3, ys: known(e), opacity: isDecided(e) ? 1 : 0.55, open: open(cell.cell, run), text: `All α together\n${text(e)}` };
+        }) })) : []),
         ...(overAlpha ? [] : [{ color: "var(--muted)", guides: names.map((value) => ({ x: place(value), text: preset(axis, value) })) }]),
       ],
     }),
@@ -119,11 +131,12 @@ const METRICS = {
 export function sweepFigure(run, axis, metric = headline) {
   const { word, log, title, middle, say } = METRICS[metric];
   const models = [...sceneAxes, ...variantAxes].filter((name) => ["brdf", "masking", "diffuse"].includes(name));
-  const own = rows.filter((row) => row.run === run && row.axes[axis] !== "" && (log ? row.scores[metric] > 0 : Number.isFinite(row.scores[metric])) && row.axes.method !== "none");
+  const all = rows.filter((row) => row.run === run && row.axes[axis] !== "" && (log ? row.scores[metric] > 0 : Number.isFinite(row.scores[metric])) && row.axes.method !== "none");
   // One method goes without saying beside models.
   const ofWay = (row) => (variantAxes.some((name) => !["point_set", "run", axis, ...models].includes(name)) || !models.length ? variantLabel(row, ["point_set", "run", axis, ...models]) : "");
   const lineOf = (row) => unique([...models.map((name) => row.axes[name]), ofWay(row)]).filter(Boolean).join(" · ");
-  if (!own.length) return null;
+  if (!all.length) return null;
+  const rest = sceneAxes.filter((name) => name !== axis && !models.includes(name)), common = sharedRows(all, (row) => JSON.stringify([lineOf(row), row.axes[axis]]), (row) => JSON.stringify(rest.map((name) => row.axes[name]))), { own } = common;
   const lines = unique(own.map(lineOf)), { values, place, x } = scaleOf(axis, unique(rows.map((row) => row.axes[axis]).filter((value) => value !== "")));
   // Two properties that differ have two channels: the first one's values the colours, the others the dashes and marks.
   const firsts = unique(lines.map((line) => line.split(" · ")[0])), rests = unique(lines.map((line) => line.split(" · ").slice(1).join(" · ")));
@@ -142,7 +155,7 @@ export function sweepFigure(run, axis, metric = headline) {
     name: `sweep-${axis}${metric === headline ? "" : `-${metric}`}${runSuffix(run)}`,
     class: "lead-figure",
     title: `${title} over ${symbol(axis)}${runTitle(run)}`,
-    note: `${word} of each model and method${points.some((p) => p.n > 1) ? `; ${say} over everything else, whiskers from the least to the largest` : ""}. Click a mark for its image.`,
+    note: `${word} of each model and method${points.some((p) => p.n > 1) ? `; ${say} over everything else, whiskers from the least to the largest.${sharedText(common, "settings")}` : "."} Click a mark for its image.`,
     legend: lines.map((line, i) => ({ label: line, ...styleOf(i) })),
     table: { columns: ["line", axis, metric, "smallest", "largest", "cells"], rows: points.map((p) => [p.line, p.value, p.error, p.lo, p.hi, p.n]), onrow: (i) => open(points[i].row.cell, run)() },
     draw: xy({

@@ -1,6 +1,6 @@
 // The legend of error pictures: one fixed range for every image of the page.
 
-import { model } from "report/data";
+import { errorColor, model } from "report/data";
 import { h, number } from "report/dom";
 
 /** Fills `element` with the ramp, ticks and formula of the relative or the signed error; `marks` says that what lies beyond can be marked. */
@@ -16,3 +16,11 @@ export function fillErrorLegend(element, isSigned, marks) {
     h("p", {}, isSigned ? "mean of d / √(r² + 0.01); blue too dark, red too bright. " : "√ of the RGB mean of d² / (r² + 0.01), as in errors.csv; the same range for every image. ",
       `Beyond the ends the colour stays${marks ? `; “Mark beyond the range” (C) stripes what lies ${isSigned ? "outside" : "above"}` : ""}.`));
 }
+
+/** The error of a texel with its colour, in the measure that is shown, as a cell of a table; null: an empty one. */
+export function errorCell(error, isSigned) {
+  const value = error && (isSigned ? error.signed : error.relative);
+  return h("td", { "data-value": value ?? "" }, error && [h("i", { class: "chip", style: `background:rgb(${errorColor(isSigned ? "signed" : "error", error)})` }), number(value)]);
+}
+/** What the column of such cells is called. */
+export const errorHead = (isSigned) => (isSigned ? "signed error" : "error");

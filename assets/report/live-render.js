@@ -333,11 +333,16 @@ export class LiveRender {
 
   // --- Values --------------------------------------------------------------------------------------------------------------
 
-  /** Linear RGBA of `mode` ("split" or "sampled"), top row first: the whole image, or one pixel of it. */
+  /** Linear RGBA of `mode` ("split" or "sampled"), top row first: the whole image, or one pixel of the canvas. */
   linear(mode, pixel) {
     const { gl } = this, { width, height } = this.targets.linear;
+    // While the view moves, one shaded pixel stands for a square of them.
+    const at = pixel?.map((place, i) => Math.min([width, height][i] - 1, Math.floor(place / this.pixelSide)));
+    const [x, y, w, hh] = at ? [...at, 1, 1] : [0, 0, width, height];
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(x, y, w, hh);
     this.drawResult(mode, true);
-    const [x, y, w, hh] = pixel ? [...pixel, 1, 1] : [0, 0, width, height];
+    gl.disable(gl.SCISSOR_TEST);
     const values = new Float32Array(4 * w * hh);
     gl.readPixels(x, y, w, hh, gl.RGBA, gl.FLOAT, values);
     return values;

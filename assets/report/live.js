@@ -1,8 +1,8 @@
 // The live material view: a sphere and a plane lit by the run's own tables, shaded by the renderer's shaders, split sum against samples.
 
-import { errorColor, lightTables, rows, texelError } from "report/data";
-import { announce, byId, choice, h, number, select, slider, stopsText, scrollBox, tableHead } from "report/dom";
-import { fillErrorLegend } from "report/legend";
+import { lightTables, rows, texelError } from "report/data";
+import { announce, byId, choice, h, number, say, select, slider, stopsText, scrollBox, tableHead } from "report/dom";
+import { errorCell, errorHead, fillErrorLegend } from "report/legend";
 import { LiveRender, MODES, OBJECTS } from "report/live-render";
 import { keepContext } from "report/program";
 import { fitCanvas, linkButton } from "report/stage";
@@ -126,6 +126,7 @@ class Live {
       const drawn = this.render.step(!rested);
       if (rested && this.isUnkept) this.keepState();
       this.describe();
+      if (drawn && !(this.render.isComplete && rested)) this.probe();
       if (drawn && this.render.isComplete && rested) this.finish();
       else this.loop();
     });
@@ -159,16 +160,17 @@ class Live {
     }
   }
 
-  /** The linear values under the pointer, or in the middle. */
+  /** The linear values under the pointer, or in the middle; of the samples, those that are done. */
   probe() {
     const { render, canvas } = this;
-    if (!render.view || render.stale || this.canvas.dataset.ready !== "1") return;
+    if (!render.view || render.stale || render.gl.isContextLost()) return;
     const [x, y] = this.probed ?? [canvas.width >> 1, canvas.height >> 1];
     const [split, sampled] = ["split", "sampled"].map((mode) => (mode === "split" || render.done ? [...render.linear(mode, [x, y])].slice(0, 3) : null));
-    const error = sampled && texelError(split, sampled);
-    const line = (name, value, last) => h("tr", { "data-probe": name }, h("th", { scope: "row" }, name), (value ?? [null, null, null]).map((v) => h("td", { "data-value": v ?? "" }, number(v, 4))), h("td", {}, last));
+    const error = sampled && texelError(split, sampled), isSigned = this.shownMode() === "signed", counted = render.done && render.done < this.settings.samples ? ` (${render.done} of ${this.settings.samples})` : "";
+    const line = (name, value, last, more = "") => h("tr", { "data-probe": name }, h("th", { scope: "row" }, name, more), (value ?? [null, null, null]).map((v) => h("td", { "data-value": v ?? "" }, number(v, 4))), last);
     this.probePlace.textContent = `pixel (${x}, ${y})`;
-    this.probeBody.replaceChildren(line("split sum", split, error ? [h("i", { class: "chip", style: `background:rgb(${errorColor("error", error)})` }), number(error.relative)] : ""), line("sampled", sampled, ""));
+    this.probeBody.replaceChildren(line("split sum", split, errorCell(error, isSigned)), line("sampled", sampled, h("td", {}), counted));
+    say(this.probeBody.parentElement.querySelector("th:last-child"), errorHead(isSigned));
   }
 
   // --- Controls ------------------------------------------------------------------------------------------------------------

@@ -73,8 +73,8 @@ function onKey(event) {
     event.preventDefault();
   } else if (event.key === "?") {
     help();
-  } else if (GO[event.key] && !isOwn) {
-    go({ view: GO[event.key] });
+  } else if (Object.hasOwn(GO, event.key.toLowerCase()) && !isOwn) {
+    go({ view: GO[event.key.toLowerCase()] });
   }
 }
 

@@ -1,27 +1,29 @@
 // The figures: what is drawn of the run's data.
 
 import { breakEvenMap, equalTimeIntervals, equalTimeMap, nDotVMap } from "report/break-even";
-import { caseAxes, curveFacets, curves, facetLabel, fixedOf, isJoined, open, pairs, runSuffix, runTitle, sampleAxis, seriesAxis, seriesLabel, unique } from "report/cases";
+import { caseAxes, curveFacets, curves, facetLabel, fixedOf, isJoined, open, ordered, pairs, runSuffix, runTitle, sampleAxis, seriesAxis, seriesLabel, unique } from "report/cases";
 import { COLORS, DASHES, SHAPES, domain, figure, ordinal, xy } from "report/chart";
 import { headline, model, rows, scenes } from "report/data";
-import { choice, h, number, select } from "report/dom";
+import { choice, h, number, redraw, select } from "report/dom";
 import { ENERGY, effectAxes, effectsFigure, rangeFigure, sweepFigure } from "report/effects";
 import { energyFigure, isFurnace } from "report/energy";
 import { profile, profileGroups } from "report/profile";
-import { keep } from "report/state";
+import { keep, state as current } from "report/state";
 import { passes, paybackTable, timeError } from "report/times";
 import { visibility } from "report/visibility";
 
 /** Lines of methods without samples, told apart. */
 const FIXED_DASHES = ["1 0", "12 4", "5 4"];
 
-/** Whether a run has more than one sample count, without which nothing converges. */
-export const hasConvergence = (run) => unique(curves.filter((curve) => curve.run === run).flatMap((curve) => curve.points.map((p) => p.samples))).length > 1;
+/** Whether a curve has more than one sample count, without which nothing converges. */
+const isLine = (curve) => new Set(curve.points.map((p) => p.samples)).size > 1;
+const facetOf = (curve) => curve && facetLabel(curve.key);
 
-/** Log-log convergence of one facet, with fitted slopes and the reference's noise floor. */
-export function convergence(run, facet = curveFacets(run)[0]) {
-  const own = curves.filter((curve) => curve.run === run && facetLabel(curve.key) === facet);
-  const series = unique(own.map((curve) => curve.key[seriesAxis])), methods = unique(own.map((curve) => curve.method));
+/** Log-log convergence of one facet, with fitted slopes and the reference's noise floor; null where no curve of it has two counts. */
+export function convergence(run, facet = facetOf(curves.find((curve) => curve.run === run && isLine(curve)))) {
+  const own = curves.filter((curve) => curve.run === run && facetOf(curve) === facet);
+  if (!own.some(isLine)) return null;
+  const series = ordered(unique(own.map((curve) => curve.key[seriesAxis]))), methods = unique(own.map((curve) => curve.method));
   const allFloors = own.map((curve) => curve.noise_floor).filter((x) => x > 0);
   const lowest = Math.min(...own.flatMap((curve) => curve.points.map((p) => p.error)));
   // A floor far below every error would press the curves together; it is written out instead.
@@ -38,7 +40,7 @@ export function convergence(run, facet = curveFacets(run)[0]) {
     name: `convergence-${facet}${runSuffix(run)}`,
     title: `${facet === "all" ? "Convergence" : `Convergence · ${facet}`}${runTitle(run)}`,
     note: "Slopes are fitted to ln(error) over ln(samples) with their 95 % interval; plain Monte Carlo has −1 in squared error. Noise floor: the error an exact image would have by the reference's own noise. Flat lines, marked at their ends: methods without samples.",
-    legend: [...own.map((curve) => ({ label: `${[methods.length > 1 || !seriesLabel(curve.key) ? curve.method : "", seriesLabel(curve.key)].filter(Boolean).join(" ")}: ${slopeText(curve)}`, color: color(curve.key, curve.method), shape: shape(curve), dash: dash(curve.method) })),
+    legend: [...own.map((curve) => ({ label: `${[methods.length > 1 || !seriesLabel(curve.key) ? curve.method : "", seriesLabel(curve.key)].filter(Boolean).join(" ")}: ${slopeText(curve)}`, color: color(curve.key, curve.method), shape: shape(curve), dash: dash(curve.method), line: isLine(curve) })),
       ...fixedNames.map((name, i) => ({ label: name, color: "var(--muted)", dash: FIXED_DASHES[i % FIXED_DASHES.length] })), floors.length ? { label: "noise floor", color: "var(--muted)", dash: "1 4" } : { label: `noise floor: at most ${number(farFloor, 2)}, below the drawing`, line: false }],
     table: {
       columns: [...caseAxes, "method", "samples", headline, "slope", "slope_lo", "slope_hi", "noise_floor"],
@@ -69,7 +71,7 @@ export function showPlots(view, state) {
   const isTimed = rows.some((row) => row.run === run && row.time), found = curveFacets(run), facets = found.length ? found : ["all"];
   const facet = facets.includes(state.facet) ? state.facet : facets[0], ownScenes = scenes.filter((one) => one.variants.some((row) => row.run === run));
   const scene = ownScenes.find((one) => one.key === state.scene) ?? ownScenes[0], lines = scene ? profileGroups(run, scene) : [];
-  const again = (details) => { keep(details); showPlots(view, { ...state, ...details }); };
+  const again = (details) => { keep(details); redraw(view, () => showPlots(view, current())); };
   const pair = own.find((one) => `${one.sampled} ${one.fixed}` === state.pair) ?? own[0];
   const bar = h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Plots"),
     isJoined && select("Run", model.runs.map((one, i) => [i, one.label]), run, (value) => again({ run: value, facet: "", pair: "", scene: "" })),
@@ -79,7 +81,7 @@ export function showPlots(view, state) {
     lines.length > 1 && select("Profile lines", lines.map(({ name }) => [name, name]), state.lines ?? lines[0].name, (value) => again({ lines: value })),
     found.length > 0 && isTimed && [h("span", { class: "choice" }, "Time plot"), choice("Cells of the time plot", [["0", "This setting"], ["1", "All cells"]], state.all === "1" ? "1" : "0", (value) => again({ all: value }))]);
   if (isFurnace(run)) groups.push(energyFigure(run), sweepFigure(run, "alpha", ENERGY));
-  if (hasConvergence(run)) groups.push(convergence(run, facet));
+  groups.push(convergence(run, facet));
   groups.push(...effectAxes(run).map((axis) => effectsFigure(run, axis)), rangeFigure(run), timeError(run, state.all === "1" || !found.length ? "all" : facet));
   if (pair) groups.push(breakEvenMap(pair), equalTimeMap(pair), equalTimeIntervals(pair, facet), nDotVMap(pair, facet));
   if (scene) groups.push(profile(run, scene, state.lines));

@@ -1,9 +1,9 @@
 // Tables: sort by a column, filter by words, save as CSV, follow a row to its images.
 
 import { axisOf, model, rowOf, table } from "report/data";
-import { choice, download, h, number, select, unseen } from "report/dom";
+import { choice, download, h, number, redraw, select, unseen } from "report/dom";
 import { isNumber, parseFilter, value } from "report/filter";
-import { go, keep } from "report/state";
+import { go, keep, state as current } from "report/state";
 
 const FILES = [["errors.csv", "Errors"], ["errors_by_n_dot_v.csv", "Errors by n·v"], ["timings.csv", "Timings"]];
 /** Rows put on the page at once; a button adds as many again. */
@@ -21,7 +21,8 @@ export function showTables(view, state) {
   const all = state.columns === "all";
   const shown = columns.map((name, i) => [name, i]).filter(([name, i]) => all || !isIdle(name, i));
   let sort = columns.includes(state.sort?.replace(/^-/, "")) ? state.sort : "", filter = state.filter ?? "", limit = PAGE_ROWS;
-  const again = (details) => { keep(details); showTables(view, { ...state, ...details }); };
+  // What was filtered and sorted since the page was made stands in the address alone.
+  const again = (details) => { keep(details); redraw(view, () => showTables(view, current())); };
 
   const body = h("tbody", {}), count = h("p", { class: "note", "aria-live": "polite" }), complaint = h("p", { class: "complaint", role: "status", id: "filter-complaint" }), more = h("button", { type: "button", onclick: () => { limit += PAGE_ROWS; fill(); } }, "Show more rows");
   const heads = shown.map(([name, i]) => {

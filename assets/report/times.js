@@ -1,6 +1,6 @@
 // Times: against error, by pass, and when tables that are made once have paid for themselves. Times of two devices never share a figure.
 
-import { caseAxes, facetLabel, open, runSuffix, runTitle, unique } from "report/cases";
+import { caseAxes, facetLabel, open, runSuffix, runTitle, sharedRows, sharedText, unique } from "report/cases";
 import { COLORS, SHAPES, domain, figure, xy } from "report/chart";
 import { headline, model, rows, variantLabel } from "report/data";
 import { h, number, quartiles, scrollBox, tableHead } from "report/dom";
@@ -18,20 +18,21 @@ function timeEnds(of) {
 
 /** Time against error of one run: one mark a variant over the chosen rows; those on the Pareto front are ringed. */
 export function timeError(run, facet) {
-  const own = rows.filter((row) => row.run === run && row.time && row.scores[headline] !== null && (facet === "all" || facetLabel(caseAxes.map((name) => row.axes[name])) === facet));
-  const label = (row) => variantLabel(row, ["point_set", "run"]);
+  const all = rows.filter((row) => row.run === run && row.time && row.scores[headline] !== null && (facet === "all" || facetLabel(caseAxes.map((name) => row.axes[name])) === facet));
+  const label = (row) => variantLabel(row, ["point_set", "run"]), common = sharedRows(all, label, (row) => row.scene.key), { own } = common;
   const points = unique(own.map(label)).map((name) => {
     const of = own.filter((row) => label(row) === name), [lo, error, hi] = quartiles(of.map((row) => row.scores[headline]));
     return { name, method: of[0].axes.method, error, lo, hi, time: quartiles(of.map((row) => row.time.median))[1], ...timeEnds(of), row: of[0], n: of.length };
   });
   if (!points.length) return null;
-  const front = points.filter((p) => !points.some((q) => q !== p && q.time <= p.time && q.error <= p.error && (q.time < p.time || q.error < p.error)));
+  // Medians of different scenes say nothing of each other.
+  const front = !common.shared ? [] : points.filter((p) => !points.some((q) => q !== p && q.time <= p.time && q.error <= p.error && (q.time < p.time || q.error < p.error)));
   const methods = unique(points.map((p) => p.method));
   return figure({
     name: `time-error-${facet}${runSuffix(run)}`,
     title: `Time against error · ${facet}${runTitle(run)}`,
-    note: `Median over the chosen cells; whiskers: the middle half of the errors, and ${points.every((p) => p.isInterval) ? "the 95 % interval of the median frame time (of the rounds)" : "p05 to p95 of the frame times"}. Ringed: on the Pareto front, no other is both faster and closer.${cpuNote(run)}`,
-    legend: [...methods.map((method, i) => ({ label: method, color: COLORS[i % 7], shape: SHAPES[i % SHAPES.length], line: false })), { label: "on the Pareto front", color: "var(--ink)", shape: "ring", line: false }],
+    note: `Median over the chosen cells.${sharedText(common, "scenes")} Whiskers: the middle half of the errors, and ${points.every((p) => p.isInterval) ? "the 95 % interval of the median frame time (of the rounds)" : "p05 to p95 of the frame times"}. ${front.length ? "Ringed: on the Pareto front, no other is both faster and closer." : ""}${cpuNote(run)}`,
+    legend: [...methods.map((method, i) => ({ label: method, color: COLORS[i % 7], shape: SHAPES[i % SHAPES.length], line: false })), ...(front.length ? [{ label: "on the Pareto front", color: "var(--ink)", shape: "ring", line: false }] : [])],
     table: { columns: ["variant", "frame_ms", "frame_ms_lo", "frame_ms_hi", "p05_ms", "p95_ms", headline, "lower_quartile", "upper_quartile", "cells", "on_front"], rows: points.map((p) => [p.name, p.time, ...p.ends, p.t05, p.t95, p.error, p.lo, p.hi, p.n, front.includes(p) ? "yes" : "no"]), onrow: (i) => open(points[i].row.cell, points[i].row.run)() },
     draw: xy({
       x: { label: "frame time, ms", log: true, domain: domain(points.flatMap((p) => p.ends), true) },

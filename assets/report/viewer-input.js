@@ -57,9 +57,11 @@ export function listen(viewer) {
   const up = (event) => {
     if (!pointers.delete(event.pointerId)) return;
     if (moved) { if (viewer.row) viewer.keepState(); return; }
+    if (!viewer.row || !viewer.origin) return;
     viewer.pinned = !viewer.pinned || String(viewer.probed) !== String(viewer.texelAt(event));
     viewer.probed = viewer.texelAt(event);
     viewer.probe();
+    viewer.keepState();
   };
   canvas.addEventListener("pointerup", up);
   canvas.addEventListener("pointercancel", (event) => pointers.delete(event.pointerId));
@@ -80,7 +82,7 @@ export function listen(viewer) {
 
 /** Handles a key of the comparison; true when it was one. */
 export function key(viewer, event) {
-  if (!viewer.row || !viewer.scene || !viewer.origin) return false;
+  if (!viewer.row || !viewer.scene) return false;
   const onHandle = document.activeElement === viewer.handle;
   const actions = {
     " ": () => viewer.hold(true),

@@ -1,8 +1,8 @@
 // The comparison of images on linear data: flip in place, split, zoom to texels, error maps, probe. WebGL2.
 
-import { HALF, errorColor, exrLink, hasPixels, headline, idOf, model, rowOf, rows, scenes, texelError, truthName, variantLabel } from "report/data";
+import { HALF, exrLink, hasPixels, headline, idOf, model, rowOf, rows, sceneLabel, scenes, texelError, truthName, variantLabel } from "report/data";
 import { announce, choice, h, number, say, scrollBox, select, slider, stopsText, tableHead } from "report/dom";
-import { fillErrorLegend } from "report/legend";
+import { errorCell, errorHead, fillErrorLegend } from "report/legend";
 import { fitCanvas, linkButton } from "report/stage";
 import { keep, state as current } from "report/state";
 import { Surface } from "report/surface";
@@ -48,6 +48,9 @@ class Viewer {
     if (this.scene !== scene) return undefined;
     const texels = this.surface.images.get(this.row.image);
     if (!texels) return this.sayNothing(row);
+    const { window } = model.images[this.row.image], pin = state.texel?.match(/^(\d+),(\d+)$/);
+    this.pinned = Boolean(pin);
+    if (pin) this.probed = [Math.min(texels.width - 1, Math.max(0, pin[1] - window.x)), Math.min(texels.height - 1, Math.max(0, pin[2] - window.y))];
     // Without a pointer the probe starts in the middle.
     this.probed ??= [texels.width >> 1, texels.height >> 1];
     this.stage.classList.remove("empty");
@@ -68,7 +71,13 @@ class Viewer {
 
   sayNothing(row) {
     this.stage.classList.add("empty");
-    const why = !this.surface.gl ? "This browser has no WebGL2, which the comparison needs." : "No pixels of this cell are in the page.";
+    // The next picture is fitted anew.
+    this.origin = undefined;
+    const failure = model.runs[row.run].failures.find((one) => one.cell === row.cell);
+    const why = !this.surface.gl ? "This browser has no WebGL2, which the comparison needs." : failure ? `This cell failed: ${failure.reason}` : "No pixels of this cell are in the page.";
+    this.canvas.setAttribute("aria-label", `${sceneLabel(row)}: ${variantLabel(row)}. ${why}`);
+    this.canvas.dataset.shown = row.cell;
+    this.mark.hidden = true;
     this.caption.replaceChildren(why, " ", row?.image != null ? h("a", { href: exrLink(row.image) }, "Its linear EXR") : "");
   }
 
@@ -79,13 +88,14 @@ class Viewer {
       cell: this.row.cell, run: this.row.run || "", with: this.other ? idOf(this.other) : "", mode: this.mode === "image" ? "" : this.mode,
       tone: this.tone === "curve" ? "" : this.tone, ev: Number(this.stops.toFixed(3)), contrast: Number(this.contrast.toFixed(3)),
       clip: this.clipped ? "1" : "", split: this.split === null ? "" : Number(this.split.toFixed(4)),
-      zoom: isOwn ? Number(this.scale.toFixed(3)) : "", x: middle.x ?? "", y: middle.y ?? "",
+      texel: this.pinned ? this.texelName().join(",") : "", zoom: isOwn ? Number(this.scale.toFixed(3)) : "", x: middle.x ?? "", y: middle.y ?? "",
     });
   }
 
   choose(row) {
-    if (!this.surface.images.has(row.image)) {
-      this.show({ ...current(), cell: row.cell, run: row.run });
+    if (!this.surface.images.has(row.image) || !this.origin) {
+      keep({ cell: row.cell, run: row.run || "" });
+      this.show(current());
       return;
     }
     this.row = row;
@@ -100,12 +110,13 @@ class Viewer {
     this.choose(shown[(shown.indexOf(this.row) + by + shown.length) % shown.length]);
   }
 
-  /** The same variant in the next scene. */
+  /** The same variant in the next scene, beside the same one. */
   stepScene(by) {
     const scene = scenes[(scenes.indexOf(this.scene) + by + scenes.length) % scenes.length];
     const label = variantLabel(this.row);
     const row = scene.variants.find((v) => variantLabel(v) === label) ?? scene.variants.find(hasPixels) ?? scene.variants[0];
-    keep({ cell: row.cell, run: row.run || "", with: "", zoom: "", x: "", y: "" });
+    const other = this.other && scene.variants.find((v) => hasPixels(v) && variantLabel(v) === variantLabel(this.other));
+    keep({ cell: row.cell, run: row.run || "", with: other ? idOf(other) : "", zoom: "", x: "", y: "" });
     this.show(current());
   }
 
@@ -143,6 +154,7 @@ class Viewer {
 
   /** Zooms by `factor` and leaves the texel under canvas pixel (x, y) where it is. */
   zoom(factor, x = this.canvas.width / 2, y = this.canvas.height / 2) {
+    if (!this.origin) return;
     let scale = Math.min(SCALE_MAX, Math.max(Math.min(this.fitScale, 1) / 2, this.scale * factor));
     if (scale > 1) scale = factor > 1 ? Math.ceil(scale - 1e-6) : Math.floor(scale + 1e-6);
     const texel = [this.origin[0] + x / this.scale, this.origin[1] + y / this.scale];
@@ -154,6 +166,7 @@ class Viewer {
   }
 
   pan(dx, dy) {
+    if (!this.origin) return;
     this.isFitted = false;
     this.origin = [this.origin[0] - dx / this.scale, this.origin[1] - dy / this.scale];
     this.draw();
@@ -164,7 +177,7 @@ class Viewer {
   draw() {
     const { images } = this.surface, reference = images.get(this.row.reference);
     const left = this.showsReference ? reference : images.get(this.row.image);
-    if (!left || !reference) return;
+    if (!left || !reference || !this.origin) return;
     const isSplit = this.split !== null, rightRow = this.other ?? this.row;
     this.surface.draw({
       left, reference,
@@ -218,9 +231,15 @@ class Viewer {
     return [Math.floor(this.origin[0] + x / this.scale), Math.floor(this.origin[1] + y / this.scale)];
   }
 
+  /** The probed texel in the whole image, of which the page may hold a window. */
+  texelName() {
+    const { x, y } = model.images[this.row.image]?.window ?? { x: 0, y: 0 };
+    return [this.probed[0] + x, this.probed[1] + y];
+  }
+
   /** Every variant's linear values at the probed texel. */
   probe() {
-    if (!this.scene || !this.probed) return;
+    if (!this.scene || !this.probed || !this.origin) return;
     const [x, y] = this.probed;
     const at = (index) => {
       const entry = this.surface.images.get(index);
@@ -228,10 +247,9 @@ class Viewer {
       return [0, 1, 2].map((c) => HALF[entry.rgba[4 * (y * entry.width + x) + c]]);
     };
     this.placeMark(x, y);
-    const window = model.images[this.row.image]?.window;
-    say(this.probePlace, window ? `texel (${x + window.x}, ${y + window.y})${this.pinned ? " · pinned" : ""}` : "");
+    say(this.probePlace, model.images[this.row.image]?.window ? `texel (${this.texelName().join(", ")})${this.pinned ? " · pinned" : ""}` : "");
     // A flip changes nothing but which of the lines is the current one.
-    const read = [this.scene.key, x, y, ...this.surface.images.keys()].join(" ");
+    const read = [this.scene.key, this.mode === "signed", x, y, ...this.surface.images.keys()].join(" ");
     if (read !== this.read) this.readTexel(x, y, at);
     this.read = read;
     for (const one of this.probeBody.children) one.classList.toggle("current", one.dataset.probe === idOf(this.row));
@@ -239,9 +257,10 @@ class Viewer {
 
   /** Writes the values of a texel, a line an image. What has no pixels here has none. */
   readTexel(x, y, at) {
-    const line = (name, key, value, error) => h("tr", { "data-probe": key }, h("th", { scope: "row" }, name),
+    const isSigned = this.mode === "signed", line = (name, key, value, error) => h("tr", { "data-probe": key }, h("th", { scope: "row" }, name),
       (value ?? [null, null, null]).map((v) => h("td", { "data-value": v ?? "", title: v === null ? "" : String(v) }, number(v, 4))),
-      h("td", { "data-value": error?.relative ?? "" }, error ? [h("i", { class: "chip", style: `background:rgb(${errorColor("error", error)})` }), number(error.relative)] : ""));
+      errorCell(error, isSigned));
+    say(this.probeBody.parentElement.querySelector("th:last-child"), errorHead(isSigned));
     const references = new Map();
     const lines = this.scene.variants.filter((row) => hasPixels(row)).map((row) => {
       const [value, truth] = [at(row.image), at(row.reference)];
@@ -264,6 +283,7 @@ class Viewer {
 
   /** Moves the probe by whole texels, pins it, and keeps it in sight. */
   moveProbe(dx, dy) {
+    if (!this.origin) return;
     const { width, height } = this.surface.images.get(this.row.image);
     this.probed = [this.probed[0] + dx, this.probed[1] + dy].map((at, i) => Math.min([width, height][i] - 1, Math.max(0, at)));
     this.pinned = true;
@@ -273,6 +293,7 @@ class Viewer {
       this.center(this.probed[0] + 0.5, this.probed[1] + 0.5);
     }
     this.draw();
+    this.keepState();
     const line = this.probeBody.querySelector(".current");
     if (line) announce(`${this.probePlace.textContent}: ${[...line.children].map((cell) => cell.textContent).join(" ")}`);
   }
@@ -368,6 +389,7 @@ class Viewer {
   markVariant() {
     for (const button of this.variants.querySelectorAll("button")) button.setAttribute("aria-pressed", String(button.dataset.cell === this.row.cell && Number(button.dataset.run) === this.row.run));
     const image = model.images[this.row.image];
+    this.exr.hidden = !image;
     if (image) {
       this.exr.href = exrLink(this.row.image);
       say(this.exr, "Linear EXR");
@@ -375,7 +397,7 @@ class Viewer {
       const cut = window && (window.width !== size[0] || window.height !== size[1]);
       say(this.caption, [cut ? `window ${window.width} × ${window.height} at (${window.x}, ${window.y}) of ${size[0]} × ${size[1]}` : "", clampedCount ? `${clampedCount} channels above 65504 are stored as 65504` : ""].filter(Boolean).join("; "));
     }
-    announce(`${this.scene.label}: ${variantLabel(this.row)}, relMSE ${number(this.row.scores[headline])}`);
+    announce(`${this.scene.label}: ${variantLabel(this.row)}, ${this.row.scores[headline] === null ? "failed" : `relMSE ${number(this.row.scores[headline])}`}`);
   }
 
   // --- Reference ------------------------------------------------------------------------------------------------------------

@@ -1,6 +1,6 @@
 // What the tone curve shows of an error and what it hides: a map over exposure and contrast for each method.
 
-import { runSuffix, runTitle, unique } from "report/cases";
+import { runSuffix, runTitle, sharedRows, sharedText, unique } from "report/cases";
 import { figure } from "report/chart";
 import { heat } from "report/color";
 import { displayAxes, model, rows, variantLabel } from "report/data";
@@ -43,24 +43,26 @@ export function flipText(flip, from) {
 
 /** The visible difference (FLIP) of a run by exposure and contrast; null where the tone curve was not varied. */
 export function visibility(run) {
-  const own = rows.filter((row) => row.run === run && row.scores.flip !== null && row.scores.flip !== undefined);
-  if (!displayAxes.length || !own.length) return null;
-  const largest = Math.max(...own.map((row) => row.scores.flip)), from = model.visible_from;
+  const scored = rows.filter((row) => row.run === run && row.scores.flip !== null && row.scores.flip !== undefined);
+  if (!displayAxes.length || !scored.length) return null;
+  const common = sharedRows(scored, (row) => [variantLabel(row, ["point_set", "run"]), ...displayAxes.map((name) => row.axes[name])].join(" "), (row) => row.scene.key), { own } = common, from = model.visible_from;
   // What has no specular term is what the others stand on: it comes last.
   own.sort((a, b) => (a.axes.method === "none") - (b.axes.method === "none"));
   const all = layout(own), median = (of) => quartiles(of.map((row) => row.scores.flip))[1];
+  const places = all.flatMap((panel) => panel.rows.flatMap((_, r) => panel.columns.map((_, c) => panel.of(r, c)))).filter((found) => found.length);
+  // The ramp ends where what is shown does.
+  const largest = Math.max(...places.map(median));
   const open = (row) => () => go({ view: "compare", cell: row.cell, run: row.run || undefined });
   const maps = all.map(({ of, ...panel }) => ({ ...panel, cell: (r, c) => {
     const found = of(r, c), flip = median(found), name = `${panel.title} ${panel.rowTitle} ${panel.rows[r]}, ${panel.columnTitle} ${panel.columns[c]}`;
     if (!Number.isFinite(flip)) return { text: "", title: `${name}: no result` };
     return { text: flipText(flip, from), ...(flip >= from ? heat(flip / largest) : { color: "var(--paper)", ink: "var(--muted)" }), open: open(found[0]), title: `${name}: FLIP ${number(flip)}, ${flip >= from ? "visible" : "hidden"}` };
   } }));
-  const places = all.flatMap((panel) => panel.rows.flatMap((_, r) => panel.columns.map((_, c) => panel.of(r, c)))).filter((found) => found.length);
   return figure({
     name: `visibility${runSuffix(run)}`,
     class: "wide",
     title: `Visible difference (FLIP) by exposure and contrast${runTitle(run)}`,
-    note: `Median over all scenes; 0 is equal. Coloured: at least ${from}, taken as visible; the tone curve hides the rest. The cells of a row share one linear image. Click for the image at that setting.`,
+    note: `Median over all scenes; 0 is equal.${sharedText(common, "scenes")} Coloured: at least ${from}, taken as visible; the tone curve hides the rest. The cells of a row share one linear image. Click for the image at that setting.`,
     legend: [{ label: `hidden: below ${from}`, fill: "var(--paper)" }, ...[from, (from + largest) / 2, largest].filter((flip) => flip >= from && flip <= largest).map((flip) => ({ label: `FLIP ${number(flip, 2)}`, fill: heat(flip / largest).color }))],
     height: (width) => panelsHeight(maps, width),
     table: { columns: ["variant", ...displayAxes, "flip", "cells", "visibility"], rows: places.map((found) => [variantLabel(found[0], ["point_set", "run"]), ...displayAxes.map((name) => found[0].axes[name]), median(found), found.length, median(found) >= from ? "visible" : "hidden"]),

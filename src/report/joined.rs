@@ -160,6 +160,24 @@ fn timed(run: &RunFolder) -> String {
     }
 }
 
+/// Questions that one heading can hold.
+const HEADING_QUESTIONS: usize = 2;
+
+/// What joined runs ask, as one heading: their question, or both of two; where there are more, how many.
+pub fn heading(runs: &[RunFolder]) -> String {
+    let mut questions: Vec<String> = Vec::new();
+    for run in runs {
+        let question = Some(run.text("/question")).filter(|text| !text.is_empty()).unwrap_or_else(|| run.text("/name"));
+        if !questions.contains(&question) {
+            questions.push(question);
+        }
+    }
+    match questions.len() {
+        0..=HEADING_QUESTIONS => questions.join(" · "),
+        count => format!("{} runs, {count} questions", runs.len()),
+    }
+}
+
 /// A sentence for every run that repeats an earlier one: it is no further evidence.
 pub fn repeats(runs: &[RunFolder], labels: &[String]) -> Vec<String> {
     let is_same = |a: &RunFolder, b: &RunFolder| {

@@ -104,6 +104,7 @@ pub fn write(options: &ReportOptions) -> Result<Written, ReportError> {
     let fixed = page::Static {
         name: runs[0].text("/name"),
         question: runs[0].text("/question"),
+        heading: joined::heading(&runs),
         runs: runs.iter().zip(&labels).zip(&each).map(|((run, label), alone)| told(run, label, alone)).collect(),
         facts: joined::facts(&runs),
         repeats: joined::repeats(&runs, &labels),

@@ -62,6 +62,8 @@ const MODULES: [(&str, &str); 30] = [
 pub struct Static {
     pub name: String,
     pub question: String,
+    /// What stands above joined runs.
+    pub heading: String,
     /// Every run, in the order in which they were joined.
     pub runs: Vec<Told>,
     /// What tells joined runs apart.

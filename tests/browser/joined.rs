@@ -147,3 +147,28 @@ fn what_is_never_reached_has_a_mark_of_its_own() {
     assert_eq!(marks, json!([true, 0]));
     assert_clean(&page);
 }
+
+#[test]
+fn the_heading_names_what_every_run_asks() {
+    let Some(mut page) = chromium::open() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let runs: Vec<PathBuf> = ["Which?", "How much?", "Why?", "Which?"]
+        .iter()
+        .enumerate()
+        .map(|(i, question)| {
+            let text = format!("name = \"asks\"\nquestion = \"{question}\"\nsize = [8, 8]\n[axes]\n{FEW}\n");
+            sections::run_of_text(&dir.path().join(format!("run-{i}")), &text, Log::default())
+        })
+        .collect();
+    for (chosen, wanted) in
+        [(&[0, 3][..], "Which?"), (&[0, 1], "Which? · How much?"), (&[0, 1, 2], "3 runs, 3 questions")]
+    {
+        let dirs: Vec<PathBuf> = chosen.iter().map(|&i| runs[i].clone()).collect();
+        let options = ReportOptions { out: Some(dir.path().join("joined.html")), ..ReportOptions::of_run(&dirs[0]) };
+        page.go(&write(&ReportOptions { dirs: dirs.clone(), ..options }).unwrap().path, "");
+        assert_eq!(page.text("#question"), wanted);
+        let told = texts(&mut page, ".told .note");
+        assert_eq!(told.len(), if wanted == "Which?" { 0 } else { dirs.len() }, "{told:?}");
+    }
+    assert_clean(&page);
+}

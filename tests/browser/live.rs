@@ -181,3 +181,27 @@ fn without_float_targets_or_tables_the_live_view_says_so() {
     assert!(page.text("#view-live").contains("has no live.json"));
     assert_clean(&page);
 }
+
+#[test]
+fn the_probe_follows_the_samples_that_are_done() {
+    let Some((mut page, report, _dir)) = report(Choice::None) else { return };
+    page.resize(1200, 800, "light");
+    open(&mut page, &report, "#live?object=sphere&mode=signed&n=64", [80, 60]);
+    assert_eq!(page.text(".live .probe th:last-child"), "signed error");
+    // The frames of a change before its last sample, one sample each, by hand.
+    let seen = page.eval(
+        "(() => { live.loop = () => {}; cancelAnimationFrame(live.frame); live.canvas.dataset.ready = ''; const read = () => [...document.querySelectorAll('.live .probe tbody tr')].map((r) => r.textContent); \
+         const before = read(), r = live.render; Object.assign(r.view, { albedo: [0.1, 0.2, 0.3] }); r.restart(); r.drawBase(); r.stale = false; live.probe(); const base = read(); \
+         r.drawSamples(3); live.probe(); return [before, base, read()]; })()",
+    );
+    let at = |state: usize, row: usize| seen[state][row].as_str().unwrap().to_owned();
+    assert!(at(0, 1).starts_with("sampled") && !at(0, 1).contains(" of "), "{seen}");
+    assert_ne!(at(0, 0), at(1, 0), "the split sum is that of the new settings at once");
+    assert_eq!(at(1, 1), "sampled–––", "no row of the old settings");
+    assert!(at(2, 1).starts_with("sampled (3 of 64)"), "{seen}");
+    // The frames themselves ask for it.
+    page.eval("(() => { delete live.loop; let count = 0; const probe = live.probe; live.probe = () => { if (live.canvas.dataset.ready !== '1') count += 1; window.probes = count; probe.call(live); }; live.set({ metallic: 0.5, samples: 64 }); })()");
+    rest(&mut page);
+    assert!(page.eval("window.probes").as_u64().unwrap() > 0);
+    assert_clean(&page);
+}

@@ -5,6 +5,7 @@ mod charts;
 mod chromium;
 mod compare;
 mod contrast;
+mod failed;
 #[path = "../numeric/experiment/fake.rs"]
 mod fake;
 mod fixture;

@@ -31,8 +31,8 @@ pub fn run_of_text(dir: &Path, text: &str, log: Log) -> PathBuf {
     let file = dir.with_file_name("sections.toml");
     let plan = Plan::from_text(&file, text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let stop = AtomicBool::new(false);
-    let options =
-        RunOptions { dir: dir.to_owned(), stop: &stop, command_line: Vec::new(), fail_fast: true, trace: false };
+    let fail_fast = log.broken.is_none();
+    let options = RunOptions { dir: dir.to_owned(), stop: &stop, command_line: Vec::new(), fail_fast, trace: false };
     let log = Rc::new(RefCell::new(log));
     let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
     run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));

@@ -53,3 +53,24 @@ fn comparisons_may_have_spaces_and_what_is_not_understood_is_said() {
     }
     assert_clean(&page);
 }
+
+#[test]
+fn filter_sort_and_focus_survive_a_change_of_columns() {
+    let Some((mut page, report, _dir)) = report(Choice::None) else { return };
+    page.resize(1200, 800, "light");
+    page.go(&report, "#tables");
+    let (wanted, _) = filtered(&mut page, "brdf = ggx");
+    assert!(wanted > 0 && wanted < rows(&report).len());
+    page.click("[data-sort=alpha]");
+    page.eval("document.querySelector('.controls input[type=checkbox]').focus()");
+    page.click(".controls input[type=checkbox]");
+    let state = page.eval(
+        "[document.querySelectorAll('.data-table tbody tr').length, document.querySelector('input[type=search]').value, \
+         document.querySelector('th:has([data-sort=alpha])').getAttribute('aria-sort'), document.activeElement.type, document.activeElement.checked]",
+    );
+    assert_eq!(state, json!([wanted, "brdf = ggx", "ascending", "checkbox", true]));
+    page.wait("location.hash.includes('columns=all')");
+    let hash = page.eval("location.hash").as_str().unwrap().to_owned();
+    assert!(hash.contains("filter=brdf") && hash.contains("sort=alpha"), "{hash}");
+    assert_clean(&page);
+}

@@ -23,6 +23,8 @@ pub struct Log {
     pub frames: BTreeMap<(&'static str, &'static str, u32), usize>,
     /// A method whose renders fail.
     pub broken_method: Option<&'static str>,
+    /// Whether a render fails.
+    pub broken: Option<fn(&RenderRequest) -> bool>,
     /// Renders until the device is lost.
     pub renders_left: Option<usize>,
     /// What the device is called, where not `fake`.
@@ -80,7 +82,7 @@ impl Renderer for Fake {
         let mut log = self.0.borrow_mut();
         let fault =
             |message: &str, device_lost| Err(RenderFault { message: message.to_owned(), device_lost, is_input: false });
-        if log.broken_method == Some(request.method.name) {
+        if log.broken_method == Some(request.method.name) || log.broken.is_some_and(|is_broken| is_broken(request)) {
             return fault("the shader is broken", false);
         }
         match &mut log.renders_left {
