@@ -133,7 +133,8 @@ fn alternative_tables_are_a_range_and_never_a_sum() {
     let records: Vec<TimingRecord> =
         swept().into_iter().filter(|record| record.axes["masking"] == "separable").collect();
     let (answers, summary, words, table) = answered(dir.path(), &records);
-    for part in ["cost 40 to 382 ms, by prefilter_sample_count, once for each map and model", "prefilter 30 to 372 ms"]
+    for part in
+        ["cost 40.0 to 382 ms, by prefilter_sample_count, once for each map and model", "prefilter 30.0 to 372 ms"]
     {
         assert!(words.contains(part), "{words}");
     }
