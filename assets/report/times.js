@@ -54,7 +54,9 @@ const PASSES = {
 
 /** The words that tell timed configurations of a run apart. */
 function configuration(run, axes, device, environmentSize) {
-  const { timings } = model.runs[run], words = ["brdf", "method", "samples", "diffuse"].map((name) => axes[name]).filter((word) => word && word !== "none");
+  const { timings } = model.runs[run], named = ["brdf", "method", "samples", "diffuse"], words = named.map((name) => axes[name]).filter((word) => word && word !== "none");
+  const isSwept = (name) => !named.includes(name) && axes[name] && unique(timings.map((record) => record.axes[name]).filter(Boolean)).length > 1;
+  words.push(...Object.keys(axes).filter(isSwept).map((name) => `${name} ${axes[name]}`));
   const more = [[(record) => record.device, device], [(record) => record.environment_size.join("×"), environmentSize.join("×")]];
   const telling = more.filter(([of]) => unique(timings.map(of)).length > 1).map(([, text]) => text);
   return [...words, ...telling].join(" ") || environmentSize.join("×");

@@ -7,9 +7,9 @@ use super::provenance::EXTENSIONS;
 use super::sheets::sheet_files;
 use super::statistics::median;
 use super::store::StopReason;
-use super::tables::REFERENCE_COLUMNS;
-use super::timing::{self, TimingRecord, summarize};
-use super::timing_ratios::{interval_words, ratios};
+use super::tables::{REFERENCE_COLUMNS, ratio_axes};
+use super::timing::{self, Key, TimingRecord, summarize, swept_axes};
+use super::timing_ratios::{Ratio, interval_words, ratios};
 use crate::slips;
 use crate::table::markdown::{Align, MarkdownTable, inline, link, paragraph, significant};
 use std::collections::{BTreeMap, BTreeSet};
@@ -177,71 +177,12 @@ fn times_section(run: &RunFolder) -> String {
         return String::new();
     }
     let mut text = String::from("## Time\n\n");
-    let names = ["environment_size", "brdf", "method", "samples", "diffuse"];
-    let mut header: Vec<(&str, Align)> = names.iter().map(|name| (*name, Align::Left)).collect();
-    header.extend([("ms a frame", Align::Right), ("MAD", Align::Right), ("check against host", Align::Left)]);
-    let mut frames = MarkdownTable::new(&header);
-    let mut tables = MarkdownTable::new(&[
-        ("environment_size", Align::Left),
-        ("brdf", Align::Left),
-        ("method", Align::Left),
-        ("diffuse", Align::Left),
-        ("pass", Align::Left),
-        ("ms once", Align::Right),
-        ("MAD", Align::Right),
-    ]);
-    let axis = |record: &TimingRecord, name: &str| record.axes.get(name).cloned().unwrap_or_default();
-    for record in timings {
-        let [width, height] = record.environment_size;
-        let size = format!("{width}x{height}");
-        if record.phase == timing::PRECOMPUTE {
-            for pass in &record.passes {
-                let s = summarize(&pass.ms);
-                let numbers = [significant(s.median, DIGITS), significant(s.mad, 2)];
-                let configuration = ["brdf", "method", "diffuse"].map(|name| axis(record, name));
-                let [brdf, method, diffuse] = &configuration;
-                tables.row(&[&size, brdf, method, diffuse, &pass.pass, &numbers[0], &numbers[1]]);
-            }
-        } else {
-            let s = summarize(&record.sums_ms());
-            let mut cells = vec![size];
-            cells.extend(names[1..].iter().map(|name| axis(record, name)));
-            cells.extend([significant(s.median, DIGITS), significant(s.mad, 2), record.wall_check().to_owned()]);
-            frames.row(&cells);
-        }
-    }
-    let mut pairs = MarkdownTable::new(&[
-        ("environment_size", Align::Left),
-        ("brdf", Align::Left),
-        ("diffuse", Align::Left),
-        ("method", Align::Left),
-        ("over", Align::Left),
-        ("ratio", Align::Right),
-        ("95 %", Align::Right),
-        ("verdict", Align::Left),
-        ("tables paid after, frames (95 %)", Align::Left),
-    ]);
+    let (tables, frames): (Vec<&TimingRecord>, Vec<&TimingRecord>) =
+        timings.iter().partition(|record| record.phase == timing::PRECOMPUTE);
+    let frames = frames_table(&frames);
+    let tables = tables_table(&tables);
     let ratios = ratios(timings);
-    for pair in &ratios {
-        let method = format!("{} {}", axis(pair.sampled, "method"), axis(pair.sampled, "samples"));
-        let interval = interval_words(pair.interval, DIGITS);
-        let payback = pair.payback.to_string();
-        let (brdf, diffuse, fixed) =
-            (axis(pair.sampled, "brdf"), axis(pair.sampled, "diffuse"), axis(pair.fixed, "method"));
-        let verdict = format!("{}{}", pair.verdict, if pair.sampled.device_type == "cpu" { " (CPU)" } else { "" });
-        let [width, height] = pair.sampled.environment_size;
-        pairs.row(&[
-            format!("{width}x{height}"),
-            brdf,
-            diffuse,
-            method,
-            fixed,
-            significant(pair.ratio, DIGITS),
-            interval,
-            verdict,
-            payback,
-        ]);
-    }
+    let pairs = pairs_table(&ratios);
     let pairs = match ratios.len() {
         0 => String::new(),
         _ => format!("Ratios of frame times, round by round, with the 95 % interval of their median:\n\n{pairs}\n"),
@@ -258,6 +199,84 @@ fn times_section(run: &RunFolder) -> String {
         "\n{frames}\nTables that a method needs, made once per environment or model:\n\n{tables}\n{pairs}"
     );
     text
+}
+
+fn value<'k>(key: &'k Key, name: &str) -> &'k str {
+    key.get(name).map_or("", String::as_str)
+}
+
+fn size_words([width, height]: [u32; 2]) -> String {
+    format!("{width}x{height}")
+}
+
+/// An empty table whose first columns are `environment_size` and `axes`.
+fn table_by(axes: &[&'static str], further: &[(&'static str, Align)]) -> MarkdownTable {
+    let mut header = vec![("environment_size", Align::Left)];
+    header.extend(axes.iter().map(|name| (*name, Align::Left)));
+    header.extend(further);
+    MarkdownTable::new(&header)
+}
+
+/// `named` axes, then all others that these records sweep.
+fn axes_of(records: &[&TimingRecord], named: &[&'static str]) -> Vec<&'static str> {
+    let keys: Vec<Key> = records.iter().map(|record| record.key()).collect();
+    named.iter().copied().chain(swept_axes(&keys).into_iter().filter(|name| !named.contains(name))).collect()
+}
+
+fn frames_table(records: &[&TimingRecord]) -> MarkdownTable {
+    let axes = axes_of(records, &["brdf", "method", "samples", "diffuse"]);
+    let mut table =
+        table_by(&axes, &[("ms a frame", Align::Right), ("MAD", Align::Right), ("check against host", Align::Left)]);
+    for record in records {
+        let (key, s) = (record.key(), summarize(&record.sums_ms()));
+        let mut cells = vec![size_words(record.environment_size)];
+        cells.extend(axes.iter().map(|name| value(&key, name).to_owned()));
+        cells.extend([significant(s.median, DIGITS), significant(s.mad, 2), record.wall_check().to_owned()]);
+        table.row(&cells);
+    }
+    table
+}
+
+fn tables_table(records: &[&TimingRecord]) -> MarkdownTable {
+    let axes = axes_of(records, &["brdf", "method", "diffuse"]);
+    let mut table = table_by(&axes, &[("pass", Align::Left), ("ms once", Align::Right), ("MAD", Align::Right)]);
+    for record in records {
+        let key = record.key();
+        for pass in &record.passes {
+            let s = summarize(&pass.ms);
+            let mut cells = vec![size_words(record.environment_size)];
+            cells.extend(axes.iter().map(|name| value(&key, name).to_owned()));
+            cells.extend([pass.pass.clone(), significant(s.median, DIGITS), significant(s.mad, 2)]);
+            table.row(&cells);
+        }
+    }
+    table
+}
+
+fn pairs_table(ratios: &[Ratio]) -> MarkdownTable {
+    let axes = ratio_axes(ratios, &["brdf", "diffuse"]);
+    let mut table = table_by(
+        &axes,
+        &[
+            ("method", Align::Left),
+            ("over", Align::Left),
+            ("ratio", Align::Right),
+            ("95 %", Align::Right),
+            ("verdict", Align::Left),
+            ("tables paid after, frames (95 %)", Align::Left),
+        ],
+    );
+    for (pair, tables) in ratios.iter().flat_map(|pair| pair.tables.iter().map(move |tables| (pair, tables))) {
+        let of_cpu = if pair.sampled.device_type == "cpu" { " (CPU)" } else { "" };
+        let mut cells = vec![size_words(pair.sampled.environment_size)];
+        cells.extend(axes.iter().map(|name| value(&tables.key, name).to_owned()));
+        let way = |key: &Key| format!("{} {}", value(key, "method"), value(key, "samples")).trim_end().to_owned();
+        cells.extend([way(&pair.sampled.axes), way(&pair.fixed.axes)]);
+        cells.extend([significant(pair.ratio, DIGITS), interval_words(pair.interval, DIGITS)]);
+        cells.extend([format!("{}{of_cpu}", pair.verdict), tables.payback.to_string()]);
+        table.row(&cells);
+    }
+    table
 }
 
 fn failures_section(run: &RunFolder) -> String {

@@ -5,8 +5,8 @@ use super::host::UNKNOWN;
 use super::plan::{Cell, Plan};
 use super::statistics::median;
 use super::store::{BinRecord, CellOutcome, FailureRecord, ReferenceStop, Scores, Store, StoreError};
-use super::timing::{TimingRecord, summarize};
-use super::timing_ratios::{Ratio, ratios};
+use super::timing::{Key, TimingRecord, summarize, swept_axes};
+use super::timing_ratios::{Ratio, TableCost, ratios};
 use crate::metrics::{BiasVariance, METRICS, linear_metrics};
 use crate::table::csv::Cell as Field;
 use std::collections::BTreeMap;
@@ -143,27 +143,36 @@ pub fn timings(records: &[TimingRecord]) -> Rows {
     (columns, rows)
 }
 
-/// `timing_ratios.csv`: one row for each sampling method beside each method without samples that was timed in the same rounds.
+/// `timing_ratios.csv`: one row for each pair of methods that was timed in the same rounds ([`ratios`]; both at `samples` where both draw some)
+/// and set of tables behind them.
 pub fn timing_ratios(records: &[TimingRecord]) -> Rows {
-    let axes = ["scene", "brdf", "diffuse", "masking"];
-    let mut columns = vec!["environment_size", "size"];
-    columns.extend(axes);
+    let pairs = ratios(records);
+    let axes = ratio_axes(&pairs, &["size", "scene", "brdf", "diffuse", "masking"]);
+    let mut columns = vec!["environment_size"];
+    columns.extend(&axes);
     columns.extend(["sampled", "samples", "fixed", "sampled_over_fixed", "ratio_lo", "ratio_hi", "rounds", "verdict"]);
     columns.extend(["fixed_tables_ms", "payback_frames", "device", "device_type"]);
-    let row = |pair: &Ratio| {
-        let text = |record: &TimingRecord, axis: &str| text_field(record.axes.get(axis).map_or("", String::as_str));
-        let sizes = [pair.sampled.environment_size, pair.sampled.size];
-        let mut row: Vec<Field> = sizes.map(|[w, h]| Field::Text(format!("{w}x{h}"))).to_vec();
-        row.extend(axes.map(|axis| text(pair.sampled, axis)));
-        row.extend(["method", "samples"].map(|axis| text(pair.sampled, axis)));
-        row.push(text(pair.fixed, "method"));
+    let row = |pair: &Ratio, tables: &TableCost| {
+        let text = |key: &Key, axis: &str| text_field(key.get(axis).map_or("", String::as_str));
+        let [width, height] = pair.sampled.environment_size;
+        let mut row = vec![Field::Text(format!("{width}x{height}"))];
+        row.extend(axes.iter().map(|axis| text(&tables.key, axis)));
+        row.extend(["method", "samples"].map(|axis| text(&pair.sampled.axes, axis)));
+        row.push(text(&pair.fixed.axes, "method"));
         row.extend([pair.ratio, pair.interval[0], pair.interval[1]].map(finite));
         row.extend([Field::Integer(pair.rounds as u64), Field::Text(pair.verdict.to_string())]);
-        row.extend([finite(pair.tables_ms), pair.payback.frames().into()]);
+        row.extend([finite(tables.ms), tables.payback.frames().into()]);
         row.extend([&pair.sampled.device, &pair.sampled.device_type].map(|text| Field::from(text.as_str())));
         row
     };
-    (columns.into_iter().map(str::to_owned).collect(), ratios(records).iter().map(row).collect())
+    let rows = pairs.iter().flat_map(|pair| pair.tables.iter().map(|tables| row(pair, tables)).collect::<Vec<_>>());
+    (columns.into_iter().map(str::to_owned).collect(), rows.collect())
+}
+
+/// The axes that tell rows of ratios apart: the `named` ones, and all others that are swept.
+pub fn ratio_axes(pairs: &[Ratio], named: &[&'static str]) -> Vec<&'static str> {
+    let swept = swept_axes(pairs.iter().flat_map(|pair| &pair.tables).map(|tables| &tables.key));
+    named.iter().copied().chain(swept.into_iter().filter(|name| !named.contains(name))).collect()
 }
 
 /// A number, or nothing where it is not defined.

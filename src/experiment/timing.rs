@@ -129,6 +129,28 @@ pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
     jobs
 }
 
+/// Values by axis name, of a timed configuration or of a set of tables; empty where an axis does not matter.
+pub type Key = BTreeMap<String, String>;
+
+/// Axes with more than one value in these keys, in the order of all axes. An empty value is none.
+pub fn swept_axes<'k>(keys: impl IntoIterator<Item = &'k Key>) -> Vec<&'static str> {
+    let mut values: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for (name, value) in keys.into_iter().flatten().filter(|(_, value)| !value.is_empty()) {
+        values.entry(name).or_default().insert(value);
+    }
+    let is_swept = |name: &&str| values.get(name).is_some_and(|values| values.len() > 1);
+    AXES.iter().map(|axis| axis.name).filter(is_swept).collect()
+}
+
+/// Whether two keys have the same values wherever both have one, whatever their methods and sample counts.
+pub fn is_alike(a: &Key, b: &Key) -> bool {
+    let is_shared = |name: &str| !["method", "samples"].contains(&name);
+    let is_same = |value: &str, other: Option<&String>| {
+        value.is_empty() || other.is_none_or(|other| other.is_empty() || other == value)
+    };
+    a.iter().filter(|(name, _)| is_shared(name)).all(|(name, value)| is_same(value, b.get(name)))
+}
+
 /// Order statistics of samples, ms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
@@ -181,6 +203,13 @@ const DRIFT_NAMED: f64 = 0.05;
 const OUTLIER_Z: f64 = 14.826;
 
 impl TimingRecord {
+    /// All that tells the configuration apart but the size of its environment: its axes, and the size of the image.
+    pub fn key(&self) -> Key {
+        let [width, height] = self.size;
+        let size = ("size".to_owned(), format!("{width}x{height}"));
+        self.axes.clone().into_iter().chain([size]).collect()
+    }
+
     /// Minutes from the first round to the last.
     fn minutes(&self) -> f64 {
         self.rounds.last().map_or(0.0, |place| place.start_s / 60.0)

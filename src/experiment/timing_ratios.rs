@@ -1,7 +1,7 @@
 //! Two methods timed in the same rounds: which is faster, and when a method's tables have paid for themselves.
 
 use super::statistics::{INTERVAL_SAMPLES_MIN, TOO_FEW_ROUNDS, median, median_interval};
-use super::timing::{FRAME, PRECOMPUTE, TimingRecord};
+use super::timing::{FRAME, Key, PRECOMPUTE, TimingRecord, is_alike};
 use crate::shade::METHODS;
 use crate::table::markdown::significant;
 use std::fmt;
@@ -50,7 +50,8 @@ pub fn interval_words(interval: [f64; 2], digits: usize) -> String {
     }
 }
 
-/// A sampling method beside one that draws no samples, timed in the same rounds.
+/// Two methods timed in the same rounds with equal axes: a sampling one beside one that draws no samples, or two of one kind at the same count,
+/// of which the first in the list of methods stands as `sampled`.
 #[derive(Clone, Debug)]
 pub struct Ratio<'r> {
     pub sampled: &'r TimingRecord,
@@ -62,8 +63,24 @@ pub struct Ratio<'r> {
     pub rounds: usize,
     /// That of `sampled`.
     pub verdict: Verdict,
+    /// Every set of tables that such frames were timed with; one without a time where none was.
+    pub tables: Vec<TableCost>,
+}
+
+impl Ratio<'_> {
+    /// Whether one of the two has its tables in place of samples.
+    pub fn has_payback(&self) -> bool {
+        self.tables.iter().all(|tables| tables.payback != Payback::NotAsked)
+    }
+}
+
+/// What one set of tables costs behind a pair of methods.
+#[derive(Clone, Debug)]
+pub struct TableCost {
+    /// The axes of both frames and of their tables, without method and sample count.
+    pub key: Key,
     /// What the tables of `fixed` cost beyond those of `sampled`, ms; NaN where they were not timed.
-    pub tables_ms: f64,
+    pub ms: f64,
     pub payback: Payback,
 }
 
@@ -78,6 +95,8 @@ pub enum Payback {
     NotDecided(&'static str),
     /// The tables were not timed.
     NotTimed,
+    /// Both methods draw samples, or neither does: there is no choice between tables and samples.
+    NotAsked,
 }
 
 impl Payback {
@@ -107,12 +126,12 @@ impl fmt::Display for Payback {
             Self::Frames { count, interval: [lo, hi] } => write!(f, "{count} ({lo} to {hi})"),
             Self::Never => f.write_str("never"),
             Self::NotDecided(why) => write!(f, "not decided: {why}"),
-            Self::NotTimed => Ok(()),
+            Self::NotTimed | Self::NotAsked => Ok(()),
         }
     }
 }
 
-/// Every pair of the records that was timed in one block.
+/// Every pair of methods that was timed in one block.
 pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
     let draws = |record: &TimingRecord| {
         let name = record.axes.get("method").map_or("", String::as_str);
@@ -121,18 +140,31 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
     let is_nothing = |record: &TimingRecord| record.axes.get("method").is_none_or(|name| name == "none");
     let frames: Vec<&TimingRecord> = records.iter().filter(|r| r.phase == FRAME && !is_nothing(r)).collect();
     let mut found = Vec::new();
-    for fixed in frames.iter().filter(|record| !draws(record)) {
-        for sampled in
-            frames.iter().filter(|record| draws(record) && record.block == fixed.block && is_same_device(record, fixed))
-        {
+    // Records come in any order: the list of methods says which of two stands over the other.
+    let place =
+        |record: &TimingRecord| METHODS.iter().position(|m| record.axes.get("method").is_some_and(|n| n == m.name));
+    for fixed in &frames {
+        let is_pair = |record: &&&TimingRecord| {
+            let is_beside =
+                record.block == fixed.block && is_same_device(record, fixed) && is_alike(&record.axes, &fixed.axes);
+            let is_first = place(record) < place(fixed) && record.axes.get("samples") == fixed.axes.get("samples");
+            is_beside && if draws(fixed) == draws(record) { is_first } else { draws(record) }
+        };
+        for sampled in frames.iter().filter(is_pair) {
             let pairs = sampled.sums_ms().into_iter().zip(fixed.sums_ms());
             let quotients: Vec<f64> = pairs.map(|(a, b)| a / b).collect();
             let interval = median_interval(&quotients);
-            let tables_ms = tables_ms(records, fixed) - tables_ms(records, sampled);
             let (rounds, ratio) = (quotients.len(), median(&quotients));
             let verdict = verdict(interval, rounds);
-            let payback = Payback::new(ratio, interval, rounds, median(&fixed.sums_ms()), tables_ms);
-            found.push(Ratio { sampled, fixed, ratio, interval, rounds, verdict, tables_ms, payback });
+            let fixed_ms = median(&fixed.sums_ms());
+            let is_asked = draws(sampled) && !draws(fixed);
+            let payback = |ms: f64| match is_asked {
+                true => Payback::new(ratio, interval, rounds, fixed_ms, ms),
+                false => Payback::NotAsked,
+            };
+            let cost = |(key, ms): (Key, f64)| TableCost { key, ms, payback: payback(ms) };
+            let tables = costs(records, fixed, sampled).into_iter().map(cost).collect();
+            found.push(Ratio { sampled, fixed, ratio, interval, rounds, verdict, tables });
         }
     }
     found
@@ -143,14 +175,37 @@ fn is_same_device(a: &TimingRecord, b: &TimingRecord) -> bool {
     (&a.device, &a.driver) == (&b.device, &b.driver)
 }
 
-/// Median time of all tables that a frame's configuration needs, ms.
-fn tables_ms(records: &[TimingRecord], frame: &TimingRecord) -> f64 {
-    let same = |record: &TimingRecord, name: &str| record.axes.get(name) == frame.axes.get(name);
-    let of_frame = |record: &&TimingRecord| {
+/// What each set of tables of `fixed` costs beyond that of `sampled` with the same parameters, median ms, with its key.
+fn costs(records: &[TimingRecord], fixed: &TimingRecord, sampled: &TimingRecord) -> Vec<(Key, f64)> {
+    // A method without any tables was timed, too: they cost nothing.
+    let ms = |record: &TimingRecord| if record.passes.is_empty() { 0.0 } else { median(&record.sums_ms()) };
+    let key = |tables: &[&TimingRecord]| -> Key {
+        let all = [sampled, fixed].into_iter().chain(tables.iter().copied()).flat_map(TimingRecord::key);
+        let is_shared =
+            |(name, value): &(String, String)| !["method", "samples"].contains(&name.as_str()) && !value.is_empty();
+        all.filter(is_shared).collect()
+    };
+    let mut found = Vec::new();
+    for own in table_sets(records, fixed) {
+        let before = found.len();
+        let others = table_sets(records, sampled).into_iter().filter(|other| is_alike(&own.axes, &other.axes));
+        found.extend(others.map(|other| (key(&[own, other]), ms(own) - ms(other))));
+        if found.len() == before {
+            found.push((key(&[own]), f64::NAN));
+        }
+    }
+    if found.is_empty() { vec![(key(&[]), f64::NAN)] } else { found }
+}
+
+/// Every set of tables that a frame's configuration can stand on: a frame is timed once for all values of an axis that changes its tables only.
+fn table_sets<'r>(records: &'r [TimingRecord], frame: &TimingRecord) -> Vec<&'r TimingRecord> {
+    let is_of_frame = |record: &&TimingRecord| {
         record.phase == PRECOMPUTE
             && is_same_device(record, frame)
             && record.environment_size == frame.environment_size
-            && ["brdf", "method", "diffuse", "masking"].iter().all(|name| same(record, name))
+            && record.size == frame.size
+            && record.axes.get("method") == frame.axes.get("method")
+            && is_alike(&record.axes, &frame.axes)
     };
-    records.iter().find(of_frame).map_or(f64::NAN, |record| median(&record.sums_ms()))
+    records.iter().filter(is_of_frame).collect()
 }

@@ -18,5 +18,6 @@ pub mod runs;
 mod statistics;
 mod strangers;
 mod timed;
+mod timed_tables;
 mod under_way;
 mod zips;

@@ -103,7 +103,7 @@ impl Answers {
             enough: sizes::enough(study),
             sufficiency: claim::sufficiency(study),
             furnace: furnace::furnace(study, runs),
-            table_times: table_times::table_times(runs),
+            table_times: table_times::table_times(study, runs),
             slips: runs.iter().find_map(|run| slips::costs(run.slips.as_ref()?).ok()).unwrap_or_default(),
         }
     }

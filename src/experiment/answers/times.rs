@@ -3,8 +3,8 @@
 use super::break_even::{Level, crossing_interval};
 use super::run_folder::RunFolder;
 use super::study::{Row, Study};
-use crate::experiment::timing::TimingRecord;
-use crate::experiment::timing_ratios::{Payback, Ratio, ratios};
+use crate::experiment::timing::{Key, TimingRecord};
+use crate::experiment::timing_ratios::{Payback, Ratio, TableCost, ratios};
 use serde::Serialize;
 
 /// Every pair of methods that was timed in the same rounds, of all runs.
@@ -38,8 +38,8 @@ pub struct FrameRatio {
     /// Median over rounds, with its 95 % interval; NaN below six rounds.
     pub ratio: f64,
     pub interval: [f64; 2],
-    /// When the fixed method has paid for its tables.
-    pub payback: Payback,
+    /// When the fixed method has paid for its tables, for each set of them.
+    pub paybacks: Vec<Payback>,
 }
 
 /// What a sampling method can do in the time of a method without samples.
@@ -61,7 +61,7 @@ impl<'r> PairTimes<'r> {
         Self { pairs: runs.iter().enumerate().flat_map(of_run).collect() }
     }
 
-    /// Every pair in words of its methods.
+    /// Every pair of a sampling and a fixed method in words of its methods.
     pub fn frame_ratios(&self) -> Vec<FrameRatio> {
         let axis = |record: &TimingRecord, name: &str| record.axes.get(name).cloned().unwrap_or_default();
         let ratio = |(_, pair): &(usize, Ratio)| FrameRatio {
@@ -70,9 +70,9 @@ impl<'r> PairTimes<'r> {
             fixed: axis(pair.fixed, "method"),
             ratio: pair.ratio,
             interval: pair.interval,
-            payback: pair.payback,
+            paybacks: pair.tables.iter().map(|tables| tables.payback).collect(),
         };
-        self.pairs.iter().map(ratio).collect()
+        self.pairs.iter().filter(|(_, pair)| pair.has_payback()).map(ratio).collect()
     }
 
     /// The times of a sampled row beside those of a fixed one of the same run: those taken with the row's own environment where there
@@ -82,33 +82,38 @@ impl<'r> PairTimes<'r> {
         let fitting = self.pairs.iter().filter(|(run, pair)| {
             *run == sampled.run
                 && sampled.run == fixed.run
-                && is_of(study, pair.sampled, sampled)
-                && is_of(study, pair.fixed, fixed)
+                && is_of(study, &pair.sampled.axes, sampled)
+                && is_of(study, &pair.fixed.axes, fixed)
         });
         let fitting: Vec<&Ratio> = fitting.map(|(_, pair)| pair).collect();
         let own = Some(study.value(sampled, "environment"));
         let pair = fitting.iter().find(|pair| environment_of(&pair.sampled.cell) == own).or(fitting.first())?;
         let samples = study.value(sampled, "samples").parse().ok()?;
         let fixed_ms = crate::experiment::statistics::median(&pair.fixed.sums_ms());
+        let is_own = |tables: &&TableCost| is_of(study, &tables.key, sampled) && is_of(study, &tables.key, fixed);
+        let tables = match pair.tables.as_slice() {
+            [only] => Some(only),
+            several => several.iter().find(is_own),
+        };
         pair.ratio.is_finite().then_some(TimeLevel {
             samples,
             ratio: pair.ratio,
             interval: pair.interval,
             rounds: pair.rounds,
-            tables_ms: pair.tables_ms,
+            tables_ms: tables.map_or(f64::NAN, |tables| tables.ms),
             fixed_ms,
             is_cpu: pair.sampled.device_type == "cpu",
         })
     }
 }
 
-/// Whether a record stands for a row: every axis that the record names has the row's value, or does not reach the row's pixels.
-pub fn is_of(study: &Study, record: &TimingRecord, row: &Row) -> bool {
+/// Whether a timed configuration stands for a row: every axis that its key names has the row's value, or does not reach the row's pixels.
+pub fn is_of(study: &Study, key: &Key, row: &Row) -> bool {
     let fits = |name: &str, value: &str| {
         let own = study.value(row, name);
         own == value || (own.is_empty() && study.axis(name).is_some())
     };
-    record.axes.iter().filter(|(_, value)| !value.is_empty()).all(|(name, value)| fits(name, value))
+    key.iter().filter(|(_, value)| !value.is_empty()).all(|(name, value)| fits(name, value))
 }
 
 /// The count at which the two take equally long. `levels` ascend by count; `None` without any.

@@ -5,8 +5,10 @@ use crate::experiment::answers::Answers;
 use crate::experiment::answers::claim::Sufficiency;
 use crate::experiment::answers::effects::Effect;
 use crate::experiment::answers::sizes::Enough;
+use crate::experiment::answers::study::RUN_AXIS;
 use crate::experiment::answers::table_times::TableTime;
 use crate::experiment::tables::{DISPLAY_HEADLINE, HEADLINE};
+use crate::experiment::timing::swept_axes;
 use crate::table::csv::Cell;
 
 /// One row an axis, value, method and alpha; an empty alpha is all of them.
@@ -92,31 +94,30 @@ pub(super) fn sufficiency(answers: &Answers) -> AnswerTable {
     AnswerTable { name: "sufficiency", columns, rows: answers.sufficiency.iter().map(row).collect() }
 }
 
-/// One row a pass that makes a table, and configuration.
+/// One row a pass that makes a table, and set of tables: the columns after `diffuse` are the swept axes that such sets differ in.
 pub(super) fn table_times(answers: &Answers) -> AnswerTable {
+    let named = ["brdf", "method", "diffuse"];
+    let mut axes = named.to_vec();
+    let swept = swept_axes(answers.table_times.iter().map(|time| &time.key));
+    axes.extend(swept.into_iter().filter(|name| !named.contains(name)));
+    let has_runs = answers.table_times.iter().any(|time| !time.run.is_empty());
     let row = |time: &TableTime| {
         let [width, height] = time.environment_size;
-        let mut row = vec![Cell::Text(format!("{width}x{height}"))];
-        row.extend(texts(&[&time.brdf, &time.method, &time.diffuse, &time.pass].map(|text| text.to_owned())));
+        let mut row = if has_runs { vec![Cell::Text(time.run.clone())] } else { Vec::new() };
+        row.push(Cell::Text(format!("{width}x{height}")));
+        row.extend(texts(&axes.iter().map(|name| time.axis(name).to_owned()).collect::<Vec<_>>()));
+        row.push(Cell::Text(time.pass.clone()));
         row.extend([time.ms.median, time.ms.interval[0], time.ms.interval[1]].map(finite));
         row.extend([Cell::Integer(time.ms.n as u64), yes(time.is_cpu)]);
         row
     };
-    let columns = [
-        "environment_size",
-        "brdf",
-        "method",
-        "diffuse",
-        "pass",
-        "median_ms",
-        "lo_ms",
-        "hi_ms",
-        "rounds",
-        "is_cpu_time",
-    ];
+    let mut columns = if has_runs { vec![RUN_AXIS] } else { Vec::new() };
+    columns.push("environment_size");
+    columns.extend(&axes);
+    columns.extend(["pass", "median_ms", "lo_ms", "hi_ms", "rounds", "is_cpu_time"]);
     AnswerTable {
         name: "table_times",
-        columns: columns.map(str::to_owned).to_vec(),
+        columns: columns.into_iter().map(str::to_owned).collect(),
         rows: answers.table_times.iter().map(row).collect(),
     }
 }

@@ -3,8 +3,10 @@
 use super::{Answer, ERROR_DIGITS, TIME_DIGITS, sentence_case};
 use crate::experiment::answers::Answers;
 use crate::experiment::answers::study::{FrameTime, Row, Study};
+use crate::experiment::answers::table_times::TableTime;
 use crate::experiment::answers::times::FrameRatio;
 use crate::experiment::statistics::{TOO_FEW_ROUNDS, median};
+use crate::experiment::timing::{Key, swept_axes};
 use crate::experiment::timing_ratios::{Payback, interval_words};
 use crate::table::markdown::significant;
 use std::collections::{BTreeMap, BTreeSet};
@@ -106,39 +108,55 @@ pub(super) fn from_times(study: &Study, answers: &Answers) -> Option<Answer> {
     })
 }
 
-/// What the tables of a method cost once, pass by pass, each with the smallest and largest median over what was timed.
+/// The smallest and the largest of some times.
+fn range_ms(medians: &[f64]) -> String {
+    let (lo, hi) = medians.iter().fold((f64::INFINITY, 0.0f64), |(lo, hi), ms| (lo.min(*ms), hi.max(*ms)));
+    let [lo, hi] = [lo, hi].map(|ms| significant(ms, TIME_DIGITS));
+    if lo == hi { format!("{lo} ms") } else { format!("{lo} to {hi} ms") }
+}
+
+/// ", by prefilter_sample_count": what the sets of tables of a method differ in beside the models and maps they are made for; empty for nothing.
+fn by_swept<'t>(times: impl IntoIterator<Item = &'t TableTime>) -> String {
+    // The image's size is none of theirs.
+    let is_parameter = |name: &&str| !["brdf", "method", "diffuse", "size"].contains(name);
+    let swept = swept_axes(times.into_iter().map(|time| &time.key));
+    let names: Vec<&str> = swept.into_iter().filter(is_parameter).collect();
+    if names.is_empty() { String::new() } else { format!(", by {}", names.join(" and ")) }
+}
+
+/// What the tables of a method cost once, pass by pass, each with the smallest and largest median over the sets of tables that were timed.
 fn tables_words(answers: &Answers, method: &str) -> Option<String> {
     // The levels of a prefiltered map are passes of their own, "prefilter mip 2": here they count together.
     let mut kinds: Vec<&str> = Vec::new();
-    let mut sums: BTreeMap<(&str, &str, [u32; 2]), BTreeMap<&str, f64>> = BTreeMap::new();
-    for time in answers.table_times.iter().filter(|time| time.method == method) {
+    let mut sums: BTreeMap<(&str, [u32; 2], &Key), BTreeMap<&str, f64>> = BTreeMap::new();
+    let own = || answers.table_times.iter().filter(|time| time.axis("method") == method);
+    for time in own() {
         let kind = time.pass.split(' ').next().unwrap_or_default();
         if !kinds.contains(&kind) {
             kinds.push(kind);
         }
-        let own = sums.entry((&time.brdf, &time.diffuse, time.environment_size)).or_default();
+        let own = sums.entry((&time.run, time.environment_size, &time.key)).or_default();
         *own.entry(kind).or_default() += time.ms.median;
     }
-    let range = |medians: &[f64]| {
-        let (lo, hi) = medians.iter().fold((f64::INFINITY, 0.0f64), |(lo, hi), ms| (lo.min(*ms), hi.max(*ms)));
-        let [lo, hi] = [lo, hi].map(|ms| significant(ms, TIME_DIGITS));
-        if lo == hi { format!("{lo} ms") } else { format!("{lo} to {hi} ms") }
-    };
     let all: Vec<f64> = sums.values().map(|of_kind| of_kind.values().sum()).collect();
     let of = |kind: &&str| {
         let medians: Vec<f64> = sums.values().filter_map(|of_kind| of_kind.get(kind).copied()).collect();
-        format!("{kind} {}", range(&medians))
+        format!("{kind} {}", range_ms(&medians))
     };
     let words: Vec<String> = kinds.iter().map(of).collect();
     (!kinds.is_empty()).then(|| {
         let of_kinds = if words.len() > 1 { format!(" ({})", words.join(", ")) } else { String::new() };
-        format!("the tables of {method} cost {} once for each map and model{of_kinds}", range(&all))
+        let swept = by_swept(own());
+        let once = if swept.is_empty() { " once" } else { ", once" };
+        format!("the tables of {method} cost {}{swept}{once} for each map and model{of_kinds}", range_ms(&all))
     })
 }
 
-/// What each level of the prefiltered map costs, the median over what was timed.
+/// What each level of the prefiltered map costs: the median over what was timed, or the range over maps of different parameters.
 fn level_words(answers: &Answers, method: &str) -> Option<String> {
-    let own = || answers.table_times.iter().filter(|time| time.method == method && time.pass.contains(" mip "));
+    let is_own = |time: &&TableTime| time.axis("method") == method && time.pass.contains(" mip ");
+    let own = || answers.table_times.iter().filter(is_own);
+    let swept = by_swept(own());
     let mut levels: Vec<&str> = Vec::new();
     for time in own().filter(|time| !time.pass.is_empty()) {
         if !levels.contains(&time.pass.as_str()) {
@@ -147,10 +165,14 @@ fn level_words(answers: &Answers, method: &str) -> Option<String> {
     }
     let cost = |pass: &&str| {
         let medians: Vec<f64> = own().filter(|time| time.pass == **pass).map(|time| time.ms.median).collect();
-        format!("{} {} ms", pass.replace("prefilter ", ""), significant(median(&medians), TIME_DIGITS))
+        let ms = match swept.is_empty() {
+            true => format!("{} ms", significant(median(&medians), TIME_DIGITS)),
+            false => range_ms(&medians),
+        };
+        format!("{} {ms}", pass.replace("prefilter ", ""))
     };
     (!levels.is_empty()).then(|| {
-        format!("Of the prefiltered map of {method} {}.", levels.iter().map(cost).collect::<Vec<_>>().join(", "))
+        format!("Of the prefiltered map of {method} {}{swept}.", levels.iter().map(cost).collect::<Vec<_>>().join(", "))
     })
 }
 
@@ -161,10 +183,10 @@ fn payback_words(answers: &Answers, fixed: &str) -> Option<String> {
         (&ratio.fixed, &ratio.sampled, &ratio.samples) == (&first.fixed, &first.sampled, &first.samples)
     });
     let mut ends: Vec<[f64; 3]> = Vec::new();
-    for ratio in own {
-        match ratio.payback {
+    for payback in own.flat_map(|ratio| &ratio.paybacks) {
+        match *payback {
             Payback::Frames { count, interval: [lo, hi] } => ends.push([lo, count, hi]),
-            Payback::NotTimed => return None,
+            Payback::NotTimed | Payback::NotAsked => return None,
             Payback::Never => return Some("which its slower frames never pay back".to_owned()),
             Payback::NotDecided(why) => return Some(format!("and when they are paid back is not decided: {why}")),
         }
