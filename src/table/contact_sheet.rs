@@ -320,9 +320,7 @@ fn draw_tile(page: &mut Rgb8Image, tile: &Tile, layout: &Layout, corner: [u32; 2
     match tile {
         Tile::Blank => {}
         Tile::Image { image, note } => {
-            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-                set(page, left + x, top + y, image.get(x / scale, y / scale));
-            }
+            draw_enlarged(page, image, corner, scale as usize);
             for line in text::wrap_hard(note, layout.note, width as f32, 1) {
                 let centre = (top + height) as f32 + 0.5 * layout.note.line_height() + 1.0;
                 text::draw(page, &line, Anchor::Center, middle, layout.note.baseline_at(centre), layout.note);
@@ -338,6 +336,17 @@ fn draw_tile(page: &mut Rgb8Image, tile: &Tile, layout: &Layout, corner: [u32; 2
                 draw_lines(page, &lines, Anchor::Center, middle, first, style);
             }
         }
+    }
+}
+
+/// Each pixel as a square of `scale` pixels.
+fn draw_enlarged(page: &mut Rgb8Image, image: &Rgb8Image, [left, top]: [u32; 2], scale: usize) {
+    let (stride, width) = (page.width as usize, image.width as usize * scale);
+    for (y, row) in image.data.chunks_exact(image.width as usize).enumerate() {
+        let start = (top as usize + y * scale) * stride + left as usize;
+        let drawn = start..start + width;
+        row.iter().zip(page.data[drawn.clone()].chunks_exact_mut(scale)).for_each(|(pixel, run)| run.fill(*pixel));
+        (1..scale).for_each(|copy| page.data.copy_within(drawn.clone(), start + copy * stride));
     }
 }
 
