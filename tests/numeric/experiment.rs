@@ -2,6 +2,7 @@
 
 mod answers;
 mod answers_asked;
+mod answers_shown;
 mod answers_soundness;
 mod chunk;
 mod config;
