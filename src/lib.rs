@@ -96,6 +96,6 @@ pub mod oracle;
 pub mod pipeline;
 pub mod slips;
 
-pub mod experiment;
+pub mod runner;
 
-pub mod report;
+pub mod study;

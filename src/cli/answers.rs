@@ -2,9 +2,9 @@
 
 use super::{Failure, print, tell};
 use clap::Args;
-use splitsum::experiment::answers::publish::{PublishError, check, publish, write_page};
-use splitsum::experiment::answers::run_folder::notes;
-use splitsum::experiment::answers::{Answered, AnswersError};
+use splitsum::study::answers::publish::{PublishError, check, publish, write_page};
+use splitsum::study::answers::run_folder::notes;
+use splitsum::study::answers::{Answered, AnswersError};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

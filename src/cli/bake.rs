@@ -5,10 +5,10 @@ use super::{Failure, print};
 use clap::Args;
 use splitsum::brdf::MODELS;
 use splitsum::environment::{Environment, LoadOptions};
-use splitsum::experiment::RenderFault;
-use splitsum::experiment::axis::{AXES, Point, is_precompute};
-use splitsum::experiment::value::Value;
 use splitsum::pipeline::BakeRequest;
+use splitsum::runner::RenderFault;
+use splitsum::runner::axis::{AXES, Point, is_precompute};
+use splitsum::runner::value::Value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

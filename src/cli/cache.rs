@@ -2,8 +2,8 @@
 
 use super::tell;
 use clap::Args;
-use splitsum::experiment::RenderFault;
 use splitsum::pipeline::DiskCache;
+use splitsum::runner::RenderFault;
 use std::env;
 use std::path::PathBuf;
 

@@ -3,9 +3,9 @@
 use super::{Failure, print, print_data};
 use clap::Args;
 use serde::{Serialize, Serializer};
-use splitsum::experiment::axis;
 use splitsum::metrics::{Comparison, METRICS};
 use splitsum::pixels::{Decoded, GrayImage, exr};
+use splitsum::runner::axis;
 use splitsum::table::markdown::{Align, MarkdownTable};
 use splitsum::tonemap::ToneCurve;
 use std::path::{Path, PathBuf};

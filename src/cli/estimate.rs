@@ -3,12 +3,12 @@
 use super::Failure;
 use super::cache::CacheArguments;
 use super::run::open_device;
-use splitsum::experiment::estimate::{
+use splitsum::pipeline::{DeviceChoice, DeviceInfo, DiskCache, chosen_device, is_kept};
+use splitsum::runner::estimate::{
     Estimate, Host, Item, Source, Speeds, constants, estimate, items, lack, probe, recorded,
 };
-use splitsum::experiment::timing::TimingJob;
-use splitsum::experiment::{Cell, Plan, RenderFault};
-use splitsum::pipeline::{DeviceChoice, DeviceInfo, DiskCache, chosen_device, is_kept};
+use splitsum::runner::timing::TimingJob;
+use splitsum::runner::{Cell, Plan, RenderFault};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::Instant;

@@ -3,8 +3,8 @@
 use super::{Failure, print};
 use clap::{Args, ValueEnum};
 use splitsum::environment::{BUILTINS, FORMATS};
-use splitsum::experiment::axis::AXES;
 use splitsum::math::sequence::SEQUENCES;
+use splitsum::runner::axis::AXES;
 use splitsum::shade::level_bias::LEVEL_BIASES;
 use splitsum::table::markdown::{Align, MarkdownTable};
 use splitsum::{brdf, metrics, scene, shade};

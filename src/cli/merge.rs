@@ -3,7 +3,7 @@
 use super::run::conclude;
 use super::{Failure, tell};
 use clap::Args;
-use splitsum::experiment::chunk::{Hole, MergeOptions, PlanFile, merge};
+use splitsum::runner::chunk::{Hole, MergeOptions, PlanFile, merge};
 use std::fmt::Write;
 use std::path::PathBuf;
 

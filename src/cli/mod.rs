@@ -19,8 +19,8 @@ mod stop;
 mod subject;
 
 use clap::{Parser, Subcommand};
-use splitsum::experiment::chunk::ChunkError;
-use splitsum::experiment::{RenderFault, RunError};
+use splitsum::runner::chunk::ChunkError;
+use splitsum::runner::{RenderFault, RunError};
 use splitsum::spelling::printable;
 use std::process::ExitCode;
 
@@ -122,7 +122,7 @@ impl From<RunError> for Failure {
             RunError::NoRenderer(_) => Self::BadInput(text),
             RunError::Store(error) if error.is_passing() => Self::Passing(text),
             RunError::Store(error) if error.is_misuse() => Self::BadInput(text),
-            RunError::Store(_) | RunError::Answers(_) => Self::Failed(text),
+            RunError::Store(_) => Self::Failed(text),
         }
     }
 }

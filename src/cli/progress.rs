@@ -2,7 +2,7 @@
 
 use super::tell;
 use indicatif::{ProgressBar, ProgressStyle};
-use splitsum::experiment::Progress;
+use splitsum::runner::Progress;
 use std::io::IsTerminal;
 
 /// Progress on standard error.

@@ -2,9 +2,9 @@
 
 use super::{Failure, print, tell};
 use clap::Args;
-use splitsum::experiment::answers::run_folder::notes;
-use splitsum::report::images::{BUDGET_BYTES, Choice, Window};
-use splitsum::report::{ReportError, ReportOptions, Written, write};
+use splitsum::study::answers::run_folder::notes;
+use splitsum::study::report::images::{BUDGET_BYTES, Choice, Window};
+use splitsum::study::report::{ReportError, ReportOptions, Written, write};
 use std::path::PathBuf;
 
 /// (Re)writes the report of one or more finished runs.

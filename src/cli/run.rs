@@ -6,11 +6,12 @@ use super::stop::{self, STOP};
 use super::subject::Subject;
 use super::{Failure, print};
 use clap::Args;
-use splitsum::experiment::chunk::{ChunkOptions, PlanFile, run_chunk};
-use splitsum::experiment::store::FailureRecord;
-use splitsum::experiment::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run, run_extended};
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
-use splitsum::report::ReportOptions;
+use splitsum::runner::chunk::{ChunkOptions, PlanFile, run_chunk};
+use splitsum::runner::store::FailureRecord;
+use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run, run_extended};
+use splitsum::study::answers::Answered;
+use splitsum::study::report::ReportOptions;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -137,12 +138,14 @@ fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     Ok(progress)
 }
 
-/// Prints the summary of a run's folder and writes its report; the result says which of its `cell_count` cells failed.
+/// Writes what a run's tables say, prints the summary and writes the report; the result says which of its `cell_count` cells failed.
 pub fn conclude(outcome: &Outcome, cell_count: usize) -> Result<Option<Failure>, Failure> {
-    print(&outcome.summary)?;
+    let answered = Answered::of_run(&outcome.dir).map_err(Failure::failed)?;
+    answered.write().map_err(Failure::failed)?;
+    print(&answered.summary)?;
     print(&format!("Written to {}\n", outcome.dir.display()))?;
     // The run is kept whatever becomes of its report.
-    let report = splitsum::report::write(&ReportOptions::of_run(&outcome.dir)).map_err(Failure::failed);
+    let report = splitsum::study::report::write(&ReportOptions::of_run(&outcome.dir)).map_err(Failure::failed);
     print(&report.as_ref().map_or_else(|failure| format!("No report: {failure}\n"), super::report::line))?;
     Ok(cells_failed(&outcome.failures, cell_count))
 }

@@ -3,7 +3,7 @@
 use super::{Failure, tell};
 use clap::Args;
 use splitsum::environment::LoadOptions;
-use splitsum::experiment::{Plan, frozen};
+use splitsum::runner::{Plan, frozen};
 use std::path::PathBuf;
 
 /// An experiment, narrowed or not, and the folder of its run.

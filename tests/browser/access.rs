@@ -3,7 +3,7 @@
 use crate::fixture::{assert_clean, cell, report};
 use crate::sections::wait_for_figures;
 use serde_json::json;
-use splitsum::report::images::Choice;
+use splitsum::study::report::images::Choice;
 
 /// What is wrong with the view that is shown, one text a fault.
 const FAULTS: &str = "(() => { const faults = [], view = document.querySelector('.view:not([hidden])'); \

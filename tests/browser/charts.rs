@@ -7,9 +7,9 @@ use crate::joined::{joined, texts};
 use crate::sections::{report_of, run_of, wait_for_figures};
 use image::RgbImage;
 use serde_json::{Value, json};
-use splitsum::experiment::answers::run_folder::RunFolder;
-use splitsum::experiment::statistics::median;
-use splitsum::report::{ReportOptions, write};
+use splitsum::runner::statistics::median;
+use splitsum::study::answers::run_folder::RunFolder;
+use splitsum::study::report::{ReportOptions, write};
 use std::path::Path;
 
 /// Five series, of which one has crosses; counts so few that sampling never wins, which arrows say; times, whose front has rings.

@@ -5,8 +5,8 @@ use crate::fixture::{SIDE, assert_clean, report};
 use crate::sections::report_of;
 use crate::viewer::shown;
 use serde_json::json;
-use splitsum::report::images::Choice;
-use splitsum::report::{ReportOptions, write};
+use splitsum::study::report::images::Choice;
+use splitsum::study::report::{ReportOptions, write};
 use splitsum::table::csv::Table;
 
 const READY: &str = "document.querySelector('.viewer-stage canvas')?.dataset.ready !== undefined";

@@ -2,7 +2,7 @@
 
 use crate::chromium::Page;
 use crate::fixture::report;
-use splitsum::report::images::Choice;
+use splitsum::study::report::images::Choice;
 
 const TEXT: f64 = 4.5;
 const MARK: f64 = 3.0;

@@ -7,7 +7,7 @@ use crate::joined::texts;
 use crate::sections::{report_of, run_of, saved_csv, wait_for_figures};
 use serde_json::{Value, json};
 use splitsum::pipeline::RenderRequest;
-use splitsum::report::{ReportOptions, write};
+use splitsum::study::report::{ReportOptions, write};
 use splitsum::table::csv::Table;
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,7 @@ use crate::fake::Log;
 use crate::fixture::assert_clean;
 use crate::sections::{self, report_of, run_of};
 use serde_json::json;
-use splitsum::report::{ReportOptions, write};
+use splitsum::study::report::{ReportOptions, write};
 use std::path::{Path, PathBuf};
 
 const ALL: &str = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nalpha = [0.1, 0.5]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]";

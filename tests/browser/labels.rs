@@ -5,7 +5,7 @@ use crate::fake::Log;
 use crate::fixture::assert_clean;
 use crate::sections::{report_of, run_of_text, wait_for_figures};
 use serde_json::json;
-use splitsum::report::{ReportOptions, write};
+use splitsum::study::report::{ReportOptions, write};
 use std::path::{Path, PathBuf};
 
 const SCENE: &str = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nalpha = [0.1, 0.5]\n";

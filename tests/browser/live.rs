@@ -3,8 +3,8 @@
 use crate::chromium::Page;
 use crate::fixture::{assert_clean, report};
 use serde_json::{Value, json};
-use splitsum::report::images::Choice;
-use splitsum::report::{ReportOptions, write};
+use splitsum::study::report::images::Choice;
+use splitsum::study::report::{ReportOptions, write};
 use splitsum::table::colormap::{OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_ERROR};
 use splitsum::tonemap::ToneCurve;
 use std::path::Path;

@@ -6,7 +6,7 @@ mod chromium;
 mod compare;
 mod contrast;
 mod failed;
-#[path = "../numeric/experiment/fake.rs"]
+#[path = "../numeric/runner/fake.rs"]
 mod fake;
 mod fixture;
 mod joined;
@@ -21,8 +21,8 @@ mod viewer;
 use chromium::Page;
 use fixture::{HOSTILE, HOSTILE_FOLDER, SIDE, assert_clean, cell, finished_run, report, rows};
 use serde_json::{Value, json};
-use splitsum::report::images::{Choice, Window};
-use splitsum::report::{ReportOptions, write};
+use splitsum::study::report::images::{Choice, Window};
+use splitsum::study::report::{ReportOptions, write};
 use std::path::Path;
 use viewer::open_compare;
 

@@ -3,7 +3,7 @@
 use crate::chromium::Page;
 use crate::fixture::{assert_clean, report, rows};
 use serde_json::json;
-use splitsum::report::images::Choice;
+use splitsum::study::report::images::Choice;
 
 /// Types a filter. Returns the count of rows and what is said beside the box.
 fn filtered(page: &mut Page, filter: &str) -> (usize, String) {

@@ -206,7 +206,7 @@ fn commands_that_are_not_built_say_so() {
 fn list_prints_every_name() {
     let dir = tempfile::tempdir().unwrap();
     let text = stdout(&splitsum(dir.path(), &["list"]));
-    let names = splitsum::experiment::axis::AXES.iter().map(|axis| axis.name);
+    let names = splitsum::runner::axis::AXES.iter().map(|axis| axis.name);
     let names = names.chain(splitsum::shade::METHODS.iter().map(|method| method.name));
     let names = names.chain(splitsum::math::sequence::SEQUENCES.iter().map(|sequence| sequence.name));
     let names = names.chain(splitsum::shade::level_bias::LEVEL_BIASES.iter().map(|bias| bias.name));

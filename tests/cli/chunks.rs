@@ -114,7 +114,7 @@ fn records_that_contradict_each_other_end_the_merge() {
     assert!(text.contains(&format!("{}: was changed or damaged", path.strip_prefix(dir).unwrap().display())), "{text}");
     record.as_object_mut().unwrap().remove("checksum");
     let text = serde_json::to_string_pretty(&record).unwrap() + "\n";
-    std::fs::write(&path, splitsum::experiment::seal::sealed(&text)).unwrap();
+    std::fs::write(&path, splitsum::runner::seal::sealed(&text)).unwrap();
     let (code, text) = merge(dir);
     assert_eq!(code, Some(1), "{text}");
     let id = path.file_stem().unwrap().to_str().unwrap();

@@ -13,8 +13,8 @@ const ROWS: &[&[&[&str]]] = &[
     &[&["precompute", "gbuffer", "shade", "tonemap"]],
     &[&["metrics"], &["table"]],
     &[&["pipeline"], &["oracle"], &["slips"]],
-    &[&["experiment"]],
-    &[&["report"]],
+    &[&["runner"]],
+    &[&["study"]],
 ];
 
 /// What metrics see: images, a mask and the tone curve, never a method.

@@ -4,13 +4,13 @@
 //! `fuzz/fuzz_targets` and the tests beside this file share them.
 
 use splitsum::environment::{Environment, EnvironmentError, LoadOptions};
-use splitsum::experiment::fault::Faults;
-use splitsum::experiment::{Config, Plan};
 use splitsum::oracle::{Kind, Queries};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
-use splitsum::report::images::{BUDGET_BYTES, Choice};
-use splitsum::report::{ReportOptions, write};
+use splitsum::runner::fault::Faults;
+use splitsum::runner::{Config, Plan};
 use splitsum::scene::{Scene, SceneFiles};
+use splitsum::study::report::images::{BUDGET_BYTES, Choice};
+use splitsum::study::report::{ReportOptions, write};
 use std::collections::BTreeMap;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -149,7 +149,7 @@ pub fn experiment(bytes: &[u8]) {
                 plan.request(&cell.point);
                 plan.label(cell);
             }
-            splitsum::experiment::timing::jobs(&plan);
+            splitsum::runner::timing::jobs(&plan);
         }
         Err(error) => {
             assert!(!error.faults.is_empty());

@@ -1,0 +1,291 @@
+//! The list of all axes.
+
+use super::{Axis, REFERENCE, Used, diffuse, method};
+use crate::brdf::{self, MaskingShadowing};
+use crate::math::sequence::{SEQUENCES, sequence_by_name};
+use crate::precompute::{PrecomputeSettings, StorageFormat};
+use crate::runner::value::{IMAGE_SIZE, Kind, Range, Value};
+use crate::shade::level_bias::LEVEL_BIASES;
+use crate::shade::{DIFFUSE, METHODS};
+
+/// Sample counts of precompute passes stop here: more only costs time.
+const PRECOMPUTE_SAMPLES_MAX: u32 = 1 << 20;
+/// Sides of precomputed tables stop at the size every Vulkan device supports.
+const SIDE_MAX: u32 = 4096;
+
+/// What most axes share; entries override what differs.
+const PLAIN: Axis = Axis {
+    name: "",
+    about: "",
+    kind: Kind::Input,
+    changes_radiance: true,
+    default: || Value::Unset,
+    used: |_| true,
+    reference: |_, value| value.clone(),
+    apply: |_, _| {},
+};
+
+/// Every axis, in the order of the columns that an experiment does not name itself.
+pub static AXES: &[Axis] = &[
+    Axis {
+        name: "size",
+        about: "width and height of the image; also a key of the file beside [axes]",
+        kind: IMAGE_SIZE,
+        default: || Value::Pair([256, 256]),
+        apply: |s, v| s.size = v.pair(),
+        ..PLAIN
+    },
+    Axis {
+        name: "environment",
+        about: "the light: a builtin formula or an .hdr or .exr file (FILE.exr#NAME: a layer or part of it)",
+        default: || Value::Text("builtin:sky".to_owned()),
+        apply: |s, v| s.environment = v.text().to_owned(),
+        ..PLAIN
+    },
+    Axis {
+        name: "scene",
+        about: "sphere, spheres, plane or an .obj file",
+        default: || Value::Text("sphere".to_owned()),
+        apply: |s, v| s.scene = v.text().to_owned(),
+        ..PLAIN
+    },
+    Axis {
+        name: "brdf",
+        about: "microfacet model",
+        kind: Kind::Name { what: "BRDF model", names: || brdf::MODELS.iter().map(|m| m.name()).collect() },
+        default: || Value::Text("ggx".to_owned()),
+        apply: |s, v| s.brdf = brdf::by_name(v.text()).expect("the plan checked the model's name"),
+        ..PLAIN
+    },
+    Axis {
+        name: "method",
+        about: "how the specular term is computed",
+        kind: Kind::Name { what: "method", names: || METHODS.iter().map(|m| m.name).collect() },
+        default: || Value::Text("sampled".to_owned()),
+        reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::Text(r.method.clone()) },
+        apply: |s, v| s.method = method(v.text()),
+        ..PLAIN
+    },
+    Axis {
+        name: "diffuse",
+        about: "how the diffuse term is computed",
+        kind: Kind::Name { what: "diffuse method", names: || DIFFUSE.iter().map(|d| d.name).collect() },
+        default: || Value::Text("sh9".to_owned()),
+        used: |u| u.has_diffuse_surface,
+        reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::Text(REFERENCE.to_owned()) },
+        apply: |s, v| s.diffuse = diffuse(v.text()),
+        ..PLAIN
+    },
+    Axis {
+        name: "samples",
+        about: "samples a pixel; methods that draw none have one cell, with an empty field",
+        kind: Kind::Count { min: 1, max: 1 << 24 },
+        default: || Value::Count(40),
+        used: |u| u.method.uses_samples,
+        reference: |r, _| Value::Count(r.samples),
+        apply: |s, v| s.samples = v.count(),
+        ..PLAIN
+    },
+    Axis {
+        name: "sequence",
+        about: "where a sampled method takes its points from; `splitsum list sequences`",
+        kind: Kind::Name { what: "sequence", names: || SEQUENCES.iter().map(|s| s.name).collect() },
+        default: || Value::Text(SEQUENCES[0].name.to_owned()),
+        used: |u| u.method.uses_point_set,
+        apply: |s, v| s.sequence = sequence_by_name(v.text()).expect("the plan checked the sequence's name"),
+        ..PLAIN
+    },
+    Axis {
+        name: "point_set",
+        about: "set of the sequence: 0 the plain one, k > 0 randomised copies",
+        kind: Kind::Count { min: 0, max: 1 << 20 },
+        default: || Value::Count(0),
+        used: |u| u.method.uses_point_set,
+        apply: |s, v| s.point_set = v.count(),
+        ..PLAIN
+    },
+    Axis {
+        name: "alpha",
+        about: "microfacet width of every material",
+        kind: Kind::Alpha,
+        apply: |s, v| s.material.alpha = Some(v.number() as f32),
+        ..PLAIN
+    },
+    Axis {
+        name: "f0",
+        about: "reflectance at normal incidence of every dielectric",
+        used: |u| u.has_dielectric,
+        kind: Kind::Color(Range::closed(0.0, 1.0)),
+        apply: |s, v| s.material.f0 = Some(v.color()),
+        ..PLAIN
+    },
+    Axis {
+        name: "albedo",
+        about: "albedo of every material",
+        kind: Kind::Color(Range::closed(0.0, 1.0)),
+        apply: |s, v| s.material.albedo = Some(v.color()),
+        ..PLAIN
+    },
+    Axis {
+        name: "metallic",
+        about: "0 dielectric, 1 metal",
+        kind: Kind::Number(Range::closed(0.0, 1.0)),
+        apply: |s, v| s.material.metallic = Some(v.number() as f32),
+        ..PLAIN
+    },
+    Axis {
+        name: "exposure",
+        about: "factor before the tone curve",
+        kind: Kind::Number(Range::above(0.0, 1e9)),
+        changes_radiance: false,
+        default: || Value::Number(1.0),
+        apply: |s, v| s.curve.exposure = v.number() as f32,
+        ..PLAIN
+    },
+    Axis {
+        name: "contrast",
+        about: "exponent of the tone curve times 2.2",
+        kind: Kind::Number(Range::above(0.0, 100.0)),
+        changes_radiance: false,
+        default: || Value::Number(1.0),
+        apply: |s, v| s.curve.contrast = v.number() as f32,
+        ..PLAIN
+    },
+    Axis {
+        name: "environment_rotation_deg",
+        about: "turns the environment about +y",
+        kind: Kind::Number(Range::closed(-360.0, 360.0)),
+        default: || Value::Number(0.0),
+        apply: |s, v| s.environment_rotation_deg = v.number(),
+        ..PLAIN
+    },
+    Axis {
+        name: "environment_scale",
+        about: "multiplies the environment's radiance",
+        kind: Kind::Number(Range::above(0.0, 1e9)),
+        default: || Value::Number(1.0),
+        apply: |s, v| s.environment_scale = v.number() as f32,
+        ..PLAIN
+    },
+    Axis {
+        name: "environment_clip_log2",
+        about: "cuts the environment's radiance off at 2 to this power, for the reference too: less dynamic range",
+        kind: Kind::Number(Range::closed(-30.0, 60.0)),
+        apply: |s, v| s.environment_clip_log2 = Some(v.number()),
+        ..PLAIN
+    },
+    Axis {
+        name: "masking",
+        about: "masking-shadowing; the same in a cell and its reference",
+        kind: Kind::Name {
+            what: "masking-shadowing",
+            names: || MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect(),
+        },
+        default: || Value::Text("separable".to_owned()),
+        apply: |s, v| {
+            let named = MaskingShadowing::ALL.iter().find(|(name, _)| *name == v.text());
+            s.masking_shadowing = named.expect("the plan checked the masking's name").1;
+        },
+        ..PLAIN
+    },
+    Axis {
+        name: "lod_bias",
+        about: "added to the mip level of filtered samples; names are those of `splitsum list level-biases`",
+        used: |u| u.method.uses_lod_bias,
+        kind: Kind::NumberOrName {
+            range: Range::closed(-16.0, 16.0),
+            what: "level bias",
+            named: || LEVEL_BIASES.iter().map(|bias| (bias.name, bias.levels)).collect(),
+        },
+        default: || Value::Number(0.0),
+        reference: |_, _| Value::Number(0.0),
+        apply: |s, v| s.lod_bias = v.number() as f32,
+        ..PLAIN
+    },
+    Axis {
+        name: "prefilter_size",
+        about: "width and height of the prefiltered map's first level",
+        used: |u| u.method.uses_prefiltered,
+        kind: Kind::Pair { min: 8, max: SIDE_MAX },
+        default: || Value::Pair(PrecomputeSettings::default().prefilter_size),
+        reference: |_, _| Value::Pair(PrecomputeSettings::default().prefilter_size),
+        apply: |s, v| s.precompute.prefilter_size = v.pair(),
+        ..PLAIN
+    },
+    Axis {
+        name: "prefilter_level_count",
+        about: "levels of the prefiltered map",
+        used: |u| u.method.uses_prefiltered,
+        kind: Kind::Count { min: 2, max: 12 },
+        default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
+        reference: |_, _| Value::Count(PrecomputeSettings::default().prefilter_level_count),
+        apply: |s, v| s.precompute.prefilter_level_count = v.count(),
+        ..PLAIN
+    },
+    Axis {
+        name: "prefilter_sample_count",
+        about: "samples a texel of the prefiltered map",
+        used: |u| u.method.uses_prefiltered,
+        kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
+        default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
+        reference: |_, _| Value::Count(PrecomputeSettings::default().prefilter_sample_count),
+        apply: |s, v| s.precompute.prefilter_sample_count = v.count(),
+        ..PLAIN
+    },
+    Axis {
+        name: "dfg_size",
+        about: "side of the DFG table",
+        used: Used::needs_dfg,
+        kind: Kind::Count { min: 2, max: SIDE_MAX },
+        default: || Value::Count(PrecomputeSettings::default().dfg_size),
+        reference: |_, _| Value::Count(PrecomputeSettings::default().dfg_size),
+        apply: |s, v| s.precompute.dfg_size = v.count(),
+        ..PLAIN
+    },
+    Axis {
+        name: "dfg_sample_count",
+        about: "samples a texel of the DFG table",
+        used: Used::needs_dfg,
+        kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
+        default: || Value::Count(PrecomputeSettings::default().dfg_sample_count),
+        reference: |_, _| Value::Count(PrecomputeSettings::default().dfg_sample_count),
+        apply: |s, v| s.precompute.dfg_sample_count = v.count(),
+        ..PLAIN
+    },
+    Axis {
+        name: "irradiance_size",
+        about: "width and height of the irradiance map",
+        used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
+        kind: Kind::Pair { min: 2, max: SIDE_MAX },
+        default: || Value::Pair(PrecomputeSettings::default().irradiance_size),
+        reference: |_, _| Value::Pair(PrecomputeSettings::default().irradiance_size),
+        apply: |s, v| s.precompute.irradiance_size = v.pair(),
+        ..PLAIN
+    },
+    Axis {
+        name: "irradiance_sample_count",
+        about: "azimuth and polar samples a texel of the irradiance map",
+        used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
+        kind: Kind::Pair { min: 1, max: SIDE_MAX },
+        default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
+        reference: |_, _| Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
+        apply: |s, v| s.precompute.irradiance_sample_count = v.pair(),
+        ..PLAIN
+    },
+    Axis {
+        name: "storage_format",
+        about: "numbers of the prefiltered map, the DFG table and the irradiance map on the device; f16 ends at 65504",
+        used: |u| {
+            let has_irradiance_map = u.has_diffuse_surface && u.diffuse.uses_irradiance_map;
+            u.method.uses_prefiltered || u.needs_dfg() || has_irradiance_map
+        },
+        kind: Kind::Name { what: "format", names: || StorageFormat::ALL.iter().map(|(name, _)| *name).collect() },
+        default: || Value::Text(StorageFormat::ALL[0].0.to_owned()),
+        reference: |_, _| Value::Text(StorageFormat::ALL[0].0.to_owned()),
+        apply: |s, v| {
+            let named = StorageFormat::ALL.iter().find(|(name, _)| *name == v.text());
+            s.precompute.storage = named.expect("the plan checked the format's name").1;
+        },
+        ..PLAIN
+    },
+];

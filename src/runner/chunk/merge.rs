@@ -1,0 +1,419 @@
+//! Makes one run of the attempts at all chunks: the folder that `run` would have left on one machine.
+//!
+//! Every record carries a checksum and the hashes of its images, and all of them are checked before anything is written.
+//! Scores and images are a function of cell and device, so records of one cell from one device must agree to the last bit, the hashes of
+//! their images included; where they do not, something is wrong with a machine, and nothing is merged. Times are no such function: of several timings of a block the first is kept
+//! whole, and no table compares times of two devices.
+
+use super::ChunkError;
+use super::agreement::differing_columns;
+use super::file::PlanFile;
+use super::store::{Attempt, ChunkStore};
+use crate::files::content_hash;
+use crate::runner::frozen::EXPERIMENT_FILE;
+use crate::runner::images;
+use crate::runner::live::LIVE_FILE;
+use crate::runner::plan::{Cell, Plan};
+use crate::runner::provenance;
+use crate::runner::run::{Outcome, RunOptions, tabulate};
+use crate::runner::store::{CellRecord, FailureRecord, ReferenceStop, Store, StoreError};
+use crate::runner::timing::{self, TimingRecord};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+/// How to merge.
+#[derive(Debug)]
+pub struct MergeOptions {
+    /// The folder that the chunks share.
+    pub store: PathBuf,
+    /// The folder of the run to make; it may be the same.
+    pub out: PathBuf,
+    pub command_line: Vec<String>,
+    /// Writes the timed passes as a Chrome trace.
+    pub trace: bool,
+}
+
+/// What a merge left.
+#[derive(Debug)]
+pub struct Merged {
+    pub outcome: Outcome,
+    /// Chunks of which something is missing; empty when the run is whole.
+    pub holes: Vec<Hole>,
+    /// What a reader of the tables should know, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// What is missing of one chunk.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hole {
+    pub chunk: usize,
+    /// Id and label of each cell that was not tried.
+    pub cells: Vec<(String, String)>,
+    pub block_count: usize,
+    /// How the last attempt ended.
+    pub last: String,
+}
+
+/// Device and driver: what the scores of a cell may depend on.
+type Device = (String, String);
+
+/// The timings of a block, each with its id.
+type Block = Vec<(String, TimingRecord)>;
+
+/// A record and where it stands.
+struct Found<T> {
+    record: T,
+    store: Store,
+    device: Device,
+}
+
+/// Merges what there is. All of it is read and checked before the first byte is written: nothing is when a record or an image is damaged
+/// or missing, or when records contradict each other.
+pub fn merge(file: &PlanFile, plan: &Plan, options: &MergeOptions) -> Result<Merged, ChunkError> {
+    let chunks = ChunkStore::existing(&options.store, file)?;
+    let attempts: Vec<Vec<Attempt>> =
+        file.chunks.iter().map(|chunk| chunks.attempts(chunk.index)).collect::<Result<_, _>>()?;
+    if attempts.iter().all(Vec::is_empty) {
+        return Err(ChunkError::NoStore { dir: options.store.clone() });
+    }
+    let before = Store::at(&options.out);
+    before.check_identity(plan)?;
+    let (mut damage, mut notes) = (Vec::new(), Vec::new());
+    let cells = find_cells(&before, plan, &attempts, &mut damage, &mut notes)?;
+    let blocks = find_blocks(file, plan, &attempts, &mut damage)?;
+    let chosen = choose(&cells, "cells", &mut notes);
+    let chosen_blocks = choose(&blocks, "blocks of timings", &mut notes);
+    let belongings = belongings(&before, plan, &chosen, &attempts, &mut damage)?;
+    if !damage.is_empty() {
+        return Err(ChunkError::Damaged(damage));
+    }
+    let disagreements = disagreements(plan, &cells);
+    if !disagreements.is_empty() {
+        return Err(ChunkError::Disagreement(disagreements));
+    }
+
+    let out = Store::open(&options.out, plan)?;
+    import_cells(&out, plan, &chosen, &belongings, attempts.iter().flatten())?;
+    import_failures(&out, plan, &chosen, attempts.iter().flatten())?;
+    for block in chosen_blocks.values() {
+        for (id, record) in &block.record {
+            out.write_timing(id, record)?;
+        }
+    }
+    write_provenance(&out, plan, attempts.iter().flatten(), options)?;
+    let holes = holes(file, plan, &out, &attempts)?;
+    let stop = AtomicBool::new(false);
+    let run_options = RunOptions {
+        dir: options.out.clone(),
+        stop: &stop,
+        command_line: options.command_line.clone(),
+        fail_fast: false,
+        trace: options.trace,
+    };
+    Ok(Merged { outcome: tabulate(plan, out, &run_options)?, holes, notes })
+}
+
+/// Every record of every cell of the plan, that of the run's folder first, then in the order of the attempts.
+fn find_cells(
+    out: &Store,
+    plan: &Plan,
+    attempts: &[Vec<Attempt>],
+    damage: &mut Vec<String>,
+    notes: &mut Vec<String>,
+) -> Result<BTreeMap<String, Vec<Found<CellRecord>>>, StoreError> {
+    let mut found: BTreeMap<String, Vec<Found<CellRecord>>> = BTreeMap::new();
+    let mut add = |id: &str, store: &Store| -> Result<(), StoreError> {
+        if let Some(record) = whole(store.whole_cell(id), damage)? {
+            let device = (record.device.clone(), record.driver.clone());
+            found.entry(id.to_owned()).or_default().push(Found { record, store: store.clone(), device });
+        }
+        Ok(())
+    };
+    for cell in &plan.cells {
+        add(&cell.id, out)?;
+    }
+    let of_plan: HashSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
+    let mut strangers = Vec::new();
+    for attempt in attempts.iter().flatten() {
+        for id in attempt.ids("cells")? {
+            match of_plan.contains(id.as_str()) {
+                true => add(&id, &attempt.store)?,
+                false => strangers.push(attempt.store.cell_path(&id)),
+            }
+        }
+    }
+    notes.extend(strangers.first().map(|first| {
+        format!(
+            "records of cells that the plan does not have, left out: {}, the first {}",
+            strangers.len(),
+            first.display()
+        )
+    }));
+    Ok(found)
+}
+
+/// What was read, where it is whole; a sentence for `damage` where it is not.
+fn whole<T>(read: Result<Option<T>, StoreError>, damage: &mut Vec<String>) -> Result<Option<T>, StoreError> {
+    match read {
+        Err(error) if error.is_unusable_record() => {
+            damage.push(error.to_string());
+            Ok(None)
+        }
+        read => read,
+    }
+}
+
+/// The timings of every block, by the id of its first configuration, once for each attempt that finished it.
+fn find_blocks(
+    file: &PlanFile,
+    plan: &Plan,
+    attempts: &[Vec<Attempt>],
+    damage: &mut Vec<String>,
+) -> Result<BTreeMap<String, Vec<Found<Block>>>, ChunkError> {
+    let jobs = timing::jobs(plan);
+    let mut found: BTreeMap<String, Vec<Found<Block>>> = BTreeMap::new();
+    for (chunk, attempts) in file.chunks.iter().zip(attempts) {
+        for attempt in attempts {
+            for block in chunk.blocks(&jobs) {
+                let mut record = Block::new();
+                for id in &block {
+                    record.extend(whole(attempt.store.whole_timing(id), damage)?.map(|timing| (id.clone(), timing)));
+                }
+                if record.len() < block.len() {
+                    continue;
+                }
+                let device = (record[0].1.device.clone(), record[0].1.driver.clone());
+                let block = Found { record, store: attempt.store.clone(), device };
+                found.entry(block.record[0].0.clone()).or_default().push(block);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// One record each: of the device that has most of them, so that as few devices as possible meet in a table, else the first.
+fn choose<'f, T>(
+    found: &'f BTreeMap<String, Vec<Found<T>>>,
+    what: &str,
+    notes: &mut Vec<String>,
+) -> BTreeMap<&'f str, &'f Found<T>> {
+    let mut counts: BTreeMap<&Device, usize> = BTreeMap::new();
+    for records in found.values() {
+        for device in records.iter().map(|record| &record.device).collect::<BTreeSet<_>>() {
+            *counts.entry(device).or_default() += 1;
+        }
+    }
+    // Of devices with equally many the first by name.
+    let main = counts.iter().rev().max_by_key(|(_, count)| **count).map(|(device, _)| *device);
+    let mut chosen = BTreeMap::new();
+    let mut devices: BTreeMap<&Device, usize> = BTreeMap::new();
+    for (id, records) in found {
+        let of_main = records.iter().find(|record| Some(&record.device) == main);
+        if let Some(record) = of_main.or(records.first()) {
+            *devices.entry(&record.device).or_default() += 1;
+            chosen.insert(id.as_str(), record);
+        }
+    }
+    if devices.len() > 1 {
+        let list: Vec<String> =
+            devices.iter().map(|((name, driver), count)| format!("{count} from {name} ({driver})")).collect();
+        notes.push(format!("the {what} come from {} devices: {}", devices.len(), list.join(", ")));
+    }
+    chosen
+}
+
+/// A sentence for each record that contradicts the first one of its cell and device.
+fn disagreements(plan: &Plan, found: &BTreeMap<String, Vec<Found<CellRecord>>>) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for cell in &plan.cells {
+        let records = found.get(&cell.id).map_or(&[][..], Vec::as_slice);
+        let mut first_of: BTreeMap<&Device, &Found<CellRecord>> = BTreeMap::new();
+        for record in records {
+            let first = *first_of.entry(&record.device).or_insert(record);
+            let columns = differing_columns(&first.record, &record.record);
+            if !columns.is_empty() {
+                sentences.push(format!(
+                    "{} {}: {} and {} differ in {}",
+                    cell.id,
+                    plan.label(cell),
+                    first.store.cell_path(&cell.id).display(),
+                    record.store.cell_path(&cell.id).display(),
+                    columns.join(", ")
+                ));
+            }
+        }
+    }
+    sentences
+}
+
+/// What belongs to the chosen records.
+struct Belongings {
+    /// Where a whole copy of each file of `images/` stands, with its content hash where a record tells it.
+    files: BTreeMap<String, (PathBuf, Option<String>)>,
+    /// Where each reference stopped.
+    stops: BTreeMap<String, ReferenceStop>,
+}
+
+/// Finds a whole copy of every file that a chosen record stands for; each that has none is a sentence for `damage`.
+fn belongings(
+    out: &Store,
+    plan: &Plan,
+    chosen: &BTreeMap<&str, &Found<CellRecord>>,
+    attempts: &[Vec<Attempt>],
+    damage: &mut Vec<String>,
+) -> Result<Belongings, StoreError> {
+    let others: Vec<&Store> = attempts.iter().flatten().map(|attempt| &attempt.store).chain([out]).collect();
+    let mut stops = BTreeMap::new();
+    // Cells of two devices may share a file's name, and each must find the bytes that its record was made from.
+    let mut wanted: BTreeMap<(String, Option<&String>), (&Cell, &Store)> = BTreeMap::new();
+    for cell in &plan.cells {
+        let Some(found) = chosen.get(cell.id.as_str()) else { continue };
+        for name in images::files(plan, cell) {
+            let hash = found.record.files.get(&name);
+            wanted.entry((name, hash)).or_insert((cell, &found.store));
+        }
+        if found.record.reference.is_some() && !stops.contains_key(&cell.reference) {
+            for store in std::iter::once(&found.store).chain(others.iter().copied()) {
+                if let Some(stop) = whole(store.whole_reference(&cell.reference), damage)? {
+                    stops.insert(cell.reference.clone(), stop);
+                    break;
+                }
+            }
+        }
+    }
+    let find = |((name, hash), (cell, own)): (&(String, Option<&String>), &(&Cell, &Store))| {
+        // What cells share may stand with another attempt.
+        let mut copies = std::iter::once(*own).chain(others.iter().copied()).map(|store| store.image_path(name));
+        let is_whole = |path: &PathBuf| match hash {
+            Some(hash) => content_hash(path).is_ok_and(|found| found == **hash),
+            None => images::is_whole(path),
+        };
+        copies.find(is_whole).ok_or_else(|| {
+            let path = own.image_path(name);
+            let what = if path.exists() { "is not the file that its record was made from" } else { "is missing" };
+            let (label, record) = (plan.label(cell), own.cell_path(&cell.id));
+            format!(
+                "{}: {what}; it belongs to {} {label}; to make it anew remove {}",
+                path.display(),
+                cell.id,
+                record.display()
+            )
+        })
+    };
+    let list: Vec<_> = wanted.iter().collect();
+    let copies: Vec<Result<PathBuf, String>> = list.par_iter().map(|&entry| find(entry)).collect();
+    let mut files = BTreeMap::new();
+    for (((name, hash), _), copy) in list.into_iter().zip(copies) {
+        match copy {
+            Ok(path) => drop(files.entry(name.clone()).or_insert((path, hash.cloned()))),
+            Err(sentence) => damage.push(sentence),
+        }
+    }
+    Ok(Belongings { files, stops })
+}
+
+/// Brings the chosen records, with the files that belong to them, into the run's folder: the records last.
+fn import_cells<'a>(
+    out: &Store,
+    plan: &Plan,
+    chosen: &BTreeMap<&str, &Found<CellRecord>>,
+    belongings: &Belongings,
+    mut attempts: impl Iterator<Item = &'a Attempt>,
+) -> Result<(), StoreError> {
+    for (name, (from, hash)) in &belongings.files {
+        out.place(from, &out.image_path(name), hash.as_deref())?;
+    }
+    for (id, stop) in &belongings.stops {
+        out.write_reference(id, stop)?;
+    }
+    for cell in &plan.cells {
+        if let Some(found) = chosen.get(cell.id.as_str()).filter(|found| found.store.dir() != out.dir()) {
+            out.write_cell(&found.record)?;
+        }
+    }
+    let live = out.dir().join(LIVE_FILE);
+    let made = attempts.find_map(|attempt| Some(attempt.store.dir().join(LIVE_FILE)).filter(|path| path.exists()));
+    made.filter(|_| !live.exists()).map_or(Ok(()), |from| out.place(&from, &live, None))
+}
+
+/// Keeps the last reason of every cell that failed and was not done by another attempt.
+fn import_failures<'a>(
+    out: &Store,
+    plan: &Plan,
+    chosen: &BTreeMap<&str, &Found<CellRecord>>,
+    attempts: impl Iterator<Item = &'a Attempt>,
+) -> Result<(), StoreError> {
+    let mut failures: BTreeMap<String, FailureRecord> = BTreeMap::new();
+    for attempt in attempts {
+        for id in attempt.ids("failed")? {
+            if let Some(failure) = attempt.store.failure(&id)? {
+                failures.insert(id, failure);
+            }
+        }
+    }
+    let open = plan.cells.iter().filter(|cell| !chosen.contains_key(cell.id.as_str()));
+    open.filter_map(|cell| failures.get(&cell.id)).try_for_each(|failure| out.write_failure(failure))
+}
+
+/// The sessions of all attempts, each with its chunk, after those of an ordinary run in the same folder.
+fn write_provenance<'a>(
+    out: &Store,
+    plan: &Plan,
+    attempts: impl Iterator<Item = &'a Attempt>,
+    options: &MergeOptions,
+) -> Result<(), StoreError> {
+    let path = out.provenance_path();
+    let mut value = provenance::read(out.dir())?.unwrap_or_else(|| provenance::provenance(plan, out.dir()));
+    let kept = value["sessions"].as_array().cloned().unwrap_or_default();
+    let mut sessions: Vec<serde_json::Value> = kept.into_iter().filter(|session| session["chunk"].is_null()).collect();
+    for attempt in attempts {
+        let own = provenance::read(attempt.store.dir())?;
+        for mut session in own.and_then(|value| value["sessions"].as_array().cloned()).unwrap_or_default() {
+            session["chunk"] = attempt.record.chunk.into();
+            session["attempt"] = attempt.name.as_str().into();
+            session["host"]["name"] = attempt.record.host.as_str().into();
+            sessions.push(session);
+        }
+    }
+    value["sessions"] = sessions.into();
+    value["merge_command_line"] = options.command_line.clone().into();
+    out.write_json(&path, &value)?;
+    out.write_text(&out.dir().join(EXPERIMENT_FILE), &plan.config.text)
+}
+
+/// What the run's folder lacks, by chunk.
+fn holes(file: &PlanFile, plan: &Plan, out: &Store, attempts: &[Vec<Attempt>]) -> Result<Vec<Hole>, StoreError> {
+    let by_id: BTreeMap<&str, &Cell> = plan.cells.iter().map(|cell| (cell.id.as_str(), cell)).collect();
+    let jobs = timing::jobs(plan);
+    let mut holes = Vec::new();
+    for (chunk, attempts) in file.chunks.iter().zip(attempts) {
+        let mut cells = Vec::new();
+        for id in &chunk.cells {
+            if out.cell(id)?.is_none() && out.failure(id)?.is_none() {
+                cells.push((id.clone(), plan.label(by_id[id.as_str()])));
+            }
+        }
+        let is_open = |block: &&Vec<String>| !block.iter().all(|id| out.has_timing(id));
+        let block_count = chunk.blocks(&jobs).iter().filter(is_open).count();
+        if !cells.is_empty() || block_count > 0 {
+            holes.push(Hole { chunk: chunk.index, cells, block_count, last: last_words(attempts.last()) });
+        }
+    }
+    Ok(holes)
+}
+
+/// How the last attempt at a chunk ended.
+fn last_words(attempt: Option<&Attempt>) -> String {
+    let Some(attempt) = attempt else { return "never begun".to_owned() };
+    let (host, began) = (&attempt.record.host, &attempt.record.began_utc);
+    let Some(end) = &attempt.record.ended else {
+        return format!("begun on {host} at {began}, with no end: killed, or still at work");
+    };
+    match (&end.fault, end.failed.first()) {
+        (Some(fault), _) => format!("ended on {host} at {}: {fault}", end.date_utc),
+        (None, Some((label, reason))) => format!("ended on {host} at {}: {label}: {reason}", end.date_utc),
+        (None, None) => format!("ended on {host} at {}", end.date_utc),
+    }
+}

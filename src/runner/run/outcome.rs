@@ -1,0 +1,47 @@
+//! What a run left, and what it took.
+
+use crate::pipeline::{SharedWork, Tally};
+use crate::runner::store::FailureRecord;
+use std::path::PathBuf;
+
+/// What a run left.
+#[derive(Debug)]
+pub struct Outcome {
+    pub dir: PathBuf,
+    /// Cells without a record, each with its reason.
+    pub failures: Vec<FailureRecord>,
+    /// Whether it was stopped before all steps were tried.
+    pub is_stopped: bool,
+    /// What this invocation did; nothing where all was done before.
+    pub work: Option<Work>,
+}
+
+/// What an invocation spent and shared.
+#[derive(Clone, Debug, Default)]
+pub struct Work {
+    /// Host time in which the device worked or was waited for, ms.
+    pub waited_ms: f64,
+    pub shared: SharedWork,
+    /// References that an earlier invocation had left in the run's folder.
+    pub references_read_back: usize,
+}
+
+impl Work {
+    /// One line for the user, after `wall_ms` of the whole invocation.
+    pub fn line(&self, wall_ms: f64) -> String {
+        let mut made = Vec::new();
+        for (kind, Tally { made: count, read }) in &self.shared {
+            let from_disk = if *read > 0 { format!(" (and {read} from the cache)") } else { String::new() };
+            made.push(format!("{kind} {count}{from_disk}"));
+        }
+        if self.references_read_back > 0 {
+            made.push(format!("references of the run read back {}", self.references_read_back));
+        }
+        format!(
+            "{:.1} s, {:.0} % of it without the device. Made once and shared: {}",
+            wall_ms / 1e3,
+            100.0 * (1.0 - self.waited_ms / wall_ms).max(0.0),
+            if made.is_empty() { "nothing".to_owned() } else { made.join(", ") }
+        )
+    }
+}

@@ -1,0 +1,177 @@
+//! Whose run a folder holds, and whether it may become the run of another plan.
+
+use super::lock::LOCK_FILE;
+use super::{CHUNKS_FOLDER, PLAN_FILE, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part};
+use crate::metrics::METRICS;
+use crate::runner::axis::AXES;
+use crate::runner::plan::Plan;
+use crate::runner::provenance;
+use crate::runner::timing;
+use crate::spelling::short_number;
+use crate::table::csv::Table;
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// What a run of another plan of the same experiment leaves for a plan that has all of its cells.
+#[derive(Clone, Debug)]
+pub struct Extension {
+    /// `provenance.json` of the run.
+    pub from: Value,
+    /// Ids of the cells that are finished.
+    pub kept: BTreeSet<String>,
+    /// How many timed configurations have records but stand in a block with some that have none: a block is a set of configurations timed in
+    /// the same rounds, so that it is timed anew as a whole.
+    pub timed_again: usize,
+}
+
+impl Store {
+    /// Fails when the folder holds something else than a run of this plan.
+    pub fn check_identity(&self, plan: &Plan) -> Result<(), StoreError> {
+        match self.extension(plan)? {
+            None => Ok(()),
+            Some(extension) => Err(StoreError::Extensible {
+                dir: self.dir.clone(),
+                name: plan.config.name.clone(),
+                found: extension.from["plan_hash"].as_str().unwrap_or_default().to_owned(),
+                count: self.tabulated()?.len(),
+            }),
+        }
+    }
+
+    /// What the run in the folder leaves for this plan, where it is one of another plan that the plan extends; `None` where it is one of this
+    /// plan, or none at all. Fails when the folder holds something else.
+    pub fn extension(&self, plan: &Plan) -> Result<Option<Extension>, StoreError> {
+        if self.dir.is_file() {
+            return Err(StoreError::NotAFolder { dir: self.dir.clone() });
+        }
+        match provenance::read(&self.dir)? {
+            None => self.check_empty().map(|()| None),
+            Some(found) if found["plan_hash"] == plan.hash => Ok(None),
+            Some(found) => self.extension_of(found, plan).map(Some),
+        }
+    }
+
+    /// Fails when a folder without provenance holds files: a run that was stopped before its first file leaves empty folders only.
+    fn check_empty(&self) -> Result<(), StoreError> {
+        let entries = std::fs::read_dir(&self.dir).into_iter().flatten().flatten();
+        let is_own = |name: &str, is_dir: bool| match is_dir {
+            true => name == CHUNKS_FOLDER || SUBFOLDERS.contains(&name),
+            false => [LOCK_FILE, PLAN_FILE].contains(&name) || is_part(name),
+        };
+        let mut strangers = entries.filter(|e| !is_own(&e.file_name().to_string_lossy(), e.path().is_dir()));
+        match strangers.next() {
+            Some(_) => Err(StoreError::NotARun { dir: self.dir.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    fn extension_of(&self, found: Value, plan: &Plan) -> Result<Extension, StoreError> {
+        let (dir, name) = (self.dir.clone(), plan.config.name.clone());
+        if found["shader_hash"] != crate::gpu::build_hash() {
+            return Err(StoreError::OtherShaders { dir });
+        }
+        if found["name"] != plan.config.name {
+            let overrides: String = plan.config.overrides.iter().map(|o| format!(" --set {o}")).collect();
+            let file = plan.config.path.display();
+            let found = format!("{}: its cells are not those of {file}{overrides}", found["name"]);
+            return Err(StoreError::OtherExperiment { dir, found });
+        }
+        if let Some(metric) = other_metric(&found) {
+            return Err(StoreError::OtherMetric { dir, metric });
+        }
+        let planned: BTreeSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
+        let tabulated = self.tabulated()?;
+        let count = self.in_tables_alone(&tabulated)?;
+        if count > 0 {
+            return Err(StoreError::TablesAlone { dir, count });
+        }
+        let lost: Vec<&String> = tabulated.keys().filter(|id| !planned.contains(id.as_str())).collect();
+        if !lost.is_empty() {
+            let lost = lost.into_iter().map(|id| words(id, &tabulated)).collect();
+            return Err(StoreError::WouldLose { dir, name, what: "cells", count: tabulated.len(), lost });
+        }
+        let jobs = timing::jobs(plan);
+        let timed: Vec<String> = self.ids(TIMINGS_FOLDER).into_iter().filter(|id| self.has_timing(id)).collect();
+        let to_time: BTreeSet<&str> = jobs.iter().map(|job| job.id.as_str()).collect();
+        let lost: Vec<String> = timed.iter().filter(|id| !to_time.contains(id.as_str())).cloned().collect();
+        if !lost.is_empty() {
+            let what = "timed configurations (their [timing] counts)";
+            return Err(StoreError::WouldLose { dir, name, what, count: timed.len(), lost });
+        }
+        let is_timed = |id: &String| timed.contains(id);
+        let blocks = jobs.chunk_by(|a, b| a.block == b.block);
+        let partly = blocks.filter(|block| !block.iter().all(|job| is_timed(&job.id)));
+        let timed_again = partly.flatten().filter(|job| is_timed(&job.id)).count();
+        let mut kept = BTreeSet::new();
+        for id in tabulated.into_keys() {
+            if self.cell(&id)?.is_some() {
+                kept.insert(id);
+            }
+        }
+        Ok(Extension { from: found, kept, timed_again })
+    }
+
+    /// Id and axes of every cell that the tables of the run in the folder name: those with a record that can be used. Of failed ones no axes
+    /// are known.
+    fn tabulated(&self) -> Result<BTreeMap<String, BTreeMap<String, String>>, StoreError> {
+        let mut found = BTreeMap::new();
+        for id in self.ids("failed") {
+            if self.failure(&id)?.is_some() {
+                found.insert(id, BTreeMap::new());
+            }
+        }
+        for id in self.ids("cells") {
+            if let Some(record) = self.cell(&id)? {
+                found.insert(id, record.axes);
+            }
+        }
+        Ok(found)
+    }
+
+    /// How many cells stand in `errors.csv` but not in `records`.
+    fn in_tables_alone(&self, records: &BTreeMap<String, BTreeMap<String, String>>) -> Result<usize, StoreError> {
+        let path = self.dir.join("errors.csv");
+        if !path.is_file() {
+            return Ok(0);
+        }
+        let table = Table::read(&path)?;
+        let cell = table.column("cell")?;
+        Ok(table.rows.iter().filter(|row| !records.contains_key(&row[cell])).count())
+    }
+
+    /// Names of the records in a folder, in order; none where it does not exist.
+    pub fn ids(&self, folder: &str) -> Vec<String> {
+        let entries = std::fs::read_dir(self.dir.join(folder)).into_iter().flatten().flatten();
+        let name = |path: &Path| Some(path.file_name()?.to_str()?.strip_suffix(".json")?.to_owned());
+        let mut ids: Vec<String> = entries.filter_map(|entry| name(&entry.path())).collect();
+        ids.sort();
+        ids
+    }
+}
+
+/// The first metric of this program that has another version in a run, or that only one of them has.
+fn other_metric(provenance: &Value) -> Option<String> {
+    let then = provenance["metrics"].as_array().into_iter().flatten();
+    let then: BTreeMap<&str, u64> =
+        then.filter_map(|metric| Some((metric["name"].as_str()?, metric["version"].as_u64()?))).collect();
+    let descriptions = METRICS.iter().map(|metric| metric.description());
+    let now: BTreeMap<&str, u64> = descriptions.map(|d| (d.name, u64::from(d.version))).collect();
+    let mut names = then.keys().chain(now.keys());
+    names.find(|name| then.get(*name) != now.get(*name)).map(|name| name.to_string())
+}
+
+/// A cell by what tells it from the others of its run.
+fn words(id: &str, cells: &BTreeMap<String, BTreeMap<String, String>>) -> String {
+    let varies = |name: &str| {
+        let values = cells.values().filter_map(|axes| axes.get(name));
+        // What only some methods use tells nothing beside the method.
+        let values: BTreeSet<&String> = values.filter(|value| !value.is_empty()).collect();
+        values.len() > 1
+    };
+    let axes = &cells[id];
+    let swept = AXES.iter().filter(|axis| varies(axis.name));
+    let set = swept.filter_map(|axis| Some((axis.name, axes.get(axis.name).filter(|value| !value.is_empty())?)));
+    let words = set.map(|(name, value)| format!(" {name}={}", short_number(value)));
+    format!("{id}{}", words.collect::<String>())
+}

@@ -1,0 +1,197 @@
+//! The rows of a run's tables, in plan order, so that the bytes do not depend on the order of work.
+
+use super::axis::AXES;
+use super::host::UNKNOWN;
+use super::plan::{Cell, Plan};
+use super::statistics::median;
+use super::store::{BinRecord, CellOutcome, FailureRecord, ReferenceStop, Scores, Store, StoreError};
+use super::timing::{Key, TimingRecord, summarize, swept_axes};
+use super::timing_ratios::{Ratio, TableCost, ratios};
+use crate::metrics::{BiasVariance, METRICS, linear_metrics};
+use crate::table::csv::Cell as Field;
+use std::collections::BTreeMap;
+
+/// What is known of a cell that was tried.
+#[derive(Clone, Debug)]
+pub enum CellResult {
+    Done(Box<CellOutcome>),
+    Failed(FailureRecord),
+}
+
+/// Results by cell id.
+pub type Results = BTreeMap<String, CellResult>;
+
+/// The metric that decides verdicts and break-even: relative, so that bright and dark surfaces count alike.
+pub const HEADLINE: &str = "relmse_eps1e-2";
+
+/// The display metric that summaries and sheets show: what a viewer notices.
+pub const DISPLAY_HEADLINE: &str = "flip";
+
+/// Metrics whose noise floor stands in the table: those of linear values.
+fn floored_names() -> Vec<&'static str> {
+    linear_metrics().iter().map(|metric| metric.description().name).collect()
+}
+
+/// How the diffuse term is weighted beside a specular one, the same in every method and in the reference: `1 - (f0 A + B)` of the
+/// DFG table (see `shaders/lib/diffuse.glsl`).
+pub const DIFFUSE_WEIGHT: &str = "one-minus-directional-albedo";
+
+/// Where a cell's reference stopped: see [`ReferenceStop`].
+pub const REFERENCE_COLUMNS: [&str; 3] = ["reference_samples", "reference_relative_error", "reference_stopped_by"];
+
+fn stop_fields(stop: Option<&ReferenceStop>) -> [Field; 3] {
+    stop.map_or([Field::Missing, Field::Missing, Field::Missing], |stop| {
+        [Field::Integer(stop.samples), stop.relative_error.0.into(), stop.stopped_by.name().into()]
+    })
+}
+
+/// Names of all metrics in column order.
+fn metric_names() -> Vec<&'static str> {
+    METRICS.iter().map(|metric| metric.description().name).collect()
+}
+
+/// Columns and rows of a table.
+pub type Rows = (Vec<String>, Vec<Vec<Field>>);
+
+/// `errors.csv`: one row a cell that was tried.
+pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
+    let names = metric_names();
+    let mut columns = cell_columns(plan);
+    columns.extend(names.iter().map(|name| name.to_string()));
+    let floored = floored_names();
+    columns.extend(BiasVariance::NAMES.map(str::to_owned));
+    columns.extend(floored.iter().map(|name| format!("{name}_noise_floor")));
+    columns.extend(REFERENCE_COLUMNS.map(str::to_owned));
+    columns.extend(["verdict", "diffuse_weight"].map(str::to_owned));
+    let none = Scores::default();
+    let row = move |cell: &Cell| {
+        let (scores, parts, floors, stop, verdict) = match results.get(&cell.id)? {
+            CellResult::Done(r) => (&r.scores, &r.bias_variance, &r.noise_floors, r.reference.as_deref(), &*r.verdict),
+            CellResult::Failed(_) => (&none, &none, &none, None, "failed"),
+        };
+        let mut row = cell_fields(plan, cell);
+        row.extend(score_fields(scores, &names));
+        row.extend(score_fields(parts, &BiasVariance::NAMES));
+        row.extend(score_fields(floors, &floored));
+        row.extend(stop_fields(stop));
+        row.extend([verdict, DIFFUSE_WEIGHT].map(Field::from));
+        Some(Ok(row))
+    };
+    (columns, plan.cells.iter().filter_map(row))
+}
+
+/// `errors_by_n_dot_v.csv`: one row a finished cell and bin that holds pixels, from the records on disk.
+pub fn errors_by_n_dot_v(
+    plan: &Plan,
+    results: &Results,
+    store: &Store,
+) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
+    let names = metric_names();
+    let mut columns = cell_columns(plan);
+    columns.extend(["n_dot_v_from", "n_dot_v_to", "pixel_count"].map(str::to_owned));
+    columns.extend(names.iter().map(|name| name.to_string()));
+    let done = plan.cells.iter().filter(|cell| matches!(results.get(&cell.id), Some(CellResult::Done(_))));
+    let rows = move |cell: &Cell| {
+        let bins = store.cell(&cell.id).map(|record| record.map_or_else(Vec::new, |record| record.bins));
+        let row = |bin: BinRecord| {
+            let mut row = cell_fields(plan, cell);
+            row.extend([bin.lo.into(), bin.hi.into(), Field::Integer(bin.pixel_count as u64)]);
+            row.extend(score_fields(&bin.scores, &names));
+            Ok(row)
+        };
+        match bins {
+            Ok(bins) => bins.into_iter().filter(|bin| bin.pixel_count > 0).map(row).collect(),
+            Err(error) => vec![Err(error)],
+        }
+    };
+    (columns, done.flat_map(rows))
+}
+
+/// `timings.csv`: one row a timed configuration and pass.
+pub fn timings(records: &[TimingRecord]) -> Rows {
+    let axes: Vec<&String> = records.first().map(|record| record.axes.keys().collect()).unwrap_or_default();
+    let mut columns = ["cell", "phase", "environment_size", "size"].map(str::to_owned).to_vec();
+    columns.extend(axes.iter().map(|name| name.to_string()));
+    let statistics = ["pass", "n", "median_ms", "mad_ms", "p05_ms", "p95_ms", "min_ms", "wall_median_ms"];
+    let judgement = ["passes_over_wall", "wall_check", "device", "device_type"];
+    let spread = ["median_lo_ms", "median_hi_ms", "drift_percent_per_min", "flags"];
+    let machine = ["clock_before_mhz", "clock_after_mhz", "slowdown", "load_before"];
+    columns.extend(statistics.iter().chain(&judgement).chain(&spread).chain(&machine).map(|name| name.to_string()));
+    let mut rows = Vec::new();
+    for record in records {
+        let wall_ms = median(&record.wall_ms);
+        for pass in &record.passes {
+            let s = summarize(&pass.ms);
+            let mut row: Vec<Field> = vec![record.cell.as_str().into(), record.phase.as_str().into()];
+            let sizes = [record.environment_size, record.size];
+            row.extend(sizes.map(|[w, h]| Field::Text(format!("{w}x{h}"))));
+            row.extend(axes.iter().map(|name| text_field(&record.axes[*name])));
+            row.extend([Field::from(pass.pass.as_str()), Field::Integer(s.n as u64)]);
+            let numbers = [s.median, s.mad, s.p05, s.p95, s.min, wall_ms, record.passes_over_wall()];
+            row.extend(numbers.map(Field::Number));
+            row.extend([record.wall_check(), &record.device, &record.device_type].map(Field::from));
+            row.extend(s.interval.map(finite));
+            row.extend([finite(record.drift_percent_per_min(pass)), text_field(&record.flags(pass))]);
+            let known = |number: Option<f64>| number.map_or_else(|| UNKNOWN.into(), Field::Number);
+            row.extend(record.host.each_ref().map(|host| known(host.clock_mhz(&record.device_type))));
+            let load = record.host[0].load_average.as_ref().and_then(|load| load.first().copied());
+            row.extend([text_field(&record.slowdown()), known(load)]);
+            rows.push(row);
+        }
+    }
+    (columns, rows)
+}
+
+/// `timing_ratios.csv`: one row for each pair of methods that was timed in the same rounds ([`ratios`]; both at `samples` where both draw some)
+/// and set of tables behind them.
+pub fn timing_ratios(records: &[TimingRecord]) -> Rows {
+    let pairs = ratios(records);
+    let axes = ratio_axes(&pairs, &["size", "scene", "brdf", "diffuse", "masking"]);
+    let mut columns = vec!["environment_size"];
+    columns.extend(&axes);
+    columns.extend(["sampled", "samples", "fixed", "sampled_over_fixed", "ratio_lo", "ratio_hi", "rounds", "verdict"]);
+    columns.extend(["fixed_tables_ms", "payback_frames", "device", "device_type"]);
+    let row = |pair: &Ratio, tables: &TableCost| {
+        let text = |key: &Key, axis: &str| text_field(key.get(axis).map_or("", String::as_str));
+        let [width, height] = pair.sampled.environment_size;
+        let mut row = vec![Field::Text(format!("{width}x{height}"))];
+        row.extend(axes.iter().map(|axis| text(&tables.key, axis)));
+        row.extend(["method", "samples"].map(|axis| text(&pair.sampled.axes, axis)));
+        row.push(text(&pair.fixed.axes, "method"));
+        row.extend([pair.ratio, pair.interval[0], pair.interval[1]].map(finite));
+        row.extend([Field::Integer(pair.rounds as u64), Field::Text(pair.verdict.to_string())]);
+        row.extend([finite(tables.ms), tables.payback.frames().into()]);
+        row.extend([&pair.sampled.device, &pair.sampled.device_type].map(|text| Field::from(text.as_str())));
+        row
+    };
+    let rows = pairs.iter().flat_map(|pair| pair.tables.iter().map(|tables| row(pair, tables)).collect::<Vec<_>>());
+    (columns.into_iter().map(str::to_owned).collect(), rows.collect())
+}
+
+/// The axes that tell rows of ratios apart: the `named` ones, and all others that are swept.
+pub fn ratio_axes(pairs: &[Ratio], named: &[&'static str]) -> Vec<&'static str> {
+    let swept = swept_axes(pairs.iter().flat_map(|pair| &pair.tables).map(|tables| &tables.key));
+    named.iter().copied().chain(swept.into_iter().filter(|name| !named.contains(name))).collect()
+}
+
+/// A number, or nothing where it is not defined.
+fn finite(number: f64) -> Field {
+    Some(number).filter(|number| number.is_finite()).into()
+}
+
+fn cell_columns(plan: &Plan) -> Vec<String> {
+    std::iter::once("cell".to_owned()).chain(plan.columns.iter().map(|&axis| AXES[axis].name.to_owned())).collect()
+}
+
+fn cell_fields(plan: &Plan, cell: &Cell) -> Vec<Field> {
+    let values = plan.columns.iter().map(|&axis| text_field(&cell.point.0[axis].to_string()));
+    std::iter::once(Field::from(cell.id.as_str())).chain(values).collect()
+}
+
+fn text_field(text: &str) -> Field {
+    if text.is_empty() { Field::Missing } else { text.into() }
+}
+
+fn score_fields(scores: &Scores, names: &[&str]) -> Vec<Field> {
+    names.iter().map(|name| scores.get(name).map(|score| score.0).into()).collect()
+}
