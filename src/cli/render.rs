@@ -227,7 +227,7 @@ fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(
         let is_reference_count = axis == "samples" && has_reference_term;
         if *collapsed.get(axis) == Value::Unset && !is_reference_count {
             faults.push(format!("--{flag}: changes nothing with method {method} and diffuse {diffuse}; leave it out"));
-        } else if !axis::by_name(axis).changes_radiance && matches!(output, Output::LinearExr) {
+        } else if !axis::by_name(axis).changes_radiance() && matches!(output, Output::LinearExr) {
             faults.push(format!("--{flag}: changes nothing in an .exr, which is linear; expected --out FILE.png"));
         }
     }

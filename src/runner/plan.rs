@@ -371,7 +371,7 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relat
         lines.push(format!("reference_error={error}"));
     }
     lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));
-    for (axis, value) in AXES.iter().zip(&point.0).filter(|(axis, _)| axis.changes_radiance) {
+    for (axis, value) in AXES.iter().zip(&point.0).filter(|(axis, _)| axis.changes_radiance()) {
         lines.push(match axis.name {
             "environment" => format!("environment={}", inputs.environment(value.text()).hash),
             "scene" => format!("scene={}", inputs.scene(value.text()).hash),
@@ -389,7 +389,7 @@ fn repeats_of(config: &Config, point: &Point) -> Option<u32> {
 fn cell_id(radiance: &str, reference: &str, point: &Point, repeats: Option<u32>) -> String {
     let mut lines = vec![format!("radiance={radiance}"), format!("reference={reference}")];
     lines.extend(repeats.map(|repeats| format!("repeats={repeats}")));
-    let display = AXES.iter().zip(&point.0).filter(|(axis, _)| !axis.changes_radiance);
+    let display = AXES.iter().zip(&point.0).filter(|(axis, _)| !axis.changes_radiance());
     lines.extend(display.map(|(axis, value)| format!("{}={value}", axis.name)));
     hash_lines(&lines)
 }

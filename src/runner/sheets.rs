@@ -188,7 +188,7 @@ impl Page<'_> {
         let plan = self.plan;
         let is_row = |a: &&Axis| !SHEET_AXES.contains(&a.name) && !COLUMN_AXES.contains(&a.name);
         let row_axes: Vec<&Axis> = plan.swept().filter(is_row).collect();
-        let radiance_axes: Vec<&Axis> = row_axes.iter().copied().filter(|axis| axis.changes_radiance).collect();
+        let radiance_axes: Vec<&Axis> = row_axes.iter().copied().filter(|axis| axis.changes_radiance()).collect();
         let with_flip = sweeps_display(plan);
         let mut sheet = ContactSheet {
             title,

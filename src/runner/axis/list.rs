@@ -1,6 +1,6 @@
 //! The list of all axes.
 
-use super::{Axis, REFERENCE, Used, diffuse, method};
+use super::{Axis, Part, REFERENCE, Used, diffuse, method};
 use crate::brdf::{self, MaskingShadowing};
 use crate::math::sequence::{SEQUENCES, sequence_by_name};
 use crate::precompute::{PrecomputeSettings, StorageFormat};
@@ -17,8 +17,8 @@ const SIDE_MAX: u32 = 4096;
 const PLAIN: Axis = Axis {
     name: "",
     about: "",
+    part: Part::Case,
     kind: Kind::Input,
-    changes_radiance: true,
     default: || Value::Unset,
     used: |_| true,
     reference: |_, value| value.clone(),
@@ -59,6 +59,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "method",
+        part: Part::Method,
         about: "how the specular term is computed",
         kind: Kind::Name { what: "method", names: || METHODS.iter().map(|m| m.name).collect() },
         default: || Value::Text("sampled".to_owned()),
@@ -68,6 +69,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "diffuse",
+        part: Part::Method,
         about: "how the diffuse term is computed",
         kind: Kind::Name { what: "diffuse method", names: || DIFFUSE.iter().map(|d| d.name).collect() },
         default: || Value::Text("sh9".to_owned()),
@@ -78,6 +80,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "samples",
+        part: Part::Count,
         about: "samples a pixel; methods that draw none have one cell, with an empty field",
         kind: Kind::Count { min: 1, max: 1 << 24 },
         default: || Value::Count(40),
@@ -88,6 +91,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "sequence",
+        part: Part::Parameter,
         about: "where a sampled method takes its points from; `splitsum list sequences`",
         kind: Kind::Name { what: "sequence", names: || SEQUENCES.iter().map(|s| s.name).collect() },
         default: || Value::Text(SEQUENCES[0].name.to_owned()),
@@ -97,6 +101,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "point_set",
+        part: Part::Luck,
         about: "set of the sequence: 0 the plain one, k > 0 randomised copies",
         kind: Kind::Count { min: 0, max: 1 << 20 },
         default: || Value::Count(0),
@@ -135,18 +140,18 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "exposure",
+        part: Part::Display,
         about: "factor before the tone curve",
         kind: Kind::Number(Range::above(0.0, 1e9)),
-        changes_radiance: false,
         default: || Value::Number(1.0),
         apply: |s, v| s.curve.exposure = v.number() as f32,
         ..PLAIN
     },
     Axis {
         name: "contrast",
+        part: Part::Display,
         about: "exponent of the tone curve times 2.2",
         kind: Kind::Number(Range::above(0.0, 100.0)),
-        changes_radiance: false,
         default: || Value::Number(1.0),
         apply: |s, v| s.curve.contrast = v.number() as f32,
         ..PLAIN
@@ -190,6 +195,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "lod_bias",
+        part: Part::Parameter,
         about: "added to the mip level of filtered samples; names are those of `splitsum list level-biases`",
         used: |u| u.method.uses_lod_bias,
         kind: Kind::NumberOrName {
@@ -204,6 +210,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "prefilter_size",
+        part: Part::Table,
         about: "width and height of the prefiltered map's first level",
         used: |u| u.method.uses_prefiltered,
         kind: Kind::Pair { min: 8, max: SIDE_MAX },
@@ -214,6 +221,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "prefilter_level_count",
+        part: Part::Table,
         about: "levels of the prefiltered map",
         used: |u| u.method.uses_prefiltered,
         kind: Kind::Count { min: 2, max: 12 },
@@ -224,6 +232,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "prefilter_sample_count",
+        part: Part::Table,
         about: "samples a texel of the prefiltered map",
         used: |u| u.method.uses_prefiltered,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
@@ -234,6 +243,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "dfg_size",
+        part: Part::Table,
         about: "side of the DFG table",
         used: Used::needs_dfg,
         kind: Kind::Count { min: 2, max: SIDE_MAX },
@@ -244,6 +254,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "dfg_sample_count",
+        part: Part::Table,
         about: "samples a texel of the DFG table",
         used: Used::needs_dfg,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
@@ -254,6 +265,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "irradiance_size",
+        part: Part::Table,
         about: "width and height of the irradiance map",
         used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
         kind: Kind::Pair { min: 2, max: SIDE_MAX },
@@ -264,6 +276,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "irradiance_sample_count",
+        part: Part::Table,
         about: "azimuth and polar samples a texel of the irradiance map",
         used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
         kind: Kind::Pair { min: 1, max: SIDE_MAX },
@@ -274,6 +287,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "storage_format",
+        part: Part::Table,
         about: "numbers of the prefiltered map, the DFG table and the irradiance map on the device; f16 ends at 65504",
         used: |u| {
             let has_irradiance_map = u.has_diffuse_surface && u.diffuse.uses_irradiance_map;

@@ -125,6 +125,25 @@ impl Default for Reference {
     }
 }
 
+/// What the values of an axis tell apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Cases: what is seen, in which light. The reference takes the same value.
+    Case,
+    /// Ways to compute a term.
+    Method,
+    /// Samples a pixel.
+    Count,
+    /// Equally good sets of points.
+    Luck,
+    /// Settings of a method.
+    Parameter,
+    /// Settings of the tables that a method looks up.
+    Table,
+    /// Tone curves. They never cause a new render.
+    Display,
+}
+
 /// One sweepable parameter.
 pub struct Axis {
     /// Name in files, on the command line and in tables.
@@ -132,8 +151,8 @@ pub struct Axis {
     /// One phrase for `splitsum list axes`.
     pub about: &'static str,
     pub kind: Kind,
-    /// False for parameters of the tone curve: they never cause a new render.
-    pub changes_radiance: bool,
+    /// What the axis tells apart.
+    pub part: Part,
     /// The value where the experiment sets none.
     pub default: fn() -> Value,
     /// Whether the parameter changes the image at this point; where not, its values collapse into one cell.
@@ -165,9 +184,16 @@ impl Used {
     }
 }
 
+impl Axis {
+    /// Whether another value means another linear image.
+    pub fn changes_radiance(&self) -> bool {
+        self.part != Part::Display
+    }
+}
+
 /// Axes that `[precompute]` may set for all cells at once.
 pub fn is_precompute(axis: &Axis) -> bool {
-    ["prefilter_", "dfg_", "irradiance_", "storage_"].iter().any(|prefix| axis.name.starts_with(prefix))
+    axis.part == Part::Table
 }
 
 /// The index in [`AXES`] of the axis of that name.

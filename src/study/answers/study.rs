@@ -384,7 +384,7 @@ fn role(name: &str, values: &[String]) -> Role {
     if values.iter().filter(|value| !value.is_empty()).count() < 2 && name != "method" {
         return Role::Fixed;
     }
-    if AXES.iter().any(|axis| axis.name == name && !axis.changes_radiance) {
+    if AXES.iter().any(|axis| axis.name == name && !axis.changes_radiance()) {
         return Role::Display;
     }
     if ["method", "samples", "point_set", RUN_AXIS].contains(&name) {
