@@ -45,22 +45,27 @@ impl Luminance {
     }
 }
 
+/// The light of each environment and clip (the values of the two axes), in plan order.
+pub fn lights(plan: &Plan) -> Vec<([&Value; 2], Luminance)> {
+    let mut found: Vec<([&Value; 2], Luminance)> = Vec::new();
+    for cell in &plan.cells {
+        let key = ["environment", "environment_clip_log2"].map(|axis| cell.point.get(axis));
+        if found.iter().all(|(known, _)| *known != key) {
+            let clip = cell.point.settings().environment_clip_log2;
+            found.push((key, Luminance::of(&plan.inputs.clipped(key[0].text(), clip))));
+        }
+    }
+    found
+}
+
 /// The rows of `environments.csv`, in plan order.
 pub fn environments(plan: &Plan) -> Rows {
     let [mean, peak] = LUMINANCE_COLUMNS;
     let columns = ["environment", "environment_clip_log2", mean, peak, RANGE_COLUMN];
-    let mut seen: Vec<[&Value; 2]> = Vec::new();
-    let mut rows = Vec::new();
-    for cell in &plan.cells {
-        let key = ["environment", "environment_clip_log2"].map(|axis| cell.point.get(axis));
-        if seen.contains(&key) {
-            continue;
-        }
-        seen.push(key);
-        let found = Luminance::of(&plan.inputs.clipped(key[0].text(), cell.point.settings().environment_clip_log2));
+    let row = |(key, found): ([&Value; 2], Luminance)| {
         let mut row = key.map(|value| Field::Text(value.to_string())).to_vec();
         row.extend([found.mean.into(), found.peak.into(), found.range_stops().into()]);
-        rows.push(row);
-    }
-    (columns.map(str::to_owned).to_vec(), rows)
+        row
+    };
+    (columns.map(str::to_owned).to_vec(), lights(plan).into_iter().map(row).collect())
 }

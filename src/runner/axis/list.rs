@@ -16,6 +16,7 @@ const SIDE_MAX: u32 = 4096;
 /// What most axes share; entries override what differs.
 const PLAIN: Axis = Axis {
     name: "",
+    plural: "",
     about: "",
     part: Part::Case,
     kind: Kind::Input,
@@ -29,6 +30,7 @@ const PLAIN: Axis = Axis {
 pub static AXES: &[Axis] = &[
     Axis {
         name: "size",
+        plural: "sizes",
         about: "width and height of the image; also a key of the file beside [axes]",
         kind: IMAGE_SIZE,
         default: || Value::Pair([256, 256]),
@@ -37,6 +39,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "environment",
+        plural: "environments",
         about: "the light: a builtin formula or an .hdr or .exr file (FILE.exr#NAME: a layer or part of it)",
         default: || Value::Text("builtin:sky".to_owned()),
         apply: |s, v| s.environment = v.text().to_owned(),
@@ -44,6 +47,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "scene",
+        plural: "scenes",
         about: "sphere, spheres, plane or an .obj file",
         default: || Value::Text("sphere".to_owned()),
         apply: |s, v| s.scene = v.text().to_owned(),
@@ -51,6 +55,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "brdf",
+        plural: "BRDF models",
         about: "microfacet model",
         kind: Kind::Name { what: "BRDF model", names: || brdf::MODELS.iter().map(|m| m.name()).collect() },
         default: || Value::Text("ggx".to_owned()),
@@ -59,6 +64,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "method",
+        plural: "methods",
         part: Part::Method,
         about: "how the specular term is computed",
         kind: Kind::Name { what: "method", names: || METHODS.iter().map(|m| m.name).collect() },
@@ -69,6 +75,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "diffuse",
+        plural: "diffuse methods",
         part: Part::Method,
         about: "how the diffuse term is computed",
         kind: Kind::Name { what: "diffuse method", names: || DIFFUSE.iter().map(|d| d.name).collect() },
@@ -80,6 +87,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "samples",
+        plural: "sample counts",
         part: Part::Count,
         about: "samples a pixel; methods that draw none have one cell, with an empty field",
         kind: Kind::Count { min: 1, max: 1 << 24 },
@@ -91,6 +99,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "sequence",
+        plural: "sequences",
         part: Part::Parameter,
         about: "where a sampled method takes its points from; `splitsum list sequences`",
         kind: Kind::Name { what: "sequence", names: || SEQUENCES.iter().map(|s| s.name).collect() },
@@ -101,6 +110,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "point_set",
+        plural: "point sets",
         part: Part::Luck,
         about: "set of the sequence: 0 the plain one, k > 0 randomised copies",
         kind: Kind::Count { min: 0, max: 1 << 20 },
@@ -111,6 +121,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "alpha",
+        plural: "alphas",
         about: "microfacet width of every material",
         kind: Kind::Alpha,
         apply: |s, v| s.material.alpha = Some(v.number() as f32),
@@ -118,6 +129,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "f0",
+        plural: "values of f0",
         about: "reflectance at normal incidence of every dielectric",
         used: |u| u.has_dielectric,
         kind: Kind::Color(Range::closed(0.0, 1.0)),
@@ -126,6 +138,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "albedo",
+        plural: "albedos",
         about: "albedo of every material",
         kind: Kind::Color(Range::closed(0.0, 1.0)),
         apply: |s, v| s.material.albedo = Some(v.color()),
@@ -133,6 +146,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "metallic",
+        plural: "values of metallic",
         about: "0 dielectric, 1 metal",
         kind: Kind::Number(Range::closed(0.0, 1.0)),
         apply: |s, v| s.material.metallic = Some(v.number() as f32),
@@ -140,6 +154,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "exposure",
+        plural: "exposures",
         part: Part::Display,
         about: "factor before the tone curve",
         kind: Kind::Number(Range::above(0.0, 1e9)),
@@ -149,6 +164,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "contrast",
+        plural: "contrasts",
         part: Part::Display,
         about: "exponent of the tone curve times 2.2",
         kind: Kind::Number(Range::above(0.0, 100.0)),
@@ -158,6 +174,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "environment_rotation_deg",
+        plural: "rotations",
         about: "turns the environment about +y",
         kind: Kind::Number(Range::closed(-360.0, 360.0)),
         default: || Value::Number(0.0),
@@ -166,6 +183,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "environment_scale",
+        plural: "scales",
         about: "multiplies the environment's radiance",
         kind: Kind::Number(Range::above(0.0, 1e9)),
         default: || Value::Number(1.0),
@@ -174,6 +192,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "environment_clip_log2",
+        plural: "clips",
         about: "cuts the environment's radiance off at 2 to this power, for the reference too: less dynamic range",
         kind: Kind::Number(Range::closed(-30.0, 60.0)),
         apply: |s, v| s.environment_clip_log2 = Some(v.number()),
@@ -181,6 +200,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "masking",
+        plural: "maskings",
         about: "masking-shadowing; the same in a cell and its reference",
         kind: Kind::Name {
             what: "masking-shadowing",
@@ -195,6 +215,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "lod_bias",
+        plural: "level biases",
         part: Part::Parameter,
         about: "added to the mip level of filtered samples; names are those of `splitsum list level-biases`",
         used: |u| u.method.uses_lod_bias,
@@ -210,6 +231,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "prefilter_size",
+        plural: "prefilter sizes",
         part: Part::Table,
         about: "width and height of the prefiltered map's first level",
         used: |u| u.method.uses_prefiltered,
@@ -221,6 +243,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "prefilter_level_count",
+        plural: "level counts",
         part: Part::Table,
         about: "levels of the prefiltered map",
         used: |u| u.method.uses_prefiltered,
@@ -232,6 +255,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "prefilter_sample_count",
+        plural: "prefilter sample counts",
         part: Part::Table,
         about: "samples a texel of the prefiltered map",
         used: |u| u.method.uses_prefiltered,
@@ -243,6 +267,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "dfg_size",
+        plural: "DFG sizes",
         part: Part::Table,
         about: "side of the DFG table",
         used: Used::needs_dfg,
@@ -254,6 +279,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "dfg_sample_count",
+        plural: "DFG sample counts",
         part: Part::Table,
         about: "samples a texel of the DFG table",
         used: Used::needs_dfg,
@@ -265,6 +291,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "irradiance_size",
+        plural: "irradiance sizes",
         part: Part::Table,
         about: "width and height of the irradiance map",
         used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
@@ -276,6 +303,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "irradiance_sample_count",
+        plural: "irradiance sample counts",
         part: Part::Table,
         about: "azimuth and polar samples a texel of the irradiance map",
         used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
@@ -287,6 +315,7 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "storage_format",
+        plural: "storage formats",
         part: Part::Table,
         about: "numbers of the prefiltered map, the DFG table and the irradiance map on the device; f16 ends at 65504",
         used: |u| {

@@ -151,6 +151,8 @@ pub struct Axis {
     /// One phrase for `splitsum list axes`.
     pub about: &'static str,
     pub kind: Kind,
+    /// Several of its values as people say them: "environments".
+    pub plural: &'static str,
     /// What the axis tells apart.
     pub part: Part,
     /// The value where the experiment sets none.
@@ -185,6 +187,11 @@ impl Used {
 }
 
 impl Axis {
+    /// Several of its values as people say them.
+    pub fn plural(&self) -> &'static str {
+        self.plural
+    }
+
     /// Whether another value means another linear image.
     pub fn changes_radiance(&self) -> bool {
         self.part != Part::Display

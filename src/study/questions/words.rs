@@ -1,0 +1,60 @@
+//! Numbers, counts and scopes as sentences say them.
+
+use crate::runner::axis::AXES;
+use crate::runner::value::Value;
+use crate::spelling::short_number;
+use crate::study::frame::{Row, distinct_in_order, estimate::Estimate};
+use crate::table::markdown::significant;
+use std::path::Path;
+
+/// Digits of a number in a sentence.
+const DIGITS: usize = 2;
+
+/// A number as sentences and digests write it: two digits.
+pub fn number(x: f64) -> String {
+    significant(x, DIGITS)
+}
+
+/// "12 (95 % 8.1 to 17)"; without an interval, or with one wider than a decade, the number alone.
+pub fn with_interval(estimate: &Estimate) -> String {
+    match estimate.told_interval() {
+        Some([lo, hi]) => format!("{} (95 % {} to {})", number(estimate.value), number(lo), number(hi)),
+        None => number(estimate.value),
+    }
+}
+
+/// "1 case", "30 cases".
+pub fn count(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
+/// A value as people say it: builtins without prefix, files without folder and extension, numbers short.
+pub fn short(axis: usize, value: &Value) -> String {
+    let text = value.to_string();
+    if !matches!(AXES[axis].kind, crate::runner::value::Kind::Input) {
+        return short_number(&text).into_owned();
+    }
+    match text.strip_prefix("builtin:") {
+        Some(formula) => formula.to_owned(),
+        None => Path::new(&text).file_stem().map_or(text.clone(), |stem| stem.to_string_lossy().into_owned()),
+    }
+}
+
+/// "alpha 0.1 · sky · ggx": values on axes, each telling what it is.
+pub fn label(axes: &[usize], key: &[Value]) -> String {
+    let word = |(&axis, value): (&usize, &Value)| {
+        let word = short(axis, value);
+        let is_bare = word.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+        if is_bare { format!("{} {word}", AXES[axis].name) } else { word }
+    };
+    let set = axes.iter().zip(key).filter(|(_, value)| **value != Value::Unset);
+    set.map(word).collect::<Vec<_>>().join(" · ")
+}
+
+/// "2 environments, 3 BRDF models, 5 alphas": how many values rows have on these axes; axes with one value are left out.
+pub fn scope(rows: &[&Row], axes: &[usize]) -> String {
+    let values = |axis: usize| distinct_in_order(rows.iter().map(|row| row.point.0[axis].clone()));
+    let counts = axes.iter().map(|&axis| (axis, values(axis).iter().filter(|value| **value != Value::Unset).count()));
+    let words = counts.filter(|(_, n)| *n > 1).map(|(axis, n)| format!("{n} {}", AXES[axis].plural()));
+    words.collect::<Vec<_>>().join(", ")
+}
