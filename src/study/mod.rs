@@ -1,10 +1,10 @@
 //! What finished runs say: questions with their answers, figures, the page. Needs no device.
 
-pub mod answers;
 pub mod figure;
 pub mod finished;
 pub mod frame;
+pub mod publish;
 pub mod questions;
-pub mod report;
-pub(crate) mod summary;
+pub mod summary;
 pub mod table;
+pub mod write;

@@ -7,7 +7,7 @@ mod read;
 mod run;
 
 pub use notes::notes;
-pub use read::FinishedError;
+pub use read::{FinishedError, provenance};
 
 use crate::metrics::METRICS;
 use crate::runner::axis::{AXES, Point};

@@ -178,7 +178,7 @@ pub(super) fn last_command(provenance: &Json) -> Option<String> {
 }
 
 /// `provenance.json` of a run, published or not.
-fn provenance(dir: &Path) -> Result<Json, FinishedError> {
+pub fn provenance(dir: &Path) -> Result<Json, FinishedError> {
     if dir.is_file() {
         return Err(FinishedError::NotAFolder { dir: dir.to_owned() });
     }

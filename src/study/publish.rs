@@ -1,15 +1,15 @@
 //! Published runs: the small files of finished runs in a folder for git, and a page with the answers of all of them.
 
-use super::folder::{ANSWER_FILE, AnswerRecord, AnswersError, FOLDER, SUMMARY_FILE};
-use super::run_folder;
+use super::finished::{FinishedError, provenance};
+use super::summary::{sheet_link, sheet_title};
+use super::write::{ANSWER_FILE, AnswerRecord, SUMMARY_FILE, WriteError};
 use crate::files::{TEXT_BYTES_MAX, read_text, relative};
 use crate::pixels::{PixelsError, png, write_atomically};
 use crate::runner::frozen::EXPERIMENT_FILE;
 use crate::runner::provenance::{EXPERIMENT_FOLDER, PROVENANCE_FILE, SET_FOLDER};
 use crate::runner::sheets::{PUBLISHED_SIZE, sheet_files};
-use crate::runner::store::TIMINGS_FOLDER;
+use crate::runner::store::{ANSWERS_FOLDER, TIMINGS_FOLDER};
 use crate::slips;
-use crate::study::summary::{sheet_link, sheet_title};
 use crate::table::markdown::{self, Align, MarkdownTable, inline, link_label, paragraph};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -40,7 +40,9 @@ const PAGE: &str = "README.md";
 #[derive(Debug, thiserror::Error)]
 pub enum PublishError {
     #[error(transparent)]
-    Answers(#[from] AnswersError),
+    Answers(#[from] WriteError),
+    #[error(transparent)]
+    Run(#[from] FinishedError),
     #[error("{}: {error}", path.display())]
     Io { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
@@ -65,7 +67,7 @@ impl PublishError {
     pub fn is_misuse(&self) -> bool {
         match self {
             Self::Itself { .. } | Self::NotAFolder { .. } | Self::NotPublished { .. } | Self::OtherPlan { .. } => true,
-            Self::Answers(AnswersError::Run(_)) => true,
+            Self::Run(_) => true,
             Self::Folder { .. } => true,
             Self::Answers(_) | Self::Io { .. } | Self::Picture(_) => false,
         }
@@ -75,7 +77,7 @@ impl PublishError {
 /// Fails when publishing the run in `dir` into a folder would put it in the place of something else: of the run of another plan, unless
 /// `replace`, or of files that were never published. The same plan again, run anew, is no such case.
 pub fn check(dir: &Path, into: &Path, replace: bool) -> Result<(), PublishError> {
-    let new = run_folder::provenance(dir).map_err(AnswersError::from)?;
+    let new = provenance(dir)?;
     let target = into.join(new["name"].as_str().unwrap_or_default());
     if let Some(file) = [into, &target].into_iter().find(|path| path.is_file()) {
         return Err(PublishError::NotAFolder { path: file.to_owned() });
@@ -90,10 +92,10 @@ pub fn check(dir: &Path, into: &Path, replace: bool) -> Result<(), PublishError>
     if !has_files {
         return Ok(());
     }
-    if !target.join(FOLDER).join(ANSWER_FILE).exists() {
+    if !target.join(ANSWERS_FOLDER).join(ANSWER_FILE).exists() {
         return Err(PublishError::NotPublished { path: target });
     }
-    let published = run_folder::provenance(&target).map_err(AnswersError::from)?;
+    let published = provenance(&target)?;
     if replace || published["plan_hash"] == new["plan_hash"] {
         return Ok(());
     }
@@ -115,16 +117,16 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     check(dir, into, replace)?;
     let record = AnswerRecord::read(dir)?;
     let target = into.join(&record.name);
-    std::fs::create_dir_all(target.join(FOLDER))
+    std::fs::create_dir_all(target.join(ANSWERS_FOLDER))
         .map_err(|error| PublishError::Folder { path: target.clone(), error })?;
     let mut names: Vec<PathBuf> = FILES.iter().map(PathBuf::from).collect();
-    names.extend(record.files.iter().map(|name| Path::new(FOLDER).join(name)));
-    names.push(Path::new(FOLDER).join(ANSWER_FILE));
+    names.extend(record.files.iter().map(|name| Path::new(ANSWERS_FOLDER).join(name)));
+    names.push(Path::new(ANSWERS_FOLDER).join(ANSWER_FILE));
     let mut notes = Vec::new();
     let mut left_out: Vec<String> = Vec::new();
     // What an earlier publication left and this one does not have must not stand beside it.
     let folders = FOLDERS.map(|name| target.join(name)).into_iter().filter(|folder| folder.is_dir());
-    for folder in [target.clone(), target.join(FOLDER)].into_iter().chain(folders) {
+    for folder in [target.clone(), target.join(ANSWERS_FOLDER)].into_iter().chain(folders) {
         for entry in std::fs::read_dir(&folder).map_err(io(&folder))?.flatten() {
             if !entry.path().is_file() || entry.file_name() == REMARK_FILE {
                 continue;
@@ -184,7 +186,7 @@ fn published_size([width, height]: [u32; 2]) -> [u32; 2] {
 
 /// The provenance, with the folders of the experiment's files as they are reached from the published one.
 fn write_provenance(dir: &Path, target: &Path) -> Result<(), PublishError> {
-    let mut value = run_folder::provenance(dir).map_err(AnswersError::from)?;
+    let mut value = provenance(dir)?;
     for key in [EXPERIMENT_FOLDER, SET_FOLDER] {
         if let Some(folder) = value[key].as_str() {
             value[key] = relative(target, &dir.join(folder)).into();
@@ -229,7 +231,7 @@ fn with_published_sheets(summary: &str, sheets: &[PathBuf], published: Option<&s
 pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
     let mut runs: Vec<Published> = Vec::new();
     for entry in std::fs::read_dir(into).map_err(io(into))?.flatten() {
-        if entry.path().join(FOLDER).join(ANSWER_FILE).exists() {
+        if entry.path().join(ANSWERS_FOLDER).join(ANSWER_FILE).exists() {
             let folder = entry.file_name().to_string_lossy().into_owned();
             // A remark is a person's choice; most runs have none.
             let remark = read_text(&entry.path().join(REMARK_FILE), TEXT_BYTES_MAX).unwrap_or_default();
@@ -259,23 +261,21 @@ struct Published {
 
 /// The page over published runs.
 fn page(runs: &[Published]) -> String {
-    let mut text = "# The answers in a page\n\nWritten by `splitsum answers --publish` from the runs in this folder; only the remarks are a person's (`NAME/remark.md`). Each run has its \
-                    tables, pictures and provenance; its summary says more.\n\n"
+    let mut text = "# Published runs\n\nThis page is written by `splitsum answers --publish`. The remarks are a person's (`NAME/remark.md`).\n\n"
         .to_owned();
     let mut table = MarkdownTable::new(&[("run", Align::Left), ("question", Align::Left), ("answer", Align::Left)]);
     for Published { folder, run, .. } in runs {
         let link = markdown::link(&run.name, &format!("{folder}/{SUMMARY_FILE}"));
-        table.row_with_link(&link, &[&run.question, &run.answer.sentence]);
+        table.row_with_link(&link, &[run.question.as_str(), run.headline()]);
     }
     text += &format!("{table}\n");
     if runs.iter().any(|published| published.run.is_cpu_timed) {
-        text += "**All times are those of a CPU driver where it is named below: they say nothing about a GPU.** Errors do not depend on the \
-                 device's speed.\n\n";
+        text += "**Times from a CPU driver say nothing about a GPU.** Errors do not depend on the device's speed.\n\n";
     }
     for Published { folder, remark, sheet, run } in runs {
-        let [name, sentence] = [&run.name, &run.answer.sentence].map(|text| inline(text));
+        let (name, sentence) = (inline(&run.name), paragraph(run.headline()));
         text += &format!("## {name}\n\n{}\n\n**{sentence}**\n\n", paragraph(&run.question));
-        text.extend(run.answer.facts.iter().map(|fact| format!("- {}\n", paragraph(fact))));
+        text.extend(run.answers.iter().skip(1).map(|answer| format!("- {}\n", paragraph(&answer.sentence))));
         if !remark.trim().is_empty() {
             text += &format!("\n{}\n", remark.trim());
         }
@@ -284,8 +284,8 @@ fn page(runs: &[Published]) -> String {
             text.push('\n');
         }
         for name in pictures {
-            let about = name.trim_end_matches(".svg").replace('_', " ");
-            text += &format!("[{about}]({folder}/{FOLDER}/{name}) · ");
+            let about = name.trim_end_matches(".svg");
+            text += &format!("[{about}]({folder}/{ANSWERS_FOLDER}/{name}) · ");
         }
         if let Some(sheet) = sheet {
             text += &format!("{} · ", markdown::link("contact sheet", &format!("{folder}/{sheet}")));
@@ -302,4 +302,46 @@ fn page(runs: &[Published]) -> String {
         );
     }
     text.trim_end().to_owned() + "\n"
+}
+
+/// Begins a block of README that [`write_readme`] fills: `<!-- answer RUN QUESTION -->`.
+const BLOCK_START: &str = "<!-- answer ";
+/// Ends such a block.
+const BLOCK_END: &str = "<!-- /answer -->";
+
+/// Fills the blocks of the README beside a folder of published runs: the sentence and the digest of one answer each. Returns its path where
+/// it has blocks.
+pub fn write_readme(into: &Path) -> Result<Option<PathBuf>, PublishError> {
+    let path = into.parent().unwrap_or(Path::new("")).join(PAGE);
+    let Ok(text) = read_text(&path, TEXT_BYTES_MAX) else { return Ok(None) };
+    let filled = with_answers(&text, into)?;
+    if filled != text {
+        write_atomically(&path, |writer| writer.write_all(filled.as_bytes()))?;
+    }
+    Ok(text.contains(BLOCK_START).then_some(path))
+}
+
+/// A text with its blocks filled from the published runs in `into`; a block of a run or question that is not there stays.
+pub fn with_answers(text: &str, into: &Path) -> Result<String, PublishError> {
+    let mut parts = text.split(BLOCK_START);
+    let mut filled = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (head, rest) = part.split_once("-->").unwrap_or((part, ""));
+        let (old, after) = rest.split_once(BLOCK_END).unwrap_or((rest, ""));
+        let content = block(head, into)?.unwrap_or_else(|| old.to_owned());
+        filled += &format!("{BLOCK_START}{head}-->{content}{BLOCK_END}{after}");
+    }
+    Ok(filled)
+}
+
+/// The content of a block with this head: "RUN QUESTION".
+fn block(head: &str, into: &Path) -> Result<Option<String>, PublishError> {
+    let Some((run, question)) = head.trim().split_once(' ') else { return Ok(None) };
+    let dir = into.join(run);
+    if !dir.join(ANSWERS_FOLDER).join(ANSWER_FILE).exists() {
+        return Ok(None);
+    }
+    let record = AnswerRecord::read(&dir)?;
+    let answer = record.answers.into_iter().find(|answer| answer.question == question);
+    Ok(answer.map(|answer| format!("\n{}\n\n{}\n", paragraph(&answer.sentence), answer.digest)))
 }
