@@ -117,6 +117,12 @@ pub static METRICS: &[&dyn Metric] = &[
     &flip::Flip,
 ];
 
+/// Name of the metric that answers rest on where an experiment names none.
+pub const HEADLINE: &str = "relmse_eps1e-2";
+
+/// Name of the metric that stands for it after the tone curve.
+pub const DISPLAY_HEADLINE: &str = "flip";
+
 /// The metric of that name.
 pub fn metric(name: &str) -> Option<&'static dyn Metric> {
     METRICS.iter().copied().find(|metric| metric.description().name == name)

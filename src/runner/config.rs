@@ -4,8 +4,9 @@
 
 use super::axis::{AXES, Axis, Point, Reference, Terms, by_name, index_of};
 use super::fault::{Faults, Place};
-use super::toml_tree::{checked, entries, first_of_twice, raw, table, unknown_key};
+use super::toml_tree::{checked, entries, first_of_twice, raw, table, texts, unknown_key};
 use super::value::{Kind, Range, Raw, Value};
+use crate::metrics::{HEADLINE, METRICS, metric};
 use crate::scene::{CameraKind, Light, LightKind};
 use crate::shade::METHODS;
 use glam::DVec3;
@@ -73,6 +74,12 @@ pub struct Config {
     pub text: String,
     pub name: String,
     pub question: String,
+    /// Names of the questions to answer, each with its place; the first one leads. Nothing here knows which names there are.
+    pub asks: Vec<(String, Place)>,
+    /// Name of the metric that the answers rest on; one of [`METRICS`].
+    pub metric: &'static str,
+    /// Where the metric was written.
+    pub metric_place: Place,
     pub seed: u32,
     pub camera: CameraKind,
     pub background: bool,
@@ -110,9 +117,15 @@ pub struct Config {
 pub const CAMERA: Kind =
     Kind::Name { what: "camera", names: || CameraKind::ALL.iter().map(|(name, _)| *name).collect() };
 
+/// The metric names.
+pub const METRIC: Kind =
+    Kind::Name { what: "metric", names: || METRICS.iter().map(|metric| metric.description().name).collect() };
+
 const KEYS: &[&str] = &[
     "name",
     "question",
+    "asks",
+    "metric",
     "seed",
     "size",
     "scene",
@@ -156,6 +169,9 @@ impl Config {
             text: text.to_owned(),
             name: String::new(),
             question: String::new(),
+            asks: Vec::new(),
+            metric: HEADLINE,
+            metric_place: Place::Default,
             seed: 1,
             camera: CameraKind::default(),
             background: false,
@@ -190,6 +206,11 @@ impl Config {
         config.apply_overrides(faults);
         config.check_zips(faults);
         config
+    }
+
+    /// An empty collection for faults of this experiment: later checks add theirs at the places of this config.
+    pub fn faults(&self) -> Faults<'_> {
+        Faults::new(&self.path, &self.text)
     }
 
     /// A parameter is set for all cells or swept, never both.
@@ -248,6 +269,12 @@ impl Config {
                 Raw::Text(question) => self.question = question,
                 _ => faults.add(&at, format!("question: {raw} is not text")),
             },
+            "asks" => self.asks = texts(value, key, faults),
+            "metric" => {
+                if let Some(found) = check(METRIC).and_then(|v| metric(v.text())) {
+                    (self.metric, self.metric_place) = (found.description().name, at.clone());
+                }
+            }
             "seed" => self.seed = check(SEED).map_or(self.seed, |v| v.count()),
             "size" | "scene" => {
                 if let Some(value) = check(by_name(key).kind) {

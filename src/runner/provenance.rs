@@ -69,8 +69,8 @@ pub fn experiment_hash(text: &str) -> String {
 }
 
 /// What of a provenance tells of the experiment file and not of its cells.
-const OF_THE_FILE: [&str; 6] =
-    ["question", "experiment_file", "experiment_hash", "overrides", EXPERIMENT_FOLDER, SET_FOLDER];
+const OF_THE_FILE: [&str; 8] =
+    ["question", "asks", "metric", "experiment_file", "experiment_hash", "overrides", EXPERIMENT_FOLDER, SET_FOLDER];
 
 /// Whether the provenance in the folder `dir` tells the text of `plan`, and the folders of its files, as they are now.
 pub(super) fn names_experiment(value: &Value, plan: &Plan, dir: &Path) -> bool {
@@ -97,6 +97,8 @@ pub fn provenance(plan: &Plan, dir: &Path) -> Value {
         "schema_version": SCHEMA_VERSION,
         "name": plan.config.name,
         "question": plan.config.question,
+        "asks": plan.config.asks.iter().map(|(name, _)| name).collect::<Vec<_>>(),
+        "metric": plan.config.metric,
         "experiment_file": plan.config.path.display().to_string(),
         "experiment_hash": experiment_hash(&plan.config.text),
         "overrides": plan.config.overrides,

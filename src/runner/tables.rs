@@ -1,5 +1,7 @@
 //! The rows of a run's tables, in plan order, so that the bytes do not depend on the order of work.
 
+pub use crate::metrics::{DISPLAY_HEADLINE, HEADLINE};
+
 use super::axis::AXES;
 use super::host::UNKNOWN;
 use super::plan::{Cell, Plan};
@@ -20,12 +22,6 @@ pub enum CellResult {
 
 /// Results by cell id.
 pub type Results = BTreeMap<String, CellResult>;
-
-/// The metric that decides verdicts and break-even: relative, so that bright and dark surfaces count alike.
-pub const HEADLINE: &str = "relmse_eps1e-2";
-
-/// The display metric that summaries and sheets show: what a viewer notices.
-pub const DISPLAY_HEADLINE: &str = "flip";
 
 /// Metrics whose noise floor stands in the table: those of linear values.
 fn floored_names() -> Vec<&'static str> {

@@ -93,6 +93,30 @@ pub fn list<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Fa
     }
 }
 
+/// The texts of a list of distinct ones, each with its place; an empty list is a fault.
+pub fn texts(value: &Spanned<DeValue>, name: &str, faults: &mut Faults) -> Vec<(String, Place)> {
+    let mut texts: Vec<(String, Place)> = Vec::new();
+    match value.get_ref().as_array().filter(|items| !items.is_empty()) {
+        None => faults.add(
+            &Place::File(value.span().start),
+            format!("{name}: {} is not a list of at least one name", raw(value.get_ref())),
+        ),
+        Some(items) => {
+            for item in items.iter() {
+                let place = Place::File(item.span().start);
+                match raw(item.get_ref()) {
+                    Raw::Text(text) if texts.iter().any(|(known, _)| *known == text) => {
+                        faults.add(&place, format!("{name}: {text} stands twice"));
+                    }
+                    Raw::Text(text) => texts.push((text, place)),
+                    other => faults.add(&place, format!("{name}: {other} is not text")),
+                }
+            }
+        }
+    }
+    texts
+}
+
 /// What is written, before it is checked.
 pub fn raw(value: &DeValue) -> Raw {
     match value {

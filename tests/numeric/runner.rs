@@ -1,5 +1,6 @@
 //! Experiment files, plans and runs. No test needs a device: runs use a renderer made of formulas.
 
+mod asks;
 mod chunk;
 mod config;
 mod estimate;

@@ -4,7 +4,7 @@ use splitsum::runner::Plan;
 use std::path::Path;
 
 /// The faults of `text` as the file `e.toml`, one a line.
-fn faults(text: &str, overrides: &[&str]) -> Vec<String> {
+pub fn faults(text: &str, overrides: &[&str]) -> Vec<String> {
     let overrides: Vec<String> = overrides.iter().map(|o| o.to_string()).collect();
     match Plan::from_text(Path::new("e.toml"), text, &overrides) {
         Ok(_) => Vec::new(),
@@ -13,7 +13,7 @@ fn faults(text: &str, overrides: &[&str]) -> Vec<String> {
 }
 
 /// `found` must hold the `expected` beginnings, in this order and no more.
-fn assert_faults(found: &[String], expected: &[&str]) {
+pub fn assert_faults(found: &[String], expected: &[&str]) {
     assert_eq!(found.len(), expected.len(), "{found:#?}");
     for (found, expected) in found.iter().zip(expected) {
         assert!(found.starts_with(expected), "found {found:?}, expected {expected:?}");
