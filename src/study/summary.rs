@@ -68,7 +68,8 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
     );
     text += &extensions(run);
     if record.devices.len() > 1 {
-        text += "**The cells come from more than one device or driver: their scores may differ in the last digits.**\n\n";
+        text +=
+            "**The cells come from more than one device or driver: their scores may differ in the last digits.**\n\n";
     }
     text
 }
@@ -115,7 +116,10 @@ fn reference_stops(run: &Finished) -> String {
         None => format!(" (relative standard error: {errors})"),
         Some(wanted) => {
             let met = stops.values().filter(|stop| stop.stopped_by == StopReason::RelativeError).count();
-            format!(" at most; {met} of {} stopped earlier at a relative standard error of {wanted} ({errors})", stops.len())
+            format!(
+                " at most; {met} of {} stopped earlier at a relative standard error of {wanted} ({errors})",
+                stops.len()
+            )
         }
     }
 }

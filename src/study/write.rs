@@ -3,7 +3,7 @@
 use super::figure::svg::{WIDTHS, svg};
 use super::figure::vega::vega;
 use super::finished::Finished;
-use super::questions::{Answer, question};
+use super::questions::Answer;
 use super::summary;
 use super::table::Table;
 use crate::files::{RECORD_BYTES_MAX, holds, read_text};
@@ -160,9 +160,4 @@ impl Written {
         }
         Ok(())
     }
-}
-
-/// The first of these names that is no question, where there is one.
-pub fn first_unknown(names: &[String]) -> Option<&String> {
-    names.iter().find(|name| question(name).is_none())
 }

@@ -8,9 +8,8 @@ mod shape;
 pub use shape::Shape;
 
 use super::finished::{Bin, Finished, FinishedCell};
-use crate::metrics::{BiasVariance, Metric, Verdict, metric, verdict};
+use crate::metrics::{BiasVariance, HEADLINE, Metric, Verdict, metric, verdict};
 use crate::runner::axis::{AXES, Part, Point, index_of};
-use crate::runner::tables::HEADLINE;
 use crate::runner::value::Value;
 use std::collections::HashMap;
 
@@ -46,7 +45,7 @@ pub fn axis(name: &str) -> usize {
 impl<'f> Frame<'f> {
     /// The frame of a run, judged by the metric of that name, else by the experiment's own.
     pub fn new(run: &'f Finished, metric_name: Option<&str>) -> Self {
-        let own = run.config.as_ref().map_or(HEADLINE, |_| HEADLINE);
+        let own = run.config.as_ref().map_or(HEADLINE, |config| config.metric);
         let metric = metric(metric_name.unwrap_or(own)).expect("the caller checked the metric's name");
         let rows = distinct(run);
         Self { shape: Shape::of_rows(run, &rows), run, rows, metric }

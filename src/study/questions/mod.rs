@@ -9,6 +9,9 @@ use super::figure::Figure;
 use super::finished::Finished;
 use super::frame::{Frame, Shape};
 use super::table::{Column, Table};
+use crate::runner::config::Config;
+use crate::runner::fault::ConfigError;
+use crate::spelling::suggestion;
 
 /// Declares the modules of the questions and lists them in this order.
 macro_rules! questions {
@@ -60,14 +63,34 @@ pub fn question(name: &str) -> Option<&'static Question> {
     QUESTIONS.iter().copied().find(|question| question.name == name)
 }
 
-/// The answers of a run to what its experiment asks, the leading one first. Without `asks`, every question that its axes serve.
-pub fn answers(run: &Finished, asked: &[String], metric: Option<&str>) -> Vec<Answer> {
+/// The answers of a run to what its experiment asks, the leading one first. Without `asks`, every question that its axes serve. The metric
+/// is the one of that name, else the experiment's own.
+pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
     let frame = Frame::new(run, metric);
-    let serves = |question: &&&Question| (question.lacks)(&frame.shape).is_none();
+    let asked = run.config.as_ref().map_or(&[][..], |config| &config.asks);
+    let serves = |question: &&'static Question| (question.lacks)(&frame.shape).is_none();
     let questions: Vec<&'static Question> = match asked.is_empty() {
-        true => QUESTIONS.iter().filter(serves).copied().collect(),
-        false => asked.iter().filter_map(|name| question(name)).collect(),
+        true => QUESTIONS.iter().copied().filter(serves).collect(),
+        false => asked.iter().filter_map(|(name, _)| question(name)).filter(serves).collect(),
     };
     let answer = |question: &'static Question| Some(Answer { question, finding: (question.answer)(&frame)? });
     questions.into_iter().filter_map(answer).collect()
+}
+
+/// Faults for each asked name that is no question, and for each question that the axes cannot serve.
+pub fn check(config: &Config) -> Result<(), ConfigError> {
+    let shape = Shape::of_config(config);
+    let names: Vec<&str> = QUESTIONS.iter().map(|question| question.name).collect();
+    let mut faults = config.faults();
+    for (name, place) in &config.asks {
+        match question(name) {
+            None => faults.add(place, format!("asks: {name:?} is not a question{}", suggestion(name, &names))),
+            Some(question) => {
+                if let Some(lack) = (question.lacks)(&shape) {
+                    faults.add(place, format!("asks: {name:?} cannot be answered: {lack}"));
+                }
+            }
+        }
+    }
+    faults.into_result()
 }
