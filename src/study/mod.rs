@@ -1,5 +1,6 @@
 //! What finished runs say: questions with their answers, figures, the page. Needs no device.
 
+pub mod columns;
 pub mod figure;
 pub mod finished;
 pub mod frame;

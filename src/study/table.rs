@@ -1,16 +1,10 @@
 //! Tables of answers: columns with their meaning, rows as CSV and as Markdown.
 
+pub use crate::runner::columns::Column;
+
 use crate::runner::axis::AXES;
 use crate::table::csv::{self, Cell};
 use crate::table::markdown::{Align, MarkdownTable, significant};
-
-/// A column and its meaning, for docs/columns.md and the page.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Column {
-    pub name: &'static str,
-    /// One sentence with the unit and the range.
-    pub about: &'static str,
-}
 
 /// Rows under named columns.
 #[derive(Clone, Debug, PartialEq)]
