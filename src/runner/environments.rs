@@ -1,5 +1,6 @@
 //! `environments.csv`: what the light of an experiment is like, one row for each environment and clip.
 
+use super::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP};
 use super::plan::Plan;
 use super::tables::Rows;
 use super::value::Value;
@@ -48,11 +49,12 @@ impl Luminance {
 /// The rows of `environments.csv`, in plan order.
 pub fn environments(plan: &Plan) -> Rows {
     let [mean, peak] = LUMINANCE_COLUMNS;
-    let columns = ["environment", "environment_clip_log2", mean, peak, RANGE_COLUMN];
+    let axes = [ENVIRONMENT, ENVIRONMENT_CLIP];
+    let columns = axes.iter().map(|&axis| AXES[axis].name).chain([mean, peak, RANGE_COLUMN]);
     let mut seen: Vec<[&Value; 2]> = Vec::new();
     let mut rows = Vec::new();
     for cell in &plan.cells {
-        let key = ["environment", "environment_clip_log2"].map(|axis| cell.point.get(axis));
+        let key = axes.map(|axis| &cell.point[axis]);
         if seen.contains(&key) {
             continue;
         }
@@ -62,5 +64,5 @@ pub fn environments(plan: &Plan) -> Rows {
         row.extend([found.mean.into(), found.peak.into(), found.range_stops().into()]);
         rows.push(row);
     }
-    (columns.map(str::to_owned).to_vec(), rows)
+    (columns.map(str::to_owned).collect(), rows)
 }
