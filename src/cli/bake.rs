@@ -7,7 +7,7 @@ use splitsum::brdf::MODELS;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pipeline::BakeRequest;
 use splitsum::runner::RenderFault;
-use splitsum::runner::axis::{AXES, Point, is_precompute};
+use splitsum::runner::axis::{self, AXES, Point, is_precompute};
 use splitsum::runner::value::Value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -46,7 +46,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         if arguments.settings[..index].iter().any(|(earlier, _)| earlier == name) {
             return Err(Failure::BadInput(format!("--set {name}: stands twice; expected one value")));
         }
-        point.set(name, value.clone());
+        point[axis::index_of(name).expect("the parser found it")] = value.clone();
     }
     let settings = point.settings();
     settings.precompute.validate().map_err(|error| Failure::BadInput(format!("--set: {error}")))?;

@@ -205,14 +205,14 @@ fn flags(arguments: &Arguments) -> [(&'static str, &'static str, &Option<Value>)
 /// The flags as a point; what no flag sets keeps the axis's default.
 fn point(arguments: &Arguments) -> Point {
     let mut point = Point::default();
-    point.set("size", arguments.size.clone());
+    point[axis::SIZE] = arguments.size.clone();
     for (_, axis, value) in flags(arguments) {
         if let Some(value) = value {
-            point.set(axis, value.clone());
+            point[axis::index_of(axis).expect("a listed axis")] = value.clone();
         }
     }
-    if arguments.samples.is_none() && point.get("method").text() == REFERENCE {
-        point.set("samples", Value::Count(Reference::default().samples));
+    if arguments.samples.is_none() && point.method().is_reference() {
+        point[axis::SAMPLES] = Value::Count(Reference::default().samples);
     }
     point
 }

@@ -1,6 +1,6 @@
 //! What values must be together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
 
-use super::axis::{AXES, Point, REFERENCE};
+use super::axis::{AXES, PREFILTER_SIZE, Point, REFERENCE, SAMPLES, SIZE, index_of};
 use super::config::{Config, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
@@ -21,9 +21,8 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
         let point = point.collapsed(has_lights);
         check_reference_counts(config, &point, &judge, faults);
         if let Err(error) = point.settings().precompute.validate() {
-            let partners = [error.field(), "prefilter_size"];
-            let place =
-                partners.iter().map(|name| config.place_of(name, &point)).find(|place| *place != Place::Default);
+            let partners = index_of(error.field()).into_iter().chain([PREFILTER_SIZE]);
+            let place = partners.map(|axis| config.place_of(axis, &point)).find(|place| *place != Place::Default);
             faults.add(&place.unwrap_or(Place::Default), error.to_string());
         }
     }
@@ -31,10 +30,7 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
 
 /// Every size of the images, with its place.
 pub fn sizes(config: &Config) -> Vec<(Place, [u32; 2])> {
-    match config.axes.iter().find(|sweep| AXES[sweep.axis].name == "size") {
-        Some(sweep) => sweep.values.iter().map(|placed| (placed.place.clone(), placed.value.pair())).collect(),
-        None => vec![(config.base_place("size").clone(), config.base.get("size").pair())],
-    }
+    config.values(SIZE).map(|(value, place)| (place.clone(), value.pair())).collect()
 }
 
 /// Sizes that no device can hold.
@@ -53,13 +49,12 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
 
 /// A row must not name another number of samples than the reference draws.
 fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults: &mut Faults) {
-    let has_term = |point: &Point, term: &str| point.get(term).text() == REFERENCE;
-    let is_method = has_term(point, "method");
-    if is_method && let Err(error) = ScramblePlan::exact(point.get("samples").count()) {
-        faults.add(&config.place_of("samples", point), format!("samples of method {REFERENCE}: {error}"));
+    let is_method = point.method().is_reference();
+    if is_method && let Err(error) = ScramblePlan::exact(point[SAMPLES].count()) {
+        faults.add(&config.place_of(SAMPLES, point), format!("samples of method {REFERENCE}: {error}"));
     }
-    let is_judged_by = has_term(judge, "method") || has_term(judge, "diffuse");
-    if (is_judged_by || has_term(point, "diffuse") && !is_method)
+    let is_judged_by = judge.method().is_reference() || judge.diffuse().is_reference();
+    if (is_judged_by || point.diffuse().is_reference() && !is_method)
         && let Err(error) = ScramblePlan::exact(config.reference.samples)
     {
         faults.add(&config.reference_samples_place, format!("reference.samples: {error}"));

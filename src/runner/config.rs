@@ -2,13 +2,12 @@
 //!
 //! Reading never stops at the first fault. Paths in the file are relative to the file.
 
-use super::axis::{AXES, Axis, Point, Reference, Terms, by_name, index_of};
+use super::axis::{AXES, Axis, METHOD, Point, Reference, SAMPLES, Terms, index_of};
 use super::fault::{Faults, Place};
 use super::toml_tree::{checked, entries, first_of_twice, raw, table, texts, unknown_key};
 use super::value::{Kind, Range, Raw, Value};
 use crate::metrics::{HEADLINE, METRICS, metric};
 use crate::scene::{CameraKind, Light, LightKind};
-use crate::shade::METHODS;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -127,8 +126,6 @@ const KEYS: &[&str] = &[
     "asks",
     "metric",
     "seed",
-    "size",
-    "scene",
     "camera",
     "background",
     "reference",
@@ -217,7 +214,7 @@ impl Config {
     fn check_double_settings(&self, root: &DeTable, faults: &mut Faults) {
         let precompute = root.get("precompute").and_then(|value| value.get_ref().as_table());
         let fixed = precompute.into_iter().flat_map(entries).map(|(key, _, place)| ("precompute.", key, place));
-        let keys = entries(root).into_iter().filter(|(key, ..)| ["size", "scene"].contains(key));
+        let keys = entries(root).into_iter().filter(|(key, ..)| index_of(key).is_some_and(|axis| AXES[axis].is_key));
         for (prefix, key, place) in fixed.chain(keys.map(|(key, _, place)| ("", key, place))) {
             if self.axes.iter().any(|sweep| AXES[sweep.axis].name == key) {
                 faults.add(&place, format!("{prefix}{key} is also an axis: set it in one place"));
@@ -225,22 +222,28 @@ impl Config {
         }
     }
 
-    pub(super) fn set_base(&mut self, name: &str, value: Value, place: Place) {
-        let axis = index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"));
-        self.base.0[axis] = value;
+    pub(super) fn set_base(&mut self, axis: usize, value: Value, place: Place) {
+        self.base[axis] = value;
         self.base_places[axis] = place;
     }
 
-    /// Where the value of an axis that is not swept was written.
-    pub fn base_place(&self, name: &str) -> &Place {
-        &self.base_places[index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
+    /// The sweep of an axis, where it has one.
+    pub fn sweep(&self, axis: usize) -> Option<&Sweep> {
+        self.axes.iter().find(|sweep| sweep.axis == axis)
     }
 
-    /// Where a point's value on the axis of that name was written.
-    pub fn place_of(&self, name: &str, point: &Point) -> Place {
-        let sweep = self.axes.iter().find(|sweep| AXES[sweep.axis].name == name);
-        let swept = sweep.and_then(|sweep| sweep.values.iter().find(|placed| placed.value == *point.get(name)));
-        swept.map_or_else(|| self.base_place(name).clone(), |placed| placed.place.clone())
+    /// Every value of an axis, swept or not, with its place.
+    pub fn values(&self, axis: usize) -> impl Iterator<Item = (&Value, &Place)> {
+        let sweep = self.sweep(axis);
+        let fixed = sweep.is_none().then(|| (&self.base[axis], &self.base_places[axis]));
+        let swept = sweep.into_iter().flat_map(|sweep| &sweep.values).map(|placed| (&placed.value, &placed.place));
+        swept.chain(fixed)
+    }
+
+    /// Where a point's value on an axis was written.
+    pub fn place_of(&self, axis: usize, point: &Point) -> Place {
+        let found = self.values(axis).find(|(value, _)| **value == point[axis]);
+        found.map_or_else(|| self.base_places[axis].clone(), |(_, place)| place.clone())
     }
 
     /// The first exclusion that leaves a point out.
@@ -276,11 +279,6 @@ impl Config {
                 }
             }
             "seed" => self.seed = check(SEED).map_or(self.seed, |v| v.count()),
-            "size" | "scene" => {
-                if let Some(value) = check(by_name(key).kind) {
-                    self.set_base(key, value, at.clone());
-                }
-            }
             "camera" => {
                 let camera = check(CAMERA).and_then(|v| CameraKind::by_name(v.text()));
                 self.camera = camera.unwrap_or(self.camera);
@@ -298,13 +296,22 @@ impl Config {
             "bias_variance" => self.read_bias_variance(value, faults),
             "precompute" => self.read_precompute(value, faults),
             "lights" => self.read_lights(value, faults),
-            _ => unknown_key(place, "", key, KEYS, faults),
+            _ => match index_of(key).filter(|&axis| AXES[axis].is_key) {
+                Some(axis) => {
+                    if let Some(value) = check(AXES[axis].kind) {
+                        self.set_base(axis, value, at.clone());
+                    }
+                }
+                None => {
+                    let axes = AXES.iter().filter(|axis| axis.is_key).map(|axis| axis.name);
+                    unknown_key(place, "", key, &KEYS.iter().copied().chain(axes).collect::<Vec<_>>(), faults);
+                }
+            },
         }
     }
 
     fn read_reference(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let method = Kind::Name { what: "method", names: || METHODS.iter().map(|m| m.name).collect() };
-        let samples = Kind::Count { min: 1, max: 1 << 24 };
+        let [method, samples] = [METHOD, SAMPLES].map(|axis| AXES[axis].kind);
         for (key, value, place) in table(value, "reference", faults) {
             match key {
                 "method" => {

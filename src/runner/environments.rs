@@ -1,5 +1,6 @@
 //! `environments.csv`: what the light of an experiment is like, one row for each environment and clip.
 
+use super::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP};
 use super::plan::Plan;
 use super::tables::Rows;
 use super::value::Value;
@@ -45,11 +46,14 @@ impl Luminance {
     }
 }
 
+/// The axes of the light.
+const LIGHT_AXES: [usize; 2] = [ENVIRONMENT, ENVIRONMENT_CLIP];
+
 /// The light of each environment and clip (the values of the two axes), in plan order.
 pub fn lights(plan: &Plan) -> Vec<([&Value; 2], Luminance)> {
     let mut found: Vec<([&Value; 2], Luminance)> = Vec::new();
     for cell in &plan.cells {
-        let key = ["environment", "environment_clip_log2"].map(|axis| cell.point.get(axis));
+        let key = LIGHT_AXES.map(|axis| &cell.point[axis]);
         if found.iter().all(|(known, _)| *known != key) {
             let clip = cell.point.settings().environment_clip_log2;
             found.push((key, Luminance::of(&plan.inputs.clipped(key[0].text(), clip))));
@@ -61,11 +65,11 @@ pub fn lights(plan: &Plan) -> Vec<([&Value; 2], Luminance)> {
 /// The rows of `environments.csv`, in plan order.
 pub fn environments(plan: &Plan) -> Rows {
     let [mean, peak] = LUMINANCE_COLUMNS;
-    let columns = ["environment", "environment_clip_log2", mean, peak, RANGE_COLUMN];
+    let columns = LIGHT_AXES.iter().map(|&axis| AXES[axis].name).chain([mean, peak, RANGE_COLUMN]);
     let row = |(key, found): ([&Value; 2], Luminance)| {
         let mut row = key.map(|value| Field::Text(value.to_string())).to_vec();
         row.extend([found.mean.into(), found.peak.into(), found.range_stops().into()]);
         row
     };
-    (columns.map(str::to_owned).to_vec(), lights(plan).into_iter().map(row).collect())
+    (columns.map(str::to_owned).collect(), lights(plan).into_iter().map(row).collect())
 }

@@ -23,8 +23,8 @@ const SLUG_LENGTH: usize = 120;
 
 /// A value as people say it: builtins without their prefix, files without folder and extension, numbers in a few digits. Tables for
 /// programs hold the value whole.
-pub fn short_text(axis: &Axis, point: &Point) -> String {
-    short_value(axis, &point.get(axis.name).to_string()).into_owned()
+pub fn short_text(axis: usize, point: &Point) -> String {
+    short_value(&AXES[axis], &point[axis].to_string()).into_owned()
 }
 
 /// As [`short_text`], of a value as tables hold it.
@@ -40,7 +40,7 @@ pub fn short_value<'v>(axis: &Axis, text: &'v str) -> Cow<'v, str> {
 
 /// The swept values of a point as part of a file name.
 fn slug(plan: &Plan, point: &Point, with_display: bool) -> String {
-    let axes = plan.swept().filter(|axis| axis.changes_radiance() || with_display);
+    let axes = plan.swept().filter(|&axis| AXES[axis].changes_radiance() || with_display);
     let words: Vec<String> = axes.map(|axis| short_text(axis, point)).filter(|word| !word.is_empty()).collect();
     let word = if words.is_empty() { plan.config.name.clone() } else { words.join("_") };
     file_words(&word)
@@ -79,8 +79,8 @@ pub(super) fn flip_name(plan: &Plan, cell: &Cell) -> String {
 
 pub(super) fn reference_picture_name(plan: &Plan, cell: &Cell) -> String {
     let point = plan.reference_point(&cell.point);
-    let display = AXES.iter().filter(|axis| !axis.changes_radiance());
-    let display: Vec<String> = display.map(|axis| format!("{}{}", axis.name, point.get(axis.name))).collect();
+    let display = AXES.iter().zip(&point.0).filter(|(axis, _)| !axis.changes_radiance());
+    let display: Vec<String> = display.map(|(axis, value)| format!("{}{value}", axis.name)).collect();
     format!("{}.{}.{}.png", slug(plan, &point, false), display.join("-"), cell.reference)
 }
 
@@ -109,7 +109,7 @@ pub fn flip_picture(comparison: &Comparison, mask: &GrayImage) -> Rgb8Image {
 
 /// Whether cells differ in the tone curve only: then each has its own map of visible differences.
 pub(super) fn sweeps_display(plan: &Plan) -> bool {
-    plan.swept().any(|axis| !axis.changes_radiance())
+    plan.swept().any(|axis| !AXES[axis].changes_radiance())
 }
 
 /// The display images of one cell.

@@ -1,9 +1,10 @@
 //! What a run leaves for the live view of its report: the tables that light a surface, packed, in `live.json`.
 
-use super::axis::{self, Point};
+use super::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP, Point};
 use super::images::short_text;
 use super::plan::Plan;
 use super::renderer::{RenderFault, Renderer};
+use super::value::Value;
 use crate::brdf::MaskingShadowing;
 use crate::pipeline::{LightTables, RenderRequest};
 use crate::pixels::packed::{self, HALF_MAX};
@@ -70,7 +71,7 @@ pub struct LiveLobe<Image = PackedImage> {
 pub fn tables(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord<RgbImage>, RenderFault> {
     let mut record = LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0 };
     let environments = distinct(plan, &[], |request| request.environment.hash.clone());
-    let lobes = distinct(plan, &["brdf"], |request| (request.brdf.name(), request.masking_shadowing));
+    let lobes = distinct(plan, &[BRDF], |request| (request.brdf.name(), request.masking_shadowing));
     for (point, request) in environments.iter().take(ENVIRONMENT_COUNT) {
         let mut environment: Option<LiveEnvironment<RgbImage>> = None;
         for (_, of_lobe) in &lobes {
@@ -128,11 +129,11 @@ impl LiveRecord<RgbImage> {
 /// The first cell's point and request for every value of `key`, of the cells that use all of `axes`.
 fn distinct<K: PartialEq>(
     plan: &Plan,
-    axes: &[&str],
+    axes: &[usize],
     key: impl Fn(&RenderRequest) -> K,
 ) -> Vec<(Point, RenderRequest)> {
     let mut found: Vec<(K, (Point, RenderRequest))> = Vec::new();
-    let uses = |point: &Point| axes.iter().all(|name| !point.get(name).to_string().is_empty());
+    let uses = |point: &Point| axes.iter().all(|&axis| point[axis] != Value::Unset);
     for cell in plan.cells.iter().filter(|cell| uses(&cell.point)) {
         let request = plan.request(&cell.point);
         let own = key(&request);
@@ -151,8 +152,8 @@ fn masking_name(masking: MaskingShadowing) -> &'static str {
 fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) -> LiveEnvironment<RgbImage> {
     let largest = tables.environment.iter().chain(&tables.prefiltered).flat_map(|level| level.data.iter().flatten());
     let scale = half_scale(largest.fold(0.0, |a: f32, b| a.max(*b)));
-    let clip = point.get("environment_clip_log2").to_string();
-    let name = short_text(axis::by_name("environment"), point);
+    let clip = point[ENVIRONMENT_CLIP].to_string();
+    let name = short_text(ENVIRONMENT, point);
     LiveEnvironment {
         label: if clip.is_empty() { name } else { format!("{name} (clipped at 2^{clip})") },
         scale,

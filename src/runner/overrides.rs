@@ -1,6 +1,6 @@
 //! `--set axis=v1,v2`: axes replaced from the command line.
 
-use super::axis::{AXES, index_of};
+use super::axis::{AXES, INPUTS, index_of};
 use super::config::{Config, Placed, Sweep, axis_names};
 use super::fault::{Faults, Place};
 use super::sweeps::Values;
@@ -79,11 +79,8 @@ impl Config {
 
     /// Every environment and scene with its place.
     fn inputs(&self) -> impl Iterator<Item = (&str, &Place)> {
-        let is_input = |axis: usize| matches!(AXES[axis].kind, Kind::Input);
-        let swept = self.axes.iter().filter(move |sweep| is_input(sweep.axis)).flat_map(|sweep| &sweep.values);
-        let fixed = (0..AXES.len()).filter(move |&axis| is_input(axis));
-        let fixed = fixed.map(|axis| (self.base.0[axis].text(), &self.base_places[axis]));
-        swept.map(|placed| (placed.value.text(), &placed.place)).chain(fixed)
+        let values = INPUTS.into_iter().flat_map(|axis| self.values(axis));
+        values.map(|(value, place)| (value.text(), place))
     }
 
     /// The axes that vary together with this one, itself among them, where each has a value in each row; nothing where it stands alone or

@@ -1,8 +1,8 @@
 //! The validated experiment: every cell with its id, what it shares with others, and what was left out.
 
-use super::axis::{AXES, Axis, Point, REFERENCE, View};
+use super::axis::{AXES, ENVIRONMENT, Point, SCENE, SIZE, View};
 use super::checks;
-use super::config::{Config, Sweep};
+use super::config::Config;
 use super::fault::{ConfigError, Faults, Place};
 use super::frozen;
 use super::inputs::Inputs;
@@ -159,7 +159,7 @@ impl Plan {
 
     /// What tells the cell from the others: its values on the axes with more than one value, as `name=value` words for people.
     pub fn label(&self, cell: &Cell) -> String {
-        let words = self.swept().map(|axis| (axis.name, cell.point.get(axis.name)));
+        let words = self.swept().map(|axis| (AXES[axis].name, &cell.point[axis]));
         let set = words.filter(|(_, value)| **value != Value::Unset);
         set.map(|(name, value)| format!("{name}={}", short_number(&value.to_string()))).collect::<Vec<_>>().join(" ")
     }
@@ -194,11 +194,9 @@ impl Plan {
     pub fn points_by_size(&self) -> Vec<Point> {
         let mut seen = HashSet::new();
         let points = self.cells.iter().flat_map(|cell| [cell.point.clone(), self.reference_point(&cell.point)]);
-        let names = ["environment", "method", "diffuse"];
-        let is_size = |axis: &Axis| axis.name.ends_with("size") || names.contains(&axis.name);
         let key = |point: &Point| {
-            let sizes = AXES.iter().zip(&point.0).filter(|(axis, _)| is_size(axis));
-            sizes.map(|(_, value)| value.to_string()).collect::<Vec<_>>()
+            let sizes = AXES.iter().zip(&point.0).filter(|(axis, _)| axis.needs_memory);
+            sizes.map(|(_, value)| value.clone()).collect::<Vec<_>>()
         };
         points.filter(|point| seen.insert(key(point))).collect()
     }
@@ -210,12 +208,12 @@ impl Plan {
 
     /// Width and height of a cell's images.
     pub fn size_of(&self, cell: &Cell) -> [u32; 2] {
-        cell.point.get("size").pair()
+        cell.point[SIZE].pair()
     }
 
     /// The axes of the file with more than one value, in its order.
-    pub fn swept(&self) -> impl Iterator<Item = &'static Axis> + '_ {
-        self.config.axes.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| &AXES[sweep.axis])
+    pub fn swept(&self) -> impl Iterator<Item = usize> + '_ {
+        self.config.axes.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| sweep.axis)
     }
 
     /// What is odd but no fault, each with its place: exclusions that leave nothing out, usually a slip in the file, values of exclusions that
@@ -258,28 +256,11 @@ pub(super) fn base_dir<'c>(config: &'c Config, place: &Place) -> &'c Path {
 
 fn load_inputs(config: &Config, options: &LoadOptions, faults: &mut Faults) -> Inputs {
     let mut inputs = Inputs::new(options.clone());
-    let swept = |name: &str| config.axes.iter().find(|sweep: &&Sweep| AXES[sweep.axis].name == name);
-    match swept("environment") {
-        Some(sweep) => {
-            for v in &sweep.values {
-                inputs.add_environment(v.value.text(), base_dir(config, &v.place), &v.place, faults);
-            }
-        }
-        None => {
-            let place = config.base_place("environment");
-            inputs.add_environment(config.base.get("environment").text(), base_dir(config, place), place, faults);
-        }
+    for (value, place) in config.values(ENVIRONMENT) {
+        inputs.add_environment(value.text(), base_dir(config, place), place, faults);
     }
-    match swept("scene") {
-        Some(sweep) => {
-            for v in &sweep.values {
-                inputs.add_scene(v.value.text(), base_dir(config, &v.place), &v.place, faults);
-            }
-        }
-        None => {
-            let place = config.base_place("scene");
-            inputs.add_scene(config.base.get("scene").text(), base_dir(config, place), place, faults);
-        }
+    for (value, place) in config.values(SCENE) {
+        inputs.add_scene(value.text(), base_dir(config, place), place, faults);
     }
     inputs
 }
@@ -344,13 +325,13 @@ pub(super) fn product(config: &Config) -> impl Iterator<Item = Point> + '_ {
 /// The seed of a cell. Where the reference is itself the method under test it has other points than the reference that judges it, or its
 /// error would be too small: none at all at equal counts.
 fn cell_seed(config: &Config, point: &Point) -> u32 {
-    if point.get("method").text() == REFERENCE { config.seed ^ UNDER_TEST } else { config.seed }
+    if point.method().is_reference() { config.seed ^ UNDER_TEST } else { config.seed }
 }
 
 /// When the reference terms of a cell stop. Where the reference is itself the method under test it draws the samples that its row names,
 /// whatever the one that judges it may save.
 fn cell_error(config: &Config, point: &Point) -> Option<f64> {
-    config.reference.relative_error.filter(|_| point.get("method").text() != REFERENCE)
+    config.reference.relative_error.filter(|_| !point.method().is_reference())
 }
 
 /// Inputs count by their content, so that a renamed file keeps its cells and a changed one loses them.
@@ -362,20 +343,20 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relat
         format!("camera={}", config.camera.name()),
         format!("background={}", config.background),
     ];
-    let is_diffuse_reference = point.get("diffuse").text() == REFERENCE;
-    let is_reference = is_diffuse_reference || point.get("method").text() == REFERENCE;
-    if is_diffuse_reference && point.get("method").text() != REFERENCE {
+    let [is_specular, is_diffuse] = [point.method().is_reference(), point.diffuse().is_reference()];
+    if is_diffuse && !is_specular {
         lines.push(format!("reference_samples={}", config.reference.samples));
     }
-    if let (Some(error), true) = (relative_error, is_reference) {
+    if let (Some(error), true) = (relative_error, is_specular || is_diffuse) {
         lines.push(format!("reference_error={error}"));
     }
     lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));
-    for (axis, value) in AXES.iter().zip(&point.0).filter(|(axis, _)| axis.changes_radiance()) {
-        lines.push(match axis.name {
-            "environment" => format!("environment={}", inputs.environment(value.text()).hash),
-            "scene" => format!("scene={}", inputs.scene(value.text()).hash),
-            name => format!("{name}={value}"),
+    for (index, axis) in AXES.iter().enumerate().filter(|(_, axis)| axis.changes_radiance()) {
+        let (name, value) = (axis.name, &point[index]);
+        lines.push(match index {
+            ENVIRONMENT => format!("{name}={}", inputs.environment(value.text()).hash),
+            SCENE => format!("{name}={}", inputs.scene(value.text()).hash),
+            _ => format!("{name}={value}"),
         });
     }
     hash_lines(&lines)

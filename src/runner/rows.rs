@@ -3,12 +3,12 @@
 //! A cell whose method ignores an axis has no value there. It belongs to every row that it does not contradict: the one `sampled` cell
 //! stands beside `split-sum` at each map size.
 
-use super::axis::{Axis, Point};
+use super::axis::Point;
 use super::value::Value;
 
 /// Items in rows, each in the order of the items; a row has the order of its first item with all values.
-pub fn rows<'i, T>(items: &'i [T], axes: &[&Axis], point: impl Fn(&T) -> &Point) -> Vec<Vec<&'i T>> {
-    let key = |item: &'i T| axes.iter().map(|axis| point(item).get(axis.name).clone()).collect::<Vec<_>>();
+pub fn rows<'i, T>(items: &'i [T], axes: &[usize], point: impl Fn(&T) -> &Point) -> Vec<Vec<&'i T>> {
+    let key = |item: &'i T| axes.iter().map(|&axis| point(item)[axis].clone()).collect::<Vec<_>>();
     let mut keys: Vec<Vec<Value>> = Vec::new();
     for item in items {
         let key = key(item);
@@ -27,9 +27,9 @@ fn fits(key: &[Value], row: &[Value]) -> bool {
 }
 
 /// The point that tells a row's value on an axis: the first that has one.
-pub fn teller<'p>(row: impl IntoIterator<Item = &'p Point>, axis: &Axis) -> &'p Point {
+pub fn teller<'p>(row: impl IntoIterator<Item = &'p Point>, axis: usize) -> &'p Point {
     let mut points = row.into_iter();
     let first = points.next().expect("a row has at least one cell");
-    let is_set = |point: &&Point| *point.get(axis.name) != Value::Unset;
+    let is_set = |point: &&Point| point[axis] != Value::Unset;
     std::iter::once(first).chain(points).find(is_set).unwrap_or(first)
 }

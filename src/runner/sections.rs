@@ -103,10 +103,10 @@ impl Config {
 
     pub(super) fn read_precompute(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         for (key, value, place) in table(value, "precompute", faults) {
-            match index_of(key).map(|index| &AXES[index]).filter(|axis| is_precompute(axis)) {
+            match index_of(key).filter(|&axis| is_precompute(&AXES[axis])) {
                 Some(axis) => {
-                    if let Some(v) = checked(axis.kind, &format!("precompute.{key}"), value, faults) {
-                        self.set_base(key, v, place);
+                    if let Some(v) = checked(AXES[axis].kind, &format!("precompute.{key}"), value, faults) {
+                        self.set_base(axis, v, place);
                     }
                 }
                 None => {

@@ -3,7 +3,7 @@
 //! Below each display image stands its error. The linear error does not depend on the tone curve: where exposure or contrast is
 //! swept, each display image has its FLIP map, and the linear map stands once below all of them.
 
-use super::axis::Axis;
+use super::axis::{AXES, METHOD, POINT_SET, SAMPLES, Sheet};
 use super::images::{error_name, flip_name, picture_name, reference_picture_name, short_text, sweeps_display};
 use super::plan::{Cell, Plan};
 use super::rows;
@@ -32,17 +32,10 @@ const COLUMN_GAP: u32 = 8;
 /// Images are never shrunk below this width: rather, a sheet is split.
 const SHRUNK_WIDTH_MIN: u32 = 200;
 
-/// Axes that make one sheet each.
-const SHEET_AXES: &[&str] = &["environment", "scene", "brdf", "size"];
-/// Axes that make columns.
-const COLUMN_AXES: &[&str] = &["method", "diffuse", "samples"];
-
 /// One contact sheet for each environment, scene and model: in parts for some of the methods where all would not fit side by side, and in
 /// pages where not all rows would fit below each other. Sheets of an earlier program are removed.
 pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(), StoreError> {
-    let swept: Vec<&Axis> = plan.swept().collect();
-    let select = |names: &[&str]| swept.iter().copied().filter(|a| names.contains(&a.name)).collect::<Vec<_>>();
-    let (sheet_axes, column_axes) = (select(SHEET_AXES), select(COLUMN_AXES));
+    let [sheet_axes, column_axes] = [Sheet::Page, Sheet::Column].map(|place| swept(plan, place));
     let mut written: BTreeSet<PathBuf> = BTreeSet::new();
     for cells in grouped(&of_first_point_set(plan), &sheet_axes) {
         let columns = grouped(&cells, &column_axes);
@@ -75,6 +68,11 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
     Ok(())
 }
 
+/// The swept axes whose values sheets show in that place.
+fn swept(plan: &Plan, place: Sheet) -> Vec<usize> {
+    plan.swept().filter(|&axis| AXES[axis].sheet == place).collect()
+}
+
 /// Height of a page of a width, pixels: shrunk for publication it fits.
 fn page_height(width: u32) -> u32 {
     let [published_width, published_height] = PUBLISHED_SIZE;
@@ -99,7 +97,7 @@ pub fn sheet_files(dir: &Path) -> Vec<PathBuf> {
 
 /// The cells that a sheet shows: point sets differ in luck only, so the first one stands for all.
 fn of_first_point_set(plan: &Plan) -> Vec<&Cell> {
-    let set = |cell: &&Cell| cell.point.get("point_set").to_string();
+    let set = |cell: &&Cell| cell.point[POINT_SET].to_string();
     let first = plan.cells.iter().map(|cell| set(&cell)).find(|set| !set.is_empty());
     plan.cells.iter().filter(|cell| set(cell).is_empty() || Some(set(cell)) == first).collect()
 }
@@ -139,7 +137,7 @@ impl TileSize {
 fn parts<'c>(columns: &[Vec<&'c Cell>], columns_max: usize) -> Vec<Vec<Vec<&'c Cell>>> {
     let room = columns_max - 1;
     let mut pages: Vec<Vec<Vec<&Cell>>> = Vec::new();
-    for family in columns.chunk_by(|a, b| a[0].point.get("method") == b[0].point.get("method")) {
+    for family in columns.chunk_by(|a, b| a[0].point[METHOD] == b[0].point[METHOD]) {
         match pages.last_mut() {
             Some(page) if page.len() + family.len() <= room => page.extend_from_slice(family),
             _ => pages.extend(family.chunks(room).map(<[_]>::to_vec)),
@@ -154,7 +152,7 @@ struct Page<'p> {
     plan: &'p Plan,
     results: &'p Results,
     columns: &'p [Vec<&'p Cell>],
-    column_axes: &'p [&'p Axis],
+    column_axes: &'p [usize],
     tiles: TileSize,
 }
 
@@ -186,9 +184,9 @@ impl Shown {
 impl Page<'_> {
     fn sheet(&self, cells: &[&Cell], title: String) -> ContactSheet {
         let plan = self.plan;
-        let is_row = |a: &&Axis| !SHEET_AXES.contains(&a.name) && !COLUMN_AXES.contains(&a.name);
-        let row_axes: Vec<&Axis> = plan.swept().filter(is_row).collect();
-        let radiance_axes: Vec<&Axis> = row_axes.iter().copied().filter(|axis| axis.changes_radiance()).collect();
+        let row_axes = swept(plan, Sheet::Row);
+        let radiance_axes: Vec<usize> =
+            row_axes.iter().copied().filter(|&axis| AXES[axis].changes_radiance()).collect();
         let with_flip = sweeps_display(plan);
         let mut sheet = ContactSheet {
             title,
@@ -207,13 +205,13 @@ impl Page<'_> {
         for (index, column) in self.columns.iter().enumerate() {
             let label = words(self.column_axes, column[0], " ");
             sheet.column_labels.push(if label.is_empty() { method_label(column[0]) } else { label });
-            if index > 0 && column[0].point.get("method") != self.columns[index - 1][0].point.get("method") {
+            if index > 0 && column[0].point[METHOD] != self.columns[index - 1][0].point[METHOD] {
                 sheet.column_group_starts.push(index + 1);
             }
         }
         let label = |row: &[&Cell]| {
-            let value = |axis: &Axis| short_text(axis, rows::teller(row.iter().map(|cell| &cell.point), axis));
-            let lines = row_axes.iter().map(|axis| format!("{} {}", axis.name, value(axis)));
+            let value = |axis: usize| short_text(axis, rows::teller(row.iter().map(|cell| &cell.point), axis));
+            let lines = row_axes.iter().map(|&axis| format!("{} {}", AXES[axis].name, value(axis)));
             lines.collect::<Vec<_>>().join("\n")
         };
         for shared in in_rows(cells, &radiance_axes) {
@@ -311,24 +309,24 @@ impl Page<'_> {
 }
 
 fn method_label(cell: &Cell) -> String {
-    format!("{} {}", cell.point.get("method"), cell.point.get("samples")).trim_end().to_owned()
+    format!("{} {}", cell.point[METHOD], cell.point[SAMPLES]).trim_end().to_owned()
 }
 
-fn words(axes: &[&Axis], cell: &Cell, separator: &str) -> String {
-    let words = axes.iter().map(|axis| short_text(axis, &cell.point)).filter(|word| !word.is_empty());
+fn words(axes: &[usize], cell: &Cell, separator: &str) -> String {
+    let words = axes.iter().map(|&axis| short_text(axis, &cell.point)).filter(|word| !word.is_empty());
     words.collect::<Vec<_>>().join(separator)
 }
 
-fn same(a: &Cell, b: &Cell, axes: &[&Axis]) -> bool {
-    axes.iter().all(|axis| a.point.get(axis.name) == b.point.get(axis.name))
+fn same(a: &Cell, b: &Cell, axes: &[usize]) -> bool {
+    axes.iter().all(|&axis| a.point[axis] == b.point[axis])
 }
 
-fn in_rows<'c>(cells: &[&'c Cell], axes: &[&Axis]) -> Vec<Vec<&'c Cell>> {
+fn in_rows<'c>(cells: &[&'c Cell], axes: &[usize]) -> Vec<Vec<&'c Cell>> {
     rows::rows(cells, axes, |cell| &cell.point).into_iter().map(|row| row.into_iter().copied().collect()).collect()
 }
 
 /// Cells that agree on `axes`, in the order of their first member.
-fn grouped<'c>(cells: &[&'c Cell], axes: &[&Axis]) -> Vec<Vec<&'c Cell>> {
+fn grouped<'c>(cells: &[&'c Cell], axes: &[usize]) -> Vec<Vec<&'c Cell>> {
     let mut groups: Vec<Vec<&Cell>> = Vec::new();
     for &cell in cells {
         match groups.iter_mut().find(|group| same(group[0], cell, axes)) {

@@ -2,7 +2,7 @@
 
 pub use crate::metrics::{DISPLAY_HEADLINE, HEADLINE};
 
-use super::axis::AXES;
+use super::axis::{AXES, METHOD, SAMPLES, SIZE};
 use super::host::UNKNOWN;
 use super::plan::{Cell, Plan};
 use super::statistics::median;
@@ -106,7 +106,7 @@ pub fn errors_by_n_dot_v(
 /// `timings.csv`: one row a timed configuration and pass.
 pub fn timings(records: &[TimingRecord]) -> Rows {
     let axes: Vec<&String> = records.first().map(|record| record.axes.keys().collect()).unwrap_or_default();
-    let mut columns = ["cell", "phase", "environment_size", "size"].map(str::to_owned).to_vec();
+    let mut columns = ["cell", "phase", "environment_size", AXES[SIZE].name].map(str::to_owned).to_vec();
     columns.extend(axes.iter().map(|name| name.to_string()));
     let statistics = ["pass", "n", "median_ms", "mad_ms", "p05_ms", "p95_ms", "min_ms", "wall_median_ms"];
     let judgement = ["passes_over_wall", "wall_check", "device", "device_type"];
@@ -142,7 +142,9 @@ pub fn timings(records: &[TimingRecord]) -> Rows {
 /// and set of tables behind them.
 pub fn timing_ratios(records: &[TimingRecord]) -> Rows {
     let pairs = ratios(records);
-    let axes = ratio_axes(&pairs, &["size", "scene", "brdf", "diffuse", "masking"]);
+    let frames = AXES.iter().filter(|axis| axis.frames_cost && !axis.is_compared);
+    let axes =
+        ratio_axes(&pairs, &std::iter::once(&AXES[SIZE]).chain(frames).map(|axis| axis.name).collect::<Vec<_>>());
     let mut columns = vec!["environment_size"];
     columns.extend(&axes);
     columns.extend(["sampled", "samples", "fixed", "sampled_over_fixed", "ratio_lo", "ratio_hi", "rounds", "verdict"]);
@@ -152,8 +154,8 @@ pub fn timing_ratios(records: &[TimingRecord]) -> Rows {
         let [width, height] = pair.sampled.environment_size;
         let mut row = vec![Field::Text(format!("{width}x{height}"))];
         row.extend(axes.iter().map(|axis| text(&tables.key, axis)));
-        row.extend(["method", "samples"].map(|axis| text(&pair.sampled.axes, axis)));
-        row.push(text(&pair.fixed.axes, "method"));
+        row.extend([METHOD, SAMPLES].map(|axis| text_field(pair.sampled.value(axis))));
+        row.push(text_field(pair.fixed.value(METHOD)));
         row.extend([pair.ratio, pair.interval[0], pair.interval[1]].map(finite));
         row.extend([Field::Integer(pair.rounds as u64), Field::Text(pair.verdict.to_string())]);
         row.extend([finite(tables.ms), tables.payback.frames().into()]);

@@ -3,10 +3,11 @@
 //! Per-frame passes are timed once for each distinct configuration that can change their cost; passes that run once per
 //! environment or model are timed apart from them.
 
-use super::axis::{AXES, is_precompute};
+use super::axis::{AXES, Axis, ENVIRONMENT, METHOD, SAMPLES, SIZE};
 use super::host::{HostState, UNKNOWN};
 use super::plan::{Cell, Plan};
 use super::statistics::{drift, median, median_interval, quantile};
+use crate::shade::{Method, method_by_name};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::time::Duration;
@@ -78,38 +79,30 @@ pub const FRAME: &str = "frame";
 /// A configuration that is not stable after a warm-up of this length is timed all the same; its drift stands in the table.
 pub const WARMUP_TIME_MAX: Duration = Duration::from_secs(3);
 
-/// Axes that change the cost of a frame. `alpha` is not one: all widths run the same instructions.
-const FRAME_AXES: &[&str] = &["scene", "brdf", "method", "diffuse", "samples", "masking", "storage_format"];
-/// Axes besides those of the precompute settings that change which tables are made, and their cost.
-const PRECOMPUTE_AXES: &[&str] = &["brdf", "method", "diffuse", "masking"];
-
-/// Axes whose values are compared within a block: the method, and what only some methods have.
-const COMPARED_AXES: &[&str] = &["method", "samples", "storage_format"];
-
 /// What is to be timed, block after block in plan order; nothing without `[timing]`.
 pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
     let Some(timing) = plan.config.timing else { return Vec::new() };
-    let precompute_axes: Vec<&str> =
-        PRECOMPUTE_AXES.iter().copied().chain(AXES.iter().filter(|a| is_precompute(a)).map(|a| a.name)).collect();
     let mut seen = BTreeSet::new();
     let mut jobs = Vec::new();
-    for (phase, names) in [(PRECOMPUTE, precompute_axes.as_slice()), (FRAME, FRAME_AXES)] {
+    let phases: [(&str, fn(&Axis) -> bool); 2] =
+        [(PRECOMPUTE, |axis| axis.tables_cost), (FRAME, |axis| axis.frames_cost)];
+    for (phase, matters) in phases {
         for cell in &plan.cells {
-            let image = &plan.inputs.environment(cell.point.get("environment").text()).image;
+            let image = &plan.inputs.environment(cell.point[ENVIRONMENT].text()).image;
             let environment_size = [image.width, image.height];
             // All axes appear in every record, so that the table has one header; what does not matter stays empty.
-            let all = FRAME_AXES.iter().chain(&precompute_axes);
+            let all = AXES.iter().zip(&cell.point.0).filter(|(axis, _)| axis.tables_cost || axis.frames_cost);
             let axes: BTreeMap<String, String> = all
-                .map(|name| {
-                    let text = if names.contains(name) { cell.point.get(name).to_string() } else { String::new() };
-                    (name.to_string(), text)
+                .map(|(axis, value)| {
+                    (axis.name.to_owned(), if matters(axis) { value.to_string() } else { String::new() })
                 })
                 .collect();
             let key = format!("{phase} {environment_size:?} {:?} {axes:?} {timing:?}", plan.size_of(cell));
             let id = blake3::hash(key.as_bytes()).to_hex()[..16].to_owned();
             if seen.insert(id.clone()) {
                 // Tables are compared with nothing: each configuration is a block of its own.
-                let shared = axes.iter().filter(|(name, _)| phase == FRAME && !COMPARED_AXES.contains(&name.as_str()));
+                let is_compared = |name: &str| AXES.iter().any(|axis| axis.is_compared && axis.name == name);
+                let shared = axes.iter().filter(|(name, _)| !is_compared(name));
                 let words: Vec<String> = shared.map(|(name, value)| format!("{name}={value}")).collect();
                 let block = match phase {
                     FRAME => format!("{environment_size:?} {:?} {}", plan.size_of(cell), words.join(" ")),
@@ -142,13 +135,17 @@ pub fn swept_axes<'k>(keys: impl IntoIterator<Item = &'k Key>) -> Vec<&'static s
     AXES.iter().map(|axis| axis.name).filter(is_swept).collect()
 }
 
+/// Whether an axis tells methods apart, or how many samples one draws.
+pub fn is_of_method(name: &str) -> bool {
+    [METHOD, SAMPLES].iter().any(|&axis| AXES[axis].name == name)
+}
+
 /// Whether two keys have the same values wherever both have one, whatever their methods and sample counts.
 pub fn is_alike(a: &Key, b: &Key) -> bool {
-    let is_shared = |name: &str| !["method", "samples"].contains(&name);
     let is_same = |value: &str, other: Option<&String>| {
         value.is_empty() || other.is_none_or(|other| other.is_empty() || other == value)
     };
-    a.iter().filter(|(name, _)| is_shared(name)).all(|(name, value)| is_same(value, b.get(name)))
+    a.iter().filter(|(name, _)| !is_of_method(name)).all(|(name, value)| is_same(value, b.get(name)))
 }
 
 /// Order statistics of samples, ms.
@@ -206,8 +203,18 @@ impl TimingRecord {
     /// All that tells the configuration apart but the size of its environment: its axes, and the size of the image.
     pub fn key(&self) -> Key {
         let [width, height] = self.size;
-        let size = ("size".to_owned(), format!("{width}x{height}"));
+        let size = (AXES[SIZE].name.to_owned(), format!("{width}x{height}"));
         self.axes.clone().into_iter().chain([size]).collect()
+    }
+
+    /// The value on an axis; empty where it does not matter.
+    pub fn value(&self, axis: usize) -> &str {
+        self.axes.get(AXES[axis].name).map_or("", String::as_str)
+    }
+
+    /// The specular method, where this program knows it.
+    pub fn method(&self) -> Option<&'static Method> {
+        method_by_name(self.value(METHOD))
     }
 
     /// Minutes from the first round to the last.

@@ -1,8 +1,9 @@
 //! Two methods timed in the same rounds: which is faster, and when a method's tables have paid for themselves.
 
+use super::axis::{METHOD, SAMPLES};
 use super::statistics::{INTERVAL_SAMPLES_MIN, TOO_FEW_ROUNDS, median, median_interval};
-use super::timing::{FRAME, Key, PRECOMPUTE, TimingRecord, is_alike};
-use crate::shade::METHODS;
+use super::timing::{FRAME, Key, PRECOMPUTE, TimingRecord, is_alike, is_of_method};
+use crate::shade::{METHODS, Method};
 use crate::table::markdown::significant;
 use std::fmt;
 
@@ -133,21 +134,17 @@ impl fmt::Display for Payback {
 
 /// Every pair of methods that was timed in one block.
 pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
-    let draws = |record: &TimingRecord| {
-        let name = record.axes.get("method").map_or("", String::as_str);
-        METHODS.iter().find(|method| method.name == name).is_some_and(|method| method.uses_samples)
-    };
-    let is_nothing = |record: &TimingRecord| record.axes.get("method").is_none_or(|name| name == "none");
+    let draws = |record: &TimingRecord| record.method().is_some_and(|method| method.uses_samples);
+    let is_nothing = |record: &TimingRecord| record.method().is_none_or(Method::is_none);
     let frames: Vec<&TimingRecord> = records.iter().filter(|r| r.phase == FRAME && !is_nothing(r)).collect();
     let mut found = Vec::new();
     // Records come in any order: the list of methods says which of two stands over the other.
-    let place =
-        |record: &TimingRecord| METHODS.iter().position(|m| record.axes.get("method").is_some_and(|n| n == m.name));
+    let place = |record: &TimingRecord| METHODS.iter().position(|method| Some(method) == record.method());
     for fixed in &frames {
         let is_pair = |record: &&&TimingRecord| {
             let is_beside =
                 record.block == fixed.block && is_same_device(record, fixed) && is_alike(&record.axes, &fixed.axes);
-            let is_first = place(record) < place(fixed) && record.axes.get("samples") == fixed.axes.get("samples");
+            let is_first = place(record) < place(fixed) && record.value(SAMPLES) == fixed.value(SAMPLES);
             is_beside && if draws(fixed) == draws(record) { is_first } else { draws(record) }
         };
         for sampled in frames.iter().filter(is_pair) {
@@ -181,8 +178,7 @@ fn costs(records: &[TimingRecord], fixed: &TimingRecord, sampled: &TimingRecord)
     let ms = |record: &TimingRecord| if record.passes.is_empty() { 0.0 } else { median(&record.sums_ms()) };
     let key = |tables: &[&TimingRecord]| -> Key {
         let all = [sampled, fixed].into_iter().chain(tables.iter().copied()).flat_map(TimingRecord::key);
-        let is_shared =
-            |(name, value): &(String, String)| !["method", "samples"].contains(&name.as_str()) && !value.is_empty();
+        let is_shared = |(name, value): &(String, String)| !is_of_method(name) && !value.is_empty();
         all.filter(is_shared).collect()
     };
     let mut found = Vec::new();
@@ -204,7 +200,7 @@ fn table_sets<'r>(records: &'r [TimingRecord], frame: &TimingRecord) -> Vec<&'r 
             && is_same_device(record, frame)
             && record.environment_size == frame.environment_size
             && record.size == frame.size
-            && record.axes.get("method") == frame.axes.get("method")
+            && record.value(METHOD) == frame.value(METHOD)
             && is_alike(&record.axes, &frame.axes)
     };
     records.iter().filter(is_of_frame).collect()

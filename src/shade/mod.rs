@@ -5,6 +5,11 @@ pub mod pass;
 pub mod reference;
 pub mod reference_pass;
 
+/// Name of the unbiased method, specular and diffuse.
+pub const REFERENCE: &str = "reference";
+/// Name of the method that leaves its term out, specular and diffuse.
+pub const NONE: &str = "none";
+
 /// How the specular term is computed. The names are the shader file stems (with `-` for `_`).
 ///
 /// The flags say what changes its result: an experiment has one cell, not many, along an axis that a method ignores.
@@ -67,9 +72,9 @@ pub static METHODS: &[Method] = &[
         uses_dfg: true,
         ..PLAIN
     },
-    Method { name: "none", about: "no specular term", ..PLAIN },
+    Method { name: NONE, about: "no specular term", ..PLAIN },
     Method {
-        name: "reference",
+        name: REFERENCE,
         about: "unbiased: BRDF and environment sampling combined, many samples, unfiltered",
         uses_samples: true,
         ..PLAIN
@@ -77,9 +82,19 @@ pub static METHODS: &[Method] = &[
 ];
 
 impl Method {
+    /// Whether it is the unbiased one.
+    pub fn is_reference(&self) -> bool {
+        self.name == REFERENCE
+    }
+
+    /// Whether it leaves the term out.
+    pub fn is_none(&self) -> bool {
+        self.name == NONE
+    }
+
     /// Whether a frame reads the DFG table: for the specular term itself, or to weight what else the surface reflects beside it.
     pub fn needs_dfg(&self, diffuse: &Diffuse, has_lights: bool) -> bool {
-        self.uses_dfg || (self.name != "none" && (diffuse.name != "none" || has_lights))
+        self.uses_dfg || (!self.is_none() && (!diffuse.is_none() || has_lights))
     }
 }
 
@@ -90,6 +105,20 @@ pub struct Diffuse {
     pub about: &'static str,
     /// Whether the size and sample count of the irradiance map change its result.
     pub uses_irradiance_map: bool,
+    /// Whether it reads the spherical-harmonic coefficients.
+    pub uses_sh9: bool,
+}
+
+impl Diffuse {
+    /// Whether it is the unbiased one.
+    pub fn is_reference(&self) -> bool {
+        self.name == REFERENCE
+    }
+
+    /// Whether it leaves the term out.
+    pub fn is_none(&self) -> bool {
+        self.name == NONE
+    }
 }
 
 /// Every diffuse method.
@@ -98,18 +127,21 @@ pub static DIFFUSE: &[Diffuse] = &[
         name: "sh9",
         about: "nine spherical-harmonic coefficients evaluated per pixel",
         uses_irradiance_map: false,
+        uses_sh9: true,
     },
     Diffuse {
         name: "irradiance-map",
         about: "a small map of numerically integrated irradiance",
         uses_irradiance_map: true,
+        uses_sh9: false,
     },
     Diffuse {
-        name: "reference",
+        name: REFERENCE,
         about: "unbiased: cosine and environment sampling combined, many samples",
         uses_irradiance_map: false,
+        uses_sh9: false,
     },
-    Diffuse { name: "none", about: "no diffuse term", uses_irradiance_map: false },
+    Diffuse { name: NONE, about: "no diffuse term", uses_irradiance_map: false, uses_sh9: false },
 ];
 
 /// The method of that name.

@@ -1,24 +1,41 @@
 //! The list of all axes.
 
-use super::{Axis, Part, REFERENCE, Used, diffuse, method};
+use super::{Axis, Part, Sheet, Symbol, Used, diffuse, method};
 use crate::brdf::{self, MaskingShadowing};
 use crate::math::sequence::{SEQUENCES, sequence_by_name};
 use crate::precompute::{PrecomputeSettings, StorageFormat};
 use crate::runner::value::{IMAGE_SIZE, Kind, Range, Value};
 use crate::shade::level_bias::LEVEL_BIASES;
-use crate::shade::{DIFFUSE, METHODS};
+use crate::shade::{DIFFUSE, METHODS, REFERENCE};
 
 /// Sample counts of precompute passes stop here: more only costs time.
 const PRECOMPUTE_SAMPLES_MAX: u32 = 1 << 20;
 /// Sides of precomputed tables stop at the size every Vulkan device supports.
 const SIDE_MAX: u32 = 4096;
 
+/// Names of tables, as [`crate::precompute::table_of`] tells them.
+pub const MIPS: &str = "mips";
+pub const SH9: &str = "sh9";
+pub const PREFILTER: &str = "prefilter";
+pub const DFG: &str = "dfg";
+pub const IRRADIANCE: &str = "irradiance";
+
 /// What most axes share; entries override what differs.
 const PLAIN: Axis = Axis {
     name: "",
     plural: "",
     about: "",
+    plural: "",
+    symbol: Symbol::None,
     part: Part::Case,
+    sheet: Sheet::Row,
+    frames_cost: false,
+    tables_cost: false,
+    is_compared: false,
+    needs_memory: false,
+    feeds: &[],
+    is_key: false,
+    flag: None,
     kind: Kind::Input,
     default: || Value::Unset,
     used: |_| true,
@@ -27,11 +44,17 @@ const PLAIN: Axis = Axis {
 };
 
 /// Every axis, in the order of the columns that an experiment does not name itself.
-pub static AXES: &[Axis] = &[
+pub static AXES: &[Axis] = LIST;
+
+const LIST: &[Axis] = &[
     Axis {
         name: "size",
         plural: "sizes",
         about: "width and height of the image; also a key of the file beside [axes]",
+        plural: "image sizes",
+        sheet: Sheet::Page,
+        needs_memory: true,
+        is_key: true,
         kind: IMAGE_SIZE,
         default: || Value::Pair([256, 256]),
         apply: |s, v| s.size = v.pair(),
@@ -41,6 +64,10 @@ pub static AXES: &[Axis] = &[
         name: "environment",
         plural: "environments",
         about: "the light: a builtin formula or an .hdr or .exr file (FILE.exr#NAME: a layer or part of it)",
+        plural: "environments",
+        sheet: Sheet::Page,
+        needs_memory: true,
+        feeds: &[MIPS, SH9, PREFILTER, IRRADIANCE],
         default: || Value::Text("builtin:sky".to_owned()),
         apply: |s, v| s.environment = v.text().to_owned(),
         ..PLAIN
@@ -49,6 +76,10 @@ pub static AXES: &[Axis] = &[
         name: "scene",
         plural: "scenes",
         about: "sphere, spheres, plane or an .obj file",
+        plural: "scenes",
+        sheet: Sheet::Page,
+        frames_cost: true,
+        is_key: true,
         default: || Value::Text("sphere".to_owned()),
         apply: |s, v| s.scene = v.text().to_owned(),
         ..PLAIN
@@ -57,6 +88,11 @@ pub static AXES: &[Axis] = &[
         name: "brdf",
         plural: "BRDF models",
         about: "microfacet model",
+        plural: "BRDF models",
+        sheet: Sheet::Page,
+        frames_cost: true,
+        tables_cost: true,
+        feeds: &[PREFILTER, DFG],
         kind: Kind::Name { what: "BRDF model", names: || brdf::MODELS.iter().map(|m| m.name()).collect() },
         default: || Value::Text("ggx".to_owned()),
         apply: |s, v| s.brdf = brdf::by_name(v.text()).expect("the plan checked the model's name"),
@@ -67,6 +103,12 @@ pub static AXES: &[Axis] = &[
         plural: "methods",
         part: Part::Method,
         about: "how the specular term is computed",
+        plural: "methods",
+        sheet: Sheet::Column,
+        frames_cost: true,
+        tables_cost: true,
+        is_compared: true,
+        needs_memory: true,
         kind: Kind::Name { what: "method", names: || METHODS.iter().map(|m| m.name).collect() },
         default: || Value::Text("sampled".to_owned()),
         reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::Text(r.method.clone()) },
@@ -78,6 +120,11 @@ pub static AXES: &[Axis] = &[
         plural: "diffuse methods",
         part: Part::Method,
         about: "how the diffuse term is computed",
+        plural: "diffuse methods",
+        sheet: Sheet::Column,
+        frames_cost: true,
+        tables_cost: true,
+        needs_memory: true,
         kind: Kind::Name { what: "diffuse method", names: || DIFFUSE.iter().map(|d| d.name).collect() },
         default: || Value::Text("sh9".to_owned()),
         used: |u| u.has_diffuse_surface,
@@ -90,6 +137,11 @@ pub static AXES: &[Axis] = &[
         plural: "sample counts",
         part: Part::Count,
         about: "samples a pixel; methods that draw none have one cell, with an empty field",
+        plural: "sample counts",
+        symbol: Symbol::After("samples"),
+        sheet: Sheet::Column,
+        frames_cost: true,
+        is_compared: true,
         kind: Kind::Count { min: 1, max: 1 << 24 },
         default: || Value::Count(40),
         used: |u| u.method.uses_samples,
@@ -102,6 +154,7 @@ pub static AXES: &[Axis] = &[
         plural: "sequences",
         part: Part::Parameter,
         about: "where a sampled method takes its points from; `splitsum list sequences`",
+        plural: "sequences",
         kind: Kind::Name { what: "sequence", names: || SEQUENCES.iter().map(|s| s.name).collect() },
         default: || Value::Text(SEQUENCES[0].name.to_owned()),
         used: |u| u.method.uses_point_set,
@@ -113,6 +166,8 @@ pub static AXES: &[Axis] = &[
         plural: "point sets",
         part: Part::Luck,
         about: "set of the sequence: 0 the plain one, k > 0 randomised copies",
+        plural: "point sets",
+        symbol: Symbol::Before("set"),
         kind: Kind::Count { min: 0, max: 1 << 20 },
         default: || Value::Count(0),
         used: |u| u.method.uses_point_set,
@@ -123,6 +178,8 @@ pub static AXES: &[Axis] = &[
         name: "alpha",
         plural: "alphas",
         about: "microfacet width of every material",
+        plural: "alphas",
+        symbol: Symbol::Before("alpha"),
         kind: Kind::Alpha,
         apply: |s, v| s.material.alpha = Some(v.number() as f32),
         ..PLAIN
@@ -131,6 +188,8 @@ pub static AXES: &[Axis] = &[
         name: "f0",
         plural: "values of f0",
         about: "reflectance at normal incidence of every dielectric",
+        plural: "values of F0",
+        symbol: Symbol::Before("F0"),
         used: |u| u.has_dielectric,
         kind: Kind::Color(Range::closed(0.0, 1.0)),
         apply: |s, v| s.material.f0 = Some(v.color()),
@@ -140,6 +199,8 @@ pub static AXES: &[Axis] = &[
         name: "albedo",
         plural: "albedos",
         about: "albedo of every material",
+        plural: "albedos",
+        symbol: Symbol::Before("albedo"),
         kind: Kind::Color(Range::closed(0.0, 1.0)),
         apply: |s, v| s.material.albedo = Some(v.color()),
         ..PLAIN
@@ -148,6 +209,8 @@ pub static AXES: &[Axis] = &[
         name: "metallic",
         plural: "values of metallic",
         about: "0 dielectric, 1 metal",
+        plural: "values of metallic",
+        symbol: Symbol::Before("metallic"),
         kind: Kind::Number(Range::closed(0.0, 1.0)),
         apply: |s, v| s.material.metallic = Some(v.number() as f32),
         ..PLAIN
@@ -157,6 +220,8 @@ pub static AXES: &[Axis] = &[
         plural: "exposures",
         part: Part::Display,
         about: "factor before the tone curve",
+        plural: "exposures",
+        symbol: Symbol::Before("exposure"),
         kind: Kind::Number(Range::above(0.0, 1e9)),
         default: || Value::Number(1.0),
         apply: |s, v| s.curve.exposure = v.number() as f32,
@@ -167,6 +232,8 @@ pub static AXES: &[Axis] = &[
         plural: "contrasts",
         part: Part::Display,
         about: "exponent of the tone curve times 2.2",
+        plural: "contrasts",
+        symbol: Symbol::Before("contrast"),
         kind: Kind::Number(Range::above(0.0, 100.0)),
         default: || Value::Number(1.0),
         apply: |s, v| s.curve.contrast = v.number() as f32,
@@ -176,6 +243,9 @@ pub static AXES: &[Axis] = &[
         name: "environment_rotation_deg",
         plural: "rotations",
         about: "turns the environment about +y",
+        plural: "rotations",
+        symbol: Symbol::After("deg"),
+        flag: Some("rotate"),
         kind: Kind::Number(Range::closed(-360.0, 360.0)),
         default: || Value::Number(0.0),
         apply: |s, v| s.environment_rotation_deg = v.number(),
@@ -185,6 +255,9 @@ pub static AXES: &[Axis] = &[
         name: "environment_scale",
         plural: "scales",
         about: "multiplies the environment's radiance",
+        plural: "radiance scales",
+        symbol: Symbol::Before("scale"),
+        flag: Some("scale"),
         kind: Kind::Number(Range::above(0.0, 1e9)),
         default: || Value::Number(1.0),
         apply: |s, v| s.environment_scale = v.number() as f32,
@@ -194,6 +267,9 @@ pub static AXES: &[Axis] = &[
         name: "environment_clip_log2",
         plural: "clips",
         about: "cuts the environment's radiance off at 2 to this power, for the reference too: less dynamic range",
+        plural: "clips",
+        symbol: Symbol::Before("clip 2^"),
+        feeds: &[MIPS, SH9, PREFILTER, IRRADIANCE],
         kind: Kind::Number(Range::closed(-30.0, 60.0)),
         apply: |s, v| s.environment_clip_log2 = Some(v.number()),
         ..PLAIN
@@ -202,6 +278,10 @@ pub static AXES: &[Axis] = &[
         name: "masking",
         plural: "maskings",
         about: "masking-shadowing; the same in a cell and its reference",
+        plural: "masking-shadowing functions",
+        frames_cost: true,
+        tables_cost: true,
+        feeds: &[DFG],
         kind: Kind::Name {
             what: "masking-shadowing",
             names: || MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect(),
@@ -218,6 +298,8 @@ pub static AXES: &[Axis] = &[
         plural: "level biases",
         part: Part::Parameter,
         about: "added to the mip level of filtered samples; names are those of `splitsum list level-biases`",
+        plural: "level biases",
+        symbol: Symbol::Before("bias"),
         used: |u| u.method.uses_lod_bias,
         kind: Kind::NumberOrName {
             range: Range::closed(-16.0, 16.0),
@@ -234,6 +316,10 @@ pub static AXES: &[Axis] = &[
         plural: "prefilter sizes",
         part: Part::Table,
         about: "width and height of the prefiltered map's first level",
+        plural: "prefilter sizes",
+        tables_cost: true,
+        needs_memory: true,
+        feeds: &[PREFILTER],
         used: |u| u.method.uses_prefiltered,
         kind: Kind::Pair { min: 8, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().prefilter_size),
@@ -246,6 +332,10 @@ pub static AXES: &[Axis] = &[
         plural: "level counts",
         part: Part::Table,
         about: "levels of the prefiltered map",
+        plural: "level counts",
+        symbol: Symbol::After("lv"),
+        tables_cost: true,
+        feeds: &[PREFILTER],
         used: |u| u.method.uses_prefiltered,
         kind: Kind::Count { min: 2, max: 12 },
         default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
@@ -258,6 +348,10 @@ pub static AXES: &[Axis] = &[
         plural: "prefilter sample counts",
         part: Part::Table,
         about: "samples a texel of the prefiltered map",
+        plural: "prefilter sample counts",
+        symbol: Symbol::After("spp"),
+        tables_cost: true,
+        feeds: &[PREFILTER],
         used: |u| u.method.uses_prefiltered,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
@@ -270,6 +364,11 @@ pub static AXES: &[Axis] = &[
         plural: "DFG sizes",
         part: Part::Table,
         about: "side of the DFG table",
+        plural: "DFG sizes",
+        symbol: Symbol::Before("DFG"),
+        tables_cost: true,
+        needs_memory: true,
+        feeds: &[DFG],
         used: Used::needs_dfg,
         kind: Kind::Count { min: 2, max: SIDE_MAX },
         default: || Value::Count(PrecomputeSettings::default().dfg_size),
@@ -282,6 +381,10 @@ pub static AXES: &[Axis] = &[
         plural: "DFG sample counts",
         part: Part::Table,
         about: "samples a texel of the DFG table",
+        plural: "DFG sample counts",
+        symbol: Symbol::After("DFG spp"),
+        tables_cost: true,
+        feeds: &[DFG],
         used: Used::needs_dfg,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().dfg_sample_count),
@@ -294,6 +397,11 @@ pub static AXES: &[Axis] = &[
         plural: "irradiance sizes",
         part: Part::Table,
         about: "width and height of the irradiance map",
+        plural: "irradiance map sizes",
+        symbol: Symbol::Before("irradiance"),
+        tables_cost: true,
+        needs_memory: true,
+        feeds: &[IRRADIANCE],
         used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
         kind: Kind::Pair { min: 2, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_size),
@@ -306,6 +414,10 @@ pub static AXES: &[Axis] = &[
         plural: "irradiance sample counts",
         part: Part::Table,
         about: "azimuth and polar samples a texel of the irradiance map",
+        plural: "irradiance sample counts",
+        symbol: Symbol::After("irradiance spp"),
+        tables_cost: true,
+        feeds: &[IRRADIANCE],
         used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
         kind: Kind::Pair { min: 1, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
@@ -318,6 +430,11 @@ pub static AXES: &[Axis] = &[
         plural: "storage formats",
         part: Part::Table,
         about: "numbers of the prefiltered map, the DFG table and the irradiance map on the device; f16 ends at 65504",
+        plural: "storage formats",
+        frames_cost: true,
+        tables_cost: true,
+        is_compared: true,
+        feeds: &[PREFILTER, DFG, IRRADIANCE],
         used: |u| {
             let has_irradiance_map = u.has_diffuse_surface && u.diffuse.uses_irradiance_map;
             u.method.uses_prefiltered || u.needs_dfg() || has_irradiance_map
@@ -332,3 +449,46 @@ pub static AXES: &[Axis] = &[
         ..PLAIN
     },
 ];
+
+/// Indices into [`AXES`] of the axes that the program itself speaks of. An axis that nothing speaks of needs none.
+macro_rules! indices {
+    ($($index:ident = $name:literal;)*) => { $(pub const $index: usize = index($name);)* };
+}
+
+indices! {
+    SIZE = "size";
+    ENVIRONMENT = "environment";
+    SCENE = "scene";
+    BRDF = "brdf";
+    METHOD = "method";
+    DIFFUSE_METHOD = "diffuse";
+    SAMPLES = "samples";
+    POINT_SET = "point_set";
+    ALPHA = "alpha";
+    ALBEDO = "albedo";
+    METALLIC = "metallic";
+    EXPOSURE = "exposure";
+    CONTRAST = "contrast";
+    ENVIRONMENT_CLIP = "environment_clip_log2";
+    PREFILTER_SIZE = "prefilter_size";
+}
+
+/// The axes whose values name builtins and files.
+pub const INPUTS: [usize; 2] = [ENVIRONMENT, SCENE];
+
+/// The place of a name in the list, while the program is compiled.
+const fn index(name: &str) -> usize {
+    let mut at = 0;
+    while !is_equal(LIST[at].name.as_bytes(), name.as_bytes()) {
+        at += 1;
+    }
+    at
+}
+
+const fn is_equal(a: &[u8], b: &[u8]) -> bool {
+    let mut at = 0;
+    while at < a.len() && at < b.len() && a[at] == b[at] {
+        at += 1;
+    }
+    at == a.len() && at == b.len()
+}

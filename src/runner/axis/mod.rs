@@ -2,7 +2,8 @@
 
 mod list;
 
-pub use list::AXES;
+pub use crate::shade::REFERENCE;
+pub use list::*;
 
 use super::value::{Kind, Value};
 use crate::brdf::{self, MaskingShadowing};
@@ -11,8 +12,9 @@ use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pipeline::RenderRequest;
 use crate::precompute::PrecomputeSettings;
 use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Scene};
-use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, diffuse_by_name, method_by_name};
+use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, NONE, diffuse_by_name, method_by_name};
 use crate::tonemap::ToneCurve;
+use std::ops::{Index, IndexMut};
 use std::sync::Arc;
 
 /// What one point of an experiment sets; the rest of a request (scene files, camera, lights) is the same for all points.
@@ -70,7 +72,7 @@ impl Settings {
             sequence: self.sequence,
             point_set: self.point_set,
             reference_error: view.reference_error,
-            reference_samples: if self.method.name == REFERENCE { self.samples } else { view.reference_samples },
+            reference_samples: if self.method.is_reference() { self.samples } else { view.reference_samples },
             method: self.method,
             diffuse: self.diffuse,
             brdf: self.brdf,
@@ -84,9 +86,6 @@ impl Settings {
         }
     }
 }
-
-/// Name of the unbiased method, specular and diffuse.
-pub const REFERENCE: &str = "reference";
 
 /// The method and sample count that an experiment measures against.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,7 +114,7 @@ impl Terms {
 
 impl Reference {
     fn leaves_out(&self, value: &Value) -> bool {
-        value.text() == "none" && self.terms == Terms::Cell
+        value.text() == NONE && self.terms == Terms::Cell
     }
 }
 
@@ -144,17 +143,57 @@ pub enum Part {
     Display,
 }
 
+/// Where a contact sheet shows the values of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sheet {
+    /// One sheet each.
+    Page,
+    Column,
+    Row,
+}
+
+/// The word beside a value in labels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symbol {
+    /// The value tells itself.
+    None,
+    /// `alpha 0.25`.
+    Before(&'static str),
+    /// `5 lv`.
+    After(&'static str),
+}
+
 /// One sweepable parameter.
 pub struct Axis {
     /// Name in files, on the command line and in tables.
     pub name: &'static str,
-    /// One phrase for `splitsum list axes`.
+    /// One phrase for `splitsum list axes` and the help of `render`.
     pub about: &'static str,
+    /// Word for several values: "environments".
+    pub plural: &'static str,
+    /// Word beside a value in labels.
+    pub symbol: Symbol,
     pub kind: Kind,
     /// Several of its values as people say them: "environments".
     pub plural: &'static str,
     /// What the axis tells apart.
     pub part: Part,
+    /// Where contact sheets show its values.
+    pub sheet: Sheet,
+    /// Whether the time of a frame depends on it. `alpha` is no such axis: all widths run the same instructions.
+    pub frames_cost: bool,
+    /// Whether the time of making the tables depends on it. That of an environment does through its size alone.
+    pub tables_cost: bool,
+    /// Whether frames that differ in it are timed in the same rounds, to be compared.
+    pub is_compared: bool,
+    /// Whether the memory of a frame depends on it.
+    pub needs_memory: bool,
+    /// The tables whose texels depend on it, by name.
+    pub feeds: &'static [&'static str],
+    /// Whether it may also stand beside `[axes]` in an experiment file, with one value.
+    pub is_key: bool,
+    /// The flag of `render`, where it is not the name.
+    pub flag: Option<&'static str>,
     /// The value where the experiment sets none.
     pub default: fn() -> Value,
     /// Whether the parameter changes the image at this point; where not, its values collapse into one cell.
@@ -196,6 +235,16 @@ impl Axis {
     pub fn changes_radiance(&self) -> bool {
         self.part != Part::Display
     }
+
+    /// A value with the axis's word: `alpha 0.25`, `5 lv`, `ggx`.
+    pub fn label(&self, value: &str) -> String {
+        match self.symbol {
+            Symbol::None => value.to_owned(),
+            Symbol::Before(word) if word.ends_with('^') => format!("{word}{value}"),
+            Symbol::Before(word) => format!("{word} {value}"),
+            Symbol::After(word) => format!("{value} {word}"),
+        }
+    }
 }
 
 /// Axes that `[precompute]` may set for all cells at once.
@@ -225,6 +274,20 @@ fn diffuse(name: &str) -> &'static Diffuse {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point(pub Vec<Value>);
 
+impl Index<usize> for Point {
+    type Output = Value;
+
+    fn index(&self, axis: usize) -> &Value {
+        &self.0[axis]
+    }
+}
+
+impl IndexMut<usize> for Point {
+    fn index_mut(&mut self, axis: usize) -> &mut Value {
+        &mut self.0[axis]
+    }
+}
+
 impl Default for Point {
     fn default() -> Self {
         Self(AXES.iter().map(|axis| (axis.default)()).collect())
@@ -234,13 +297,17 @@ impl Default for Point {
 impl Point {
     /// The value of the axis of that name.
     pub fn get(&self, name: &str) -> &Value {
-        &self.0[index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
+        &self[index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
     }
 
-    /// Sets the axis of that name.
-    pub fn set(&mut self, name: &str, value: Value) {
-        let index = index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"));
-        self.0[index] = value;
+    /// The specular method.
+    pub fn method(&self) -> &'static Method {
+        method(self[METHOD].text())
+    }
+
+    /// The diffuse method.
+    pub fn diffuse(&self) -> &'static Diffuse {
+        diffuse(self[DIFFUSE_METHOD].text())
     }
 
     /// The point with every unused parameter unset, so that points with the same work are equal. Cells are told apart by this: what a
@@ -252,13 +319,13 @@ impl Point {
     /// The point with every parameter unset that cannot reach the pixels, so that points with the same image are equal: beyond
     /// [`Point::collapsed`], the diffuse term's of black and metal surfaces, and the reflectance of dielectrics where there are none.
     pub fn of_pixels(&self, has_lights: bool) -> Self {
-        let is_metal = *self.get("metallic") == Value::Number(1.0);
-        let is_black = *self.get("albedo") == Value::Color([0.0; 3]);
+        let is_metal = self[METALLIC] == Value::Number(1.0);
+        let is_black = self[ALBEDO] == Value::Color([0.0; 3]);
         self.where_used(has_lights, !(is_metal || is_black), !is_metal)
     }
 
     fn where_used(&self, has_lights: bool, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
-        let (method, diffuse) = (method(self.get("method").text()), diffuse(self.get("diffuse").text()));
+        let (method, diffuse) = (self.method(), self.diffuse());
         let used = Used { method, diffuse, has_lights, has_diffuse_surface, has_dielectric };
         let values = AXES.iter().zip(&self.0);
         Self(values.map(|(axis, value)| if (axis.used)(&used) { value.clone() } else { Value::Unset }).collect())

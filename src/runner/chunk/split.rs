@@ -6,7 +6,7 @@
 //! parted from the tables they are weighed against: a ratio over two devices would mean nothing.
 
 use super::prices::Prices;
-use crate::runner::axis::Point;
+use crate::runner::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP, Point};
 use crate::runner::estimate::Item;
 use crate::runner::plan::{Cell, Plan, ReferenceGroup};
 use crate::runner::timing::{self, TimingJob};
@@ -100,7 +100,7 @@ pub fn split(plan: &Plan, seconds: f64, prices: &Prices) -> Vec<Chunk> {
 fn ordered(plan: &Plan) -> Vec<ReferenceGroup<'_>> {
     let environment_and_model = |group: &ReferenceGroup| {
         let point = &group.radiances[0].1[0].point;
-        ["environment", "environment_clip_log2", "brdf"].map(|axis| point.get(axis).to_string()).to_vec()
+        [ENVIRONMENT, ENVIRONMENT_CLIP, BRDF].map(|axis| point[axis].to_string()).to_vec()
     };
     let mut groups = plan.groups();
     let mut first: BTreeMap<Vec<String>, usize> = BTreeMap::new();
@@ -167,7 +167,7 @@ fn timing_units<'p>(plan: &'p Plan, prices: &Prices) -> Vec<Unit<'p>> {
     let mut unit_of: BTreeMap<String, usize> = BTreeMap::new();
     let mut units: Vec<Unit> = Vec::new();
     for job in jobs {
-        let tables_key = format!("{:?} {}", job.environment_size, job.cell.point.get("brdf"));
+        let tables_key = format!("{:?} {}", job.environment_size, job.cell.point[BRDF]);
         let known = [&job.block, &tables_key].into_iter().find_map(|key| unit_of.get(key)).copied();
         let index = known.unwrap_or(units.len());
         if known.is_none() {

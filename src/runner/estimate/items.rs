@@ -1,7 +1,7 @@
 //! The work that is left of a plan, item by item, and how much each is.
 
 use super::speeds::{Amount, Line};
-use crate::runner::axis::{AXES, Point};
+use crate::runner::axis::{AXES, DFG, IRRADIANCE, MIPS, PREFILTER, Point, SH9};
 use crate::runner::config::{Timing, Warmup};
 use crate::runner::images;
 use crate::runner::plan::{Cell, Plan};
@@ -122,10 +122,7 @@ pub fn amount(plan: &Plan, point: &Point) -> Amount {
     let settings = point.settings();
     let [width, height] = settings.size.map(f64::from);
     let specular = if settings.method.uses_samples { settings.samples } else { 1 };
-    let diffuse = match settings.diffuse.name {
-        "reference" => plan.config.reference.samples,
-        _ => 0,
-    };
+    let diffuse = if settings.diffuse.is_reference() { plan.config.reference.samples } else { 0 };
     let pixels = width * height;
     Amount { pixels, samples: pixels * (f64::from(specular) + f64::from(diffuse)) }
 }
@@ -148,30 +145,6 @@ fn timing_frames(timing: Timing, members: usize) -> f64 {
     f64::from(timing.rounds + changes)
 }
 
-/// The tables with samples that the image of a point reads: what tells each from others, and the samples it takes.
-fn tables(plan: &Plan, point: &Point) -> Vec<(String, f64)> {
-    let settings = point.settings();
-    let precompute = &settings.precompute;
-    let key = |kind: &str, names: &[&str], prefix: &str| {
-        let axes = AXES.iter().zip(&point.0).filter(|(a, _)| names.contains(&a.name) || a.name.starts_with(prefix));
-        axes.fold(kind.to_owned(), |key, (axis, value)| format!("{key} {}={value}", axis.name))
-    };
-    let samples = |pass: &str| precompute.samples_of(pass).unwrap_or(0.0);
-    let mut tables = Vec::new();
-    if settings.method.uses_prefiltered {
-        let axes = ["environment", "environment_clip_log2", "brdf"];
-        tables.push((key("prefilter", &axes, "prefilter_"), samples("prefilter")));
-    }
-    if settings.method.needs_dfg(settings.diffuse, !plan.config.lights.is_empty()) {
-        tables.push((key("dfg", &["brdf", "masking"], "dfg_"), samples("dfg")));
-    }
-    if settings.diffuse.uses_irradiance_map {
-        let axes = ["environment", "environment_clip_log2"];
-        tables.push((key("irradiance", &axes, "irradiance_"), samples("irradiance")));
-    }
-    tables
-}
-
 /// Kind of an image's work.
 pub fn image_kind(point: &Point) -> String {
     let settings = point.settings();
@@ -192,22 +165,21 @@ pub fn table_kind(table: &str, brdf: &str) -> String {
 /// Every table that an image reads: what tells it from others, its kind, the samples it takes. Where it takes none, texels.
 pub fn all_tables(plan: &Plan, point: &Point) -> Vec<(String, String, f64)> {
     let settings = point.settings();
-    let kind = |name: &str| table_kind(name, settings.brdf.name());
-    let mut all: Vec<(String, String, f64)> = tables(plan, point)
-        .into_iter()
-        .map(|(key, samples)| {
-            let name = key.split(' ').next().unwrap_or_default().to_owned();
-            (key, kind(&name), samples)
-        })
-        .collect();
     let image = &plan.inputs.environment(&settings.environment).image;
     let texels = f64::from(image.width) * f64::from(image.height);
-    let environment = format!("{} {:?}", settings.environment, settings.environment_clip_log2);
-    all.push((format!("mips {environment}"), kind("mips"), texels));
-    if settings.diffuse.name == "sh9" {
-        all.push((format!("sh9 {environment}"), kind("sh9"), texels));
-    }
-    all
+    let reads = [
+        (PREFILTER, settings.method.uses_prefiltered),
+        (DFG, settings.method.needs_dfg(settings.diffuse, !plan.config.lights.is_empty())),
+        (IRRADIANCE, settings.diffuse.uses_irradiance_map),
+        (MIPS, true),
+        (SH9, settings.diffuse.uses_sh9),
+    ];
+    let table = |(table, _): (&str, bool)| {
+        let axes = AXES.iter().zip(&point.0).filter(|(axis, _)| axis.feeds.contains(&table));
+        let key = axes.fold(table.to_owned(), |key, (axis, value)| format!("{key} {}={value}", axis.name));
+        (key, table_kind(table, settings.brdf.name()), settings.precompute.samples_of(table).unwrap_or(texels))
+    };
+    reads.into_iter().filter(|(_, is_read)| *is_read).map(table).collect()
 }
 
 /// What is left when these cells and timings are. References in `kept` need not be made: a cache has them.

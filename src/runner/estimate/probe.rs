@@ -6,7 +6,7 @@ use super::records::mean_bytes;
 use super::speeds::{Amount, Line, Speeds};
 use crate::pipeline::{Frame, RenderRequest};
 use crate::precompute::{PrecomputeSettings, table_of};
-use crate::runner::axis::Point;
+use crate::runner::axis::{Point, SIZE};
 use crate::runner::images;
 use crate::runner::plan::{Cell, Plan};
 use crate::runner::renderer::{RenderFault, Renderer};
@@ -73,7 +73,7 @@ impl Probe<'_> {
         let size = point.settings().size.map(f64::from);
         let scale = (pixels_max / (size[0] * size[1])).sqrt().min(1.0);
         let mut small = point.clone();
-        small.set("size", Value::Pair(size.map(|side| ((side * scale).round() as u32).max(1))));
+        small[SIZE] = Value::Pair(size.map(|side| ((side * scale).round() as u32).max(1)));
         small
     }
 
@@ -121,10 +121,10 @@ impl Probe<'_> {
         for samples in ends {
             // As `cost::amount` counts.
             let specular = if request.method.uses_samples { samples } else { 1 };
-            let diffuse = if request.diffuse.name == "reference" { request.reference_samples } else { 0 };
+            let diffuse = if request.diffuse.is_reference() { request.reference_samples } else { 0 };
             let amount = Amount { pixels, samples: pixels * f64::from(specular + diffuse) };
             let request = RenderRequest { samples, ..request.clone() };
-            let is_reference = request.method.name == "reference";
+            let is_reference = request.method.is_reference();
             let request = RenderRequest {
                 reference_samples: if is_reference { samples } else { request.reference_samples },
                 ..request
@@ -149,8 +149,7 @@ impl Probe<'_> {
             let request = self.plan.reference_request(&point);
             let pixels = f64::from(request.size[0]) * f64::from(request.size[1]);
             let terms =
-                f64::from(u8::from(request.method.uses_samples) + u8::from(request.diffuse.name == "reference"))
-                    .max(1.0);
+                f64::from(u8::from(request.method.uses_samples) + u8::from(request.diffuse.is_reference())).max(1.0);
             (RenderRequest { precompute: few_samples(&request.precompute), ..request }, nominal, pixels, terms)
         };
         let (request, nominal, pixels, terms) = of(PIXELS_MAX);

@@ -4,7 +4,7 @@ use super::items::{all_tables, amount, file_kind, image_kind, reference_kind};
 use super::speeds::{Amount, Line, Speeds};
 use crate::pipeline::DeviceInfo;
 use crate::precompute::table_of;
-use crate::runner::axis::{AXES, Point};
+use crate::runner::axis::{AXES, ENVIRONMENT, Point, SIZE};
 use crate::runner::plan::{Cell, Plan};
 use crate::runner::statistics::median;
 use crate::runner::store::{CHUNKS_FOLDER, CellRecord, Store};
@@ -73,7 +73,7 @@ impl Found<'_> {
             add(reference_kind(&reference), amount(plan, &reference), ms);
         }
         // An environment or scene of another experiment is not loaded: its tables say nothing.
-        let known = plan.inputs.has_environment(point.get("environment").text());
+        let known = plan.inputs.has_environment(point[ENVIRONMENT].text());
         let tables = if known { [all_tables(plan, &point), all_tables(plan, &reference)].concat() } else { Vec::new() };
         for (_, kind, samples) in tables {
             let ms = kind.split(' ').nth(1).and_then(|name| spent.tables_ms.get(name));
@@ -97,16 +97,16 @@ impl Found<'_> {
         let Some(mut point) = point_of(&record.axes) else { return };
         self.count += 1;
         if record.phase == FRAME {
-            point.set("size", Value::Pair(record.size));
+            point[SIZE] = Value::Pair(record.size);
             let kind = image_kind(&point).replacen("image", "frame", 1);
             self.measured.push((kind, amount(self.plan, &point), median(&record.wall_ms) / 1e3));
             return;
         }
         // Tables are timed once for all environments of a size: one of the plan's stands for them.
-        let image = |cell: &Cell| &self.plan.inputs.environment(cell.point.get("environment").text()).image;
+        let image = |cell: &Cell| &self.plan.inputs.environment(cell.point[ENVIRONMENT].text()).image;
         let is_as_large = |cell: &&Cell| [image(cell).width, image(cell).height] == record.environment_size;
         let Some(cell) = self.plan.cells.iter().find(is_as_large) else { return };
-        point.set("environment", cell.point.get("environment").clone());
+        point[ENVIRONMENT] = cell.point[ENVIRONMENT].clone();
         for (_, kind, samples) in all_tables(self.plan, &point) {
             let is_own = |pass: &&PassSamples| kind.split(' ').nth(1) == Some(table_of(&pass.pass));
             let times: Vec<f64> = record.passes.iter().filter(is_own).map(|pass| median(&pass.ms) / 1e3).collect();
@@ -135,12 +135,9 @@ fn ids(folder: &Path) -> Vec<String> {
 /// The point whose values are written so; what is missing has its default.
 fn point_of(axes: &BTreeMap<String, String>) -> Option<Point> {
     let mut point = Point::default();
-    for axis in AXES.iter() {
-        match axes.get(axis.name).map(String::as_str) {
-            None => {}
-            Some("") if ["method", "diffuse", "environment", "brdf", "scene"].contains(&axis.name) => {}
-            Some("") => point.set(axis.name, Value::Unset),
-            Some(text) => point.set(axis.name, axis.kind.parse_text(text).ok()?),
+    for (axis, value) in AXES.iter().zip(&mut point.0) {
+        if let Some(text) = axes.get(axis.name).filter(|text| !text.is_empty()) {
+            *value = axis.kind.parse_text(text).ok()?;
         }
     }
     Some(point)
