@@ -23,7 +23,6 @@ pub const IRRADIANCE: &str = "irradiance";
 /// What most axes share; entries override what differs.
 const PLAIN: Axis = Axis {
     name: "",
-    plural: "",
     about: "",
     plural: "",
     symbol: Symbol::None,
@@ -49,7 +48,6 @@ pub static AXES: &[Axis] = LIST;
 const LIST: &[Axis] = &[
     Axis {
         name: "size",
-        plural: "sizes",
         about: "width and height of the image; also a key of the file beside [axes]",
         plural: "image sizes",
         sheet: Sheet::Page,
@@ -62,7 +60,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "environment",
-        plural: "environments",
         about: "the light: a builtin formula or an .hdr or .exr file (FILE.exr#NAME: a layer or part of it)",
         plural: "environments",
         sheet: Sheet::Page,
@@ -74,7 +71,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "scene",
-        plural: "scenes",
         about: "sphere, spheres, plane or an .obj file",
         plural: "scenes",
         sheet: Sheet::Page,
@@ -86,7 +82,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "brdf",
-        plural: "BRDF models",
         about: "microfacet model",
         plural: "BRDF models",
         sheet: Sheet::Page,
@@ -100,7 +95,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "method",
-        plural: "methods",
         part: Part::Method,
         about: "how the specular term is computed",
         plural: "methods",
@@ -117,7 +111,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "diffuse",
-        plural: "diffuse methods",
         part: Part::Method,
         about: "how the diffuse term is computed",
         plural: "diffuse methods",
@@ -134,7 +127,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "samples",
-        plural: "sample counts",
         part: Part::Count,
         about: "samples a pixel; methods that draw none have one cell, with an empty field",
         plural: "sample counts",
@@ -151,7 +143,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "sequence",
-        plural: "sequences",
         part: Part::Parameter,
         about: "where a sampled method takes its points from; `splitsum list sequences`",
         plural: "sequences",
@@ -163,7 +154,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "point_set",
-        plural: "point sets",
         part: Part::Luck,
         about: "set of the sequence: 0 the plain one, k > 0 randomised copies",
         plural: "point sets",
@@ -176,7 +166,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "alpha",
-        plural: "alphas",
         about: "microfacet width of every material",
         plural: "alphas",
         symbol: Symbol::Before("alpha"),
@@ -186,7 +175,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "f0",
-        plural: "values of f0",
         about: "reflectance at normal incidence of every dielectric",
         plural: "values of F0",
         symbol: Symbol::Before("F0"),
@@ -197,7 +185,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "albedo",
-        plural: "albedos",
         about: "albedo of every material",
         plural: "albedos",
         symbol: Symbol::Before("albedo"),
@@ -207,7 +194,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "metallic",
-        plural: "values of metallic",
         about: "0 dielectric, 1 metal",
         plural: "values of metallic",
         symbol: Symbol::Before("metallic"),
@@ -217,7 +203,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "exposure",
-        plural: "exposures",
         part: Part::Display,
         about: "factor before the tone curve",
         plural: "exposures",
@@ -229,7 +214,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "contrast",
-        plural: "contrasts",
         part: Part::Display,
         about: "exponent of the tone curve times 2.2",
         plural: "contrasts",
@@ -241,7 +225,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "environment_rotation_deg",
-        plural: "rotations",
         about: "turns the environment about +y",
         plural: "rotations",
         symbol: Symbol::After("deg"),
@@ -253,7 +236,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "environment_scale",
-        plural: "scales",
         about: "multiplies the environment's radiance",
         plural: "radiance scales",
         symbol: Symbol::Before("scale"),
@@ -265,7 +247,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "environment_clip_log2",
-        plural: "clips",
         about: "cuts the environment's radiance off at 2 to this power, for the reference too: less dynamic range",
         plural: "clips",
         symbol: Symbol::Before("clip 2^"),
@@ -276,7 +257,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "masking",
-        plural: "maskings",
         about: "masking-shadowing; the same in a cell and its reference",
         plural: "masking-shadowing functions",
         frames_cost: true,
@@ -295,7 +275,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "lod_bias",
-        plural: "level biases",
         part: Part::Parameter,
         about: "added to the mip level of filtered samples; names are those of `splitsum list level-biases`",
         plural: "level biases",
@@ -313,7 +292,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "prefilter_size",
-        plural: "prefilter sizes",
         part: Part::Table,
         about: "width and height of the prefiltered map's first level",
         plural: "prefilter sizes",
@@ -329,7 +307,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "prefilter_level_count",
-        plural: "level counts",
         part: Part::Table,
         about: "levels of the prefiltered map",
         plural: "level counts",
@@ -345,7 +322,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "prefilter_sample_count",
-        plural: "prefilter sample counts",
         part: Part::Table,
         about: "samples a texel of the prefiltered map",
         plural: "prefilter sample counts",
@@ -361,7 +337,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "dfg_size",
-        plural: "DFG sizes",
         part: Part::Table,
         about: "side of the DFG table",
         plural: "DFG sizes",
@@ -378,7 +353,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "dfg_sample_count",
-        plural: "DFG sample counts",
         part: Part::Table,
         about: "samples a texel of the DFG table",
         plural: "DFG sample counts",
@@ -394,7 +368,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "irradiance_size",
-        plural: "irradiance sizes",
         part: Part::Table,
         about: "width and height of the irradiance map",
         plural: "irradiance map sizes",
@@ -411,7 +384,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "irradiance_sample_count",
-        plural: "irradiance sample counts",
         part: Part::Table,
         about: "azimuth and polar samples a texel of the irradiance map",
         plural: "irradiance sample counts",
@@ -427,7 +399,6 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "storage_format",
-        plural: "storage formats",
         part: Part::Table,
         about: "numbers of the prefiltered map, the DFG table and the irradiance map on the device; f16 ends at 65504",
         plural: "storage formats",

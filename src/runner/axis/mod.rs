@@ -174,8 +174,6 @@ pub struct Axis {
     /// Word beside a value in labels.
     pub symbol: Symbol,
     pub kind: Kind,
-    /// Several of its values as people say them: "environments".
-    pub plural: &'static str,
     /// What the axis tells apart.
     pub part: Part,
     /// Where contact sheets show its values.
@@ -226,11 +224,6 @@ impl Used {
 }
 
 impl Axis {
-    /// Several of its values as people say them.
-    pub fn plural(&self) -> &'static str {
-        self.plural
-    }
-
     /// Whether another value means another linear image.
     pub fn changes_radiance(&self) -> bool {
         self.part != Part::Display

@@ -3,6 +3,7 @@
 //!
 //! To add one: its file, one word in the list below, an experiment that asks it.
 
+mod conditions;
 mod words;
 
 use super::figure::Figure;
