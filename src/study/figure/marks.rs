@@ -23,6 +23,9 @@ const CAP: f64 = 3.0;
 const ARROW: f64 = 4.5;
 /// Height of a horizontal bar over that of its row.
 const HORIZONTAL: f64 = 0.66;
+/// The narrowest bar that has a marker.
+const SIGN_LEAST: f64 = 12.0;
+const BAR: &str = "class=\"fig-f fig-o\"";
 /// Between tiles.
 const TILE_GAP: f64 = 1.0;
 /// A line with more vertices has markers at some of them only.
@@ -61,17 +64,33 @@ pub fn draw(out: &mut String, figure: &Figure, index: usize, frame: &Frame) {
     let panel = &figure.panels[index];
     let mut order: Vec<usize> = (0..panel.marks.len()).collect();
     order.sort_by_key(|i| layer(&panel.marks[*i].shape));
-    let _ = writeln!(out, "<g class=\"fig-panel\">");
+    let name = if panel.title.is_empty() { String::new() } else { format!(" aria-label=\"{}\"", escape(&panel.title)) };
+    let _ = writeln!(out, "<g role=\"group\"{name}>");
     let mut taken: Vec<[f64; 4]> = Vec::new();
+    let mut border = Some(border(frame));
     for i in order {
         let mark = &panel.marks[i];
+        if layer(&mark.shape) > FILLED
+            && let Some(border) = border.take()
+        {
+            *out += &border;
+        }
         let pen = Pen { figure, frame, index: i, panel: index };
         let Some(drawn) = pen.shape(mark, &mut taken) else { continue };
         open_mark(out, mark, index);
         *out += &drawn;
         *out += "</g>\n";
     }
+    *out += &border.unwrap_or_default();
     *out += "</g>\n";
+}
+
+/// The last layer of filled shapes: axes stand above them and below lines.
+const FILLED: u8 = 1;
+
+fn border(frame: &Frame) -> String {
+    let [left, top, right, bottom] = [frame.left, frame.top, frame.right, frame.bottom].map(px);
+    format!("<path class=\"fig-axis\" d=\"M{left},{top}V{bottom}H{right}\"/>\n")
 }
 
 fn layer(shape: &Shape) -> u8 {
@@ -239,10 +258,11 @@ impl Pen<'_> {
         let (top, height) = (from.at.min(end.at), (from.at - end.at).abs());
         let Frame { left, right, .. } = *self.frame;
         let (start, stop) = ((middle - width / 2.0).max(left), (middle + width / 2.0).min(right));
-        let mut drawn = rectangle("fig-f fig-o", [start, top, stop - start, height]);
+        let mut drawn = rectangle(BAR, [start, top, stop - start, height]);
         if let Some(direction) = self.direction([Place { at: middle, beyond: 0 }, end]) {
             let _ = write!(drawn, "<path class=\"fig-b\" d=\"{}\"/>", arrow([middle, end.at], direction));
         }
+        drawn += &self.sign([start, top, stop - start, height]);
         Some(drawn + &self.hit(&format!("M{},{}v{}", px(middle), px(top), px(height))))
     }
 
@@ -265,11 +285,21 @@ impl Pen<'_> {
         let lanes = self.frame.dodge.count.max(1) as f64;
         let height = self.frame.y.step() * HORIZONTAL / lanes;
         let (left, width) = (from.at.min(end.at), (from.at - end.at).abs());
-        let mut drawn = rectangle("fig-f fig-o", [left, middle.at - height / 2.0, width, height]);
+        let mut drawn = rectangle(BAR, [left, middle.at - height / 2.0, width, height]);
         if let Some(direction) = self.direction([end, Place { at: middle.at, beyond: 0 }]) {
             let _ = write!(drawn, "<path class=\"fig-b\" d=\"{}\"/>", arrow([end.at, middle.at], direction));
         }
+        drawn += &self.sign([left, middle.at - height / 2.0, width, height]);
         Some(drawn + &self.hit(&format!("M{},{}h{}", px(left), px(middle.at), px(width))))
+    }
+
+    /// The marker of a series in the middle of its bar, for whom colours do not tell it; nothing where it has no room.
+    fn sign(&self, [left, top, width, height]: [f64; 4]) -> String {
+        let mark = &self.figure.panels[self.panel].marks[self.index];
+        if self.figure.series.len() < 2 || mark.series.is_none() || width.min(height) < SIGN_LEAST {
+            return String::new();
+        }
+        format!("<path class=\"fig-hole\" d=\"{}\"/>", marker(mark.series, [left + width / 2.0, top + height / 2.0]))
     }
 
     fn tile(&self, [x, y]: [usize; 2], value: Option<f64>, text: &str) -> Option<String> {
@@ -277,25 +307,19 @@ impl Pen<'_> {
         let (middle, level) = (across.place(x as f64)?.at, down.place(y as f64)?.at);
         let (width, height) = (across.step() - TILE_GAP, down.step() - TILE_GAP);
         let area = [middle - width / 2.0, level - height / 2.0, width, height];
-        let color =
-            value.filter(|value| !value.is_nan()).zip(self.figure.ramp.as_ref()).map(|(value, ramp)| ramp.color(value));
-        let mut drawn = match color {
-            Some(color) => {
-                let [x, y, width, height] = area.map(px);
-                format!(
-                    "<rect class=\"fig-o\" fill=\"{}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/>",
-                    hex(color)
-                )
-            }
-            None => rectangle("fig-none fig-o", area),
-        };
+        let ramp = self.figure.ramp.as_ref();
+        let color = value.filter(|value| !value.is_nan()).zip(ramp).map(|(value, ramp)| ramp.color(value));
+        let fill = color.map_or_else(
+            || "class=\"fig-none fig-o\"".to_owned(),
+            |color| format!("class=\"fig-o\" fill=\"{}\"", hex(color)),
+        );
+        let mut drawn = rectangle(&fill, area);
         if let Some(size) = self.frame.tile_font.filter(|_| !text.is_empty()) {
             let at = [middle, level + size * MIDDLE].map(px);
-            let class = color.map_or("fig-muted", words_on);
-            let own = if size == FONT.size { String::new() } else { format!(" style=\"font-size:{}px\"", px(size)) };
+            let class = color.map_or("fig-muted fig-gap", words_on);
+            let own = if size == FONT.size { String::new() } else { format!(" font-size=\"{}\"", px(size)) };
             let (x, y, text) = (&at[0], &at[1], escape(text));
-            let _ =
-                write!(drawn, "<text class=\"{class}\" x=\"{x}\" y=\"{y}\" text-anchor=\"middle\"{own}>{text}</text>");
+            let _ = write!(drawn, "<text class=\"{class}\"{own} x=\"{x}\" y=\"{y}\">{text}</text>");
         }
         Some(drawn)
     }
@@ -316,7 +340,7 @@ impl Pen<'_> {
             ([x - AWAY, y - AWAY], Anchor::End),
         ];
         let found = sides.into_iter().find_map(|(at, anchor)| {
-            let words = Words::new(text, at, font, "fig-ink").anchor(anchor);
+            let words = Words::new(text, at, font, "fig-ink fig-halo").anchor(anchor);
             let area = words.area();
             let is_inside = area[0] >= left && area[2] <= right && area[1] >= top && area[3] <= bottom;
             (is_inside && !taken.iter().any(|other| overlap(*other, area))).then_some((words, area))
@@ -329,7 +353,8 @@ impl Pen<'_> {
     }
 }
 
-fn rectangle(class: &str, [x, y, width, height]: [f64; 4]) -> String {
+/// A rectangle of an area: left, top, width and height.
+fn rectangle(paint: &str, [x, y, width, height]: [f64; 4]) -> String {
     let [x, y, width, height] = [x, y, width, height].map(px);
-    format!("<rect class=\"{class}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/>")
+    format!("<path {paint} d=\"M{x},{y}h{width}v{height}h-{width}z\"/>")
 }
