@@ -25,7 +25,15 @@ macro_rules! questions {
 
 questions! {
     break_even,
+    convergence,
+    error,
+    sample_count,
 }
+
+/// Sentences of a finding.
+pub const SENTENCES_MAX: usize = 3;
+/// Words of a sentence.
+pub const WORDS_MAX: usize = 25;
 
 /// Something that the rows of a run can answer.
 pub struct Question {
