@@ -2,8 +2,11 @@
 //!
 //! Every question is answered from a frame. A row is one distinct linear image at one tone curve. Statistics are in [`estimate`].
 
+pub mod band;
 pub mod estimate;
 mod shape;
+pub mod student;
+pub mod times;
 
 pub use shape::Shape;
 
@@ -12,10 +15,15 @@ use crate::metrics::{BiasVariance, Metric, Verdict, metric, verdict};
 use crate::runner::axis::{AXES, Part, Point, index_of};
 use crate::runner::tables::HEADLINE;
 use crate::runner::value::Value;
+use crate::table::csv::Cell;
 use std::collections::HashMap;
 
 /// Values on some axes; an axis that does not reach the pixels is unset.
 pub type Key = Vec<Value>;
+
+/// Mean FLIP from which a difference is called visible. FLIP's authors give no limit for a mean over an image: this is the project's
+/// convention, about where flipping two of its images in place begins to show a change everywhere rather than in single spots.
+pub const VISIBLE_FROM: f64 = 0.05;
 
 /// One image.
 #[derive(Clone, Debug)]
@@ -62,6 +70,11 @@ impl<'f> Frame<'f> {
         row.cell.scores.as_ref()?.get(self.metric_name())
     }
 
+    /// The score of a row in another metric.
+    pub fn score(&self, row: &Row, metric: &str) -> Option<f64> {
+        row.cell.scores.as_ref()?.get(metric)
+    }
+
     /// The score that an exact image would have against the row's reference.
     pub fn noise_floor(&self, row: &Row) -> Option<f64> {
         row.cell.noise_floors.get(self.metric_name())
@@ -102,12 +115,16 @@ impl<'f> Frame<'f> {
         scored.filter(|row| seen.insert(linear(row), ()).is_none()).collect()
     }
 
+    /// The axes of [`Frame::way`]: method and sample count; where no row has a specular term, the diffuse method.
+    pub fn way_axes(&self) -> Vec<usize> {
+        let has_specular = self.shape.values[axis("method")].iter().any(|value| value.to_string() != "none");
+        if has_specular { vec![axis("method"), axis("samples")] } else { vec![axis("diffuse")] }
+    }
+
     /// How the image of a row is made: "sampled 16", "split-sum"; where no row has a specular term, the diffuse method.
     pub fn way(&self, row: &Row) -> String {
-        if self.shape.values[axis("method")].iter().all(|value| value.to_string() == "none") {
-            return row.point.get("diffuse").to_string();
-        }
-        format!("{} {}", row.point.get("method"), row.point.get("samples")).trim_end().to_owned()
+        let texts: Vec<String> = self.way_axes().into_iter().map(|axis| row.text(axis)).collect();
+        texts.join(" ").trim_end().to_owned()
     }
 }
 
@@ -115,6 +132,11 @@ impl Row<'_> {
     /// Its values on these axes.
     pub fn key(&self, axes: &[usize]) -> Key {
         axes.iter().map(|&axis| self.point.0[axis].clone()).collect()
+    }
+
+    /// Its values on these axes, as cells of a table.
+    pub fn cells(&self, axes: &[usize]) -> Vec<Cell> {
+        axes.iter().map(|&axis| Cell::Text(self.text(axis))).collect()
     }
 
     /// The value on an axis, as text for tables.

@@ -30,11 +30,12 @@ pub const QUESTION: Question = Question {
         Column { name: "fixed_error", about: "Error of the method without samples, in the metric of the question." },
         Column { name: "is_resolved", about: "1 where both errors at the break-even stand clear of the reference's noise, else 0." },
     ],
+    uses_times: false,
     lacks,
     answer,
 };
 
-fn lacks(shape: &Shape) -> Option<&'static str> {
+pub(super) fn lacks(shape: &Shape) -> Option<&'static str> {
     let methods = crate::shade::METHODS.iter().filter(|method| shape.has("method", &[method.name]));
     let methods: Vec<_> = methods.filter(|method| method.name != "none").collect();
     match () {
@@ -46,15 +47,17 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 }
 
 /// A sampling method beside one without samples in one case.
-struct Case<'r, 'f> {
-    key: Key,
+pub(super) struct Case<'r, 'f> {
+    pub key: Key,
     /// Error by sample count, ascending.
-    curve: Vec<(u32, f64)>,
+    pub curve: Vec<(u32, f64)>,
+    /// The images behind the curve.
+    pub sampled: Vec<&'r Row<'f>>,
     is_resolved: bool,
-    fixed: &'r Row<'f>,
-    fixed_error: f64,
+    pub fixed: &'r Row<'f>,
+    pub fixed_error: f64,
     /// `None`: above the largest tried count.
-    break_even: Option<u32>,
+    pub break_even: Option<u32>,
 }
 
 impl Case<'_, '_> {
@@ -63,7 +66,7 @@ impl Case<'_, '_> {
     }
 
     /// By log-log interpolation on the segment that ends at the break-even.
-    fn crossing(&self) -> Option<f64> {
+    pub fn crossing(&self) -> Option<f64> {
         let index = self.curve.iter().position(|(samples, _)| Some(*samples) == self.break_even)?;
         let ((n0, e0), (n1, e1)) = (*self.curve.get(index.checked_sub(1)?)?, self.curve[index]);
         let [x0, x1] = [n0, n1].map(|n| f64::from(n).ln());
@@ -83,7 +86,7 @@ fn break_even(curve: &[(u32, f64)], fixed: f64) -> Option<u32> {
 }
 
 /// Cases by pair of methods, in the order of the rows.
-fn pairs<'r, 'f>(frame: &'r Frame<'f>, axes: &[usize]) -> Vec<((String, String), Vec<Case<'r, 'f>>)> {
+pub(super) fn pairs<'r, 'f>(frame: &'r Frame<'f>, axes: &[usize]) -> Vec<((String, String), Vec<Case<'r, 'f>>)> {
     let images = frame.images();
     let sampled: Vec<&Row> = images.iter().copied().filter(|row| row.samples().is_some()).collect();
     let fixed: Vec<&Row> = images.iter().copied().filter(|row| row.samples().is_none() && !row.has_no_method()).collect();
@@ -101,7 +104,15 @@ fn pairs<'r, 'f>(frame: &'r Frame<'f>, axes: &[usize]) -> Vec<((String, String),
             let break_even = break_even(&curve, fixed_error);
             let at = own.iter().filter(|row| row.samples() == break_even);
             let is_resolved = frame.is_resolved(row) && at.fold(true, |all, row| all && frame.is_resolved(row));
-            let case = Case { key: key.clone(), curve: curve.clone(), is_resolved, fixed: row, fixed_error, break_even };
+            let case = Case {
+                key: key.clone(),
+                curve: curve.clone(),
+                sampled: own.clone(),
+                is_resolved,
+                fixed: row,
+                fixed_error,
+                break_even,
+            };
             let name = (sampled_name.clone(), row.text(method));
             match found.iter_mut().find(|(known, _)| *known == name) {
                 Some((_, cases)) => cases.push(case),

@@ -40,13 +40,38 @@ pub fn short(axis: usize, value: &Value) -> String {
     }
 }
 
-/// "alpha 0.1 · sky · ggx": values on axes, each telling what it is.
+/// "a", "a and b", "a, b and c".
+pub fn listed(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// `25 %` of 0.25, `-25 %` of -0.25.
+pub fn percent(share: f64) -> String {
+    format!("{} %", number(100.0 * share))
+}
+
+/// "6 levels", "256x128": the value of an axis in a sentence; a bare number after the name of its axis.
+pub fn said(axis: usize, value: &Value) -> String {
+    with_unit(axis, value, AXES[axis].said[0])
+}
+
+fn with_unit(axis: usize, value: &Value, said: &str) -> String {
+    let word = short(axis, value);
+    let is_bare = word.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+    match (said, is_bare) {
+        ("", true) => format!("{} {word}", AXES[axis].name),
+        ("", false) => word,
+        (said, _) => said.replace("{}", &word),
+    }
+}
+
+/// "alpha 0.1 · sky · ggx", "256x128 · 5 lv": values on axes, each telling what it is.
 pub fn label(axes: &[usize], key: &[Value]) -> String {
-    let word = |(&axis, value): (&usize, &Value)| {
-        let word = short(axis, value);
-        let is_bare = word.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-        if is_bare { format!("{} {word}", AXES[axis].name) } else { word }
-    };
+    let word = |(&axis, value): (&usize, &Value)| with_unit(axis, value, AXES[axis].said[1]);
     let set = axes.iter().zip(key).filter(|(_, value)| **value != Value::Unset);
     set.map(word).collect::<Vec<_>>().join(" · ")
 }
