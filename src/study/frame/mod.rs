@@ -2,10 +2,13 @@
 //!
 //! Every question is answered from a frame. A row is one distinct linear image at one tone curve. Statistics are in [`estimate`].
 
+pub mod band;
 pub mod curve;
 pub mod estimate;
 pub mod line;
 mod shape;
+pub mod student;
+pub mod times;
 
 pub use shape::Shape;
 
@@ -14,6 +17,7 @@ use crate::metrics::{BiasVariance, HEADLINE, Metric, Verdict, metric, verdict};
 use crate::runner::axis::{AXES, Part, Point, index_of};
 use crate::runner::tables::DISPLAY_HEADLINE;
 use crate::runner::value::Value;
+use crate::table::csv::Cell;
 use std::collections::HashMap;
 
 /// Mean FLIP from which on a difference counts as visible: a convention of this project, since FLIP's authors give none.
@@ -72,6 +76,11 @@ impl<'f> Frame<'f> {
         row.cell.scores.as_ref()?.get(self.metric_name())
     }
 
+    /// The score of a row in another metric.
+    pub fn score_in(&self, row: &Row, metric: &str) -> Option<f64> {
+        row.cell.scores.as_ref()?.get(metric)
+    }
+
     /// The score that an exact image would have against the row's reference.
     pub fn noise_floor(&self, row: &Row) -> Option<f64> {
         row.cell.noise_floors.get(self.metric_name())
@@ -122,12 +131,16 @@ impl<'f> Frame<'f> {
         images
     }
 
+    /// The axes of [`Frame::way`]: method and sample count; where no row has a specular term, the diffuse method.
+    pub fn way_axes(&self) -> Vec<usize> {
+        let has_specular = self.shape.values[axis("method")].iter().any(|value| value.to_string() != "none");
+        if has_specular { vec![axis("method"), axis("samples")] } else { vec![axis("diffuse")] }
+    }
+
     /// How the image of a row is made: "sampled 16", "split-sum"; where no row has a specular term, the diffuse method.
     pub fn way(&self, row: &Row) -> String {
-        if self.shape.values[axis("method")].iter().all(|value| value.to_string() == "none") {
-            return row.point.get("diffuse").to_string();
-        }
-        format!("{} {}", row.point.get("method"), row.point.get("samples")).trim_end().to_owned()
+        let texts: Vec<String> = self.way_axes().into_iter().map(|axis| row.text(axis)).collect();
+        texts.join(" ").trim_end().to_owned()
     }
 }
 
@@ -135,6 +148,11 @@ impl Row<'_> {
     /// Its values on these axes.
     pub fn key(&self, axes: &[usize]) -> Key {
         axes.iter().map(|&axis| self.point.0[axis].clone()).collect()
+    }
+
+    /// Its values on these axes, as cells of a table.
+    pub fn cells(&self, axes: &[usize]) -> Vec<Cell> {
+        axes.iter().map(|&axis| Cell::Text(self.text(axis))).collect()
     }
 
     /// The value on an axis, as text for tables.

@@ -32,11 +32,12 @@ pub const QUESTION: Question = Question {
         Column { name: "fixed_error", about: "Error of the method without samples, in the metric of the question." },
         Column { name: "is_resolved", about: "1 where both errors at the break-even stand clear of the reference's noise, else 0." },
     ],
+    uses_times: false,
     lacks,
     answer,
 };
 
-fn lacks(shape: &Shape) -> Option<&'static str> {
+pub(super) fn lacks(shape: &Shape) -> Option<&'static str> {
     lacks_methods(shape).or_else(|| (!shape.is_swept(axis("samples"))).then_some("axes.samples has fewer than two counts"))
 }
 
@@ -52,19 +53,19 @@ pub(super) fn lacks_methods(shape: &Shape) -> Option<&'static str> {
 }
 
 /// A sampling method beside one without samples in one case.
-struct Case<'r, 'f> {
+pub(super) struct Case<'r, 'f> {
     /// Values on the axes of cases; an axis that one of the two does not use is that of the other.
-    key: Key,
-    curve: Curve<'r, 'f>,
-    fixed: &'r Row<'f>,
-    fixed_error: f64,
+    pub key: Key,
+    pub curve: Curve<'r, 'f>,
+    pub fixed: &'r Row<'f>,
+    pub fixed_error: f64,
     /// `None`: above the largest tried count.
-    break_even: Option<u32>,
+    pub break_even: Option<u32>,
 }
 
 impl Case<'_, '_> {
     /// By log-log interpolation on the segment that ends at the break-even.
-    fn crossing(&self) -> Option<f64> {
+    pub fn crossing(&self) -> Option<f64> {
         let points = &self.curve.points;
         let index = points.iter().position(|point| Some(point.samples) == self.break_even)?;
         let (before, after) = (points.get(index.checked_sub(1)?)?, &points[index]);
@@ -91,10 +92,10 @@ fn break_even(curve: &Curve, fixed: f64) -> Option<u32> {
 }
 
 /// A sampling method, a method without samples, and the cases that have both.
-struct Pair<'r, 'f> {
-    sampled: String,
-    fixed: String,
-    cases: Vec<Case<'r, 'f>>,
+pub(super) struct Pair<'r, 'f> {
+    pub sampled: String,
+    pub fixed: String,
+    pub cases: Vec<Case<'r, 'f>>,
 }
 
 impl Pair<'_, '_> {
@@ -110,7 +111,7 @@ fn tried(cases: &[&Case]) -> [u32; 2] {
 }
 
 /// In the order of the rows. A curve of one count meets nothing.
-fn pairs<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Pair<'r, 'f>> {
+pub(super) fn pairs<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Pair<'r, 'f>> {
     let fixed = without_samples(images);
     let mut pairs: Vec<Pair> = Vec::new();
     for curve in curves(frame, images, axes).into_iter().filter(|curve| curve.points.len() > 1) {

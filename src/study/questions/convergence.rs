@@ -32,6 +32,7 @@ pub const QUESTION: Question = Question {
         Column { name: "slope_standard_error", about: "Standard error of that slope, from the residuals." },
         Column { name: "stops_at", about: "Tried count from which on twice the samples take off less than 10 % of the error; empty where it falls to the end." },
     ],
+    uses_times: false,
     lacks,
     answer,
 };

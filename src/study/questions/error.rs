@@ -26,6 +26,7 @@ pub const QUESTION: Question = Question {
         Column { name: "is_resolved", about: "1 where the error stands clear of that noise, else 0." },
         Column { name: "rms_percent", about: "Root mean square error in percent of the reference; empty for metrics that are no mean square." },
     ],
+    uses_times: false,
     lacks,
     answer,
 };

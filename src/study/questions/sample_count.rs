@@ -32,6 +32,7 @@ pub const QUESTION: Question = Question {
         Column { name: "is_visible", about: "1 where that is at least 0.05, this project's limit of the visible, else 0." },
         Column { name: "bias_share", about: "Squared bias over mean square error, 0 to 1; empty without [bias_variance]." },
     ],
+    uses_times: false,
     lacks,
     answer,
 };

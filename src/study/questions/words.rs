@@ -73,15 +73,20 @@ pub fn short(axis: usize, value: &Value) -> String {
     }
 }
 
-/// "alpha 0.1 · sky · ggx": values on axes, each telling what it is.
+/// `25 %` of 0.25, `-25 %` of -0.25.
+pub fn percent(share: f64) -> String {
+    format!("{} %", number(100.0 * share))
+}
+
+/// "6 levels", "256x128": the value of an axis in a sentence.
+pub fn said(axis: usize, value: &Value) -> String {
+    AXES[axis].said(&short(axis, value))
+}
+
+/// "alpha 0.1 · sky · ggx", "256x128 · 5 lv": values on axes, each telling what it is.
 pub fn label(axes: &[usize], key: &[Value]) -> String {
-    let word = |(&axis, value): (&usize, &Value)| {
-        let word = short(axis, value);
-        let is_bare = word.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-        if is_bare { format!("{} {word}", AXES[axis].name) } else { word }
-    };
     let set = axes.iter().zip(key).filter(|(_, value)| **value != Value::Unset);
-    set.map(word).collect::<Vec<_>>().join(" · ")
+    set.map(|(&axis, value)| AXES[axis].label(&short(axis, value))).collect::<Vec<_>>().join(" · ")
 }
 
 /// "2 environments, 3 BRDF models, 5 alphas": how many values rows have on these axes; axes with one value are left out.
