@@ -193,7 +193,9 @@ impl ImageSet {
         let references: Vec<usize> = (0..self.images.len()).filter(|&i| self.images[i].reference == i).collect();
         let sizes: BTreeMap<usize, [u32; 2]> = references
             .into_par_iter()
-            .filter_map(|index| read_image(runs, &self.images[index]).ok().map(|i| (index, [i.rgb.width, i.rgb.height])))
+            .filter_map(|index| {
+                read_image(runs, &self.images[index]).ok().map(|i| (index, [i.rgb.width, i.rgb.height]))
+            })
             .collect();
         let ends = |start: u32, length: u32| u64::from(start) + u64::from(length);
         let (right, bottom) = (ends(window.x, window.width), ends(window.y, window.height));

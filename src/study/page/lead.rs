@@ -8,8 +8,8 @@ use crate::pixels::png::encode_rgb8;
 use crate::pixels::{GrayImage, Rgb8Image, RgbImage};
 use crate::runner::tables::HEADLINE;
 use crate::study::frame::{Frame, Row, Shape};
-use crate::study::questions::{Answer, Question};
 use crate::study::questions::words::number;
+use crate::study::questions::{Answer, Question};
 use crate::table::colormap::RELATIVE_ERROR;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -57,7 +57,8 @@ pub fn pictures(told: &Told, frame: &Frame, lead: Option<usize>, axes: &[PageAxi
     let files = row.cell.images.as_ref()?;
     let [own, reference] = [&files.radiance, &files.reference].map(|file| read(&told.finished.dir, file).ok());
     let (own, reference) = (own?, reference?);
-    let mask = reference.alpha.clone().unwrap_or_else(|| GrayImage::filled(reference.rgb.width, reference.rgb.height, 1.0));
+    let mask =
+        reference.alpha.clone().unwrap_or_else(|| GrayImage::filled(reference.rgb.width, reference.rgb.height, 1.0));
     let curve = row.cell.point.settings().curve;
     // A damaged file may hold anything, and the tone curve is for radiance alone.
     let is_radiance = |image: &RgbImage| image.data.iter().flatten().all(|x| x.is_finite() && *x >= 0.0);
@@ -81,7 +82,8 @@ fn case<'r, 'f>(told: &Told, frame: &'r Frame<'f>, lead: Option<usize>) -> Optio
     let figure = lead.and_then(|lead| told.answers[lead].finding.figure.as_ref());
     let marks = figure.into_iter().flat_map(|figure| &figure.panels).flat_map(|panel| &panel.marks);
     let shown: Vec<&str> = marks.filter_map(|mark| mark.cell.as_deref()).collect();
-    let is_shown = |row: &Row| shown.contains(&row.cell.id.as_str()) || row.copies.iter().any(|copy| shown.contains(copy));
+    let is_shown =
+        |row: &Row| shown.contains(&row.cell.id.as_str()) || row.copies.iter().any(|copy| shown.contains(copy));
     let draws_none = |row: &Row| row.samples().is_none() && !row.has_no_method();
     let worst = |wanted: &dyn Fn(&Row) -> bool| {
         let own = frame.rows.iter().filter(|row| row.cell.images.is_some() && wanted(row));

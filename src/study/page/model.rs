@@ -139,7 +139,9 @@ fn word(index: usize, value: &Value, label: &str) -> String {
 /// The perceptual roughness of an alpha, short: alpha is its square.
 pub fn roughness(index: usize, value: &Value) -> Option<String> {
     match value {
-        Value::Number(alpha) if index == axis("alpha") => Some(crate::spelling::short_number(&alpha.sqrt().to_string()).into_owned()),
+        Value::Number(alpha) if index == axis("alpha") => {
+            Some(crate::spelling::short_number(&alpha.sqrt().to_string()).into_owned())
+        }
         _ => None,
     }
 }
@@ -155,17 +157,31 @@ pub fn shared(axes: &[PageAxis]) -> String {
 
 /// The columns of the cells' rows with what they hold.
 pub fn columns(axes: &[PageAxis], metrics: &[&'static dyn Metric]) -> Json {
-    let own = [("run", "run"), ("cell", "cell"), ("image", "image"), ("reference", "image"), ("verdict", "verdict"), ("noise_floor", "floor")];
+    let own = [
+        ("run", "run"),
+        ("cell", "cell"),
+        ("image", "image"),
+        ("reference", "image"),
+        ("verdict", "verdict"),
+        ("noise_floor", "floor"),
+    ];
     let axes = axes.iter().filter(|axis| axis.index.is_some()).map(|axis| (axis.name, "axis"));
     let metrics = metrics.iter().map(|metric| (metric.description().name, "metric"));
     own.into_iter().chain(axes).chain(metrics).map(|(name, kind)| json!({ "name": name, "kind": kind })).collect()
 }
 
 /// Every cell of every run. A value on an axis is the index of its text in the axis' values.
-pub fn rows(runs: &[Told], axes: &[PageAxis], metrics: &[&'static dyn Metric], headline: &dyn Metric, images: &ImageSet) -> Json {
+pub fn rows(
+    runs: &[Told],
+    axes: &[PageAxis],
+    metrics: &[&'static dyn Metric],
+    headline: &dyn Metric,
+    images: &ImageSet,
+) -> Json {
     let row = |run: usize, cell: &FinishedCell| {
         let image = |file: &String| images.index.get(&(run, file.clone())).copied();
-        let [own, reference] = [0, 1].map(|i| cell.images.as_ref().and_then(|files| image([&files.radiance, &files.reference][i])));
+        let [own, reference] =
+            [0, 1].map(|i| cell.images.as_ref().and_then(|files| image([&files.radiance, &files.reference][i])));
         let name = headline.description().name;
         let (score, floor) = (cell.scores.as_ref().and_then(|scores| scores.get(name)), cell.noise_floors.get(name));
         let verdict = match (score, floor) {
@@ -174,9 +190,14 @@ pub fn rows(runs: &[Told], axes: &[PageAxis], metrics: &[&'static dyn Metric], h
             _ => NO_FLOOR,
         };
         let own = [json!(run), json!(cell.id), json!(own), json!(reference), json!(verdict), number(floor)];
-        let place = |axis: &PageAxis| Some(axis.values.iter().position(|text| *text == cell.point.0[axis.index?].to_string()));
+        let place = |axis: &PageAxis| {
+            let text = cell.point.0[axis.index?].to_string();
+            Some(axis.values.iter().position(|value| *value == text))
+        };
         let places = axes.iter().filter_map(place).map(|place| json!(place));
-        let score = |metric: &&'static dyn Metric| number(cell.scores.as_ref().and_then(|scores| scores.get(metric.description().name)));
+        let score = |metric: &&'static dyn Metric| {
+            number(cell.scores.as_ref().and_then(|scores| scores.get(metric.description().name)))
+        };
         Json::Array(own.into_iter().chain(places).chain(metrics.iter().map(score)).collect())
     };
     let all = runs.iter().enumerate();
@@ -188,7 +209,13 @@ fn number(value: Option<f64>) -> Json {
     match value {
         None => Json::Null,
         Some(value) if value.is_finite() => json!(value),
-        Some(value) => json!(if value.is_nan() { "nan" } else if value > 0.0 { "inf" } else { "-inf" }),
+        Some(value) => json!(if value.is_nan() {
+            "nan"
+        } else if value > 0.0 {
+            "inf"
+        } else {
+            "-inf"
+        }),
     }
 }
 
@@ -205,16 +232,21 @@ pub fn field(cell: &Cell) -> Json {
 /// The perceptual roughness of every alpha by its text.
 pub fn roughnesses(axes: &[PageAxis]) -> Json {
     let of_axis = axes.iter().filter(|one| one.index == Some(axis("alpha"))).flat_map(|axis| &axis.values);
-    let entry = |text: &String| Some((text.clone(), json!(roughness(axis("alpha"), &Value::Number(text.parse().ok()?))?)));
+    let entry =
+        |text: &String| Some((text.clone(), json!(roughness(axis("alpha"), &Value::Number(text.parse().ok()?))?)));
     of_axis.filter_map(entry).collect::<serde_json::Map<_, _>>().into()
 }
 
 /// The names of numbers, by axis and value as it is written: `{"lod_bias": {"1": "filament"}}`.
 pub fn presets(axes: &[PageAxis]) -> Json {
     let named = |axis: &PageAxis| -> serde_json::Map<String, Json> {
-        let Some(Kind::NumberOrName { named, .. }) = axis.index.map(|index| &AXES[index].kind) else { return Default::default() };
+        let Some(Kind::NumberOrName { named, .. }) = axis.index.map(|index| &AXES[index].kind) else {
+            return Default::default();
+        };
         let known: Vec<(&str, f64)> = named();
-        let name = |text: &String| known.iter().find(|(_, number)| text.parse() == Ok(*number)).map(|(name, _)| (text.clone(), json!(name)));
+        let name = |text: &String| {
+            known.iter().find(|(_, number)| text.parse() == Ok(*number)).map(|(name, _)| (text.clone(), json!(name)))
+        };
         axis.values.iter().filter_map(name).collect()
     };
     let all = axes.iter().map(|axis| (axis.name.to_owned(), named(axis))).filter(|(_, names)| !names.is_empty());
@@ -223,7 +255,11 @@ pub fn presets(axes: &[PageAxis]) -> Json {
 
 /// Metrics that any cell has a score of, in the order of the list.
 pub fn metrics(runs: &[Told]) -> Vec<&'static dyn Metric> {
-    let has = |name: &str| runs.iter().flat_map(|run| &run.finished.cells).any(|cell| cell.scores.as_ref().is_some_and(|scores| scores.get(name).is_some()));
+    let has = |name: &str| {
+        runs.iter()
+            .flat_map(|run| &run.finished.cells)
+            .any(|cell| cell.scores.as_ref().is_some_and(|scores| scores.get(name).is_some()))
+    };
     crate::metrics::METRICS.iter().copied().filter(|metric| has(metric.description().name)).collect()
 }
 
@@ -267,7 +303,9 @@ pub fn exclusions(runs: &[Told], axes: &[PageAxis]) -> Json {
         let first = reasons.len();
         reasons.extend(config.exclusions.iter().map(|exclusion| exclusion.why.clone()));
         let own = config.excluded_points().map(|(reason, point)| (first + reason, key(&run.label, &point)));
-        points.extend(own.filter(|(_, values)| !made.contains(values)).take(EXCLUDED_MAX - points.len().min(EXCLUDED_MAX)));
+        points.extend(
+            own.filter(|(_, values)| !made.contains(values)).take(EXCLUDED_MAX - points.len().min(EXCLUDED_MAX)),
+        );
     }
     let names = std::iter::once(RUN_AXIS).chain(swept.iter().map(|&axis| AXES[axis].name));
     json!({ "axes": names.collect::<Vec<_>>(), "reasons": reasons, "points": points })

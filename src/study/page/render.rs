@@ -33,8 +33,22 @@ macro_rules! modules {
 }
 
 const MODULES: &[(&str, &str)] = modules![
-    "main", "data", "state", "dom", "answer", "tables", "run", "program", "stage", "surface", "legend", "viewer-input", "viewer", "live",
-    "live-render", "grid",
+    "main",
+    "data",
+    "state",
+    "dom",
+    "answer",
+    "tables",
+    "run",
+    "program",
+    "stage",
+    "surface",
+    "legend",
+    "viewer-input",
+    "viewer",
+    "live",
+    "live-render",
+    "grid",
 ];
 
 /// What the page shows without its scripts.

@@ -61,7 +61,11 @@ pub fn sections(told: &Told, run: usize, first: usize, shape: &Shape, here: &Pat
     let section = |(i, answer): (usize, &Answer)| {
         let (key, finding) = (answer.question.name, &answer.finding);
         let figure = finding.figure.as_ref().map(|figure| WIDTHS.map(|width| inline(&svg(figure, width))));
-        let digest = finding.digest.as_ref().or(Some(&finding.table).filter(|table| table.rows.len() <= DIGEST_ROWS)).map(digest);
+        let digest = finding
+            .digest
+            .as_ref()
+            .or(Some(&finding.table).filter(|table| table.rows.len() <= DIGEST_ROWS))
+            .map(digest);
         let fits = figure.as_ref().is_some_and(|[desk, _]| height(desk) <= FIRST_SCREEN_HEIGHT);
         Section {
             id: if run == 0 { key.to_owned() } else { format!("{key}-{}", run + 1) },
@@ -114,11 +118,14 @@ fn digest(table: &Table) -> Digest {
     let is_alpha = |column: usize| !has_roughness && table.columns[column] == crate::runner::axis::AXES[alpha].name;
     let field = |(column, cell): (usize, &Cell)| {
         let text = shown(cell);
-        let beside = text.parse().ok().filter(|_| is_alpha(column)).and_then(|number| roughness(alpha, &Value::Number(number)));
+        let beside =
+            text.parse().ok().filter(|_| is_alpha(column)).and_then(|number| roughness(alpha, &Value::Number(number)));
         let is_number = !matches!(cell, Cell::Text(_)) || text.starts_with(|c: char| c.is_ascii_digit() || c == '-');
         Field { text: beside.map_or(text.clone(), |beside| format!("{text} ({beside})")), is_number }
     };
-    let name = |(column, name): (usize, &String)| if is_alpha(column) { format!("{name} (perceptual_roughness)") } else { name.clone() };
+    let name = |(column, name): (usize, &String)| {
+        if is_alpha(column) { format!("{name} (perceptual_roughness)") } else { name.clone() }
+    };
     Digest {
         columns: table.columns.iter().enumerate().map(name).collect(),
         rows: table.rows.iter().map(|row| row.iter().enumerate().map(field).collect()).collect(),

@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// A finished run with its answers.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Told<'a> {
     /// Short and different from those of the other runs of the page.
     pub label: String,
@@ -31,7 +31,11 @@ impl<'a> Told<'a> {
         let names: Vec<String> = runs.iter().map(|(run, _)| name(run)).collect();
         let is_double = |name: &String| names.iter().filter(|other| *other == name).count() > 1;
         let label = |i: usize| if is_double(&names[i]) { format!("{} #{}", names[i], i + 1) } else { names[i].clone() };
-        let told = |(i, (finished, answers)): (usize, &'a (Finished, Vec<Answer>))| Self { label: label(i), finished, answers };
+        let told = |(i, (finished, answers)): (usize, &'a (Finished, Vec<Answer>))| Self {
+            label: label(i),
+            finished,
+            answers,
+        };
         runs.iter().enumerate().map(told).collect()
     }
 
@@ -42,7 +46,9 @@ impl<'a> Told<'a> {
 
     /// The question of the experiment, or its name where it has none.
     pub fn question(&self) -> String {
-        Some(self.finished.text("/question")).filter(|text| !text.is_empty()).unwrap_or_else(|| self.finished.text("/name"))
+        Some(self.finished.text("/question"))
+            .filter(|text| !text.is_empty())
+            .unwrap_or_else(|| self.finished.text("/name"))
     }
 
     /// Device and driver.
@@ -85,8 +91,9 @@ impl<'a> Told<'a> {
         let own = self.finished.timings.iter().filter(|record| record.device_type == "cpu");
         let devices: BTreeSet<&str> = own.map(|record| record.device.as_str()).collect();
         let devices: Vec<&str> = devices.into_iter().collect();
-        (!devices.is_empty())
-            .then(|| format!("The times of {} come from a CPU driver: they say nothing about a GPU.", devices.join(", ")))
+        (!devices.is_empty()).then(|| {
+            format!("The times of {} come from a CPU driver: they say nothing about a GPU.", devices.join(", "))
+        })
     }
 
     /// The contact sheets by title, as links from the folder `here`.
@@ -110,12 +117,15 @@ pub struct Fact {
 
 /// Device, commit and question of joined runs.
 pub fn facts(runs: &[Told]) -> Vec<Fact> {
-    let fact = |what: &'static str, say: fn(&Told) -> String| {
-        let values: Vec<String> = runs.iter().map(say).collect();
+    let fact = |what: &'static str, values: Vec<String>| {
         let differs = values.iter().collect::<BTreeSet<_>>().len() > 1;
         Fact { what, values, differs }
     };
-    vec![fact("device", Told::device), fact("commit", Told::commit), fact("question", Told::question)]
+    vec![
+        fact("device", runs.iter().map(Told::device).collect()),
+        fact("commit", runs.iter().map(Told::commit).collect()),
+        fact("question", runs.iter().map(Told::question).collect()),
+    ]
 }
 
 /// Questions that one heading can hold.
@@ -138,7 +148,10 @@ pub fn repeats(runs: &[Told]) -> Vec<String> {
     let say = |later: usize| {
         let earlier = runs[..later].iter().find(|earlier| is_same(earlier.finished, runs[later].finished))?;
         let (label, cells) = (&runs[later].label, runs[later].finished.cells.len());
-        Some(format!("{label} repeats {}: the same plan and the same scores in all {cells} cells. It is no further evidence.", earlier.label))
+        Some(format!(
+            "{label} repeats {}: the same plan and the same scores in all {cells} cells. It is no further evidence.",
+            earlier.label
+        ))
     };
     (0..runs.len()).filter_map(say).collect()
 }
@@ -160,10 +173,13 @@ pub fn provenance(told: &Told) -> Vec<(&'static str, Vec<(String, String)>)> {
     let run = told.finished;
     let session = |name: &str, pointer: &str| (name.to_owned(), told.session(pointer));
     let whole = |name: &str, pointer: &str| (name.to_owned(), run.text(pointer));
-    let words = |value: &Json| value.as_array().into_iter().flatten().filter_map(Json::as_str).collect::<Vec<_>>().join(" ");
-    let command = run.provenance.pointer(&format!("{}/command_line", run.last_session())).map(words).unwrap_or_default();
+    let words =
+        |value: &Json| value.as_array().into_iter().flatten().filter_map(Json::as_str).collect::<Vec<_>>().join(" ");
+    let command =
+        run.provenance.pointer(&format!("{}/command_line", run.last_session())).map(words).unwrap_or_default();
     let inputs = run.provenance["inputs"].as_object().into_iter().flatten();
-    let inputs = inputs.map(|(name, hash)| (name.clone(), hash.as_str().map_or_else(|| hash.to_string(), str::to_owned)));
+    let inputs =
+        inputs.map(|(name, hash)| (name.clone(), hash.as_str().map_or_else(|| hash.to_string(), str::to_owned)));
     let experiment = [
         whole("file", "/experiment_file"),
         whole("hash", "/experiment_hash"),
