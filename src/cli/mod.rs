@@ -13,6 +13,7 @@ mod merge;
 mod plan;
 mod progress;
 mod render;
+mod report;
 
 mod run;
 mod stop;
@@ -52,6 +53,7 @@ enum Command {
     Devices,
     List(list::Arguments),
     Integrate(integrate::Arguments),
+    Report(report::Arguments),
     Answers(answers::Arguments),
     /// Opens an interactive window.
     View(later::Arguments),
@@ -148,6 +150,7 @@ pub fn main() -> ExitCode {
         Command::Devices => devices::execute(),
         Command::List(arguments) => list::execute(&arguments),
         Command::Integrate(arguments) => integrate::execute(&arguments),
+        Command::Report(arguments) => report::execute(&arguments),
         Command::Answers(arguments) => answers::execute(&arguments),
         Command::View(_) => later::execute("view"),
     };

@@ -11,6 +11,7 @@ use splitsum::runner::chunk::{ChunkOptions, PlanFile, run_chunk};
 use splitsum::runner::store::{FailureRecord, Store};
 use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run, run_extended};
 use splitsum::study::finished::Finished;
+use splitsum::study::page::{PageOptions, Told, write};
 use splitsum::study::questions::answers;
 use splitsum::study::write::Written;
 use std::path::{Path, PathBuf};
@@ -148,6 +149,10 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
     written.write().map_err(Failure::failed)?;
     print(&written.summary)?;
     print(&format!("Written to {}\n", outcome.dir.display()))?;
+    // The run is kept whatever becomes of its report.
+    let options = PageOptions::in_folder(&outcome.dir);
+    let report = write(&options, &Told::of_runs(&[(run, answers)]));
+    print(&report.as_ref().map_or_else(|error| format!("No report: {error}\n"), super::report::line))?;
     Ok(cells_failed(&outcome.failures, plan.cells.len()))
 }
 

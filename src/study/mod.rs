@@ -4,6 +4,7 @@ pub mod columns;
 pub mod figure;
 pub mod finished;
 pub mod frame;
+pub mod page;
 pub mod publish;
 pub mod questions;
 pub mod summary;

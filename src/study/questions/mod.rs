@@ -4,7 +4,7 @@
 //! To add one: its file, one word in the list below, an experiment that asks it.
 
 mod conditions;
-mod words;
+pub(super) mod words;
 
 use super::figure::Figure;
 use super::finished::Finished;

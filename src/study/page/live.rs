@@ -3,14 +3,15 @@
 //! The tables go into the page as the run packed them. Where they are too large, the finest level of an environment goes first: the page
 //! then reads one level coarser wherever the renderer would have read the finest one.
 
+use super::told::Told;
 use crate::files::read_regular;
 use crate::glsl::constants;
 use crate::math::sequence::SEQUENCES;
 use crate::precompute::points;
 use crate::runner::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord};
+use crate::runner::value::Value;
 use crate::scene::camera::{PERSPECTIVE_FOV_DEG, PERSPECTIVE_SPHERE_DISTANCE};
 use crate::scene::material::{DEFAULT_ALBEDO, DEFAULT_F0};
-use crate::study::answers::run_folder::RunFolder;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::Serialize;
@@ -63,12 +64,12 @@ pub struct MaterialDefaults {
 
 impl Light {
     /// The tables of the first run that has any, within `budget` bytes.
-    pub fn collect(runs: &[RunFolder], budget: usize) -> Self {
+    pub fn collect(runs: &[Told], budget: usize) -> Self {
         let mut notes = Vec::new();
         let record = runs.iter().find_map(|run| match read(run) {
             Ok(record) => {
                 if record.is_some() && runs.len() > 1 {
-                    notes.push(format!("Light and tables are those of {}.", run.dir.display()));
+                    notes.push(format!("Light and tables are those of {}.", run.finished.dir.display()));
                 }
                 record
             }
@@ -129,8 +130,8 @@ impl Light {
 }
 
 /// The record of a run; `None` when it has none.
-fn read(run: &RunFolder) -> Result<Option<LiveRecord>, String> {
-    let path = run.dir.join(LIVE_FILE);
+fn read(run: &Told) -> Result<Option<LiveRecord>, String> {
+    let path = run.finished.dir.join(LIVE_FILE);
     let text = match read_regular(&path, FILE_BYTES_MAX) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
@@ -148,15 +149,13 @@ fn read(run: &RunFolder) -> Result<Option<LiveRecord>, String> {
 }
 
 /// The sample counts of a run's cells that the page can take.
-fn sample_counts(run: &RunFolder) -> Vec<u32> {
+fn sample_counts(run: &Told) -> Vec<u32> {
     let most = SAMPLE_COUNTS[SAMPLE_COUNTS.len() - 1];
-    let Ok(column) = run.errors.column("samples") else { return Vec::new() };
-    run.errors
-        .rows
-        .iter()
-        .filter_map(|row| row[column].parse().ok())
-        .filter(|count| (1..=most).contains(count))
-        .collect()
+    let counts = run.finished.cells.iter().filter_map(|cell| match cell.point.get("samples") {
+        Value::Count(count) => Some(*count),
+        _ => None,
+    });
+    counts.filter(|count| (1..=most).contains(count)).collect()
 }
 
 /// The renderer's own point sets, by count.
