@@ -27,6 +27,7 @@ questions! {
     break_even,
     convergence,
     error,
+    effect,
     sample_count,
     table_size,
     n_dot_v,
