@@ -4,6 +4,7 @@ mod answers;
 mod answers_asked;
 mod answers_shown;
 mod answers_soundness;
+mod figure;
 mod published;
 pub mod report;
 mod report_joined;

@@ -110,7 +110,7 @@ fn grid_height(layout: &Layout) -> f64 {
 }
 
 /// Coordinates of the marks of a panel, to choose ticks by.
-fn tried(panel: &Panel) -> [Vec<f64>; 2] {
+pub fn tried(panel: &Panel) -> [Vec<f64>; 2] {
     let mut places: [Vec<f64>; 2] = Default::default();
     let mut add = |[x, y]: [f64; 2]| {
         places[0].push(x);
