@@ -35,7 +35,7 @@ const AWAY: f64 = 6.0;
 
 /// The outlines of markers in the order of series, from the middle; areas are about equal.
 const MARKERS: [&str; 8] = [
-    "m-3.5,0a3.5,3.5 0 1 0 7,0a3.5,3.5 0 1 0 -7,0z",
+    "m0-3.5a3.5 3.5 0 1 0 .01 0z",
     "m-3.2,-3.2h6.4v6.4h-6.4z",
     "m0,-4.4l4.2,7.4h-8.4z",
     "m0,-4.6l4.6,4.6l-4.6,4.6l-4.6,-4.6z",
@@ -159,7 +159,7 @@ impl Pen<'_> {
         let [x, y] = self.places(at)?;
         let at = [x.at, y.at];
         taken.push([at[0] - RADIUS, at[1] - RADIUS, at[0] + RADIUS, at[1] + RADIUS]);
-        let hit = self.hit(&format!("M{},{}h0", px(at[0]), px(at[1])));
+        let hit = self.hit(&format!("M{:.0},{:.0}h0", at[0], at[1]));
         Some(match self.direction([x, y]) {
             Some(direction) => format!("<path class=\"fig-b\" d=\"{}\"/>{hit}", arrow(at, direction)),
             None => format!("<path class=\"fig-d\" d=\"{}\"/>{hit}", marker(mark.series, at)),
