@@ -72,7 +72,7 @@ pub fn style() -> String {
     let words = format!(
         ".fig{{font:11px {FONTS};font-family:var(--fig-font,{FONTS});font-variant-numeric:tabular-nums}}\
          .fig-title{{font-size:15px;font-weight:600}}.fig-name{{font-size:12px;font-weight:600}}.fig-note{{font-size:12px}}.fig-small{{font-size:10px}}\
-         .fig-dark,.fig-pale,.fig-gap{{text-anchor:middle}}.fig-dark{{fill:#111}}.fig-pale{{fill:#fff}}"
+         .fig-dark,.fig-pale,.fig-gap{{text-anchor:middle}}.fig-dark{{fill:#000}}.fig-pale{{fill:#fff}}"
     );
     format!("{words}{shapes}{}@media(prefers-color-scheme:dark){{{}}}", rules(0), rules(1))
 }

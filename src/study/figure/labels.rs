@@ -128,6 +128,11 @@ impl Labels {
         Self { depth: if widest > 0.0 { OFF + widest } else { 0.0 }, lines, minor, ..Self::new(all) }
     }
 
+    /// Labelled values and their whole labels.
+    pub fn ticks(&self) -> impl Iterator<Item = (f64, &str)> {
+        self.all.iter().map(|label| (label.value, label.full.as_str()))
+    }
+
     /// The height of a row whose name has the most lines.
     pub fn row(&self) -> f64 {
         self.lines as f64 * FONT.size * LINE

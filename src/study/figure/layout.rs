@@ -110,7 +110,7 @@ fn grid_height(layout: &Layout) -> f64 {
 }
 
 /// Coordinates of the marks of a panel, to choose ticks by.
-fn tried(panel: &Panel) -> [Vec<f64>; 2] {
+pub fn tried(panel: &Panel) -> [Vec<f64>; 2] {
     let mut places: [Vec<f64>; 2] = Default::default();
     let mut add = |[x, y]: [f64; 2]| {
         places[0].push(x);
@@ -338,10 +338,11 @@ impl Grid<'_> {
         }
         if let Some(title) = self.titles[0].filter(|title| !title.is_empty()) {
             let mut y = layout.height - PAD;
-            let reach = (right - PAD).min(2.0 * ((left + right) / 2.0 - PAD));
+            let middle = (left + right) / 2.0;
+            let reach = 2.0 * (middle - PAD).min(layout.width - PAD - middle);
             for line in AXIS.wrap(title, reach, TITLE_LINES) {
                 y += AXIS.size * LINE;
-                let at = [(left + right) / 2.0, y + AXIS.size * (MIDDLE - 0.25)];
+                let at = [middle, y + AXIS.size * (MIDDLE - 0.25)];
                 let words = Words::new(line, at, AXIS, "fig-ink fig-note").anchor(Anchor::Middle);
                 layout.words.push(words.of(title));
             }

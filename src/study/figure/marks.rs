@@ -29,25 +29,25 @@ const BAR: &str = "class=\"fig-f fig-o\"";
 /// Between tiles.
 const TILE_GAP: f64 = 1.0;
 /// A line with more vertices has markers at some of them only.
-const MARKERS: usize = 12;
+const MARKERS_MOST: usize = 12;
 /// Between words and the place that they belong to.
 const AWAY: f64 = 6.0;
 
-/// The outline of the marker of a series around a place.
+/// The outlines of markers in the order of series, from the middle; areas are about equal.
+const MARKERS: [&str; 8] = [
+    "m0-3.5a3.5 3.5 0 1 0 .01 0z",
+    "m-3.2,-3.2h6.4v6.4h-6.4z",
+    "m0,-4.4l4.2,7.4h-8.4z",
+    "m0,-4.6l4.6,4.6l-4.6,4.6l-4.6,-4.6z",
+    "m0,4.4l4.2,-7.4h-8.4z",
+    "m-1.5,-4.5h3v3h3v3h-3v3h-3v-3h-3v-3h3z",
+    "m-4.3,-2.2l2.1,-2.1l2.2,2.2l2.2,-2.2l2.1,2.1l-2.2,2.2l2.2,2.2l-2.1,2.1l-2.2,-2.2l-2.2,2.2l-2.1,-2.1l2.2,-2.2z",
+    "m-4.5,-2.4h9v4.8h-9z",
+];
+
+/// The marker of a series around a place.
 pub fn marker(series: Option<usize>, [x, y]: [f64; 2]) -> String {
-    let r = RADIUS;
-    // Steps from the middle; areas are about equal.
-    let path = match series.map_or(0, |index| index % 8) {
-        0 => format!("m-{r},0a{r},{r} 0 1 0 {d},0a{r},{r} 0 1 0 -{d},0z", d = 2.0 * r),
-        1 => "m-3.2,-3.2h6.4v6.4h-6.4z".to_owned(),
-        2 => "m0,-4.4l4.2,7.4h-8.4z".to_owned(),
-        3 => "m0,-4.6l4.6,4.6l-4.6,4.6l-4.6,-4.6z".to_owned(),
-        4 => "m0,4.4l4.2,-7.4h-8.4z".to_owned(),
-        5 => "m-1.5,-4.5h3v3h3v3h-3v3h-3v-3h-3v-3h3z".to_owned(),
-        6 => "m-4.3,-2.2l2.1,-2.1l2.2,2.2l2.2,-2.2l2.1,2.1l-2.2,2.2l2.2,2.2l-2.1,2.1l-2.2,-2.2l-2.2,2.2l-2.1,-2.1l2.2,-2.2z".to_owned(),
-        _ => "m-4.5,-2.4h9v4.8h-9z".to_owned(),
-    };
-    format!("M{},{}{path}", px(x), px(y))
+    format!("M{},{}{}", px(x), px(y), MARKERS[series.unwrap_or(0) % MARKERS.len()])
 }
 
 /// An open triangle whose tip is at a place and points along x or y.
@@ -159,7 +159,7 @@ impl Pen<'_> {
         let [x, y] = self.places(at)?;
         let at = [x.at, y.at];
         taken.push([at[0] - RADIUS, at[1] - RADIUS, at[0] + RADIUS, at[1] + RADIUS]);
-        let hit = self.hit(&format!("M{},{}h0", px(at[0]), px(at[1])));
+        let hit = self.hit(&format!("M{:.0},{:.0}h0", at[0], at[1]));
         Some(match self.direction([x, y]) {
             Some(direction) => format!("<path class=\"fig-b\" d=\"{}\"/>{hit}", arrow(at, direction)),
             None => format!("<path class=\"fig-d\" d=\"{}\"/>{hit}", marker(mark.series, at)),
@@ -193,7 +193,7 @@ impl Pen<'_> {
         if !path.is_empty() {
             let _ = write!(drawn, "<path class=\"fig-l\"{} d=\"{path}\"/>{}", self.dash(mark), self.hit(&path));
         }
-        let every = points.len().div_ceil(MARKERS).max(1);
+        let every = points.len().div_ceil(MARKERS_MOST).max(1);
         for (i, point) in points.iter().enumerate() {
             let Some(at) = self.places(*point) else { continue };
             let place = [at[0].at, at[1].at];
