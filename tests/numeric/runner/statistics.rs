@@ -1,4 +1,4 @@
-//! Break-even, order statistics and dates against values worked out by hand.
+//! Order statistics and dates against values worked out by hand.
 
 use splitsum::runner::date_utc;
 use splitsum::runner::statistics::{INTERVAL_SAMPLES_MIN, Random, drift, median_interval, median_order};
