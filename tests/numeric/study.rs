@@ -8,5 +8,6 @@ mod published;
 pub mod report;
 mod report_joined;
 mod report_live;
+mod scratch;
 mod timed_tables;
 mod under_way;

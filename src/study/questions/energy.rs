@@ -10,7 +10,7 @@ use super::{Finding, Question};
 use crate::runner::axis::Part;
 use crate::runner::value::Value;
 use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
-use crate::study::frame::student::T_NORMAL;
+use crate::study::frame::line::NORMAL_95;
 use crate::study::frame::{Frame, Key, Row, Shape, ascending, axis, distinct_in_order};
 use crate::study::table::{Column, Table};
 use crate::table::csv::Cell;
@@ -85,7 +85,7 @@ fn key_axes(frame: &Frame) -> Vec<usize> {
 fn balances<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Balance<'r, 'f>> {
     let axes = key_axes(frame);
     let balance = |row: &'r Row<'f>| {
-        let change = frame.score(row, CHANGE).filter(|change| change.is_finite())?;
+        let change = row.cell.scores.as_ref()?.get(CHANGE).filter(|change| change.is_finite())?;
         let of_bin = |bin: &crate::study::finished::Bin| Some(BinChange { change: bin.scores.get(CHANGE)?, ends: [bin.lo, bin.hi] });
         let bins = || row.cell.bins.iter().filter_map(of_bin).filter(|bin| bin.change.is_finite());
         Some(Balance {
@@ -93,7 +93,7 @@ fn balances<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Balance<'r, 'f>> {
             key: row.key(&axes),
             alpha: row.point.0[axis("alpha")].clone(),
             change,
-            half: row.cell.noise_floors.get(CHANGE).map(|noise| T_NORMAL * noise),
+            half: row.cell.noise_floors.get(CHANGE).map(|noise| NORMAL_95 * noise),
             least: bins().min_by(|a, b| a.change.total_cmp(&b.change))?,
             most: bins().max_by(|a, b| a.change.total_cmp(&b.change))?,
         })

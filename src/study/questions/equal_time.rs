@@ -8,7 +8,7 @@
 //!
 //! The verdict holds for the device that was timed. Times of a driver that computes on the CPU say nothing about a GPU.
 
-use super::break_even::{self, Case, pairs};
+use super::break_even::{self, Case, Pair};
 use super::words::{count, label, listed, number, short};
 use super::{Finding, Question};
 use crate::runner::statistics::TOO_FEW_ROUNDS;
@@ -18,7 +18,7 @@ use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
 use crate::study::frame::band::{Level, between, crossing_interval};
 use crate::study::frame::times::{self, TimeLevel, TimeMatch, ratio_at, time_match};
 use crate::study::frame::{Frame, Key, Row, Shape, ascending, axis, distinct_in_order};
-use crate::study::table::{Column, Table};
+use crate::study::table::{Column, Table, value_cell};
 use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
@@ -28,9 +28,9 @@ pub const QUESTION: Question = Question {
         Column { name: "sampled", about: "The sampling method." },
         Column { name: "fixed", about: "The method without samples." },
         Column { name: "verdict", about: "The method that errs less in equal time, `undecided`, or why there is no verdict." },
-        Column { name: "samples_at_equal_time", about: "Sample count whose frame takes as long; 0 where one of the least tried takes longer, inf where the most tried take less." },
+        Column { name: "samples_at_equal_time", about: "Sample count whose frame takes as long; 0 where the least tried takes longer, empty where the most tried takes less." },
         Column { name: "samples_at_equal_time_lo", about: "Lower end of its 95 % interval over rounds." },
-        Column { name: "samples_at_equal_time_hi", about: "Upper end of that interval." },
+        Column { name: "samples_at_equal_time_hi", about: "Upper end of that interval; empty above the largest tried count." },
         Column { name: "error_ratio", about: "Error of the sampling method at that count over that of the other; empty outside the tried counts." },
         Column { name: "error_ratio_lo", about: "Lower end of its 95 % interval, by that of the count." },
         Column { name: "error_ratio_hi", about: "Upper end of that interval." },
@@ -85,18 +85,18 @@ impl Timed<'_, '_> {
 
 /// 95 % interval of the sample count with equal errors; ends as in [`crossing_interval`].
 fn error_interval(frame: &Frame, case: &Case) -> Option<[f64; 2]> {
-    let of_sets = case.curve.iter().map(|(samples, _)| {
-        let own = case.sampled.iter().filter(|row| row.samples() == Some(*samples));
-        let errors: Vec<f64> = own.filter_map(|row| frame.error(row)).collect();
-        Level::of_point_sets(*samples, &errors, case.fixed_error)
+    let points = &case.curve.points;
+    let of_sets = points.iter().map(|point| {
+        let errors: Vec<f64> = point.rows.iter().filter_map(|row| frame.error(row)).collect();
+        Level::of_point_sets(point.samples, &errors, case.fixed_error)
     });
     if let Some(levels) = of_sets.collect::<Option<Vec<Level>>>() {
         return crossing_interval(&levels);
     }
-    let last = f64::from(case.curve.last()?.0);
-    let Some(n) = case.break_even else { return Some([last, f64::INFINITY]) };
-    let before = case.curve.iter().rev().find(|(samples, _)| *samples < n);
-    Some([before.map_or(0.0, |(samples, _)| f64::from(*samples)), f64::from(n)])
+    let [_, largest] = case.curve.tried();
+    let Some(n) = case.break_even else { return Some([f64::from(largest), f64::INFINITY]) };
+    let before = points.iter().rev().find(|point| point.samples < n);
+    Some([before.map_or(0.0, |point| f64::from(point.samples)), f64::from(n)])
 }
 
 /// The verdict of two intervals of sample counts: at equal error and at equal time.
@@ -109,33 +109,37 @@ fn winner(at_equal_error: Option<[f64; 2]>, at_equal_time: Option<[f64; 2]>) -> 
     }
 }
 
-fn timed<'r, 'f>(frame: &Frame, ratios: &[Ratio], case: Case<'r, 'f>, names: &(String, String)) -> Option<Timed<'r, 'f>> {
-    let row_at = |samples: u32| case.sampled.iter().find(|row| row.samples() == Some(samples)).copied();
-    let level = |(samples, _): &(u32, f64)| times::level(frame, ratios, row_at(*samples)?, case.fixed);
-    let levels: Vec<TimeLevel> = case.curve.iter().filter_map(level).collect();
+fn timed<'r, 'f>(frame: &Frame, ratios: &[Ratio], case: Case<'r, 'f>, names: [&String; 2]) -> Option<Timed<'r, 'f>> {
+    let points = &case.curve.points;
+    let levels = points.iter().filter_map(|point| times::level(frame, ratios, point.rows.first()?, case.fixed));
+    let levels: Vec<TimeLevel> = levels.collect();
     let time = time_match(&levels)?;
-    let curve: Vec<(f64, f64)> = case.curve.iter().map(|(n, error)| (f64::from(*n), error / case.fixed_error)).collect();
+    let curve: Vec<(f64, f64)> =
+        points.iter().map(|point| (f64::from(point.samples), point.error / case.fixed_error)).collect();
     let error_ratio = between(&curve, time.samples).map(|ratio| {
         let ends = time.interval.and_then(|[lo, hi]| Some([between(&curve, lo)?, between(&curve, hi)?]));
         (ratio, ends.map(|[a, b]| [a.min(b), a.max(b)]))
     });
     let at_equal_error = case.crossing().and_then(|samples| Some((samples, ratio_at(&levels, samples)?)));
     let winner = winner(error_interval(frame, &case), time.interval);
-    Some(Timed { sampled: names.0.clone(), fixed: names.1.clone(), case, time, winner, error_ratio, at_equal_error })
+    let [sampled, fixed] = names.map(String::clone);
+    Some(Timed { sampled, fixed, case, time, winner, error_ratio, at_equal_error })
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let axes = frame.case_axes();
     let ratios = times::pairs(frame);
-    let pairs: Vec<Vec<Timed>> = pairs(frame, &axes)
-        .into_iter()
-        .map(|(names, cases)| cases.into_iter().filter_map(|case| timed(frame, &ratios, case, &names)).collect())
-        .filter(|cases: &Vec<Timed>| !cases.is_empty())
-        .collect();
+    let images = frame.images();
+    let mut pairs: Vec<Vec<Timed>> = Vec::new();
+    for Pair { sampled, fixed, cases } in break_even::pairs(frame, &images, &axes) {
+        let timed = |case| timed(frame, &ratios, case, [&sampled, &fixed]);
+        pairs.push(cases.into_iter().filter_map(timed).collect());
+    }
+    pairs.retain(|cases| !cases.is_empty());
     let lead = pairs.first()?;
     let mut table = Table::new(&axes, QUESTION.columns);
     for one in pairs.iter().flatten() {
-        table.row(row(&axes, one));
+        table.row(row(one));
     }
     Some(Finding {
         sentence: sentence(frame, lead),
@@ -145,21 +149,23 @@ fn answer(frame: &Frame) -> Option<Finding> {
     })
 }
 
-fn row(axes: &[usize], one: &Timed) -> Vec<Cell> {
-    let own = axes.iter().zip(&one.case.key).map(|(&axis, value)| match value {
-        Value::Unset => one.case.fixed.text(axis),
-        value => value.to_string(),
-    });
-    let ends = |interval: Option<[f64; 2]>| interval.filter(|ends| !ends[0].is_nan()).map_or([None; 2], |ends| ends.map(Some));
-    let mut row: Vec<Cell> = own.map(Cell::Text).collect();
+fn row(one: &Timed) -> Vec<Cell> {
+    let known = |ends: &[f64; 2]| !ends[0].is_nan();
+    let ends = |interval: Option<[f64; 2]>| interval.filter(known).map_or([None; 2], |ends| ends.map(finite));
+    let mut row: Vec<Cell> = one.case.key.iter().map(value_cell).collect();
     row.extend([&*one.sampled, &*one.fixed, one.verdict()].map(Cell::from));
-    row.push(one.time.samples.into());
+    row.push(finite(one.time.samples).into());
     row.extend(ends(one.time.interval).map(Cell::from));
     row.push(one.error_ratio.map(|(ratio, _)| ratio).into());
     row.extend(ends(one.error_ratio.and_then(|(_, ends)| ends)).map(Cell::from));
     row.extend([one.at_equal_error.map(|(n, _)| n), one.at_equal_error.map(|(_, (ratio, _))| ratio)].map(Cell::from));
     row.extend(ends(one.at_equal_error.map(|(_, (_, ends))| ends)).map(Cell::from));
     row
+}
+
+/// A count that no frame reaches is no number of a table.
+fn finite(number: f64) -> Option<f64> {
+    Some(number).filter(|number| number.is_finite())
 }
 
 fn sentence(frame: &Frame, cases: &[Timed]) -> String {
@@ -217,7 +223,7 @@ fn affordable(cases: &[Timed]) -> String {
     let Some(Timed { sampled, fixed, case, .. }) = cases.first() else { return String::new() };
     let counts = || cases.iter().map(|one| one.time.samples);
     let (lo, hi) = (counts().fold(f64::INFINITY, f64::min), counts().fold(0.0, f64::max));
-    let [least, most] = [case.curve.first(), case.curve.last()].map(|point| point.map_or(0, |(n, _)| *n));
+    let [least, most] = case.curve.tried();
     match () {
         () if hi == 0.0 => format!(" A frame of `{sampled}` takes longer than one of `{fixed}` even with {}.", count(least as usize, "sample", "samples")),
         () if lo == f64::INFINITY => format!(" A frame of `{sampled}` takes less than one of `{fixed}` even with {most} samples."),
@@ -261,7 +267,7 @@ fn verdicts(cases: &[&Timed]) -> String {
 
 /// One panel a pair: the error ratio at equal time of each case, one row a case.
 fn figure(frame: &Frame, axes: &[usize], pairs: &[Vec<Timed>]) -> Option<Figure> {
-    let key = |one: &Timed| -> Key { axes.iter().map(|&axis| one.case.fixed.point.0[axis].clone()).collect() };
+    let key = |one: &Timed| -> Key { one.case.key.clone() };
     let mut panels = Vec::new();
     for pair in pairs {
         let rows = distinct_in_order(pair.iter().filter(|one| one.error_ratio.is_some()).map(key));

@@ -3,6 +3,7 @@
 //!
 //! To add one: its file, one word in the list below, an experiment that asks it.
 
+mod conditions;
 mod words;
 
 use super::figure::Figure;
@@ -21,6 +22,9 @@ macro_rules! questions {
 
 questions! {
     break_even,
+    convergence,
+    error,
+    sample_count,
     table_size,
     n_dot_v,
     visibility,
@@ -31,6 +35,11 @@ questions! {
     table_cost,
     printed_slips,
 }
+
+/// Sentences of a finding.
+pub const SENTENCES_MAX: usize = 3;
+/// Words of a sentence.
+pub const WORDS_MAX: usize = 25;
 
 /// Something that the rows of a run can answer.
 pub struct Question {

@@ -6,7 +6,6 @@
 
 use super::words::{count, label, listed, number};
 use super::{Finding, Question};
-use crate::runner::tables::DISPLAY_HEADLINE;
 use crate::runner::value::Value;
 use crate::study::figure::{Figure, Mark, Panel, Ramp, Scale, Shape as Form};
 use crate::study::frame::estimate::median;
@@ -69,7 +68,7 @@ fn curves<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Curve<'r, 'f>> {
     let mut found: Vec<Curve> = Vec::new();
     // The image without a specular term is there for scale, unless it is the diffuse term that is asked about.
     for row in frame.rows.iter().filter(|row| frame.way(row) != "none") {
-        let Some(flip) = frame.score(row, DISPLAY_HEADLINE).filter(|flip| flip.is_finite()) else { continue };
+        let Some(flip) = row.flip().filter(|flip| flip.is_finite()) else { continue };
         let (method, values) = (frame.way(row), display_axes().map(|axis| row.point.0[axis].clone()));
         match found.iter_mut().find(|known| known.method == method && known.values == values) {
             Some(known) => {

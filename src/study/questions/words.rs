@@ -3,7 +3,7 @@
 use crate::runner::axis::AXES;
 use crate::runner::value::Value;
 use crate::spelling::short_number;
-use crate::study::frame::{Row, distinct_in_order, estimate::Estimate};
+use crate::study::frame::{Frame, Row, distinct_in_order, estimate::Estimate};
 use crate::table::markdown::significant;
 use std::path::Path;
 
@@ -23,6 +23,39 @@ pub fn with_interval(estimate: &Estimate) -> String {
     }
 }
 
+/// `relmse` as an error that people can picture: 11 for 0.012, in percent of the reference. Nothing for metrics that are no mean square.
+pub fn rms_percent(frame: &Frame, error: f64) -> Option<f64> {
+    (frame.metric.description().power == 2.0).then(|| 100.0 * error.sqrt())
+}
+
+/// "0.012 (11 % rms)".
+pub fn with_rms(frame: &Frame, error: f64) -> String {
+    match rms_percent(frame, error) {
+        Some(percent) => format!("{} ({} % rms)", number(error), number(percent)),
+        None => number(error),
+    }
+}
+
+/// "a", "a and b", "a, b and c"; of more than four the first three and how many more.
+pub fn listed(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [a, b, c, _, rest @ ..] if !rest.is_empty() => format!("{a}, {b}, {c} and {} more", words.len() - 3),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// " The 30 cases: 2 environments, 3 BRDF models, 5 alphas."; nothing for one case.
+pub fn cases_sentence(rows: &[&Row], axes: &[usize], n: usize) -> String {
+    let scope = scope(rows, axes);
+    match n {
+        0 | 1 => String::new(),
+        n if scope.is_empty() => format!(" The {} have one scene in common.", count(n, "case", "cases")),
+        n => format!(" The {}: {scope}.", count(n, "case", "cases")),
+    }
+}
+
 /// "1 case", "30 cases".
 pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
@@ -37,15 +70,6 @@ pub fn short(axis: usize, value: &Value) -> String {
     match text.strip_prefix("builtin:") {
         Some(formula) => formula.to_owned(),
         None => Path::new(&text).file_stem().map_or(text.clone(), |stem| stem.to_string_lossy().into_owned()),
-    }
-}
-
-/// "a", "a and b", "a, b and c".
-pub fn listed(words: &[String]) -> String {
-    match words {
-        [] => String::new(),
-        [one] => one.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
 }
 
