@@ -4,7 +4,7 @@
 //! count at which the quantity is not told apart from 1. A true crossing at count n is left out only if the interval at n misses 1, so the
 //! coverage is that of the levels' intervals.
 
-use super::student::mean_95;
+use super::line::t_95;
 
 /// ln of a quantity at a sample count, with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,8 +19,11 @@ impl Level {
     /// Errors of several point sets over a fixed error: Student's interval of the mean logarithm. `None` for fewer than two sets.
     pub fn of_point_sets(samples: u32, errors: &[f64], fixed: f64) -> Option<Self> {
         let logs: Vec<f64> = errors.iter().map(|error| (error / fixed).ln()).collect();
-        let (ln_ratio, half) = mean_95(&logs).filter(|(_, half)| half.is_finite())?;
-        Some(Self { samples, ln_ratio, lo: ln_ratio - half, hi: ln_ratio + half })
+        let n = logs.len() as f64;
+        let ln_ratio = logs.iter().sum::<f64>() / n;
+        let variance = logs.iter().map(|x| (x - ln_ratio).powi(2)).sum::<f64>() / (n - 1.0);
+        let half = t_95(logs.len().checked_sub(1)?) * (variance / n).sqrt();
+        half.is_finite().then_some(Self { samples, ln_ratio, lo: ln_ratio - half, hi: ln_ratio + half })
     }
 }
 

@@ -7,7 +7,6 @@ pub mod curve;
 pub mod estimate;
 pub mod line;
 mod shape;
-pub mod student;
 pub mod times;
 
 pub use shape::Shape;

@@ -14,7 +14,7 @@ use crate::runner::value::Value;
 use crate::study::figure::{Figure, Mark, Panel, Ramp, Scale, Shape as Form};
 use crate::study::frame::estimate::{Estimate, estimate, median};
 use crate::study::frame::{Frame, Row, Shape, ascending, axis, distinct_in_order};
-use crate::study::table::{Column, Table};
+use crate::study::table::{Column, Table, value_cell};
 use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
@@ -115,7 +115,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
         let [lo, hi] = place.error.interval.map_or([None; 2], |ends| ends.map(Some));
         let mut row = method.rows.first()?.cells(&ways);
         row.extend([
-            Cell::Text(place.alpha.to_string()),
+            value_cell(&place.alpha),
             place.bin[0].into(),
             place.bin[1].min(1.0).into(),
             Cell::Integer(place.error.n as u64),

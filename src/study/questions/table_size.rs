@@ -15,7 +15,7 @@ use crate::runner::value::Value;
 use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
 use crate::study::frame::estimate::geometric_mean;
 use crate::study::frame::{Frame, Key, Row, Shape, ascending, axis, distinct_in_order, pair, size_of};
-use crate::study::table::{Column, Table};
+use crate::study::table::{Column, Table, value_cell};
 use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
@@ -256,7 +256,7 @@ fn table(frame: &Frame, costs: &[Cost]) -> Table {
         };
         let is_enough = costs.iter().filter(is_rival).all(|other| other.gain() <= GAIN);
         let mut row = cost.way.clone();
-        row.extend(cost.condition.iter().map(|value| Cell::Text(value.to_string())));
+        row.extend(cost.condition.iter().map(value_cell));
         row.push(AXES[cost.axis].name.into());
         row.extend([&cost.value, &cost.against].map(|value| Cell::Text(value.to_string())));
         row.extend([Cell::Integer(cost.n as u64), cost.ratio.into(), Cell::Integer(is_enough.into())]);
