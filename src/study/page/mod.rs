@@ -5,11 +5,11 @@
 
 pub mod images;
 mod lead;
-mod live;
-mod model;
-mod render;
+pub mod live;
+pub mod model;
+pub mod render;
 mod sections;
-mod told;
+pub mod told;
 
 pub use told::Told;
 

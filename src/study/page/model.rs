@@ -136,12 +136,17 @@ fn word(index: usize, value: &Value, label: &str) -> String {
     }
 }
 
+/// Steps a unit of a roughness that people read.
+const ROUGHNESS_STEPS: f64 = 1e3;
+
 /// The perceptual roughness of an alpha, short: alpha is its square.
 pub fn roughness(index: usize, value: &Value) -> Option<String> {
+    roughness_of(index, value).map(|roughness| ((roughness * ROUGHNESS_STEPS).round() / ROUGHNESS_STEPS).to_string())
+}
+
+fn roughness_of(index: usize, value: &Value) -> Option<f64> {
     match value {
-        Value::Number(alpha) if index == axis("alpha") => {
-            Some(crate::spelling::short_number(&alpha.sqrt().to_string()).into_owned())
-        }
+        Value::Number(alpha) if index == axis("alpha") => Some(alpha.sqrt()),
         _ => None,
     }
 }
@@ -232,8 +237,10 @@ pub fn field(cell: &Cell) -> Json {
 /// The perceptual roughness of every alpha by its text.
 pub fn roughnesses(axes: &[PageAxis]) -> Json {
     let of_axis = axes.iter().filter(|one| one.index == Some(axis("alpha"))).flat_map(|axis| &axis.values);
-    let entry =
-        |text: &String| Some((text.clone(), json!(roughness(axis("alpha"), &Value::Number(text.parse().ok()?))?)));
+    let entry = |text: &String| {
+        let value = Value::Number(text.parse().ok()?);
+        Some((text.clone(), json!(roughness_of(axis("alpha"), &value)?)))
+    };
     of_axis.filter_map(entry).collect::<serde_json::Map<_, _>>().into()
 }
 
