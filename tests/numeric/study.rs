@@ -7,6 +7,7 @@ mod answers_soundness;
 pub mod page;
 mod page_live;
 mod published;
+mod scratch;
 mod slope;
 mod timed_tables;
 mod under_way;
