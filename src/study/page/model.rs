@@ -116,13 +116,14 @@ fn roughness_of(index: usize, value: &Value) -> Option<f64> {
     }
 }
 
-/// What all cells share and no default says, in words: "128x128 · sphere · diffuse none".
+/// What all cells share and no default says: "size 128x128, diffuse none".
 pub fn shared(axes: &[PageAxis]) -> String {
     let says = |axis: &&PageAxis| {
         let Some(index) = axis.index.filter(|_| axis.role == Role::Fixed) else { return false };
         index == crate::study::frame::axis("size") || (AXES[index].default)().to_string() != axis.values[0]
     };
-    axes.iter().filter(says).map(|axis| axis.words[0].as_str()).collect::<Vec<_>>().join(" · ")
+    let word = |axis: &PageAxis| format!("{} {}", axis.name.replace('_', " "), axis.labels[0]);
+    axes.iter().filter(says).map(word).collect::<Vec<_>>().join(", ")
 }
 
 /// The columns of the cells' rows with what they hold.
