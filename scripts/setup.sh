@@ -149,8 +149,9 @@ require_rust() {
 }
 
 # Builds the tests and lists their binaries, a line each: name and path. Those of unit tests go by their source file.
-test_binaries() {
-    cargo test --release --locked --no-run --color never 2>&1 | sed -n \
+test_binaries() { # what to build (--test NAME), or nothing for all
+    cargo test --release --locked --no-run --quiet "$@" >&2 || return
+    cargo test --release --locked --no-run --color never "$@" 2>&1 | sed -n \
         -e 's|^ *Executable unittests \([^ ]*\) (\(.*\))$|\1 \2|p' \
         -e 's|^ *Executable tests/\([^/ ]*\)/main\.rs (\(.*\))$|\1 \2|p' \
         -e 's|^ *Executable tests/\([^/ ]*\)\.rs (\(.*\))$|\1 \2|p'

@@ -136,7 +136,7 @@ fi
 # Each test binary is a part of its own, run without cargo, so that its end is known.
 part="the list of test binaries"
 mkdir -p target
-test_binaries >target/test-binaries
+test_binaries --lib --bins --tests >target/test-binaries
 [ -s target/test-binaries ]
 while read -r name binary <&3; do
     check "$name" "$binary" 3<&-
