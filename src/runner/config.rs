@@ -2,7 +2,7 @@
 //!
 //! Reading never stops at the first fault. Paths in the file are relative to the file.
 
-use super::axis::{AXES, Axis, METHOD, Point, Reference, SAMPLES, Terms, index_of};
+use super::axis::{AXES, METHOD, Named, Point, Reference, SAMPLES, Terms, index_of, named};
 use super::fault::{Faults, Place};
 use super::toml_tree::{checked, entries, first_of_twice, raw, table, texts, unknown_key};
 use super::value::{Kind, Range, Raw, Value};
@@ -362,7 +362,15 @@ pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
 }
 
 pub(super) fn axis_names() -> Vec<&'static str> {
-    AXES.iter().map(|axis: &Axis| axis.name).collect()
+    Named::all().map(Named::name).collect()
+}
+
+/// Notes a key that names no axis, and none of `others` beside them.
+pub(super) fn unknown_axis(place: &Place, prefix: &str, key: &str, others: &[&'static str], faults: &mut Faults) {
+    faults.add_with(place, |_| {
+        let names: Vec<&str> = Named::all().map(Named::name).chain(others.iter().copied()).collect();
+        format!("{prefix}{key} is unknown{}; expected one of {}", named::hint(key, others), names.join(", "))
+    });
 }
 
 /// Characters of an experiment's name: with what is put before and after it, it stays a file's name.

@@ -19,7 +19,17 @@ pub fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], fault
 
 /// The value that `kind` makes of what is written, or a fault at its place.
 pub fn checked(kind: Kind, name: &str, value: &Spanned<DeValue>, faults: &mut Faults) -> Option<Value> {
-    kind.parse(&raw(value.get_ref()))
+    checked_as(|raw| kind.parse(raw), name, value, faults)
+}
+
+/// As [`checked`], with any way to read the value.
+pub fn checked_as(
+    parse: impl Fn(&Raw) -> Result<Value, String>,
+    name: &str,
+    value: &Spanned<DeValue>,
+    faults: &mut Faults,
+) -> Option<Value> {
+    parse(&raw(value.get_ref()))
         .map_err(|fault| faults.add(&Place::File(value.span().start), format!("{name}: {fault}")))
         .ok()
 }

@@ -9,6 +9,7 @@ pub mod fake;
 mod frozen;
 mod host;
 mod limits;
+mod names;
 mod plan;
 pub mod resume;
 pub mod run;
