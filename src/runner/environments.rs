@@ -60,7 +60,7 @@ pub fn environments(plan: &Plan) -> Rows {
         }
         seen.push(key);
         let found = Luminance::of(&plan.inputs.clipped(key[0].text(), cell.point.settings().environment_clip_log2));
-        let mut row = key.map(|value| Field::Text(value.to_string())).to_vec();
+        let mut row = axes.map(|axis| Field::Text(plan.shown(cell, axis).to_string())).to_vec();
         row.extend([found.mean.into(), found.peak.into(), found.range_stops().into()]);
         rows.push(row);
     }

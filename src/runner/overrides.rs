@@ -5,11 +5,9 @@ use super::config::{Config, Placed, Sweep, unknown_axis};
 use super::fault::{Faults, Place};
 use super::sweeps::Values;
 use super::value::{Kind, Value};
+use crate::environment::BUILTIN_PREFIX;
 use std::collections::HashSet;
 use std::path::Path;
-
-/// What a formula's name begins with; its parameters are written with commas.
-const BUILTIN_PREFIX: &str = "builtin:";
 
 impl Config {
     /// Replaces axes by `--set` texts; an axis the file does not have is added. Of axes that vary together (`[[zip]]`) those rows are kept
@@ -69,6 +67,14 @@ impl Config {
         let dir = self.file_dir();
         let written = self.inputs().filter(|(_, place)| matches!(place, Place::File(_)));
         written.into_iter().any(|(value, _)| dir.join(value).is_file()).then_some(dir)
+    }
+
+    /// The folder that a path written at `place` is relative to.
+    pub fn dir_of(&self, place: &Place) -> &Path {
+        match place {
+            Place::Set(_) => &self.set_dir,
+            Place::File(_) | Place::Default => self.file_dir(),
+        }
     }
 
     /// The folder that paths in the experiment file are relative to.

@@ -1,6 +1,6 @@
 //! `[axes]` and `[[zip]]`: lists, ranges, and axes that vary together.
 
-use super::axis::{AXES, Named};
+use super::axis::{AXES, Named, Point};
 use super::config::{Config, Placed, Sweep, Zip, axis_names, unknown_axis};
 use super::fault::{Faults, Place};
 use super::toml_tree::{checked, checked_as, entries, list, raw, table, unknown_key};
@@ -9,6 +9,8 @@ use std::collections::HashSet;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// Above this many combinations a file is taken for a mistake. As many are planned in about ten seconds of one processor.
+pub(super) const COMBINATIONS_MAX: u64 = 200_000;
 /// Longest range.
 const RANGE_LENGTH_MAX: i64 = 100_000;
 /// Largest power of two in a range.
@@ -132,9 +134,34 @@ impl Config {
         self.dimensions().iter().map(|(_, steps)| *steps as u64).fold(1, u64::saturating_mul)
     }
 
+    /// Every combination of the axes' values over the base point, the last axis fastest; zipped axes step together.
+    pub fn combinations(&self) -> impl Iterator<Item = Point> + '_ {
+        let dimensions = self.dimensions();
+        let count: usize = dimensions.iter().map(|(_, steps)| steps).product();
+        (0..count).map(move |index| {
+            let mut point = self.base.clone();
+            let mut rest = index;
+            for (members, steps) in dimensions.iter().rev() {
+                for sweep in members.iter().map(|&member| &self.axes[member]) {
+                    point[sweep.axis] = sweep.values[rest % steps].value.clone();
+                }
+                rest /= steps;
+            }
+            point
+        })
+    }
+
+    /// The combinations that are left out, with unused parameters unset as in a cell, each with the index of its exclusion.
+    pub fn excluded_points(&self) -> impl Iterator<Item = (usize, Point)> + '_ {
+        // A file that no plan was ever made of may span any number of combinations.
+        let is_small = self.combination_count() <= COMBINATIONS_MAX && !self.exclusions.is_empty();
+        let points = is_small.then(|| self.combinations()).into_iter().flatten();
+        points.filter_map(|point| Some((self.exclusion_of(&point)?, point.collapsed(!self.lights.is_empty()))))
+    }
+
     /// The axes in groups that vary together, each with its number of steps, in the order of their first axis. Groups hold indices
     /// into `axes`.
-    pub(super) fn dimensions(&self) -> Vec<(Vec<usize>, usize)> {
+    fn dimensions(&self) -> Vec<(Vec<usize>, usize)> {
         let mut dimensions: Vec<(Vec<usize>, usize)> = Vec::new();
         for (index, sweep) in self.axes.iter().enumerate() {
             let zip = self.zips.iter().find(|zip| zip.axes.contains(&sweep.axis));

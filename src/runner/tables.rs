@@ -183,7 +183,7 @@ fn cell_columns(plan: &Plan) -> Vec<String> {
 }
 
 fn cell_fields(plan: &Plan, cell: &Cell) -> Vec<Field> {
-    let values = plan.columns.iter().flat_map(|&axis| fields(axis, &cell.point[axis]));
+    let values = plan.columns.iter().flat_map(|&axis| fields(axis, &plan.shown(cell, axis)));
     let values = values.map(|text| text_field(&text));
     std::iter::once(Field::from(cell.id.as_str())).chain(values).collect()
 }

@@ -17,4 +17,5 @@ pub mod runs;
 mod statistics;
 mod strangers;
 mod timed;
+mod written;
 mod zips;

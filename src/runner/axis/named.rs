@@ -85,7 +85,7 @@ pub fn columns(axis: usize) -> impl Iterator<Item = &'static str> {
 }
 
 /// What stands in the [`columns`] of an axis for its value; empty for an unset one.
-pub fn fields(axis: usize, value: &Value) -> impl Iterator<Item = String> {
+pub fn fields(axis: usize, value: &Value) -> impl Iterator<Item = String> + use<> {
     let second = AXES[axis].spelling.as_ref().and_then(|spelling| spelling.of_axis);
     let of_second = second.map(|of_axis| if *value == Value::Unset { Value::Unset } else { of_axis(value) });
     [value.to_string()].into_iter().chain(of_second.map(|value| value.to_string()))
@@ -95,11 +95,11 @@ pub fn fields(axis: usize, value: &Value) -> impl Iterator<Item = String> {
 const AMBIGUOUS: &[(&str, &str)] =
     &[("roughness", "write perceptual_roughness (what materials store), or alpha, which is its square")];
 
-/// What a name that is unknown was meant to be, as the end of a sentence; `others` are the names of the place beside those of axes.
-pub fn hint(name: &str, others: &[&'static str]) -> String {
+/// What an unknown name was meant to be among `names`, as the end of a sentence.
+pub fn hint(name: &str, names: &[&str]) -> String {
     match AMBIGUOUS.iter().find(|(known, _)| *known == name) {
         Some((_, hint)) => format!("; {hint}"),
-        None => suggestion(name, &Named::all().map(Named::name).chain(others.iter().copied()).collect::<Vec<_>>()),
+        None => suggestion(name, names),
     }
 }
 

@@ -54,8 +54,8 @@ impl Made {
             }
         }
         let put = |name: &str, text: String| std::fs::write(dir.join(name), text).unwrap();
-        put("errors.csv", text(&errors, ",relmse_eps1e-2,flip,relmse_eps1e-2_noise_floor,verdict"));
-        put("errors_by_n_dot_v.csv", text(&bins, ",n_dot_v_from,n_dot_v_to,pixel_count,relmse_eps1e-2"));
+        put("errors.csv", text(&errors, ",relmse,flip,relmse_noise_floor,verdict"));
+        put("errors_by_n_dot_v.csv", text(&bins, ",n_dot_v_from,n_dot_v_to,pixel_count,relmse"));
         let provenance = serde_json::json!({
             "schema_version": 1, "name": "made", "question": "What?", "cell_count": self.rows.len(), "sessions": [{ "device":
                 { "name": "paper", "driver": "pencil", "type": "cpu" }, "date_utc": "2026-01-01T00:00:00Z" }],

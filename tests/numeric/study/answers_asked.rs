@@ -183,8 +183,8 @@ fn furnace(dir: &Path, reference: &str, rows: &[(&str, &str, f64, [f64; 2])]) {
         }
     }
     let put = |name: &str, text: String| std::fs::write(dir.join(name), text).unwrap();
-    put("errors.csv", format!("{head},relmse_eps1e-2,bias_rel,bias_rel_noise_floor,verdict\n{errors}"));
-    put("errors_by_n_dot_v.csv", format!("{head},n_dot_v_from,n_dot_v_to,pixel_count,relmse_eps1e-2,bias_rel\n{bins}"));
+    put("errors.csv", format!("{head},relmse,bias_rel,bias_rel_noise_floor,verdict\n{errors}"));
+    put("errors_by_n_dot_v.csv", format!("{head},n_dot_v_from,n_dot_v_to,pixel_count,relmse,bias_rel\n{bins}"));
     let provenance = serde_json::json!({ "schema_version": 1, "name": "made", "question": "What?", "cell_count": rows.len(),
         "reference": { "method": reference, "samples": 64 }, "sessions": [] });
     put("provenance.json", provenance.to_string());
@@ -341,8 +341,7 @@ fn values_with_names_are_called_by_them() {
 
 #[test]
 fn bias_that_outweighs_the_noise_is_counted() {
-    let header =
-        "alpha,method,samples,relmse_eps1e-2,relmse_eps1e-2_noise_floor,flip,verdict,var_hat_eps1e-2,bias2_hat_eps1e-2";
+    let header = "alpha,method,samples,relmse,relmse_noise_floor,flip,verdict,var_hat_rel,bias2_hat_rel";
     let dir = tempfile::tempdir().unwrap();
     let mut made = Made::new(&["alpha", "method", "samples"]);
     for alpha in ["0.1", "0.5"] {

@@ -121,7 +121,7 @@ fn maps_over_n_dot_v_show_their_intervals() {
     assert!((lo - 0.1).abs() < 1e-12 && (hi - 0.8).abs() < 1e-12, "{found:?}");
     let file = |name: &str| &answered.files.iter().find(|(known, _)| known == name).unwrap().1;
     let head = file("error_by_n_dot_v_and_alpha.csv").lines().next().unwrap();
-    assert!(head.ends_with(",relmse_eps1e-2,median_lo,median_hi"), "{head}");
+    assert!(head.ends_with(",relmse,median_lo,median_hi"), "{head}");
     assert!(answered.summary.contains("| 0.45 (0.10–0.80) |"), "{}", answered.summary);
     assert!(file("error_by_n_dot_v_and_alpha.svg").contains("\n0.10–0.80\n"));
     // 10 / n meets 1 at 10 samples, whatever the bin.
