@@ -14,7 +14,7 @@ uniform int tone;
 uniform float exposure;
 uniform float contrast;
 
-// The epsilon of relmse_eps1e-2.
+// The epsilon of relmse.
 const float EPSILON = 1e-2;
 
 vec3 srgb_encode(vec3 linear) {
@@ -33,7 +33,7 @@ vec3 palette_color(float place, int row) {
                x - float(lower));
 }
 
-// The formulas of the columns err_p95 ... and relmse_eps1e-2. Alpha is 0 where the error lies above the range of the colours, or is none.
+// The formulas of the columns err_p95 ... and relmse. Alpha is 0 where the error lies above the range of the colours, or is none.
 vec4 error_color(vec3 t, vec3 r, bool is_signed) {
     vec3 relative = (t - r) / sqrt(r * r + EPSILON);
     if (any(isnan(relative))) return vec4(nan_color, 0.0);

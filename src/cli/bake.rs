@@ -7,8 +7,9 @@ use splitsum::brdf::MODELS;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pipeline::BakeRequest;
 use splitsum::runner::RenderFault;
-use splitsum::runner::axis::{self, AXES, Point, is_precompute};
+use splitsum::runner::axis::{AXES, BRDF, Part, Point};
 use splitsum::runner::value::Value;
+use splitsum::spelling::suggestion;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -18,7 +19,7 @@ use std::sync::Arc;
     allow_negative_numbers = true,
     after_help = "bake.json names the mapping, the axes and the units of every file.\n\n\
     Examples:\n  splitsum bake builtin:sky --out baked\n  \
-    splitsum bake studio.hdr --out baked --set prefilter_size=512x256 --set prefilter_level_count=6"
+    splitsum bake studio.hdr --out baked --set prefilter_size=512x256 --set prefilter_level_count=6 --set brdf=ggx"
 )]
 pub struct Arguments {
     /// builtin:NAME, or an .hdr or .exr file.
@@ -26,9 +27,9 @@ pub struct Arguments {
     /// Folder of the files; it is made when missing.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// A setting of the precompute passes (`splitsum list axes` names them), or masking=NAME.
+    /// A size, sample count or format of the tables, masking=NAME, or brdf=NAME for one model only; `splitsum list axes` names them.
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
-    settings: Vec<(&'static str, Value)>,
+    settings: Vec<(usize, Value)>,
     /// Sets NaN, infinite and negative texels of the environment to 0, with a warning, instead of refusing them.
     #[arg(long)]
     clamp_invalid: bool,
@@ -42,12 +43,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let environment = Environment::load(&arguments.environment, Path::new(""), &options).map_err(Failure::input)?;
     environment.warnings.iter().for_each(|warning| super::warn(&environment.name, warning));
     let mut point = Point::default();
-    for (index, (name, value)) in arguments.settings.iter().enumerate() {
-        if arguments.settings[..index].iter().any(|(earlier, _)| earlier == name) {
-            return Err(Failure::BadInput(format!("--set {name}: stands twice; expected one value")));
+    for (index, (axis, value)) in arguments.settings.iter().enumerate() {
+        if arguments.settings[..index].iter().any(|(earlier, _)| earlier == axis) {
+            return Err(Failure::BadInput(format!("--set {}: stands twice; expected one value", AXES[*axis].name)));
         }
-        point[axis::index_of(name).expect("the parser found it")] = value.clone();
+        point[*axis] = value.clone();
     }
+    let has_model = arguments.settings.iter().any(|(axis, _)| *axis == BRDF);
     let settings = point.settings();
     settings.precompute.validate().map_err(|error| Failure::BadInput(format!("--set: {error}")))?;
     let mut pipeline = open_device(arguments.device).map_err(Failure::opening)?;
@@ -56,7 +58,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let request = BakeRequest {
         environment: Arc::new(environment),
         precompute: settings.precompute,
-        brdfs: MODELS.to_vec(),
+        brdfs: if has_model { vec![settings.brdf] } else { MODELS.to_vec() },
         masking_shadowing: settings.masking_shadowing,
     };
     let files =
@@ -67,13 +69,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// `name=value` of an axis that belongs to the precompute passes.
-fn setting(text: &str) -> Result<(&'static str, Value), String> {
+/// `name=value` of an axis that the tables cost by.
+fn setting(text: &str) -> Result<(usize, Value), String> {
     let (name, value) = text.split_once('=').ok_or_else(|| format!("{text:?} is not NAME=VALUE"))?;
-    let mut axes = AXES.iter().filter(|axis| is_precompute(axis) || axis.name == "masking");
-    let axis = axes.clone().find(|axis| axis.name == name).ok_or_else(|| {
-        let known: Vec<&str> = axes.by_ref().map(|axis| axis.name).collect();
-        format!("{name:?} is not a setting of the precompute passes; they are {}", known.join(", "))
+    let axes = || AXES.iter().enumerate().filter(|(_, axis)| axis.tables_cost && axis.part != Part::Method);
+    let found = axes().find(|(_, axis)| axis.name == name).ok_or_else(|| {
+        let known: Vec<&str> = axes().map(|(_, axis)| axis.name).collect();
+        format!("{name:?} is no setting of the tables{}; they are {}", suggestion(name, &known), known.join(", "))
     })?;
-    Ok((axis.name, axis.kind.parse_text(value)?))
+    Ok((found.0, found.1.kind.parse_text(value)?))
 }

@@ -5,7 +5,7 @@ use clap::Args;
 use serde::{Serialize, Serializer};
 use splitsum::metrics::{Comparison, METRICS};
 use splitsum::pixels::{Decoded, GrayImage, exr};
-use splitsum::runner::axis;
+use splitsum::runner::axis::{AXES, CONTRAST, EXPOSURE};
 use splitsum::table::markdown::{Align, MarkdownTable};
 use splitsum::tonemap::ToneCurve;
 use std::path::{Path, PathBuf};
@@ -29,15 +29,15 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Factor before the tone curve, for the display metrics.
-    #[arg(long, value_name = "E", default_value = "1", value_parser = |text: &str| number("exposure", text))]
+    #[arg(long, value_name = "E", default_value = "1", value_parser = |text: &str| number(EXPOSURE, text))]
     exposure: f64,
     /// Exponent of the tone curve times 2.2, for the display metrics.
-    #[arg(long, value_name = "C", default_value = "1", value_parser = |text: &str| number("contrast", text))]
+    #[arg(long, value_name = "C", default_value = "1", value_parser = |text: &str| number(CONTRAST, text))]
     contrast: f64,
 }
 
-fn number(axis: &str, text: &str) -> Result<f64, String> {
-    axis::by_name(axis).kind.parse_text(text).map(|value| value.number())
+fn number(axis: usize, text: &str) -> Result<f64, String> {
+    AXES[axis].kind.parse_text(text).map(|value| value.number())
 }
 
 /// Most pixels of images that are compared, a frame of 3840 x 2160: FLIP and SSIM hold some 180 bytes a pixel.

@@ -4,7 +4,7 @@ use super::{Failure, print};
 use clap::{Args, ValueEnum};
 use splitsum::environment::{BUILTINS, FORMATS};
 use splitsum::math::sequence::SEQUENCES;
-use splitsum::runner::axis::AXES;
+use splitsum::runner::axis::Named;
 use splitsum::shade::level_bias::LEVEL_BIASES;
 use splitsum::table::markdown::{Align, MarkdownTable};
 use splitsum::{brdf, metrics, scene, shade};
@@ -72,10 +72,11 @@ fn listing(what: What) -> String {
             LEVEL_BIASES.iter().for_each(|bias| add(bias.name, &format!("{:.4} levels: {}", bias.levels, bias.about)));
         }
         What::Axes => {
-            for axis in AXES {
-                let default = (axis.default)().to_string();
+            for named in Named::all() {
+                let default = if named.is_second() { String::new() } else { (named.entry().default)().to_string() };
                 let default = if default.is_empty() { "the scene's own".to_owned() } else { default };
-                add(axis.name, &format!("{}; {}; default {default}", axis.about, axis.kind.describe()));
+                let form = named.kind().set_form().map_or_else(String::new, |form| format!("; with --set {form}"));
+                add(named.name(), &format!("{}; {}{form}; default {default}", named.about(), named.kind().describe()));
             }
         }
     }

@@ -6,6 +6,7 @@ mod cache;
 mod compare;
 mod devices;
 mod estimate;
+mod flags;
 mod integrate;
 mod later;
 mod list;

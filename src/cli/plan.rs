@@ -1,7 +1,7 @@
 //! `splitsum plan`: what a run would do.
 
 use super::cache::CacheArguments;
-use super::estimate::{Estimated, Question, estimated, measured};
+use super::estimate::{Estimated, Question, estimated};
 use super::subject::Subject;
 use super::{Failure, print, print_data, tell};
 use clap::Args;
@@ -14,7 +14,6 @@ use splitsum::runner::timing;
 use splitsum::runner::{Cell, Plan, RunError};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// Shows the cells of an experiment, what is left out and why, what is done, and what the rest will cost; or cuts it into chunks for several machines.
 #[derive(Args, Debug)]
@@ -23,10 +22,9 @@ use std::time::Instant;
     mut_arg("out", |out| out.value_name("PATH").help(
         "Folder of the run to compare with; runs/NAME when left out. With --chunk-seconds: the plan file to write"
     )),
-    after_help = "Time and disk are reckoned from the records of the run's folder and of --from; what they do not tell, a probe of a few seconds \
-    on the device does, whose result the cache keeps; without a device they are a guess from stated constants. Each figure says which.\n\n\
-    Chunks are a function of the experiment, its inputs, --chunk-seconds and the prices in the plan file. Stated prices are the same on every \
-    machine; measured ones (--prices measured) fit this one.\n\n\
+    after_help = "Time and disk are estimated from the records of the run's folder and of --from. For work that these do not know, stated \
+    constants stand, scaled by a short probe of the device. Each figure says where it comes from.\n\n\
+    Chunks depend on the experiment, its inputs, --chunk-seconds and --samples-per-second alone: two people get the same.\n\n\
     Examples:\n  splitsum plan experiments/quick.toml\n  splitsum plan experiments/quick.toml --json | jq '.cells | length'\n  \
     splitsum plan experiments/quick.toml --chunk-seconds 60 --out plan.json"
 )]
@@ -39,27 +37,17 @@ pub struct Arguments {
     /// Cuts the experiment into chunks of about this many seconds and writes the plan file --out.
     #[arg(long, value_name = "S", requires = "out", value_parser = positive)]
     chunk_seconds: Option<f64>,
-    /// What the lengths of chunks are reckoned with: stated prices, or those that the estimate finds here.
-    #[arg(long, value_name = "stated|measured", requires = "chunk_seconds", default_value = "stated")]
-    prices: PriceChoice,
-    /// Samples of the method `sampled` that the device draws in a second; stated prices are scaled to it. [default: 6e7, a
-    /// software driver on two cores]
+    /// Samples of the method `sampled` that the device draws in a second [default: 6e7, a software driver on two cores].
     #[arg(long, value_name = "RATE", requires = "chunk_seconds", value_parser = positive)]
     samples_per_second: Option<f64>,
     /// Folders whose records tell what cells cost: earlier runs, or the --store of one in chunks.
-    #[arg(long, value_name = "DIR", visible_alias = "store")]
+    #[arg(long, value_name = "DIR", visible_alias = "store", conflicts_with = "chunk_seconds")]
     from: Vec<PathBuf>,
     #[command(flatten)]
     cache: CacheArguments,
-    /// Index of the device to reckon for, as `splitsum devices` lists them.
-    #[arg(long, value_name = "N")]
+    /// Index of the device to estimate for, as `splitsum devices` lists them.
+    #[arg(long, value_name = "N", conflicts_with = "chunk_seconds")]
     device: Option<usize>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
-enum PriceChoice {
-    Stated,
-    Measured,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -86,14 +74,12 @@ impl State {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let started = Instant::now();
     let plan = arguments.subject.plan()?;
-    let load_s = started.elapsed().as_secs_f64();
     for warning in plan.warnings() {
         tell(&format!("warning: {warning}"));
     }
     if let (Some(seconds), Some(path)) = (arguments.chunk_seconds, &arguments.subject.out) {
-        return write_chunks(arguments, &plan, seconds, path, load_s);
+        return write_chunks(arguments, &plan, seconds, path);
     }
     let dir = arguments.subject.dir(&plan);
     let store = Store::at(&dir);
@@ -117,7 +103,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     check_from(&arguments.from)?;
     let folders: Vec<PathBuf> = std::iter::once(dir.clone()).chain(arguments.from.iter().cloned()).collect();
     let (cache, device) = (&arguments.cache, arguments.device);
-    let cost = estimated(&plan, &Question { open: &open, jobs: &left, folders: &folders, cache, device, load_s })?;
+    let cost = estimated(&plan, &Question { open: &open, jobs: &left, folders: &folders, cache, device })?;
     let shown = Shown {
         plan: &plan,
         states: &states,
@@ -147,31 +133,7 @@ fn check_from(folders: &[PathBuf]) -> Result<(), Failure> {
     }
 }
 
-/// The prices of `--prices`.
-fn prices(arguments: &Arguments, plan: &Plan, load_s: f64) -> Result<Prices, Failure> {
-    let Arguments { from, cache, device, .. } = arguments;
-    if arguments.prices == PriceChoice::Stated {
-        let idle =
-            [(!from.is_empty(), "--from"), (device.is_some(), "--device")].into_iter().find(|(is_given, _)| *is_given);
-        return match idle {
-            Some((_, flag)) => Err(Failure::BadInput(format!(
-                "{flag}: changes nothing with stated prices; expected --prices measured beside it"
-            ))),
-            None => Ok(Prices::stated(plan, arguments.samples_per_second.unwrap_or(SAMPLES_PER_SECOND))),
-        };
-    }
-    if arguments.samples_per_second.is_some() {
-        let text = "--samples-per-second: changes nothing with --prices measured; expected one of the two";
-        return Err(Failure::BadInput(text.to_owned()));
-    }
-    check_from(from)?;
-    let (cells, jobs): (Vec<&Cell>, _) = (plan.cells.iter().collect(), timing::jobs(plan));
-    let asked = Question { open: &cells, jobs: &jobs, folders: from, cache, device: *device, load_s };
-    let found = measured(plan, &asked)?;
-    Ok(Prices::of_sources(plan, &found.speeds, found.host))
-}
-
-fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path, load_s: f64) -> Result<(), Failure> {
+fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -> Result<(), Failure> {
     if plan.cells.is_empty() {
         return Err(arguments.subject.nothing_to_do());
     }
@@ -179,7 +141,7 @@ fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path, l
         let text = "--clamp-invalid: a plan file does not keep it; expected environments without invalid texels";
         return Err(Failure::BadInput(text.to_owned()));
     }
-    let prices = prices(arguments, plan, load_s)?;
+    let prices = Prices::stated(plan, arguments.samples_per_second.unwrap_or(SAMPLES_PER_SECOND));
     let file = PlanFile::new(plan, path.parent().unwrap_or(Path::new("")), seconds, prices);
     file.write(path)?;
     let timed: usize = file.chunks.iter().map(|chunk| chunk.timings.len()).sum();

@@ -1,12 +1,12 @@
 //! `splitsum render`: one image.
 
+use super::flags::{AxisFlags, Given};
 use super::run::open_device;
 use super::{Failure, print, tell};
 use clap::Args;
-use splitsum::brdf::f0_from_ior;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pixels::png;
-use splitsum::runner::axis::{self, Point, REFERENCE, Reference, View};
+use splitsum::runner::axis::{AXES, Point, Reference, SAMPLES, View};
 use splitsum::runner::config::{CAMERA, LIGHT_COLOR, SEED, coordinates, light};
 use splitsum::runner::value::{Kind, Range, Value};
 use splitsum::runner::{RenderFault, write_radiance};
@@ -15,106 +15,42 @@ use splitsum::shade::reference_pass::ScramblePlan;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The parser of a flag that sets the axis of this name.
-macro_rules! axis {
-    ($name:literal) => {
-        |text: &str| axis::by_name($name).kind.parse_text(text)
-    };
-}
-
 /// Renders one image: linear EXR (R, G, B, A; A is the mask) or tone-mapped PNG.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    after_help = "Examples:\n  splitsum render --method split-sum --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out split-sum.exr\n  \
+    after_help = "A reference draws 4096 samples a pixel where --samples is left out.\n\n\
+    Examples:\n  splitsum render --method split-sum --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out split-sum.exr\n  \
     splitsum render --method reference --samples 4096 --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out reference.exr\n  \
     splitsum render --environment studio.hdr --scene teapot.obj --camera perspective --background --size 800x600 --out teapot.png"
 )]
 pub struct Arguments {
-    /// builtin:NAME, or an .hdr or .exr file; FILE.exr#NAME for a layer or part of it.
-    #[arg(long, value_name = "FILE|builtin:NAME", value_parser = axis!("environment"))]
-    environment: Option<Value>,
-    /// sphere, spheres, plane, or an .obj file.
-    #[arg(long, value_parser = axis!("scene"))]
-    scene: Option<Value>,
+    /// The image to write, .exr or .png.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
     /// ortho or perspective.
-    #[arg(long, default_value = "ortho", value_parser = |text: &str| CAMERA.parse_text(text))]
+    #[arg(long, value_name = "NAME", default_value = "ortho", value_parser = |text: &str| CAMERA.parse_text(text))]
     camera: Value,
-    /// How the specular term is computed; `splitsum list methods`.
-    #[arg(long, value_name = "NAME", value_parser = axis!("method"))]
-    method: Option<Value>,
-    /// How the diffuse term is computed; `splitsum list diffuse`.
-    #[arg(long, value_name = "NAME", value_parser = axis!("diffuse"))]
-    diffuse: Option<Value>,
-    /// ggx, beckmann or phong.
-    #[arg(long, value_name = "NAME", value_parser = axis!("brdf"))]
-    brdf: Option<Value>,
-    /// Microfacet width of every material, in (0, 1] and at least 0.001.
-    #[arg(long, value_name = "A", value_parser = axis!("alpha"))]
-    alpha: Option<Value>,
-    /// Reflectance at normal incidence, x or R,G,B.
-    #[arg(long, value_name = "R,G,B", value_parser = axis!("f0"))]
-    f0: Option<Value>,
-    /// Index of refraction, in place of --f0.
-    #[arg(long, value_name = "N", conflicts_with = "f0", value_parser = ior_as_f0)]
-    ior: Option<Value>,
-    /// Albedo of every material, x or R,G,B.
-    #[arg(long, value_name = "R,G,B", value_parser = axis!("albedo"))]
-    albedo: Option<Value>,
-    /// 0 dielectric to 1 metal.
-    #[arg(long, value_name = "M", value_parser = axis!("metallic"))]
-    metallic: Option<Value>,
-    /// Samples a pixel; 40, for the reference 4096.
-    #[arg(long, value_name = "N", value_parser = axis!("samples"))]
-    samples: Option<Value>,
-    /// Stops the reference before --samples, once the relative standard error of each of its terms is at most this.
-    #[arg(long, value_name = "E", value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text))]
-    relative_error: Option<Value>,
-    /// Width and height.
-    #[arg(long, value_name = "WxH", default_value = "256x256", value_parser = axis!("size"))]
-    size: Value,
-    /// Factor before the tone curve (PNG only).
-    #[arg(long, value_name = "E", value_parser = axis!("exposure"))]
-    exposure: Option<Value>,
-    /// Exponent of the tone curve times 2.2 (PNG only).
-    #[arg(long, value_name = "C", value_parser = axis!("contrast"))]
-    contrast: Option<Value>,
     /// Shows the environment where nothing is hit.
     #[arg(long)]
     background: bool,
     /// Adds an analytic light, directional:X,Y,Z:R,G,B (towards the light; irradiance) or point:X,Y,Z:R,G,B (intensity).
     #[arg(long = "light", value_name = "KIND:X,Y,Z:R,G,B", allow_hyphen_values = true, value_parser = parse_light)]
     lights: Vec<Light>,
-    /// Turns the environment about +y.
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = axis!("environment_rotation_deg"))]
-    rotate: Option<Value>,
-    /// Multiplies the environment's radiance.
-    #[arg(long, value_name = "S", value_parser = axis!("environment_scale"))]
-    scale: Option<Value>,
-    /// separable, correlated, schlick or smith-exact masking-shadowing.
-    #[arg(long, value_name = "NAME", value_parser = axis!("masking"))]
-    masking: Option<Value>,
-    /// Added to the mip level of filtered samples.
-    #[arg(long, value_name = "B", allow_hyphen_values = true, value_parser = axis!("lod_bias"))]
-    lod_bias: Option<Value>,
-    /// Where a sampled method takes its points from; `splitsum list sequences`.
-    #[arg(long, value_name = "NAME", value_parser = axis!("sequence"))]
-    sequence: Option<Value>,
-    /// Numbers of the precomputed tables, f32 or f16.
-    #[arg(long, value_name = "NAME", value_parser = axis!("storage_format"))]
-    storage_format: Option<Value>,
+    /// Stops the reference before --samples, once the relative standard error of each of its terms is at most this.
+    #[arg(long, value_name = "E", value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text))]
+    relative_error: Option<Value>,
+    /// Seed of the reference's scrambles.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = |text: &str| SEED.parse_text(text))]
+    seed: Value,
     /// Sets NaN, infinite and negative texels of the environment to 0, with a warning, instead of refusing them.
     #[arg(long)]
     clamp_invalid: bool,
-    /// Seed of the reference's scrambles.
-    #[arg(long, default_value = "1", value_parser = |text: &str| SEED.parse_text(text))]
-    seed: Value,
     /// Index of the device, as `splitsum devices` lists them.
     #[arg(long, value_name = "N")]
     device: Option<usize>,
-    /// The image to write, .exr or .png.
-    #[arg(long, value_name = "FILE")]
-    out: PathBuf,
+    #[command(flatten)]
+    axes: AxisFlags,
 }
 
 /// What the name of the output asks for.
@@ -128,6 +64,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let point = point(arguments);
     check_used(arguments, &point, &output)?;
     let settings = point.settings();
+    settings.precompute.validate().map_err(Failure::input)?;
     let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
     let here = Path::new("");
     let environment = Environment::load(&settings.environment, here, &options);
@@ -177,42 +114,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!("{}\n", arguments.out.display()))
 }
 
-/// The flags that set axes: name of the flag, name of the axis, value.
-fn flags(arguments: &Arguments) -> [(&'static str, &'static str, &Option<Value>); 19] {
-    [
-        ("environment", "environment", &arguments.environment),
-        ("scene", "scene", &arguments.scene),
-        ("method", "method", &arguments.method),
-        ("diffuse", "diffuse", &arguments.diffuse),
-        ("brdf", "brdf", &arguments.brdf),
-        ("alpha", "alpha", &arguments.alpha),
-        ("f0", "f0", &arguments.f0),
-        ("ior", "f0", &arguments.ior),
-        ("albedo", "albedo", &arguments.albedo),
-        ("metallic", "metallic", &arguments.metallic),
-        ("samples", "samples", &arguments.samples),
-        ("exposure", "exposure", &arguments.exposure),
-        ("contrast", "contrast", &arguments.contrast),
-        ("rotate", "environment_rotation_deg", &arguments.rotate),
-        ("scale", "environment_scale", &arguments.scale),
-        ("masking", "masking", &arguments.masking),
-        ("lod-bias", "lod_bias", &arguments.lod_bias),
-        ("sequence", "sequence", &arguments.sequence),
-        ("storage-format", "storage_format", &arguments.storage_format),
-    ]
-}
-
-/// The flags as a point; what no flag sets keeps the axis's default.
+/// The flags as a point. The reference has a sample count of its own where none is given.
 fn point(arguments: &Arguments) -> Point {
-    let mut point = Point::default();
-    point[axis::SIZE] = arguments.size.clone();
-    for (_, axis, value) in flags(arguments) {
-        if let Some(value) = value {
-            point[axis::index_of(axis).expect("a listed axis")] = value.clone();
-        }
-    }
-    if arguments.samples.is_none() && point.method().is_reference() {
-        point[axis::SAMPLES] = Value::Count(Reference::default().samples);
+    let mut point = arguments.axes.point();
+    if arguments.axes.get(SAMPLES).is_none() && point.method().is_reference() {
+        point[SAMPLES] = Value::Count(Reference::default().samples);
     }
     point
 }
@@ -220,14 +126,14 @@ fn point(arguments: &Arguments) -> Point {
 /// A flag that changes nothing here is a misunderstanding: of what a method does, or of what a file holds.
 fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(), Failure> {
     let collapsed = point.collapsed(!arguments.lights.is_empty());
-    let [method, diffuse] = ["method", "diffuse"].map(|axis| point.get(axis).text());
-    let has_reference_term = [method, diffuse].contains(&REFERENCE);
+    let (method, diffuse) = (point.method().name, point.diffuse().name);
+    let has_reference_term = point.method().is_reference() || point.diffuse().is_reference();
     let mut faults = Vec::new();
-    for (flag, axis, _) in flags(arguments).into_iter().filter(|(.., value)| value.is_some()) {
-        let is_reference_count = axis == "samples" && has_reference_term;
-        if *collapsed.get(axis) == Value::Unset && !is_reference_count {
+    for Given { flag, axis, .. } in arguments.axes.iter() {
+        let is_reference_count = *axis == SAMPLES && has_reference_term;
+        if collapsed[*axis] == Value::Unset && !is_reference_count {
             faults.push(format!("--{flag}: changes nothing with method {method} and diffuse {diffuse}; leave it out"));
-        } else if !axis::by_name(axis).changes_radiance() && matches!(output, Output::LinearExr) {
+        } else if !AXES[*axis].changes_radiance() && matches!(output, Output::LinearExr) {
             faults.push(format!("--{flag}: changes nothing in an .exr, which is linear; expected --out FILE.png"));
         }
     }
@@ -244,7 +150,7 @@ fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(
 
 /// Samples a pixel of the reference, wherever it is the method or the diffuse term.
 fn reference_samples(arguments: &Arguments) -> u32 {
-    arguments.samples.as_ref().map_or(Reference::default().samples, Value::count)
+    arguments.axes.get(SAMPLES).map_or(Reference::default().samples, Value::count)
 }
 
 /// Checked before anything is rendered: the extension, and that the folder takes a file.
@@ -266,12 +172,6 @@ fn output(path: &Path) -> Result<Output, Failure> {
         Failure::BadInput(format!("--out: no file can be made in the folder {}: {error}", folder.display()))
     })?;
     Ok(output)
-}
-
-/// The reflectance of an index of refraction in [1, 10].
-fn ior_as_f0(text: &str) -> Result<Value, String> {
-    let kind = Kind::Number(Range::closed(1.0, 10.0));
-    Ok(Value::Color([f0_from_ior(kind.parse_text(text)?.number()) as f32; 3]))
 }
 
 fn parse_light(text: &str) -> Result<Light, String> {

@@ -1,6 +1,7 @@
 //! From what the user wrote to a checked environment.
 
-use super::{Environment, builtin};
+use super::Environment;
+use super::builtin::{self, BUILTIN_PREFIX};
 use crate::color::luminance;
 use crate::pixels::{Decoded, PixelsError, RgbImage, exr, radiance, read_bounded};
 use std::path::{Path, PathBuf};
@@ -75,9 +76,6 @@ pub enum EnvironmentError {
     TooBright { spec: String, peak: f32, x: usize, y: usize },
 }
 
-/// Marks a spec as the name of a formula.
-pub(super) const BUILTIN_PREFIX: &str = "builtin:";
-
 /// Relative departure from 2:1 that rounding of a size can explain.
 const ASPECT_TOLERANCE: f64 = 0.01;
 
@@ -90,7 +88,9 @@ pub(super) fn load(spec: &str, base_dir: &Path, options: &LoadOptions) -> Result
     }
     let (path, layer) = file_and_layer(spec, base_dir);
     if spec.is_empty() || !path.exists() {
-        let hint = match builtin::nearest(spec) {
+        // What has a folder or an extension is meant as a file: a formula is no answer to a file that is not there.
+        let is_word = !spec.contains(['/', '\\']) && Path::new(spec).extension().is_none();
+        let hint = match builtin::nearest(spec).filter(|_| is_word) {
             Some(name) => format!("; did you mean {BUILTIN_PREFIX}{name}?"),
             None => format!("; expected a file, FILE.exr#LAYER or {BUILTIN_PREFIX}NAME"),
         };

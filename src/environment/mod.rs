@@ -3,7 +3,7 @@
 mod builtin;
 mod load;
 
-pub use builtin::{BUILTINS, Builtin, Parameter};
+pub use builtin::{BUILTIN_PREFIX, BUILTINS, Builtin, Parameter};
 pub use load::{EnvironmentError, FORMATS, Format, LoadOptions};
 
 use crate::math::equirect;

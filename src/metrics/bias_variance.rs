@@ -7,7 +7,7 @@
 //! `bias2_hat = mean((m - r)² - s²/K - se²)`, since `E(m - r)² = bias² + Var/K + se²`.
 //!
 //! Both are unbiased where the images are independent; `bias2_hat` can come out below 0 where the bias is small. The relative forms
-//! divide each term by `r² + ε`, so that their sum is what `relmse_eps1e-2` of one image is expected to be, the reference's noise aside.
+//! divide each term by `r² + ε`, so that their sum is what `relmse` of one image is expected to be, the reference's noise aside.
 
 use super::comparison::{check_size, check_values, masked_pixels};
 use super::{EPSILON, MetricsError};
@@ -19,7 +19,7 @@ pub struct BiasVariance {
     /// In squared radiance, as `rmse` squared.
     pub var_hat: f64,
     pub bias2_hat: f64,
-    /// In units of `relmse_eps1e-2`.
+    /// In units of `relmse`.
     pub relative_var_hat: f64,
     pub relative_bias2_hat: f64,
 }
@@ -28,7 +28,7 @@ impl BiasVariance {
     /// Column names, in the order of [`BiasVariance::values`].
     pub const NAMES: [&'static str; 4] = ["var_hat", "bias2_hat", Self::RELATIVE_NAMES[0], Self::RELATIVE_NAMES[1]];
     /// Of them the parts of relMSE.
-    pub const RELATIVE_NAMES: [&'static str; 2] = ["var_hat_eps1e-2", "bias2_hat_eps1e-2"];
+    pub const RELATIVE_NAMES: [&'static str; 2] = ["var_hat_rel", "bias2_hat_rel"];
 
     /// The figures in the order of [`BiasVariance::NAMES`].
     pub fn values(&self) -> [f64; 4] {

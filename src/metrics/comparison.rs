@@ -130,7 +130,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// Relative error per pixel, ≥ 0: the root of the RGB mean of `d² / (r² + ε)`; 0 off the mask. Its percentiles are
-    /// `err_p95`, `err_p99` and `err_max`; the mean of its square is `relmse_eps1e-2`.
+    /// `err_p95`, `err_p99` and `err_max`; the mean of its square is `relmse`.
     pub fn relative_error_map(&self) -> GrayImage {
         let [width, height] = self.size();
         let mut map = GrayImage::filled(width, height, 0.0);

@@ -123,7 +123,7 @@ pub static METRICS: &[&dyn Metric] = &[
 ];
 
 /// Name of the metric that answers rest on where an experiment names none.
-pub const HEADLINE: &str = "relmse_eps1e-2";
+pub const HEADLINE: &str = "relmse";
 
 /// Name of the metric that stands for it after the tone curve.
 pub const DISPLAY_HEADLINE: &str = "flip";

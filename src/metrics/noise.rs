@@ -93,7 +93,7 @@ const EQUAL_BELOW: f64 = 2.0;
 const RESOLVED_FROM: f64 = 10.0;
 
 /// Places a score by its ratio to the floor, in units of the difference: the ratio of a mean square (`power` 2) is taken to
-/// its root first, so that `rmse` and `relmse_eps1e-2` agree. A score of 0 is equal whatever the floor.
+/// its root first, so that `rmse` and `relmse` agree. A score of 0 is equal whatever the floor.
 pub fn verdict(metric: &dyn Metric, value: f64, floor: f64) -> Verdict {
     let floors = |count: f64| floor * count.powf(metric.description().power);
     if value.abs() <= floors(EQUAL_BELOW) {

@@ -18,7 +18,7 @@ pub struct TrimmedRelMse;
 impl Metric for RelMse {
     fn description(&self) -> &'static Description {
         &Description {
-            name: "relmse_eps1e-2",
+            name: "relmse",
             space: Space::Linear,
             better: Better::Lower,
             version: 1,
@@ -42,12 +42,12 @@ impl Metric for RelMse {
 impl Metric for TrimmedRelMse {
     fn description(&self) -> &'static Description {
         &Description {
-            name: "relmse_eps1e-2_trim1e-3",
+            name: "relmse_trimmed",
             space: Space::Linear,
             better: Better::Lower,
             version: 1,
             parameters: &[("epsilon", EPSILON), ("trimmed_fraction", 1e-3)],
-            formula: "relmse_eps1e-2 without the floor(pixels/1000) pixels of largest RGB-mean error, over the remaining count",
+            formula: "relmse without the floor(pixels/1000) pixels of largest RGB-mean error, over the remaining count",
             power: 2.0,
         }
     }

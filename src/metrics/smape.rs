@@ -10,7 +10,7 @@ pub struct Smape;
 impl Metric for Smape {
     fn description(&self) -> &'static Description {
         &Description {
-            name: "smape_eps1e-2",
+            name: "smape",
             space: Space::Linear,
             better: Better::Lower,
             version: 1,

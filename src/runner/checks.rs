@@ -4,7 +4,6 @@ use super::axis::{AXES, PREFILTER_SIZE, Point, REFERENCE, SAMPLES, SIZE, index_o
 use super::config::{Config, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
-use super::plan::{base_dir, product};
 use super::value::{Kind, Value};
 use crate::environment::{Environment, LoadOptions};
 use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
@@ -15,7 +14,7 @@ use std::collections::HashMap;
 
 /// Values that are right one by one but not together.
 pub fn check_combinations(config: &Config, faults: &mut Faults) {
-    for point in product(config).filter(|point| config.exclusion_of(point).is_none()) {
+    for point in config.combinations().filter(|point| config.exclusion_of(point).is_none()) {
         let has_lights = !config.lights.is_empty();
         let judge = point.reference(&config.reference, has_lights);
         let point = point.collapsed(has_lights);
@@ -87,7 +86,7 @@ pub fn check_exclusions(config: &Config, options: &LoadOptions, faults: &mut Fau
             // Each is loaded once, however many exclusions name it.
             let is_slip = is_idle
                 || is_input && {
-                    let (value, dir) = (placed.value.text(), base_dir(config, &placed.place));
+                    let (value, dir) = (placed.value.text(), config.dir_of(&placed.place));
                     let loads = || match AXES[*axis].name {
                         "scene" => Scene::load(value, dir).is_ok(),
                         _ => Environment::load(value, dir, options).is_ok(),

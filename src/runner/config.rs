@@ -2,12 +2,13 @@
 //!
 //! Reading never stops at the first fault. Paths in the file are relative to the file.
 
-use super::axis::{AXES, Axis, METHOD, Point, Reference, SAMPLES, Terms, index_of};
+use super::axis::{AXES, METHOD, Named, Point, REFERENCE, Reference, SAMPLES, Terms, index_of, named};
 use super::fault::{Faults, Place};
-use super::toml_tree::{checked, entries, first_of_twice, raw, table, texts, unknown_key};
+use super::toml_tree::{checked, entries, first_of_twice, raw, table, texts, unclosed, unknown_key};
 use super::value::{Kind, Range, Raw, Value};
 use crate::metrics::{HEADLINE, METRICS, metric};
 use crate::scene::{CameraKind, Light, LightKind};
+use crate::shade::NONE;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -112,6 +113,21 @@ pub struct Config {
     pub set_dir: PathBuf,
 }
 
+/// The tree of a text, and what the parser has against it. Where a bracket is not closed, that is the fault: the tree ends before its line, since
+/// a parser finds all sorts of things behind it.
+fn parsed<'t>(text: &'t str, faults: &mut Faults) -> (Spanned<DeTable<'t>>, Vec<toml::de::Error>) {
+    let (root, errors) = DeTable::parse_recoverable(text);
+    let unclosed = if errors.is_empty() { Vec::new() } else { unclosed(text) };
+    let Some(first) = unclosed.iter().map(|(at, _)| *at).min() else { return (root, errors) };
+    for (at, close) in &unclosed {
+        let opened = text[*at..].chars().next().filter(|_| close.len() == 1).map_or(close.to_string(), String::from);
+        faults.add(&Place::File(*at), format!("not TOML: {opened} is not closed; expected {close}"));
+    }
+    let line = text[..first].rfind('\n').map_or(0, |newline| newline + 1);
+    let (root, before) = DeTable::parse_recoverable(&text[..line]);
+    (root, before)
+}
+
 /// The camera names.
 pub const CAMERA: Kind =
     Kind::Name { what: "camera", names: || CameraKind::ALL.iter().map(|(name, _)| *name).collect() };
@@ -149,7 +165,7 @@ impl Config {
     /// Reads `text` as the experiment at `path`, with `--set axis=v1,v2` texts. Faults are noted, never raised: the
     /// result is only to be used further when `faults` stays empty (or to look for more faults).
     pub fn parse(path: &Path, text: &str, overrides: &[String], faults: &mut Faults) -> Self {
-        let (root, errors) = DeTable::parse_recoverable(text);
+        let (root, errors) = parsed(text, faults);
         for error in &errors {
             let span = error.span().unwrap_or_default();
             faults.add_with(&Place::File(span.start), |lines| {
@@ -190,12 +206,13 @@ impl Config {
             set_dir: PathBuf::new(),
         };
         let root = root.get_ref();
+        let is_whole = errors.is_empty() && faults.is_empty();
         for (key, value, place) in entries(root) {
             config.read_key(key, value, &place, faults);
         }
         for key in ["name", "axes"] {
             // After a syntax fault the recovered table may lack what the file has.
-            if !root.contains_key(key) && errors.is_empty() {
+            if !root.contains_key(key) && is_whole {
                 faults.add(&Place::File(0), format!("{key} is missing"));
             }
         }
@@ -304,7 +321,7 @@ impl Config {
                 }
                 None => {
                     let axes = AXES.iter().filter(|axis| axis.is_key).map(|axis| axis.name);
-                    unknown_key(place, "", key, &KEYS.iter().copied().chain(axes).collect::<Vec<_>>(), faults);
+                    unknown_name(place, "", key, &KEYS.iter().copied().chain(axes).collect::<Vec<_>>(), faults);
                 }
             },
         }
@@ -317,6 +334,13 @@ impl Config {
                 "method" => {
                     if let Some(v) = checked(method, "reference.method", value, faults) {
                         self.reference.method = v.text().to_owned();
+                        if ![REFERENCE, NONE].contains(&v.text()) {
+                            let text = format!(
+                                "reference.method: {v} is itself off, so that a difference from it is no error; expected {REFERENCE}, or \
+                                 {NONE} to hold cells against the image without a specular term"
+                            );
+                            faults.add(&Place::File(value.span().start), text);
+                        }
                     }
                 }
                 "samples" => {
@@ -362,7 +386,25 @@ pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
 }
 
 pub(super) fn axis_names() -> Vec<&'static str> {
-    AXES.iter().map(|axis: &Axis| axis.name).collect()
+    Named::all().map(Named::name).collect()
+}
+
+/// Notes a key that names no axis, and none of `others` beside them.
+pub(super) fn unknown_axis(place: &Place, prefix: &str, key: &str, others: &[&'static str], faults: &mut Faults) {
+    unknown_name(
+        place,
+        prefix,
+        key,
+        &axis_names().into_iter().chain(others.iter().copied()).collect::<Vec<_>>(),
+        faults,
+    );
+}
+
+/// As `unknown_key`, with a hint for a name that could be of two axes.
+fn unknown_name(place: &Place, prefix: &str, key: &str, known: &[&str], faults: &mut Faults) {
+    faults.add_with(place, |_| {
+        format!("{prefix}{key} is unknown{}; expected one of {}", named::hint(key, known), known.join(", "))
+    });
 }
 
 /// Characters of an experiment's name: with what is put before and after it, it stays a file's name.

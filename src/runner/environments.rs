@@ -49,14 +49,15 @@ impl Luminance {
 /// The axes of the light.
 const LIGHT_AXES: [usize; 2] = [ENVIRONMENT, ENVIRONMENT_CLIP];
 
-/// The light of each environment and clip (the values of the two axes), in plan order.
-pub fn lights(plan: &Plan) -> Vec<([&Value; 2], Luminance)> {
-    let mut found: Vec<([&Value; 2], Luminance)> = Vec::new();
+/// The light of each environment and clip (the values of the two axes, as tables show them), in plan order.
+pub fn lights(plan: &Plan) -> Vec<([Value; 2], Luminance)> {
+    let mut found: Vec<([Value; 2], Luminance)> = Vec::new();
     for cell in &plan.cells {
-        let key = LIGHT_AXES.map(|axis| &cell.point[axis]);
+        let key = LIGHT_AXES.map(|axis| plan.shown(cell, axis));
         if found.iter().all(|(known, _)| *known != key) {
-            let clip = cell.point.settings().environment_clip_log2;
-            found.push((key, Luminance::of(&plan.inputs.clipped(key[0].text(), clip))));
+            let settings = cell.point.settings();
+            let light = plan.inputs.clipped(&settings.environment, settings.environment_clip_log2);
+            found.push((key, Luminance::of(&light)));
         }
     }
     found
@@ -66,7 +67,7 @@ pub fn lights(plan: &Plan) -> Vec<([&Value; 2], Luminance)> {
 pub fn environments(plan: &Plan) -> Rows {
     let [mean, peak] = LUMINANCE_COLUMNS;
     let columns = LIGHT_AXES.iter().map(|&axis| AXES[axis].name).chain([mean, peak, RANGE_COLUMN]);
-    let row = |(key, found): ([&Value; 2], Luminance)| {
+    let row = |(key, found): ([Value; 2], Luminance)| {
         let mut row = key.map(|value| Field::Text(value.to_string())).to_vec();
         row.extend([found.mean.into(), found.peak.into(), found.range_stops().into()]);
         row

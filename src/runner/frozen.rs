@@ -3,7 +3,7 @@
 
 use super::axis::AXES;
 use super::fault::{ConfigError, Faults, Place};
-use super::plan::{FILE_BYTES_MAX, Plan, Source, text_of};
+use super::plan::{Plan, Source};
 use super::provenance::{self, experiment_hash};
 use super::value::Kind;
 use crate::environment::LoadOptions;
@@ -11,6 +11,8 @@ use crate::files::read_given;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
+/// Largest experiment file, bytes.
+const FILE_BYTES_MAX: u64 = 1 << 22;
 /// The frozen experiment in the folder of a run.
 pub const EXPERIMENT_FILE: &str = "experiment.toml";
 
@@ -51,6 +53,17 @@ fn texts(list: &Value) -> Vec<String> {
 /// The folder that paths in the file at `path` are relative to, where that is another one than its own.
 pub(super) fn file_dir(path: &Path, text: &str) -> Option<PathBuf> {
     Frozen::beside(path, text).filter(|frozen| frozen.is_unchanged)?.file_dir
+}
+
+impl Plan {
+    /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
+        Ok(load(path, overrides, &LoadOptions::default())?.0)
+    }
+}
+
+fn text_of(bytes: Vec<u8>) -> std::io::Result<String> {
+    String::from_utf8(bytes).map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
 }
 
 /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`. One that a run froze is run as it was then: its

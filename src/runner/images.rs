@@ -4,6 +4,7 @@ use super::axis::{AXES, Axis, Point};
 use super::plan::{Cell, Plan};
 use super::store::{Store, StoreError};
 use super::tables::{CellResult, Results, Rows};
+use crate::environment::BUILTIN_PREFIX;
 use crate::files::content_hash;
 use crate::metrics::Comparison;
 use crate::pipeline::Frame;
@@ -32,7 +33,7 @@ pub fn short_value<'v>(axis: &Axis, text: &'v str) -> Cow<'v, str> {
     if !matches!(axis.kind, super::value::Kind::Input) {
         return short_number(text);
     }
-    match text.strip_prefix("builtin:") {
+    match text.strip_prefix(BUILTIN_PREFIX) {
         Some(formula) => formula.into(),
         None => Path::new(text).file_stem().map_or(text.into(), |stem| stem.to_string_lossy()),
     }

@@ -1,7 +1,7 @@
 //! Environments and scenes of an experiment, each loaded once.
 
 use super::fault::{Faults, Place};
-use crate::environment::{Environment, LoadOptions};
+use crate::environment::{BUILTIN_PREFIX, Environment, LoadOptions};
 use crate::scene::Scene;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -21,6 +21,33 @@ type Clipped = (String, f64, Arc<Environment>);
 
 /// Cut-off environments kept at a time: a sweep takes them one after the other.
 const CLIPPED_COUNT: usize = 4;
+
+/// A short name for each of these files, none like another: the stem of its file name; where that names two, the file name, then with folders.
+/// Formulas keep their own names.
+pub fn short_names<'n>(names: impl IntoIterator<Item = &'n str>) -> BTreeMap<String, String> {
+    let mut forms: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for name in names {
+        forms
+            .entry(name)
+            .or_insert_with(|| if name.starts_with(BUILTIN_PREFIX) { Vec::new() } else { shortenings(name) });
+    }
+    let shortest = |name: &str, own: &[String]| {
+        let others = || forms.iter().filter(|(other, _)| **other != name);
+        let is_own = |form: &&String| others().all(|(other, forms)| *other != form.as_str() && !forms.contains(form));
+        own.iter().find(is_own).map_or(name.to_owned(), String::clone)
+    };
+    forms.iter().map(|(name, own)| (name.to_string(), shortest(name, own))).collect()
+}
+
+/// A path without folders and extension, without folders, with one folder, with two and so on; a layer stays behind each.
+fn shortenings(name: &str) -> Vec<String> {
+    let (file, layer) =
+        name.rsplit_once('#').map_or((name, String::new()), |(file, layer)| (file, format!("#{layer}")));
+    let parts: Vec<&str> = file.split(['/', '\\']).filter(|part| !part.is_empty()).collect();
+    let stem = Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let with_folders = (0..parts.len()).rev().map(|first| parts[first..].join("/"));
+    stem.into_iter().chain(with_folders).map(|form| form + &layer).collect()
+}
 
 impl Inputs {
     /// Nothing yet; environments will be loaded so.

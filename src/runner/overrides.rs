@@ -1,16 +1,13 @@
 //! `--set axis=v1,v2`: axes replaced from the command line.
 
-use super::axis::{AXES, INPUTS, index_of};
-use super::config::{Config, Placed, Sweep, axis_names};
+use super::axis::{AXES, INPUTS, Named};
+use super::config::{Config, Placed, Sweep, unknown_axis};
 use super::fault::{Faults, Place};
 use super::sweeps::Values;
-use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
+use crate::environment::BUILTIN_PREFIX;
 use std::collections::HashSet;
 use std::path::Path;
-
-/// What a formula's name begins with; its parameters are written with commas.
-const BUILTIN_PREFIX: &str = "builtin:";
 
 impl Config {
     /// Replaces axes by `--set` texts; an axis the file does not have is added. Of axes that vary together (`[[zip]]`) those rows are kept
@@ -25,20 +22,20 @@ impl Config {
             };
             let name = name.trim();
             let place = Place::Set(name.to_owned());
-            let Some(axis) = index_of(name) else {
-                unknown_key(&place, "axes.", name, &axis_names(), faults);
+            let Some(named) = Named::find(name) else {
+                unknown_axis(&place, "axes.", name, &[], faults);
                 continue;
             };
+            let axis = named.axis;
             if seen.contains(&axis) {
                 faults.add(&place, format!("stands twice; give all values at once: --set {name}=v1,v2"));
                 continue;
             }
             seen.push(axis);
-            let kind = AXES[axis].kind;
-            let items = items(kind, list);
+            let items = items(named.kind(), list);
             let (mut values, written) = (Values::default(), items.len());
             for item in items {
-                match kind.parse_text(&item) {
+                match named.parse_text(&item) {
                     Ok(value) => values.push(Placed { value, place: place.clone() }, &format!("axes.{name}"), faults),
                     Err(fault) => faults.add(&place, format!("axes.{name}: {fault}")),
                 }
@@ -70,6 +67,14 @@ impl Config {
         let dir = self.file_dir();
         let written = self.inputs().filter(|(_, place)| matches!(place, Place::File(_)));
         written.into_iter().any(|(value, _)| dir.join(value).is_file()).then_some(dir)
+    }
+
+    /// The folder that a path written at `place` is relative to.
+    pub fn dir_of(&self, place: &Place) -> &Path {
+        match place {
+            Place::Set(_) => &self.set_dir,
+            Place::File(_) | Place::Default => self.file_dir(),
+        }
     }
 
     /// The folder that paths in the experiment file are relative to.

@@ -4,8 +4,8 @@ use super::axis::{AXES, ENVIRONMENT, Point, SCENE, SIZE, View};
 use super::checks;
 use super::config::Config;
 use super::fault::{ConfigError, Faults, Place};
-use super::frozen;
-use super::inputs::Inputs;
+use super::inputs::{Inputs, short_names};
+use super::sweeps::COMBINATIONS_MAX;
 use super::value::Value;
 use crate::environment::LoadOptions;
 use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
@@ -15,12 +15,8 @@ use std::path::{Path, PathBuf};
 
 /// Counts up whenever the meaning of a cell changes, so that old records are not taken for new ones.
 pub const SCHEMA_VERSION: u32 = 1;
-/// Above this many combinations a file is taken for a mistake. As many are planned in about ten seconds of one processor.
-const COMBINATIONS_MAX: u64 = 200_000;
 /// Above this many comparisons of combinations with values of exclusions, too: a few seconds.
 const COMPARISONS_MAX: u64 = 200_000_000;
-/// Largest experiment file, bytes.
-pub(super) const FILE_BYTES_MAX: u64 = 1 << 22;
 /// Hex digits of an id: 64 bits, so that a million cells collide with probability 3e-8.
 const ID_LENGTH: usize = 16;
 /// Turns the seed of the judging reference into that of a reference under test.
@@ -52,6 +48,8 @@ pub struct Plan {
     pub excluded: Vec<usize>,
     /// Combinations that equal an earlier one because they differ in unused parameters only.
     pub collapsed: usize,
+    /// What tables call each environment.
+    pub environment_names: BTreeMap<String, String>,
     /// Hash over name, cells and timing: two plans with the same hash are the same experiment.
     pub hash: String,
 }
@@ -80,12 +78,7 @@ pub struct Source<'a> {
 }
 
 impl Plan {
-    /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`.
-    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
-        Ok(frozen::load(path, overrides, &LoadOptions::default())?.0)
-    }
-
-    /// As [`Plan::load`], of a text that stands for the file at `path`.
+    /// Checks and expands an experiment whose text stands for the file at `path`; `overrides` are the texts of `--set`.
     pub fn from_text(path: &Path, text: &str, overrides: &[String]) -> Result<Self, ConfigError> {
         Self::from_text_set_in(path, text, overrides, Path::new(""))
     }
@@ -162,6 +155,15 @@ impl Plan {
         let words = self.swept().map(|axis| (AXES[axis].name, &cell.point[axis]));
         let set = words.filter(|(_, value)| **value != Value::Unset);
         set.map(|(name, value)| format!("{name}={}", short_number(&value.to_string()))).collect::<Vec<_>>().join(" ")
+    }
+
+    /// A cell's value on an axis as tables show it: of a file that is an environment, its short name.
+    pub fn shown(&self, cell: &Cell, axis: usize) -> Value {
+        let name = match &cell.point[axis] {
+            Value::Text(text) if axis == ENVIRONMENT => self.environment_names.get(text),
+            _ => None,
+        };
+        name.map_or_else(|| cell.point[axis].clone(), |name| Value::Text(name.clone()))
     }
 
     /// What to render for the point of a cell: the scene with the point's material, framed by the experiment's camera.
@@ -242,25 +244,13 @@ impl Plan {
     }
 }
 
-pub(super) fn text_of(bytes: Vec<u8>) -> std::io::Result<String> {
-    String::from_utf8(bytes).map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
-}
-
-/// The folder that a path written at `place` is relative to: the file's, or for `--set` [`Config::set_dir`].
-pub(super) fn base_dir<'c>(config: &'c Config, place: &Place) -> &'c Path {
-    match place {
-        Place::Set(_) => &config.set_dir,
-        Place::File(_) | Place::Default => config.file_dir(),
-    }
-}
-
 fn load_inputs(config: &Config, options: &LoadOptions, faults: &mut Faults) -> Inputs {
     let mut inputs = Inputs::new(options.clone());
     for (value, place) in config.values(ENVIRONMENT) {
-        inputs.add_environment(value.text(), base_dir(config, place), place, faults);
+        inputs.add_environment(value.text(), config.dir_of(place), place, faults);
     }
     for (value, place) in config.values(SCENE) {
-        inputs.add_scene(value.text(), base_dir(config, place), place, faults);
+        inputs.add_scene(value.text(), config.dir_of(place), place, faults);
     }
     inputs
 }
@@ -272,7 +262,7 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
     let mut collapsed = 0;
     let mut seen = HashSet::new();
     let mut cells = Vec::new();
-    for point in product(&config) {
+    for point in config.combinations() {
         if let Some(index) = config.exclusion_of(&point) {
             excluded[index] += 1;
             continue;
@@ -292,34 +282,8 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
     let mut identity = vec![format!("name={}", config.name), format!("timing={:?}", config.timing)];
     identity.extend(cells.iter().map(|cell| cell.id.clone()));
     let hash = hash_lines(&identity);
-    Plan { config, inputs, columns, cells, excluded, collapsed, hash }
-}
-
-impl Config {
-    /// The combinations that are left out, with unused parameters unset as in a cell, each with the index of its exclusion.
-    pub fn excluded_points(&self) -> impl Iterator<Item = (usize, Point)> + '_ {
-        // A file that no plan was ever made of may span any number of combinations.
-        let is_small = self.combination_count() <= COMBINATIONS_MAX && !self.exclusions.is_empty();
-        let points = is_small.then(|| product(self)).into_iter().flatten();
-        points.filter_map(|point| Some((self.exclusion_of(&point)?, point.collapsed(!self.lights.is_empty()))))
-    }
-}
-
-/// Every combination of the axes' values over the base point, the last axis fastest; zipped axes step together.
-pub(super) fn product(config: &Config) -> impl Iterator<Item = Point> + '_ {
-    let dimensions = config.dimensions();
-    let count: usize = dimensions.iter().map(|(_, steps)| steps).product();
-    (0..count).map(move |index| {
-        let mut point = config.base.clone();
-        let mut rest = index;
-        for (members, steps) in dimensions.iter().rev() {
-            for sweep in members.iter().map(|&member| &config.axes[member]) {
-                point.0[sweep.axis] = sweep.values[rest % steps].value.clone();
-            }
-            rest /= steps;
-        }
-        point
-    })
+    let environment_names = short_names(config.values(ENVIRONMENT).map(|(value, _)| value.text()));
+    Plan { config, inputs, columns, cells, excluded, collapsed, environment_names, hash }
 }
 
 /// The seed of a cell. Where the reference is itself the method under test it has other points than the reference that judges it, or its

@@ -2,7 +2,6 @@
 
 use super::host::{HostState, UNKNOWN};
 use super::plan::{Plan, SCHEMA_VERSION};
-use super::run::Work;
 use crate::files::{read_regular, relative};
 use crate::pipeline::DeviceInfo;
 use serde_json::{Value, json};
@@ -69,8 +68,17 @@ pub fn experiment_hash(text: &str) -> String {
 }
 
 /// What of a provenance tells of the experiment file and not of its cells.
-const OF_THE_FILE: [&str; 8] =
-    ["question", "asks", "metric", "experiment_file", "experiment_hash", "overrides", EXPERIMENT_FOLDER, SET_FOLDER];
+const OF_THE_FILE: [&str; 9] = [
+    "question",
+    "asks",
+    "metric",
+    "experiment_file",
+    "experiment_hash",
+    "overrides",
+    EXPERIMENT_FOLDER,
+    SET_FOLDER,
+    "environment_files",
+];
 
 /// Whether the provenance in the folder `dir` tells the text of `plan`, and the folders of its files, as they are now.
 pub(super) fn names_experiment(value: &Value, plan: &Plan, dir: &Path) -> bool {
@@ -113,6 +121,8 @@ pub fn provenance(plan: &Plan, dir: &Path) -> Value {
             "relative_error": plan.config.reference.relative_error },
         "seed": plan.config.seed,
         "inputs": inputs,
+        "environment_files": plan.environment_names.iter().map(|(file, name)| (name.clone(), json!(file)))
+            .filter(|(name, file)| file != name).collect::<serde_json::Map<_, _>>(),
         "input_warnings": plan.inputs.warnings(),
         "metrics": crate::metrics::METRICS.iter().map(|metric| {
             let d = metric.description();
@@ -156,17 +166,8 @@ pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
     })
 }
 
-/// Adds what is known at the end of an invocation.
-pub(super) fn end_session(session: &mut Value, device: &DeviceInfo, work: &Work, wall_ms: f64) {
-    session["state_after"] = state(device);
-    session["wall_s"] = json!(wall_ms / 1e3);
-    session["device_s"] = json!(work.waited_ms / 1e3);
-    session["shared_work"] = json!(work.shared);
-    session["references_read_back"] = json!(work.references_read_back);
-}
-
 /// Load, clocks and throttling; what nobody tells reads "unknown".
-fn state(device: &DeviceInfo) -> Value {
+pub(super) fn state(device: &DeviceInfo) -> Value {
     fn name_unknown(value: &mut Value) {
         match value {
             Value::Null => *value = json!(UNKNOWN),

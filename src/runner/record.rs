@@ -1,31 +1,12 @@
 //! What a run keeps of each cell and each reference.
 
-pub use super::scores::Scores;
+pub use super::scores::{Exact, Scores};
 
 use crate::pipeline::{FrameTimings, PassTime};
 use crate::precompute::table_of;
 use crate::shade::reference_pass::Convergence;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// A number that a JSON file gives back bit for bit: it is written as text, which may also be `inf`.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
-#[serde(into = "String", try_from = "String")]
-pub struct Exact(pub f64);
-
-impl From<Exact> for String {
-    fn from(number: Exact) -> Self {
-        format!("{:e}", number.0)
-    }
-}
-
-impl TryFrom<String> for Exact {
-    type Error = std::num::ParseFloatError;
-
-    fn try_from(text: String) -> Result<Self, Self::Error> {
-        text.parse().map(Self)
-    }
-}
 
 /// Where a reference stopped: the least certain of its terms.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]

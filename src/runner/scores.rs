@@ -1,56 +1,68 @@
-//! Numbers by name, small: a sweep of thousands of cells holds each name thousands of times.
+//! Numbers by the name of their column, small: a sweep holds each of them for thousands of cells.
 
-use super::store::Exact;
+use crate::metrics::{BiasVariance, METRICS};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
-use std::sync::{Mutex, PoisonError};
 
-/// A name of a metric or column: one thin pointer. The text lives as long as the process; there are a few dozen.
-#[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
-struct Name(&'static &'static str);
+/// A number that a JSON file gives back bit for bit: it is written as text, which may also be `inf`.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct Exact(pub f64);
 
-static KNOWN: Mutex<BTreeMap<&'static str, Name>> = Mutex::new(BTreeMap::new());
-
-impl From<&str> for Name {
-    fn from(text: &str) -> Self {
-        // A thread that panicked left a whole map: names are added in one step.
-        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(name) = known.get(text) {
-            return *name;
-        }
-        let text: &'static str = Box::leak(text.into());
-        let name = Self(Box::leak(Box::new(text)));
-        known.insert(text, name);
-        name
+impl From<Exact> for String {
+    fn from(number: Exact) -> Self {
+        format!("{:e}", number.0)
     }
 }
 
-/// Scores by name, in the order of the names. A sorted list takes half the memory of a tree.
+impl TryFrom<String> for Exact {
+    type Error = std::num::ParseFloatError;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse().map(Self)
+    }
+}
+
+/// Every name that a score can have, in the order of the columns.
+fn names() -> impl Iterator<Item = &'static str> {
+    METRICS.iter().map(|metric| metric.description().name).chain(BiasVariance::NAMES)
+}
+
+/// Scores by name, in the order of the columns. A sorted list takes half the memory of a tree.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Scores(Box<[(Name, Exact)]>);
+pub struct Scores(Box<[(&'static str, Exact)]>);
 
 impl Scores {
     /// The score of that name.
     pub fn get(&self, name: &str) -> Option<&Exact> {
-        let index = self.0.binary_search_by(|(known, _)| (*known.0).cmp(name)).ok()?;
-        Some(&self.0[index].1)
+        self.0.iter().find(|(known, _)| *known == name).map(|(_, score)| score)
     }
 
-    /// Names and scores in the order of the names.
+    /// Names and scores.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Exact)> {
-        self.0.iter().map(|(name, score)| (*name.0, score))
+        self.0.iter().map(|(name, score)| (*name, score))
     }
 
     /// These and further scores.
     pub fn with(&self, more: &Self) -> Self {
         self.iter().chain(more.iter()).map(|(name, score)| (name, *score)).collect()
     }
+
+    /// Whether every metric has a score. A record of another program may lack some.
+    pub fn are_all(&self) -> bool {
+        METRICS.iter().all(|metric| self.get(metric.description().name).is_some())
+    }
 }
 
+/// Names that are none of this program's are left out.
 impl<N: AsRef<str>> FromIterator<(N, Exact)> for Scores {
     fn from_iter<I: IntoIterator<Item = (N, Exact)>>(scores: I) -> Self {
-        let by_name: BTreeMap<Name, Exact> = scores.into_iter().map(|(n, x)| (Name::from(n.as_ref()), x)).collect();
-        Self(by_name.into_iter().collect())
+        let given: Vec<(N, Exact)> = scores.into_iter().collect();
+        let of = |name: &'static str| {
+            let score = given.iter().rev().find(|(given, _)| given.as_ref() == name)?.1;
+            Some((name, score))
+        };
+        Self(names().filter_map(of).collect())
     }
 }
 

@@ -1,9 +1,9 @@
 //! The sections of an experiment file beside its axes: exclusions, timing, bias and variance, tables, lights.
 
-use super::axis::{AXES, index_of, is_precompute};
-use super::config::{COORDINATE, Config, Exclusion, LIGHT_COLOR, Placed, Timing, Warmup, axis_names, light};
+use super::axis::{AXES, Named, index_of, is_precompute};
+use super::config::{COORDINATE, Config, Exclusion, LIGHT_COLOR, Placed, Timing, Warmup, light, unknown_axis};
 use super::fault::{Faults, Place};
-use super::toml_tree::{checked, list, raw, table, unknown_key};
+use super::toml_tree::{checked, checked_as, list, raw, table, unknown_key};
 use super::value::{Kind, Raw};
 use crate::scene::LightKind;
 use toml::Spanned;
@@ -31,19 +31,18 @@ impl Config {
                     }
                     continue;
                 }
-                let Some(axis) = index_of(key) else {
-                    let names: Vec<&str> = axis_names().into_iter().chain(["why"]).collect();
-                    unknown_key(&place, "exclude.", key, &names, faults);
+                let Some(named) = Named::find(key) else {
+                    unknown_axis(&place, "exclude.", key, &["why"], faults);
                     continue;
                 };
                 let name = format!("exclude.{key}");
                 // A colour or a pair is itself a list: only a list of what the axis takes is a list of values.
-                let one = AXES[axis].kind.parse(&raw(value.get_ref()));
+                let one = named.parse(&raw(value.get_ref()));
                 let values = match (one, value.get_ref().as_array()) {
                     (Ok(value), _) => vec![Placed { value, place: at }],
                     (Err(_), Some(items)) => {
                         let placed = |item: &Spanned<DeValue>| {
-                            let value = checked(AXES[axis].kind, &name, item, faults)?;
+                            let value = checked_as(|raw| named.parse(raw), &name, item, faults)?;
                             Some(Placed { value, place: Place::File(item.span().start) })
                         };
                         items.iter().filter_map(placed).collect()
@@ -53,7 +52,7 @@ impl Config {
                         Vec::new()
                     }
                 };
-                exclusion.conditions.push((axis, values));
+                exclusion.conditions.push((named.axis, values));
             }
             if !has_why {
                 faults.add(&exclusion.place, "exclude.why is missing: say why these cells are left out");

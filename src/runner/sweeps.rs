@@ -1,14 +1,16 @@
 //! `[axes]` and `[[zip]]`: lists, ranges, and axes that vary together.
 
-use super::axis::{AXES, index_of};
-use super::config::{Config, Placed, Sweep, Zip, axis_names};
+use super::axis::{AXES, Named, Point};
+use super::config::{Config, Placed, Sweep, Zip, axis_names, unknown_axis};
 use super::fault::{Faults, Place};
-use super::toml_tree::{checked, entries, list, raw, table, unknown_key};
-use super::value::{Kind, Raw, Value};
+use super::toml_tree::{checked, checked_as, entries, list, raw, table, unknown_key};
+use super::value::{Kind, Raw, Value, decimal};
 use std::collections::HashSet;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// Above this many combinations a file is taken for a mistake. As many are planned in about ten seconds of one processor.
+pub(super) const COMBINATIONS_MAX: u64 = 200_000;
 /// Longest range.
 const RANGE_LENGTH_MAX: i64 = 100_000;
 /// Largest power of two in a range.
@@ -22,11 +24,17 @@ const RANGE_FORMS: &str =
 impl Config {
     pub(super) fn read_axes(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         for (key, value, place) in table(value, "axes", faults) {
-            let Some(axis) = index_of(key) else {
-                unknown_key(&place, "axes.", key, &axis_names(), faults);
+            let Some(named) = Named::find(key) else {
+                unknown_axis(&place, "axes.", key, &[], faults);
                 continue;
             };
-            let (name, kind) = (format!("axes.{key}"), AXES[axis].kind);
+            let (name, kind, axis) = (format!("axes.{key}"), named.kind(), named.axis);
+            if self.sweep(axis).is_some() {
+                let [one, other] = [AXES[axis].name, AXES[axis].spelling.as_ref().map_or("", |second| second.name)];
+                faults
+                    .add(&place, format!("{name}: {one} and {other} are two names of one axis; expected one of them"));
+                continue;
+            }
             let at = Place::File(value.span().start);
             let mut values = Values::default();
             let mut written = 0;
@@ -38,7 +46,7 @@ impl Config {
                     }
                     for item in items.iter() {
                         let place = Place::File(item.span().start);
-                        if let Some(value) = checked(kind, &name, item, faults) {
+                        if let Some(value) = checked_as(|raw| named.parse(raw), &name, item, faults) {
                             values.push(Placed { value, place }, &name, faults);
                         }
                     }
@@ -56,7 +64,7 @@ impl Config {
                     });
                     written = items.len();
                     for item in items {
-                        match kind.parse(&item) {
+                        match named.parse(&item) {
                             Ok(value) => values.push(Placed { value, place: at.clone() }, &name, faults),
                             Err(fault) => faults.add(&at, format!("{name}: {fault}")),
                         }
@@ -81,8 +89,8 @@ impl Config {
                 zip.place = place;
                 for name in value.get_ref().as_array().into_iter().flatten() {
                     written += 1;
-                    let axis = checked(kind, "zip.axes", name, faults).and_then(|v| index_of(v.text()));
-                    zip.axes.extend(axis);
+                    let named = checked(kind, "zip.axes", name, faults).and_then(|v| Named::find(v.text()));
+                    zip.axes.extend(named.map(|named| named.axis));
                 }
             }
             // A name that is no axis has its own fault.
@@ -126,9 +134,34 @@ impl Config {
         self.dimensions().iter().map(|(_, steps)| *steps as u64).fold(1, u64::saturating_mul)
     }
 
+    /// Every combination of the axes' values over the base point, the last axis fastest; zipped axes step together.
+    pub fn combinations(&self) -> impl Iterator<Item = Point> + '_ {
+        let dimensions = self.dimensions();
+        let count: usize = dimensions.iter().map(|(_, steps)| steps).product();
+        (0..count).map(move |index| {
+            let mut point = self.base.clone();
+            let mut rest = index;
+            for (members, steps) in dimensions.iter().rev() {
+                for sweep in members.iter().map(|&member| &self.axes[member]) {
+                    point[sweep.axis] = sweep.values[rest % steps].value.clone();
+                }
+                rest /= steps;
+            }
+            point
+        })
+    }
+
+    /// The combinations that are left out, with unused parameters unset as in a cell, each with the index of its exclusion.
+    pub fn excluded_points(&self) -> impl Iterator<Item = (usize, Point)> + '_ {
+        // A file that no plan was ever made of may span any number of combinations.
+        let is_small = self.combination_count() <= COMBINATIONS_MAX && !self.exclusions.is_empty();
+        let points = is_small.then(|| self.combinations()).into_iter().flatten();
+        points.filter_map(|point| Some((self.exclusion_of(&point)?, point.collapsed(!self.lights.is_empty()))))
+    }
+
     /// The axes in groups that vary together, each with its number of steps, in the order of their first axis. Groups hold indices
     /// into `axes`.
-    pub(super) fn dimensions(&self) -> Vec<(Vec<usize>, usize)> {
+    fn dimensions(&self) -> Vec<(Vec<usize>, usize)> {
         let mut dimensions: Vec<(Vec<usize>, usize)> = Vec::new();
         for (index, sweep) in self.axes.iter().enumerate() {
             let zip = self.zips.iter().find(|zip| zip.axes.contains(&sweep.axis));
@@ -146,11 +179,6 @@ impl Config {
         }
         dimensions
     }
-}
-
-/// A number without the rounding of the arithmetic that made it: 0.1 + 0.2 is 0.3, as a list would have it.
-fn decimal(number: f64) -> f64 {
-    format!("{number:.14e}").parse().unwrap_or(number)
 }
 
 /// The values of an axis as they are read: each once.

@@ -2,6 +2,7 @@
 
 pub use crate::metrics::{DISPLAY_HEADLINE, HEADLINE};
 
+use super::axis::named::{columns, fields};
 use super::axis::{AXES, METHOD, SAMPLES, SIZE};
 use super::host::UNKNOWN;
 use super::plan::{Cell, Plan};
@@ -178,11 +179,12 @@ fn finite(number: f64) -> Field {
 }
 
 fn cell_columns(plan: &Plan) -> Vec<String> {
-    std::iter::once("cell".to_owned()).chain(plan.columns.iter().map(|&axis| AXES[axis].name.to_owned())).collect()
+    std::iter::once("cell").chain(plan.columns.iter().flat_map(|&axis| columns(axis))).map(str::to_owned).collect()
 }
 
 fn cell_fields(plan: &Plan, cell: &Cell) -> Vec<Field> {
-    let values = plan.columns.iter().map(|&axis| text_field(&cell.point.0[axis].to_string()));
+    let values = plan.columns.iter().flat_map(|&axis| fields(axis, &plan.shown(cell, axis)));
+    let values = values.map(|text| text_field(&text));
     std::iter::once(Field::from(cell.id.as_str())).chain(values).collect()
 }
 

@@ -19,7 +19,17 @@ pub fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], fault
 
 /// The value that `kind` makes of what is written, or a fault at its place.
 pub fn checked(kind: Kind, name: &str, value: &Spanned<DeValue>, faults: &mut Faults) -> Option<Value> {
-    kind.parse(&raw(value.get_ref()))
+    checked_as(|raw| kind.parse(raw), name, value, faults)
+}
+
+/// As [`checked`], with any way to read the value.
+pub fn checked_as(
+    parse: impl Fn(&Raw) -> Result<Value, String>,
+    name: &str,
+    value: &Spanned<DeValue>,
+    faults: &mut Faults,
+) -> Option<Value> {
+    parse(&raw(value.get_ref()))
         .map_err(|fault| faults.add(&Place::File(value.span().start), format!("{name}: {fault}")))
         .ok()
 }
@@ -69,6 +79,56 @@ fn places_of(table: &DeTable, name: &str, places: &mut Vec<usize>) {
         let items = value.get_ref().as_array().into_iter().flatten().filter_map(|item| item.get_ref().as_table());
         value.get_ref().as_table().into_iter().chain(items).for_each(|inner| places_of(inner, name, places));
     }
+}
+
+/// Where brackets, and texts of several lines, open that nothing closes: the place of each, and what closes it.
+pub fn unclosed(text: &str) -> Vec<(usize, &'static str)> {
+    let (mut open, mut found): (Vec<(usize, &str)>, Vec<(usize, &str)>) = (Vec::new(), Vec::new());
+    let mut at = 0;
+    while let Some(c) = text[at..].chars().next() {
+        let rest = &text[at..];
+        let quotes = ["\"\"\"", "'''", "\"", "'"].into_iter().find(|quotes| rest.starts_with(quotes));
+        match (c, quotes) {
+            ('#', _) => at += rest.find('\n').unwrap_or(rest.len()),
+            (_, Some(quotes)) => match text_length(rest, quotes) {
+                Some(length) => at += length,
+                None => {
+                    open.push((at, quotes));
+                    break;
+                }
+            },
+            _ => {
+                match c {
+                    '[' => open.push((at, "]")),
+                    '{' => open.push((at, "}")),
+                    ']' | '}' => {
+                        // What opened after the partner of this one is not closed.
+                        if let Some(partner) = open.iter().rposition(|(_, close)| close.starts_with(c)) {
+                            found.extend(open.drain(partner..).skip(1));
+                        }
+                    }
+                    _ => {}
+                }
+                at += c.len_utf8();
+            }
+        }
+    }
+    found.extend(open);
+    found
+}
+
+/// Bytes of the text that `rest` begins with, its quotes included. One of a single line ends with the line; `None` for a longer one without end.
+fn text_length(rest: &str, quotes: &str) -> Option<usize> {
+    let mut at = quotes.len();
+    while let Some(c) = rest[at..].chars().next() {
+        match c {
+            '\\' if quotes.starts_with('"') => at += 1 + rest[at + 1..].chars().next().map_or(0, char::len_utf8),
+            '\n' if quotes.len() == 1 => return Some(at),
+            _ if rest[at..].starts_with(quotes) => return Some(at + quotes.len()),
+            _ => at += c.len_utf8(),
+        }
+    }
+    (quotes.len() == 1).then_some(rest.len())
 }
 
 /// The entries of a value that must be a table.

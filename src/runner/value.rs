@@ -211,9 +211,17 @@ pub enum Kind {
 /// materials of files are raised to it as they are read.
 pub const ALPHA_MIN: f64 = 1e-3;
 const _: () = assert!(ALPHA_MIN as f32 == constants::ALPHA_MIN);
+/// Its root.
+pub const PERCEPTUAL_ROUGHNESS_MIN: f64 = 0.0316227766016838;
 
 /// Image sides; 16384 is what Vulkan devices of the last ten years offer.
 pub const IMAGE_SIZE: Kind = Kind::Pair { min: 1, max: 16384 };
+
+/// A number without the rounding of the arithmetic that made it, to 15 digits: 0.1 + 0.2 is 0.3, and 0.7 squared is 0.49, as a person writes
+/// them.
+pub fn decimal(number: f64) -> f64 {
+    format!("{number:.14e}").parse().unwrap_or(number)
+}
 
 impl Kind {
     /// The name that stands for a number of this kind, as it is written in tables.
@@ -317,20 +325,47 @@ impl Kind {
         })
     }
 
-    /// What the kind accepts, for help texts and `splitsum list axes`.
+    /// The values that the kind accepts, for help texts.
     pub fn describe(&self) -> String {
         match self {
             Self::Number(range) => format!("number in {range}"),
             Self::Alpha => format!("number in (0, 1], at least {ALPHA_MIN}"),
             Self::Count { min, max } => format!("whole number in [{min}, {max}]"),
-            Self::Color(range) => format!("colour: x or [r, g, b] in {range}; with --set x or r:g:b"),
-            Self::Pair { min, max } => format!("pair of whole numbers in [{min}, {max}]; with --set WxH"),
+            Self::Color(range) => format!("one number or three (red, green, blue) in {range}"),
+            Self::Pair { min, max } => format!("two whole numbers in [{min}, {max}]"),
             Self::Name { names, .. } => names().join(" | "),
             Self::NumberOrName { range, named, .. } => {
                 let names: Vec<&str> = named().iter().map(|(name, _)| *name).collect();
                 format!("number in {range} | {}", names.join(" | "))
             }
             Self::Input => "builtin name or file".to_owned(),
+        }
+    }
+
+    /// Whether a value may begin with a minus sign.
+    pub fn has_negative(&self) -> bool {
+        matches!(self, Self::Number(range) | Self::NumberOrName { range, .. } if range.min < 0.0)
+    }
+
+    /// How a value of several numbers is written after `--set`.
+    pub fn set_form(&self) -> Option<&'static str> {
+        match self {
+            Self::Color(_) => Some("x or r:g:b"),
+            Self::Pair { .. } => Some("WxH"),
+            _ => None,
+        }
+    }
+
+    /// The word for a value in the usage of a flag.
+    pub fn value_name(&self) -> &'static str {
+        match self {
+            Self::Number(_) | Self::Alpha => "X",
+            Self::Count { .. } => "N",
+            Self::Color(_) => "R,G,B",
+            Self::Pair { .. } => "WxH",
+            Self::Name { .. } => "NAME",
+            Self::NumberOrName { .. } => "X|NAME",
+            Self::Input => "NAME|FILE",
         }
     }
 }

@@ -98,7 +98,7 @@ const PILOT_SAMPLES: u32 = 64;
 const VARIANCE_EXPONENT: f64 = 1.4;
 /// Margin of that prediction: a second miss costs more than a tenth too many.
 const PREDICTION_MARGIN: f64 = 1.1;
-/// Keeps the relative error of dark pixels from ruling: that of the metric `relmse_eps1e-2`.
+/// Keeps the relative error of dark pixels from ruling: that of the metric `relmse`.
 const RELATIVE_ERROR_EPSILON: f64 = 1e-2;
 
 /// When a reference stops.

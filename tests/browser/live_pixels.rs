@@ -251,7 +251,7 @@ fn pixels_are_those_of_the_renderer() {
         // The page's number is the metric of the renderer's own images, and far above what storage makes of it.
         let comparison =
             Comparison::new(&truths[0].radiance, &truths[1].radiance, &truths[1].mask, ToneCurve::default()).unwrap();
-        let wanted = comparison.evaluate(&[metric("relmse_eps1e-2").unwrap()])[0].1;
+        let wanted = comparison.evaluate(&[metric("relmse").unwrap()])[0].1;
         let shown: f64 = page.eval("live.canvas.dataset.relmse").as_str().unwrap().parse().unwrap();
         assert!((shown - wanted).abs() < 0.02 * wanted + 1e-6, "{setting:?}: relMSE {shown} for {wanted}");
         assert!(wanted > 2e-6, "{setting:?}: the methods do not differ, so the test cannot fail: {wanted}");

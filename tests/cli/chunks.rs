@@ -89,13 +89,6 @@ fn chunks_side_by_side_killed_and_repeated_make_the_run_of_one_machine() {
     // The merged folder is a run like any other.
     let output = splitsum(dir, &["run", "tiny.toml", "--out", "store"]);
     assert!(output.status.success() && !stderr(&output).contains("[1/"), "{}", stderr(&output));
-
-    // Its records price another cut, and the plan file says so.
-    let measured = ["plan", "tiny.toml", "--chunk-seconds", "60", "--out", "measured.json", "--prices", "measured"];
-    let output = splitsum(dir, &[measured.as_slice(), &["--from", "whole"]].concat());
-    assert!(stdout(&output).contains("prices: records"), "{}{}", stdout(&output), stderr(&output));
-    let file: serde_json::Value = serde_json::from_slice(&std::fs::read(dir.join("measured.json")).unwrap()).unwrap();
-    assert!(file["prices"]["basis"].as_str().unwrap().starts_with("records"), "{:#}", file["prices"]);
 }
 
 #[test]
@@ -150,10 +143,7 @@ fn a_plan_file_that_does_not_fit_is_refused_before_work() {
     refused(&["plan", "tiny.toml", "--chunk-seconds", "0", "--out", "x.json"], &["expected a number above 0"]);
     refused(&["plan", "tiny.toml", "--chunk-seconds", "60"], &["--out <PATH>"]);
     let chunks = ["plan", "tiny.toml", "--chunk-seconds", "60", "--out", "x.json"];
-    let idle = "changes nothing with stated prices; expected --prices measured";
-    refused(&[chunks.as_slice(), &["--from", "."]].concat(), &["--from: ", idle]);
-    let both = ["--prices", "measured", "--samples-per-second", "1e9"];
-    refused(&[chunks.as_slice(), &both].concat(), &["--samples-per-second: changes nothing with --prices measured"]);
+    refused(&[chunks.as_slice(), &["--from", "."]].concat(), &["--from", "cannot be used with"]);
     refused(&["merge", "--plan", "plan.json", "--store", "store"], &["store: holds no chunk of this plan"]);
     std::fs::write(dir.join("tiny.toml"), EXPERIMENT.replace("samples = 64", "samples = 65")).unwrap();
     refused(&chunk, &["tiny.toml has changed since the plan was made; make the plan again"]);

@@ -322,7 +322,7 @@ fn every_text_and_the_legend_are_drawn() {
     }
 }
 
-/// `relmse_eps1e-2 9e-6` broken after `1e-` would read as "2 9e-6".
+/// `1e-2` broken after `1e-` would read as two numbers.
 #[test]
 fn a_line_break_never_parts_a_number() {
     let page = |reason: String| {

@@ -9,8 +9,10 @@ mod sky;
 mod studio;
 
 use super::EnvironmentError;
-use super::load::BUILTIN_PREFIX;
 use crate::pixels::{ENVIRONMENT_TEXELS_MAX, RgbImage};
+
+/// Marks a spec as the name of a formula.
+pub const BUILTIN_PREFIX: &str = "builtin:";
 
 /// A number that shapes a builtin.
 #[derive(Debug)]

@@ -1,10 +1,10 @@
 //! The list of all axes.
 
-use super::{Axis, Part, Sheet, Symbol, Used, diffuse, method};
+use super::{Axis, Part, Sheet, Spelling, Symbol, Used, diffuse, method};
 use crate::brdf::{self, MaskingShadowing};
 use crate::math::sequence::{SEQUENCES, sequence_by_name};
 use crate::precompute::{PrecomputeSettings, StorageFormat};
-use crate::runner::value::{IMAGE_SIZE, Kind, Range, Value};
+use crate::runner::value::{IMAGE_SIZE, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
 use crate::shade::level_bias::LEVEL_BIASES;
 use crate::shade::{DIFFUSE, METHODS, REFERENCE};
 
@@ -35,6 +35,7 @@ const PLAIN: Axis = Axis {
     feeds: &[],
     is_key: false,
     flag: None,
+    spelling: None,
     kind: Kind::Input,
     default: || Value::Unset,
     used: |_| true,
@@ -48,7 +49,7 @@ pub static AXES: &[Axis] = LIST;
 const LIST: &[Axis] = &[
     Axis {
         name: "size",
-        about: "width and height of the image; also a key of the file beside [axes]",
+        about: "width and height of the image",
         plural: "image sizes",
         sheet: Sheet::Page,
         needs_memory: true,
@@ -60,7 +61,7 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "environment",
-        about: "the light: a builtin formula or an .hdr or .exr file (FILE.exr#NAME: a layer or part of it)",
+        about: "the light: builtin:NAME (`splitsum list environments`), or an .hdr or .exr file; FILE.exr#NAME for a layer or part of it",
         plural: "environments",
         sheet: Sheet::Page,
         needs_memory: true,
@@ -71,7 +72,7 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "scene",
-        about: "sphere, spheres, plane or an .obj file",
+        about: "what is seen: a name of `splitsum list scenes`, or an .obj file",
         plural: "scenes",
         sheet: Sheet::Page,
         frames_cost: true,
@@ -96,7 +97,7 @@ const LIST: &[Axis] = &[
     Axis {
         name: "method",
         part: Part::Method,
-        about: "how the specular term is computed",
+        about: "how the specular term is computed; `splitsum list methods`",
         plural: "methods",
         sheet: Sheet::Column,
         frames_cost: true,
@@ -112,7 +113,7 @@ const LIST: &[Axis] = &[
     Axis {
         name: "diffuse",
         part: Part::Method,
-        about: "how the diffuse term is computed",
+        about: "how the diffuse term is computed; `splitsum list diffuse`",
         plural: "diffuse methods",
         sheet: Sheet::Column,
         frames_cost: true,
@@ -128,7 +129,7 @@ const LIST: &[Axis] = &[
     Axis {
         name: "samples",
         part: Part::Count,
-        about: "samples a pixel; methods that draw none have one cell, with an empty field",
+        about: "samples a pixel, for methods that draw some",
         plural: "sample counts",
         symbol: Symbol::After("samples", "samples"),
         sheet: Sheet::Column,
@@ -170,6 +171,13 @@ const LIST: &[Axis] = &[
         plural: "alphas",
         symbol: Symbol::Before("alpha"),
         kind: Kind::Alpha,
+        spelling: Some(Spelling {
+            name: "perceptual_roughness",
+            about: "roughness of every material as files store it; alpha is its square",
+            kind: Kind::Number(Range::closed(PERCEPTUAL_ROUGHNESS_MIN, 1.0)),
+            to_axis: |v| Value::Number(decimal(brdf::alpha_from_perceptual_roughness(v.number()))),
+            of_axis: Some(|v| Value::Number(decimal(brdf::perceptual_roughness_from_alpha(v.number())))),
+        }),
         apply: |s, v| s.material.alpha = Some(v.number() as f32),
         ..PLAIN
     },
@@ -180,6 +188,13 @@ const LIST: &[Axis] = &[
         symbol: Symbol::Before("F0"),
         used: |u| u.has_dielectric,
         kind: Kind::Color(Range::closed(0.0, 1.0)),
+        spelling: Some(Spelling {
+            name: "ior",
+            about: "index of refraction of every dielectric; it gives f0",
+            kind: Kind::Number(Range::closed(1.0, 10.0)),
+            to_axis: |v| Value::Color([brdf::f0_from_ior(v.number()) as f32; 3]),
+            of_axis: None,
+        }),
         apply: |s, v| s.material.f0 = Some(v.color()),
         ..PLAIN
     },
@@ -215,7 +230,7 @@ const LIST: &[Axis] = &[
     Axis {
         name: "contrast",
         part: Part::Display,
-        about: "exponent of the tone curve times 2.2",
+        about: "exponent of the tone curve, times 2.2",
         plural: "contrasts",
         symbol: Symbol::Before("contrast"),
         kind: Kind::Number(Range::above(0.0, 100.0)),
@@ -257,7 +272,7 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "masking",
-        about: "masking-shadowing; the same in a cell and its reference",
+        about: "masking-shadowing, of the image and of its reference",
         plural: "masking-shadowing functions",
         frames_cost: true,
         tables_cost: true,

@@ -1,9 +1,11 @@
 //! Parameters that an experiment can sweep, and points: one value for each. Adding one is one entry of [`AXES`] in `list.rs`.
 
 mod list;
+pub mod named;
 
 pub use crate::shade::REFERENCE;
 pub use list::*;
+pub use named::{Named, Spelling};
 
 use super::value::{Kind, Value};
 use crate::brdf::{self, MaskingShadowing};
@@ -192,6 +194,8 @@ pub struct Axis {
     pub is_key: bool,
     /// The flag of `render`, where it is not the name.
     pub flag: Option<&'static str>,
+    /// A second name for the same thing.
+    pub spelling: Option<Spelling>,
     /// The value where the experiment sets none.
     pub default: fn() -> Value,
     /// Whether the parameter changes the image at this point; where not, its values collapse into one cell.

@@ -17,8 +17,7 @@ pub struct Prices {
 }
 
 impl Prices {
-    /// Stated prices of a software driver on two cores, or of a device that draws another number of samples in a second. They are the same
-    /// on every machine.
+    /// Prices of a device that draws this many samples in a second. They are the same on every machine.
     pub fn stated(plan: &Plan, samples_per_second: f64) -> Self {
         let sources = [(Source::Constants, constants_at(samples_per_second))];
         let basis = format!("stated, for {samples_per_second:e} samples a second");

@@ -53,7 +53,6 @@ pub fn constants() -> Speeds {
 
 /// The speeds of a device that draws this many samples of the method `sampled` in a second, and does all its other work as much faster.
 pub fn constants_at(samples_per_second: f64) -> Speeds {
-    let slowness = SAMPLES_PER_SECOND / samples_per_second;
     let fixed = |fixed: f64| Line { fixed, ..Line::default() };
     let per_pixel = |per_pixel: f64| Line { per_pixel, ..Line::default() };
     let mut speeds = Speeds::of(&[
@@ -68,6 +67,14 @@ pub fn constants_at(samples_per_second: f64) -> Speeds {
         ("bytes sheet", per_pixel(SHEET_BYTES_PER_PIXEL)),
         ("bytes rows", fixed(ROWS_BYTES)),
     ]);
+    speeds.extend(device_speeds(samples_per_second));
+    speeds
+}
+
+/// Of these, the work of the device alone.
+pub fn device_speeds(samples_per_second: f64) -> Speeds {
+    let slowness = SAMPLES_PER_SECOND / samples_per_second;
+    let mut speeds = Speeds::default();
     for (kind, pixel_ns, sample_ns) in DEVICE_NS {
         let line = Line { fixed: 0.0, per_pixel: pixel_ns * NS, per_sample: sample_ns * NS }.times(slowness);
         speeds.set(kind, line);

@@ -1,7 +1,7 @@
 //! How long the rest of a run will take and how much disk it needs.
 //!
-//! Items of work (`items`) are priced with speeds: those of earlier records (`records`) where there are any, else those of a short probe on
-//! the device (`probe`), else stated constants, which are a guess and are called so.
+//! Items of work (`items`) are priced with speeds: those of earlier records (`records`) where there are any, else stated constants. A short
+//! probe of the device (`probe`) scales these; without it they are a guess, and are called so.
 
 mod constants;
 mod items;
@@ -9,9 +9,9 @@ mod probe;
 mod records;
 mod speeds;
 
-pub use constants::{SAMPLES_PER_SECOND, constants, constants_at};
+pub use constants::{SAMPLES_PER_SECOND, constants, constants_at, device_speeds};
 pub use items::{Item, Part, amount, items};
-pub use probe::probe;
+pub use probe::samples_per_second;
 pub use records::{Recorded, recorded};
 pub use speeds::{Amount, Line, Speeds};
 
@@ -22,6 +22,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 pub enum Source {
     Records,
+    /// Stated, and scaled to what a probe of the device measured.
     Probe,
     /// Stated, not measured: see [`constants`].
     Constants,

@@ -56,7 +56,7 @@ impl Line {
 }
 
 /// Lines by kind of work. A kind is words from the general to the special, such as `image sampled none ggx`.
-#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Speeds(BTreeMap<String, Line>);
 
 impl Speeds {
@@ -80,6 +80,11 @@ impl Speeds {
     /// Sets the line of a kind.
     pub fn set(&mut self, kind: &str, line: Line) {
         self.0.insert(kind.to_owned(), line);
+    }
+
+    /// Adds lines, in the place of known ones of their kinds.
+    pub fn extend(&mut self, more: Self) {
+        self.0.extend(more.0);
     }
 
     /// The line of the most special known kind that holds this one.

@@ -213,6 +213,7 @@ impl<'p> Run<'p> {
         let mut unusable = Vec::new();
         for cell in &plan.cells {
             match store.whole_cell(&cell.id) {
+                Ok(Some(record)) if !record.scores.are_all() => unusable.push(store.cell_path(&cell.id)),
                 Ok(Some(mut record)) => {
                     recorded_hashes.insert(cell.id.clone(), std::mem::take(&mut record.files));
                     results.insert(cell.id.clone(), CellResult::Done(Box::new(record.into())));
@@ -248,7 +249,7 @@ impl<'p> Run<'p> {
         let plan = self.plan;
         if let Some(first) = self.unusable.first() {
             progress.note(&format!(
-                "records of cells that are damaged or another cell's: {}, the first {}; their cells are done again",
+                "records of cells that are damaged, another cell's or without some metric: {}, the first {}; their cells are done again",
                 self.unusable.len(),
                 first.display()
             ));

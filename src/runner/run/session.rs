@@ -5,6 +5,7 @@ use crate::pipeline::DeviceInfo;
 use crate::runner::frozen::EXPERIMENT_FILE;
 use crate::runner::provenance;
 use crate::runner::renderer::Renderer;
+use serde_json::json;
 use std::time::Instant;
 
 impl Run<'_> {
@@ -47,7 +48,11 @@ impl Run<'_> {
         let path = self.store.provenance_path();
         let Some(mut value) = provenance::read(self.store.dir())? else { return Ok(()) };
         if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {
-            provenance::end_session(session, &renderer.device(), &work, milliseconds(started));
+            session["state_after"] = provenance::state(&renderer.device());
+            session["wall_s"] = json!(milliseconds(started) / 1e3);
+            session["device_s"] = json!(work.waited_ms / 1e3);
+            session["shared_work"] = json!(work.shared);
+            session["references_read_back"] = json!(work.references_read_back);
         }
         self.work = Some(work);
         Ok(self.store.write_json(&path, &value)?)

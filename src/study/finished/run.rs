@@ -2,6 +2,7 @@
 
 use super::{Bin, CellImages, Finished, FinishedCell, Light, MetricValues, Stop};
 use crate::metrics::BiasVariance;
+use crate::runner::axis::{AXES, Point};
 use crate::runner::environments::lights;
 use crate::runner::images::linear_files;
 use crate::runner::plan::{Cell, Plan};
@@ -46,7 +47,7 @@ fn of_cell(plan: &Plan, store: &Store, results: &Results, cell: &Cell) -> Result
     let Some(CellResult::Done(done)) = results.get(&cell.id) else {
         return Ok(FinishedCell {
             id: cell.id.clone(),
-            point: cell.point.clone(),
+            point: shown(plan, cell),
             scores: None,
             noise_floors: MetricValues::of(|_| None),
             bias_variance: None,
@@ -60,7 +61,7 @@ fn of_cell(plan: &Plan, store: &Store, results: &Results, cell: &Cell) -> Result
     let [variance, bias] = BiasVariance::RELATIVE_NAMES.map(|name| done.bias_variance.get(name).map(|value| value.0));
     Ok(FinishedCell {
         id: cell.id.clone(),
-        point: cell.point.clone(),
+        point: shown(plan, cell),
         scores: Some(MetricValues::of(|name| done.scores.get(name).map(|value| value.0))),
         noise_floors: MetricValues::of(|name| done.noise_floors.get(name).map(|value| value.0)),
         bias_variance: bias.zip(variance).map(|(bias, variance)| [bias, variance]),
@@ -81,4 +82,9 @@ fn of_cell(plan: &Plan, store: &Store, results: &Results, cell: &Cell) -> Result
             .collect(),
         images: Some(CellImages { radiance, reference }),
     })
+}
+
+/// The cell's point as tables show it: environments by their short names.
+fn shown(plan: &Plan, cell: &Cell) -> Point {
+    Point((0..AXES.len()).map(|axis| plan.shown(cell, axis)).collect())
 }

@@ -240,15 +240,15 @@ const REPORTS: &[(&str, &str)] = &[
     (
         "run",
         r#"@@provenance.json
-{"schema_version": 1, "name": "a <b>", "question": "?", "plan_hash": "1", "shader_hash": "2", "cell_count": 4, "sessions": [{"date_utc": "2020", "device": {"name": "d", "driver": "v"}, "commit": {"hash": "0"}, "host": {"cpu": "c"}}], "metrics": [{"name": "relmse_eps1e-2"}], "excluded": [], "inputs": []}
+{"schema_version": 1, "name": "a <b>", "question": "?", "plan_hash": "1", "shader_hash": "2", "cell_count": 4, "sessions": [{"date_utc": "2020", "device": {"name": "d", "driver": "v"}, "commit": {"hash": "0"}, "host": {"cpu": "c"}}], "metrics": [{"name": "relmse"}], "excluded": [], "inputs": []}
 @@errors.csv
-cell,environment,alpha,method,samples,exposure,relmse_eps1e-2,rmse,relmse_eps1e-2_noise_floor,verdict
+cell,environment,alpha,method,samples,exposure,relmse,rmse,relmse_noise_floor,verdict
 0,builtin:sky,0.1,sampled,1,1,0.4,1,1e-6,resolved
 1,builtin:sky,0.1,sampled,4,1,0.1,1,1e-6,resolved
 2,builtin:sky,0.1,split-sum,,1,0.2,1,1e-6,resolved
 3,"=a,""</script>",0.5,sampled,16,1,inf,,,failed
 @@errors_by_n_dot_v.csv
-cell,environment,alpha,method,samples,exposure,n_dot_v_lo,n_dot_v_hi,pixel_count,relmse_eps1e-2
+cell,environment,alpha,method,samples,exposure,n_dot_v_lo,n_dot_v_hi,pixel_count,relmse
 0,builtin:sky,0.1,sampled,1,1,0,0.5,9,0.5
 1,builtin:sky,0.1,sampled,4,1,0,0.5,9,0.2
 2,builtin:sky,0.1,split-sum,,1,0,0.5,9,0.3

@@ -198,7 +198,7 @@ fn a_reference_takes_whole_scrambles_only() {
     // The count of the [reference] is that of the diffuse term beside another method, too, and of nothing where no term is its own.
     let diffuse = "diffuse = [\"reference\"]\n";
     let other = |diffuse: &str| {
-        with(100, diffuse).replace("{ samples = 100 }", "{ samples = 100, method = \"split-sum\", terms = \"cell\" }")
+        with(100, diffuse).replace("{ samples = 100 }", "{ samples = 100, method = \"none\", terms = \"cell\" }")
     };
     assert_faults(&faults(&other(diffuse), &[]), &["e.toml:2:25: reference.samples: 100 samples"]);
     assert_faults(&faults(&other("diffuse = [\"none\"]\n"), &[]), &[]);

@@ -3,8 +3,8 @@
 use super::run::EXPERIMENT;
 use super::runs::{fakes, finished, log, plan, rewrite};
 use splitsum::runner::estimate::{
-    Amount, Estimate, Host, Part, REPORT_BYTES_MAX, Source, Speeds, amount, constants, estimate, items, lack, probe,
-    recorded,
+    Amount, Estimate, Host, Part, REPORT_BYTES_MAX, SAMPLES_PER_SECOND, Source, Speeds, amount, constants,
+    device_speeds, estimate, items, lack, recorded, samples_per_second,
 };
 use splitsum::runner::{Cell, Plan, timing};
 use std::collections::BTreeSet;
@@ -183,24 +183,15 @@ fn scores_cost_beside_a_gpu_only_what_exceeds_it() {
 }
 
 #[test]
-fn a_probe_knows_every_kind_of_work_of_its_plan() {
-    let plan = plan(&format!("{}[timing]\nwarmup = 2\nrounds = 5\n", EXPERIMENT.replace("0.1, 0.5", "0.1, 0.4")));
+fn a_probe_scales_the_work_of_the_device_and_nothing_else() {
+    let plan = sweep("0.1, 0.4");
     let log = log();
-    let mut renderer = fakes(&log)().unwrap();
-    let speeds = probe(&plan, renderer.as_mut(), 0.25).unwrap();
-    assert!(speeds.line("start").unwrap().fixed >= 0.25);
-    let cells: Vec<&Cell> = plan.cells.iter().collect();
-    let work = items(&plan, &cells, &timing::jobs(&plan), &BTreeSet::new());
-    // The fake has times for the DFG table only.
-    let known: Vec<_> =
-        work.into_iter().filter(|item| item.part != Part::Tables && !item.kind.starts_with("table")).collect();
-    assert!(!lack(&speeds, &known));
-    assert!(log.borrow().renders.iter().all(|(_, samples)| *samples <= 64), "{:?}", log.borrow().renders);
-    // As the cache keeps it.
-    let kept: Speeds = serde_json::from_slice(&serde_json::to_vec(&speeds).unwrap()).unwrap();
-    for kind in ["image sampled sh9 ggx", "score first", "reference", "bytes linear", "start"] {
-        let at = |speeds: &Speeds| speeds.line(kind).map(|line| line.at(of(1e4, 1e5)));
-        assert_eq!(at(&kept).is_some(), at(&speeds).is_some(), "{kind}");
-        assert!(at(&kept).zip(at(&speeds)).is_none_or(|(a, b)| (a / b - 1.0).abs() < F64), "{kind}");
-    }
+    let rate = samples_per_second(&plan, fakes(&log)().unwrap().as_mut()).unwrap().unwrap();
+    assert!(rate.is_finite() && rate > 0.0);
+    assert!(log.borrow().renders.iter().all(|(method, samples)| method == "sampled" && *samples <= 64));
+    let (twice, stated) = (device_speeds(2.0 * SAMPLES_PER_SECOND), constants());
+    let at = |speeds: &Speeds, kind: &str| speeds.line(kind).map(|line| line.at(of(1e4, 1e6)));
+    let image = "image sampled none ggx";
+    assert!((at(&stated, image).unwrap() / at(&twice, image).unwrap() - 2.0).abs() < F64);
+    assert_eq!((at(&twice, "score first"), at(&twice, "bytes linear")), (None, None));
 }

@@ -30,7 +30,10 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
 
     let table = Table::read(&dir.path().join("errors.csv")).unwrap();
     assert_eq!(table.rows.len(), 32);
-    assert_eq!(table.columns[..7], ["cell", "environment", "brdf", "method", "samples", "alpha", "exposure"]);
+    assert_eq!(
+        table.columns[..7],
+        ["cell", "environment", "brdf", "method", "samples", "alpha", "perceptual_roughness"]
+    );
     for (row, cell) in table.rows.iter().zip(&plan.cells) {
         assert_eq!(row[0], cell.id);
     }
@@ -133,9 +136,9 @@ fn repeats_part_bias_from_variance() {
     assert_eq!(log.borrow().renders.len(), 20 + 12 * 8);
     let table = Table::read(&dir.path().join("errors.csv")).unwrap();
     let column = |name: &str| table.numbers(name).unwrap();
-    let (rmse, relmse, samples) = (column("rmse"), column("relmse_eps1e-2"), column("samples"));
+    let (rmse, relmse, samples) = (column("rmse"), column("relmse"), column("samples"));
     let (var, bias2) = (column("var_hat"), column("bias2_hat"));
-    let (var_rel, bias2_rel) = (column("var_hat_eps1e-2"), column("bias2_hat_eps1e-2"));
+    let (var_rel, bias2_rel) = (column("var_hat_rel"), column("bias2_hat_rel"));
     for i in 0..table.rows.len() {
         let Some(count) = samples[i] else {
             assert_eq!((var[i], bias2[i], var_rel[i], bias2_rel[i]), (None, None, None, None));
