@@ -15,4 +15,5 @@ pub mod runs;
 mod statistics;
 mod strangers;
 mod timed;
+pub mod timing_ratios;
 mod zips;

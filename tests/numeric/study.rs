@@ -4,6 +4,8 @@ mod answers;
 mod answers_asked;
 mod answers_shown;
 mod answers_soundness;
+mod lights;
+mod paper;
 mod published;
 pub mod report;
 mod report_joined;
