@@ -2,6 +2,7 @@
 
 mod chunk;
 mod config;
+mod environments;
 mod estimate;
 mod extend;
 pub mod fake;
