@@ -11,6 +11,7 @@ mod frame;
 mod lights;
 mod made;
 mod paper;
+mod figure;
 mod published;
 mod questions;
 pub mod report;

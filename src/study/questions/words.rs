@@ -87,11 +87,6 @@ pub fn short(axis: usize, value: &Value) -> String {
     }
 }
 
-/// `25 %` of 0.25, `-25 %` of -0.25.
-pub fn percent(share: f64) -> String {
-    format!("{} %", number(100.0 * share))
-}
-
 /// "6 levels", "256x128": the value of an axis in a sentence; a bare number after the name of its axis.
 pub fn said(axis: usize, value: &Value) -> String {
     with_unit(axis, value, AXES[axis].said[0])
