@@ -18,5 +18,6 @@ pub mod runs;
 mod statistics;
 mod strangers;
 mod timed;
+pub mod timing_ratios;
 mod written;
 mod zips;
