@@ -78,12 +78,22 @@ describe() {
         has_driver) echo "a Vulkan driver (a manifest in vulkan/icd.d)" ;;
         has_validation) echo "the Vulkan validation layer" ;;
         has_browser) echo "Chromium" ;;
+        has_node) echo "Node.js (node)" ;;
+        has_npm) echo "npm" ;;
     esac
 }
 
 # As tests/browser looks for it.
 has_browser() {
     has_command chromium || has_command chromium-browser || has_command google-chrome || has_command google-chrome-stable
+}
+
+has_node() {
+    has_command node
+}
+
+has_npm() {
+    has_command npm
 }
 
 install_packages() {

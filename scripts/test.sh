@@ -52,6 +52,18 @@ else
     say "skipped: cargo machete (not installed; cargo install cargo-machete)"
 fi
 
+# The page's scripts are checked where Node.js is; it comes only where it must.
+[ -z "${CI:-}" ] || require has_node nodejs has_npm npm
+if has_node && has_npm; then
+    say "scripts/check-page.sh"
+    sh scripts/check-page.sh || {
+        status=1
+        say "FAILED: scripts/check-page.sh"
+    }
+else
+    say "skipped: scripts/check-page.sh (Node.js or npm is not installed)"
+fi
+
 [ "$status" -eq 0 ] || say "a check above FAILED; the tests run all the same"
 # The report is tested in a browser; without one those tests say so and skip, but not where they must run.
 if [ -n "${CI:-}${SPLITSUM_REQUIRE_BROWSER:-}" ]; then

@@ -30,8 +30,11 @@ export function cameraOf({ yaw, pitch, distance }, width, height) {
   // A tall image fits the width, as the renderer's automatic camera does.
   const half = Math.tan((fov * Math.PI) / 360) * Math.max(1, height / width);
   return {
-    right: [ca, 0, -sa], up: [-sa * sb, cb, -ca * sb], forward: [-sa * cb, -sb, -ca * cb],
-    eye: [sa * cb, sb, ca * cb].map((x) => x * unit * distance), extent: [(half * width) / height, half],
+    right: [ca, 0, -sa],
+    up: [-sa * sb, cb, -ca * sb],
+    forward: [-sa * cb, -sb, -ca * cb],
+    eye: [sa * cb, sb, ca * cb].map((x) => x * unit * distance),
+    extent: [(half * width) / height, half],
   };
 }
 
@@ -42,7 +45,9 @@ export class LiveRender {
     this.missing = "";
     this.gl = canvas.getContext("webgl2", { antialias: false, alpha: false });
     if (!this.gl) this.missing = "This browser has no WebGL2, which the live view needs.";
-    else if (!this.gl.getExtension("EXT_color_buffer_float")) this.missing = "This browser's WebGL2 has no float colour buffers (EXT_color_buffer_float), which the live view needs to sum samples.";
+    else if (!this.gl.getExtension("EXT_color_buffer_float"))
+      this.missing =
+        "This browser's WebGL2 has no float colour buffers (EXT_color_buffer_float), which the live view needs to sum samples.";
     if (!this.missing) this.reset();
   }
 
@@ -74,11 +79,14 @@ export class LiveRender {
     if (!this.chains.has(key)) {
       const load = async () => {
         const images = await Promise.all(levels.map(({ size, base64 }) => decode(base64, ...size)));
-        const { gl } = this, texture = gl.createTexture();
+        const { gl } = this,
+          texture = gl.createTexture();
         gl.activeTexture(gl.TEXTURE0);
         gl.bindTexture(gl.TEXTURE_2D, texture);
         gl.texStorage2D(gl.TEXTURE_2D, images.length, gl.RGBA16F, images[0].width, images[0].height);
-        images.forEach(({ width, height, rgba }, level) => gl.texSubImage2D(gl.TEXTURE_2D, level, 0, 0, width, height, gl.RGBA, gl.HALF_FLOAT, rgba));
+        images.forEach(({ width, height, rgba }, level) =>
+          gl.texSubImage2D(gl.TEXTURE_2D, level, 0, 0, width, height, gl.RGBA, gl.HALF_FLOAT, rgba),
+        );
         gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, images.length > 1 ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR);
         gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
         gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, wraps ? gl.REPEAT : gl.CLAMP_TO_EDGE);
@@ -92,7 +100,8 @@ export class LiveRender {
 
   /** Loads the tables of a view and makes it the one that is drawn. */
   async show(view) {
-    const tables = lightTables(), light = tables.environments[view.environment];
+    const tables = lightTables(),
+      light = tables.environments[view.environment];
     const lobe = tables.lobes.find((one) => one.brdf === view.brdf && one.masking === view.masking);
     const prefiltered = light.prefiltered.find((map) => map.brdf === view.brdf);
     this.wanted = view;
@@ -112,12 +121,15 @@ export class LiveRender {
   points(count) {
     if (!this.pointTables.has(count)) {
       const { gl } = this;
-      const table = new Float32Array(base64Bytes(lightTables().points.find((one) => one.count === count).base64).buffer);
+      const table = new Float32Array(
+        base64Bytes(lightTables().points.find((one) => one.count === count).base64).buffer,
+      );
       const divisor = (a, b) => (b ? divisor(b, a % b) : a);
       let step = Math.max(1, Math.round(count * 0.618));
       while (divisor(step, count) !== 1) step++;
       const shuffled = new Float32Array(table.length);
-      for (let i = 0; i < count; i++) shuffled.set(table.subarray(4 * ((i * step) % count), 4 * ((i * step) % count) + 4), 4 * i);
+      for (let i = 0; i < count; i++)
+        shuffled.set(table.subarray(4 * ((i * step) % count), 4 * ((i * step) % count) + 4), 4 * i);
       this.pointTables.set(count, makeTexture(gl, 0, gl.RGBA32F, count, 1, gl.RGBA, gl.FLOAT, shuffled));
     }
     return this.pointTables.get(count);
@@ -126,25 +138,45 @@ export class LiveRender {
   // --- Passes --------------------------------------------------------------------------------------------------------------
 
   target(width, height, names) {
-    const { gl } = this, framebuffer = gl.createFramebuffer();
+    const { gl } = this,
+      framebuffer = gl.createFramebuffer();
     const textures = names.map(() => makeTexture(gl, 0, gl.RGBA32F, width, height, gl.RGBA, gl.FLOAT, null));
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-    textures.forEach((texture, i) => gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + i, gl.TEXTURE_2D, texture, 0));
+    textures.forEach((texture, i) =>
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + i, gl.TEXTURE_2D, texture, 0),
+    );
     gl.drawBuffers(names.map((_, i) => gl.COLOR_ATTACHMENT0 + i));
-    return { framebuffer, textures, width, height, named: Object.fromEntries(names.map((name, i) => [name, textures[i]])) };
+    return {
+      framebuffer,
+      textures,
+      width,
+      height,
+      named: Object.fromEntries(names.map((name, i) => [name, textures[i]])),
+    };
   }
 
   /** Targets of the size in which the view is drawn now. */
   resize() {
-    const [width, height] = [this.canvas.width, this.canvas.height].map((side) => Math.max(1, Math.ceil(side / this.pixelSide)));
+    const [width, height] = [this.canvas.width, this.canvas.height].map((side) =>
+      Math.max(1, Math.ceil(side / this.pixelSide)),
+    );
     if (this.targets?.gbuffer.width === width && this.targets.gbuffer.height === height) return;
-    const { gl } = this, old = this.targets;
-    for (const { framebuffer, textures } of old ? [old.gbuffer, old.surround, old.split, ...old.sums, old.linear] : []) {
+    const { gl } = this,
+      old = this.targets;
+    for (const { framebuffer, textures } of old
+      ? [old.gbuffer, old.surround, old.split, ...old.sums, old.linear]
+      : []) {
       gl.deleteFramebuffer(framebuffer);
       textures.forEach((texture) => gl.deleteTexture(texture));
     }
     const one = () => this.target(width, height, ["color"]);
-    this.targets = { gbuffer: this.target(width, height, GBUFFER), surround: one(), split: one(), sums: [one(), one()], linear: one() };
+    this.targets = {
+      gbuffer: this.target(width, height, GBUFFER),
+      surround: one(),
+      split: one(),
+      sums: [one(), one()],
+      linear: one(),
+    };
   }
 
   /** Draws one shader over `target` (null: the canvas) with the named textures; `set` fills the other uniforms. */
@@ -156,17 +188,25 @@ export class LiveRender {
   }
 
   /** A direction in the frame of the environment, which is turned by `rotation` degrees about +y (shade::pass::environment_from_world). */
-  turned([x, y, z]) {
-    const angle = (this.view.rotation * Math.PI) / 180, [sin, cos] = [Math.sin(angle), Math.cos(angle)];
+  turned(direction) {
+    const [x, y, z] = direction;
+    const angle = (this.view.rotation * Math.PI) / 180,
+      [sin, cos] = [Math.sin(angle), Math.cos(angle)];
     return [cos * x - sin * z, y, sin * x + cos * z];
   }
 
   /** ShadeParams (src/glsl/layout.rs). */
   setParams(uniform, camera) {
-    const { gl, view } = this, { light } = view, { width, height } = this.targets.gbuffer;
+    const { gl, view } = this,
+      { light } = view,
+      { width, height } = this.targets.gbuffer;
     const set = (name, kind, ...values) => gl[`uniform${kind}`](uniform[`params.${name}`], ...values);
     // The columns of the rotation, as the rows of what is handed over.
-    const columns = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => this.turned(axis));
+    const columns = [
+      [1, 0, 0],
+      [0, 1, 0],
+      [0, 0, 1],
+    ].map((axis) => this.turned(axis));
     [0, 1, 2].forEach((i) => set(`environment_from_world_${i}`, "4fv", [...columns.map((column) => column[i]), 0]));
     set("eye", "4fv", [...camera.eye, 1]);
     set("width", "1ui", width);
@@ -184,8 +224,10 @@ export class LiveRender {
 
   /** Everything but the samples. */
   drawBase() {
-    const { gl, view, targets } = this, { gbuffer } = targets;
-    const camera = cameraOf(view, this.canvas.width, this.canvas.height), { sphere, rectangle } = OBJECTS[view.object];
+    const { gl, view, targets } = this,
+      { gbuffer } = targets;
+    const camera = cameraOf(view, this.canvas.width, this.canvas.height),
+      { sphere, rectangle } = OBJECTS[view.object];
     const shared = { ...gbuffer.named, environment: view.environment, prefiltered: view.prefiltered, dfg: view.dfg };
     this.pass("gbuffer", gbuffer, {}, (uniform) => {
       const set = (name, value) => gl.uniform4fv(uniform[`camera.${name}`], value);
@@ -211,15 +253,24 @@ export class LiveRender {
       gl.uniform1ui(uniform["background.height"], gbuffer.height);
       gl.uniform1f(uniform["background.environment_scale"], view.brightness * view.light.scale);
       gl.uniform1i(uniform.has_diffuse, view.diffuse ? 1 : 0);
-      gl.uniform4fv(uniform.coefficients, view.light.sh9.flatMap((c) => [...c, 0]));
+      gl.uniform4fv(
+        uniform.coefficients,
+        view.light.sh9.flatMap((c) => [...c, 0]),
+      );
     });
     this.pass("split_sum", targets.split, shared, (uniform) => this.setParams(uniform, camera));
   }
 
   /** Adds `count` samples to those that are done, in one of `bands` bands of rows; they count when the last band is drawn. */
   drawSamples(count, band = 0, bands = 1) {
-    const { gl, view, targets } = this, [from, to] = targets.sums;
-    const shared = { ...targets.gbuffer.named, environment: view.environment, points: this.points(view.samples), so_far: from.named.color };
+    const { gl, view, targets } = this,
+      [from, to] = targets.sums;
+    const shared = {
+      ...targets.gbuffer.named,
+      environment: view.environment,
+      points: this.points(view.samples),
+      so_far: from.named.color,
+    };
     const row = (i) => Math.round((i * to.height) / bands);
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(0, row(band), to.width, row(band + 1) - row(band));
@@ -238,7 +289,13 @@ export class LiveRender {
   /** Shows what is there: on the canvas, or as linear values. */
   drawResult(mode, isLinear) {
     const { gl, view, targets } = this;
-    const textures = { gbuffer_position: targets.gbuffer.named.gbuffer_position, surround: targets.surround.named.color, split_sum: targets.split.named.color, sampled: targets.sums[0].named.color, palette: this.palette };
+    const textures = {
+      gbuffer_position: targets.gbuffer.named.gbuffer_position,
+      surround: targets.surround.named.color,
+      split_sum: targets.split.named.color,
+      sampled: targets.sums[0].named.color,
+      palette: this.palette,
+    };
     this.pass("show", isLinear ? targets.linear : null, textures, (uniform) => {
       gl.uniform1i(uniform.mode, MODES.indexOf(mode));
       gl.uniform1f(uniform.sample_share, this.done ? view.samples / this.done : 0);
@@ -285,7 +342,10 @@ export class LiveRender {
       this.adapt(performance.now() - this.submitted);
     }
     const side = isMoving ? this.movingSide : 1;
-    if (side !== this.pixelSide) { this.pixelSide = side; this.restart(); }
+    if (side !== this.pixelSide) {
+      this.pixelSide = side;
+      this.restart();
+    }
     this.resize();
     this.lastCount = 0;
     // Every pass is drawn, as it is in every frame while the view moves.
@@ -307,7 +367,11 @@ export class LiveRender {
 
   /** One pass of samples, or a band of it where a pass takes longer than a frame may. */
   sampleSome() {
-    this.pending ??= { count: Math.min(this.batch, this.view.samples - this.done), band: 0, bands: this.wasWhole ? 1 : this.bands };
+    this.pending ??= {
+      count: Math.min(this.batch, this.view.samples - this.done),
+      band: 0,
+      bands: this.wasWhole ? 1 : this.bands,
+    };
     const { count, band, bands } = this.pending;
     this.drawSamples(count, band, bands);
     this.lastCount = count;
@@ -322,7 +386,8 @@ export class LiveRender {
   adapt(ms) {
     this.frameMs = ms;
     if (this.lastCount) {
-      const pass = Math.max(1, ms) * this.lastBands, factor = Math.min(2, Math.max(0.25, FRAME_MS / pass));
+      const pass = Math.max(1, ms) * this.lastBands,
+        factor = Math.min(2, Math.max(0.25, FRAME_MS / pass));
       this.batch = Math.max(1, Math.min(SAMPLES_A_FRAME_MAX, Math.round(this.lastCount * factor)));
       this.bands = this.lastCount === 1 ? Math.max(1, Math.min(BANDS_MAX, Math.round(pass / FRAME_MS))) : 1;
     }
@@ -335,7 +400,8 @@ export class LiveRender {
 
   /** Linear RGBA of `mode` ("split" or "sampled"), top row first: the whole image, or one pixel of the canvas. */
   linear(mode, pixel) {
-    const { gl } = this, { width, height } = this.targets.linear;
+    const { gl } = this,
+      { width, height } = this.targets.linear;
     // While the view moves, one shaded pixel stands for a square of them.
     const at = pixel?.map((place, i) => Math.min([width, height][i] - 1, Math.floor(place / this.pixelSide)));
     const [x, y, w, hh] = at ? [...at, 1, 1] : [0, 0, width, height];
@@ -350,7 +416,8 @@ export class LiveRender {
 
   /** 1 where a surface is hit, top row first. */
   mask() {
-    const { gl } = this, { framebuffer, width, height } = this.targets.gbuffer;
+    const { gl } = this,
+      { framebuffer, width, height } = this.targets.gbuffer;
     const values = new Float32Array(4 * width * height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     gl.readBuffer(gl.COLOR_ATTACHMENT0);
@@ -361,7 +428,8 @@ export class LiveRender {
   /** Mean squared relative error of the split sum against the samples over the surface: the formula of the headline metric. */
   relativeError(squaredError) {
     const [test, truth, mask] = [this.linear("split"), this.linear("sampled"), this.mask()];
-    let sum = 0, count = 0;
+    let sum = 0,
+      count = 0;
     for (let i = 0; i < mask.length; i++) {
       if (!mask[i]) continue;
       sum += squaredError(test.subarray(4 * i, 4 * i + 3), truth.subarray(4 * i, 4 * i + 3));

@@ -45,12 +45,29 @@ export class Surface {
   /** Decodes and uploads an image once; a promise of its entry, null when no pixels are embedded. */
   async load(index) {
     if (this.images.has(index)) return this.images.get(index);
-    const { gl } = this, [image, bytes] = await Promise.all([pixels(index), mask(index)]);
+    const { gl } = this,
+      [image, bytes] = await Promise.all([pixels(index), mask(index)]);
     if (!image) return null;
     // Another call may have been faster.
     if (this.images.has(index)) return this.images.get(index);
-    const entry = { ...image, index, maskBytes: bytes, mask: this.noMask, texture: makeTexture(gl, UPLOAD_UNIT, gl.RGBA16F, image.width, image.height, gl.RGBA, gl.HALF_FLOAT, image.rgba) };
-    if (bytes) entry.mask = makeTexture(gl, UPLOAD_UNIT, gl.R8, image.width, image.height, gl.RED, gl.UNSIGNED_BYTE, bytes.map((b) => b * 255));
+    const entry = {
+      ...image,
+      index,
+      maskBytes: bytes,
+      mask: this.noMask,
+      texture: makeTexture(gl, UPLOAD_UNIT, gl.RGBA16F, image.width, image.height, gl.RGBA, gl.HALF_FLOAT, image.rgba),
+    };
+    if (bytes)
+      entry.mask = makeTexture(
+        gl,
+        UPLOAD_UNIT,
+        gl.R8,
+        image.width,
+        image.height,
+        gl.RED,
+        gl.UNSIGNED_BYTE,
+        bytes.map((b) => b * 255),
+      );
     this.images.set(index, entry);
     this.free();
     return entry;
@@ -67,8 +84,10 @@ export class Surface {
   }
 
   /** An image as it is to be seen, as a texture: shaded now, or kept from before. */
-  shaded(image, reference, { mode, tone, exposure, contrast }) {
-    const { gl } = this, settings = [mode, tone, exposure, contrast].join(" ");
+  shaded(image, reference, look) {
+    const { gl } = this,
+      { mode, tone, exposure, contrast } = look,
+      settings = [mode, tone, exposure, contrast].join(" ");
     if (settings !== this.settings) this.forget(0);
     this.settings = settings;
     // Only an error depends on the reference.
@@ -78,10 +97,18 @@ export class Surface {
     if (!entry) {
       const texels = image.width * image.height;
       this.forget(SHADED_TEXELS_MAX - texels);
-      entry = { texels, texture: makeTexture(gl, UPLOAD_UNIT, gl.RGBA8, image.width, image.height, gl.RGBA, gl.UNSIGNED_BYTE, null) };
+      entry = {
+        texels,
+        texture: makeTexture(gl, UPLOAD_UNIT, gl.RGBA8, image.width, image.height, gl.RGBA, gl.UNSIGNED_BYTE, null),
+      };
       gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
       gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, entry.texture, 0);
-      const textures = { image: image.texture, reference: reference.texture, mask: reference.mask, palette: this.palette };
+      const textures = {
+        image: image.texture,
+        reference: reference.texture,
+        mask: reference.mask,
+        palette: this.palette,
+      };
       drawOver(gl, this.viewer, this.framebuffer, [image.width, image.height], textures, (uniform) => {
         gl.uniform1i(uniform.mode, mode);
         gl.uniform1i(uniform.tone, tone);
@@ -110,13 +137,20 @@ export class Surface {
     const { gl, canvas } = this;
     const leftImage = this.shaded(left, reference, settings);
     const rightImage = split === null ? leftImage : this.shaded(right, rightReference, settings);
-    drawOver(gl, this.place, null, [canvas.width, canvas.height], { left_image: leftImage, right_image: rightImage }, (uniform) => {
-      gl.uniform2f(uniform.canvas_size, canvas.width, canvas.height);
-      gl.uniform2fv(uniform.origin, origin);
-      gl.uniform1f(uniform.scale, scale);
-      gl.uniform1f(uniform.split, split === null ? 1e9 : split * canvas.width);
-      gl.uniform1i(uniform.shows_clipped, clipped ? 1 : 0);
-      gl.uniform3fv(uniform.background, BACKGROUND[isDark.matches ? "dark" : "light"]);
-    });
+    drawOver(
+      gl,
+      this.place,
+      null,
+      [canvas.width, canvas.height],
+      { left_image: leftImage, right_image: rightImage },
+      (uniform) => {
+        gl.uniform2f(uniform.canvas_size, canvas.width, canvas.height);
+        gl.uniform2fv(uniform.origin, origin);
+        gl.uniform1f(uniform.scale, scale);
+        gl.uniform1f(uniform.split, split === null ? 1e9 : split * canvas.width);
+        gl.uniform1i(uniform.shows_clipped, clipped ? 1 : 0);
+        gl.uniform3fv(uniform.background, BACKGROUND[isDark.matches ? "dark" : "light"]);
+      },
+    );
   }
 }

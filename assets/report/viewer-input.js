@@ -16,15 +16,19 @@ export function keyedVariants(scene) {
     const way = variantLabel(row, ["point_set"]);
     if (!ways.has(way)) ways.set(way, row);
   }
-  const shown = [...ways.values()], fixed = shown.filter((row) => !row.axes.samples).slice(0, KEY_MAX);
+  const shown = [...ways.values()],
+    fixed = shown.filter((row) => !row.axes.samples).slice(0, KEY_MAX);
   const sampled = shown.filter((row) => row.axes.samples).slice(0, KEY_MAX - fixed.length);
   return shown.filter((row) => fixed.includes(row) || sampled.includes(row));
 }
 
 /** Follows the pointer over the image and the split. */
 export function listen(viewer) {
-  const { canvas } = viewer, pointers = new Map();
-  let moved = false, spread = 0, frame = 0;
+  const { canvas } = viewer,
+    pointers = new Map();
+  let moved = false,
+    spread = 0,
+    frame = 0;
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, event);
@@ -39,10 +43,15 @@ export function listen(viewer) {
       pointers.set(event.pointerId, event);
       if (Math.hypot(event.clientX - before.clientX, event.clientY - before.clientY) > 0) moved ||= event.buttons > 0;
       if (pointers.size === 2) {
-        const [a, b] = [...pointers.values()], distance = Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
+        const [a, b] = [...pointers.values()],
+          distance = Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
         const box = canvas.getBoundingClientRect();
         if (spread && Math.abs(distance / spread - 1) > 0.08) {
-          viewer.zoom(distance / spread, ((a.clientX + b.clientX) / 2 - box.left) * ratio, ((a.clientY + b.clientY) / 2 - box.top) * ratio);
+          viewer.zoom(
+            distance / spread,
+            ((a.clientX + b.clientX) / 2 - box.left) * ratio,
+            ((a.clientY + b.clientY) / 2 - box.top) * ratio,
+          );
           spread = distance;
         }
         spread ||= distance;
@@ -56,7 +65,10 @@ export function listen(viewer) {
   });
   const up = (event) => {
     if (!pointers.delete(event.pointerId)) return;
-    if (moved) { if (viewer.row) viewer.keepState(); return; }
+    if (moved) {
+      if (viewer.row) viewer.keepState();
+      return;
+    }
     if (!viewer.row || !viewer.origin) return;
     viewer.pinned = !viewer.pinned || String(viewer.probed) !== String(viewer.texelAt(event));
     viewer.probed = viewer.texelAt(event);
@@ -65,11 +77,20 @@ export function listen(viewer) {
   };
   canvas.addEventListener("pointerup", up);
   canvas.addEventListener("pointercancel", (event) => pointers.delete(event.pointerId));
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    const box = canvas.getBoundingClientRect(), ratio = canvas.width / box.width;
-    viewer.zoom(event.deltaY < 0 ? 1.2 : 1 / 1.2, (event.clientX - box.left) * ratio, (event.clientY - box.top) * ratio);
-  }, { passive: false });
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      const box = canvas.getBoundingClientRect(),
+        ratio = canvas.width / box.width;
+      viewer.zoom(
+        event.deltaY < 0 ? 1.2 : 1 / 1.2,
+        (event.clientX - box.left) * ratio,
+        (event.clientY - box.top) * ratio,
+      );
+    },
+    { passive: false },
+  );
   viewer.handle.addEventListener("pointerdown", (event) => viewer.handle.setPointerCapture(event.pointerId));
   viewer.handle.addEventListener("pointermove", (event) => {
     if (!viewer.handle.hasPointerCapture(event.pointerId)) return;
@@ -86,18 +107,46 @@ export function key(viewer, event) {
   const onHandle = document.activeElement === viewer.handle;
   const actions = {
     " ": () => viewer.hold(true),
-    e: () => { viewer.mode = viewer.mode === "error" ? "image" : "error"; viewer.redraw(); },
-    s: () => { viewer.mode = viewer.mode === "signed" ? "image" : "signed"; viewer.redraw(); },
-    t: () => { if (viewer.mode !== "image") return; viewer.tone = viewer.tone === "srgb" ? "curve" : "srgb"; viewer.redraw(); },
-    c: () => { viewer.clipped = !viewer.clipped; viewer.redraw(); },
+    e: () => {
+      viewer.mode = viewer.mode === "error" ? "image" : "error";
+      viewer.redraw();
+    },
+    s: () => {
+      viewer.mode = viewer.mode === "signed" ? "image" : "signed";
+      viewer.redraw();
+    },
+    t: () => {
+      if (viewer.mode !== "image") return;
+      viewer.tone = viewer.tone === "srgb" ? "curve" : "srgb";
+      viewer.redraw();
+    },
+    c: () => {
+      viewer.clipped = !viewer.clipped;
+      viewer.redraw();
+    },
     d: () => viewer.setSplit(viewer.split === null ? 0.5 : null),
-    "[": () => { if (viewer.mode !== "image") return; viewer.stops = Math.max(STOPS[0], viewer.stops - 0.5); viewer.redraw(); },
-    "]": () => { if (viewer.mode !== "image") return; viewer.stops = Math.min(STOPS[1], viewer.stops + 0.5); viewer.redraw(); },
-    "+": () => viewer.zoom(1.5), "=": () => viewer.zoom(1.5), "-": () => viewer.zoom(1 / 1.5),
-    0: () => { viewer.fit(); viewer.draw(); viewer.keepState(); },
+    "[": () => {
+      if (viewer.mode !== "image") return;
+      viewer.stops = Math.max(STOPS[0], viewer.stops - 0.5);
+      viewer.redraw();
+    },
+    "]": () => {
+      if (viewer.mode !== "image") return;
+      viewer.stops = Math.min(STOPS[1], viewer.stops + 0.5);
+      viewer.redraw();
+    },
+    "+": () => viewer.zoom(1.5),
+    "=": () => viewer.zoom(1.5),
+    "-": () => viewer.zoom(1 / 1.5),
+    0: () => {
+      viewer.fit();
+      viewer.draw();
+      viewer.keepState();
+    },
     ArrowLeft: () => (onHandle ? viewer.setSplit(Math.max(0, viewer.split - 0.02)) : viewer.step(-1)),
     ArrowRight: () => (onHandle ? viewer.setSplit(Math.min(1, viewer.split + 0.02)) : viewer.step(1)),
-    ArrowUp: () => viewer.stepScene(-1), ArrowDown: () => viewer.stepScene(1),
+    ArrowUp: () => viewer.stepScene(-1),
+    ArrowDown: () => viewer.stepScene(1),
   };
   const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
   const moves = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };

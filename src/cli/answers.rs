@@ -2,27 +2,44 @@
 
 use super::{Failure, print, tell};
 use clap::Args;
-use splitsum::study::answers::publish::{PublishError, check, publish, write_page};
-use splitsum::study::answers::run_folder::notes;
-use splitsum::study::answers::{Answered, AnswersError};
+use splitsum::metrics::{METRICS, metric};
+use splitsum::spelling::suggestion;
+use splitsum::study::finished::{Finished, notes};
+use splitsum::study::publish::{PublishError, check, publish, write_page, write_readme};
+use splitsum::study::questions::answers;
+use splitsum::study::write::Written;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// (Re)computes what finished runs answer: answers/ and summary.md, from their tables alone. Of a run under way it prints what the
-/// finished cells answer, and writes nothing.
+/// Answers the questions of finished runs again, from their tables alone: answers/ and summary.md.
 #[derive(Args, Debug)]
-#[command(after_help = "Needs neither a device nor the inputs of the run.\n\n\
-    Examples:\n  splitsum answers runs/break-even\n  splitsum answers runs/* --publish results")]
+#[command(
+    after_help = "Needs neither a device nor the inputs of the run. While a run is under way its cells so far are answered, and nothing \
+    is written.\n\n\
+    Examples:\n  splitsum answers runs/break-even\n  splitsum answers runs/break-even --metric flip\n  \
+    splitsum answers runs/* --publish results"
+)]
 pub struct Arguments {
     /// Folders of runs.
     #[arg(required = true, value_name = "DIR")]
     dirs: Vec<PathBuf>,
-    /// Copies the small files of each run to FOLDER/NAME, and writes FOLDER/README.md with the answers of all runs there.
+    /// Answers by this metric (`splitsum list metrics`) instead of the experiment's.
+    #[arg(long, value_name = "NAME", value_parser = known_metric)]
+    metric: Option<String>,
+    /// Copies the small files of each run to FOLDER/NAME, and writes FOLDER/README.md and the answers in the README beside FOLDER.
     #[arg(long, value_name = "FOLDER")]
     publish: Option<PathBuf>,
-    /// Publishes in the place of a run of the same name whose plan is another one. The same plan, run anew, needs no such leave.
+    /// Publishes over a run of the same name and another plan.
     #[arg(long, requires = "publish")]
     replace: bool,
+}
+
+fn known_metric(name: &str) -> Result<String, String> {
+    let names: Vec<&str> = METRICS.iter().map(|metric| metric.description().name).collect();
+    match metric(name) {
+        Some(_) => Ok(name.to_owned()),
+        None => Err(format!("{name:?} is not a metric{}", suggestion(name, &names))),
+    }
 }
 
 fn publish_failure(error: PublishError) -> Failure {
@@ -30,51 +47,55 @@ fn publish_failure(error: PublishError) -> Failure {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let mut published = BTreeMap::new();
-    // Before anything is written: of several runs all are published, or none.
+    // Of several runs all are published, or none.
     if let Some(into) = &arguments.publish {
         let faults: Vec<PublishError> =
             arguments.dirs.iter().filter_map(|dir| check(dir, into, arguments.replace).err()).collect();
         if !faults.is_empty() {
-            let lines: Vec<String> = faults.iter().map(PublishError::to_string).collect();
-            let text = lines.join("\n");
+            let text = faults.iter().map(PublishError::to_string).collect::<Vec<_>>().join("\n");
             let is_misuse = faults.iter().all(PublishError::is_misuse);
             return Err(if is_misuse { Failure::BadInput(text) } else { Failure::Failed(text) });
         }
     }
+    let mut published = BTreeMap::new();
     for dir in &arguments.dirs {
-        let failed = |error: AnswersError| match error {
-            AnswersError::Run(_) => Failure::input(error),
-            _ => Failure::failed(error),
-        };
         for note in notes(dir) {
             tell(&format!("warning: {note}"));
         }
-        let answered = Answered::of_run(dir).map_err(failed)?;
-        if let Some(note) = &answered.under_way {
+        let run = Finished::read(dir).map_err(Failure::input)?;
+        let written = Written::new(&run, &answers(&run, arguments.metric.as_deref())).map_err(Failure::failed)?;
+        if let Some(note) = run.under_way_note() {
             if arguments.publish.is_some() {
                 return Err(Failure::BadInput(format!("{note}; expected a finished run to publish")));
             }
-            // The run writes its answers at its end, and these would come between.
-            print(&format!("{}\n{note}; nothing is written before the run's end\n", answered.summary))?;
+            print(&format!("{}\n{note}; nothing is written before the run's end\n", written.summary))?;
             continue;
         }
-        answered.write().map_err(failed)?;
-        print(&format!("{}: {}\n", dir.display(), answered.record.answer.sentence))?;
+        written.write().map_err(Failure::failed)?;
+        print(&format!("{}: {}\n", dir.display(), written.record.headline()))?;
         if let Some(into) = &arguments.publish {
-            if let Some(other) = published.insert(answered.record.name.clone(), dir) {
-                let (name, dir, other) = (&answered.record.name, dir.display(), other.display());
-                return Err(Failure::BadInput(format!(
-                    "{dir}: {name} was just published from {other}; expected runs of different names, since the folder there is the name"
-                )));
-            }
-            for note in publish(dir, into, arguments.replace).map_err(publish_failure)? {
-                print(&format!("{note}\n"))?;
-            }
+            publish_one(&written.record.name, dir, into, arguments.replace, &mut published)?;
         }
     }
-    match &arguments.publish {
-        Some(into) => print(&format!("Written {}\n", write_page(into).map_err(publish_failure)?.display())),
-        None => Ok(()),
+    let Some(into) = &arguments.publish else { return Ok(()) };
+    let page = write_page(into).map_err(publish_failure)?;
+    let readme = write_readme(into).map_err(publish_failure)?;
+    let names = std::iter::once(page).chain(readme).map(|path| path.display().to_string());
+    print(&format!("Written {}\n", names.collect::<Vec<_>>().join(", ")))
+}
+
+fn publish_one<'a>(
+    name: &str,
+    dir: &'a Path,
+    into: &Path,
+    replace: bool,
+    published: &mut BTreeMap<String, &'a Path>,
+) -> Result<(), Failure> {
+    if let Some(other) = published.insert(name.to_owned(), dir) {
+        let (dir, other) = (dir.display(), other.display());
+        return Err(Failure::BadInput(format!(
+            "{dir}: {name} was just published from {other}; expected runs of different names, since the folder there is the name"
+        )));
     }
+    publish(dir, into, replace).map_err(publish_failure)?.iter().try_for_each(|note| print(&format!("{note}\n")))
 }

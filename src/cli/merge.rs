@@ -46,7 +46,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     for note in &merged.notes {
         tell(&format!("warning: {note}"));
     }
-    let failed = conclude(&merged.outcome, plan.cells.len())?;
+    let failed = conclude(&plan, &merged.outcome)?;
     if merged.holes.is_empty() {
         return failed.map_or(Ok(()), Err);
     }

@@ -15,6 +15,7 @@ mod plan;
 mod progress;
 mod render;
 mod report;
+
 mod run;
 mod stop;
 mod subject;

@@ -8,10 +8,12 @@ use super::{Failure, print};
 use clap::Args;
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::runner::chunk::{ChunkOptions, PlanFile, run_chunk};
-use splitsum::runner::store::FailureRecord;
+use splitsum::runner::store::{FailureRecord, Store};
 use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run, run_extended};
-use splitsum::study::answers::Answered;
-use splitsum::study::report::ReportOptions;
+use splitsum::study::finished::Finished;
+use splitsum::study::page::{PageOptions, Told, write};
+use splitsum::study::questions::answers;
+use splitsum::study::write::Written;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -93,7 +95,7 @@ fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure
     let mut open = opener(arguments);
     let run = if arguments.extend { run_extended } else { run };
     let outcome = run(&plan, &mut open, &options, &mut progress)?;
-    let failed = conclude(&outcome, plan.cells.len())?;
+    let failed = conclude(&plan, &outcome)?;
     if let Some(work) = &outcome.work {
         progress.note(&work.line(started.elapsed().as_secs_f64() * 1e3));
     }
@@ -138,16 +140,20 @@ fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     Ok(progress)
 }
 
-/// Writes what a run's tables say, prints the summary and writes the report; the result says which of its `cell_count` cells failed.
-pub fn conclude(outcome: &Outcome, cell_count: usize) -> Result<Option<Failure>, Failure> {
-    let answered = Answered::of_run(&outcome.dir).map_err(Failure::failed)?;
-    answered.write().map_err(Failure::failed)?;
-    print(&answered.summary)?;
+/// Answers the questions of a run that has ended, prints the summary and writes the report; the result says which of its cells failed.
+pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failure> {
+    let store = Store::at(&outcome.dir);
+    let run = Finished::of_run(plan, &store, &outcome.results, &outcome.timings).map_err(Failure::failed)?;
+    let answers = answers(&run, None);
+    let written = Written::new(&run, &answers).map_err(Failure::failed)?;
+    written.write().map_err(Failure::failed)?;
+    print(&written.summary)?;
     print(&format!("Written to {}\n", outcome.dir.display()))?;
     // The run is kept whatever becomes of its report.
-    let report = splitsum::study::report::write(&ReportOptions::of_run(&outcome.dir)).map_err(Failure::failed);
-    print(&report.as_ref().map_or_else(|failure| format!("No report: {failure}\n"), super::report::line))?;
-    Ok(cells_failed(&outcome.failures, cell_count))
+    let options = PageOptions::in_folder(&outcome.dir);
+    let report = write(&options, &Told::of_runs(&[(run, answers)]));
+    print(&report.as_ref().map_or_else(|error| format!("No report: {error}\n"), super::report::line))?;
+    Ok(cells_failed(&outcome.failures, plan.cells.len()))
 }
 
 fn cells_failed(failures: &[FailureRecord], cell_count: usize) -> Option<Failure> {

@@ -4,6 +4,7 @@ use super::{Failure, tell};
 use clap::Args;
 use splitsum::environment::LoadOptions;
 use splitsum::runner::{Plan, frozen};
+use splitsum::study::questions::check;
 use std::path::PathBuf;
 
 /// An experiment, narrowed or not, and the folder of its run.
@@ -28,6 +29,7 @@ impl Subject {
     pub fn plan(&self) -> Result<Plan, Failure> {
         let options = LoadOptions { clamp_invalid: self.clamp_invalid, ..LoadOptions::default() };
         let (plan, note) = frozen::load(&self.experiment, &self.overrides, &options).map_err(Failure::input)?;
+        check(&plan.config).map_err(Failure::input)?;
         note.iter().for_each(|note| tell(note));
         Ok(plan)
     }

@@ -46,23 +46,31 @@ impl Luminance {
     }
 }
 
+/// The axes of the light.
+const LIGHT_AXES: [usize; 2] = [ENVIRONMENT, ENVIRONMENT_CLIP];
+
+/// The light of each environment and clip (the values of the two axes as tables show them), in plan order.
+pub fn lights(plan: &Plan) -> Vec<([Value; 2], Luminance)> {
+    let mut found: Vec<([Value; 2], Luminance)> = Vec::new();
+    for cell in &plan.cells {
+        let key = LIGHT_AXES.map(|axis| plan.shown(cell, axis));
+        if found.iter().all(|(known, _)| *known != key) {
+            let settings = cell.point.settings();
+            let environment = plan.inputs.clipped(&settings.environment, settings.environment_clip_log2);
+            found.push((key, Luminance::of(&environment)));
+        }
+    }
+    found
+}
+
 /// The rows of `environments.csv`, in plan order.
 pub fn environments(plan: &Plan) -> Rows {
     let [mean, peak] = LUMINANCE_COLUMNS;
-    let axes = [ENVIRONMENT, ENVIRONMENT_CLIP];
-    let columns = axes.iter().map(|&axis| AXES[axis].name).chain([mean, peak, RANGE_COLUMN]);
-    let mut seen: Vec<[&Value; 2]> = Vec::new();
-    let mut rows = Vec::new();
-    for cell in &plan.cells {
-        let key = axes.map(|axis| &cell.point[axis]);
-        if seen.contains(&key) {
-            continue;
-        }
-        seen.push(key);
-        let found = Luminance::of(&plan.inputs.clipped(key[0].text(), cell.point.settings().environment_clip_log2));
-        let mut row = axes.map(|axis| Field::Text(plan.shown(cell, axis).to_string())).to_vec();
+    let columns = LIGHT_AXES.iter().map(|&axis| AXES[axis].name).chain([mean, peak, RANGE_COLUMN]);
+    let row = |(key, found): ([Value; 2], Luminance)| {
+        let mut row = key.map(|value| Field::Text(value.to_string())).to_vec();
         row.extend([found.mean.into(), found.peak.into(), found.range_stops().into()]);
-        rows.push(row);
-    }
-    (columns.map(str::to_owned).collect(), rows)
+        row
+    };
+    (columns.map(str::to_owned).collect(), lights(plan).into_iter().map(row).collect())
 }

@@ -139,7 +139,7 @@ pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
 }
 
 /// The linear images of a cell and its reference.
-pub(super) fn linear_files(plan: &Plan, cell: &Cell) -> [String; 2] {
+pub fn linear_files(plan: &Plan, cell: &Cell) -> [String; 2] {
     let reference = plan.reference_point(&cell.point);
     [radiance_name(plan, &cell.point, &cell.radiance), radiance_name(plan, &reference, &cell.reference)]
 }

@@ -5,6 +5,7 @@
 pub mod axis;
 mod checks;
 pub mod chunk;
+pub mod columns;
 pub mod config;
 pub mod environments;
 pub mod estimate;

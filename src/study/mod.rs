@@ -1,5 +1,12 @@
-//! What finished runs say: answers, figures, the report. Needs no device.
+//! What finished runs say: questions with their answers, figures, the page. Needs no device.
 
-pub mod answers;
-pub mod report;
-pub(crate) mod summary;
+pub mod columns;
+pub mod figure;
+pub mod finished;
+pub mod frame;
+pub mod page;
+pub mod publish;
+pub mod questions;
+pub mod summary;
+pub mod table;
+pub mod write;

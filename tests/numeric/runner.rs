@@ -3,6 +3,7 @@
 mod asks;
 mod chunk;
 mod config;
+mod environments;
 mod estimate;
 mod extend;
 pub mod fake;

@@ -161,8 +161,8 @@ pub enum Symbol {
     None,
     /// `alpha 0.25`.
     Before(&'static str),
-    /// `5 lv`.
-    After(&'static str),
+    /// `5 lv` in labels, `5 levels` in sentences.
+    After(&'static str, &'static str),
 }
 
 /// One sweepable parameter.
@@ -239,7 +239,15 @@ impl Axis {
             Symbol::None => value.to_owned(),
             Symbol::Before(word) if word.ends_with('^') => format!("{word}{value}"),
             Symbol::Before(word) => format!("{word} {value}"),
-            Symbol::After(word) => format!("{value} {word}"),
+            Symbol::After(word, _) => format!("{value} {word}"),
+        }
+    }
+
+    /// A value with the axis's words in a sentence: `5 levels`.
+    pub fn said(&self, value: &str) -> String {
+        match self.symbol {
+            Symbol::After(_, words) => format!("{value} {words}"),
+            _ => self.label(value),
         }
     }
 }

@@ -377,7 +377,9 @@ impl<'p> Run<'p> {
             dir: self.store.dir().to_owned(),
             failures: self.failures(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
-            work: self.work.clone(),
+            work: self.work,
+            results: self.results,
+            timings: self.timings,
         })
     }
 }

@@ -2,12 +2,17 @@
 
 use crate::pipeline::{SharedWork, Tally};
 use crate::runner::store::FailureRecord;
+use crate::runner::tables::Results;
+use crate::runner::timing::TimingRecord;
 use std::path::PathBuf;
 
 /// What a run left.
 #[derive(Debug)]
 pub struct Outcome {
     pub dir: PathBuf,
+    /// Of every cell that was tried.
+    pub results: Results,
+    pub timings: Vec<TimingRecord>,
     /// Cells without a record, each with its reason.
     pub failures: Vec<FailureRecord>,
     /// Whether it was stopped before all steps were tried.

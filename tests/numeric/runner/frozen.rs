@@ -4,7 +4,7 @@ use super::runs::{finished, read, snapshot};
 use splitsum::environment::LoadOptions;
 use splitsum::pixels::{GrayImage, RgbImage};
 use splitsum::runner::{Plan, frozen};
-use splitsum::study::answers::publish::publish;
+use splitsum::study::publish::publish;
 use std::path::Path;
 
 const EXPERIMENT: &str = "name = \"files\"\nsize = [16, 16]\nscene = \"ball.obj\"\nreference = { samples = 32 }\n[axes]\n\

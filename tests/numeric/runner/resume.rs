@@ -3,7 +3,7 @@
 use super::run::EXPERIMENT;
 use super::runs::{Steps, contents, fakes, finished, invoke, log, options, plan, read, snapshot, summary};
 use splitsum::runner::{MakeRenderer, Progress, RenderFault, Renderer, RunError, RunOptions, run};
-use splitsum::study::answers::run_folder::{RunFolder, unfinished_note};
+use splitsum::study::finished::{Finished, notes};
 use splitsum::table::csv::Table;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -321,12 +321,12 @@ fn who_reads_a_run_without_tables_is_told_how_to_go_on() {
     let dir = tempfile::tempdir().unwrap();
     let (plan, again) = (plan(EXPERIMENT), "run the same command again: splitsum run tiny.toml");
     invoke(&plan, dir.path(), &log(), 3).unwrap();
-    let note = unfinished_note(dir.path()).unwrap();
+    let note = notes(dir.path()).next().unwrap();
     assert!(note.contains(&format!("3 of {} cells are done", plan.cells.len())) && note.ends_with(again), "{note}");
     finished(&plan, dir.path());
-    assert_eq!(unfinished_note(dir.path()), None);
+    assert_eq!(notes(dir.path()).next(), None);
     std::fs::remove_file(dir.path().join("errors.csv")).unwrap();
-    let error = RunFolder::read(dir.path()).unwrap_err().to_string();
+    let error = Finished::read(dir.path()).unwrap_err().to_string();
     assert!(error.ends_with(again), "{error}");
 }
 

@@ -4,7 +4,9 @@ use super::fake::{Fake, Log};
 use splitsum::runner::{
     MakeRenderer, Outcome, Plan, Progress, RenderFault, Renderer, RunError, RunOptions, run, run_extended,
 };
-use splitsum::study::answers::Answered;
+use splitsum::study::finished::Finished;
+use splitsum::study::questions::answers;
+use splitsum::study::write::Written;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -73,8 +75,14 @@ pub fn invoke(plan: &Plan, dir: &Path, log: &Rc<RefCell<Log>>, steps: usize) -> 
 /// Writes what the tables of a run say, as the command line does.
 fn answered(outcome: Result<Outcome, RunError>) -> Result<Outcome, RunError> {
     let outcome = outcome?;
-    Answered::of_run(&outcome.dir).unwrap().write().unwrap();
+    written(&outcome.dir).write().unwrap();
     Ok(outcome)
+}
+
+/// The answers of the run in a folder.
+pub fn written(dir: &Path) -> Written {
+    let run = Finished::read(dir).unwrap();
+    Written::new(&run, &answers(&run, None)).unwrap()
 }
 
 /// The summary in the folder of a run.

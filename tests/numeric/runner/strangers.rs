@@ -5,7 +5,7 @@ use super::run::EXPERIMENT;
 use super::runs::{fakes, finished, log, options, plan, read};
 use splitsum::runner::store::Store;
 use splitsum::runner::{MakeRenderer, Plan, RunError, run, timing};
-use splitsum::study::answers::run_folder::{self, RunFolder, experiment_note};
+use splitsum::study::finished::{Finished, notes};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -31,8 +31,8 @@ fn a_record_under_another_name_is_none() {
     let last = plan.cells.last().unwrap();
     swap(&store.cell_path(&plan.cells[0].id), &store.cell_path(&last.id));
     assert!(store.cell(&last.id).unwrap().is_none());
-    let (notes, renders) = again(&plan, dir.path()).unwrap();
-    assert!(notes.len() == 1 && notes[0].contains("another cell's: 2, the first "), "{notes:?}");
+    let (told_by_run, renders) = again(&plan, dir.path()).unwrap();
+    assert!(told_by_run.len() == 1 && told_by_run[0].contains("another cell's: 2, the first "), "{told_by_run:?}");
     assert!(renders > 0 && read(dir.path().join("errors.csv")) == table);
 
     let jobs = timing::jobs(&plan);
@@ -40,16 +40,16 @@ fn a_record_under_another_name_is_none() {
     std::fs::copy(path(&jobs[0].id), path(&jobs[1].id)).unwrap();
     assert!(store.has_timing(&jobs[0].id) && !store.has_timing(&jobs[1].id));
     // Who reads the folder meanwhile counts it once, as the run does.
-    let counted = RunFolder::read(dir.path()).unwrap().timings.len();
+    let counted = Finished::read(dir.path()).unwrap().timings.len();
     assert_eq!(counted, jobs.len() - 1);
     std::fs::copy(path(&jobs[0].id), path("0123456789abcdef")).unwrap();
-    assert_eq!(RunFolder::read(dir.path()).unwrap().timings.len(), counted);
-    let told: Vec<String> = run_folder::notes(dir.path()).collect();
+    assert_eq!(Finished::read(dir.path()).unwrap().timings.len(), counted);
+    let told: Vec<String> = notes(dir.path()).collect();
     let words = format!("2 of {} timing records are damaged or another's and do not count", jobs.len() + 1);
     assert!(told.len() == 1 && told[0].contains(&words), "{told:?}");
     std::fs::remove_file(path("0123456789abcdef")).unwrap();
     again(&plan, dir.path()).unwrap();
-    assert!(store.has_timing(&jobs[1].id) && run_folder::notes(dir.path()).next().is_none());
+    assert!(store.has_timing(&jobs[1].id) && notes(dir.path()).next().is_none());
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn a_reference_record_that_cannot_be_used_is_made_anew() {
 fn the_frozen_experiment_of_a_finished_run_comes_back() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
     finished(&plan, dir.path());
-    assert_eq!(experiment_note(dir.path()), None);
+    assert_eq!(notes(dir.path()).next(), None);
     let path = dir.path().join("experiment.toml");
     let whole = read(&path);
     let provenance = read(dir.path().join("provenance.json"));
@@ -87,7 +87,7 @@ fn the_frozen_experiment_of_a_finished_run_comes_back() {
     ] as [(&dyn Fn(), &str); 2]
     {
         damage();
-        assert!(experiment_note(dir.path()).unwrap().contains(what));
+        assert!(notes(dir.path()).next().unwrap().contains(what));
         let (notes, renders) = again(&plan, dir.path()).unwrap();
         assert!(notes.len() == 1 && notes[0].contains("experiment.toml was not"), "{notes:?}");
         assert!(renders == 0 && read(&path) == whole && read(dir.path().join("provenance.json")) == provenance);
@@ -96,7 +96,7 @@ fn the_frozen_experiment_of_a_finished_run_comes_back() {
     let other = super::runs::plan(&format!("# A comment.\n{EXPERIMENT}"));
     assert_eq!(other.hash, plan.hash);
     again(&other, dir.path()).unwrap();
-    assert!(read(&path).starts_with(b"# A comment") && experiment_note(dir.path()).is_none());
+    assert!(read(&path).starts_with(b"# A comment") && notes(dir.path()).next().is_none());
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn a_provenance_that_is_none_is_refused_wherever_it_is_read() {
         std::fs::write(&path, text).unwrap();
         let Err(RunError::Store(error)) = again(&plan, dir.path()) else { panic!("{what}: went on") };
         assert!(error.is_misuse() && error.to_string().contains(what), "{what}: {error}");
-        assert_eq!(RunFolder::read(dir.path()).unwrap_err().to_string(), error.to_string());
+        assert_eq!(Finished::read(dir.path()).unwrap_err().to_string(), error.to_string());
     }
 }
 
@@ -130,10 +130,10 @@ fn images_csv_names_nothing_outside_the_images() {
     finished(&plan, dir.path());
     let path = dir.path().join("images.csv");
     let text = String::from_utf8(read(&path)).unwrap();
-    let name = RunFolder::read(dir.path()).unwrap().images.into_values().next().unwrap().radiance;
+    let name = Finished::read(dir.path()).unwrap().cells.into_iter().find_map(|cell| cell.images).unwrap().radiance;
     for stranger in ["../../../../etc/passwd", "..", "/etc/passwd", "a\\b", "a\u{1b}[31m"] {
         std::fs::write(&path, text.replacen(&name, stranger, 1)).unwrap();
-        let error = RunFolder::read(dir.path()).unwrap_err().to_string();
+        let error = Finished::read(dir.path()).unwrap_err().to_string();
         assert!(error.contains("images.csv") && error.contains("is not the name of an image"), "{error}");
     }
 }

@@ -1,11 +1,9 @@
 //! Reading the folder of a run that is at work: what is done is told, and told as such.
 
 use crate::runner::run::EXPERIMENT;
-use crate::runner::runs::{invoke, log, plan, read};
+use crate::runner::runs::{invoke, log, plan, read, written};
 use splitsum::runner::store::Store;
-use splitsum::study::answers::Answered;
-use splitsum::study::answers::run_folder::{RunFolder, unfinished_note};
-use splitsum::study::report::{ReportOptions, write};
+use splitsum::study::finished::{Finished, notes};
 
 #[test]
 fn the_tables_of_a_run_that_is_at_work_are_those_of_the_cells_that_are_done() {
@@ -16,26 +14,19 @@ fn the_tables_of_a_run_that_is_at_work_are_those_of_the_cells_that_are_done() {
     invoke(&plan, dir, &log(), 10).unwrap();
     // A run writes its tables now and then: there are records that they do not hold yet.
     std::fs::write(dir.join("errors.csv"), early).unwrap();
-    let error = RunFolder::read(dir).unwrap_err().to_string();
+    let error = Finished::read(dir).unwrap_err().to_string();
     assert!(error.contains("7 rows, but the folder has records of 17 cells: it is cut off"), "{error}");
 
     let at_work = Store::open(dir, &plan).unwrap();
     let note = format!("{}: under way: 7 of 32 cells", dir.display());
-    let answered = Answered::of_run(dir).unwrap();
-    assert_eq!(answered.under_way.as_ref(), Some(&note));
-    assert!(answered.record.cells == 7 && unfinished_note(dir).is_none());
-    let written = write(&ReportOptions { out: Some(dir.join("now.html")), ..ReportOptions::of_run(dir) }).unwrap();
-    assert_eq!(written.notes.first(), Some(&note));
-    assert!(
-        String::from_utf8(read(&written.path))
-            .unwrap()
-            .contains("7 of 32 cells of tiny are done: the run is under way.")
-    );
+    let run = Finished::read(dir).unwrap();
+    assert_eq!(run.under_way_note().as_ref(), Some(&note));
+    assert!(written(dir).record.cells == 7 && notes(dir).next().is_none());
     std::fs::remove_file(dir.join("errors.csv")).unwrap();
-    let error = RunFolder::read(dir).unwrap_err().to_string();
+    let error = Finished::read(dir).unwrap_err().to_string();
     assert!(error.contains("a run is under way in it and has written no table yet"), "{error}");
 
     drop(at_work);
     invoke(&plan, dir, &log(), usize::MAX).unwrap();
-    assert_eq!(Answered::of_run(dir).unwrap().under_way, None);
+    assert_eq!(Finished::read(dir).unwrap().under_way_note(), None);
 }

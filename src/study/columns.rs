@@ -1,0 +1,56 @@
+//! The text of docs/columns.md, from the lists of axes, metrics, tables and questions.
+
+use super::questions::QUESTIONS;
+use crate::metrics::METRICS;
+use crate::runner::axis::AXES;
+use crate::runner::columns::{CELL, Column, TABLES};
+use crate::table::markdown::{Align, MarkdownTable};
+use std::fmt::Write;
+
+/// The whole page.
+pub fn page() -> String {
+    let mut text = "# Columns\n\nWritten by `splitsum list columns`, from the lists in the code. A missing value is an empty field. Numbers have all \
+                    their digits. An interval is a 95 % interval.\n\n"
+        .to_owned();
+    let _ = write!(text, "`{}`: {}\n\n## Axes\n\n", CELL.name, CELL.about);
+    text += &table(AXES.iter().map(|axis| (axis.name, format!("{}.", sentence(axis.about)))));
+    text += "\nAn axis that a method does not use is empty in its rows.\n\n## Metrics\n\n";
+    let metric = |d: &crate::metrics::Description| {
+        let constants: Vec<String> = d.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+        let constants = if constants.is_empty() { String::new() } else { format!(" ({})", constants.join(", ")) };
+        format!(
+            "{}{constants}. {} values, better: {}.",
+            sentence(d.formula.trim_end_matches('.')),
+            sentence(d.space.name()),
+            d.better.name()
+        )
+    };
+    text += &table(METRICS.iter().map(|known| (known.description().name, metric(known.description()))));
+    text += "\n## Tables of a run\n";
+    for (file, columns, about) in TABLES {
+        let _ = write!(text, "\n### {file}\n\n{about}\n\n");
+        text += &of_columns(columns);
+    }
+    text += "\n## Tables of answers\n\nEach answered question has its table in `answers/`. Its first columns are the axes that tell its rows apart.\n";
+    for question in QUESTIONS {
+        let _ = write!(text, "\n### answers/{}.csv\n\n{}\n\n", question.name, question.asks);
+        text += &of_columns(question.columns);
+    }
+    text
+}
+
+fn of_columns(columns: &[Column]) -> String {
+    table(columns.iter().map(|column| (column.name, column.about.to_owned())))
+}
+
+fn table<'n>(rows: impl Iterator<Item = (&'n str, String)>) -> String {
+    let mut table = MarkdownTable::new(&[("column", Align::Left), ("meaning", Align::Left)]);
+    rows.for_each(|(name, about)| table.row(&[format!("`{name}`"), about]));
+    table.to_string()
+}
+
+/// With a capital first letter.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}

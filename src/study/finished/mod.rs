@@ -1,0 +1,167 @@
+//! A finished run as typed data: what every question and the page are answered from.
+//!
+//! `read` takes it from the files of a folder, published or not; `run` from the memory of the run that has just ended. Both give the same.
+
+mod notes;
+mod read;
+mod run;
+
+pub use notes::notes;
+pub use read::{FinishedError, provenance};
+
+use crate::metrics::METRICS;
+use crate::runner::axis::{AXES, Point};
+use crate::runner::config::Config;
+use crate::runner::store::{FailureRecord, StopReason};
+use crate::runner::timing::TimingRecord;
+use serde_json::Value as Json;
+use std::path::PathBuf;
+
+/// One number a metric, in the order of [`METRICS`]; NaN where there is none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MetricValues(Box<[f64]>);
+
+impl MetricValues {
+    /// Asks `value` for each metric by its name.
+    pub fn of(value: impl Fn(&'static str) -> Option<f64>) -> Self {
+        Self(METRICS.iter().map(|metric| value(metric.description().name).unwrap_or(f64::NAN)).collect())
+    }
+
+    /// The value of the metric of that name, where there is one.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        let place = METRICS.iter().position(|metric| metric.description().name == name)?;
+        Some(self.0[place]).filter(|value| !value.is_nan())
+    }
+}
+
+/// The pixels with `n_dot_v` in [`lo`, `hi`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bin {
+    pub lo: f64,
+    pub hi: f64,
+    pub pixel_count: u64,
+    pub scores: MetricValues,
+}
+
+/// Where the reference of a cell stopped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    pub samples: u64,
+    /// Relative standard error of the image.
+    pub relative_error: f64,
+    pub stopped_by: StopReason,
+}
+
+/// The files of `images/` that belong to a cell: linear EXR of the cell and of its reference.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CellImages {
+    pub radiance: String,
+    pub reference: String,
+}
+
+/// One cell that was tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FinishedCell {
+    pub id: String,
+    /// Parameters that the cell does not use are unset.
+    pub point: Point,
+    /// Nothing for a failed cell.
+    pub scores: Option<MetricValues>,
+    /// The score to expect of an exact image, from the reference's own noise.
+    pub noise_floors: MetricValues,
+    /// Bias squared and variance of the relative error over point sets (`bias_variance` in the experiment).
+    pub bias_variance: Option<[f64; 2]>,
+    pub reference: Option<Stop>,
+    pub bins: Vec<Bin>,
+    pub images: Option<CellImages>,
+}
+
+/// The light of an environment at one clip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    pub environment: String,
+    /// As the axis writes it; empty for the whole environment.
+    pub clip_log2: String,
+    /// Luminance over the sphere and of the brightest texel.
+    pub mean: f64,
+    pub peak: f64,
+    /// log2 of peak over mean; nothing for a black environment.
+    pub range_stops: Option<f64>,
+}
+
+/// A finished run.
+#[derive(Debug)]
+pub struct Finished {
+    pub dir: PathBuf,
+    /// `provenance.json`.
+    pub provenance: Json,
+    /// The frozen experiment file.
+    pub experiment: String,
+    /// The experiment, with the overrides of the run; nothing where this program does not understand it.
+    pub config: Option<Config>,
+    /// In plan order.
+    pub cells: Vec<FinishedCell>,
+    pub lights: Vec<Light>,
+    pub timings: Vec<TimingRecord>,
+    pub failures: Vec<FailureRecord>,
+    /// Whether a run is at work in the folder: only the cells that are done are here.
+    pub is_under_way: bool,
+}
+
+impl Finished {
+    /// A text of the provenance by JSON pointer; empty where there is none.
+    pub fn text(&self, pointer: &str) -> String {
+        match self.provenance.pointer(pointer) {
+            Some(Json::String(text)) => text.clone(),
+            Some(Json::Null) | None => String::new(),
+            Some(value) => value.to_string(),
+        }
+    }
+
+    /// The last invocation that did work, as a JSON pointer prefix.
+    pub fn last_session(&self) -> String {
+        let count = self.provenance["sessions"].as_array().map_or(0, Vec::len);
+        format!("/sessions/{}", count.saturating_sub(1))
+    }
+
+    /// Every device that did work, with its driver, each once.
+    pub fn devices(&self) -> Vec<String> {
+        let mut devices: Vec<String> = Vec::new();
+        for session in 0..self.provenance["sessions"].as_array().map_or(0, Vec::len) {
+            let text = |name: &str| self.text(&format!("/sessions/{session}/device/{name}"));
+            let device = format!("{} ({})", text("name"), text("driver"));
+            if !devices.contains(&device) {
+                devices.push(device);
+            }
+        }
+        devices
+    }
+
+    /// Cells without scores.
+    pub fn failed_count(&self) -> usize {
+        self.cells.iter().filter(|cell| cell.scores.is_none()).count()
+    }
+
+    /// How many of its cells a run that is under way has done.
+    pub fn under_way_note(&self) -> Option<String> {
+        let planned = self.provenance["cell_count"].as_u64().filter(|_| self.is_under_way)?;
+        Some(format!("{}: under way: {} of {planned} cells", self.dir.display(), self.cells.len()))
+    }
+
+    /// Whether times come from a driver that computes on the CPU.
+    pub fn is_cpu_timed(&self) -> bool {
+        self.timings.iter().any(|record| record.device_type == "cpu")
+    }
+}
+
+/// The point whose axes have these texts, in the order of [`AXES`]; a text that an axis does not take leaves it unset.
+fn point_of(text: impl Fn(&'static str) -> Option<String>) -> Point {
+    Point(
+        AXES.iter()
+            .map(|axis| {
+                let text = text(axis.name).filter(|text| !text.is_empty());
+                text.and_then(|text| axis.kind.parse_text(&text).ok()).unwrap_or(crate::runner::value::Value::Unset)
+            })
+            .collect(),
+    )
+}

@@ -1,0 +1,296 @@
+//! The frame: the images of one run as typed rows, and the few ways to group, pair and sum them up.
+//!
+//! Every question is answered from a frame. A row is one distinct linear image at one tone curve. Statistics are in [`estimate`].
+
+pub mod band;
+pub mod curve;
+pub mod estimate;
+pub mod line;
+mod shape;
+pub mod times;
+
+pub use shape::Shape;
+
+use super::finished::{Bin, Finished, FinishedCell};
+use crate::metrics::{BiasVariance, HEADLINE, Metric, Verdict, metric, verdict};
+use crate::runner::axis::{AXES, Part, Point, index_of};
+use crate::runner::tables::DISPLAY_HEADLINE;
+use crate::runner::value::Value;
+use crate::table::csv::Cell;
+use std::collections::HashMap;
+
+/// Mean FLIP from which on a difference counts as visible: a convention of this project, since FLIP's authors give none.
+pub const VISIBLE_FROM: f64 = 0.05;
+
+/// Values on some axes; an axis that does not reach the pixels is unset.
+pub type Key = Vec<Value>;
+
+/// One image.
+#[derive(Clone, Debug)]
+pub struct Row<'f> {
+    pub cell: &'f FinishedCell,
+    /// Other cells with the same pixels, by id.
+    pub copies: Vec<&'f str>,
+    /// The cell's point with every axis unset that cannot reach its pixels, and equal lights written alike.
+    pub point: Point,
+    /// log2 of peak over mean luminance of the environment.
+    pub range_stops: Option<f64>,
+}
+
+/// The images of one run.
+pub struct Frame<'f> {
+    pub run: &'f Finished,
+    pub shape: Shape,
+    pub rows: Vec<Row<'f>>,
+    /// The metric of the run's questions.
+    pub metric: &'static dyn Metric,
+}
+
+/// The axis of that name, as an index of [`AXES`]. For names that this program wrote itself.
+pub fn axis(name: &str) -> usize {
+    index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))
+}
+
+impl<'f> Frame<'f> {
+    /// The frame of a run, judged by the metric of that name, else by the experiment's own.
+    pub fn new(run: &'f Finished, metric_name: Option<&str>) -> Self {
+        let own = run.config.as_ref().map_or(HEADLINE, |config| config.metric);
+        let metric = metric(metric_name.unwrap_or(own)).expect("the caller checked the metric's name");
+        let rows = distinct(run);
+        Self { shape: Shape::of_rows(run, &rows), run, rows, metric }
+    }
+
+    /// The name of the metric: a column of every table.
+    pub fn metric_name(&self) -> &'static str {
+        self.metric.description().name
+    }
+
+    /// The error of a row ([`Metric::error`]): lower is better, whatever the metric. Nothing for a failed cell.
+    pub fn error(&self, row: &Row) -> Option<f64> {
+        Some(self.metric.error(self.score(row)?))
+    }
+
+    /// The score of a row, as the metric defines it.
+    pub fn score(&self, row: &Row) -> Option<f64> {
+        row.cell.scores.as_ref()?.get(self.metric_name())
+    }
+
+    /// The score of a row in another metric.
+    pub fn score_in(&self, row: &Row, metric: &str) -> Option<f64> {
+        row.cell.scores.as_ref()?.get(metric)
+    }
+
+    /// The score that an exact image would have against the row's reference.
+    pub fn noise_floor(&self, row: &Row) -> Option<f64> {
+        row.cell.noise_floors.get(self.metric_name())
+    }
+
+    /// Whether the error stands clear of the reference's own noise. Metrics without a floor are taken at their word.
+    pub fn is_resolved(&self, row: &Row) -> bool {
+        match (self.score(row), self.noise_floor(row)) {
+            (Some(error), Some(floor)) => verdict(self.metric, error, floor) == Verdict::Resolved,
+            (error, _) => error.is_some(),
+        }
+    }
+
+    /// The error over the pixels of a bin.
+    pub fn bin_error(&self, bin: &Bin) -> Option<f64> {
+        Some(self.metric.error(bin.scores.get(self.metric_name())?))
+    }
+
+    /// Swept axes that play one of these parts, in the order of [`AXES`].
+    pub fn swept(&self, parts: &[Part]) -> Vec<usize> {
+        (0..AXES.len()).filter(|&i| parts.contains(&AXES[i].part) && self.shape.is_swept(i)).collect()
+    }
+
+    /// Swept axes that tell cases apart for a comparison of methods: all but method, samples, point sets and the tone curve.
+    pub fn case_axes(&self) -> Vec<usize> {
+        let methods = [axis("method")];
+        let own = self.swept(&[Part::Case, Part::Parameter, Part::Table, Part::Method]);
+        own.into_iter().filter(|axis| !methods.contains(axis)).collect()
+    }
+
+    /// Rows with scores, each linear image once: of rows that differ in the tone curve only, the one with the plain curve, else the first.
+    pub fn images(&self) -> Vec<&Row<'f>> {
+        let mut places: HashMap<Key, usize> = HashMap::new();
+        let linear = |row: &Row| -> Key {
+            AXES.iter().zip(&row.point.0).filter(|(axis, _)| axis.changes_radiance()).map(|(_, v)| v.clone()).collect()
+        };
+        let mut images: Vec<&Row<'f>> = Vec::new();
+        for row in self.rows.iter().filter(|row| row.cell.scores.is_some()) {
+            match places.get(&linear(row)) {
+                Some(&place) if row.has_plain_curve() => images[place] = row,
+                Some(_) => {}
+                None => {
+                    places.insert(linear(row), images.len());
+                    images.push(row);
+                }
+            }
+        }
+        images
+    }
+
+    /// The axes of [`Frame::way`]: method and sample count; where no row has a specular term, the diffuse method.
+    pub fn way_axes(&self) -> Vec<usize> {
+        let has_specular = self.shape.values[axis("method")].iter().any(|value| value.to_string() != "none");
+        if has_specular { vec![axis("method"), axis("samples")] } else { vec![axis("diffuse")] }
+    }
+
+    /// How the image of a row is made: "sampled 16", "split-sum"; where no row has a specular term, the diffuse method.
+    pub fn way(&self, row: &Row) -> String {
+        let texts: Vec<String> = self.way_axes().into_iter().map(|axis| row.text(axis)).collect();
+        texts.join(" ").trim_end().to_owned()
+    }
+}
+
+impl Row<'_> {
+    /// Its values on these axes.
+    pub fn key(&self, axes: &[usize]) -> Key {
+        axes.iter().map(|&axis| self.point.0[axis].clone()).collect()
+    }
+
+    /// Its values on these axes, as cells of a table.
+    pub fn cells(&self, axes: &[usize]) -> Vec<Cell> {
+        axes.iter().map(|&axis| Cell::Text(self.text(axis))).collect()
+    }
+
+    /// The value on an axis, as text for tables.
+    pub fn text(&self, axis: usize) -> String {
+        self.point.0[axis].to_string()
+    }
+
+    /// Samples a pixel, for a method that draws some.
+    pub fn samples(&self) -> Option<u32> {
+        match self.point.get("samples") {
+            Value::Count(count) => Some(*count),
+            _ => None,
+        }
+    }
+
+    /// Whether the axes of the tone curve stand at their defaults.
+    pub fn has_plain_curve(&self) -> bool {
+        let values = AXES.iter().zip(&self.point.0);
+        values.filter(|(axis, _)| axis.part == Part::Display).all(|(axis, value)| *value == (axis.default)())
+    }
+
+    /// Mean FLIP of the image after its tone curve.
+    pub fn flip(&self) -> Option<f64> {
+        self.cell.scores.as_ref()?.get(DISPLAY_HEADLINE)
+    }
+
+    /// Whether the row has no specular term.
+    pub fn has_no_method(&self) -> bool {
+        self.point.get("method").to_string() == "none"
+    }
+
+    /// Bias squared over bias squared plus variance, where both were estimated.
+    pub fn bias_share(&self) -> Option<f64> {
+        let [bias, variance] = self.cell.bias_variance?;
+        Some(bias / (bias + variance)).filter(|share| share.is_finite())
+    }
+}
+
+/// Whether two keys agree; an axis that one of the two does not use fits any value.
+pub fn fits(a: &[Value], b: &[Value]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a == b || *a == Value::Unset || *b == Value::Unset)
+}
+
+/// Rows that agree on some axes, each group with its key, in the order of the rows. A row that does not use an axis stands in every group
+/// that it does not contradict.
+pub fn by<'r, 'f>(rows: &[&'r Row<'f>], axes: &[usize]) -> Vec<(Key, Vec<&'r Row<'f>>)> {
+    let keys = distinct_in_order(rows.iter().map(|row| row.key(axes)));
+    let lies_within = |key: &Key, of: &Key| {
+        key != of && key.iter().zip(of).all(|(value, other)| *value == Value::Unset || value == other)
+    };
+    let whole: Vec<&Key> = keys.iter().filter(|key| !keys.iter().any(|other| lies_within(key, other))).collect();
+    let group = |key: &Key| {
+        let own = rows.iter().copied().filter(|row| {
+            let of = row.key(axes);
+            of == *key || lies_within(&of, key)
+        });
+        (key.clone(), own.collect())
+    };
+    whole.into_iter().map(group).collect()
+}
+
+/// Each row with another value on an axis beside the row that has the base there and agrees on all other axes. An axis that one of the two
+/// does not use stands at its default in the other; sample counts must be equal.
+pub fn pair<'r, 'f>(rows: &[&'r Row<'f>], axis: usize, base: &Value) -> Vec<(&'r Row<'f>, &'r Row<'f>)> {
+    let usual: Vec<Value> = AXES.iter().map(|axis| (axis.default)()).collect();
+    let agrees = |a: &Row, b: &Row| {
+        (0..AXES.len()).all(|i| {
+            let (x, y) = (&a.point.0[i], &b.point.0[i]);
+            let may_default = AXES[i].part != Part::Count;
+            let stands_for = |unset: &Value, set: &Value| may_default && *unset == Value::Unset && *set == usual[i];
+            i == axis || !AXES[i].changes_radiance() || x == y || stands_for(x, y) || stands_for(y, x)
+        })
+    };
+    let bases: Vec<&&Row> = rows.iter().filter(|row| row.point.0[axis] == *base).collect();
+    let others = rows.iter().filter(|row| row.point.0[axis] != *base && row.point.0[axis] != Value::Unset);
+    others.filter_map(|row| Some((*row, **bases.iter().find(|other| agrees(row, other))?))).collect()
+}
+
+/// Each value once, in the order of its first appearance.
+pub fn distinct_in_order<T: Clone + Eq + std::hash::Hash>(values: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut seen = std::collections::HashSet::new();
+    values.into_iter().filter(|value| seen.insert(value.clone())).collect()
+}
+
+/// Numbers ascending, anything else in the order given.
+pub fn ascending(mut values: Vec<Value>) -> Vec<Value> {
+    values.sort_by(|a, b| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
+    values
+}
+
+/// A number, a count, or the product of a pair; nothing for names and colours.
+pub fn size_of(value: &Value) -> Option<f64> {
+    match value {
+        Value::Number(x) => Some(*x),
+        Value::Count(n) => Some(f64::from(*n)),
+        Value::Pair([w, h]) => Some(f64::from(*w) * f64::from(*h)),
+        Value::Color([r, g, b]) if r == g && g == b => Some(f64::from(*r)),
+        _ => None,
+    }
+}
+
+/// The cells with each distinct image once. Of equal images the first with a score stands for all.
+fn distinct(run: &Finished) -> Vec<Row<'_>> {
+    let (environment, clip) = (axis("environment"), axis("environment_clip_log2"));
+    let light_of = |point: &Point| {
+        let texts = [environment, clip].map(|axis| point.0[axis].to_string());
+        run.lights.iter().find(|light| [&light.environment, &light.clip_log2] == [&texts[0], &texts[1]])
+    };
+    // Two clips above the peak leave the same light: the first stands for both.
+    let mut clips: HashMap<(Value, [u64; 2]), Value> = HashMap::new();
+    let mut places: HashMap<Key, usize> = HashMap::new();
+    let mut rows: Vec<Row> = Vec::new();
+    for cell in &run.cells {
+        let light = light_of(&cell.point);
+        // What only lights use is unset already where there are none.
+        let mut point = cell.point.of_pixels(true);
+        if let Some(light) = light {
+            let key = (point.0[environment].clone(), [light.mean.to_bits(), light.peak.to_bits()]);
+            point.0[clip] = clips.entry(key).or_insert_with(|| cell.point.0[clip].clone()).clone();
+        }
+        match places.get(&point.0) {
+            Some(&place) => {
+                let known = &mut rows[place];
+                let other = if known.cell.scores.is_none() && cell.scores.is_some() {
+                    std::mem::replace(&mut known.cell, cell)
+                } else {
+                    cell
+                };
+                known.copies.push(&other.id);
+            }
+            None => {
+                places.insert(point.0.clone(), rows.len());
+                let range_stops = light.and_then(|light| light.range_stops);
+                rows.push(Row { cell, copies: Vec::new(), point, range_stops });
+            }
+        }
+    }
+    rows
+}
+
+/// Names of the columns with variance and squared bias, where an experiment asks for them.
+pub const BIAS_VARIANCE: [&str; 2] = BiasVariance::RELATIVE_NAMES;

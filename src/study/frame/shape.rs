@@ -1,0 +1,80 @@
+//! The shape of an experiment: which values each axis has. Says which questions it can serve, before anything is rendered.
+
+use super::Row;
+use crate::runner::axis::{AXES, Point, Terms};
+use crate::runner::config::Config;
+use crate::runner::value::Value;
+use crate::study::finished::Finished;
+
+/// The values of every axis, and which further parts an experiment has.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// Distinct set values by index of `AXES`, in the order of the experiment.
+    pub values: Vec<Vec<Value>>,
+    pub has_timing: bool,
+    pub has_printed_slips: bool,
+    pub has_bias_variance: bool,
+    /// Name of the method that judges.
+    pub reference_method: String,
+    /// Whether the reference has all terms, whatever the cell has; taken for granted where the experiment is not known.
+    pub judges_all_terms: bool,
+}
+
+impl Shape {
+    /// Of an experiment as written.
+    pub fn of_config(config: &Config) -> Self {
+        let values = |axis: usize| match config.axes.iter().find(|sweep| sweep.axis == axis) {
+            Some(sweep) => sweep.values.iter().map(|placed| placed.value.clone()).collect(),
+            None => vec![config.base.0[axis].clone()],
+        };
+        Self::with(config, (0..AXES.len()).map(values).collect())
+    }
+
+    /// Of the cells of a run.
+    pub fn of_rows(run: &Finished, rows: &[Row]) -> Self {
+        let of_axis = |axis: usize| rows.iter().map(move |row: &Row| row.point.0[axis].clone());
+        let values = (0..AXES.len()).map(|axis| super::distinct_in_order(of_axis(axis))).collect();
+        match &run.config {
+            Some(config) => Self::with(config, values),
+            None => Self {
+                values: set_only(values),
+                has_timing: !run.timings.is_empty(),
+                has_printed_slips: false,
+                has_bias_variance: run.cells.iter().any(|cell| cell.bias_variance.is_some()),
+                reference_method: run.text("/reference/method"),
+                judges_all_terms: true,
+            },
+        }
+    }
+
+    fn with(config: &Config, values: Vec<Vec<Value>>) -> Self {
+        Self {
+            values: set_only(values),
+            has_timing: config.timing.is_some(),
+            has_printed_slips: config.has_printed_slips,
+            has_bias_variance: config.repeats.is_some(),
+            reference_method: config.reference.method.clone(),
+            judges_all_terms: config.reference.terms == Terms::All,
+        }
+    }
+
+    /// Whether an axis has more than one value.
+    pub fn is_swept(&self, axis: usize) -> bool {
+        self.values[axis].len() > 1
+    }
+
+    /// Whether an axis has one of these values.
+    pub fn has(&self, name: &str, wanted: &[&str]) -> bool {
+        self.values[super::axis(name)].iter().any(|value| wanted.contains(&value.to_string().as_str()))
+    }
+
+    /// A point with the first value of every axis.
+    pub fn first(&self) -> Point {
+        Point(self.values.iter().map(|values| values.first().cloned().unwrap_or(Value::Unset)).collect())
+    }
+}
+
+fn set_only(mut values: Vec<Vec<Value>>) -> Vec<Vec<Value>> {
+    values.iter_mut().for_each(|values| values.retain(|value| *value != Value::Unset));
+    values
+}

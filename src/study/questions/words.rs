@@ -1,0 +1,107 @@
+//! Numbers, counts and scopes as sentences say them.
+
+use crate::runner::axis::AXES;
+use crate::runner::value::Value;
+use crate::spelling::short_number;
+use crate::study::frame::{Frame, Row, distinct_in_order, estimate::Estimate};
+use crate::table::markdown::significant;
+use std::path::Path;
+
+/// Digits of a number in a sentence.
+const DIGITS: usize = 2;
+
+/// A number as sentences and digests write it: two digits.
+pub fn number(x: f64) -> String {
+    significant(x, DIGITS)
+}
+
+/// "12 (95 % 8.1 to 17)"; without an interval, or with one wider than a decade, the number alone.
+pub fn with_interval(estimate: &Estimate) -> String {
+    match estimate.told_interval() {
+        Some([lo, hi]) => format!("{} (95 % {} to {})", number(estimate.value), number(lo), number(hi)),
+        None => number(estimate.value),
+    }
+}
+
+/// `relmse` as an error that people can picture: 11 for 0.012, in percent of the reference. Nothing for metrics that are no mean square.
+pub fn rms_percent(frame: &Frame, error: f64) -> Option<f64> {
+    (frame.metric.description().power == 2.0).then(|| 100.0 * error.sqrt())
+}
+
+/// "0.012 (11 % rms)".
+pub fn with_rms(frame: &Frame, error: f64) -> String {
+    match rms_percent(frame, error) {
+        Some(percent) => format!("{} ({} % rms)", number(error), number(percent)),
+        None => number(error),
+    }
+}
+
+/// " By alpha it runs from 16 for alpha 0.5 to 64 for alpha 0.05."
+pub fn by_axis(subject: &str, of: usize, ends: &[(Value, f64); 2], words: impl Fn(f64) -> String) -> String {
+    let [least, most] = ends.each_ref().map(|(value, n)| {
+        let place = label(&[of], std::slice::from_ref(value));
+        format!("{} for {place}", words(*n))
+    });
+    format!(" By {} {subject} runs from {least} to {most}.", AXES[of].name)
+}
+
+/// "a", "a and b", "a, b and c"; of more than four the first three and "others".
+pub fn listed(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [a, b, c, _, _, ..] => format!("{a}, {b}, {c} and others"),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// " The 30 cases: 2 environments, 3 BRDF models, 5 alphas."; nothing for one case.
+pub fn cases_sentence(rows: &[&Row], axes: &[usize], n: usize) -> String {
+    let scope = scope(rows, axes);
+    match n {
+        0 | 1 => String::new(),
+        n if scope.is_empty() => format!(" The {} have one scene in common.", count(n, "case", "cases")),
+        n => format!(" The {}: {scope}.", count(n, "case", "cases")),
+    }
+}
+
+/// "1 case", "30 cases".
+pub fn count(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
+/// A value as people say it: builtins without prefix, files without folder and extension, numbers short.
+pub fn short(axis: usize, value: &Value) -> String {
+    let text = value.to_string();
+    if !matches!(AXES[axis].kind, crate::runner::value::Kind::Input) {
+        return short_number(&text).into_owned();
+    }
+    match text.strip_prefix("builtin:") {
+        Some(formula) => formula.to_owned(),
+        None => Path::new(&text).file_stem().map_or(text.clone(), |stem| stem.to_string_lossy().into_owned()),
+    }
+}
+
+/// `25 %` of 0.25, `-25 %` of -0.25.
+pub fn percent(share: f64) -> String {
+    format!("{} %", number(100.0 * share))
+}
+
+/// "6 levels", "256x128": the value of an axis in a sentence.
+pub fn said(axis: usize, value: &Value) -> String {
+    AXES[axis].said(&short(axis, value))
+}
+
+/// "alpha 0.1 · sky · ggx", "256x128 · 5 lv": values on axes, each telling what it is.
+pub fn label(axes: &[usize], key: &[Value]) -> String {
+    let set = axes.iter().zip(key).filter(|(_, value)| **value != Value::Unset);
+    set.map(|(&axis, value)| AXES[axis].label(&short(axis, value))).collect::<Vec<_>>().join(" · ")
+}
+
+/// "2 environments, 3 BRDF models, 5 alphas": how many values rows have on these axes; axes with one value are left out.
+pub fn scope(rows: &[&Row], axes: &[usize]) -> String {
+    let values = |axis: usize| distinct_in_order(rows.iter().map(|row| row.point.0[axis].clone()));
+    let counts = axes.iter().map(|&axis| (axis, values(axis).iter().filter(|value| **value != Value::Unset).count()));
+    let words = counts.filter(|(_, n)| *n > 1).map(|(axis, n)| format!("{n} {}", AXES[axis].plural));
+    words.collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,78 @@
+//! Tables of answers: columns with their meaning, rows as CSV and as Markdown.
+
+pub use crate::runner::columns::Column;
+
+use crate::runner::axis::AXES;
+use crate::runner::value::Value;
+use crate::table::csv::{self, Cell};
+use crate::table::markdown::{Align, MarkdownTable, significant};
+
+/// Rows under named columns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    pub columns: Vec<String>,
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A value of an axis as a cell.
+pub fn value_cell(value: &Value) -> Cell {
+    match value {
+        Value::Unset => Cell::Missing,
+        Value::Number(number) => Cell::Number(*number),
+        Value::Count(count) => Cell::Integer((*count).into()),
+        other => Cell::Text(other.to_string()),
+    }
+}
+
+/// Digits of a number that people read; files have all.
+const DIGITS: usize = 3;
+
+impl Table {
+    /// An empty table: the axes of these indices, then further columns.
+    pub fn new(axes: &[usize], columns: &[Column]) -> Self {
+        let axes = axes.iter().map(|&axis| AXES[axis].name);
+        Self {
+            columns: axes.chain(columns.iter().map(|column| column.name)).map(str::to_owned).collect(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// With column names of its own, as digests have.
+    pub fn with_names(columns: Vec<String>) -> Self {
+        Self { columns, rows: Vec::new() }
+    }
+
+    /// Adds a row, as long as the columns.
+    pub fn row(&mut self, cells: Vec<Cell>) {
+        assert_eq!(cells.len(), self.columns.len(), "a row has a cell for each column");
+        self.rows.push(cells);
+    }
+
+    /// The text of the CSV file.
+    pub fn csv(&self) -> String {
+        String::from_utf8_lossy(&csv::to_text(&self.columns, self.rows.iter().map(Vec::as_slice))).into_owned()
+    }
+
+    /// For people.
+    pub fn markdown(&self) -> String {
+        let is_number = |column: usize| self.rows.iter().all(|row| !matches!(row[column], Cell::Text(_)));
+        let align = |column: usize| if is_number(column) { Align::Right } else { Align::Left };
+        let columns: Vec<(&str, Align)> =
+            self.columns.iter().enumerate().map(|(column, name)| (name.as_str(), align(column))).collect();
+        let mut table = MarkdownTable::new(&columns);
+        for row in &self.rows {
+            table.row(&row.iter().map(shown).collect::<Vec<_>>());
+        }
+        table.to_string()
+    }
+}
+
+/// A cell as people read it.
+pub fn shown(cell: &Cell) -> String {
+    match cell {
+        Cell::Text(text) => text.clone(),
+        Cell::Number(number) => significant(*number, DIGITS),
+        Cell::Integer(integer) => integer.to_string(),
+        Cell::Missing => String::new(),
+    }
+}
