@@ -149,7 +149,7 @@ say "one run"
 
 [ "$mode" = local ] || start_slurm
 say "the same in chunks, by Snakemake $("$venv/bin/snakemake" --version)"
-# shellcheck disable=SC2086
+# shellcheck disable=SC2046
 workflow $(options_of "$mode") >"$work/snakemake.log" 2>&1 || {
     cat "$work/snakemake.log"
     stop "FAILED: the workflow"

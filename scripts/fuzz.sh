@@ -48,7 +48,7 @@ minimize() {
     for file in "$fresh"/*; do
         cmp -s "$file" "$kept"/seed-* 2>/dev/null || cp "$file" "$kept/"
     done
-    echo "$target: $(ls "$kept" | wc -l) files, $(du -sk "$kept" | cut -f1) KiB"
+    echo "$target: $(find "$kept" -type f | wc -l) files, $(du -sk "$kept" | cut -f1) KiB"
 }
 
 fuzz() {

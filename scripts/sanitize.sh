@@ -13,7 +13,7 @@ export CARGO_TARGET_DIR=target/sanitize
 # Two C libraries below define a table of the same name; what lives until the end of the process is no leak.
 export ASAN_OPTIONS=detect_odr_violation=0:detect_leaks=0
 # Fewer mutated files: each costs several times as much here.
-export SPLITSUM_MUTATIONS=${SPLITSUM_MUTATIONS:-100}
+export SPLITSUM_MUTATIONS="${SPLITSUM_MUTATIONS:-100}"
 if cargo +nightly --version >/dev/null 2>&1; then
     RUSTFLAGS=-Zsanitizer=address exec nice cargo +nightly test --release --locked --target "$host" --test numeric -- "$@"
 fi

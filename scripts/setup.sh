@@ -1,3 +1,4 @@
+# shellcheck shell=sh
 # Sourced by demo.sh and test.sh: finds what a build and a Vulkan device need, and installs only what is missing.
 #
 # POSIX sh. Packages come from apt-get, as root or through sudo. Elsewhere the message names what to install by hand.
@@ -145,6 +146,15 @@ require() {
 require_rust() {
     has_command cargo || PATH=$PATH:${CARGO_HOME:-${HOME:-/root}/.cargo}/bin
     has_command cargo || stop "Rust is missing: install it from https://rustup.rs, then run this again"
+}
+
+# Builds the tests and lists their binaries, a line each: name and path. Those of unit tests go by their source file.
+test_binaries() { # what to build (--test NAME), or nothing for all
+    cargo test --release --locked --no-run --quiet "$@" >&2 || return
+    cargo test --release --locked --no-run --color never "$@" 2>&1 | sed -n \
+        -e 's|^ *Executable unittests \([^ ]*\) (\(.*\))$|\1 \2|p' \
+        -e 's|^ *Executable tests/\([^/ ]*\)/main\.rs (\(.*\))$|\1 \2|p' \
+        -e 's|^ *Executable tests/\([^/ ]*\)\.rs (\(.*\))$|\1 \2|p'
 }
 
 # After the build: a manifest may stand for hardware that is not there. Then the software driver helps.

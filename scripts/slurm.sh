@@ -1,3 +1,4 @@
+# shellcheck shell=sh disable=SC2034,SC2154
 # Sourced by cluster-test.sh: a Slurm of one node, for a test. It has ports, sockets and keys of its own, so that it meets no other.
 #
 # Reads $work.

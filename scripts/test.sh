@@ -1,88 +1,156 @@
 #!/bin/sh
 # Installs what is missing, then checks formatting, lints and runs every test. One profile (release) serves all.
+#
+# A part that fails does not keep the next one from running. The last line says PASSED, or FAILED and which parts failed; docs/testing.md
+# has the parts and their times.
 set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
+started=$(date +%s)
+part=setup # what is at work
+failed=    # parts that failed, for the last line
+parts=     # every part with its seconds, a line each
+skipped=   # what was left out, a line each
+
+# Whatever ends the script, the last line says how it went.
+finish() {
+    status=$?
+    trap - EXIT
+    [ "$status" -eq 0 ] || fail "$part: $(ending "$status"), and nothing after it ran"
+    printf '\n%s%s' "$parts" "$skipped"
+    if [ -n "$failed" ]; then
+        say "FAILED: $failed"
+        exit 1
+    fi
+    say "PASSED in $(($(date +%s) - started)) s"
+}
+trap finish EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+fail() {
+    failed="$failed${failed:+; }$*"
+}
+
+skip() {
+    say "skipped: $*"
+    skipped="${skipped}splitsum: skipped: $*
+"
+}
+
+# How a command ended. A shell shows a signal as 128 and its number.
+ending() { # status
+    if [ "$1" -gt 128 ] && signal=$(kill -l "$1" 2>/dev/null); then
+        echo "killed by SIG$signal"
+    else
+        echo "exit status $1"
+    fi
+}
+
+# Runs a part: its name stands in the last line if it fails. 101 is how a test binary or cargo says that it has failed, 1 a script.
+check() { # name, command...
+    part=$1
+    shift
+    say "$part"
+    begun=$(date +%s)
+    status=0
+    "$@" </dev/null || status=$?
+    seconds=$(($(date +%s) - begun))
+    result=ok
+    case $status in
+        0) ;;
+        1 | 101) result=FAILED && fail "$part" ;;
+        *) result="FAILED, $(ending "$status")" && fail "$part: $(ending "$status")" ;;
+    esac
+    say "$part: $result, $seconds s"
+    parts="${parts}splitsum: $part: $result, $seconds s
+"
+}
+
 require_rust
 require has_compiler g++ has_loader libvulkan1 has_driver mesa-vulkan-drivers has_validation vulkan-validationlayers
 
-# A check that fails does not keep the next one from running; the last lines are those of the test runner.
-status=0
-check() {
-    say "cargo $*"
-    cargo "$@" || {
-        status=1
-        say "FAILED: cargo $*"
-    }
-}
-
 if cargo fmt --version >/dev/null 2>&1; then
-    check fmt --check
+    check "cargo fmt" cargo fmt --check
 else
-    say "skipped: cargo fmt --check (rustfmt is not installed; rustup component add rustfmt)"
+    skip "cargo fmt (rustfmt is not installed; rustup component add rustfmt)"
 fi
 
+part="the build"
 say "building (the first time takes a few minutes)"
 cargo build --release --locked
+cargo test --release --locked --no-run
+built=$(date +%s)
 
-say "Vulkan devices"
+part="Vulkan devices"
+say "$part"
 require_device
 
 if cargo clippy --version >/dev/null 2>&1; then
-    check clippy --release --locked --all-targets -- -D warnings
+    check "cargo clippy" cargo clippy --release --locked --all-targets -- -D warnings
 else
-    say "skipped: cargo clippy (clippy is not installed; rustup component add clippy)"
+    skip "cargo clippy (clippy is not installed; rustup component add clippy)"
 fi
 
 # Both read what is there and fetch nothing; the data base of advisories is as old as its last `cargo deny fetch`.
 if cargo deny --version >/dev/null 2>&1; then
-    check deny --offline --locked check licenses bans sources
+    check "cargo deny" cargo deny --offline --locked check licenses bans sources
     if ls -d "${CARGO_HOME:-$HOME/.cargo}"/advisory-dbs/*/.git >/dev/null 2>&1; then
-        check deny --offline --locked check advisories
+        check "cargo deny advisories" cargo deny --offline --locked check advisories
     else
-        say "skipped: cargo deny check advisories (no data base; cargo deny fetch)"
+        skip "cargo deny advisories (no data base; cargo deny fetch)"
     fi
 else
-    say "skipped: cargo deny (not installed; cargo install cargo-deny)"
+    skip "cargo deny (not installed; cargo install cargo-deny)"
 fi
 if cargo machete --version >/dev/null 2>&1; then
-    check machete
+    check "cargo machete" cargo machete
 else
-    say "skipped: cargo machete (not installed; cargo install cargo-machete)"
+    skip "cargo machete (not installed; cargo install cargo-machete)"
+fi
+if has_command shellcheck; then
+    check shellcheck shellcheck -x scripts/*.sh .ci/run
+else
+    skip "shellcheck (not installed; Debian: apt-get install shellcheck)"
 fi
 
 # The page's scripts are checked where Node.js is; it comes only where it must.
+part="Node.js"
 [ -z "${CI:-}" ] || require has_node nodejs has_npm npm
 if has_node && has_npm; then
-    say "scripts/check-page.sh"
-    sh scripts/check-page.sh || {
-        status=1
-        say "FAILED: scripts/check-page.sh"
-    }
+    check "scripts/check-page.sh" sh scripts/check-page.sh
 else
-    say "skipped: scripts/check-page.sh (Node.js or npm is not installed)"
+    skip "scripts/check-page.sh (Node.js or npm is not installed)"
 fi
 
-[ "$status" -eq 0 ] || say "a check above FAILED; the tests run all the same"
 # The report is tested in a browser; without one those tests say so and skip, but not where they must run.
+part=Chromium
 if [ -n "${CI:-}${SPLITSUM_REQUIRE_BROWSER:-}" ]; then
     require has_browser chromium
     export SPLITSUM_REQUIRE_BROWSER=1
 elif ! has_browser; then
-    (require has_browser chromium) || say "skipped: the browser tests (chromium is not installed)"
+    (require has_browser chromium) || skip "the browser tests (Chromium is not installed)"
 fi
+
+# Each test binary is a part of its own, run without cargo, so that its end is known.
+part="the list of test binaries"
+mkdir -p target
+test_binaries --lib --bins --tests >target/test-binaries
+[ -s target/test-binaries ]
+while read -r name binary <&3; do
+    check "$name" "$binary" 3<&-
+done 3<target/test-binaries
+check "doc tests" cargo test --release --locked --quiet --doc
 
 # Snakemake is large, so it comes only where it must, or is there already.
 if [ -n "${CI:-}${SPLITSUM_CLUSTER_TEST:-}" ] || [ -d target/cluster-venv ]; then
-    sh scripts/cluster-test.sh local || status=1
+    check "scripts/cluster-test.sh" sh scripts/cluster-test.sh local
 else
-    say "skipped: scripts/cluster-test.sh local (it installs Snakemake; SPLITSUM_CLUSTER_TEST=1 asks for it)"
+    skip "scripts/cluster-test.sh local (it installs Snakemake; SPLITSUM_CLUSTER_TEST=1 asks for it)"
 fi
 
-say "cargo test"
-cargo test --release --locked --no-fail-fast || status=1
-
 # The parts that a driver can move; without arguments it runs all. It says so where there is no second driver.
-sh scripts/second-driver.sh golden furnace methods tables || status=1
-exit "$status"
+check "scripts/second-driver.sh" sh scripts/second-driver.sh golden furnace methods tables
+part="the end"
+say "after the build: $(($(date +%s) - built)) s"

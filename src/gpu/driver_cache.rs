@@ -5,6 +5,7 @@
 
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 
 /// Mesa's switch, and where it keeps the cache; without the second one in `$XDG_CACHE_HOME`, else in `~/.cache`.
 const DISABLE: &str = "MESA_SHADER_CACHE_DISABLE";
@@ -12,13 +13,17 @@ const FOLDER: &str = "MESA_SHADER_CACHE_DIR";
 /// The index holds 2^16 keys of 20 bytes; as much again for the first shaders.
 const ROOM_BYTES: usize = 1 << 22;
 
-/// Leaves Mesa's shader cache off where the disk cannot hold it. To be called before the Vulkan loader is opened.
+/// Leaves Mesa's shader cache off where the disk cannot hold it. To be called before the Vulkan loader is opened; only the first call
+/// looks, and a second thread waits for it: later the loader and its drivers may be reading the environment.
 pub(super) fn disable_without_room() {
-    if std::env::var_os(DISABLE).is_none() && folder().is_some_and(|folder| !has_room(&folder)) {
-        // SAFETY: nothing else in the program changes the environment, and those who read it through the C library are the loader and the
-        // drivers, which are not open yet; other threads of the program read it, if at all, under the standard library's lock.
-        unsafe { std::env::set_var(DISABLE, "true") };
-    }
+    static FIRST: Once = Once::new();
+    FIRST.call_once(|| {
+        if std::env::var_os(DISABLE).is_none() && folder().is_some_and(|folder| !has_room(&folder)) {
+            // SAFETY: nothing else in the program changes the environment, and those who read it through the C library are the loader and
+            // the drivers, which are not open yet; other threads of the program read it, if at all, under the standard library's lock.
+            unsafe { std::env::set_var(DISABLE, "true") };
+        }
+    });
 }
 
 fn folder() -> Option<PathBuf> {

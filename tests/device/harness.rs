@@ -11,8 +11,9 @@ use splitsum::pixels::{Pixels, RgbImage, exr};
 use splitsum::precompute::PrecomputeSettings;
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use splitsum::shade::{diffuse_by_name, method_by_name};
+use std::cell::Cell;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A quiet NaN: what no pass may read before it has written it.
 pub const POISON: u32 = 0x7fc0_dead;
@@ -37,8 +38,37 @@ fn open<T>(open: impl Fn(Options) -> Result<T, GpuError>) -> Option<T> {
     }
 }
 
+/// The turn of a thread. Validation layer 1.3.239 keeps its devices in a table without a lock: a call on one device can crash while
+/// another thread opens or closes another one (docs/testing.md). So one test at a time has devices; it may have several.
+struct Turn {
+    guard: Option<MutexGuard<'static, ()>>,
+}
+
+static TURN: Mutex<()> = Mutex::new(());
+
+thread_local! {
+    static HAS_TURN: Cell<bool> = const { Cell::new(false) };
+}
+
+impl Turn {
+    /// Waits for the turn, unless this thread has it.
+    fn wait() -> Self {
+        let had = HAS_TURN.replace(true);
+        // A test that failed gave its devices back all the same.
+        Self { guard: (!had).then(|| TURN.lock().unwrap_or_else(PoisonError::into_inner)) }
+    }
+}
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        HAS_TURN.set(self.guard.is_none());
+    }
+}
+
 /// Runs `test` on a device of its own; fails on any message of the validation layer.
 pub fn with_gpu(test: impl FnOnce(&Gpu)) {
+    // Dropped after the device.
+    let _turn = Turn::wait();
     let Some(gpu) = open(Gpu::new) else { return };
     test(&gpu);
     assert_eq!(gpu.validation_messages(), Vec::<String>::new());
@@ -46,6 +76,7 @@ pub fn with_gpu(test: impl FnOnce(&Gpu)) {
 
 /// The same with every pass.
 pub fn with_pipeline(test: impl FnOnce(&mut Pipeline)) {
+    let _turn = Turn::wait();
     let new = |options| {
         Pipeline::new(options).map_err(|error| match error {
             PipelineError::Gpu(error) => error,

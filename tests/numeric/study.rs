@@ -6,6 +6,8 @@ mod figure;
 mod finished;
 mod frame;
 mod made;
+pub mod page;
+mod page_live;
 mod published;
 mod questions;
 mod sources;

@@ -101,7 +101,7 @@ pub fn render(page: &Page, model: &Json, images: &ImageSet, light: &Light) -> Re
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_filter("whole_units", whole_units);
-    environment.add_filter("pieces", |text: String| text.split('`').map(str::to_owned).collect::<Vec<_>>());
+    environment.add_filter("pieces", pieces);
     environment.add_template("report", TEMPLATE)?;
     let imports: serde_json::Map<String, Json> = MODULES
         .iter()
@@ -125,6 +125,20 @@ pub fn render(page: &Page, model: &Json, images: &ImageSet, light: &Light) -> Re
     })
 }
 
+/// A sentence in parts: strong between `**`, code between backticks.
+fn pieces(text: String) -> Vec<Value> {
+    let piece = |text: &str, is_strong: bool, is_code: bool| {
+        Value::from_pairs([("text", Value::from(text)), ("is_strong", is_strong.into()), ("is_code", is_code.into())])
+    };
+    let strong = text.split("**").enumerate();
+    let codes =
+        strong.flat_map(|(i, part)| part.split('`').enumerate().map(move |(j, part)| (part, i % 2 == 1, j % 2 == 1)));
+    codes
+        .filter(|(part, ..)| !part.is_empty())
+        .map(|(part, is_strong, is_code)| piece(part, is_strong, is_code))
+        .collect()
+}
+
 /// Text in which no line ends between a number and its sign, before or behind it.
 fn whole_units(text: String) -> String {
     text.replace(" %", "\u{a0}%").replace("± ", "±\u{a0}")
@@ -135,6 +149,6 @@ fn safe(text: String) -> Value {
 }
 
 /// JSON that can stand in a script element: it holds no `<`, so it cannot close the element or open a comment.
-fn in_script(value: &Json) -> String {
+pub fn in_script(value: &Json) -> String {
     value.to_string().replace('<', "\\u003c")
 }

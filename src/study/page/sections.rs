@@ -1,12 +1,13 @@
 //! Answers as the page shows them: one section each, with the very SVG that stands in `answers/`.
 
-use super::lead::rests_on_times;
+use super::lead::rests_on_cpu_times;
 use super::model::{field, roughness};
 use super::told::{Told, link};
+use crate::runner::axis::AXES;
 use crate::runner::value::Value;
 use crate::study::figure::svg::{WIDTHS, svg};
 use crate::study::figure::vega::vega;
-use crate::study::frame::{Shape, axis};
+use crate::study::frame::axis;
 use crate::study::questions::Answer;
 use crate::study::table::{Table, shown};
 use crate::table::csv::Cell;
@@ -46,18 +47,20 @@ pub struct Section {
 /// A small table for people.
 #[derive(Clone, Debug, Serialize)]
 pub struct Digest {
-    pub columns: Vec<String>,
-    pub rows: Vec<Vec<Field>>,
+    pub columns: Vec<Head>,
+    pub rows: Vec<Vec<String>>,
 }
 
+/// A column of it.
 #[derive(Clone, Debug, Serialize)]
-pub struct Field {
+pub struct Head {
     pub text: String,
+    /// Whether it is set flush right.
     pub is_number: bool,
 }
 
 /// The answers of a run as sections, in order; the first has the number `first` among those of all runs.
-pub fn sections(told: &Told, run: usize, first: usize, shape: &Shape, here: &Path) -> Vec<Section> {
+pub fn sections(told: &Told, run: usize, first: usize, here: &Path) -> Vec<Section> {
     let section = |(i, answer): (usize, &Answer)| {
         let (key, finding) = (answer.question.name, &answer.finding);
         let figure = finding.figure.as_ref().map(|figure| WIDTHS.map(|width| inline(&svg(figure, width))));
@@ -75,7 +78,7 @@ pub fn sections(told: &Told, run: usize, first: usize, shape: &Shape, here: &Pat
             sentence: finding.sentence.clone(),
             row_count: finding.table.rows.len(),
             csv: link(here, &told.finished.dir.join(FOLDER).join(format!("{key}.csv"))),
-            is_cpu: told.finished.is_cpu_timed() && rests_on_times(answer.question, shape),
+            is_cpu: rests_on_cpu_times(told, answer),
             figure_first: fits || digest.is_none(),
             figure,
             digest,
@@ -115,19 +118,18 @@ fn height(svg: &str) -> u32 {
 fn digest(table: &Table) -> Digest {
     let alpha = axis("alpha");
     let has_roughness = table.columns.iter().any(|name| name == "perceptual_roughness");
-    let is_alpha = |column: usize| !has_roughness && table.columns[column] == crate::runner::axis::AXES[alpha].name;
-    let field = |(column, cell): (usize, &Cell)| {
+    let is_alpha = |column: usize| !has_roughness && table.columns[column] == AXES[alpha].name;
+    let text = |(column, cell): (usize, &Cell)| {
         let text = shown(cell);
-        let beside =
-            text.parse().ok().filter(|_| is_alpha(column)).and_then(|number| roughness(alpha, &Value::Number(number)));
-        let is_number = !matches!(cell, Cell::Text(_)) || text.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-        Field { text: beside.map_or(text.clone(), |beside| format!("{text} ({beside})")), is_number }
+        let number = text.parse().ok().filter(|_| is_alpha(column));
+        let beside = number.and_then(|number| roughness(alpha, &Value::Number(number)));
+        beside.map_or(text.clone(), |beside| format!("{text} ({beside})"))
     };
-    let name = |(column, name): (usize, &String)| {
-        if is_alpha(column) { format!("{name} (perceptual_roughness)") } else { name.clone() }
+    let rows: Vec<Vec<String>> = table.rows.iter().map(|row| row.iter().enumerate().map(text).collect()).collect();
+    let starts_with_digit = |text: &String| text.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+    let head = |(column, name): (usize, &String)| Head {
+        text: if is_alpha(column) { format!("{name} (perceptual roughness)") } else { name.replace('_', " ") },
+        is_number: column > 0 && rows.iter().any(|row| starts_with_digit(&row[column])),
     };
-    Digest {
-        columns: table.columns.iter().enumerate().map(name).collect(),
-        rows: table.rows.iter().map(|row| row.iter().enumerate().map(field).collect()).collect(),
-    }
+    Digest { columns: table.columns.iter().enumerate().map(head).collect(), rows }
 }

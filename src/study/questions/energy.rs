@@ -10,7 +10,7 @@ use super::{Finding, Question};
 use crate::runner::axis::Part;
 use crate::runner::value::Value;
 use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
-use crate::study::frame::student::T_NORMAL;
+use crate::study::frame::line::NORMAL_95;
 use crate::study::frame::{Frame, Key, Row, Shape, ascending, axis, distinct_in_order};
 use crate::study::table::{Column, Table};
 use crate::table::csv::Cell;
@@ -93,7 +93,7 @@ fn balances<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Balance<'r, 'f>> {
             key: row.key(&axes),
             alpha: row.point.0[axis("alpha")].clone(),
             change,
-            half: row.cell.noise_floors.get(CHANGE).map(|noise| T_NORMAL * noise),
+            half: row.cell.noise_floors.get(CHANGE).map(|noise| NORMAL_95 * noise),
             least: bins().min_by(|a, b| a.change.total_cmp(&b.change))?,
             most: bins().max_by(|a, b| a.change.total_cmp(&b.change))?,
         })

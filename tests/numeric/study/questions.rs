@@ -4,6 +4,7 @@ use super::made::scaled;
 use super::told::{sentences, unfounded, word_count, xml_fault};
 use crate::runner::runs::{finished, plan};
 use splitsum::runner::axis::{AXES, Point};
+use splitsum::runner::fault::Place;
 use splitsum::runner::value::Value;
 use splitsum::study::figure::svg::{WIDTHS, svg};
 use splitsum::study::figure::vega::vega;
@@ -294,8 +295,20 @@ fn a_failed_cell_leaves_the_others_answer() {
 fn what_is_asked_is_answered_in_that_order() {
     let run = &runs()[0];
     let names = |asked: &[&str]| -> Vec<&str> {
-        let asked: Vec<String> = asked.iter().map(|name| name.to_string()).collect();
-        answers(run, &asked, None).iter().map(|answer| answer.question.name).collect()
+        let mut config = run.config.clone().unwrap();
+        config.asks = asked.iter().map(|name| (name.to_string(), Place::Default)).collect();
+        let run = Finished {
+            dir: run.dir.clone(),
+            provenance: run.provenance.clone(),
+            experiment: run.experiment.clone(),
+            config: Some(config),
+            cells: run.cells.clone(),
+            lights: run.lights.clone(),
+            timings: run.timings.clone(),
+            failures: Vec::new(),
+            is_under_way: false,
+        };
+        answers(&run, None).iter().map(|answer| answer.question.name).collect()
     };
     assert_eq!(names(&["error", "break-even"]), ["error", "break-even"]);
     let frame = Frame::new(run, None);

@@ -4,6 +4,7 @@ use crate::runner::run::EXPERIMENT;
 use crate::runner::runs::{invoke, log, plan, read, written};
 use splitsum::runner::store::Store;
 use splitsum::study::finished::{Finished, notes};
+use splitsum::study::page::{PageOptions, Told, write};
 
 #[test]
 fn the_tables_of_a_run_that_is_at_work_are_those_of_the_cells_that_are_done() {
@@ -22,6 +23,10 @@ fn the_tables_of_a_run_that_is_at_work_are_those_of_the_cells_that_are_done() {
     let run = Finished::read(dir).unwrap();
     assert_eq!(run.under_way_note().as_ref(), Some(&note));
     assert!(written(dir).record.cells == 7 && notes(dir).next().is_none());
+    let options = PageOptions { out: dir.join("now.html"), ..PageOptions::in_folder(dir) };
+    let page = write(&options, &Told::of_runs(&[super::page::read(dir)])).unwrap();
+    assert_eq!(page.notes.first(), Some(&note));
+    assert!(String::from_utf8(read(&page.path)).unwrap().contains("7 of 32 cells are done: the run is under way."));
     std::fs::remove_file(dir.join("errors.csv")).unwrap();
     let error = Finished::read(dir).unwrap_err().to_string();
     assert!(error.contains("a run is under way in it and has written no table yet"), "{error}");
