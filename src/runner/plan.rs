@@ -4,7 +4,7 @@ use super::axis::{AXES, ENVIRONMENT, Point, SCENE, SIZE, View};
 use super::checks;
 use super::config::Config;
 use super::fault::{ConfigError, Faults, Place};
-use super::inputs::{Inputs, short_names};
+use super::inputs::Inputs;
 use super::sweeps::COMBINATIONS_MAX;
 use super::value::Value;
 use crate::environment::LoadOptions;
@@ -166,6 +166,11 @@ impl Plan {
         name.map_or_else(|| cell.point[axis].clone(), |name| Value::Text(name.clone()))
     }
 
+    /// A cell's point as tables show it.
+    pub fn shown_point(&self, cell: &Cell) -> Point {
+        Point((0..AXES.len()).map(|axis| self.shown(cell, axis)).collect())
+    }
+
     /// What to render for the point of a cell: the scene with the point's material, framed by the experiment's camera.
     pub fn request(&self, point: &Point) -> RenderRequest {
         let request = self.seeded_request(point, cell_seed(&self.config, point));
@@ -282,7 +287,7 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
     let mut identity = vec![format!("name={}", config.name), format!("timing={:?}", config.timing)];
     identity.extend(cells.iter().map(|cell| cell.id.clone()));
     let hash = hash_lines(&identity);
-    let environment_names = short_names(config.values(ENVIRONMENT).map(|(value, _)| value.text()));
+    let environment_names = config.environment_names();
     Plan { config, inputs, columns, cells, excluded, collapsed, environment_names, hash }
 }
 

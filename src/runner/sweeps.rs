@@ -1,11 +1,12 @@
 //! `[axes]` and `[[zip]]`: lists, ranges, and axes that vary together.
 
-use super::axis::{AXES, Named, Point};
+use super::axis::{AXES, ENVIRONMENT, Named, Point};
 use super::config::{Config, Placed, Sweep, Zip, axis_names, unknown_axis};
 use super::fault::{Faults, Place};
+use super::inputs::short_names;
 use super::toml_tree::{checked, checked_as, entries, list, raw, table, unknown_key};
 use super::value::{Kind, Raw, Value, decimal};
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -151,12 +152,25 @@ impl Config {
         })
     }
 
-    /// The combinations that are left out, with unused parameters unset as in a cell, each with the index of its exclusion.
+    /// What tables call each environment.
+    pub fn environment_names(&self) -> BTreeMap<String, String> {
+        short_names(self.values(ENVIRONMENT).map(|(value, _)| value.text()))
+    }
+
+    /// The combinations that are left out, each with the index of its exclusion: as tables would show them, with unused parameters unset.
     pub fn excluded_points(&self) -> impl Iterator<Item = (usize, Point)> + '_ {
         // A file that no plan was ever made of may span any number of combinations.
         let is_small = self.combination_count() <= COMBINATIONS_MAX && !self.exclusions.is_empty();
         let points = is_small.then(|| self.combinations()).into_iter().flatten();
-        points.filter_map(|point| Some((self.exclusion_of(&point)?, point.collapsed(!self.lights.is_empty()))))
+        let names = if is_small { self.environment_names() } else { BTreeMap::new() };
+        points.filter_map(move |point| {
+            let exclusion = self.exclusion_of(&point)?;
+            let mut shown = point.collapsed(!self.lights.is_empty());
+            if let Some(name) = names.get(shown[ENVIRONMENT].text()) {
+                shown[ENVIRONMENT] = Value::Text(name.clone());
+            }
+            Some((exclusion, shown))
+        })
     }
 
     /// The axes in groups that vary together, each with its number of steps, in the order of their first axis. Groups hold indices
