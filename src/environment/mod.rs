@@ -1,10 +1,12 @@
 //! Radiance by direction: environments from files and from formulas.
 
 mod builtin;
+mod error;
 mod load;
 
 pub use builtin::{BUILTINS, Builtin, Parameter};
-pub use load::{EnvironmentError, FORMATS, Format, LoadOptions};
+pub use error::EnvironmentError;
+pub use load::{FORMATS, Format, LoadOptions};
 
 use crate::math::equirect;
 use crate::pixels::RgbImage;

@@ -8,9 +8,11 @@ mod raster;
 mod sky;
 mod studio;
 
-use super::EnvironmentError;
-use super::load::BUILTIN_PREFIX;
+use super::error::EnvironmentError;
 use crate::pixels::{ENVIRONMENT_TEXELS_MAX, RgbImage};
+
+/// Marks a spec as the name of a formula.
+pub(super) const BUILTIN_PREFIX: &str = "builtin:";
 
 /// A number that shapes a builtin.
 #[derive(Debug)]
