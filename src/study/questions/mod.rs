@@ -91,17 +91,21 @@ pub fn question(name: &str) -> Option<&'static Question> {
     QUESTIONS.iter().copied().find(|question| question.name == name)
 }
 
-/// The answers of a run to what its experiment asks, the leading one first. Without `asks`, every question that its axes serve. The metric
-/// is the one of that name, else the experiment's own.
+/// The answers of a run to the questions of its experiment, the leading one first. The metric is the one of that name, else the
+/// experiment's own.
 pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
-    let frame = Frame::new(run, metric);
     let asked = run.config.as_ref().map_or(&[][..], |config| &config.asks);
+    answers_to(&Frame::new(run, metric), &asked.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>())
+}
+
+/// The answers to the questions of these names, in their order; without names, to every question that the axes serve.
+pub fn answers_to(frame: &Frame, asked: &[&str]) -> Vec<Answer> {
     let serves = |question: &&'static Question| (question.lacks)(&frame.shape).is_none();
     let questions: Vec<&'static Question> = match asked.is_empty() {
         true => QUESTIONS.iter().copied().filter(serves).collect(),
-        false => asked.iter().filter_map(|(name, _)| question(name)).filter(serves).collect(),
+        false => asked.iter().filter_map(|name| question(name)).filter(serves).collect(),
     };
-    let answer = |question: &'static Question| Some(Answer { question, finding: (question.answer)(&frame)? });
+    let answer = |question: &'static Question| Some(Answer { question, finding: (question.answer)(frame)? });
     questions.into_iter().filter_map(answer).collect()
 }
 

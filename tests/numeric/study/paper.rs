@@ -1,6 +1,6 @@
 //! Finished runs written on paper: errors, bins, lights and times of choice.
 
-use splitsum::runner::axis::{AXES, Point};
+use splitsum::runner::axis::{AXES, Point, index_of};
 use splitsum::runner::tables::HEADLINE;
 use splitsum::runner::value::Value;
 use splitsum::study::finished::{Bin, Finished, FinishedCell, Light, MetricValues};
@@ -38,8 +38,8 @@ impl Paper {
         assert_eq!(values.len(), self.axes.len());
         let mut point = Point::default();
         for (name, text) in self.axes.iter().zip(values) {
-            let axis = AXES.iter().find(|axis| axis.name == *name).unwrap_or_else(|| panic!("no axis {name}"));
-            point.set(name, if text.is_empty() { Value::Unset } else { axis.kind.parse_text(text).unwrap() });
+            let axis = index_of(name).unwrap_or_else(|| panic!("no axis {name}"));
+            point[axis] = if text.is_empty() { Value::Unset } else { AXES[axis].kind.parse_text(text).unwrap() };
         }
         self.run.cells.push(FinishedCell {
             id: format!("{:04x}", self.run.cells.len()),

@@ -4,13 +4,12 @@ use super::made::scaled;
 use super::told::{sentences, unfounded, word_count, xml_fault};
 use crate::runner::runs::{finished, plan};
 use splitsum::runner::axis::{AXES, Point};
-use splitsum::runner::fault::Place;
 use splitsum::runner::value::Value;
 use splitsum::study::figure::svg::{WIDTHS, svg};
 use splitsum::study::figure::vega::vega;
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::{Frame, Shape};
-use splitsum::study::questions::{Finding, QUESTIONS, Question, SENTENCES_MAX, WORDS_MAX, answers, question};
+use splitsum::study::questions::{Finding, QUESTIONS, Question, SENTENCES_MAX, WORDS_MAX, answers_to, question};
 use splitsum::table::csv::{Cell, Table};
 use std::sync::OnceLock;
 
@@ -295,24 +294,10 @@ fn a_failed_cell_leaves_the_others_answer() {
 #[test]
 fn what_is_asked_is_answered_in_that_order() {
     let run = &runs()[0];
-    let names = |asked: &[&str]| -> Vec<&str> {
-        let mut config = run.config.clone().unwrap();
-        config.asks = asked.iter().map(|name| (name.to_string(), Place::Default)).collect();
-        let run = Finished {
-            dir: run.dir.clone(),
-            provenance: run.provenance.clone(),
-            experiment: run.experiment.clone(),
-            config: Some(config),
-            cells: run.cells.clone(),
-            lights: run.lights.clone(),
-            timings: run.timings.clone(),
-            failures: Vec::new(),
-            is_under_way: false,
-        };
-        answers(&run, None).iter().map(|answer| answer.question.name).collect()
-    };
-    assert_eq!(names(&["error", "break-even"]), ["error", "break-even"]);
     let frame = Frame::new(run, None);
+    let names =
+        |asked: &[&str]| -> Vec<&str> { answers_to(&frame, asked).iter().map(|answer| answer.question.name).collect() };
+    assert_eq!(names(&["error", "break-even"]), ["error", "break-even"]);
     let served = QUESTIONS.iter().filter(|question| (question.lacks)(&frame.shape).is_none());
     assert_eq!(names(&[]), served.map(|question| question.name).collect::<Vec<_>>());
 }

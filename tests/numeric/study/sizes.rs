@@ -5,7 +5,8 @@ use crate::runner::fake::SPLIT_SUM_ERROR;
 use crate::runner::runs::{fakes, log, options, plan};
 use splitsum::runner::{MakeRenderer, run};
 use splitsum::study::finished::{Finished, MetricValues};
-use splitsum::study::questions::{Finding, answers};
+use splitsum::study::frame::Frame;
+use splitsum::study::questions::{Finding, answers_to};
 use std::sync::atomic::AtomicBool;
 
 /// The digest's column by axis of the tables.
@@ -92,10 +93,7 @@ fn pairs_within_the_noise_tell_nothing() {
         for (samples, error) in [("64", 3e-3), ("256", 1e-3)] {
             paper.add(&["split-sum", samples], error).noise_floors = MetricValues::of(|_| Some(floor));
         }
-        (
-            paper.lacks("table-size"),
-            splitsum::study::questions::answers(&paper.run, &["table-size".to_owned()], None).len(),
-        )
+        (paper.lacks("table-size"), answers_to(&Frame::new(&paper.run, None), &["table-size"]).len())
     };
     assert_eq!(made(1e-9), (None, 1));
     assert_eq!(made(1e-3), (None, 0), "nothing is claimed from noise");
@@ -118,7 +116,8 @@ fn a_renderer_whose_error_falls_with_the_levels() {
     run(&plan, &mut fakes(&log) as &mut MakeRenderer, &options(dir.path(), &stop), &mut crate::runner::runs::Silent)
         .unwrap();
     let run = Finished::read(dir.path()).unwrap();
-    let [answer] = <[_; 1]>::try_from(answers(&run, &["table-size".to_owned()], None)).unwrap_or_else(|_| panic!());
+    let [answer] =
+        <[_; 1]>::try_from(answers_to(&Frame::new(&run, None), &["table-size"])).unwrap_or_else(|_| panic!());
     let told = |name| of(&answer.finding, "prefilter_level_count", name);
     assert_eq!([told("ship"), told("next smaller"), told("larger gains at most")], ["4 levels", "3 levels", "0 %"]);
     let cost = only(&answer.finding.table, &[("value", "2"), ("against", "3")]);
