@@ -187,11 +187,12 @@ fn beside_bar(panel: &Panel, mark: usize) -> f64 {
         Shape::Dot(at) | Shape::Whisker(at, _) => at[0],
         _ => return 0.0,
     };
-    let shares = panel.marks.iter().filter(|other| other.series == own.series).filter_map(|other| match other.shape {
-        Shape::Bar { x, part, parts, .. } if x == place => Some(part_share(part, parts)),
-        _ => None,
-    });
-    shares.last().unwrap_or(0.0)
+    let mut shares =
+        panel.marks.iter().filter(|other| other.series == own.series).filter_map(|other| match other.shape {
+            Shape::Bar { x, part, parts, .. } if x == place => Some(part_share(part, parts)),
+            _ => None,
+        });
+    shares.next().unwrap_or(0.0)
 }
 
 /// The middle of a part of the bars at a step, a share of the step from its middle.

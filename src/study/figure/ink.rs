@@ -1,6 +1,4 @@
 //! Colours of a figure: inks and series as CSS custom properties for light and dark grounds, and the colours of tiles.
-//!
-//! A page that holds a figure may set any of the properties that [`INKS`] names and `--fig-s0` to `--fig-s7`; its values win.
 
 use super::Ramp;
 use super::text::FONTS;
@@ -21,8 +19,9 @@ pub const INKS: [Ink; 8] = [
     (".fig-none", "fill", "--fig-none", ["#eceded", "#24272c"]),
 ];
 
-/// Series on a light and on a dark ground: blue, vermilion, green, purple, ochre, pink, sky, grey. After Okabe and Ito, each at least
-/// 3:1 from its ground.
+/// Series on a light and on a dark ground, after Okabe and Ito; each at least 3:1 from its ground.
+///
+/// Blue, vermilion, green, purple, ochre, pink, sky, grey.
 pub const SERIES: [[&str; 2]; 8] = [
     ["#0072b2", "#56a8e0"],
     ["#c94f00", "#ff8a4c"],
@@ -45,7 +44,7 @@ pub fn dashes(index: usize, is_dashed: bool) -> Option<&'static str> {
     is_dashed.then(|| PATTERNS[index % PATTERNS.len()])
 }
 
-/// The style sheet of a figure with all its names prefixed. Each value stands twice: programs without custom properties read the first.
+/// The style sheet of a figure. Each colour stands twice: programs without custom properties read the first.
 pub fn style() -> String {
     let inks = INKS.map(|(class, property, name, colors)| (class.to_owned(), property, name.to_owned(), colors));
     let series = SERIES.iter().enumerate();

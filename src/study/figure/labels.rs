@@ -133,6 +133,11 @@ impl Labels {
         self.all.iter().map(|label| (label.value, label.full.as_str()))
     }
 
+    /// Labels that are not cut short.
+    pub fn whole(&self) -> usize {
+        self.all.iter().filter(|label| is_whole(&label.lines, &label.full)).count()
+    }
+
     /// The height of a row whose name has the most lines.
     pub fn row(&self) -> f64 {
         self.lines as f64 * FONT.size * LINE

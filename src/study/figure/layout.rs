@@ -159,7 +159,7 @@ impl Grid<'_> {
             None if !panel.y.label.is_empty() => AXIS.size * LINE + 2.0,
             _ => 0.0,
         };
-        let depth = |i: usize| match self.is_shared[1] && i % columns > 0 {
+        let depth = |i: usize| match self.is_shared[1] && !i.is_multiple_of(columns) {
             true => 0.0,
             false => beside[i].depth + own_title(&self.panels()[i]),
         };
@@ -186,9 +186,13 @@ impl Grid<'_> {
     /// The most columns in which every panel has room, evenly filled.
     fn column_count(&self) -> usize {
         let count = self.panels().len().max(1);
+        let whole = |labels: &[Labels]| labels.iter().map(Labels::whole).sum::<usize>();
+        let at_best = whole(&self.beside(1));
         let fits = |columns: &usize| {
-            let (_, width) = self.columns(*columns, &self.beside(*columns));
-            (0..self.panels().len()).all(|i| self.narrowest(i) <= width)
+            let beside = self.beside(*columns);
+            let (_, width) = self.columns(*columns, &beside);
+            // Names that one column would show are not cut short to have more.
+            whole(&beside) == at_best && (0..self.panels().len()).all(|i| self.narrowest(i) <= width)
         };
         let most = (1..=COLUMNS.min(count)).rev().find(fits).unwrap_or(1);
         count.div_ceil(count.div_ceil(most))
@@ -256,7 +260,7 @@ impl Grid<'_> {
         let right = left + width;
         // Half of what is between two panels; all of the margin at the sides of the figure.
         let side = COLUMN_GAP / 2.0 - 2.0;
-        let over = [if index % columns == 0 { beside.depth.max(side) } else { side }, side];
+        let over = [if index.is_multiple_of(columns) { beside.depth.max(side) } else { side }, side];
         let height = match &panel.y.kind {
             ScaleKind::Steps(names) => names.len().max(1) as f64 * self.row_height(index, beside),
             _ => self.height_of(width),
@@ -273,7 +277,7 @@ impl Grid<'_> {
             layout.words.extend(below.words_below(&x, [left, right], bottom, over));
             end += below.depth;
         }
-        if !self.is_shared[1] || index % columns == 0 {
+        if !self.is_shared[1] || index.is_multiple_of(columns) {
             layout.words.extend(beside.words_beside(&y, left));
             if self.titles[1].is_none() {
                 let title = AXIS.elide(&panel.y.label, height);

@@ -5,11 +5,11 @@
 
 use super::clip::clip;
 use super::dodge::{BARS, part_share};
+use super::element::{open_mark, write_words};
 use super::ink::{dashes, hex, words_on};
 use super::labels::FONT;
 use super::layout::Frame;
 use super::scale::Place;
-use super::svg::{open_mark, write_words};
 use super::text::{Font, MIDDLE, escape, px};
 use super::words::{Anchor, Words, overlap};
 use super::{Figure, Mark, Shape};

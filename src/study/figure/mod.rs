@@ -4,6 +4,7 @@
 
 mod clip;
 mod dodge;
+mod element;
 mod head;
 pub mod ink;
 mod labels;

@@ -23,7 +23,7 @@ pub struct Place {
     pub beyond: i8,
 }
 
-/// A value outside of the domain by more shares of it than this is drawn as if it lay there, so that coordinates stay finite.
+/// Values farther outside than this many domains are drawn as if they lay there: coordinates stay finite.
 const FARTHEST: f64 = 2.0;
 /// Rounding may move an end of the domain out of it.
 const ROUNDING: f64 = 1e-9;

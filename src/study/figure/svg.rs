@@ -1,17 +1,21 @@
 //! The SVG of a figure.
 //!
-//! It needs nothing but itself: inks are custom properties with fallbacks ([`super::ink`]), so that a page that holds it may set them, and
-//! there is no id, so that many figures can stand in one page. A mark with a tip is a `<g class="mark">` with its words in `aria-label`,
-//! `data-tip` and `<title>`, its cell in `data-cell`, and the indices of its panel and series in `data-panel` and `data-series`.
+//! It needs nothing but itself and has no id, so that many figures can stand in one page.
+//!
+//! Colours are custom properties with fallbacks for light and dark. A page that holds the figure may set `--fig-ground`, `--fig-ink`,
+//! `--fig-muted`, `--fig-grid`, `--fig-band`, `--fig-axis`, `--fig-none`, `--fig-s0` to `--fig-s7`, and `--fig-font`; its values win.
+//!
+//! A mark with a tip is a `<g class="mark">`: its words are in `aria-label`, `data-tip` and `<title>`, its cell in `data-cell`, the indices
+//! of its panel and series in `data-panel` and `data-series`.
 
+use super::element::write_words;
 use super::head::ramp_kind;
 use super::ink::{class, dashes, hex, style};
 use super::layout::{Frame, Layout, layout};
 use super::marks::{draw, marker};
 use super::scale::Axis;
 use super::text::{escape, px};
-use super::words::{Anchor, Words};
-use super::{Figure, Mark, Ramp, Shape};
+use super::{Figure, Ramp, Shape};
 use std::fmt::Write;
 
 /// Widths at which figures are laid out, pixels: a desk and a phone.
@@ -47,20 +51,6 @@ pub fn svg(figure: &Figure, width: u32) -> String {
         draw(&mut out, figure, index, frame);
     }
     out + "</svg>\n"
-}
-
-/// One line of text.
-pub fn write_words(out: &mut String, words: &Words) {
-    let anchor = match words.anchor {
-        Anchor::Start => "",
-        Anchor::Middle => " text-anchor=\"middle\"",
-        Anchor::End => " text-anchor=\"end\"",
-    };
-    let [x, y] = words.at.map(px);
-    let turn = if words.is_upright { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
-    let full = words.full.as_ref().map_or_else(String::new, |full| format!("<title>{}</title>", escape(full)));
-    let (class, text) = (words.class, escape(&words.text));
-    let _ = writeln!(out, "<text class=\"{class}\" x=\"{x}\" y=\"{y}\"{anchor}{turn}>{full}{text}</text>");
 }
 
 /// What the marks of a series look like.
@@ -155,23 +145,4 @@ fn grid(out: &mut String, frame: &Frame) {
 /// Every second step.
 fn bands(middles: &[f64], step: f64, draw: impl Fn(f64, String) -> String) -> String {
     middles.iter().step_by(2).map(|middle| draw(middle - step / 2.0, px(step))).collect()
-}
-
-/// The start of a group that people can point at; nothing for a mark without a tip.
-pub fn open_mark(out: &mut String, mark: &Mark, panel: usize) {
-    let _ = write!(out, "<g class=\"{}{}\"", if mark.tip.is_empty() { "" } else { "mark " }, class(mark.series));
-    if !mark.tip.is_empty() {
-        let tip = escape(&mark.tip);
-        let _ = write!(out, " tabindex=\"-1\" role=\"img\" aria-label=\"{tip}\" data-tip=\"{tip}\"");
-        if let Some(cell) = &mark.cell {
-            let _ = write!(out, " data-cell=\"{}\"", escape(cell));
-        }
-        let _ = write!(out, " data-panel=\"{panel}\"");
-        if let Some(series) = mark.series {
-            let _ = write!(out, " data-series=\"{series}\"");
-        }
-        let _ = write!(out, "><title>{tip}</title>");
-    } else {
-        *out += ">";
-    }
 }

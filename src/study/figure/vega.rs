@@ -1,7 +1,7 @@
 //! The Vega-Lite specification of a figure: one view a panel with a layer for each form of mark.
 //!
-//! Both axes are quantitative, steps included (their labels are looked up), so that every mark stands where its numbers say. Numbers that
-//! JSON or a logarithm lacks are drawn at the border; the datum keeps what they were in words.
+//! Both axes are quantitative, so that every mark stands where its numbers say; the names of steps are looked up.
+//! Numbers outside of a domain are drawn at its border. The datum keeps what they were, infinity in words.
 
 use super::dodge::{BARS, Dodge, PITCH, dodges, part_share};
 use super::head::ramp_kind;
@@ -131,8 +131,12 @@ impl View<'_> {
         // A scale would merge its legend with that of the colours.
         let dash = json!({ "strokeDash": { "field": "dash", "type": "nominal", "scale": null, "legend": null } });
         let layer = |mark: Value, parts: &[&Value]| {
-            let encoding: Map<String, Value> =
-                parts.iter().filter_map(|part| part.as_object()).cloned().flatten().collect();
+            let encoding: Map<String, Value> = parts
+                .iter()
+                .filter_map(|part| part.as_object())
+                .flatten()
+                .map(|(key, value)| (key.clone(), value.clone()))
+                .collect();
             json!({ "data": { "values": rows }, "mark": mark, "encoding": encoding })
         };
         match name {
@@ -198,8 +202,9 @@ impl View<'_> {
     fn series(&self, mark: &Mark) -> Option<&str> {
         mark.series.and_then(|index| self.figure.series.get(index)).map(|series| series.name.as_str())
     }
-    /// The data of a mark: one row, or one a vertex of a line. `x`, `y`, `x2` and `y2` are its numbers; the fields in `_at` say where they are
-    /// drawn.
+    /// The data of a mark: one row, or one a vertex of a line.
+    ///
+    /// `x`, `y`, `x2` and `y2` are its numbers; the fields in `_at` say where they are drawn.
     fn rows(&self, number: usize, mark: &Mark) -> Vec<Value> {
         let (figure, panel, index) = (self.figure, self.panel, self.index);
         let series = self.series(mark);
