@@ -24,7 +24,7 @@ mod shaders {
 }
 
 /// The modules of the page by the name they import each other under. An import map points each to its text.
-const MODULES: [(&str, &str); 30] = [
+const MODULES: [(&str, &str); 31] = [
     ("report/main", include_str!("../../../assets/report/main.js")),
     ("report/data", include_str!("../../../assets/report/data.js")),
     ("report/state", include_str!("../../../assets/report/state.js")),
@@ -51,6 +51,7 @@ const MODULES: [(&str, &str); 30] = [
     ("report/viewer", include_str!("../../../assets/report/viewer.js")),
     ("report/live", include_str!("../../../assets/report/live.js")),
     ("report/live-render", include_str!("../../../assets/report/live-render.js")),
+    ("report/live-scene", include_str!("../../../assets/report/live-scene.js")),
     ("report/grid", include_str!("../../../assets/report/grid.js")),
     ("report/filter", include_str!("../../../assets/report/filter.js")),
     ("report/tables", include_str!("../../../assets/report/tables.js")),
