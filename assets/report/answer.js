@@ -1,110 +1,120 @@
-// The first screen: the chart that answers the question of each run, further ones below, and images to see it by.
+// Behaviour of the answers, which stand in the page already: tips and keys of the marks, whole tables, files to save.
 
-import { breakEvenChart, breakEvenMap, equalTimeMap } from "report/break-even";
-import { isJoined, pairs, runTitle, unique } from "report/cases";
-import { hasPixels, headline, idOf, model, scenes, truthName, variantAxes, variantLabel } from "report/data";
-import { byId, h, soft } from "report/dom";
-import { ENERGY, effectAxes, effectsFigure, rangeFigure, sweepFigure } from "report/effects";
-import { energyFigure } from "report/energy";
-import { settingsOf, thumbnail } from "report/grid";
-import { convergence } from "report/plots";
-import { profile } from "report/profile";
-import { link } from "report/state";
-import { passes, paybackTable, timeError } from "report/times";
-import { visibility } from "report/visibility";
+import { model } from "report/data";
+import { byId, csvText, download, h } from "report/dom";
+import { go } from "report/state";
+import { dataTable } from "report/tables";
 
-const pairOf = (run) => pairs.find((pair) => pair.run === run);
-const maps = (run) => { const pair = pairOf(run); return pair ? [breakEvenMap(pair), equalTimeMap(pair)] : []; };
+/** More rows of an answer are in its CSV file. */
+const ROWS_MAX = 200;
 
-/** Axes that choose an estimator are answered before a parameter of one, as in the sentence. */
-const estimatorsBefore = (run) => { const { kind, axis } = model.runs[run].lead; return kind === "effects" ? effectAxes(run).filter((name) => ["method", "diffuse"].includes(name) && name !== axis) : []; };
+/** The answer that an element belongs to. */
+const answerOf = (element) => model.answers[Number(element.closest("[data-answer]").dataset.answer)];
 
-/** The figures of a run, the one that answers its question first. */
-function figures(run) {
-  const { kind, axis } = model.runs[run].lead;
-  const made = {
-    "visibility": () => [visibility(run), convergence(run), ...maps(run)],
-    "energy": () => [energyFigure(run), sweepFigure(run, "alpha", ENERGY)],
-    "range": () => [rangeFigure(run), ...maps(run)],
-    "break-even": () => [breakEvenChart(pairOf(run)), ...maps(run)],
-    "times": () => [passes(run, "frame"), passes(run, "precompute"), paybackTable(run), timeError(run, "all")],
-    "effects": () => [...estimatorsBefore(run), axis, ...effectAxes(run).filter((name) => name !== axis && !estimatorsBefore(run).includes(name)).slice(0, 3)].map((name) => effectsFigure(run, name)),
-    "convergence": () => [convergence(run)],
-    "sweep": () => [sweepFigure(run, axis)],
-    "profile": () => [profile(run, scenes[0])],
-  }[kind]();
-  return made.filter(Boolean);
+/** The drawing of an answer at the desk's width, as a file. */
+function svgText(index) {
+  const drawn = document.querySelector(`.figure-box[data-answer="${index}"] .desk svg`);
+  const copy = /** @type {Element} */ (drawn.cloneNode(true));
+  for (const mark of copy.querySelectorAll(".mark")) mark.setAttribute("tabindex", "-1");
+  return `${new XMLSerializer().serializeToString(copy)}\n`;
 }
 
-/** How many figures stand beside the answer: what a frame costs and what the tables cost are one answer. */
-const beside = (run) => (model.runs[run].lead.kind === "times" ? 3 : 1 + estimatorsBefore(run).length);
-
-let theme = null;
-/** Charts and a sample of the images below the sentence, which stands in the page already. Made anew when the theme changes. */
-export function showAnswer() {
-  const now = matchMedia("(prefers-color-scheme: dark)").matches;
-  if (theme === now) return;
-  theme = now;
-  const all = model.runs.map((_, run) => figures(run));
-  byId("lead-chart").replaceChildren(...all.flatMap((own, run) => {
-    const first = own.slice(0, beside(run));
-    return isJoined ? [h("section", { "data-run": run }, first)] : first;
-  }));
-  byId("answer-rest").replaceChildren(...all.map((own, run) => h("div", { class: "two", "data-run": run }, own.slice(beside(run)), strip(run))));
+function save(button) {
+  const { name, run, columns, rows, vega } = answerOf(button);
+  const stem = model.runs.length > 1 ? `${name}-${run + 1}` : name;
+  const index = button.closest("[data-answer]").dataset.answer;
+  const files = {
+    csv: () => download(`${stem}.csv`, csvText(columns, rows), "text/csv"),
+    svg: () => download(`${stem}.svg`, svgText(index), "image/svg+xml"),
+    vega: () => download(`${stem}.vl.json`, `${JSON.stringify(vega, null, 2)}\n`, "application/json"),
+  };
+  files[button.dataset.save]();
 }
 
-/**
- * Images of a scene that differ in one thing alone: `axis`. Of several groups of such images the one with most of them; then that with the
- * largest sample count.
- */
-function alike(own, axis) {
-  const others = variantAxes.filter((name) => name !== axis && name !== "run");
-  // A method that draws no samples, or has no such parameter, fits any group.
-  const fits = (row, group) => others.every((name) => row.axes[name] === group.axes[name] || row.axes[name] === "");
-  const groups = own.map((group) => {
-    const found = new Map(own.filter((row) => fits(row, group)).map((row) => [row.axes[axis] || variantLabel(row), row]));
-    return { found: [...found.values()], samples: Number(group.axes.samples) || 0, set: Number(group.axes.point_set) || 0 };
-  });
-  groups.sort((a, b) => b.found.length - a.found.length || b.samples - a.samples || a.set - b.set);
-  return groups[0].found;
+/** Fills a table of all rows when it is first opened. */
+function fill(details) {
+  if (!details.open || details.querySelector("table")) return;
+  const { columns, rows, name } = answerOf(details);
+  const note = details.querySelector(".note");
+  if (rows.length > ROWS_MAX) note.prepend(`The first ${ROWS_MAX} of ${rows.length} rows; all of them in `);
+  details.append(dataTable(name, columns, rows.slice(0, ROWS_MAX)));
 }
 
-/** The variants of a run in a scene that have pixels, and of several point sets the first. */
-function shownOf(run, scene) {
-  const own = scene.variants.filter((row) => row.run === run && hasPixels(row) && row.axes.method !== "none"), seen = new Set();
-  const shown = own.length ? own : scene.variants.filter((row) => row.run === run && hasPixels(row));
-  return shown.filter((row) => { const way = variantLabel(row, ["point_set", "run"]); return !seen.has(way) && seen.add(way); });
+// --- Marks -----------------------------------------------------------------------------------------------------------
+
+const tip = h("div", { class: "tip", "aria-hidden": "true", hidden: true });
+
+/** Shows the words of a mark beside it, within the window. */
+function showTip(mark) {
+  tip.hidden = !mark?.dataset.tip;
+  if (tip.hidden) return;
+  tip.textContent = mark.dataset.tip;
+  const box = mark.getBoundingClientRect();
+  const { width, height } = tip.getBoundingClientRect();
+  const left = Math.min(innerWidth - width - 8, Math.max(8, box.left + box.width / 2 - width / 2));
+  const top = box.top - height - 8 < 60 ? box.bottom + 8 : box.top - height - 8;
+  Object.assign(tip.style, { left: `${left + scrollX}px`, top: `${top + scrollY}px` });
 }
 
-/** What a run's images are chosen to show: {scene, chosen, note}. */
-function choose(run, withPixels) {
-  const pair = pairOf(run), { kind, axis } = model.runs[run].lead;
-  if (pair && kind === "break-even") {
-    const cases = [...pair.cases].sort((a, b) => (a.crossing ?? Infinity) - (b.crossing ?? Infinity)), middle = cases[Math.floor((cases.length - 1) / 2)];
-    const isIt = (row) => row.run === run && row.cell === middle.fixed_cell;
-    const scene = withPixels.find((one) => one.variants.some(isIt)) ?? withPixels[0], own = shownOf(run, scene);
-    const sampled = own.filter((row) => row.axes.method === pair.sampled).sort((a, b) => a.axes.samples - b.axes.samples);
-    const at = sampled.find((row) => Number(row.axes.samples) === middle.break_even.n) ?? sampled.at(-1);
-    return { scene, chosen: unique([own.find(isIt) ?? own.find((row) => row.axes.method === pair.fixed), sampled[0], at].filter(Boolean)), note: "The scene whose break-even lies in the middle; the fewest samples, and those that break even." };
+/** Makes one mark of a drawing the one that the tabulator key reaches. */
+function rove(svg, mark) {
+  for (const other of svg.querySelectorAll('.mark[tabindex="0"]')) other.setAttribute("tabindex", "-1");
+  mark?.setAttribute("tabindex", "0");
+}
+
+/** Goes to the images of a mark's cell. */
+function follow(mark) {
+  if (!mark.dataset.cell) return;
+  go({ view: "compare", cell: mark.dataset.cell, run: answerOf(mark).run || undefined });
+}
+
+/** Where an arrow key leads from a mark, by the order of the marks. */
+function target(svg, mark, key) {
+  const marks = [...svg.querySelectorAll(".mark")];
+  const at = marks.indexOf(mark);
+  const last = marks.length - 1;
+  const next = { ArrowRight: at + 1, ArrowDown: at + 1, ArrowLeft: at - 1, ArrowUp: at - 1, Home: 0, End: last }[key];
+  return next === undefined ? null : marks[Math.min(last, Math.max(0, next))];
+}
+
+function onMarkKey(event, mark) {
+  const next = target(mark.ownerSVGElement, mark, event.key);
+  if (next) {
+    rove(mark.ownerSVGElement, next);
+    next.focus();
+  } else if (event.key === "Enter" || event.key === " ") follow(mark);
+  else if (event.key === "Escape") showTip(null);
+  else return;
+  event.preventDefault();
+}
+
+/** Called once, with the view of the answers. */
+export function startAnswer(view) {
+  document.body.append(tip);
+  for (const svg of view.querySelectorAll(".figure-box svg")) {
+    rove(svg, svg.querySelector(".mark"));
+    for (const mark of svg.querySelectorAll(".mark[data-cell]")) mark.setAttribute("aria-roledescription", "link");
   }
-  // Of scenes with one image each the one that errs most.
-  const worst = (one) => Math.max(...shownOf(run, one).map((row) => row.scores[headline] ?? 0));
-  const scene = ["energy", "sweep"].includes(kind) ? withPixels.reduce((best, one) => (worst(one) > worst(best) ? one : best)) : withPixels[0], own = shownOf(run, scene), differ = kind === "effects" && variantAxes.includes(axis) ? axis : variantAxes.includes("method") ? "method" : variantAxes.find((name) => name !== "run");
-  const ranked = (differ ? alike(own, differ) : own).sort((a, b) => a.scores[headline] - b.scores[headline]);
-  return { scene, chosen: unique([ranked.at(-1), ranked[ranked.length >> 1], ranked[0]].filter(Boolean)), note: ranked.length > 1 ? `The largest, the middle and the lowest error of images that differ in ${differ} alone.` : "The only image of its scene." };
-}
-
-/** The images of one telling scene. */
-function strip(run) {
-  const withPixels = scenes.filter((scene) => shownOf(run, scene).length);
-  if (!withPixels.length) return h("p", { class: "note" }, model.image_notes.join(" "));
-  const { scene, chosen, note } = choose(run, withPixels), own = scene.variants.find((row) => row.run === run && row.reference === scene.main.reference) ?? chosen[0], settings = settingsOf(own);
-  const label = (row) => variantLabel(row, ["run", "point_set"]);
-  return h("figure", { class: "figure strip" }, h("figcaption", {}, h("h2", {}, `See it: ${scene.label}${runTitle(run)}`)),
-    h("p", { class: "note" }, `${note} Above the images, below their relative error (magma, 10⁻³ to 1). Click to compare them pixel by pixel.`),
-    h("div", { class: "strip-images" }, h("div", {}, h("h3", {}, truthName), thumbnail(own, "image", settings, { isReference: true })),
-      chosen.map((row) => h("div", { "data-shown": row.cell }, h("h3", {}, soft(label(row))), thumbnail(row, "image", settings), thumbnail(row, "error", settings)))),
-    h("p", {}, h("a", { href: "#images" }, scenes.length === 1 ? "All images of the scene" : `All ${scenes.length} scenes`), " · ",
-      h("a", { href: link({ view: "compare", cell: chosen[0].cell, run: run || undefined, split: 0.5 }) }, `Compare ${label(chosen[0])} with the ${truthName}`),
-      chosen.length > 1 && [" · ", h("a", { href: link({ view: "compare", cell: chosen[0].cell, run: run || undefined, with: idOf(chosen.at(-1)), split: 0.5 }) }, `with ${label(chosen.at(-1))}`)]));
+  const on = (name, selector, act) =>
+    view.addEventListener(name, (event) => {
+      const found = event.target.closest(selector);
+      if (found) act(found, event);
+    });
+  on("click", "[data-save]", save);
+  on("mouseover", ".mark", showTip);
+  on("mouseout", ".mark", () => showTip(document.activeElement?.closest(".mark")));
+  on("focusin", ".mark", (mark) => {
+    rove(mark.ownerSVGElement, mark);
+    showTip(mark);
+  });
+  on("focusout", ".mark", () => showTip(null));
+  on("keydown", ".mark", (mark, event) => onMarkKey(event, mark));
+  // A finger has no other way to read a tip: the first touch shows it, the second follows.
+  on("click", ".mark", (mark, event) => {
+    const isFirst = event.pointerType === "touch" && tip.textContent !== mark.dataset.tip;
+    if (isFirst) mark.focus();
+    else follow(mark);
+  });
+  view.addEventListener("toggle", (event) => event.target.matches(".all-rows") && fill(event.target), true);
+  byId("main").addEventListener("scroll", () => showTip(null), { passive: true });
 }

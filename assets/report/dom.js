@@ -1,21 +1,18 @@
 // Elements and text. Text from data only ever becomes text nodes and attribute values, never markup.
 
-const SVG = "http://www.w3.org/2000/svg";
-
 function fill(element, attributes, children) {
   for (const [name, value] of Object.entries(attributes ?? {})) {
     if (value === undefined || value === null || value === false) continue;
     if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
     else element.setAttribute(name, value === true ? "" : String(value));
   }
-  for (const child of children.flat(2)) if (child !== null && child !== undefined && child !== false) element.append(child);
+  for (const child of children.flat(2))
+    if (child !== null && child !== undefined && child !== false) element.append(child);
   return element;
 }
 
 /** An HTML element; `on...` attributes are listeners. */
 export const h = (tag, attributes, ...children) => fill(document.createElement(tag), attributes, children);
-/** An SVG element. */
-export const s = (tag, attributes, ...children) => fill(document.createElementNS(SVG, tag), attributes, children);
 export const byId = (id) => document.getElementById(id);
 
 /** Text that may break after the signs that join words in names of files and axes, and nowhere within a word. */
@@ -27,12 +24,16 @@ export function number(x, digits = 3) {
   if (!Number.isFinite(x)) return x > 0 ? "∞" : "−∞";
   if (x === 0) return "0";
   const magnitude = Math.abs(x);
-  const text = magnitude < 1e-4 || magnitude >= 1e6 ? x.toExponential(digits - 1).replace("e+", "e") : Number(x.toPrecision(digits)).toString();
+  const text =
+    magnitude < 1e-4 || magnitude >= 1e6
+      ? x.toExponential(digits - 1).replace("e+", "e")
+      : Number(x.toPrecision(digits)).toString();
   return text.replace("-", "−");
 }
 
 /** Exposure in stops with its factor. */
-export const stopsText = (stops) => `${stops >= 0 ? "+" : "−"}${number(Math.abs(Number(stops.toFixed(2))))} EV (× ${number(2 ** stops)})`;
+export const stopsText = (stops) =>
+  `${stops >= 0 ? "+" : "−"}${number(Math.abs(Number(stops.toFixed(2))))} EV (× ${number(2 ** stops)})`;
 
 /** Offers `text` as a file. */
 export function download(name, text, type) {
@@ -43,17 +44,22 @@ export function download(name, text, type) {
 
 /** Whether a spreadsheet would run the text, as src/table/csv.rs says it. */
 const isLikeFormula = (text) =>
-  /^'*[=+\-@\t\r]/.test(text) && !(/^[+-]/.test(text) && (Number.isFinite(Number(text)) || /^.(inf|infinity|nan)$/i.test(text)));
-
-/** The text that a table holds as this field: without the apostrophe that keeps a spreadsheet from running it. */
-export const unguarded = (field) => (field.startsWith("'") && isLikeFormula(field.slice(1)) ? field.slice(1) : field);
+  /^'*[=+\-@\t\r]/.test(text) &&
+  !(/^[+-]/.test(text) && (Number.isFinite(Number(text)) || /^.(inf|infinity|nan)$/i.test(text)));
 
 /** RFC 4180. */
 export const csvText = (columns, rows) =>
-  [columns, ...rows].map((row) => row.map((field) => {
-    const plain = field === Infinity ? "inf" : String(field ?? ""), text = isLikeFormula(plain) ? `'${plain}` : plain;
-    return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
-  }).join(",")).join("\n") + "\n";
+  [columns, ...rows]
+    .map((row) =>
+      row
+        .map((field) => {
+          const plain = field === Infinity ? "inf" : String(field ?? ""),
+            text = isLikeFormula(plain) ? `'${plain}` : plain;
+          return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+        })
+        .join(","),
+    )
+    .join("\n") + "\n";
 
 /** Says something to screen readers. */
 export function announce(text) {
@@ -61,7 +67,8 @@ export function announce(text) {
 }
 
 /** What may be wider than its place: it scrolls, by keyboard too. */
-export const scrollBox = (label, ...children) => h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": label }, ...children);
+export const scrollBox = (label, ...children) =>
+  h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": label }, ...children);
 
 /** Writes a text where it is another one: a new node costs a layout. */
 export function say(element, text) {
@@ -72,27 +79,49 @@ export function say(element, text) {
 export const unseen = (text) => h("span", { class: "visually-hidden" }, text);
 
 /** The head of a table: names of its columns; one that nothing is written over says what it holds to screen readers. */
-export const tableHead = (names, hidden) => h("thead", {}, h("tr", {}, names.map((name) => h("th", { scope: "col" }, name === "" ? unseen(hidden) : name))));
-
-/** Makes a page anew; the control that had the focus, by its place among all, has it again. */
-export function redraw(view, draw) {
-  const controls = () => [...view.querySelectorAll(".controls :is(input, select, button)")], at = controls().indexOf(document.activeElement);
-  draw();
-  if (at >= 0) controls()[at]?.focus({ preventScroll: true });
-}
+export const tableHead = (names, hidden) =>
+  h(
+    "thead",
+    {},
+    h(
+      "tr",
+      {},
+      names.map((name) => h("th", { scope: "col" }, name === "" ? unseen(hidden) : name)),
+    ),
+  );
 
 /** A labelled choice. `options` are [value, label]. */
 export function select(label, options, value, onchange) {
-  const box = h("select", { onchange: () => onchange(box.value) },
-    options.map(([v, text]) => h("option", { value: v, selected: String(v) === String(value) }, text)));
+  const box = h(
+    "select",
+    { onchange: () => onchange(box.value) },
+    options.map(([v, text]) => h("option", { value: v, selected: String(v) === String(value) }, text)),
+  );
   return h("label", { class: "choice" }, h("span", {}, label), box);
 }
 
 /** Buttons of which one is pressed. */
 export function choice(label, options, value, onchange) {
   const group = h("span", { class: "segments", role: "group", "aria-label": label });
-  const press = (pressed) => [...group.children].forEach((button) => button.setAttribute("aria-pressed", button.value === pressed));
-  group.append(...options.map(([v, text, title]) => h("button", { type: "button", value: v, title, onclick: () => { press(v); onchange(v); } }, text)));
+  const press = (pressed) =>
+    [...group.children].forEach((button) => button.setAttribute("aria-pressed", button.value === pressed));
+  group.append(
+    ...options.map(([v, text, title]) =>
+      h(
+        "button",
+        {
+          type: "button",
+          value: v,
+          title,
+          onclick: () => {
+            press(v);
+            onchange(v);
+          },
+        },
+        text,
+      ),
+    ),
+  );
   press(value);
   group.press = press;
   return group;
@@ -104,14 +133,4 @@ export function slider(label, min, max, step, id, oninput) {
   const input = h("input", { type: "range", min, max, step, id, oninput: () => oninput(Number(input.value)) });
   // Named by `for`: the label of an element inside it would be that of the output.
   return { input, output, element: h("label", { class: "slider", for: id }, h("span", {}, label, " ", output), input) };
-}
-
-/** Lower quartile, median, upper quartile (linear interpolation) of finite numbers. */
-export function quartiles(numbers) {
-  const sorted = numbers.filter(Number.isFinite).sort((a, b) => a - b);
-  const at = (p) => {
-    const place = p * (sorted.length - 1), below = Math.floor(place);
-    return sorted[below] + (place - below) * ((sorted[below + 1] ?? sorted[below]) - sorted[below]);
-  };
-  return sorted.length ? [at(0.25), at(0.5), at(0.75)] : [NaN, NaN, NaN];
 }

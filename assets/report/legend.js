@@ -8,19 +8,41 @@ export function fillErrorLegend(element, isSigned, marks) {
   const { magma, blue_red, relative, signed, relative_ticks, signed_ticks } = model.colors;
   const range = isSigned ? signed : relative;
   const stops = (isSigned ? blue_red : magma).filter((_, i) => i % 17 === 0).map((c) => `rgb(${c})`);
-  const place = (t) => (isSigned ? (t - range[0]) / (range[1] - range[0]) : Math.log(t / range[0]) / Math.log(range[1] / range[0])) * 100;
-  const last = (isSigned ? signed_ticks : relative_ticks).length - 1, open = (i) => (i === last ? "≥ " : i === 0 ? "≤ " : "");
+  const place = (t) =>
+    (isSigned ? (t - range[0]) / (range[1] - range[0]) : Math.log(t / range[0]) / Math.log(range[1] / range[0])) * 100;
+  const last = (isSigned ? signed_ticks : relative_ticks).length - 1,
+    open = (i) => (i === last ? "≥ " : i === 0 ? "≤ " : "");
   element.replaceChildren(
     h("div", { class: "ramp", style: `background:linear-gradient(90deg,${stops.join(",")})` }),
-    h("div", { class: "ramp-ticks" }, (isSigned ? signed_ticks : relative_ticks).map((t, i) => h("span", { style: `left:${place(t)}%` }, `${open(i)}${number(t)}`))),
-    h("p", {}, isSigned ? "mean of d / √(r² + 0.01); blue too dark, red too bright. " : "√ of the RGB mean of d² / (r² + 0.01), as in errors.csv; the same range for every image. ",
-      `Beyond the ends the colour stays${marks ? `; “Mark beyond the range” (C) stripes what lies ${isSigned ? "outside" : "above"}` : ""}.`));
+    h(
+      "div",
+      { class: "ramp-ticks" },
+      (isSigned ? signed_ticks : relative_ticks).map((t, i) =>
+        h("span", { style: `left:${place(t)}%` }, `${open(i)}${number(t)}`),
+      ),
+    ),
+    h(
+      "p",
+      {},
+      isSigned
+        ? "mean of d / √(r² + 0.01); blue too dark, red too bright. "
+        : "√ of the RGB mean of d² / (r² + 0.01), as in errors.csv; the same range for every image. ",
+      `Beyond the ends the colour stays${marks ? `; “Mark beyond the range” (C) stripes what lies ${isSigned ? "outside" : "above"}` : ""}.`,
+    ),
+  );
 }
 
 /** The error of a texel with its colour, in the measure that is shown, as a cell of a table; null: an empty one. */
 export function errorCell(error, isSigned) {
   const value = error && (isSigned ? error.signed : error.relative);
-  return h("td", { "data-value": value ?? "" }, error && [h("i", { class: "chip", style: `background:rgb(${errorColor(isSigned ? "signed" : "error", error)})` }), number(value)]);
+  return h(
+    "td",
+    { "data-value": value ?? "" },
+    error && [
+      h("i", { class: "chip", style: `background:rgb(${errorColor(isSigned ? "signed" : "error", error)})` }),
+      number(value),
+    ],
+  );
 }
 /** What the column of such cells is called. */
 export const errorHead = (isSigned) => (isSigned ? "signed error" : "error");

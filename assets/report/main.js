@@ -1,70 +1,66 @@
-// Starts the page: navigation, the first screen, keys.
+// Starts the page: navigation between its views, keys.
 
-import { showAnswer } from "report/answer";
+import { startAnswer } from "report/answer";
 import { byId, h } from "report/dom";
 import { showGrid } from "report/grid";
 import { liveKey, liveRelease, showLive } from "report/live";
-import { showPlots } from "report/plots";
-import { showRun } from "report/run";
 import { go, onState, state } from "report/state";
 import { showTables } from "report/tables";
 import { showViewer, viewerKey, viewerRelease } from "report/viewer";
 
-const PAGES = [
-  ["answer", "Answer", showAnswer], ["images", "Images", showGrid], ["compare", "Compare", showViewer], ["live", "Live", showLive],
-  ["plots", "Plots", showPlots], ["tables", "Tables", showTables], ["run", "Run", showRun],
-];
+const nothing = () => {};
+/** Views by name: title, key that leads there, what fills it. Answer and Run stand in the page already. */
+const VIEWS = {
+  answer: ["Answer", "a", nothing],
+  images: ["Images", "i", showGrid],
+  compare: ["Compare", "m", showViewer],
+  live: ["Live", "l", showLive],
+  tables: ["Tables", "b", showTables],
+  run: ["Run", "r", nothing],
+};
+const GO = { g: "answer", ...Object.fromEntries(Object.entries(VIEWS).map(([name, [, key]]) => [key, name])) };
 
-const KEYS = [
-  ["1 … 9", "show an image of the scene"], ["space (hold)", "show the reference"], ["← →", "previous, next image"], ["↑ ↓", "previous, next scene"],
-  ["E", "relative error"], ["S", "signed error"], ["T", "tone curve or sRGB"], ["[ ]", "half a stop darker, brighter"], ["C", "mark clipped pixels, or errors beyond the range of colours"],
-  ["D", "split with the reference"], ["+ − 0", "zoom in, out, fit"], ["click", "pin the probe"], ["shift + arrows", "move the probe by a texel"], ["live: 1 … 4", "split sum, sampled, error, signed error"], ["live: arrows, drag", "turn; + − and the wheel come nearer, 0 returns"], ["live: space (hold)", "show the other of split sum and sampled"],
-  ["G A I M L P B R", "go to Answer (G or A), Images, coMpare, Live, Plots, taBles, Run"], ["?", "this list"],
-];
-const GO = { a: "answer", g: "answer", i: "images", m: "compare", l: "live", p: "plots", b: "tables", r: "run" };
-
-/** How far each page was scrolled when it was left: pages are like tabs. */
+/** How far each view was scrolled when it was left: views are like tabs. */
 const places = new Map();
 
+/** Shows the view that the address names; an address of an answer shows the answers, at that one. */
 function show(current) {
-  const known = PAGES.find(([name]) => name === current.view) ?? PAGES[0], before = document.body.dataset.view;
-  const isNew = before !== known[0];
+  const before = document.body.dataset.view;
+  const name = Object.hasOwn(VIEWS, current.view) ? current.view : "answer";
+  const anchor = current.view === name ? null : byId("view-answer").querySelector(`[id="${CSS.escape(current.view)}"]`);
+  const isNew = before !== name;
   if (isNew && before) places.set(before, scrollY);
   const hadFocus = before && byId(`view-${before}`).contains(document.activeElement);
-  for (const [name] of PAGES) byId(`view-${name}`).hidden = name !== known[0];
-  for (const item of byId("pages").children) item.toggleAttribute("aria-current", item.dataset.view === known[0]);
-  const here = byId("pages").querySelector("[aria-current]");
+  for (const other of Object.keys(VIEWS)) byId(`view-${other}`).hidden = other !== name;
+  for (const item of byId("pages").children) item.removeAttribute("aria-current");
+  const here = /** @type {HTMLElement} */ (byId("pages").querySelector(`[data-view="${name}"]`));
   here.setAttribute("aria-current", "page");
   byId("pages").scrollLeft = here.offsetLeft - 60;
   signalMore();
-  document.body.dataset.view = known[0];
-  known[2](byId(`view-${known[0]}`), current);
+  document.body.dataset.view = name;
+  VIEWS[name][2](byId(`view-${name}`), current);
+  if (anchor) anchor.scrollIntoView();
   if (!isNew) return;
-  scrollTo(0, places.get(known[0]) ?? 0);
-  // What had the focus is gone: the keyboard goes on at the new page's beginning.
+  if (!anchor) scrollTo(0, places.get(name) ?? 0);
+  // What had the focus is gone: the keyboard goes on at the new view's beginning.
   if (hadFocus) byId("main").focus({ preventScroll: true });
 }
 
 /** Fades the ends of the menu beyond which it goes on. */
 function signalMore() {
   const { scrollLeft, scrollWidth, clientWidth, dataset } = byId("pages");
-  dataset.more = [scrollLeft > 1 ? "left" : "", scrollLeft + clientWidth < scrollWidth - 1 ? "right" : ""].filter(Boolean).join(" ");
+  const isCut = [scrollLeft > 1, scrollLeft + clientWidth < scrollWidth - 1];
+  dataset.more = ["left", "right"].filter((_, i) => isCut[i]).join(" ");
 }
 
-function help() {
-  const dialog = byId("help");
-  if (!dialog.firstChild) {
-    dialog.append(h("h2", {}, "Keys"), h("table", { class: "plain" }, h("tbody", {}, KEYS.map(([key, what]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, key)), h("td", {}, what))))),
-      h("form", { method: "dialog" }, h("button", {}, "Close")));
-  }
-  dialog.showModal();
-}
+const help = () => /** @type {HTMLDialogElement} */ (byId("help")).showModal();
 
-/** Whether keys belong to the element that has the focus. */
-const isTyping = (element) => element?.matches("input:not([type=range]):not([type=checkbox]), select, textarea, [contenteditable]");
+const TYPED = "input:not([type=range]):not([type=checkbox]), select, textarea, [contenteditable]";
 
 function onKey(event) {
-  if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target) || byId("help").open) return;
+  const isOpen = byId("help").hasAttribute("open");
+  if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || isOpen) return;
+  if (event.target.matches(TYPED)) return;
   const ownKey = { compare: viewerKey, live: liveKey }[document.body.dataset.view];
   // Space and arrows keep their meaning on buttons and sliders.
   const isOwn = event.target.matches("button, a, summary") && [" ", "Enter"].includes(event.key);
@@ -86,19 +82,28 @@ function release() {
 
 /** Called once, by the page. */
 export function start() {
-  byId("pages").append(...PAGES.map(([name, title]) => h("a", { href: `#${name}`, "data-view": name }, title)));
+  const items = Object.entries(VIEWS).map(([name, [title]]) => h("a", { href: `#${name}`, "data-view": name }, title));
+  byId("pages").append(...items);
   byId("tools").append(h("button", { type: "button", onclick: help, "aria-label": "Keys", title: "Keys (?)" }, "?"));
   byId("pages").addEventListener("scroll", signalMore, { passive: true });
   addEventListener("resize", signalMore);
-  // Colours of quantities are computed for the theme.
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (["answer", "plots"].includes(document.body.dataset.view)) show(state()); });
   addEventListener("keydown", onKey);
-  addEventListener("keyup", (event) => { if (event.key === " ") release(); });
+  addEventListener("keyup", (event) => {
+    if (event.key === " ") release();
+  });
   addEventListener("blur", release);
-  byId("skip").addEventListener("click", (event) => { event.preventDefault(); byId("main").focus(); });
+  byId("skip").addEventListener("click", (event) => {
+    event.preventDefault();
+    byId("main").focus();
+  });
   history.scrollRestoration = "manual";
+  startAnswer(byId("view-answer"));
   onState(show);
-  const begin = () => { show(state()); document.body.dataset.ready = String(Math.round(performance.now())); };
+  const begin = () => {
+    show(state());
+    document.body.dataset.ready = String(Math.round(performance.now()));
+  };
   // The images stand after the script; they are needed only once the page is parsed.
-  if (document.readyState === "loading") addEventListener("DOMContentLoaded", begin); else begin();
+  if (document.readyState === "loading") addEventListener("DOMContentLoaded", begin);
+  else begin();
 }

@@ -11,7 +11,9 @@ function parse() {
 /** The state as text for a link. */
 export function link(state) {
   const { view, ...rest } = state;
-  const parameters = new URLSearchParams(Object.entries(rest).filter(([, value]) => value !== undefined && value !== ""));
+  const parameters = new URLSearchParams(
+    Object.entries(rest).filter(([, value]) => value !== undefined && value !== ""),
+  );
   const query = parameters.toString();
   return `#${view}${query ? `?${query}` : ""}`;
 }
@@ -20,7 +22,8 @@ export const state = () => current;
 
 /** Browsers refuse more than about a hundred changes of the address in half a minute; a slider makes that many in a second. */
 const WRITE_MS = 400;
-let written = -Infinity, timer = 0;
+let written = -Infinity,
+  timer = 0;
 
 function write() {
   clearTimeout(timer);

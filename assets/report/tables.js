@@ -1,71 +1,151 @@
-// Tables: sort by a column, filter by words, save as CSV, follow a row to its images.
+// Tables: the cells of the run, by a choice for each swept axis, sorted by a column.
 
-import { axisOf, model, rowOf, table } from "report/data";
-import { choice, download, h, number, redraw, select, unseen } from "report/dom";
-import { isNumber, parseFilter, value } from "report/filter";
-import { go, keep, state as current } from "report/state";
+import { axisOf, model, rows, short } from "report/data";
+import { csvText, download, h, number, select, unseen } from "report/dom";
+import { go, keep } from "report/state";
 
-const FILES = [["errors.csv", "Errors"], ["errors_by_n_dot_v.csv", "Errors by n·v"], ["timings.csv", "Timings"]];
 /** Rows put on the page at once; a button adds as many again. */
 const PAGE_ROWS = 200;
+const ROUGHNESS = "perceptual_roughness";
+
+/** @typedef {string | number | null} Field */
+
+/** The text of a field: numbers short. */
+const text = (field) =>
+  typeof field === "number" && !Number.isInteger(field) ? number(field, 4) : String(field ?? "");
+const cellOf = (field) =>
+  h("td", { class: typeof field === "number" ? "number" : "", title: field ?? "" }, text(field));
+
+/** Columns with the perceptual roughness beside alpha, and a function that adds it to a row. */
+function withRoughness(columns) {
+  const at = columns.indexOf("alpha");
+  if (at < 0 || columns.includes(ROUGHNESS)) return { names: columns, extend: (row) => row };
+  const beside = (row) => Number(model.roughness[row[at]] ?? NaN) || null;
+  const extend = (row) => [...row.slice(0, at + 1), beside(row), ...row.slice(at + 1)];
+  return { names: [...columns.slice(0, at + 1), ROUGHNESS, ...columns.slice(at + 1)], extend };
+}
+
+/** A table of rows as they are, in a box that scrolls. */
+export function dataTable(label, columns, rows) {
+  const { names, extend } = withRoughness(columns);
+  const head = h("tr", {}, ...names.map((name) => h("th", { scope: "col" }, name)));
+  const body = rows.map((row) => h("tr", {}, ...extend(row).map(cellOf)));
+  const table = h("table", {}, h("thead", {}, head), h("tbody", {}, ...body));
+  return h("div", { class: "scroll data-table", tabindex: 0, role: "region", "aria-label": label }, table);
+}
+
+/** Orders fields: numbers by size, texts by letters, nothing last. */
+function order(a, b) {
+  const isNothing = (x) => x === null || x === "";
+  if (isNothing(a) || isNothing(b)) return Number(isNothing(a)) - Number(isNothing(b));
+  const [x, y] = [Number(a), Number(b)];
+  return Number.isNaN(x) || Number.isNaN(y) ? String(a).localeCompare(String(b)) : x - y;
+}
+
+/** Columns of the cells that tell something: swept axes, the roughness of alpha, scores. */
+function cellColumns() {
+  const isSwept = ({ name, kind }) => kind === "axis" && axisOf[name].values.length > 1;
+  const axes = model.columns.filter(isSwept).map(({ name }) => name);
+  const at = axes.indexOf("alpha") + 1;
+  if (at > 0 && !axes.includes(ROUGHNESS)) axes.splice(at, 0, ROUGHNESS);
+  const scores = model.metrics.map((metric) => metric.name);
+  const columns = [...(model.runs.length > 1 ? ["run"] : []), ...axes, ...scores, "noise_floor", "verdict", "cell"];
+  const numeric = (value) => (value !== "" && Number.isFinite(Number(value)) ? Number(value) : value);
+  const fields = (row) => ({
+    ...Object.fromEntries(Object.entries(row.axes).map(([name, value]) => [name, numeric(value)])),
+    [ROUGHNESS]: Number(row.axes[ROUGHNESS] || model.roughness[row.axes.alpha]) || null,
+    ...row.scores,
+    noise_floor: row.floor,
+    verdict: row.verdict,
+    cell: row.cell,
+  });
+  return {
+    columns,
+    axes: axes.filter((name) => axisOf[name]),
+    records: rows.map((row) => ({ row, fields: fields(row) })),
+  };
+}
+
+const open = (row) => go({ view: "compare", cell: row.cell, run: row.run || undefined });
 
 /** The page of tables. */
 export function showTables(view, state) {
-  const files = FILES.filter(([name]) => model.runs.some((_, run) => table(run, name)));
-  const file = files.find(([name]) => name === state.table)?.[0] ?? files[0][0];
-  const run = Number(state.run) || 0, own = table(run, file);
-  const bar = h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Tables"));
-  if (!own) return view.replaceChildren(bar, h("p", { class: "note" }, `This run has no ${file}.`));
-  const { columns, rows, text } = own;
-  const isIdle = (name, i) => name === "cell" || ((axisOf[name] || name === "diffuse_weight" || name === "device") && new Set(rows.map((row) => row[i]).filter(Boolean)).size < 2);
-  const all = state.columns === "all";
-  const shown = columns.map((name, i) => [name, i]).filter(([name, i]) => all || !isIdle(name, i));
-  let sort = columns.includes(state.sort?.replace(/^-/, "")) ? state.sort : "", filter = state.filter ?? "", limit = PAGE_ROWS;
-  // What was filtered and sorted since the page was made stands in the address alone.
-  const again = (details) => { keep(details); redraw(view, () => showTables(view, current())); };
-
-  const body = h("tbody", {}), count = h("p", { class: "note", "aria-live": "polite" }), complaint = h("p", { class: "complaint", role: "status", id: "filter-complaint" }), more = h("button", { type: "button", onclick: () => { limit += PAGE_ROWS; fill(); } }, "Show more rows");
-  const heads = shown.map(([name, i]) => {
-    const metric = model.metrics.find((one) => one.name === name);
-    return h("th", { scope: "col", title: metric?.formula }, h("button", { type: "button", "data-sort": name, onclick: () => {
-      sort = sort === name ? `-${name}` : sort === `-${name}` ? "" : name;
-      keep({ sort });
-      fill();
-    } }, name, h("span", { "aria-hidden": "true", class: "arrow" })));
-  });
-  const fill = () => {
-    const name = sort.replace(/^-/, ""), place = columns.indexOf(name), sign = sort.startsWith("-") ? -1 : 1;
-    const { test, complaints } = parseFilter(columns, filter), found = rows.filter(test);
-    complaint.textContent = complaints.length ? `Not understood: ${complaints.join("; ")}. Columns are listed in the head of the table${all ? "" : ", more of them under “all columns”"}.` : "";
-    box.setAttribute("aria-invalid", String(complaints.length > 0));
-    if (place >= 0) {
-      found.sort(([...a], [...b]) => {
-        const [x, y] = [a[place], b[place]];
-        if (x === "" || y === "") return x === y ? 0 : x === "" ? 1 : -1;
-        return sign * (isNumber(x) && isNumber(y) ? value(x) - value(y) : x < y ? -1 : x > y ? 1 : 0);
-      });
-    }
-    heads.forEach((head, i) => head.setAttribute("aria-sort", shown[i][0] !== name ? "none" : sign > 0 ? "ascending" : "descending"));
-    const cell = columns.indexOf("cell");
-    body.replaceChildren(...found.slice(0, limit).map((row) => {
-      const target = rowOf(row[cell], run);
-      return h("tr", { class: target?.image != null ? "open" : "", onclick: (event) => { if (target && !event.target.closest("button")) openRow(target); } },
-        h("td", {}, target?.image != null && h("button", { type: "button", "aria-label": `Compare ${row[cell]}`, onclick: () => openRow(target) }, "▸")),
-        shown.map(([, i]) => h("td", { class: isNumber(row[i]) ? "number" : "", title: row[i] }, isNumber(row[i]) && row[i].length > 8 ? number(value(row[i]), 4) : row[i])));
-    }));
-    count.textContent = `${found.length} of ${rows.length} rows${found.length > limit ? `; the first ${limit} are shown` : ""}`;
-    more.hidden = found.length <= limit;
+  const { columns, axes, records } = cellColumns();
+  const filters = Object.fromEntries(
+    axes.map((name) => [name, axisOf[name].values.includes(state[name]) ? state[name] : ""]),
+  );
+  let sort = columns.includes(state.sort?.replace(/^-/, "")) ? state.sort : "";
+  let limit = PAGE_ROWS;
+  const body = h("tbody", {});
+  const count = h("p", { class: "note", "aria-live": "polite" });
+  const more = h("button", { type: "button", onclick: () => fill(limit + PAGE_ROWS) }, "Show more rows");
+  const press = (name) => {
+    sort = sort === name ? `-${name}` : sort === `-${name}` ? "" : name;
+    keep({ sort });
+    fill(PAGE_ROWS);
   };
-  const box = h("input", { type: "search", value: filter, size: 28, "aria-describedby": "filter-complaint", placeholder: "words, alpha = 0.1, brdf != ggx", oninput: () => { filter = box.value; limit = PAGE_ROWS; keep({ filter }); fill(); } });
-  bar.append(
-    choice("Table", files, file, (name) => again({ table: name, sort: "", filter: "" })),
-    model.runs.length > 1 ? select("Run", model.runs.map((one, i) => [i, one.label]), run, (value) => again({ run: value })) : "",
-    h("label", { class: "choice" }, h("span", {}, "Filter"), box),
-    h("label", { class: "check" }, h("input", { type: "checkbox", checked: all, onchange: (event) => again({ columns: event.target.checked ? "all" : "" }) }), " all columns"),
-    h("button", { type: "button", onclick: () => download(file, text, "text/csv") }, `Save ${file}`));
-  fill();
-  view.replaceChildren(bar, complaint, count, h("div", { class: "scroll data-table", tabindex: 0, role: "region", "aria-label": file }, h("table", {}, h("thead", {}, h("tr", {}, h("th", { scope: "col" }, unseen("images")), heads)), body)), more);
-  return undefined;
+  const formulaOf = (name) => model.metrics.find((one) => one.name === name)?.formula;
+  const heads = columns.map((name) => {
+    const arrow = h("span", { "aria-hidden": "true", class: "arrow" });
+    const button = h("button", { type: "button", "data-sort": name, onclick: () => press(name) }, name, arrow);
+    return h("th", { scope: "col", title: formulaOf(name) }, button);
+  });
+  /** The records that the filters leave, in order. */
+  const found = () => {
+    const own = records.filter(({ row }) => axes.every((name) => !filters[name] || row.axes[name] === filters[name]));
+    const name = sort.replace(/^-/, "");
+    const sign = sort.startsWith("-") ? -1 : 1;
+    const isMissing = ({ fields }) => fields[name] === null || fields[name] === "";
+    const compare = (a, b) => (isMissing(a) || isMissing(b) ? 1 : sign) * order(a.fields[name], b.fields[name]);
+    return name ? own.sort(compare) : own;
+  };
+  const line = ({ row, fields }) => {
+    const button = h("button", { type: "button", "aria-label": `Compare ${row.cell}`, onclick: () => open(row) }, "▸");
+    const hasImage = row.image !== null;
+    const onclick = (event) => hasImage && !event.target.closest("button") && open(row);
+    const own = columns.map((name) => cellOf(fields[name]));
+    return h("tr", { class: hasImage ? "open" : "", onclick }, h("td", {}, hasImage && button), ...own);
+  };
+  const fill = (most) => {
+    limit = most;
+    const own = found();
+    const [name, direction] = [sort.replace(/^-/, ""), sort.startsWith("-") ? "descending" : "ascending"];
+    heads.forEach((head, i) => head.setAttribute("aria-sort", columns[i] === name ? direction : "none"));
+    body.replaceChildren(...own.slice(0, limit).map(line));
+    const cut = own.length > limit ? `; the first ${limit} are shown` : "";
+    count.textContent = `${own.length} of ${records.length} cells${cut}`;
+    more.hidden = own.length <= limit;
+  };
+  const picker = (name) => {
+    const { values } = axisOf[name];
+    const options = [["", "all"], ...values.map((value) => [value, short(name, value)])];
+    return select(name, options, filters[name], (value) => {
+      filters[name] = value;
+      keep({ [name]: value });
+      fill(PAGE_ROWS);
+    });
+  };
+  const saved = () =>
+    csvText(
+      columns,
+      found().map(({ fields }) => columns.map((name) => fields[name] ?? null)),
+    );
+  const button = h("button", { type: "button", onclick: () => download("cells.csv", saved(), "text/csv") }, "Save CSV");
+  const links = model.runs.map((run, i) => [
+    i ? " · " : "",
+    h("a", { href: `${run.link}/errors.csv` }, `errors.csv of ${run.label}`),
+  ]);
+  fill(PAGE_ROWS);
+  const head = h("tr", {}, h("th", { scope: "col" }, unseen("images")), ...heads);
+  view.replaceChildren(
+    h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Tables"), ...axes.map(picker), button),
+    count,
+    h(
+      "div",
+      { class: "scroll data-table", tabindex: 0, role: "region", "aria-label": "Cells" },
+      h("table", {}, h("thead", {}, head), body),
+    ),
+    more,
+    h("p", { class: "note" }, "All columns: ", links),
+  );
 }
-
-const openRow = (row) => go({ view: "compare", cell: row.cell, run: row.run || undefined });

@@ -2,10 +2,11 @@
 
 use super::{Failure, print, tell};
 use clap::Args;
-use splitsum::study::answers::run_folder::notes;
-use splitsum::study::report::images::{BUDGET_BYTES, Choice, Window};
-use splitsum::study::report::{ReportError, ReportOptions, Written, write};
-use std::path::PathBuf;
+use splitsum::study::finished::{Finished, notes};
+use splitsum::study::page::images::{BUDGET_BYTES, Choice, Window};
+use splitsum::study::page::{PAGE_FILE, PageError, PageOptions, Told, Written, check_out, write};
+use splitsum::study::questions::{Answer, answers};
+use std::path::{Path, PathBuf};
 
 /// (Re)writes the report of one or more finished runs.
 #[derive(Args, Debug)]
@@ -42,19 +43,32 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         (false, Some(window)) => Choice::Crop(window),
         (false, None) => Choice::Automatic,
     };
-    let options =
-        ReportOptions { dirs: arguments.dirs.clone(), out: arguments.out.clone(), images, budget: BUDGET_BYTES };
+    let out = arguments.out.clone().unwrap_or_else(|| arguments.dirs[0].join(PAGE_FILE));
+    check_out(&out).map_err(failure)?;
     for note in arguments.dirs.iter().flat_map(|dir| notes(dir)) {
         tell(&format!("warning: {note}"));
     }
-    let written = write(&options).map_err(|error| match error {
-        ReportError::Run(_)
-        | ReportError::Crop(_)
-        | ReportError::OutIsFolder { .. }
-        | ReportError::NotAReport { .. } => Failure::input(error),
-        _ => Failure::failed(error),
-    })?;
-    print(&line(&written))
+    let runs: Vec<(Finished, Vec<Answer>)> =
+        arguments.dirs.iter().map(|dir| told(dir)).collect::<Result<_, _>>().map_err(Failure::input)?;
+    let options = PageOptions { out, images, budget: BUDGET_BYTES };
+    print(&line(&write(&options, &Told::of_runs(&runs)).map_err(failure)?))
+}
+
+fn failure(error: PageError) -> Failure {
+    if error.is_misuse() { Failure::input(error) } else { Failure::failed(error) }
+}
+
+/// A finished run with the answers to what it asks.
+fn told(dir: &Path) -> Result<(Finished, Vec<Answer>), splitsum::study::finished::FinishedError> {
+    let run = Finished::read(dir)?;
+    let answers = answers(&run, &[], None);
+    Ok((run, answers))
+}
+
+/// Writes the report of a run that has just ended, in its folder.
+pub fn of_run(dir: &Path) -> Result<Written, Failure> {
+    let run = [told(dir).map_err(Failure::failed)?];
+    write(&PageOptions::in_folder(dir), &Told::of_runs(&run)).map_err(Failure::failed)
 }
 
 /// What to tell the user of a written report.

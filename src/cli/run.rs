@@ -11,7 +11,6 @@ use splitsum::runner::chunk::{ChunkOptions, PlanFile, run_chunk};
 use splitsum::runner::store::FailureRecord;
 use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run, run_extended};
 use splitsum::study::answers::Answered;
-use splitsum::study::report::ReportOptions;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -145,7 +144,7 @@ pub fn conclude(outcome: &Outcome, cell_count: usize) -> Result<Option<Failure>,
     print(&answered.summary)?;
     print(&format!("Written to {}\n", outcome.dir.display()))?;
     // The run is kept whatever becomes of its report.
-    let report = splitsum::study::report::write(&ReportOptions::of_run(&outcome.dir)).map_err(Failure::failed);
+    let report = super::report::of_run(&outcome.dir);
     print(&report.as_ref().map_or_else(|failure| format!("No report: {failure}\n"), super::report::line))?;
     Ok(cells_failed(&outcome.failures, cell_count))
 }

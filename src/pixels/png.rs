@@ -19,6 +19,15 @@ pub fn write_rgb8(path: &Path, image: &Rgb8Image) -> Result<(), PixelsError> {
     })
 }
 
+/// The bytes of a PNG file of `image` (already sRGB-encoded).
+pub fn encode_rgb8(image: &Rgb8Image) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes)
+        .write_image(image.data.as_flattened(), image.width, image.height, ExtendedColorType::Rgb8)
+        .map_err(io::Error::other)?;
+    Ok(bytes)
+}
+
 /// Reads any PNG as 8-bit RGB; alpha is dropped, 16-bit samples are rounded.
 pub fn read_rgb8(path: &Path) -> Result<Rgb8Image, PixelsError> {
     let bytes = read_bounded(path)?;

@@ -4,7 +4,7 @@ pub mod answers;
 pub mod figure;
 pub mod finished;
 pub mod frame;
+pub mod page;
 pub mod questions;
-pub mod report;
 pub(crate) mod summary;
 pub mod table;

@@ -2,8 +2,18 @@
 //!
 //! Marks are placed in data units. A mark may carry the words of its tip and the cell that it stands for.
 
+mod clip;
+mod dodge;
+mod head;
+pub mod ink;
+mod labels;
+mod layout;
+mod marks;
+mod scale;
 pub mod svg;
+pub mod text;
 pub mod vega;
+mod words;
 
 /// A chart of one or more panels with one legend.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,13 +3,13 @@
 //! The tables go into the page as the run packed them. Where they are too large, the finest level of an environment goes first: the page
 //! then reads one level coarser wherever the renderer would have read the finest one.
 
+use super::told::Told;
 use crate::files::read_regular;
 use crate::glsl::constants;
 use crate::runner::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord};
 use crate::runner::live_model::{self, LiveModel};
 use crate::scene::Projection;
 use crate::scene::camera::PERSPECTIVE_FOV_DEG;
-use crate::study::answers::run_folder::RunFolder;
 use serde::Serialize;
 
 /// Bytes of base64 that the tables of a page may take.
@@ -37,12 +37,12 @@ pub struct Light {
 
 impl Light {
     /// The tables of the first run that has any, within `budget` bytes.
-    pub fn collect(runs: &[RunFolder], budget: usize) -> Self {
+    pub fn collect(runs: &[Told], budget: usize) -> Self {
         let mut notes = Vec::new();
         let record = runs.iter().find_map(|run| match read(run) {
             Ok(record) => {
                 if record.is_some() && runs.len() > 1 {
-                    notes.push(format!("Light and tables are those of {}.", run.dir.display()));
+                    notes.push(format!("Light and tables are those of {}.", run.finished.dir.display()));
                 }
                 record
             }
@@ -107,8 +107,8 @@ impl Light {
 }
 
 /// The record of a run; `None` when it has none.
-fn read(run: &RunFolder) -> Result<Option<LiveRecord>, String> {
-    let path = run.dir.join(LIVE_FILE);
+fn read(run: &Told) -> Result<Option<LiveRecord>, String> {
+    let path = run.finished.dir.join(LIVE_FILE);
     let text = match read_regular(&path, FILE_BYTES_MAX) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),

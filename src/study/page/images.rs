@@ -1,10 +1,12 @@
 //! Which images go into the page, at what size: all of them whole where they fit the budget, else a window of native texels
 //! of each with a reduced overview. Reduced images are never compared: averaging texels would hide noise.
 
+use super::told::Told;
 use crate::metrics::Comparison;
 use crate::pixels::packed::{self, Encoded};
 use crate::pixels::{Decoded, GrayImage, RgbImage, exr};
-use crate::study::answers::run_folder::RunFolder;
+use crate::runner::value::Value;
+use crate::study::finished::FinishedCell;
 use crate::tonemap::ToneCurve;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -88,7 +90,7 @@ pub struct CropError {
 }
 
 /// Collects the images of all runs. A file that cannot be read is a note, not a failure; a crop that fits no image is one.
-pub fn collect(runs: &[RunFolder], choice: Choice, budget: usize) -> Result<ImageSet, CropError> {
+pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet, CropError> {
     let mut set = list(runs);
     match choice {
         Choice::None => {
@@ -155,12 +157,10 @@ struct Prepared {
     mask: Option<String>,
 }
 
-fn list(runs: &[RunFolder]) -> ImageSet {
+fn list(runs: &[Told]) -> ImageSet {
     let mut set = ImageSet::default();
-    for (run, folder) in runs.iter().enumerate() {
-        let cell = folder.errors.column("cell").ok();
-        let cells = folder.errors.rows.iter().filter_map(|row| folder.images.get(&row[cell?]));
-        for images in cells {
+    for (run, told) in runs.iter().enumerate() {
+        for images in told.finished.cells.iter().filter_map(|cell| cell.images.as_ref()) {
             let reference = set.add(run, &images.reference, None);
             set.add(run, &images.radiance, Some(reference));
         }
@@ -189,11 +189,13 @@ impl ImageSet {
     }
 
     /// Images that do not hold the whole window, by the sizes of their references; an error where none of them does.
-    fn too_small_for(&self, runs: &[RunFolder], window: Window) -> Result<BTreeSet<usize>, CropError> {
+    fn too_small_for(&self, runs: &[Told], window: Window) -> Result<BTreeSet<usize>, CropError> {
         let references: Vec<usize> = (0..self.images.len()).filter(|&i| self.images[i].reference == i).collect();
         let sizes: BTreeMap<usize, [u32; 2]> = references
             .into_par_iter()
-            .filter_map(|index| read(runs, &self.images[index]).ok().map(|i| (index, [i.rgb.width, i.rgb.height])))
+            .filter_map(|index| {
+                read_image(runs, &self.images[index]).ok().map(|i| (index, [i.rgb.width, i.rgb.height]))
+            })
             .collect();
         let ends = |start: u32, length: u32| u64::from(start) + u64::from(length);
         let (right, bottom) = (ends(window.x, window.width), ends(window.y, window.height));
@@ -216,23 +218,21 @@ impl ImageSet {
     }
 
     /// Images of cells with the first point set of their run, or none, and all references.
-    fn of_first_point_set(&self, runs: &[RunFolder]) -> BTreeSet<usize> {
+    fn of_first_point_set(&self, runs: &[Told]) -> BTreeSet<usize> {
         let mut found: BTreeSet<usize> = (0..self.images.len()).filter(|&i| self.images[i].reference == i).collect();
-        for (run, folder) in runs.iter().enumerate() {
-            let (Ok(cell), set) = (folder.errors.column("cell"), folder.errors.column("point_set").ok()) else {
-                continue;
-            };
-            let value = |row: &Vec<String>| set.map_or(String::new(), |column| row[column].clone());
-            let first = folder.errors.rows.iter().map(value).find(|text| !text.is_empty()).unwrap_or_default();
-            let own = folder.errors.rows.iter().filter(|row| [first.as_str(), ""].contains(&value(row).as_str()));
-            let files = own.filter_map(|row| folder.images.get(&row[cell]));
+        for (run, told) in runs.iter().enumerate() {
+            let cells = &told.finished.cells;
+            let set = |cell: &FinishedCell| cell.point.get("point_set").clone();
+            let first = cells.iter().map(set).find(|value| *value != Value::Unset).unwrap_or(Value::Unset);
+            let own = cells.iter().filter(|cell| [&first, &Value::Unset].contains(&&set(cell)));
+            let files = own.filter_map(|cell| cell.images.as_ref());
             found.extend(files.filter_map(|files| self.index.get(&(run, files.radiance.clone()))));
         }
         found
     }
 
     /// Embeds the window that `window` names for each image (`None`: nothing), clipped to the image, until the budget is used up.
-    fn embed(&mut self, runs: &[RunFolder], budget: usize, window: impl Fn(usize) -> Option<Window> + Sync) -> Used {
+    fn embed(&mut self, runs: &[Told], budget: usize, window: impl Fn(usize) -> Option<Window> + Sync) -> Used {
         let (mut bytes, mut texels) = (0usize, 0u64);
         let mut done = 0;
         while done < self.images.len() {
@@ -289,7 +289,7 @@ impl ImageSet {
     }
 
     /// Windows of the same side everywhere, each where the methods of its reference err most.
-    fn embed_windows(&mut self, runs: &[RunFolder], budget: usize, bytes_per_texel: f64, wanted: &BTreeSet<usize>) {
+    fn embed_windows(&mut self, runs: &[Told], budget: usize, bytes_per_texel: f64, wanted: &BTreeSet<usize>) {
         let overviews = wanted.len() as f64 * f64::from(OVERVIEW_SIDE * OVERVIEW_SIDE) * bytes_per_texel;
         let texels = (budget as f64 * AIM - overviews) / bytes_per_texel / wanted.len() as f64;
         let side = (texels.max(0.0).sqrt() as u32 / 8 * 8).max(WINDOW_SIDE_MIN);
@@ -310,15 +310,15 @@ impl ImageSet {
     }
 
     /// The window of a reference with the largest sum of relative errors over all images that are compared with it.
-    fn worst_window(&self, runs: &[RunFolder], reference: usize, side: u32) -> Window {
+    fn worst_window(&self, runs: &[Told], reference: usize, side: u32) -> Window {
         let corner = Window { x: 0, y: 0, width: side, height: side };
-        let Ok(truth) = read(runs, &self.images[reference]) else { return corner };
+        let Ok(truth) = read_image(runs, &self.images[reference]) else { return corner };
         let [width, height] = [truth.rgb.width as usize, truth.rgb.height as usize];
         let mask = mask_of(&truth);
         // One row and column of zeros before the first.
         let mut sums = vec![0.0f64; (width + 1) * (height + 1)];
         let tests = (0..self.images.len()).filter(|&i| i != reference && self.images[i].reference == reference);
-        for test in tests.filter_map(|i| read(runs, &self.images[i]).ok()) {
+        for test in tests.filter_map(|i| read_image(runs, &self.images[i]).ok()) {
             if let Ok(comparison) = Comparison::new(&test.rgb, &truth.rgb, &mask, ToneCurve::default()) {
                 let map = comparison.relative_error_map();
                 map.data.iter().enumerate().for_each(|(i, error)| {
@@ -344,21 +344,26 @@ impl ImageSet {
     }
 }
 
-fn read(runs: &[RunFolder], image: &EmbeddedImage) -> Result<Decoded, String> {
-    let images = runs[image.run].dir.join("images");
+/// A linear image of the run in `dir`.
+pub fn read(dir: &Path, file: &str) -> Result<Decoded, String> {
+    let images = dir.join("images");
     // A folder that someone sent may name any file of this computer.
-    if Path::new(&image.file).file_name() != Some(image.file.as_ref()) {
-        return Err(format!("{:?} in images.csv is not the name of a file in {}", image.file, images.display()));
+    if Path::new(file).file_name() != Some(file.as_ref()) {
+        return Err(format!("{file:?} in images.csv is not the name of a file in {}", images.display()));
     }
-    exr::read(&images.join(&image.file)).map_err(|error| error.to_string())
+    exr::read(&images.join(file)).map_err(|error| error.to_string())
+}
+
+fn read_image(runs: &[Told], image: &EmbeddedImage) -> Result<Decoded, String> {
+    read(&runs[image.run].finished.dir, &image.file)
 }
 
 fn mask_of(image: &Decoded) -> GrayImage {
     image.alpha.clone().unwrap_or_else(|| GrayImage::filled(image.rgb.width, image.rgb.height, 1.0))
 }
 
-fn prepare(runs: &[RunFolder], image: &EmbeddedImage, is_reference: bool, wanted: Window) -> Result<Prepared, String> {
-    let decoded = read(runs, image)?;
+fn prepare(runs: &[Told], image: &EmbeddedImage, is_reference: bool, wanted: Window) -> Result<Prepared, String> {
+    let decoded = read_image(runs, image)?;
     let size = [decoded.rgb.width, decoded.rgb.height];
     // Clipped, and moved inside where it starts beyond the image.
     let clip = |start: u32, length: u32, full: u32| {

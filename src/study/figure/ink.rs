@@ -1,0 +1,118 @@
+//! Colours of a figure: inks and series as CSS custom properties for light and dark grounds, and the colours of tiles.
+//!
+//! A page that holds a figure may set any of the properties that [`INKS`] names and `--fig-s0` to `--fig-s7`; its values win.
+
+use super::Ramp;
+use super::text::FONTS;
+use crate::table::colormap::Palette;
+
+/// A CSS property of a class, the custom property that it follows, and its colour on a light and on a dark ground.
+type Ink = (&'static str, &'static str, &'static str, [&'static str; 2]);
+
+/// What is not a series.
+pub const INKS: [Ink; 7] = [
+    (".fig-ground", "fill", "--fig-ground", ["#ffffff", "#14161a"]),
+    (".fig-ink", "fill", "--fig-ink", ["#1b1d21", "#ecebe8"]),
+    (".fig-muted", "fill", "--fig-muted", ["#595d65", "#a6a9b0"]),
+    (".fig-grid", "stroke", "--fig-grid", ["#e4e5e8", "#2b2e34"]),
+    (".fig-axis", "stroke", "--fig-axis", ["#9a9da3", "#62666e"]),
+    (".fig-plain", "color", "--fig-muted", ["#595d65", "#a6a9b0"]),
+    (".fig-none", "fill", "--fig-none", ["#eceded", "#24272c"]),
+];
+
+/// Series on a light and on a dark ground: blue, vermilion, green, purple, ochre, pink, sky, grey. After Okabe and Ito, each at least
+/// 3:1 from its ground.
+pub const SERIES: [[&str; 2]; 8] = [
+    ["#0072b2", "#56a8e0"],
+    ["#c94f00", "#ff8a4c"],
+    ["#00805a", "#35c295"],
+    ["#6f4bb2", "#b39af2"],
+    ["#a06f00", "#e8b63e"],
+    ["#b4487f", "#ec94c0"],
+    ["#2f8fc6", "#9bd8f7"],
+    ["#54575c", "#c2c3c6"],
+];
+
+/// The class of a series; neutral ink for none.
+pub fn class(series: Option<usize>) -> String {
+    series.map_or_else(|| "fig-plain".to_owned(), |index| format!("fig-s{}", index % SERIES.len()))
+}
+
+/// Dashes of the lines of a series: solid ones differ by marker, dashed ones by pattern.
+pub fn dashes(index: usize, is_dashed: bool) -> Option<&'static str> {
+    const PATTERNS: [&str; 4] = ["6 4", "2 3", "9 3 2 3", "12 4"];
+    is_dashed.then(|| PATTERNS[index % PATTERNS.len()])
+}
+
+/// The style sheet of a figure with all its names prefixed. Each value stands twice: programs without custom properties read the first.
+pub fn style() -> String {
+    let inks = INKS.map(|(class, property, name, colors)| (class.to_owned(), property, name.to_owned(), colors));
+    let series = SERIES.iter().enumerate();
+    let series = series.map(|(i, colors)| (format!(".fig-s{i}"), "color", format!("--fig-s{i}"), *colors));
+    let all: Vec<_> = inks.into_iter().chain(series).collect();
+    let rules = |ground: usize| -> String {
+        let rule = |(class, property, name, colors): &(String, &str, String, [&str; 2])| {
+            let color = colors[ground];
+            format!("{class}{{{property}:{color};{property}:var({name},{color})}}")
+        };
+        let ground_color = INKS[0].3[ground];
+        let outline = format!(".fig-d,.fig-o{{stroke:{ground_color};stroke:var(--fig-ground,{ground_color})}}");
+        let hollow = format!(".fig-b{{fill:{ground_color};fill:var(--fig-ground,{ground_color})}}");
+        all.iter().map(rule).chain([outline, hollow]).collect()
+    };
+    // Dots and fills, lines, hollow arrows, places for the pointer.
+    let shapes = ".fig-d,.fig-f{fill:currentColor}.fig-d{stroke-width:1;paint-order:stroke}.fig-o{stroke-width:.75}\
+        .fig-l,.fig-b{stroke:currentColor;stroke-width:1.75;stroke-linejoin:round}.fig-l{fill:none}.fig-thin{stroke-width:1.25}\
+        .fig-grid,.fig-axis{fill:none;stroke-width:1}.fig-minor{opacity:.55}\
+        .fig-h{fill:none;stroke:transparent;stroke-width:20;stroke-linecap:round;pointer-events:all}\
+        .mark:focus{outline:none}.mark:focus .fig-h,.mark:hover .fig-h{stroke:currentColor;stroke-opacity:.22}\
+        .mark:focus rect,.mark:hover rect.fig-o{stroke:currentColor;stroke-width:2}";
+    let words = format!(
+        ".fig{{font:11px {FONTS};font-family:var(--fig-font,{FONTS});font-variant-numeric:tabular-nums}}\
+         .fig-title{{font-size:15px;font-weight:600}}.fig-name{{font-size:12px;font-weight:600}}.fig-note{{font-size:12px}}\
+         .fig-dark{{fill:#111}}.fig-pale{{fill:#fff}}"
+    );
+    format!("{words}{shapes}{}@media(prefers-color-scheme:dark){{{}}}", rules(0), rules(1))
+}
+
+/// The ends of a palette's one-sided colours are black and near white, which are lost on a ground of that colour.
+const SEQUENTIAL: [f64; 2] = [0.12, 0.97];
+
+impl Ramp {
+    /// Where a value lies on the palette, 0 to 1; values outside have the colour of the end.
+    fn place(&self, value: f64) -> f64 {
+        let f = |value: f64| if self.is_log { value.max(f64::MIN_POSITIVE).ln() } else { value };
+        let [lo, hi, value] = [self.lo, self.hi, value].map(f);
+        let place = match self.middle.map(f) {
+            Some(middle) => 0.5 + 0.5 * (value - middle) / (hi - middle).max(middle - lo),
+            None => (value - lo) / (hi - lo),
+        };
+        if place.is_nan() { 0.5 } else { place.clamp(0.0, 1.0) }
+    }
+
+    /// The sRGB-encoded colour of a value.
+    pub fn color(&self, value: f64) -> [u8; 3] {
+        let place = self.place(value);
+        match self.middle {
+            Some(_) => Palette::BlueRed.color(place),
+            None => Palette::Magma.color(SEQUENTIAL[0] + place * (SEQUENTIAL[1] - SEQUENTIAL[0])),
+        }
+    }
+}
+
+/// `#rrggbb`.
+pub fn hex([r, g, b]: [u8; 3]) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// The class of words on a colour: the one of black and white that stands out more (WCAG 2, relative luminance).
+pub fn words_on(color: [u8; 3]) -> &'static str {
+    /// Where black and white have the same contrast.
+    const EVEN: f64 = 0.179;
+    let linear = color.map(|code| {
+        let encoded = f64::from(code) / 255.0;
+        if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+    });
+    let luminance = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+    if luminance > EVEN { "fig-dark" } else { "fig-pale" }
+}

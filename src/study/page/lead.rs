@@ -1,0 +1,131 @@
+//! The leading answer of a run, and a picture of its leading case: the method beside the reference, with its error.
+
+use super::images::read;
+use super::model::{PageAxis, Role};
+use super::told::Told;
+use crate::metrics::Comparison;
+use crate::pixels::png::encode_rgb8;
+use crate::pixels::{GrayImage, Rgb8Image, RgbImage};
+use crate::runner::tables::HEADLINE;
+use crate::study::frame::{Frame, Row, Shape};
+use crate::study::questions::words::number;
+use crate::study::questions::{Answer, Question};
+use crate::table::colormap::RELATIVE_ERROR;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use serde::Serialize;
+
+/// Longest side of a picture, pixels.
+const SIDE: u32 = 256;
+
+/// Pictures of one case.
+#[derive(Clone, Debug, Serialize)]
+pub struct Pictures {
+    /// The case in words.
+    pub case: String,
+    /// Its error in words, with the metric.
+    pub error: String,
+    /// The cell, for a link to the comparison.
+    pub cell: String,
+    pub shots: Vec<Shot>,
+}
+
+/// One picture.
+#[derive(Clone, Debug, Serialize)]
+pub struct Shot {
+    pub label: String,
+    /// A PNG as a data address.
+    pub source: String,
+    pub size: [u32; 2],
+}
+
+/// Whether a question is answered from times: it cannot be served without them.
+pub fn rests_on_times(question: &Question, shape: &Shape) -> bool {
+    let without = Shape { has_timing: false, ..shape.clone() };
+    shape.has_timing && (question.lacks)(&without).is_some() && (question.lacks)(shape).is_none()
+}
+
+/// The index of the answer for the first screen: the first whose verdict does not rest on the times of a CPU driver.
+pub fn leading(told: &Told, shape: &Shape) -> Option<usize> {
+    let is_open = |answer: &Answer| !(told.finished.is_cpu_timed() && rests_on_times(answer.question, shape));
+    told.answers.iter().position(is_open)
+}
+
+/// Pictures of the leading case; nothing where its images are not at hand.
+pub fn pictures(told: &Told, frame: &Frame, lead: Option<usize>, axes: &[PageAxis]) -> Option<Pictures> {
+    let row = case(told, frame, lead)?;
+    let files = row.cell.images.as_ref()?;
+    let [own, reference] = [&files.radiance, &files.reference].map(|file| read(&told.finished.dir, file).ok());
+    let (own, reference) = (own?, reference?);
+    let mask =
+        reference.alpha.clone().unwrap_or_else(|| GrayImage::filled(reference.rgb.width, reference.rgb.height, 1.0));
+    let curve = row.cell.point.settings().curve;
+    // A damaged file may hold anything, and the tone curve is for radiance alone.
+    let is_radiance = |image: &RgbImage| image.data.iter().flatten().all(|x| x.is_finite() && *x >= 0.0);
+    if !is_radiance(&own.rgb) || !is_radiance(&reference.rgb) {
+        return None;
+    }
+    let comparison = Comparison::new(&own.rgb, &reference.rgb, &mask, curve).ok()?;
+    let map = RELATIVE_ERROR.image(&comparison.relative_error_map(), &mask);
+    let [lo, .., hi] = RELATIVE_ERROR.ticks()[..] else { return None };
+    let shots = vec![
+        shot(way(row, axes), &curve.apply_image(&own.rgb))?,
+        shot("reference".to_owned(), &curve.apply_image(&reference.rgb))?,
+        shot(format!("relative error, {lo} (black) to {hi} (pale)"), &map)?,
+    ];
+    Some(Pictures { case: case_words(row, axes), error: error_words(frame, row), cell: row.cell.id.clone(), shots })
+}
+
+/// Of the cells that the leading figure shows, the one that errs most of those whose method draws no samples; else of all such cells; else
+/// of all cells.
+fn case<'r, 'f>(told: &Told, frame: &'r Frame<'f>, lead: Option<usize>) -> Option<&'r Row<'f>> {
+    let figure = lead.and_then(|lead| told.answers[lead].finding.figure.as_ref());
+    let marks = figure.into_iter().flat_map(|figure| &figure.panels).flat_map(|panel| &panel.marks);
+    let shown: Vec<&str> = marks.filter_map(|mark| mark.cell.as_deref()).collect();
+    let is_shown =
+        |row: &Row| shown.contains(&row.cell.id.as_str()) || row.copies.iter().any(|copy| shown.contains(copy));
+    let draws_none = |row: &Row| row.samples().is_none() && !row.has_no_method();
+    let worst = |wanted: &dyn Fn(&Row) -> bool| {
+        let own = frame.rows.iter().filter(|row| row.cell.images.is_some() && wanted(row));
+        let scored = own.filter_map(|row| Some((row, frame.error(row)?)));
+        scored.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
+    };
+    worst(&|row| is_shown(row) && draws_none(row)).or_else(|| worst(&draws_none)).or_else(|| worst(&|_| true))
+}
+
+/// How the image was made: the words of the axes that tell methods apart.
+fn way(row: &Row, axes: &[PageAxis]) -> String {
+    let words = words(row, axes, Role::Variant);
+    if words.is_empty() { row.point.get("method").to_string() } else { words }
+}
+
+fn case_words(row: &Row, axes: &[PageAxis]) -> String {
+    words(row, axes, Role::Scene)
+}
+
+fn words(row: &Row, axes: &[PageAxis], role: Role) -> String {
+    let word = |axis: &PageAxis| {
+        let text = row.cell.point.0[axis.index?].to_string();
+        let place = axis.values.iter().position(|value| *value == text)?;
+        Some(axis.words[place].clone())
+    };
+    axes.iter().filter(|axis| axis.role == role).filter_map(word).collect::<Vec<_>>().join(" · ")
+}
+
+/// "relMSE 0.0123, about 11 % rms".
+fn error_words(frame: &Frame, row: &Row) -> String {
+    let Some(error) = frame.error(row) else { return String::new() };
+    let name = frame.metric_name();
+    match name == HEADLINE {
+        true => format!("relMSE {}: about {} % off (rms)", number(error), number(100.0 * error.sqrt())),
+        false => format!("{name} {}", number(error)),
+    }
+}
+
+fn shot(label: String, image: &Rgb8Image) -> Option<Shot> {
+    let factor = f64::from(image.width.max(image.height)) / f64::from(SIDE);
+    let side = |length: u32| ((f64::from(length) / factor).round() as u32).max(1);
+    let small = if factor > 1.0 { image.shrunk(side(image.width), side(image.height)) } else { image.clone() };
+    let source = format!("data:image/png;base64,{}", BASE64_STANDARD.encode(encode_rgb8(&small).ok()?));
+    Some(Shot { label, source, size: [small.width, small.height] })
+}

@@ -1,0 +1,191 @@
+//! The page of finished runs: one HTML file that opens from disk and asks for nothing else.
+//!
+//! It shows findings and computes none. [`sections`] turns answers into sections, [`lead`] chooses what stands on the first screen, [`model`]
+//! says what the scripts read, [`images`] which of the linear images fit, [`live`] what the live view needs; [`render`] writes the file.
+
+pub mod images;
+mod lead;
+mod live;
+mod model;
+mod render;
+mod sections;
+mod told;
+
+pub use told::Told;
+
+use crate::pixels::{PixelsError, write_atomically};
+use crate::study::finished::Finished;
+use crate::study::frame::Frame;
+use images::Choice;
+use serde_json::{Value as Json, json};
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+
+/// How a page is to be made.
+#[derive(Clone, Debug)]
+pub struct PageOptions {
+    /// The file to write.
+    pub out: PathBuf,
+    pub images: Choice,
+    /// Bytes that the page may take.
+    pub budget: usize,
+}
+
+/// The name of the page in the folder of its run.
+pub const PAGE_FILE: &str = "report.html";
+
+impl PageOptions {
+    /// The page of one run, in its folder.
+    pub fn in_folder(dir: &Path) -> Self {
+        Self { out: dir.join(PAGE_FILE), images: Choice::Automatic, budget: images::BUDGET_BYTES }
+    }
+}
+
+/// A written page.
+#[derive(Debug)]
+pub struct Written {
+    pub path: PathBuf,
+    pub bytes: usize,
+    /// What was left out, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// About what the page's template, styles, modules and shaders take, bytes.
+const PROGRAM_BYTES: usize = 400_000;
+
+/// Why there is no page.
+#[derive(Debug, thiserror::Error)]
+pub enum PageError {
+    #[error("expected at least one run to report")]
+    NoRun,
+    #[error(transparent)]
+    Crop(#[from] images::CropError),
+    #[error("--out {}: is a folder; expected the file to write, such as {}", path.display(), path.join(PAGE_FILE).display())]
+    OutIsFolder { path: PathBuf },
+    #[error("--out {}: exists and is no report of splitsum; expected a new file, or a report to write anew", path.display())]
+    NotAReport { path: PathBuf },
+    #[error("the page's template: {0}")]
+    Template(#[from] minijinja::Error),
+    #[error(transparent)]
+    Write(#[from] PixelsError),
+}
+
+impl PageError {
+    /// Whether what was asked for is at fault.
+    pub fn is_misuse(&self) -> bool {
+        matches!(self, Self::NoRun | Self::Crop(_) | Self::OutIsFolder { .. } | Self::NotAReport { .. })
+    }
+}
+
+/// Refuses a place where no page may be written. Asked before anything is read.
+pub fn check_out(path: &Path) -> Result<(), PageError> {
+    match () {
+        () if path.is_dir() => Err(PageError::OutIsFolder { path: path.to_owned() }),
+        () if path.exists() && !is_page(path) => Err(PageError::NotAReport { path: path.to_owned() }),
+        () => Ok(()),
+    }
+}
+
+/// Writes the page of one or more runs.
+pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError> {
+    check_out(&options.out)?;
+    let first = runs.first().ok_or(PageError::NoRun)?;
+    let here = options.out.parent().unwrap_or(Path::new(""));
+    let frames: Vec<Frame> = runs.iter().map(|run| Frame::new(run.finished, None)).collect();
+    let axes = model::axes(runs);
+    let metrics = model::metrics(runs);
+    let light = live::Light::collect(runs, live::BUDGET_BYTES);
+    let mut shown: Vec<render::Run> = Vec::new();
+    for (index, (told, frame)) in runs.iter().zip(&frames).enumerate() {
+        let before = shown.iter().map(|run| run.sections.len()).sum();
+        let lead = lead::leading(told, &frame.shape);
+        shown.push(render::Run {
+            label: told.label.clone(),
+            anchor: format!("run-{}", index + 1),
+            index,
+            question: told.question(),
+            device: told.device(),
+            date: told.date(),
+            warnings: told.warnings(),
+            cpu_warning: told.cpu_warning(),
+            shared: model::shared(&model::axes(std::slice::from_ref(told))),
+            lead,
+            pictures: (options.images != Choice::None).then(|| lead::pictures(told, frame, lead, &axes)).flatten(),
+            sections: sections::sections(told, index, before, &frame.shape, here),
+            provenance: told::provenance(told),
+            failures: json!(told.finished.failures),
+            excluded: told.finished.provenance["excluded"].clone(),
+            input_warnings: told.finished.provenance["input_warnings"].clone(),
+            sheets: told.sheets(here),
+            experiment: told.finished.experiment.clone(),
+            whole: format!("{:#}", told.finished.provenance),
+        });
+    }
+    let fixed = render::Page {
+        name: first.finished.text("/name"),
+        heading: told::heading(runs),
+        metric: frames[0].metric_name(),
+        facts: told::facts(runs),
+        repeats: told::repeats(runs),
+        metrics: first.finished.provenance["metrics"].clone(),
+        program_version: env!("CARGO_PKG_VERSION"),
+        runs: shown,
+    };
+    let answers: Vec<Json> = runs.iter().enumerate().flat_map(|(run, told)| sections::model(told, run)).collect();
+    let others = [json_bytes(&light), json_bytes(&answers), json_bytes(&fixed), PROGRAM_BYTES].iter().sum::<usize>();
+    let images = images::collect(runs, options.images, options.budget.saturating_sub(others + row_bytes(runs)))?;
+    let model = json!({
+        "headline": frames[0].metric_name(),
+        "runs": runs.iter().map(|told| run_model(told, here)).collect::<Vec<_>>(),
+        "axes": axes,
+        "roughness": model::roughnesses(&axes),
+        "presets": model::presets(&axes),
+        "metrics": metrics.iter().map(|metric| json!({ "name": metric.description().name, "formula": metric.description().formula })).collect::<Vec<_>>(),
+        "columns": model::columns(&axes, &metrics),
+        "rows": model::rows(runs, &axes, &metrics, frames[0].metric, &images),
+        "answers": answers,
+        "exclusions": model::exclusions(runs, &axes),
+        "images": images.images,
+        "image_notes": images.notes,
+        "colors": model::colors(),
+    });
+    let html = render::render(&fixed, &model, &images, &light)?;
+    write_atomically(&options.out, |writer| writer.write_all(html.as_bytes()))?;
+    let notes = runs.iter().filter_map(|run| Finished::under_way_note(run.finished)).chain(images.notes).collect();
+    Ok(Written { path: options.out.clone(), bytes: html.len(), notes })
+}
+
+fn run_model(told: &Told, here: &Path) -> Json {
+    json!({
+        "label": told.label,
+        "name": told.finished.text("/name"),
+        "link": told::link(here, &told.finished.dir),
+        "failures": told.finished.failures,
+        "sheets": told.sheets(here),
+    })
+}
+
+/// About what the model says of the cells and their images, bytes.
+fn row_bytes(runs: &[Told]) -> usize {
+    const ROW_BYTES: usize = 500;
+    ROW_BYTES * runs.iter().map(|run| run.finished.cells.len()).sum::<usize>()
+}
+
+/// Bytes of a value in the page.
+fn json_bytes(value: &impl serde::Serialize) -> usize {
+    serde_json::to_vec(value).map_or(0, |text| text.len())
+}
+
+/// What the head of every page holds.
+const MARK: &str = " · splitsum</title>";
+/// The mark stands within this many bytes: the name of the run is all that comes before it and has no fixed length.
+const HEAD_BYTES: u64 = 1 << 14;
+
+/// Whether a file is a page that this program wrote, so that it may be written anew.
+fn is_page(path: &Path) -> bool {
+    let mut head = Vec::new();
+    let file = std::fs::File::open(path).ok().filter(|_| path.is_file());
+    let is_read = file.is_some_and(|file| file.take(HEAD_BYTES).read_to_end(&mut head).is_ok());
+    let head = String::from_utf8_lossy(&head);
+    is_read && head.starts_with("<!doctype html>") && head.contains(MARK)
+}

@@ -1,0 +1,312 @@
+//! What the page's scripts read: axes with their values in words, and every cell as one typed row. The page computes no statistics.
+
+use super::images::ImageSet;
+use super::told::Told;
+use crate::metrics::{Metric, verdict};
+use crate::runner::axis::{AXES, Part};
+use crate::runner::value::{Kind, Value};
+use crate::study::finished::FinishedCell;
+use crate::study::frame::{axis, distinct_in_order};
+use crate::study::questions::words::short;
+use crate::table::colormap::{NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR};
+use crate::table::csv::Cell;
+use serde::Serialize;
+use serde_json::{Value as Json, json};
+
+/// The axis that tells joined runs apart.
+const RUN_AXIS: &str = "run";
+/// The verdict on a cell without scores.
+const FAILED: &str = "failed";
+/// The verdict on a score of a metric without a noise floor.
+const NO_FLOOR: &str = "no-noise-floor";
+
+/// What an axis tells apart on the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// One value only.
+    Fixed,
+    /// What is seen, in which light: cells with different values have different references.
+    Scene,
+    /// Ways to make the image of one reference.
+    Variant,
+    /// Tone curve: the linear image is the same.
+    Display,
+}
+
+/// An axis of the page.
+#[derive(Clone, Debug, Serialize)]
+pub struct PageAxis {
+    pub name: &'static str,
+    pub role: Role,
+    /// The name as people say it.
+    pub symbol: &'static str,
+    /// Values as files have them, in the order of the cells.
+    pub values: Vec<String>,
+    /// The same, short.
+    pub labels: Vec<String>,
+    /// The same, saying what they are: "α 0.25 (roughness 0.5)".
+    pub words: Vec<String>,
+    /// Index of `AXES`; nothing for the axis of runs.
+    #[serde(skip)]
+    pub index: Option<usize>,
+}
+
+/// The axes of the runs' cells: the runs, then those of `AXES` that any cell has a value on.
+pub fn axes(runs: &[Told]) -> Vec<PageAxis> {
+    let labels: Vec<String> = runs.iter().map(|run| run.label.clone()).collect();
+    let role = if runs.len() > 1 { Role::Variant } else { Role::Fixed };
+    let (values, words) = (labels.clone(), labels.clone());
+    let of_runs = PageAxis { name: RUN_AXIS, role, symbol: RUN_AXIS, values, labels, words, index: None };
+    std::iter::once(of_runs).chain((0..AXES.len()).filter_map(|index| page_axis(runs, index))).collect()
+}
+
+fn page_axis(runs: &[Told], index: usize) -> Option<PageAxis> {
+    let cells = runs.iter().flat_map(|run| &run.finished.cells);
+    let found = cells.map(|cell| &cell.point.0[index]).filter(|value| **value != Value::Unset);
+    // By their texts: a cell's value is looked up by its text.
+    let mut seen = Vec::new();
+    let mut distinct: Vec<&Value> = Vec::new();
+    for value in found {
+        let text = value.to_string();
+        if !seen.contains(&text) {
+            seen.push(text);
+            distinct.push(value);
+        }
+    }
+    let role = match (distinct.len(), AXES[index].part) {
+        (0, _) => return None,
+        (1, _) => Role::Fixed,
+        (_, Part::Case) => Role::Scene,
+        (_, Part::Display) => Role::Display,
+        _ => Role::Variant,
+    };
+    let labels = labels(index, &distinct);
+    let words = distinct.iter().zip(&labels).map(|(value, label)| word(index, value, label)).collect();
+    let symbol = sign(index).name.unwrap_or(AXES[index].name);
+    Some(PageAxis { name: AXES[index].name, role, symbol, values: seen, labels, words, index: Some(index) })
+}
+
+/// Short texts, whole where two would be equal.
+fn labels(index: usize, values: &[&Value]) -> Vec<String> {
+    let labels: Vec<String> = values.iter().map(|value| short(index, value)).collect();
+    let is_double = |label: &String| labels.iter().filter(|other| *other == label).count() > 1;
+    let whole = |(value, label): (&&Value, &String)| if is_double(label) { value.to_string() } else { label.clone() };
+    values.iter().zip(&labels).map(whole).collect()
+}
+
+/// How people write an axis beside its value.
+#[derive(Clone, Copy, Default)]
+struct Sign {
+    name: Option<&'static str>,
+    before: &'static str,
+    after: &'static str,
+}
+
+fn sign(index: usize) -> Sign {
+    let before = |before: &'static str| Sign { name: Some(before), before, after: "" };
+    let after = |after: &'static str| Sign { name: None, before: "", after };
+    match AXES[index].name {
+        "alpha" => before("α"),
+        "point_set" => before("set"),
+        "lod_bias" => before("bias"),
+        "prefilter_level_count" => after("lv"),
+        "prefilter_sample_count" | "samples" => after("spp"),
+        "dfg_size" => Sign { name: None, before: "DFG", after: "" },
+        "dfg_sample_count" => after("DFG spp"),
+        "irradiance_size" => Sign { name: None, before: "irradiance", after: "" },
+        "irradiance_sample_count" => after("irradiance spp"),
+        "environment_rotation_deg" => Sign { name: Some("turned"), before: "turned", after: "°" },
+        "environment_scale" => before("brightness"),
+        "environment_clip_log2" => Sign { name: None, before: "clip 2^", after: "" },
+        "diffuse" => Sign { name: None, before: "diffuse", after: "" },
+        name if matches!(AXES[index].kind, Kind::Number(_) | Kind::Color(_)) => before(name),
+        _ => Sign::default(),
+    }
+}
+
+/// A value with what it is: "5 lv", "bias 0.5", "α 0.25 (roughness 0.5)".
+fn word(index: usize, value: &Value, label: &str) -> String {
+    let Sign { before, after, .. } = sign(index);
+    let gap = |part: &str| if part.is_empty() || part.ends_with('^') || part == "°" { "" } else { " " };
+    let word = format!("{before}{}{label}{}{after}", gap(before), gap(after));
+    match roughness(index, value) {
+        Some(roughness) => format!("{word} (roughness {roughness})"),
+        None => word,
+    }
+}
+
+/// The perceptual roughness of an alpha, short: alpha is its square.
+pub fn roughness(index: usize, value: &Value) -> Option<String> {
+    match value {
+        Value::Number(alpha) if index == axis("alpha") => {
+            Some(crate::spelling::short_number(&alpha.sqrt().to_string()).into_owned())
+        }
+        _ => None,
+    }
+}
+
+/// What all cells share and no default says, in words: "128x128 · sphere · diffuse none".
+pub fn shared(axes: &[PageAxis]) -> String {
+    let says = |axis: &&PageAxis| {
+        let Some(index) = axis.index.filter(|_| axis.role == Role::Fixed) else { return false };
+        index == crate::study::frame::axis("size") || (AXES[index].default)().to_string() != axis.values[0]
+    };
+    axes.iter().filter(says).map(|axis| axis.words[0].as_str()).collect::<Vec<_>>().join(" · ")
+}
+
+/// The columns of the cells' rows with what they hold.
+pub fn columns(axes: &[PageAxis], metrics: &[&'static dyn Metric]) -> Json {
+    let own = [
+        ("run", "run"),
+        ("cell", "cell"),
+        ("image", "image"),
+        ("reference", "image"),
+        ("verdict", "verdict"),
+        ("noise_floor", "floor"),
+    ];
+    let axes = axes.iter().filter(|axis| axis.index.is_some()).map(|axis| (axis.name, "axis"));
+    let metrics = metrics.iter().map(|metric| (metric.description().name, "metric"));
+    own.into_iter().chain(axes).chain(metrics).map(|(name, kind)| json!({ "name": name, "kind": kind })).collect()
+}
+
+/// Every cell of every run. A value on an axis is the index of its text in the axis' values.
+pub fn rows(
+    runs: &[Told],
+    axes: &[PageAxis],
+    metrics: &[&'static dyn Metric],
+    headline: &dyn Metric,
+    images: &ImageSet,
+) -> Json {
+    let row = |run: usize, cell: &FinishedCell| {
+        let image = |file: &String| images.index.get(&(run, file.clone())).copied();
+        let [own, reference] =
+            [0, 1].map(|i| cell.images.as_ref().and_then(|files| image([&files.radiance, &files.reference][i])));
+        let name = headline.description().name;
+        let (score, floor) = (cell.scores.as_ref().and_then(|scores| scores.get(name)), cell.noise_floors.get(name));
+        let verdict = match (score, floor) {
+            _ if cell.scores.is_none() => FAILED,
+            (Some(score), Some(floor)) => verdict(headline, score, floor).name(),
+            _ => NO_FLOOR,
+        };
+        let own = [json!(run), json!(cell.id), json!(own), json!(reference), json!(verdict), number(floor)];
+        let place = |axis: &PageAxis| {
+            let text = cell.point.0[axis.index?].to_string();
+            Some(axis.values.iter().position(|value| *value == text))
+        };
+        let places = axes.iter().filter_map(place).map(|place| json!(place));
+        let score = |metric: &&'static dyn Metric| {
+            number(cell.scores.as_ref().and_then(|scores| scores.get(metric.description().name)))
+        };
+        Json::Array(own.into_iter().chain(places).chain(metrics.iter().map(score)).collect())
+    };
+    let all = runs.iter().enumerate();
+    all.flat_map(|(run, told)| told.finished.cells.iter().map(move |cell| row(run, cell))).collect()
+}
+
+/// JSON has no infinity: its name as tables write it.
+fn number(value: Option<f64>) -> Json {
+    match value {
+        None => Json::Null,
+        Some(value) if value.is_finite() => json!(value),
+        Some(value) => json!(if value.is_nan() {
+            "nan"
+        } else if value > 0.0 {
+            "inf"
+        } else {
+            "-inf"
+        }),
+    }
+}
+
+/// A field of an answer's table.
+pub fn field(cell: &Cell) -> Json {
+    match cell {
+        Cell::Text(text) => json!(text),
+        Cell::Number(value) => number(Some(*value)),
+        Cell::Integer(value) => json!(value),
+        Cell::Missing => Json::Null,
+    }
+}
+
+/// The perceptual roughness of every alpha by its text.
+pub fn roughnesses(axes: &[PageAxis]) -> Json {
+    let of_axis = axes.iter().filter(|one| one.index == Some(axis("alpha"))).flat_map(|axis| &axis.values);
+    let entry =
+        |text: &String| Some((text.clone(), json!(roughness(axis("alpha"), &Value::Number(text.parse().ok()?))?)));
+    of_axis.filter_map(entry).collect::<serde_json::Map<_, _>>().into()
+}
+
+/// The names of numbers, by axis and value as it is written: `{"lod_bias": {"1": "filament"}}`.
+pub fn presets(axes: &[PageAxis]) -> Json {
+    let named = |axis: &PageAxis| -> serde_json::Map<String, Json> {
+        let Some(Kind::NumberOrName { named, .. }) = axis.index.map(|index| &AXES[index].kind) else {
+            return Default::default();
+        };
+        let known: Vec<(&str, f64)> = named();
+        let name = |text: &String| {
+            known.iter().find(|(_, number)| text.parse() == Ok(*number)).map(|(name, _)| (text.clone(), json!(name)))
+        };
+        axis.values.iter().filter_map(name).collect()
+    };
+    let all = axes.iter().map(|axis| (axis.name.to_owned(), named(axis))).filter(|(_, names)| !names.is_empty());
+    all.map(|(axis, names)| (axis, Json::Object(names))).collect::<serde_json::Map<_, _>>().into()
+}
+
+/// Metrics that any cell has a score of, in the order of the list.
+pub fn metrics(runs: &[Told]) -> Vec<&'static dyn Metric> {
+    let has = |name: &str| {
+        runs.iter()
+            .flat_map(|run| &run.finished.cells)
+            .any(|cell| cell.scores.as_ref().is_some_and(|scores| scores.get(name).is_some()))
+    };
+    crate::metrics::METRICS.iter().copied().filter(|metric| has(metric.description().name)).collect()
+}
+
+/// The palettes and ranges of the project's error maps, so that the page has no colours of its own.
+pub fn colors() -> Json {
+    let table = |palette: Palette| (0..256).map(|i| palette.color(f64::from(i) / 255.0)).collect::<Vec<_>>();
+    let range = |range: Range| match range {
+        Range::Linear { lo, hi } | Range::Log { lo, hi } => [lo, hi],
+    };
+    json!({
+        "magma": table(Palette::Magma),
+        "blue_red": table(Palette::BlueRed),
+        "relative": range(RELATIVE_ERROR.range),
+        "signed": range(SIGNED_ERROR.range),
+        "relative_ticks": RELATIVE_ERROR.ticks(),
+        "signed_ticks": SIGNED_ERROR.ticks(),
+        "nan": NAN_COLOR,
+        "off_mask": OFF_MASK_COLOR,
+    })
+}
+
+/// More combinations would only make the page large.
+const EXCLUDED_MAX: usize = 20_000;
+
+/// Combinations that the experiments leave out on purpose, so that the page can tell them from what failed: swept axes, reasons, and for
+/// each combination the index of its reason and its values as texts.
+pub fn exclusions(runs: &[Told], axes: &[PageAxis]) -> Json {
+    let configs = runs.iter().filter_map(|run| run.finished.config.as_ref());
+    let in_files = configs.flat_map(|config| config.axes.iter().map(|sweep| sweep.axis));
+    let swept = axes.iter().filter(|axis| axis.role != Role::Fixed).filter_map(|axis| axis.index);
+    let swept = distinct_in_order(swept.chain(in_files));
+    let key = |label: &str, point: &crate::runner::axis::Point| -> Vec<String> {
+        std::iter::once(label.to_owned()).chain(swept.iter().map(|&axis| point.0[axis].to_string())).collect()
+    };
+    // What another combination makes is not left out: a method without samples has one cell whichever counts are excluded.
+    let made = runs.iter().flat_map(|run| run.finished.cells.iter().map(|cell| key(&run.label, &cell.point)));
+    let made: std::collections::HashSet<Vec<String>> = made.collect();
+    let (mut reasons, mut points) = (Vec::new(), std::collections::BTreeSet::new());
+    for run in runs {
+        let Some(config) = &run.finished.config else { continue };
+        let first = reasons.len();
+        reasons.extend(config.exclusions.iter().map(|exclusion| exclusion.why.clone()));
+        let own = config.excluded_points().map(|(reason, point)| (first + reason, key(&run.label, &point)));
+        points.extend(
+            own.filter(|(_, values)| !made.contains(values)).take(EXCLUDED_MAX - points.len().min(EXCLUDED_MAX)),
+        );
+    }
+    let names = std::iter::once(RUN_AXIS).chain(swept.iter().map(|&axis| AXES[axis].name));
+    json!({ "axes": names.collect::<Vec<_>>(), "reasons": reasons, "points": points })
+}

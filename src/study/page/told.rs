@@ -1,0 +1,223 @@
+//! The runs of a page in words: labels, where and when each ran, what is missing, what tells them apart.
+//!
+//! Each run is answered for itself. Nothing is pooled over runs: two runs of one experiment are the same cases twice, not more cases.
+
+use crate::files;
+use crate::runner::sheets::sheet_files;
+use crate::study::finished::Finished;
+use crate::study::questions::Answer;
+use serde::Serialize;
+use serde_json::Value as Json;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// A finished run with its answers.
+#[derive(Clone)]
+pub struct Told<'a> {
+    /// Short and different from those of the other runs of the page.
+    pub label: String,
+    pub finished: &'a Finished,
+    /// In the order of the page, the leading one first.
+    pub answers: &'a [Answer],
+}
+
+impl<'a> Told<'a> {
+    /// Labels runs by their folders' names, numbered where two are equal.
+    pub fn of_runs(runs: &'a [(Finished, Vec<Answer>)]) -> Vec<Self> {
+        let name = |run: &Finished| {
+            let path = std::fs::canonicalize(&run.dir).unwrap_or_else(|_| run.dir.clone());
+            path.file_name().map_or_else(|| run.text("/name"), |name| name.to_string_lossy().into_owned())
+        };
+        let names: Vec<String> = runs.iter().map(|(run, _)| name(run)).collect();
+        let is_double = |name: &String| names.iter().filter(|other| *other == name).count() > 1;
+        let label = |i: usize| if is_double(&names[i]) { format!("{} #{}", names[i], i + 1) } else { names[i].clone() };
+        let told = |(i, (finished, answers)): (usize, &'a (Finished, Vec<Answer>))| Self {
+            label: label(i),
+            finished,
+            answers,
+        };
+        runs.iter().enumerate().map(told).collect()
+    }
+
+    /// A text of the last session's provenance.
+    pub fn session(&self, pointer: &str) -> String {
+        self.finished.text(&format!("{}{pointer}", self.finished.last_session()))
+    }
+
+    /// The question of the experiment, or its name where it has none.
+    pub fn question(&self) -> String {
+        Some(self.finished.text("/question"))
+            .filter(|text| !text.is_empty())
+            .unwrap_or_else(|| self.finished.text("/name"))
+    }
+
+    /// Device and driver.
+    pub fn device(&self) -> String {
+        format!("{} · {}", self.session("/device/name"), self.session("/device/driver"))
+    }
+
+    /// `2026-11-21 18:07 UTC` of `2026-11-21T18:07:34Z`; another text as it is.
+    pub fn date(&self) -> String {
+        let date = self.session("/date_utc");
+        let parts = date.split_once('T').and_then(|(day, time)| Some((day, time.strip_suffix('Z')?.get(..5)?)));
+        parts.map_or_else(|| date.clone(), |(day, time)| format!("{day} {time} UTC"))
+    }
+
+    /// The commit of the program, marked where files were changed since.
+    pub fn commit(&self) -> String {
+        let changed = if self.session("/commit/dirty") == "true" { " (changed)" } else { "" };
+        format!("{}{changed}", self.session("/commit/hash"))
+    }
+
+    /// What is missing, one sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let run = self.finished;
+        let mut warnings = Vec::new();
+        match run.failed_count() {
+            0 => {}
+            1 => warnings.push("1 cell failed and is missing from every figure; Run says why.".to_owned()),
+            n => warnings.push(format!("{n} cells failed and are missing from every figure; Run says why.")),
+        }
+        let (done, planned) = (run.cells.len() as u64, run.provenance["cell_count"].as_u64().unwrap_or(0));
+        if done < planned {
+            let state = if run.is_under_way { "is under way" } else { "was stopped" };
+            warnings.push(format!("{done} of {planned} cells are done: the run {state}."));
+        }
+        warnings
+    }
+
+    /// Whose times come from a driver that computes on the CPU.
+    pub fn cpu_warning(&self) -> Option<String> {
+        let own = self.finished.timings.iter().filter(|record| record.device_type == "cpu");
+        let devices: BTreeSet<&str> = own.map(|record| record.device.as_str()).collect();
+        let devices: Vec<&str> = devices.into_iter().collect();
+        (!devices.is_empty()).then(|| {
+            format!("The times of {} come from a CPU driver: they say nothing about a GPU.", devices.join(", "))
+        })
+    }
+
+    /// The contact sheets by title, as links from the folder `here`.
+    pub fn sheets(&self, here: &Path) -> Vec<[String; 2]> {
+        let sheet = |path: &Path| {
+            let title = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+            [title, link(here, path)]
+        };
+        sheet_files(&self.finished.dir).iter().map(|path| sheet(path)).collect()
+    }
+}
+
+/// What tells joined runs apart.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Fact {
+    pub what: &'static str,
+    /// One a run.
+    pub values: Vec<String>,
+    pub differs: bool,
+}
+
+/// Device, commit and question of joined runs.
+pub fn facts(runs: &[Told]) -> Vec<Fact> {
+    let fact = |what: &'static str, values: Vec<String>| {
+        let differs = values.iter().collect::<BTreeSet<_>>().len() > 1;
+        Fact { what, values, differs }
+    };
+    vec![
+        fact("device", runs.iter().map(Told::device).collect()),
+        fact("commit", runs.iter().map(Told::commit).collect()),
+        fact("question", runs.iter().map(Told::question).collect()),
+    ]
+}
+
+/// Questions that one heading can hold.
+const HEADING_QUESTIONS: usize = 2;
+
+/// What the runs ask, as one heading: their question, or both of two; where there are more, how many.
+pub fn heading(runs: &[Told]) -> String {
+    let mut questions: Vec<String> = runs.iter().map(Told::question).collect();
+    let mut seen = BTreeSet::new();
+    questions.retain(|question| seen.insert(question.clone()));
+    match questions.len() {
+        0..=HEADING_QUESTIONS => questions.join(" · "),
+        count => format!("{} runs, {count} questions", runs.len()),
+    }
+}
+
+/// A sentence for every run that repeats an earlier one: it is no further evidence.
+pub fn repeats(runs: &[Told]) -> Vec<String> {
+    let is_same = |a: &Finished, b: &Finished| a.text("/plan_hash") == b.text("/plan_hash") && a.cells == b.cells;
+    let say = |later: usize| {
+        let earlier = runs[..later].iter().find(|earlier| is_same(earlier.finished, runs[later].finished))?;
+        let (label, cells) = (&runs[later].label, runs[later].finished.cells.len());
+        Some(format!(
+            "{label} repeats {}: the same plan and the same scores in all {cells} cells. It is no further evidence.",
+            earlier.label
+        ))
+    };
+    (0..runs.len()).filter_map(say).collect()
+}
+
+/// `to` as a link from the folder `from`, with percent-escapes.
+pub fn link(from: &Path, to: &Path) -> String {
+    let parts = files::relative(from, to);
+    parts.split('/').map(escape).collect::<Vec<_>>().join("/")
+}
+
+/// Percent-escapes what has a meaning in an address.
+fn escape(text: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte);
+    text.bytes().map(|byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
+}
+
+/// The facts of a run's provenance as the page lists them: a title and its entries.
+pub fn provenance(told: &Told) -> Vec<(&'static str, Vec<(String, String)>)> {
+    let run = told.finished;
+    let session = |name: &str, pointer: &str| (name.to_owned(), told.session(pointer));
+    let whole = |name: &str, pointer: &str| (name.to_owned(), run.text(pointer));
+    let words =
+        |value: &Json| value.as_array().into_iter().flatten().filter_map(Json::as_str).collect::<Vec<_>>().join(" ");
+    let command =
+        run.provenance.pointer(&format!("{}/command_line", run.last_session())).map(words).unwrap_or_default();
+    let inputs = run.provenance["inputs"].as_object().into_iter().flatten();
+    let inputs =
+        inputs.map(|(name, hash)| (name.clone(), hash.as_str().map_or_else(|| hash.to_string(), str::to_owned)));
+    let experiment = [
+        whole("file", "/experiment_file"),
+        whole("hash", "/experiment_hash"),
+        whole("plan", "/plan_hash"),
+        ("overrides".to_owned(), words(&run.provenance["overrides"])),
+        whole("seed", "/seed"),
+        whole("cells", "/cell_count"),
+    ];
+    let mut groups = vec![
+        (
+            "Device",
+            vec![
+                session("name", "/device/name"),
+                session("type", "/device/type"),
+                session("driver", "/device/driver"),
+                session("Vulkan", "/device/api_version"),
+            ],
+        ),
+        (
+            "Host",
+            vec![
+                session("CPU", "/host/cpu"),
+                session("threads", "/host/cpu_count"),
+                session("system", "/host/os"),
+                session("date", "/date_utc"),
+            ],
+        ),
+        (
+            "Program",
+            vec![
+                session("version", "/program_version"),
+                ("commit".to_owned(), told.commit()),
+                whole("shaders", "/shader_hash"),
+                ("command".to_owned(), command),
+            ],
+        ),
+        ("Experiment", experiment.into_iter().chain(inputs).collect()),
+    ];
+    groups.iter_mut().for_each(|(_, entries)| entries.retain(|(_, text)| !text.is_empty()));
+    groups
+}
