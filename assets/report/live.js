@@ -5,7 +5,7 @@ import { announce, byId, choice, h, number, say, select, stopsText } from "repor
 import { fillErrorLegend } from "report/legend";
 import { LiveRender } from "report/live-render";
 import { keepContext } from "report/program";
-import { Probe, build, fitCanvas, followPointers, linkButton, sliderText, stageTools } from "report/stage";
+import { Probe, build, clamp, fitCanvas, followPointers, linkButton, real, sliderText, stageTools } from "report/stage";
 import { keep, state as current } from "report/state";
 
 const METHODS = [
@@ -47,7 +47,6 @@ const PANEL = `<aside class="panel live-panel" aria-label="Controls">
     the solid angle that it stands for. Samples are added, up to 4096, until half of them agree with all within a
     hundredth of the split sum's error. No shadows, as in the renderer.</p></aside>`;
 
-const clamp = (x, lo, hi) => Math.min(hi, Math.max(lo, x));
 /** Linear reflectance and its code in a colour field. */
 const toCode = (x) => Math.round(255 * x ** (1 / 2.2));
 const fromCode = (code) => (code / 255) ** 2.2;
@@ -112,26 +111,17 @@ class Live {
   /** The settings that the address asks for; what it does not name, or names wrongly, is the default. */
   read(state) {
     const { start, tables } = this;
-    const real = (lo, hi) => (text) =>
-      text === "" || !Number.isFinite(Number(text)) ? null : clamp(Number(text), lo, hi);
-    const index = (list) => (text) => real(0, list.length - 1)(text) && Math.trunc(Number(text));
+    const index = (list) => (text) => Math.trunc(real(text, [0, list.length - 1]));
     const one = (values) => (text) => (values.some(([name]) => name === text) ? text : null);
+    const within = (lo, hi) => (text) => real(text, [lo, hi]);
+    const [share, turn] = [within(0, 1), within(-360, 360)];
+    const color = (text) => (text.split(",").length === 3 ? text.split(",").map((x) => share(x) ?? 0) : null);
     const parsers = {
-      model: index(tables.models),
-      env: index(tables.environments),
-      lobe: index(tables.lobes),
-      method: one(METHODS),
-      mode: one(MODES),
+      ...{ model: index(tables.models), env: index(tables.environments), lobe: index(tables.lobes) },
+      ...{ method: one(METHODS), mode: one(MODES) },
       n: (text) => this.counts.find((count) => count >= Number(text)) ?? null,
-      albedo: (text) => (text.split(",").length === 3 ? text.split(",").map((x) => real(0, 1)(x) ?? 0) : null),
-      ...{ roughness: real(0, 1), metallic: real(0, 1), f0: real(0, 1), diffuse: (text) => text === "true" },
-      ...{
-        turn: real(-360, 360),
-        ev: real(...EV),
-        yaw: real(-360, 360),
-        pitch: real(-180, 180),
-        distance: real(0.1, 4),
-      },
+      ...{ roughness: share, albedo: color, metallic: share, f0: share, diffuse: (text) => text === "true" },
+      ...{ turn, ev: within(...EV), yaw: turn, pitch: turn, distance: within(0.1, 4) },
     };
     const read = ([name, parse]) => [name, (state[name] && parse(state[name])) ?? start[name]];
     return Object.fromEntries(Object.entries(parsers).map(read));

@@ -4,6 +4,12 @@ import { errorColor } from "report/data";
 import { h, number, say, scrollBox, tableHead } from "report/dom";
 import { link, state } from "report/state";
 
+export const clamp = (x, lo, hi) => Math.min(hi, Math.max(lo, x));
+
+/** The number that a text of an address holds, within a range; null when it holds none. */
+export const real = (text, range) =>
+  text === undefined || text === "" || !Number.isFinite(Number(text)) ? null : clamp(Number(text), range[0], range[1]);
+
 /** Gives the canvas as many pixels as its stage has on the screen; false when it has them already. */
 export function fitCanvas(canvas, stage) {
   const box = stage.getBoundingClientRect();
@@ -16,8 +22,8 @@ export function fitCanvas(canvas, stage) {
 }
 
 /**
- * Follows pointers over a canvas; all places are canvas pixels. `drag(dx, dy)`, `zoom(factor, [x, y])` by wheel or two fingers, `hover([x, y])`
- * without a button, `click([x, y])`, `rest()` at the end of a drag.
+ * Follows pointers over a canvas; all places are canvas pixels. `drag(dx, dy)`, `zoom(factor, [x, y])` by wheel or two
+ * fingers, `hover([x, y])` without a button, `click([x, y])`, `rest()` at the end of a drag.
  */
 export function followPointers(canvas, { drag, zoom, hover, click = null, rest = null }) {
   const pointers = new Map();
@@ -77,7 +83,7 @@ export function build(text) {
 /** A labelled slider in such a text; its value stands beside its name. */
 export const sliderText = (name, id, min, max, step) =>
   `<label class="slider" for="${id}"><span>${name} <output for="${id}"></output></span>
-   <input type="range" id="${id}" min="${min}" max="${max}" step="${step}"></label>`;
+   <input type="range" data-ref="${id}" id="${id}" min="${min}" max="${max}" step="${step}"></label>`;
 
 /** Round buttons over a stage: [sign, name, action]. */
 export function stageTools(buttons, ...more) {

@@ -39,7 +39,7 @@ const MODULES: &[(&str, &str)] = modules![
     "dom",
     "answer",
     "tables",
-    "run",
+
     "program",
     "stage",
     "surface",
@@ -49,6 +49,7 @@ const MODULES: &[(&str, &str)] = modules![
     "live",
     "live-render",
     "live-scene",
+    "place",
     "grid",
 ];
 
