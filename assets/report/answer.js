@@ -15,7 +15,12 @@ const answerOf = (element) => model.answers[Number(element.closest("[data-answer
 function svgText(index) {
   const drawn = document.querySelector(`.figure-box[data-answer="${index}"] .desk svg`);
   const copy = /** @type {Element} */ (drawn.cloneNode(true));
-  for (const mark of copy.querySelectorAll(".mark")) mark.setAttribute("tabindex", "-1");
+  for (const mark of copy.querySelectorAll(".mark")) {
+    const title = document.createElementNS("http://www.w3.org/2000/svg", "title");
+    title.textContent = mark.getAttribute("data-tip");
+    mark.prepend(title);
+    mark.setAttribute("tabindex", "-1");
+  }
   return `${new XMLSerializer().serializeToString(copy)}\n`;
 }
 
@@ -93,7 +98,8 @@ export function startAnswer(view) {
   document.body.append(tip);
   for (const svg of view.querySelectorAll(".figure-box svg")) {
     rove(svg, svg.querySelector(".mark"));
-    for (const mark of svg.querySelectorAll(".mark[data-cell]")) mark.setAttribute("aria-roledescription", "link");
+    // The page has tips of its own; a browser would show the titles of the file, too.
+    for (const title of svg.querySelectorAll(".mark > title")) title.remove();
   }
   const on = (name, selector, act) =>
     view.addEventListener(name, (event) => {

@@ -3,7 +3,7 @@
 import { byId } from "report/dom";
 
 /**
- * @typedef {{ name: string, role: "fixed" | "scene" | "variant" | "display", symbol: string, values: string[], labels: string[],
+ * @typedef {{ name: string, role: "fixed" | "scene" | "variant" | "display", values: string[], labels: string[],
  *   words: string[] }} Axis  An axis; labels and words are short texts of the values, words say what they are.
  * @typedef {{ label: string, name: string, link: string, failures: { cell: string, reason: string }[], sheets: [string, string][] }} Run
  * @typedef {{ x: number, y: number, width: number, height: number }} Window
@@ -38,10 +38,10 @@ const textOf = (kind) => (axis, value) => {
 };
 /** A value as people say it: builtins without prefix, files without folder and extension, numbers rounded. */
 export const short = textOf("labels");
-/** The same with what it is: "5 lv", "α 0.25 (roughness 0.5)". */
+/** The same with what it is: "5 lv", "alpha 0.25 (roughness 0.5)". */
 export const word = textOf("words");
 /** The name of an axis as people say it. */
-export const symbol = (name) => axisOf[name]?.symbol ?? name;
+export const symbol = (name) => name.replaceAll("_", " ");
 /** The name of a number, where its axis has names for some, as for the level biases of engines. */
 export const preset = (axis, value) => model.presets[axis]?.[value];
 
@@ -104,7 +104,7 @@ export function variantLabel(row, without = []) {
   const run = others.includes("run") ? parts.splice(others.indexOf("run"), 1) : [];
   return [...run, maker(row.axes, names), ...parts].filter(Boolean).join(" · ");
 }
-/** What a cell shows: "sky · ggx · α 0.25 (roughness 0.5)". */
+/** What a cell shows: "sky · ggx · alpha 0.25 (roughness 0.5)". */
 export const sceneLabel = (row) =>
   sceneAxes
     .map((name) => word(name, row.axes[name]))

@@ -13,8 +13,9 @@ const ROUGHNESS = "perceptual_roughness";
 /** The text of a field: numbers short. */
 const text = (field) =>
   typeof field === "number" && !Number.isInteger(field) ? number(field, 4) : String(field ?? "");
-const cellOf = (field) =>
-  h("td", { class: typeof field === "number" ? "number" : "", title: field ?? "" }, text(field));
+/** A cell of a table; what is shown of it may be short, its title is whole. */
+const cellOf = (field, shown = text(field)) =>
+  h("td", { class: typeof field === "number" ? "number" : "", title: field ?? "" }, shown);
 
 /** Columns with the perceptual roughness beside alpha, and a function that adds it to a row. */
 function withRoughness(columns) {
@@ -29,7 +30,7 @@ function withRoughness(columns) {
 export function dataTable(label, columns, rows) {
   const { names, extend } = withRoughness(columns);
   const head = h("tr", {}, ...names.map((name) => h("th", { scope: "col" }, name)));
-  const body = rows.map((row) => h("tr", {}, ...extend(row).map(cellOf)));
+  const body = rows.map((row) => h("tr", {}, ...extend(row).map((field) => cellOf(field))));
   const table = h("table", {}, h("thead", {}, head), h("tbody", {}, ...body));
   return h("div", { class: "scroll data-table", tabindex: 0, role: "region", "aria-label": label }, table);
 }
@@ -103,7 +104,8 @@ export function showTables(view, state) {
     const button = h("button", { type: "button", "aria-label": `Compare ${row.cell}`, onclick: () => open(row) }, "▸");
     const hasImage = row.image !== null;
     const onclick = (event) => hasImage && !event.target.closest("button") && open(row);
-    const own = columns.map((name) => cellOf(fields[name]));
+    const shown = (name) => (axisOf[name] ? short(name, row.axes[name]) : undefined);
+    const own = columns.map((name) => cellOf(fields[name], shown(name)));
     return h("tr", { class: hasImage ? "open" : "", onclick }, h("td", {}, hasImage && button), ...own);
   };
   const fill = (most) => {

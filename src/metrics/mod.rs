@@ -96,6 +96,11 @@ pub trait Metric: Sync {
     /// The score over `pixels` (row-major indices of masked pixels; at least one).
     fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64;
 
+    /// A score as an error, so that lower is better and ratios mean something: the score itself, or its magnitude where it has a sign.
+    fn error(&self, score: f64) -> f64 {
+        score.abs()
+    }
+
     /// The score to expect over the masked pixels if the test were exact and only the reference were off, by its standard
     /// error. `None` where that needs more than the standard error (display metrics).
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64>;

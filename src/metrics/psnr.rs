@@ -31,6 +31,11 @@ impl Metric for Psnr {
         10.0 * (PEAK * PEAK / mse).log10()
     }
 
+    /// Root mean square difference over the peak.
+    fn error(&self, score: f64) -> f64 {
+        10f64.powf(-score / 20.0)
+    }
+
     fn noise_floor(&self, _: &ReferenceNoise) -> Option<f64> {
         None
     }

@@ -42,6 +42,10 @@ impl Metric for Ssim {
         pixel_mean(pixels, |pixel| map.data[pixel])
     }
 
+    fn error(&self, score: f64) -> f64 {
+        1.0 - score
+    }
+
     fn noise_floor(&self, _: &ReferenceNoise) -> Option<f64> {
         None
     }

@@ -1,7 +1,7 @@
 //! The slips of source document 0 [Kim22].
 
 use super::furnace::{SEPARABLE, albedo, albedo_with, mean, view};
-use super::{Figure, Slip, figure};
+use super::{Figure, Slip, figure, light};
 use crate::brdf::{self, Brdf, Ggx, MaskingShadowing, Phong};
 use crate::color::srgb_encode;
 use crate::math::equirect::uv_from_direction;
@@ -30,10 +30,10 @@ pub const SLIPS: &[Slip] = &[
         right: "exact Smith masking of Phong's own D (`smith-exact`)",
         figures: || {
             let albedo = |masking, n_dot_v| dfg(&Phong, masking, n_dot_v, 1.0).albedo();
-            let figure = |quantity, n_dot_v| {
-                figure(quantity, albedo(SEPARABLE, n_dot_v), albedo(MaskingShadowing::SmithExact, n_dot_v))
+            let both = |quantity, n_dot_v| {
+                light(quantity, albedo(SEPARABLE, n_dot_v), albedo(MaskingShadowing::SmithExact, n_dot_v))
             };
-            vec![figure("albedo of Phong, alpha 1, n·v 0.1", 0.1), figure("albedo of Phong, alpha 1, n·v 0.01", 0.01)]
+            vec![both("albedo of Phong, alpha 1, n·v 0.1", 0.1), both("albedo of Phong, alpha 1, n·v 0.01", 0.01)]
         },
     },
     Slip {
@@ -48,7 +48,7 @@ pub const SLIPS: &[Slip] = &[
             let furnace = |quantity, alpha: f64, n_dot_v: f64| {
                 let misprinted =
                     albedo_with(alpha, n_dot_v, |n_dot_l| printed(n_dot_v, alpha) * printed(n_dot_l, alpha));
-                figure(quantity, misprinted, albedo(alpha, n_dot_v))
+                light(quantity, misprinted, albedo(alpha, n_dot_v))
             };
             vec![
                 figure("G1, alpha 0.1, n·v 0.1", printed(0.1, 0.1), Ggx.g1(0.1, 0.1)),
@@ -70,7 +70,7 @@ pub const SLIPS: &[Slip] = &[
         figures: || {
             let pair = dfg(&Ggx, SEPARABLE, 0.1, 1.0);
             let right = 1.0 - (0.04 * pair.f0_scale + pair.f90_scale);
-            vec![figure("Kd, f0 0.04, alpha 1, n·v 0.1", 1.0 - f_schlick(0.04, 0.1), right)]
+            vec![light("Kd, f0 0.04, alpha 1, n·v 0.1", 1.0 - f_schlick(0.04, 0.1), right)]
         },
     },
     Slip {
@@ -127,7 +127,7 @@ pub const SLIPS: &[Slip] = &[
             vec![
                 spread("mean sin² of the lobe, alpha 1", 1.0),
                 spread("mean sin² of the lobe, alpha 0.25", 0.25),
-                figure("albedo of Phong, alpha 0.5, n·v 0.5", sampled, dfg(&Phong, SEPARABLE, 0.5, 0.5).albedo()),
+                light("albedo of Phong, alpha 0.5, n·v 0.5", sampled, dfg(&Phong, SEPARABLE, 0.5, 0.5).albedo()),
             ]
         },
     },
@@ -168,13 +168,13 @@ pub const SLIPS: &[Slip] = &[
         printed: "`pixel = Σ E Y`, stored as it is",
         right: "floored at 0: nine coefficients ring",
         figures: || {
-            let light = basis(DVec3::Z).map(DVec3::splat);
-            let at = |cosine: f64| irradiance(&light, view(cosine)).x;
+            let lamp = basis(DVec3::Z).map(DVec3::splat);
+            let at = |cosine: f64| irradiance(&lamp, view(cosine)).x;
             let least = (0..1000).map(|i| at(-f64::from(i) / 1000.0)).fold(f64::INFINITY, f64::min);
             vec![
                 figure("irradiance of a point light, least beyond 90 degrees", least, 0.0),
                 figure("the same at 90 degrees (the floor does not help)", at(0.0), 0.0),
-                figure("the same at the peak", at(1.0), 1.0),
+                light("the same at the peak", at(1.0), 1.0),
             ]
         },
     },
@@ -194,7 +194,7 @@ pub const SLIPS: &[Slip] = &[
         document: 0,
         printed: "\"tone mapped the output color and converts it to linear color space\"",
         right: "to sRGB: the exponent is `c/2.2`",
-        figures: || vec![figure("display value of 0.5, contrast 1", 0.5f64.powf(2.2), 0.5f64.powf(1.0 / 2.2))],
+        figures: || vec![light("display value of 0.5, contrast 1", 0.5f64.powf(2.2), 0.5f64.powf(1.0 / 2.2))],
     },
 ];
 
@@ -205,7 +205,7 @@ pub fn f_schlick(f0: f64, cosine: f64) -> f64 {
 /// A specular term with F twice, for documents 0 and 1.
 pub fn fresnel_twice() -> Vec<Figure> {
     let f = f_schlick(0.04, 1.0);
-    vec![figure("reflectance of a mirror, f0 0.04, v = n", f * f, f)]
+    vec![light("reflectance of a mirror, f0 0.04, v = n", f * f, f)]
 }
 
 /// What an estimator shows in a white furnace, at two widths and three views.
@@ -218,5 +218,5 @@ fn furnaces(printed: impl Fn(f64, f64) -> f64) -> Vec<Figure> {
         ("albedo, alpha 0.5, n·v 0.5", 0.5, 0.5),
         ("albedo, alpha 0.5, n·v 1", 0.5, 1.0),
     ];
-    CASES.map(|(quantity, alpha, n_dot_v)| figure(quantity, printed(alpha, n_dot_v), albedo(alpha, n_dot_v))).to_vec()
+    CASES.map(|(quantity, alpha, n_dot_v)| light(quantity, printed(alpha, n_dot_v), albedo(alpha, n_dot_v))).to_vec()
 }

@@ -2,7 +2,7 @@
 
 use super::document_0::{f_schlick, fresnel_twice};
 use super::furnace::{SEPARABLE, albedo, albedo_with};
-use super::{Slip, figure};
+use super::{Slip, figure, light};
 use crate::brdf::{Brdf, Ggx, MaskingShadowing, alpha_from_perceptual_roughness};
 use crate::precompute::dfg::reference::dfg;
 use glam::DVec3;
@@ -19,7 +19,7 @@ pub const SLIPS: &[Slip] = &[
         document: 1,
         printed: "mean as `1/N Σ` from 0 to N",
         right: "N terms: from 1 to N",
-        figures: || vec![figure("mean of 1, N = 40", 41.0 / 40.0, 1.0)],
+        figures: || vec![light("mean of 1, N = 40", 41.0 / 40.0, 1.0)],
     },
     Slip {
         document: 1,
@@ -30,7 +30,7 @@ pub const SLIPS: &[Slip] = &[
             let step = FRAC_PI_2 / f64::from(STEPS);
             let rows: f64 = (0..STEPS).map(|j| (f64::from(j) * step).cos() * (f64::from(j) * step).sin()).sum();
             let sum = PI / f64::from(STEPS) * rows;
-            vec![figure("E/π of radiance 1, 100 x 100 points", sum * step * TAU / f64::from(STEPS), sum)]
+            vec![light("E/π of radiance 1, 100 x 100 points", sum * step * TAU / f64::from(STEPS), sum)]
         },
     },
     Slip {
@@ -66,7 +66,7 @@ pub const SLIPS: &[Slip] = &[
         figures: || {
             let scale = |quantity, n_dot_v| {
                 let pair = dfg(&Ggx, SEPARABLE, n_dot_v, 0.25);
-                figure(quantity, (1.0 - f_schlick(0.0, n_dot_v)) * pair.albedo(), pair.f0_scale)
+                light(quantity, (1.0 - f_schlick(0.0, n_dot_v)) * pair.albedo(), pair.f0_scale)
             };
             vec![scale("A, alpha 0.25, n·v 0.1", 0.1), scale("A, alpha 0.25, n·v 0.5", 0.5)]
         },
@@ -87,7 +87,7 @@ pub const SLIPS: &[Slip] = &[
         right: "row j where row 0 is v = 0, as in Vulkan",
         figures: || {
             let at = |perceptual_roughness| albedo(alpha_from_perceptual_roughness(perceptual_roughness), 0.5);
-            vec![figure("albedo read, perceptual roughness 0.25, n·v 0.5", at(1.0 - 0.25), at(0.25))]
+            vec![light("albedo read, perceptual roughness 0.25, n·v 0.5", at(1.0 - 0.25), at(0.25))]
         },
     },
     Slip {
@@ -97,7 +97,7 @@ pub const SLIPS: &[Slip] = &[
         figures: || {
             let pair = dfg(&Ggx, MaskingShadowing::Correlated, 0.1, 0.25);
             let with = |f: f64| f * pair.f0_scale + pair.f90_scale;
-            vec![figure(
+            vec![light(
                 "second factor, f0 0.04, alpha 0.25, n·v 0.1, correlated",
                 with(f_schlick(0.04, 0.1)),
                 with(0.04),
@@ -125,9 +125,9 @@ pub const SLIPS: &[Slip] = &[
             let with = |alpha: f64, k: f64| albedo_with(alpha, 0.1, |n_dot_l| schlick(0.1, k) * schlick(n_dot_l, k));
             let analytic = (0.01f64.sqrt() + 1.0).powi(2) / 8.0;
             vec![
-                figure("albedo, k = (r + 1)²/8, alpha 0.01, n·v 0.1", with(0.01, analytic), albedo(0.01, 0.1)),
-                figure("albedo, k = alpha/2, alpha 0.01, n·v 0.1", with(0.01, 0.005), albedo(0.01, 0.1)),
-                figure("albedo, k = alpha/2, alpha 0.1, n·v 0.1", with(0.1, 0.05), albedo(0.1, 0.1)),
+                light("albedo, k = (r + 1)²/8, alpha 0.01, n·v 0.1", with(0.01, analytic), albedo(0.01, 0.1)),
+                light("albedo, k = alpha/2, alpha 0.01, n·v 0.1", with(0.01, 0.005), albedo(0.01, 0.1)),
+                light("albedo, k = alpha/2, alpha 0.1, n·v 0.1", with(0.1, 0.05), albedo(0.1, 0.1)),
             ]
         },
     },

@@ -2,7 +2,7 @@
 
 use super::document_0::f_schlick;
 use super::furnace::{SEPARABLE, albedo, mean, view};
-use super::{Slip, figure};
+use super::{Slip, figure, light};
 use crate::brdf::{self, Brdf, Ggx, alpha_from_perceptual_roughness};
 use crate::precompute::dfg::reference::dfg;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
@@ -19,7 +19,7 @@ pub const SLIPS: &[Slip] = &[
                 brdf::g2(&Ggx, n_dot_v, l.z, alpha, SEPARABLE).powi(2) * v.dot(m) / (n_dot_v * m.z)
             });
             let pair = dfg(&Ggx, SEPARABLE, n_dot_v, alpha);
-            vec![figure("specular albedo, f0 0.04, alpha 0.5, n·v 0.5", printed, f0 * pair.f0_scale + pair.f90_scale)]
+            vec![light("specular albedo, f0 0.04, alpha 0.5, n·v 0.5", printed, f0 * pair.f0_scale + pair.f90_scale)]
         },
     },
     Slip {
@@ -29,7 +29,7 @@ pub const SLIPS: &[Slip] = &[
         figures: || {
             let pair = dfg(&Ggx, SEPARABLE, 0.1, 0.25);
             let specular = 0.04 * pair.f0_scale + pair.f90_scale;
-            vec![figure("albedo of both, c 1, f0 0.04, alpha 0.25, n·v 0.1", 1.0 + specular, 1.0)]
+            vec![light("albedo of both, c 1, f0 0.04, alpha 0.25, n·v 0.1", 1.0 + specular, 1.0)]
         },
     },
     Slip {
@@ -51,7 +51,7 @@ pub const SLIPS: &[Slip] = &[
                 let printed = mean(&Ggx, 0.01, n_dot_v, |_, l| {
                     brdf::g2(&Ggx, n_dot_v, l.z, 0.01, SEPARABLE) / (4.0 * l.z * n_dot_v)
                 });
-                figure(quantity, printed, albedo(0.01, n_dot_v))
+                light(quantity, printed, albedo(0.01, n_dot_v))
             };
             vec![
                 albedo("A + B, alpha 0.01, n·v 0.1", 0.1),
@@ -66,14 +66,14 @@ pub const SLIPS: &[Slip] = &[
         right: "one order: x is n·v, y is perceptual roughness",
         figures: || {
             let at = |n_dot_v, r| albedo(alpha_from_perceptual_roughness(r), n_dot_v);
-            vec![figure("albedo read with swapped axes, r 0.5, n·v 0.1", at(0.5, 0.1), at(0.1, 0.5))]
+            vec![light("albedo read with swapped axes, r 0.5, n·v 0.1", at(0.5, 0.1), at(0.1, 0.5))]
         },
     },
     Slip {
         document: 4,
         printed: "`V/N Σ f/p`",
         right: "`1/N Σ f/p`: p is normalised",
-        figures: || vec![figure("∫ cos/π over the hemisphere, V = 2π", TAU, 1.0)],
+        figures: || vec![light("∫ cos/π over the hemisphere, V = 2π", TAU, 1.0)],
     },
     Slip {
         document: 4,
@@ -87,7 +87,7 @@ pub const SLIPS: &[Slip] = &[
             };
             let step = FRAC_PI_2 / f64::from(STEPS);
             let over_theta: f64 = (0..STEPS).map(|i| step * density((f64::from(i) + 0.5) * step)).sum();
-            vec![figure("integral over θ and φ, alpha 0.5", over_theta * TAU, over_theta)]
+            vec![light("integral over θ and φ, alpha 0.5", over_theta * TAU, over_theta)]
         },
     },
     Slip {
@@ -108,7 +108,7 @@ pub const SLIPS: &[Slip] = &[
         figures: || {
             let pair = dfg(&Ggx, SEPARABLE, 0.1, 1.0);
             let right = 1.0 - (0.04 * pair.f0_scale + pair.f90_scale);
-            vec![figure("k_D as 1 - F(n·v), f0 0.04, alpha 1, n·v 0.1", 1.0 - f_schlick(0.04, 0.1), right)]
+            vec![light("k_D as 1 - F(n·v), f0 0.04, alpha 1, n·v 0.1", 1.0 - f_schlick(0.04, 0.1), right)]
         },
     },
 ];

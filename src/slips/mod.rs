@@ -31,10 +31,26 @@ pub struct Figure {
     /// NaN where the printed formula gives no number.
     pub printed: f64,
     pub right: f64,
+    /// Whether light is proportional to the quantity: what is seen is wrong by the same factor. Others are angles, levels, exponents,
+    /// texture coordinates.
+    pub is_light: bool,
 }
 
 const fn figure(quantity: &'static str, printed: f64, right: f64) -> Figure {
-    Figure { quantity, printed, right }
+    Figure { quantity, printed, right, is_light: false }
+}
+
+/// A quantity that light is proportional to.
+const fn light(quantity: &'static str, printed: f64, right: f64) -> Figure {
+    Figure { quantity, printed, right, is_light: true }
+}
+
+impl Figure {
+    /// By which factor light is too strong or too weak, >= 1; `None` where the quantity is no amount of light.
+    pub fn light_ratio(&self) -> Option<f64> {
+        let ratio = (self.printed / self.right).ln().abs().exp();
+        (self.is_light && ratio.is_finite()).then_some(ratio)
+    }
 }
 
 /// Every slip, by document, in the order in which the documents print them.
@@ -64,71 +80,27 @@ pub fn table() -> (Vec<String>, Vec<Vec<Cell>>) {
     (COLUMNS.map(str::to_owned).to_vec(), rows.collect())
 }
 
-/// A slip by its worst figure, of a table that [`table`] was written to.
-#[derive(Clone, Debug, PartialEq)]
+/// A slip by its worst figure.
+#[derive(Clone, Debug)]
 pub struct Cost {
-    pub document: String,
-    pub printed: String,
-    pub quantity: String,
-    pub printed_value: f64,
-    pub right_value: f64,
-    /// By which factor the quantity is too large or too small, >= 1; `None` where no figure of the slip is an amount of light.
+    pub slip: &'static Slip,
+    pub figure: Figure,
+    /// [`Figure::light_ratio`]; `None` where no figure of the slip is an amount of light.
     pub light_ratio: Option<f64>,
 }
-
-/// How the quantities begin to which light is proportional: wrong by a factor, what is seen is wrong by it. Others are angles, levels,
-/// exponents, texture coordinates.
-const OF_LIGHT: [&str; 14] = [
-    "albedo",
-    "specular albedo",
-    "reflectance",
-    "A, ",
-    "A + B",
-    "Kd",
-    "k_D",
-    "E/π",
-    "∫ cos/π",
-    "mean of 1",
-    "the same at the peak",
-    "second factor",
-    "integral over",
-    "display value",
-];
 
 /// Side by side, light of this ratio is just told apart: Weber's fraction of daylight vision is one to two percent.
 pub const VISIBLE_RATIO: f64 = 1.02;
 
-/// Every slip of a table once, in its order.
-pub fn costs(table: &Table) -> Result<Vec<Cost>, TableError> {
-    let mut columns = [0; 4];
-    for (column, name) in columns.iter_mut().zip(COLUMNS) {
-        *column = table.column(name)?;
-    }
-    let [document, printed, right, quantity] = columns;
-    let [printed_values, right_values] = [table.numbers("printed_value")?, table.numbers("right_value")?];
-    let mut costs: Vec<(&String, Cost)> = Vec::new();
-    for (i, row) in table.rows.iter().enumerate() {
-        let [printed_value, right_value] = [printed_values[i], right_values[i]].map(|x| x.unwrap_or(f64::NAN));
-        let ratio = (printed_value / right_value).ln().abs().exp();
-        let is_light = OF_LIGHT.iter().any(|start| row[quantity].starts_with(start)) && ratio.is_finite();
-        let cost = Cost {
-            document: row[document].clone(),
-            printed: row[printed].clone(),
-            quantity: row[quantity].clone(),
-            printed_value,
-            right_value,
-            light_ratio: is_light.then_some(ratio),
-        };
-        let is_same = |(of, known): &&mut (&String, Cost)| {
-            known.document == cost.document && known.printed == cost.printed && **of == row[right]
-        };
-        match costs.last_mut().filter(is_same) {
-            Some((_, known)) if cost.light_ratio > known.light_ratio => *known = cost,
-            Some(_) => {}
-            None => costs.push((&row[right], cost)),
-        }
-    }
-    Ok(costs.into_iter().map(|(_, cost)| cost).collect())
+/// Every slip once, in the order of [`slips`].
+pub fn costs() -> Vec<Cost> {
+    let cost = |slip: &'static Slip| {
+        // Of equals the first.
+        let worse = |a: Figure, b: Figure| if b.light_ratio() > a.light_ratio() { b } else { a };
+        let figure = (slip.figures)().into_iter().reduce(worse)?;
+        Some(Cost { slip, light_ratio: figure.light_ratio(), figure })
+    };
+    slips().filter_map(cost).collect()
 }
 
 /// A table that [`table`] was written to, for reading: a slip's formulas stand in its first row only.

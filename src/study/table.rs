@@ -1,6 +1,7 @@
 //! Tables of answers: columns with their meaning, rows as CSV and as Markdown.
 
 use crate::runner::axis::AXES;
+use crate::runner::value::Value;
 use crate::table::csv::{self, Cell};
 use crate::table::markdown::{Align, MarkdownTable, significant};
 
@@ -17,6 +18,16 @@ pub struct Column {
 pub struct Table {
     pub columns: Vec<String>,
     pub rows: Vec<Vec<Cell>>,
+}
+
+/// A value of an axis as a cell.
+pub fn value_cell(value: &Value) -> Cell {
+    match value {
+        Value::Unset => Cell::Missing,
+        Value::Number(number) => Cell::Number(*number),
+        Value::Count(count) => Cell::Integer((*count).into()),
+        other => Cell::Text(other.to_string()),
+    }
 }
 
 /// Digits of a number that people read; files have all.

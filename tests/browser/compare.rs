@@ -1,12 +1,10 @@
 //! The comparison where the window changes and where not all images are in the page: places, keys, steps of colour.
 
 use crate::chromium::{self, Page};
-use crate::fixture::{SIDE, assert_clean, report};
-use crate::sections::report_of;
+use crate::fixture::{SIDE, assert_clean, page_of, report, report_of};
 use crate::viewer::shown;
 use serde_json::json;
-use splitsum::study::report::images::Choice;
-use splitsum::study::report::{ReportOptions, write};
+use splitsum::study::page::images::Choice;
 use splitsum::table::csv::Table;
 
 const READY: &str = "document.querySelector('.viewer-stage canvas')?.dataset.ready !== undefined";
@@ -117,7 +115,7 @@ fn keys_lead_to_images_with_pixels_and_to_every_method_without_samples() {
         removed += 1;
     }
     assert_eq!(removed, 20);
-    let report = write(&ReportOptions::of_run(run)).unwrap().path;
+    let report = page_of(run, Choice::Automatic);
     page.resize(1440, 900, "light");
     page.go(&report, "#compare");
     page.wait(READY);

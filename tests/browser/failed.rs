@@ -1,13 +1,11 @@
-//! Runs with failed cells: what is pooled stands for the same scenes, orders are those of the values, and the comparison says what failed.
+//! Runs with failed cells: the comparison says what failed.
 
 use crate::chromium::{self, Page};
 use crate::fake::Log;
-use crate::fixture::assert_clean;
-use crate::joined::texts;
-use crate::sections::{report_of, run_of, saved_csv, wait_for_figures};
+use crate::fixture::{assert_clean, page_of, report_of, run_of};
 use serde_json::{Value, json};
 use splitsum::pipeline::RenderRequest;
-use splitsum::study::report::{ReportOptions, write};
+use splitsum::study::page::images::Choice;
 use splitsum::table::csv::Table;
 use std::path::{Path, PathBuf};
 
@@ -22,7 +20,7 @@ fn is_broken(request: &RenderRequest) -> bool {
 
 fn report(dir: &Path) -> PathBuf {
     let run = run_of(&dir.join("run"), AXES, TIMING, Log { broken: Some(is_broken), ..Log::default() });
-    write(&ReportOptions::of_run(&run)).unwrap().path
+    page_of(&run, Choice::Automatic)
 }
 
 /// The cells with a method and a sample count by alpha.
@@ -36,46 +34,6 @@ fn cell(report: &Path, [method, samples, alpha]: [&str; 3]) -> String {
 
 fn hash(page: &mut Page) -> String {
     page.eval("location.hash").as_str().unwrap().to_owned()
-}
-
-#[test]
-fn medians_over_cases_are_of_the_same_cases() {
-    let Some(mut page) = chromium::open() else { return };
-    let dir = tempfile::tempdir().unwrap();
-    let report = report(dir.path());
-    page.resize(1440, 900, "light");
-    page.go(&report, "#plots?all=1");
-    wait_for_figures(&mut page);
-    let saved = saved_csv(&mut page, "time-error-all");
-    let table: Vec<Vec<&str>> = saved.lines().map(|line| line.split(',').collect()).collect();
-    let column = table[0].iter().position(|name| *name == "cells").unwrap();
-    let cells: Vec<&str> = table[1..].iter().map(|row| row[column]).collect();
-    assert_eq!(cells, ["4"; 4], "{saved}");
-    assert!(page.text("[data-figure=\"time-error-all\"] .note").contains("4 of 5 scenes"));
-    page.go(&report, "");
-    wait_for_figures(&mut page);
-    let note = page.text("[data-figure=\"break-even-curves\"] .note");
-    assert!(note.contains("4 of 5 cases that have every count"), "{note}");
-    // The case of the failed cell came late; its value has its place in the order all the same.
-    let legend = texts(&mut page, "[data-figure=\"break-even-curves\"] .legend li");
-    assert_eq!(legend, ["α 0.05", "α 0.1", "α 0.25", "α 0.5", "α 1", "median"]);
-    // Helpers on bare rows: without a common place all rows are left, and said to be.
-    let shared = page.eval(
-        "import('report/cases').then(({ ordered, sharedRows, sharedText }) => { const rows = [['a', 1], ['a', 2], ['b', 2]], \
-         of = (own) => sharedRows(own, ([name]) => name, ([, place]) => place), common = of(rows), apart = of([['a', 1], ['b', 2]]); \
-         return [ordered(['0.5', '1', '0.1']), ordered(['b', 'a']), common.own.length, sharedText(common, 'scenes'), apart.own.length, apart.shared, sharedText(apart, 'scenes').slice(0, 9)]; })",
-    );
-    let wanted = json!([
-        ["0.1", "0.5", "1"],
-        ["b", "a"],
-        2,
-        " Over 1 of 2 scenes: those that have a result for all that is shown.",
-        2,
-        0,
-        " No scene"
-    ]);
-    assert_eq!(shared, wanted);
-    assert_clean(&page);
 }
 
 #[test]
@@ -142,43 +100,7 @@ fn the_comparison_keeps_its_partner_its_pin_and_its_sign() {
     page.eval("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight', shiftKey: true, bubbles: true }))");
     page.wait("location.hash.includes('texel=12%2C13')");
     // Capital letters are the same keys.
-    page.key("P");
-    page.wait("document.body.dataset.view === 'plots'");
-    assert_clean(&page);
-}
-
-#[test]
-fn one_count_makes_no_convergence() {
-    let Some(mut page) = chromium::open() else { return };
-    let dir = tempfile::tempdir().unwrap();
-    let axes = AXES.replace("samples = [1, 4, 16]", "samples = [4]");
-    let report = report_of(dir.path(), &axes, TIMING);
-    page.go(&report, "#plots");
-    wait_for_figures(&mut page);
-    assert_eq!(page.eval("document.querySelectorAll('[data-figure^=\"convergence\"]').length"), json!(0));
-    assert_clean(&page);
-}
-
-#[test]
-fn a_comparison_of_two_shows_its_pooled_effect_and_sizes_keep_their_names() {
-    let Some(mut page) = chromium::open() else { return };
-    let dir = tempfile::tempdir().unwrap();
-    let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nalpha = [0.05, 0.1, 0.25, 0.5]\nmethod = [\"sampled\", \"sampled-unfiltered\"]\nsamples = [4]";
-    let report = report_of(dir.path(), axes, "");
-    page.resize(1440, 900, "light");
-    page.go(&report, "#plots");
-    wait_for_figures(&mut page);
-    let ticks = texts(&mut page, "[data-figure=\"effects-method\"] .tick");
-    assert_eq!(ticks[..5], ["all", "0.05", "0.1", "0.25", "0.5"], "{ticks:?}");
-    let whole = page.eval("import('report/data').then(({ model }) => model.runs[0].effects.filter((e) => e.axis === 'method' && e.alpha === null).length)");
-    let dots = page.eval("document.querySelectorAll('[data-figure=\"effects-method\"] .dot').length");
-    assert_eq!(dots.as_u64().unwrap(), 4 + whole.as_u64().unwrap());
-    // On a phone nine sizes stand on two lines, each of them.
-    let kept = page.eval(
-        "import('report/chart').then(({ xy }) => { const sizes = Array.from({ length: 9 }, (_, i) => `${4 << i}x${2 << i}`); \
-         const svg = xy({ x: { domain: [-0.4, 8.4], ticks: sizes.map((_, i) => i), format: (i) => sizes[i], staggers: true, label: 'size' }, y: { label: '', domain: [0, 1] }, marks: [] })(354, 260, document.createElement('div')); \
-         const own = [...svg.querySelectorAll('.tick')].filter((t) => sizes.includes(t.textContent)); return [own.length, new Set(own.map((t) => t.getAttribute('y'))).size]; })",
-    );
-    assert_eq!(kept, json!([9, 2]));
+    page.key("B");
+    page.wait("document.body.dataset.view === 'tables'");
     assert_clean(&page);
 }

@@ -6,8 +6,10 @@ use half::f16;
 use serde_json::json;
 use splitsum::pixels::exr;
 use splitsum::runner::{Plan, Progress, RenderFault, Renderer, RunOptions, run};
-use splitsum::study::report::images::Choice;
-use splitsum::study::report::{ReportOptions, write};
+use splitsum::study::finished::Finished;
+use splitsum::study::page::images::Choice;
+use splitsum::study::page::{PageOptions, Told, write};
+use splitsum::study::questions::{Answer, answers};
 use splitsum::table::csv::Table;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -55,13 +57,62 @@ pub fn finished_run(dir: &Path, name: &str, broken: Option<&'static str>) -> Pat
     options.dir
 }
 
+/// The report of a finished run of an experiment whose axes are given.
+pub fn report_of(dir: &Path, axes: &str, rest: &str) -> PathBuf {
+    page_of(&run_of(&dir.join("run"), axes, rest, Log::default()), Choice::Automatic)
+}
+
+/// A finished run in `dir` of an experiment whose axes are given.
+pub fn run_of(dir: &Path, axes: &str, rest: &str, log: Log) -> PathBuf {
+    let head = "name = \"sections\"\nsize = [24, 24]\nreference = { samples = 64 }";
+    run_of_text(dir, &format!("{head}\n[axes]\n{axes}\n{rest}\n"), log)
+}
+
+/// A finished run in `dir` of an experiment as written.
+pub fn run_of_text(dir: &Path, text: &str, log: Log) -> PathBuf {
+    let file = dir.with_file_name("sections.toml");
+    let plan = Plan::from_text(&file, text, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let stop = AtomicBool::new(false);
+    let fail_fast = log.broken.is_none();
+    let options = RunOptions { dir: dir.to_owned(), stop: &stop, command_line: Vec::new(), fail_fast, trace: false };
+    let log = Rc::new(RefCell::new(log));
+    let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
+    run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
+    options.dir
+}
+
+/// The text of the file that a button saves; `button` is an expression.
+pub fn saved(page: &mut Page, button: &str) -> String {
+    let script = format!(
+        "(() => {{ const make = URL.createObjectURL; let saved; URL.createObjectURL = (blob) => {{ saved = blob; return 'data:,'; }}; \
+         {button}.click(); URL.createObjectURL = make; return saved.text(); }})()"
+    );
+    page.eval(&script).as_str().unwrap().to_owned()
+}
+
+/// Writes the report of finished runs with what they answer.
+pub fn write_page(dirs: &[PathBuf], options: &PageOptions) -> PathBuf {
+    let told = |dir: &PathBuf| -> (Finished, Vec<Answer>) {
+        let run = Finished::read(dir).unwrap_or_else(|error| panic!("{error}"));
+        let answers = answers(&run, &[], None);
+        (run, answers)
+    };
+    let runs: Vec<_> = dirs.iter().map(told).collect();
+    write(options, &Told::of_runs(&runs)).unwrap_or_else(|error| panic!("{error}")).path
+}
+
+/// Writes the report of a finished run into its folder.
+pub fn page_of(run: &Path, images: Choice) -> PathBuf {
+    write_page(&[run.to_owned()], &PageOptions { images, ..PageOptions::in_folder(run) })
+}
+
 /// The page with the report of a finished run.
 pub fn report(choice: Choice) -> Option<(Page, PathBuf, tempfile::TempDir)> {
     let page = chromium::open()?;
     let dir = tempfile::tempdir().unwrap();
     let run = finished_run(dir.path(), "run", None);
-    let written = write(&ReportOptions { images: choice, ..ReportOptions::of_run(&run) }).unwrap();
-    Some((page, written.path, dir))
+    let path = page_of(&run, choice);
+    Some((page, path, dir))
 }
 
 /// Rows of errors.csv as (cell, method, samples, alpha, brdf, exposure).

@@ -1,10 +1,9 @@
 //! The live view: its controls, its link, what it says where it cannot be shown.
 
 use crate::chromium::Page;
-use crate::fixture::{assert_clean, report};
+use crate::fixture::{assert_clean, page_of, report};
 use serde_json::{Value, json};
-use splitsum::study::report::images::Choice;
-use splitsum::study::report::{ReportOptions, write};
+use splitsum::study::page::images::Choice;
 use splitsum::table::colormap::{OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_ERROR};
 use splitsum::tonemap::ToneCurve;
 use std::path::Path;
@@ -176,8 +175,8 @@ fn without_float_targets_or_tables_the_live_view_says_so() {
 
     std::fs::remove_file(report.with_file_name("live.json")).unwrap();
     let dir = report.parent().unwrap();
-    let written = write(&ReportOptions { images: Choice::None, ..ReportOptions::of_run(dir) }).unwrap();
-    page.go(&written.path, "#live");
+    let written = page_of(dir, Choice::None);
+    page.go(&written, "#live");
     assert!(page.text("#view-live").contains("has no live.json"));
     assert_clean(&page);
 }

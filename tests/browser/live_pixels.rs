@@ -1,7 +1,7 @@
 //! The pixels of the live view against the renderer's.
 
 use crate::chromium::{self, Page};
-use crate::fixture::{Quiet, assert_clean};
+use crate::fixture::{Quiet, assert_clean, page_of};
 use crate::live::{linear, open, rest};
 use glam::DVec3;
 use serde_json::json;
@@ -13,8 +13,7 @@ use splitsum::pipeline::{Options, Pipeline, PipelineError, RenderRequest};
 use splitsum::runner::{Plan, RenderFault, Renderer, RunOptions, run};
 use splitsum::scene::{Camera, MaterialOverride, Projection, Scene};
 use splitsum::shade::{diffuse_by_name, method_by_name};
-use splitsum::study::report::images::Choice;
-use splitsum::study::report::{ReportOptions, write};
+use splitsum::study::page::images::Choice;
 use splitsum::tonemap::ToneCurve;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -75,7 +74,7 @@ fn bench() -> Option<Bench> {
     let mut first = Some(first);
     let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(first.take().unwrap())) };
     run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
-    let report = write(&ReportOptions { images: Choice::None, ..ReportOptions::of_run(&options.dir) }).unwrap().path;
+    let report = page_of(&options.dir, Choice::None);
     page.resize(1200, 800, "light");
     Some(Bench { page, pipeline, plan, report, _dir: dir })
 }

@@ -17,6 +17,7 @@ const SIDE_MAX: u32 = 4096;
 const PLAIN: Axis = Axis {
     name: "",
     plural: "",
+    said: ["", ""],
     about: "",
     part: Part::Case,
     kind: Kind::Input,
@@ -232,6 +233,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "prefilter_size",
         plural: "prefilter sizes",
+        said: ["{}", "{}"],
         part: Part::Table,
         about: "width and height of the prefiltered map's first level",
         used: |u| u.method.uses_prefiltered,
@@ -244,6 +246,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "prefilter_level_count",
         plural: "level counts",
+        said: ["{} levels", "{} lv"],
         part: Part::Table,
         about: "levels of the prefiltered map",
         used: |u| u.method.uses_prefiltered,
@@ -256,6 +259,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "prefilter_sample_count",
         plural: "prefilter sample counts",
+        said: ["{} samples", "{} spp"],
         part: Part::Table,
         about: "samples a texel of the prefiltered map",
         used: |u| u.method.uses_prefiltered,
@@ -268,6 +272,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "dfg_size",
         plural: "DFG sizes",
+        said: ["DFG {}", "DFG {}"],
         part: Part::Table,
         about: "side of the DFG table",
         used: Used::needs_dfg,
@@ -280,6 +285,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "dfg_sample_count",
         plural: "DFG sample counts",
+        said: ["{} DFG samples", "DFG {} spp"],
         part: Part::Table,
         about: "samples a texel of the DFG table",
         used: Used::needs_dfg,
@@ -292,6 +298,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "irradiance_size",
         plural: "irradiance sizes",
+        said: ["{}", "{}"],
         part: Part::Table,
         about: "width and height of the irradiance map",
         used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
@@ -304,6 +311,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "irradiance_sample_count",
         plural: "irradiance sample counts",
+        said: ["{} samples", "{} spp"],
         part: Part::Table,
         about: "azimuth and polar samples a texel of the irradiance map",
         used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
@@ -316,6 +324,7 @@ pub static AXES: &[Axis] = &[
     Axis {
         name: "storage_format",
         plural: "storage formats",
+        said: ["{}", "{}"],
         part: Part::Table,
         about: "numbers of the prefiltered map, the DFG table and the irradiance map on the device; f16 ends at 65504",
         used: |u| {

@@ -153,6 +153,8 @@ pub struct Axis {
     pub kind: Kind,
     /// Several of its values as people say them: "environments".
     pub plural: &'static str,
+    /// A value in sentences and in labels, where `{}` is the value; empty for one that is said after the axis's name.
+    pub said: [&'static str; 2],
     /// What the axis tells apart.
     pub part: Part,
     /// The value where the experiment sets none.

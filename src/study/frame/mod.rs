@@ -2,17 +2,26 @@
 //!
 //! Every question is answered from a frame. A row is one distinct linear image at one tone curve. Statistics are in [`estimate`].
 
+pub mod band;
+pub mod curve;
 pub mod estimate;
+pub mod line;
 mod shape;
+pub mod times;
 
 pub use shape::Shape;
 
 use super::finished::{Bin, Finished, FinishedCell};
+use super::table::value_cell;
 use crate::metrics::{BiasVariance, Metric, Verdict, metric, verdict};
 use crate::runner::axis::{AXES, Part, Point, index_of};
-use crate::runner::tables::HEADLINE;
+use crate::runner::tables::{DISPLAY_HEADLINE, HEADLINE};
 use crate::runner::value::Value;
+use crate::table::csv::Cell;
 use std::collections::HashMap;
+
+/// Mean FLIP from which on a difference counts as visible: a convention of this project, since FLIP's authors give none.
+pub const VISIBLE_FROM: f64 = 0.05;
 
 /// Values on some axes; an axis that does not reach the pixels is unset.
 pub type Key = Vec<Value>;
@@ -57,8 +66,13 @@ impl<'f> Frame<'f> {
         self.metric.description().name
     }
 
-    /// The score of a row; nothing for a failed cell.
+    /// The error of a row ([`Metric::error`]): lower is better, whatever the metric. Nothing for a failed cell.
     pub fn error(&self, row: &Row) -> Option<f64> {
+        Some(self.metric.error(self.score(row)?))
+    }
+
+    /// The score of a row, as the metric defines it.
+    pub fn score(&self, row: &Row) -> Option<f64> {
         row.cell.scores.as_ref()?.get(self.metric_name())
     }
 
@@ -69,7 +83,7 @@ impl<'f> Frame<'f> {
 
     /// Whether the error stands clear of the reference's own noise. Metrics without a floor are taken at their word.
     pub fn is_resolved(&self, row: &Row) -> bool {
-        match (self.error(row), self.noise_floor(row)) {
+        match (self.score(row), self.noise_floor(row)) {
             (Some(error), Some(floor)) => verdict(self.metric, error, floor) == Verdict::Resolved,
             (error, _) => error.is_some(),
         }
@@ -77,7 +91,7 @@ impl<'f> Frame<'f> {
 
     /// The error over the pixels of a bin.
     pub fn bin_error(&self, bin: &Bin) -> Option<f64> {
-        bin.scores.get(self.metric_name())
+        Some(self.metric.error(bin.scores.get(self.metric_name())?))
     }
 
     /// Swept axes that play one of these parts, in the order of [`AXES`].
@@ -92,22 +106,36 @@ impl<'f> Frame<'f> {
         own.into_iter().filter(|axis| !methods.contains(axis)).collect()
     }
 
-    /// Rows with scores, each linear image once: of rows that differ in the tone curve only, the first.
+    /// Rows with scores, each linear image once: of rows that differ in the tone curve only, the one with the plain curve, else the first.
     pub fn images(&self) -> Vec<&Row<'f>> {
-        let mut seen: HashMap<Key, ()> = HashMap::new();
+        let mut places: HashMap<Key, usize> = HashMap::new();
         let linear = |row: &Row| -> Key {
             AXES.iter().zip(&row.point.0).filter(|(axis, _)| axis.changes_radiance()).map(|(_, v)| v.clone()).collect()
         };
-        let scored = self.rows.iter().filter(|row| row.cell.scores.is_some());
-        scored.filter(|row| seen.insert(linear(row), ()).is_none()).collect()
+        let mut images: Vec<&Row<'f>> = Vec::new();
+        for row in self.rows.iter().filter(|row| row.cell.scores.is_some()) {
+            match places.get(&linear(row)) {
+                Some(&place) if row.has_plain_curve() => images[place] = row,
+                Some(_) => {}
+                None => {
+                    places.insert(linear(row), images.len());
+                    images.push(row);
+                }
+            }
+        }
+        images
+    }
+
+    /// The axes of [`Frame::way`]: method and sample count; where no row has a specular term, the diffuse method.
+    pub fn way_axes(&self) -> Vec<usize> {
+        let has_specular = self.shape.values[axis("method")].iter().any(|value| value.to_string() != "none");
+        if has_specular { vec![axis("method"), axis("samples")] } else { vec![axis("diffuse")] }
     }
 
     /// How the image of a row is made: "sampled 16", "split-sum"; where no row has a specular term, the diffuse method.
     pub fn way(&self, row: &Row) -> String {
-        if self.shape.values[axis("method")].iter().all(|value| value.to_string() == "none") {
-            return row.point.get("diffuse").to_string();
-        }
-        format!("{} {}", row.point.get("method"), row.point.get("samples")).trim_end().to_owned()
+        let texts: Vec<String> = self.way_axes().into_iter().map(|axis| row.text(axis)).collect();
+        texts.join(" ").trim_end().to_owned()
     }
 }
 
@@ -115,6 +143,11 @@ impl Row<'_> {
     /// Its values on these axes.
     pub fn key(&self, axes: &[usize]) -> Key {
         axes.iter().map(|&axis| self.point.0[axis].clone()).collect()
+    }
+
+    /// Its values on these axes, as cells of a table.
+    pub fn cells(&self, axes: &[usize]) -> Vec<Cell> {
+        axes.iter().map(|&axis| value_cell(&self.point.0[axis])).collect()
     }
 
     /// The value on an axis, as text for tables.
@@ -128,6 +161,17 @@ impl Row<'_> {
             Value::Count(count) => Some(*count),
             _ => None,
         }
+    }
+
+    /// Whether the axes of the tone curve stand at their defaults.
+    pub fn has_plain_curve(&self) -> bool {
+        let values = AXES.iter().zip(&self.point.0);
+        values.filter(|(axis, _)| axis.part == Part::Display).all(|(axis, value)| *value == (axis.default)())
+    }
+
+    /// Mean FLIP of the image after its tone curve.
+    pub fn flip(&self) -> Option<f64> {
+        self.cell.scores.as_ref()?.get(DISPLAY_HEADLINE)
     }
 
     /// Whether the row has no specular term.

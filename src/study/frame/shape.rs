@@ -1,7 +1,7 @@
 //! The shape of an experiment: which values each axis has. Says which questions it can serve, before anything is rendered.
 
 use super::Row;
-use crate::runner::axis::{AXES, Point};
+use crate::runner::axis::{AXES, Point, Terms};
 use crate::runner::config::Config;
 use crate::runner::value::Value;
 use crate::study::finished::Finished;
@@ -16,6 +16,8 @@ pub struct Shape {
     pub has_bias_variance: bool,
     /// Name of the method that judges.
     pub reference_method: String,
+    /// Whether the reference has all terms, whatever the cell has; taken for granted where the experiment is not known.
+    pub judges_all_terms: bool,
 }
 
 impl Shape {
@@ -40,6 +42,7 @@ impl Shape {
                 has_printed_slips: false,
                 has_bias_variance: run.cells.iter().any(|cell| cell.bias_variance.is_some()),
                 reference_method: run.text("/reference/method"),
+                judges_all_terms: true,
             },
         }
     }
@@ -51,6 +54,7 @@ impl Shape {
             has_printed_slips: config.has_printed_slips,
             has_bias_variance: config.repeats.is_some(),
             reference_method: config.reference.method.clone(),
+            judges_all_terms: config.reference.terms == Terms::All,
         }
     }
 

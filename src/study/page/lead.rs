@@ -6,10 +6,9 @@ use super::told::Told;
 use crate::metrics::Comparison;
 use crate::pixels::png::encode_rgb8;
 use crate::pixels::{GrayImage, Rgb8Image, RgbImage};
-use crate::runner::tables::HEADLINE;
-use crate::study::frame::{Frame, Row, Shape};
-use crate::study::questions::words::number;
-use crate::study::questions::{Answer, Question};
+use crate::study::frame::{Frame, Row};
+use crate::study::questions::Answer;
+use crate::study::questions::words::with_rms;
 use crate::table::colormap::RELATIVE_ERROR;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -39,16 +38,14 @@ pub struct Shot {
     pub size: [u32; 2],
 }
 
-/// Whether a question is answered from times: it cannot be served without them.
-pub fn rests_on_times(question: &Question, shape: &Shape) -> bool {
-    let without = Shape { has_timing: false, ..shape.clone() };
-    shape.has_timing && (question.lacks)(&without).is_some() && (question.lacks)(shape).is_none()
+/// Whether an answer rests on the times of a CPU driver, which say nothing about a GPU.
+pub fn rests_on_cpu_times(told: &Told, answer: &Answer) -> bool {
+    told.finished.is_cpu_timed() && answer.question.uses_times
 }
 
 /// The index of the answer for the first screen: the first whose verdict does not rest on the times of a CPU driver.
-pub fn leading(told: &Told, shape: &Shape) -> Option<usize> {
-    let is_open = |answer: &Answer| !(told.finished.is_cpu_timed() && rests_on_times(answer.question, shape));
-    told.answers.iter().position(is_open)
+pub fn leading(told: &Told) -> Option<usize> {
+    told.answers.iter().position(|answer| !rests_on_cpu_times(told, answer))
 }
 
 /// Pictures of the leading case; nothing where its images are not at hand.
@@ -112,14 +109,9 @@ fn words(row: &Row, axes: &[PageAxis], role: Role) -> String {
     axes.iter().filter(|axis| axis.role == role).filter_map(word).collect::<Vec<_>>().join(" · ")
 }
 
-/// "relMSE 0.0123, about 11 % rms".
+/// "relmse 0.44 (66 % rms)".
 fn error_words(frame: &Frame, row: &Row) -> String {
-    let Some(error) = frame.error(row) else { return String::new() };
-    let name = frame.metric_name();
-    match name == HEADLINE {
-        true => format!("relMSE {}: about {} % off (rms)", number(error), number(100.0 * error.sqrt())),
-        false => format!("{name} {}", number(error)),
-    }
+    frame.error(row).map_or_else(String::new, |error| format!("{} {}", frame.metric_name(), with_rms(frame, error)))
 }
 
 fn shot(label: String, image: &Rgb8Image) -> Option<Shot> {

@@ -5,11 +5,11 @@
 
 pub mod images;
 mod lead;
-mod live;
-mod model;
-mod render;
+pub mod live;
+pub mod model;
+pub mod render;
 mod sections;
-mod told;
+pub mod told;
 
 pub use told::Told;
 
@@ -98,7 +98,7 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
     let mut shown: Vec<render::Run> = Vec::new();
     for (index, (told, frame)) in runs.iter().zip(&frames).enumerate() {
         let before = shown.iter().map(|run| run.sections.len()).sum();
-        let lead = lead::leading(told, &frame.shape);
+        let lead = lead::leading(told);
         shown.push(render::Run {
             label: told.label.clone(),
             anchor: format!("run-{}", index + 1),
@@ -111,7 +111,7 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
             shared: model::shared(&model::axes(std::slice::from_ref(told))),
             lead,
             pictures: (options.images != Choice::None).then(|| lead::pictures(told, frame, lead, &axes)).flatten(),
-            sections: sections::sections(told, index, before, &frame.shape, here),
+            sections: sections::sections(told, index, before, here),
             provenance: told::provenance(told),
             failures: json!(told.finished.failures),
             excluded: told.finished.provenance["excluded"].clone(),

@@ -7,7 +7,7 @@ use crate::runner::axis::{AXES, Part};
 use crate::runner::value::{Kind, Value};
 use crate::study::finished::FinishedCell;
 use crate::study::frame::{axis, distinct_in_order};
-use crate::study::questions::words::short;
+use crate::study::questions::words::{self, label};
 use crate::table::colormap::{NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR};
 use crate::table::csv::Cell;
 use serde::Serialize;
@@ -39,13 +39,11 @@ pub enum Role {
 pub struct PageAxis {
     pub name: &'static str,
     pub role: Role,
-    /// The name as people say it.
-    pub symbol: &'static str,
     /// Values as files have them, in the order of the cells.
     pub values: Vec<String>,
     /// The same, short.
     pub labels: Vec<String>,
-    /// The same, saying what they are: "α 0.25 (roughness 0.5)".
+    /// The same, saying what they are: "alpha 0.25 (roughness 0.5)".
     pub words: Vec<String>,
     /// Index of `AXES`; nothing for the axis of runs.
     #[serde(skip)]
@@ -57,7 +55,7 @@ pub fn axes(runs: &[Told]) -> Vec<PageAxis> {
     let labels: Vec<String> = runs.iter().map(|run| run.label.clone()).collect();
     let role = if runs.len() > 1 { Role::Variant } else { Role::Fixed };
     let (values, words) = (labels.clone(), labels.clone());
-    let of_runs = PageAxis { name: RUN_AXIS, role, symbol: RUN_AXIS, values, labels, words, index: None };
+    let of_runs = PageAxis { name: RUN_AXIS, role, values, labels, words, index: None };
     std::iter::once(of_runs).chain((0..AXES.len()).filter_map(|index| page_axis(runs, index))).collect()
 }
 
@@ -83,65 +81,37 @@ fn page_axis(runs: &[Told], index: usize) -> Option<PageAxis> {
     };
     let labels = labels(index, &distinct);
     let words = distinct.iter().zip(&labels).map(|(value, label)| word(index, value, label)).collect();
-    let symbol = sign(index).name.unwrap_or(AXES[index].name);
-    Some(PageAxis { name: AXES[index].name, role, symbol, values: seen, labels, words, index: Some(index) })
+    Some(PageAxis { name: AXES[index].name, role, values: seen, labels, words, index: Some(index) })
 }
 
 /// Short texts, whole where two would be equal.
 fn labels(index: usize, values: &[&Value]) -> Vec<String> {
-    let labels: Vec<String> = values.iter().map(|value| short(index, value)).collect();
+    let labels: Vec<String> = values.iter().map(|value| words::short(index, value)).collect();
     let is_double = |label: &String| labels.iter().filter(|other| *other == label).count() > 1;
     let whole = |(value, label): (&&Value, &String)| if is_double(label) { value.to_string() } else { label.clone() };
     values.iter().zip(&labels).map(whole).collect()
 }
 
-/// How people write an axis beside its value.
-#[derive(Clone, Copy, Default)]
-struct Sign {
-    name: Option<&'static str>,
-    before: &'static str,
-    after: &'static str,
-}
-
-fn sign(index: usize) -> Sign {
-    let before = |before: &'static str| Sign { name: Some(before), before, after: "" };
-    let after = |after: &'static str| Sign { name: None, before: "", after };
-    match AXES[index].name {
-        "alpha" => before("α"),
-        "point_set" => before("set"),
-        "lod_bias" => before("bias"),
-        "prefilter_level_count" => after("lv"),
-        "prefilter_sample_count" | "samples" => after("spp"),
-        "dfg_size" => Sign { name: None, before: "DFG", after: "" },
-        "dfg_sample_count" => after("DFG spp"),
-        "irradiance_size" => Sign { name: None, before: "irradiance", after: "" },
-        "irradiance_sample_count" => after("irradiance spp"),
-        "environment_rotation_deg" => Sign { name: Some("turned"), before: "turned", after: "°" },
-        "environment_scale" => before("brightness"),
-        "environment_clip_log2" => Sign { name: None, before: "clip 2^", after: "" },
-        "diffuse" => Sign { name: None, before: "diffuse", after: "" },
-        name if matches!(AXES[index].kind, Kind::Number(_) | Kind::Color(_)) => before(name),
-        _ => Sign::default(),
-    }
-}
-
-/// A value with what it is: "5 lv", "bias 0.5", "α 0.25 (roughness 0.5)".
-fn word(index: usize, value: &Value, label: &str) -> String {
-    let Sign { before, after, .. } = sign(index);
-    let gap = |part: &str| if part.is_empty() || part.ends_with('^') || part == "°" { "" } else { " " };
-    let word = format!("{before}{}{label}{}{after}", gap(before), gap(after));
+/// A value with what it is: "5 lv", "alpha 0.25 (roughness 0.5)".
+fn word(index: usize, value: &Value, short: &str) -> String {
+    let word = label(&[index], std::slice::from_ref(value)).replace(&words::short(index, value), short);
     match roughness(index, value) {
         Some(roughness) => format!("{word} (roughness {roughness})"),
         None => word,
     }
 }
 
+/// Steps a unit of a roughness that people read.
+const ROUGHNESS_STEPS: f64 = 1e3;
+
 /// The perceptual roughness of an alpha, short: alpha is its square.
 pub fn roughness(index: usize, value: &Value) -> Option<String> {
+    roughness_of(index, value).map(|roughness| ((roughness * ROUGHNESS_STEPS).round() / ROUGHNESS_STEPS).to_string())
+}
+
+fn roughness_of(index: usize, value: &Value) -> Option<f64> {
     match value {
-        Value::Number(alpha) if index == axis("alpha") => {
-            Some(crate::spelling::short_number(&alpha.sqrt().to_string()).into_owned())
-        }
+        Value::Number(alpha) if index == axis("alpha") => Some(alpha.sqrt()),
         _ => None,
     }
 }
@@ -232,8 +202,10 @@ pub fn field(cell: &Cell) -> Json {
 /// The perceptual roughness of every alpha by its text.
 pub fn roughnesses(axes: &[PageAxis]) -> Json {
     let of_axis = axes.iter().filter(|one| one.index == Some(axis("alpha"))).flat_map(|axis| &axis.values);
-    let entry =
-        |text: &String| Some((text.clone(), json!(roughness(axis("alpha"), &Value::Number(text.parse().ok()?))?)));
+    let entry = |text: &String| {
+        let value = Value::Number(text.parse().ok()?);
+        Some((text.clone(), json!(roughness_of(axis("alpha"), &value)?)))
+    };
     of_axis.filter_map(entry).collect::<serde_json::Map<_, _>>().into()
 }
 

@@ -137,6 +137,6 @@ fn safe(text: String) -> Value {
 }
 
 /// JSON that can stand in a script element: it holds no `<`, so it cannot close the element or open a comment.
-fn in_script(value: &Json) -> String {
+pub fn in_script(value: &Json) -> String {
     value.to_string().replace('<', "\\u003c")
 }

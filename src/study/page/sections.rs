@@ -1,12 +1,12 @@
 //! Answers as the page shows them: one section each, with the very SVG that stands in `answers/`.
 
-use super::lead::rests_on_times;
+use super::lead::rests_on_cpu_times;
 use super::model::{field, roughness};
 use super::told::{Told, link};
 use crate::runner::value::Value;
 use crate::study::figure::svg::{WIDTHS, svg};
 use crate::study::figure::vega::vega;
-use crate::study::frame::{Shape, axis};
+use crate::study::frame::axis;
 use crate::study::questions::Answer;
 use crate::study::table::{Table, shown};
 use crate::table::csv::Cell;
@@ -57,7 +57,7 @@ pub struct Field {
 }
 
 /// The answers of a run as sections, in order; the first has the number `first` among those of all runs.
-pub fn sections(told: &Told, run: usize, first: usize, shape: &Shape, here: &Path) -> Vec<Section> {
+pub fn sections(told: &Told, run: usize, first: usize, here: &Path) -> Vec<Section> {
     let section = |(i, answer): (usize, &Answer)| {
         let (key, finding) = (answer.question.name, &answer.finding);
         let figure = finding.figure.as_ref().map(|figure| WIDTHS.map(|width| inline(&svg(figure, width))));
@@ -75,7 +75,7 @@ pub fn sections(told: &Told, run: usize, first: usize, shape: &Shape, here: &Pat
             sentence: finding.sentence.clone(),
             row_count: finding.table.rows.len(),
             csv: link(here, &told.finished.dir.join(FOLDER).join(format!("{key}.csv"))),
-            is_cpu: told.finished.is_cpu_timed() && rests_on_times(answer.question, shape),
+            is_cpu: rests_on_cpu_times(told, answer),
             figure_first: fits || digest.is_none(),
             figure,
             digest,
@@ -124,7 +124,7 @@ fn digest(table: &Table) -> Digest {
         Field { text: beside.map_or(text.clone(), |beside| format!("{text} ({beside})")), is_number }
     };
     let name = |(column, name): (usize, &String)| {
-        if is_alpha(column) { format!("{name} (perceptual_roughness)") } else { name.clone() }
+        if is_alpha(column) { format!("{name} (perceptual roughness)") } else { name.clone() }
     };
     Digest {
         columns: table.columns.iter().enumerate().map(name).collect(),

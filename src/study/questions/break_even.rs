@@ -8,14 +8,16 @@
 //! Over cases: the median, with "above the largest tried count" last. Its interval resamples environments ([`estimate`]); infinity stands
 //! for "above".
 
-use super::words::{count, label, number, scope, short};
+use super::conditions::{by_width_and_light, extremes};
+use super::words::{cases_sentence, label, number, short};
 use super::{Finding, Question};
 use crate::runner::axis::{AXES, Part};
 use crate::runner::value::Value;
 use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
-use crate::study::frame::estimate::{Estimate, estimate, geometric_mean};
-use crate::study::frame::{Frame, Key, Row, Shape, ascending, axis, by, distinct_in_order, fits};
-use crate::study::table::{Column, Table};
+use crate::study::frame::curve::{Curve, curves, without_samples};
+use crate::study::frame::estimate::{Estimate, estimate};
+use crate::study::frame::{Frame, Key, Row, Shape, axis, distinct_in_order, fits};
+use crate::study::table::{Column, Table, value_cell};
 use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
@@ -30,44 +32,45 @@ pub const QUESTION: Question = Question {
         Column { name: "fixed_error", about: "Error of the method without samples, in the metric of the question." },
         Column { name: "is_resolved", about: "1 where both errors at the break-even stand clear of the reference's noise, else 0." },
     ],
+    uses_times: false,
     lacks,
     answer,
 };
 
-fn lacks(shape: &Shape) -> Option<&'static str> {
+pub(super) fn lacks(shape: &Shape) -> Option<&'static str> {
+    lacks_methods(shape).or_else(|| (!shape.is_swept(axis("samples"))).then_some("axes.samples has fewer than two counts"))
+}
+
+/// What `axes.method` lacks for a comparison of a method that samples with one that does not.
+pub(super) fn lacks_methods(shape: &Shape) -> Option<&'static str> {
     let methods = crate::shade::METHODS.iter().filter(|method| shape.has("method", &[method.name]));
     let methods: Vec<_> = methods.filter(|method| method.name != "none").collect();
     match () {
         () if !methods.iter().any(|method| method.uses_samples) => Some("axes.method has no method that samples"),
         () if methods.iter().all(|method| method.uses_samples) => Some("axes.method has no method without samples"),
-        () if !shape.is_swept(axis("samples")) => Some("axes.samples has fewer than two counts"),
         () => None,
     }
 }
 
 /// A sampling method beside one without samples in one case.
-struct Case<'r, 'f> {
-    key: Key,
-    /// Error by sample count, ascending.
-    curve: Vec<(u32, f64)>,
-    is_resolved: bool,
-    fixed: &'r Row<'f>,
-    fixed_error: f64,
+pub(super) struct Case<'r, 'f> {
+    /// Values on the axes of cases; an axis that one of the two does not use is that of the other.
+    pub key: Key,
+    pub curve: Curve<'r, 'f>,
+    pub fixed: &'r Row<'f>,
+    pub fixed_error: f64,
     /// `None`: above the largest tried count.
-    break_even: Option<u32>,
+    pub break_even: Option<u32>,
 }
 
 impl Case<'_, '_> {
-    fn largest(&self) -> u32 {
-        self.curve.last().map_or(0, |(samples, _)| *samples)
-    }
-
     /// By log-log interpolation on the segment that ends at the break-even.
-    fn crossing(&self) -> Option<f64> {
-        let index = self.curve.iter().position(|(samples, _)| Some(*samples) == self.break_even)?;
-        let ((n0, e0), (n1, e1)) = (*self.curve.get(index.checked_sub(1)?)?, self.curve[index]);
-        let [x0, x1] = [n0, n1].map(|n| f64::from(n).ln());
-        let [y0, y1] = [e0, e1].map(|error| (error / self.fixed_error).ln());
+    pub fn crossing(&self) -> Option<f64> {
+        let points = &self.curve.points;
+        let index = points.iter().position(|point| Some(point.samples) == self.break_even)?;
+        let (before, after) = (points.get(index.checked_sub(1)?)?, &points[index]);
+        let [x0, x1] = [before, after].map(|point| f64::from(point.samples).ln());
+        let [y0, y1] = [before, after].map(|point| (point.error / self.fixed_error).ln());
         Some((x0 + y0 / (y0 - y1) * (x1 - x0)).exp()).filter(|n| n.is_finite())
     }
 
@@ -75,70 +78,78 @@ impl Case<'_, '_> {
     fn number(&self) -> f64 {
         self.break_even.map_or(f64::INFINITY, f64::from)
     }
+
+    /// Whether both errors stand clear of the reference's noise where they meet.
+    fn is_resolved(&self, frame: &Frame) -> bool {
+        let at = self.break_even.unwrap_or(self.curve.tried()[1]);
+        frame.is_resolved(self.fixed) && self.curve.at(at).is_some_and(|point| point.is_resolved)
+    }
 }
 
 /// The smallest count of an ascending curve from which on every error lies below `fixed`.
-fn break_even(curve: &[(u32, f64)], fixed: f64) -> Option<u32> {
-    curve.iter().rev().take_while(|(_, error)| *error < fixed).last().map(|(samples, _)| *samples)
+fn break_even(curve: &Curve, fixed: f64) -> Option<u32> {
+    curve.points.iter().rev().take_while(|point| point.error < fixed).last().map(|point| point.samples)
 }
 
-/// Cases by pair of methods, in the order of the rows.
-fn pairs<'r, 'f>(frame: &'r Frame<'f>, axes: &[usize]) -> Vec<((String, String), Vec<Case<'r, 'f>>)> {
-    let images = frame.images();
-    let sampled: Vec<&Row> = images.iter().copied().filter(|row| row.samples().is_some()).collect();
-    let fixed: Vec<&Row> = images.iter().copied().filter(|row| row.samples().is_none() && !row.has_no_method()).collect();
-    let method = axis("method");
-    let with_method: Vec<usize> = axes.iter().copied().chain([method]).collect();
-    let mut found: Vec<((String, String), Vec<Case>)> = Vec::new();
-    for (mut key, own) in by(&sampled, &with_method) {
-        let sampled_name = key.pop().unwrap_or(Value::Unset).to_string();
-        let curve = curve(frame, &own);
-        if curve.len() < 2 {
-            continue;
-        }
-        for row in fixed.iter().filter(|row| fits(&row.key(axes), &key)) {
-            let Some(fixed_error) = frame.error(row) else { continue };
+/// A sampling method, a method without samples, and the cases that have both.
+pub(super) struct Pair<'r, 'f> {
+    pub sampled: String,
+    pub fixed: String,
+    pub cases: Vec<Case<'r, 'f>>,
+}
+
+impl Pair<'_, '_> {
+    /// Smallest and largest tried count of all cases.
+    fn tried(&self) -> [u32; 2] {
+        tried(&self.cases.iter().collect::<Vec<_>>())
+    }
+}
+
+fn tried(cases: &[&Case]) -> [u32; 2] {
+    let ends = || cases.iter().map(|case| case.curve.tried());
+    [ends().map(|[least, _]| least).min().unwrap_or(0), ends().map(|[_, largest]| largest).max().unwrap_or(0)]
+}
+
+/// In the order of the rows. A curve of one count meets nothing.
+pub(super) fn pairs<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Pair<'r, 'f>> {
+    let fixed = without_samples(images);
+    let mut pairs: Vec<Pair> = Vec::new();
+    for curve in curves(frame, images, axes).into_iter().filter(|curve| curve.points.len() > 1) {
+        for &row in &fixed {
+            let other = row.key(axes);
+            let Some(fixed_error) = frame.error(row).filter(|_| fits(&other, &curve.key)) else { continue };
+            let key = curve.key.iter().zip(&other).map(|(a, b)| if *a == Value::Unset { b } else { a }.clone());
             let break_even = break_even(&curve, fixed_error);
-            let at = own.iter().filter(|row| row.samples() == break_even);
-            let is_resolved = frame.is_resolved(row) && at.fold(true, |all, row| all && frame.is_resolved(row));
-            let case = Case { key: key.clone(), curve: curve.clone(), is_resolved, fixed: row, fixed_error, break_even };
-            let name = (sampled_name.clone(), row.text(method));
-            match found.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, cases)) => cases.push(case),
-                None => found.push((name, vec![case])),
+            let case = Case { key: key.collect(), curve: curve.clone(), fixed: row, fixed_error, break_even };
+            let names = (curve.method.to_string(), row.text(axis("method")));
+            match pairs.iter_mut().find(|pair| (&pair.sampled, &pair.fixed) == (&names.0, &names.1)) {
+                Some(pair) => pair.cases.push(case),
+                None => pairs.push(Pair { sampled: names.0, fixed: names.1, cases: vec![case] }),
             }
         }
     }
-    found
-}
-
-/// Error by sample count, ascending; the geometric mean over point sets.
-fn curve(frame: &Frame, rows: &[&Row]) -> Vec<(u32, f64)> {
-    let mut counts: Vec<u32> = distinct_in_order(rows.iter().filter_map(|row| row.samples()));
-    counts.sort_unstable();
-    let errors = |n: u32| rows.iter().filter(|row| row.samples() == Some(n)).filter_map(|row| frame.error(row)).collect();
-    let mean = |n: u32| -> f64 { geometric_mean(&Vec::from_iter::<Vec<f64>>(errors(n))) };
-    counts.into_iter().map(|n| (n, mean(n))).filter(|(_, error)| !error.is_nan()).collect()
+    pairs
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let axes = frame.case_axes();
-    let pairs = pairs(frame, &axes);
+    let (axes, images) = (frame.case_axes(), frame.images());
+    let pairs = pairs(frame, &images, &axes);
     let mut table = Table::new(&axes, QUESTION.columns);
-    for ((sampled, fixed), cases) in &pairs {
-        for case in cases {
-            let mut row: Vec<Cell> = case.key.iter().map(|value| Cell::Text(value.to_string())).collect();
-            row.extend([sampled, fixed].map(|name| Cell::Text(name.clone())));
+    for pair in &pairs {
+        for case in &pair.cases {
+            let mut row: Vec<Cell> = case.key.iter().map(value_cell).collect();
+            row.extend([&pair.sampled, &pair.fixed].map(|name| Cell::Text(name.clone())));
             row.push(case.break_even.map_or(Cell::Missing, |n| Cell::Integer(n.into())));
-            row.extend([Cell::Integer(case.largest().into()), case.crossing().into(), case.fixed_error.into()]);
-            row.push(Cell::Integer(case.is_resolved.into()));
+            row.push(Cell::Integer(case.curve.tried()[1].into()));
+            row.extend([case.crossing().into(), case.fixed_error.into()]);
+            row.push(Cell::Integer(case.is_resolved(frame).into()));
             table.row(row);
         }
     }
-    let ((sampled, fixed), cases) = pairs.first()?;
+    let lead = pairs.first()?;
     Some(Finding {
-        sentence: sentence(frame, &axes, sampled, fixed, cases),
-        digest: Some(digest(&axes, cases)),
+        sentence: sentence(frame, &axes, lead),
+        digest: Some(digest(frame, lead)),
         table,
         figure: figure(frame, &axes, &pairs),
     })
@@ -158,100 +169,83 @@ fn upper_median(values: &[f64]) -> f64 {
     sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-fn counted(n: f64, largest: u32) -> String {
-    if n.is_finite() { number(n) } else { format!("more than {largest}") }
+/// "16"; "at most 4" where no fewer were tried; "more than 256".
+fn counted(n: f64, [least, largest]: [u32; 2]) -> String {
+    match n {
+        n if n.is_infinite() => format!("more than {largest}"),
+        n if n == f64::from(least) && least > 1 => format!("at most {least}"),
+        n => number(n),
+    }
 }
 
-fn sentence(frame: &Frame, axes: &[usize], sampled: &str, fixed: &str, cases: &[Case]) -> String {
-    let all: Vec<&Case> = cases.iter().collect();
-    let largest = cases.iter().map(Case::largest).max().unwrap_or(0);
-    let metric = frame.metric_name();
-    let [first, ..] = cases else { return String::new() };
-    if cases.len() == 1 {
-        let n = counted(first.number(), largest);
-        return format!("`{sampled}` needs {n} samples a pixel to beat `{fixed}` in {metric}.");
-    }
-    let Some(middle) = median(&all) else { return String::new() };
-    let rows: Vec<&Row> = cases.iter().map(|case| case.fixed).collect();
+/// Medians that differ by less than this factor are told as one.
+const CHANGE_MIN: f64 = 2.0;
+
+fn sentence(frame: &Frame, axes: &[usize], pair: &Pair) -> String {
+    let all: Vec<&Case> = pair.cases.iter().collect();
+    let (tried, metric) = (pair.tried(), frame.metric_name());
+    let ([first, ..], Some(middle)) = (pair.cases.as_slice(), median(&all)) else { return String::new() };
+    let interval = interval_words(&middle, tried);
+    let scope = match pair.cases.len() {
+        1 => format!(", under {}", short(axis("environment"), &first.fixed.point.0[axis("environment")])),
+        _ => ", in the median case".to_owned(),
+    };
     let mut text = format!(
-        "`{sampled}` needs {} samples a pixel to beat `{fixed}` in {metric}: the median of {} ({}).",
-        median_words(&middle, largest),
-        count(cases.len(), "case", "cases"),
-        scope(&rows, axes)
+        "`{}` needs **{} samples a pixel**{interval} to beat `{}` in `{metric}`{scope}.",
+        pair.sampled,
+        counted(middle.value, tried),
+        pair.fixed
     );
-    let mut numbers: Vec<f64> = cases.iter().map(Case::number).collect();
-    numbers.sort_by(f64::total_cmp);
-    if let (Some(least), Some(most)) = (numbers.first(), numbers.last()).into()
-        && least != most
-    {
-        text += &format!(" Cases range from {} to {}.", counted(*least, largest), counted(*most, largest));
+    let number = |cases: &[&&Case]| median(&cases.iter().map(|case| **case).collect::<Vec<_>>()).map_or(f64::NAN, |m| m.value);
+    if let Some((of, [least, most])) = extremes(&all, |case| case.fixed, number, CHANGE_MIN) {
+        let at = |(value, n): &(Value, f64)| format!("{} ({})", counted(*n, tried), label(&[of], std::slice::from_ref(value)));
+        text += &format!(" Along {} it runs from {} to {}.", AXES[of].name, at(&least), at(&most));
     }
-    text
+    let rows: Vec<&Row> = pair.cases.iter().map(|case| case.fixed).collect();
+    text + &cases_sentence(&rows, axes, pair.cases.len())
 }
 
-/// Medians by alpha, one column an environment, the last row and column over all.
-fn digest(axes: &[usize], cases: &[Case]) -> Table {
-    let (alpha, environment) = (axis("alpha"), axis("environment"));
-    let of = |axis: usize, case: &Case| match axes.iter().position(|known| *known == axis) {
-        Some(place) => case.key[place].clone(),
-        None => case.fixed.point.0[axis].clone(),
-    };
-    let alphas = ascending(distinct_in_order(cases.iter().map(|case| of(alpha, case))));
-    let environments = distinct_in_order(cases.iter().map(|case| of(environment, case)));
-    let cell = |width: Option<&Value>, light: Option<&Value>| {
-        let is_own = |case: &&Case| {
-            width.is_none_or(|value| of(alpha, case) == *value) && light.is_none_or(|value| of(environment, case) == *value)
-        };
-        let own: Vec<&Case> = cases.iter().filter(is_own).collect();
-        let largest = own.iter().map(|case| case.largest()).max().unwrap_or(0);
-        median(&own).map_or(Cell::Missing, |middle| Cell::Text(median_words(&middle, largest)))
-    };
-    let names = environments.iter().map(|value| short(environment, value));
-    let columns = [AXES[alpha].name.to_owned()].into_iter().chain(names).chain(["all".to_owned()]);
-    let mut table = Table::with_names(columns.collect());
-    let widths = alphas.iter().map(Some).chain([None]);
-    for width in widths {
-        let first = Cell::Text(width.map_or("all".to_owned(), |value| short(alpha, value)));
-        let lights = environments.iter().map(Some).chain([None]);
-        table.row(std::iter::once(first).chain(lights.map(|light| cell(width, light))).collect());
-    }
-    table
+/// " (95 % 16 to 64)".
+fn interval_words(middle: &Estimate, tried: [u32; 2]) -> String {
+    let words = |[lo, hi]: [f64; 2]| format!(" (95 % {} to {})", counted(lo, tried), counted(hi, tried));
+    middle.told_interval().map_or_else(String::new, words)
 }
 
-/// "32 (95 % 16 to 64)".
-fn median_words(middle: &Estimate, largest: u32) -> String {
-    let interval = middle.told_interval();
-    let interval =
-        interval.map_or_else(String::new, |[lo, hi]| format!(" (95 % {} to {})", counted(lo, largest), counted(hi, largest)));
-    format!("{}{interval}", counted(middle.value, largest))
+/// Medians by alpha and environment.
+fn digest(frame: &Frame, pair: &Pair) -> Table {
+    by_width_and_light(frame, &pair.cases, |case| case.fixed, |own| {
+        let tried = tried(own);
+        let words = |middle: Estimate| Cell::Text(counted(middle.value, tried) + &interval_words(&middle, tried));
+        median(own).map_or(Cell::Missing, words)
+    })
 }
 
 /// One panel a pair of methods: the break-even of each case, one row a case.
-fn figure(frame: &Frame, axes: &[usize], pairs: &[((String, String), Vec<Case>)]) -> Option<Figure> {
-    let series_axis = frame.swept(&[Part::Case]).into_iter().find(|known| AXES[*known].name == "brdf");
+fn figure(frame: &Frame, axes: &[usize], pairs: &[Pair]) -> Option<Figure> {
+    let series_axis = frame.swept(&[Part::Case]).into_iter().find(|known| *known == axis("brdf"));
     let names: Vec<Value> = series_axis.map_or_else(Vec::new, |axis| frame.shape.values[axis].clone());
     let mut panels = Vec::new();
-    for ((sampled, fixed), cases) in pairs {
+    for pair in pairs {
         let others: Vec<usize> = axes.iter().copied().filter(|axis| Some(*axis) != series_axis).collect();
         let row_key = |case: &Case| -> Key {
             let own = axes.iter().zip(&case.key).filter(|(axis, _)| Some(**axis) != series_axis);
             own.map(|(_, value)| value.clone()).collect()
         };
-        let rows = distinct_in_order(cases.iter().map(row_key));
-        let largest = cases.iter().map(Case::largest).max()?;
-        let least = cases.iter().filter_map(|case| case.curve.first()).map(|(n, _)| *n).min()?;
-        let beyond = f64::from(largest) * 2.0;
-        let mut marks = vec![Mark::neutral(Form::VerticalRule(f64::from(largest)))];
-        for case in cases {
+        let rows = distinct_in_order(pair.cases.iter().map(row_key));
+        let tried = pair.tried();
+        let [least, largest] = tried.map(f64::from);
+        let beyond = largest * 2.0;
+        let mut marks = vec![Mark::neutral(Form::VerticalRule(largest))];
+        for case in &pair.cases {
             let y = rows.iter().position(|row| *row == row_key(case))? as f64;
             let series = series_axis.and_then(|axis| names.iter().position(|name| *name == case.fixed.point.0[axis]));
             let x = case.break_even.map_or(beyond, f64::from);
-            let tip = format!("{}: {}", label(axes, &case.key), counted(case.number(), largest));
+            let tip = format!("{}: {} samples", label(axes, &case.key), counted(case.number(), tried));
             marks.push(Mark::new(Form::Dot([x, y]), series.unwrap_or(0)).tip(tip).cell(&case.fixed.cell.id));
         }
         panels.push(Panel {
-            title: format!("{sampled} over {fixed}"),
-            x: Scale::log("samples a pixel", [f64::from(least), beyond])?,
+            title: format!("{} over {}", pair.sampled, pair.fixed),
+            x: Scale::log("samples a pixel", [least, beyond])?,
             y: Scale::steps("", rows.iter().map(|row| label(&others, row)).collect()),
             marks,
         });
@@ -262,7 +256,7 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[((String, String), Vec<Case>)]
     };
     Some(Figure {
         title: "Samples a pixel from which on sampling errs less".to_owned(),
-        note: format!("{}; marks beyond the line: not up to the largest tried count", frame.metric_name()),
+        note: format!("{}; beyond the line: not up to the largest tried count", frame.metric_name()),
         panels,
         series,
         ramp: None,

@@ -3,6 +3,7 @@
 //!
 //! To add one: its file, one word in the list below, an experiment that asks it.
 
+mod conditions;
 pub(super) mod words;
 
 use super::figure::Figure;
@@ -21,7 +22,24 @@ macro_rules! questions {
 
 questions! {
     break_even,
+    convergence,
+    error,
+    sample_count,
+    table_size,
+    n_dot_v,
+    visibility,
+    dynamic_range,
+    energy,
+    equal_time,
+    frame_time,
+    table_cost,
+    printed_slips,
 }
+
+/// Sentences of a finding.
+pub const SENTENCES_MAX: usize = 3;
+/// Words of a sentence.
+pub const WORDS_MAX: usize = 25;
 
 /// Something that the rows of a run can answer.
 pub struct Question {
@@ -31,10 +49,19 @@ pub struct Question {
     pub asks: &'static str,
     /// Columns of its table that are no axes.
     pub columns: &'static [Column],
+    /// Whether the answer rests on measured times.
+    pub uses_times: bool,
     /// What an experiment lacks to serve it, as the end of the sentence "cannot be answered: ..."; `None` where it serves.
     pub lacks: fn(&Shape) -> Option<&'static str>,
     /// The answer; nothing while no finished cell tells.
     pub answer: fn(&Frame) -> Option<Finding>,
+}
+
+impl Question {
+    /// Whether the answer rests on times of a driver that computes on the CPU: it says nothing about a GPU.
+    pub fn rests_on_cpu_times(&self, frame: &Frame) -> bool {
+        self.uses_times && frame.run.is_cpu_timed()
+    }
 }
 
 /// What a question found.

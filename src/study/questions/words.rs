@@ -3,7 +3,7 @@
 use crate::runner::axis::AXES;
 use crate::runner::value::Value;
 use crate::spelling::short_number;
-use crate::study::frame::{Row, distinct_in_order, estimate::Estimate};
+use crate::study::frame::{Frame, Row, distinct_in_order, estimate::Estimate};
 use crate::table::markdown::significant;
 use std::path::Path;
 
@@ -20,6 +20,39 @@ pub fn with_interval(estimate: &Estimate) -> String {
     match estimate.told_interval() {
         Some([lo, hi]) => format!("{} (95 % {} to {})", number(estimate.value), number(lo), number(hi)),
         None => number(estimate.value),
+    }
+}
+
+/// `relmse` as an error that people can picture: 11 for 0.012, in percent of the reference. Nothing for metrics that are no mean square.
+pub fn rms_percent(frame: &Frame, error: f64) -> Option<f64> {
+    (frame.metric.description().power == 2.0).then(|| 100.0 * error.sqrt())
+}
+
+/// "0.012 (11 % rms)".
+pub fn with_rms(frame: &Frame, error: f64) -> String {
+    match rms_percent(frame, error) {
+        Some(percent) => format!("{} ({} % rms)", number(error), number(percent)),
+        None => number(error),
+    }
+}
+
+/// "a", "a and b", "a, b and c"; of more than four the first three and how many more.
+pub fn listed(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [a, b, c, _, rest @ ..] if !rest.is_empty() => format!("{a}, {b}, {c} and {} more", words.len() - 3),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// " The 30 cases: 2 environments, 3 BRDF models, 5 alphas."; nothing for one case.
+pub fn cases_sentence(rows: &[&Row], axes: &[usize], n: usize) -> String {
+    let scope = scope(rows, axes);
+    match n {
+        0 | 1 => String::new(),
+        n if scope.is_empty() => format!(" The {} have one scene in common.", count(n, "case", "cases")),
+        n => format!(" The {}: {scope}.", count(n, "case", "cases")),
     }
 }
 
@@ -40,13 +73,29 @@ pub fn short(axis: usize, value: &Value) -> String {
     }
 }
 
-/// "alpha 0.1 · sky · ggx": values on axes, each telling what it is.
+/// `25 %` of 0.25, `-25 %` of -0.25.
+pub fn percent(share: f64) -> String {
+    format!("{} %", number(100.0 * share))
+}
+
+/// "6 levels", "256x128": the value of an axis in a sentence; a bare number after the name of its axis.
+pub fn said(axis: usize, value: &Value) -> String {
+    with_unit(axis, value, AXES[axis].said[0])
+}
+
+fn with_unit(axis: usize, value: &Value, said: &str) -> String {
+    let word = short(axis, value);
+    let is_bare = word.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+    match (said, is_bare) {
+        ("", true) => format!("{} {word}", AXES[axis].name),
+        ("", false) => word,
+        (said, _) => said.replace("{}", &word),
+    }
+}
+
+/// "alpha 0.1 · sky · ggx", "256x128 · 5 lv": values on axes, each telling what it is.
 pub fn label(axes: &[usize], key: &[Value]) -> String {
-    let word = |(&axis, value): (&usize, &Value)| {
-        let word = short(axis, value);
-        let is_bare = word.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-        if is_bare { format!("{} {word}", AXES[axis].name) } else { word }
-    };
+    let word = |(&axis, value): (&usize, &Value)| with_unit(axis, value, AXES[axis].said[1]);
     let set = axes.iter().zip(key).filter(|(_, value)| **value != Value::Unset);
     set.map(word).collect::<Vec<_>>().join(" · ")
 }

@@ -9,8 +9,9 @@ use splitsum::pixels::{GrayImage, RgbImage, exr};
 use splitsum::runner::fault::Faults;
 use splitsum::runner::{Config, Plan};
 use splitsum::scene::{Scene, SceneFiles};
-use splitsum::study::report::images::{BUDGET_BYTES, Choice};
-use splitsum::study::report::{ReportOptions, write};
+use splitsum::study::finished::Finished;
+use splitsum::study::page::{PageOptions, Told, write};
+use splitsum::study::questions::answers;
 use std::collections::BTreeMap;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -194,13 +195,16 @@ pub fn report(bytes: &[u8]) {
             let _ = std::fs::write(path, content);
         }
     }
-    let options = ReportOptions {
-        dirs: vec![run],
-        out: Some(dir.path().join("page.html")),
-        images: Choice::Automatic,
-        budget: BUDGET_BYTES,
+    let options = PageOptions { out: dir.path().join("page.html"), ..PageOptions::in_folder(&run) };
+    let told = Finished::read(&run).map(|run| {
+        let answers = answers(&run, &[], None);
+        [(run, answers)]
+    });
+    let runs = match told {
+        Ok(runs) => runs,
+        Err(error) => return assert!(error.to_string().contains("run"), "{error} should name the folder"),
     };
-    match write(&options) {
+    match write(&options, &Told::of_runs(&runs)) {
         Ok(written) => {
             let page = std::fs::read_to_string(&written.path).expect("the page was written");
             assert!(page.trim_end().ends_with("</html>"));

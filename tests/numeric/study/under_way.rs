@@ -5,7 +5,7 @@ use crate::runner::runs::{invoke, log, plan, read};
 use splitsum::runner::store::Store;
 use splitsum::study::answers::Answered;
 use splitsum::study::answers::run_folder::{RunFolder, unfinished_note};
-use splitsum::study::report::{ReportOptions, write};
+use splitsum::study::page::{PageOptions, Told, write};
 
 #[test]
 fn the_tables_of_a_run_that_is_at_work_are_those_of_the_cells_that_are_done() {
@@ -24,13 +24,10 @@ fn the_tables_of_a_run_that_is_at_work_are_those_of_the_cells_that_are_done() {
     let answered = Answered::of_run(dir).unwrap();
     assert_eq!(answered.under_way.as_ref(), Some(&note));
     assert!(answered.record.cells == 7 && unfinished_note(dir).is_none());
-    let written = write(&ReportOptions { out: Some(dir.join("now.html")), ..ReportOptions::of_run(dir) }).unwrap();
+    let options = PageOptions { out: dir.join("now.html"), ..PageOptions::in_folder(dir) };
+    let written = write(&options, &Told::of_runs(&[crate::study::page::read(dir)])).unwrap();
     assert_eq!(written.notes.first(), Some(&note));
-    assert!(
-        String::from_utf8(read(&written.path))
-            .unwrap()
-            .contains("7 of 32 cells of tiny are done: the run is under way.")
-    );
+    assert!(String::from_utf8(read(&written.path)).unwrap().contains("7 of 32 cells are done: the run is under way."));
     std::fs::remove_file(dir.join("errors.csv")).unwrap();
     let error = RunFolder::read(dir).unwrap_err().to_string();
     assert!(error.contains("a run is under way in it and has written no table yet"), "{error}");

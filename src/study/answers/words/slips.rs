@@ -15,8 +15,11 @@ fn text(x: f64) -> String {
 }
 
 fn named(cost: &Cost) -> String {
-    let [printed, right] = [cost.printed_value, cost.right_value].map(text);
-    format!("document {}, {}: {printed} instead of {right} ({})", cost.document, cost.printed, cost.quantity)
+    let [printed, right] = [cost.figure.printed, cost.figure.right].map(text);
+    format!(
+        "document {}, {}: {printed} instead of {right} ({})",
+        cost.slip.document, cost.slip.printed, cost.figure.quantity
+    )
 }
 
 /// Which slip costs most, how many are seen, and what the printed estimator does to images of each environment.

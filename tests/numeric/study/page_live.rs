@@ -1,13 +1,13 @@
 //! What a run leaves for the live view, and what of it a report takes.
 
-use crate::study::report::finished_run;
+use crate::study::page::{finished_run, read};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use splitsum::pixels::packed::HALF_MAX;
 use splitsum::precompute::points;
 use splitsum::runner::live::{LIVE_FILE, LiveRecord, half_scale};
-use splitsum::study::answers::run_folder::RunFolder;
-use splitsum::study::report::live::{BUDGET_BYTES, Light};
+use splitsum::study::page::Told;
+use splitsum::study::page::live::{BUDGET_BYTES, Light};
 use std::path::Path;
 
 fn record(run: &Path) -> LiveRecord {
@@ -15,7 +15,7 @@ fn record(run: &Path) -> LiveRecord {
 }
 
 fn light(run: &Path, budget: usize) -> Light {
-    Light::collect(&[RunFolder::read(run).unwrap()], budget)
+    Light::collect(&Told::of_runs(&[read(run)]), budget)
 }
 
 #[test]

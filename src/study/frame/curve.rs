@@ -1,0 +1,90 @@
+//! Error over sample count: one curve for each sampling method and case. A *case* is one setting of everything but method, sample count,
+//! point set and tone curve.
+
+use super::estimate::geometric_mean;
+use super::{Frame, Key, Row, axis, by, distinct_in_order};
+use crate::runner::value::Value;
+
+/// A sampling method in one case.
+#[derive(Clone, Debug)]
+pub struct Curve<'r, 'f> {
+    /// Its value of the axis `method`.
+    pub method: Value,
+    /// Values on the axes of cases.
+    pub key: Key,
+    /// Ascending by count; at least one.
+    pub points: Vec<CurvePoint<'r, 'f>>,
+}
+
+/// The point sets of one sample count.
+#[derive(Clone, Debug)]
+pub struct CurvePoint<'r, 'f> {
+    pub samples: u32,
+    /// Geometric mean over the point sets.
+    pub error: f64,
+    /// Whether every point set's error stands clear of the reference's noise.
+    pub is_resolved: bool,
+    /// One a point set; at least one.
+    pub rows: Vec<&'r Row<'f>>,
+}
+
+impl<'r, 'f> Curve<'r, 'f> {
+    /// The row of the smallest count.
+    pub fn first(&self) -> &'r Row<'f> {
+        self.points[0].rows[0]
+    }
+
+    /// Smallest and largest tried count.
+    pub fn tried(&self) -> [u32; 2] {
+        [&self.points[0], &self.points[self.points.len() - 1]].map(|point| point.samples)
+    }
+
+    /// The point of a count.
+    pub fn at(&self, samples: u32) -> Option<&CurvePoint<'r, 'f>> {
+        self.points.iter().find(|point| point.samples == samples)
+    }
+}
+
+impl CurvePoint<'_, '_> {
+    /// Bias squared over mean square error, averaged over the point sets that tell.
+    pub fn bias_share(&self) -> Option<f64> {
+        mean(self.rows.iter().filter_map(|row| row.bias_share()))
+    }
+}
+
+/// Arithmetic mean; nothing for none.
+pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let values: Vec<f64> = values.into_iter().collect();
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// The curves of these images, in their order.
+pub fn curves<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Curve<'r, 'f>> {
+    let sampled: Vec<&Row> = images.iter().copied().filter(|row| row.samples().is_some()).collect();
+    let with_method: Vec<usize> = axes.iter().copied().chain([axis("method")]).collect();
+    let groups = by(&sampled, &with_method).into_iter();
+    let curve = |(mut key, own): (Key, Vec<&'r Row<'f>>)| {
+        let method = key.pop()?;
+        let points = points(frame, &own);
+        (!points.is_empty()).then_some(Curve { method, key, points })
+    };
+    groups.filter_map(curve).collect()
+}
+
+/// The images of methods that draw no samples a pixel.
+pub fn without_samples<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<&'r Row<'f>> {
+    images.iter().copied().filter(|row| row.samples().is_none() && !row.has_no_method()).collect()
+}
+
+fn points<'r, 'f>(frame: &Frame, rows: &[&'r Row<'f>]) -> Vec<CurvePoint<'r, 'f>> {
+    let mut counts: Vec<u32> = distinct_in_order(rows.iter().filter_map(|row| row.samples()));
+    counts.sort_unstable();
+    let point = |samples: u32| {
+        let is_own = |row: &&Row| row.samples() == Some(samples) && frame.error(row).is_some();
+        let rows: Vec<&'r Row<'f>> = rows.iter().copied().filter(is_own).collect();
+        let errors: Vec<f64> = rows.iter().filter_map(|row| frame.error(row)).collect();
+        let is_resolved = rows.iter().all(|row| frame.is_resolved(row));
+        (!rows.is_empty()).then(|| CurvePoint { samples, error: geometric_mean(&errors), is_resolved, rows })
+    };
+    counts.into_iter().filter_map(point).collect()
+}

@@ -1,0 +1,58 @@
+//! Straight lines through points, by least squares, and Student's t.
+
+/// A line with the uncertainty of its slope.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    pub slope: f64,
+    /// Standard error of the slope, from the residuals.
+    pub standard_error: f64,
+    /// The value at 0.
+    pub intercept: f64,
+    /// Points behind it.
+    pub n: usize,
+}
+
+/// Fewer points than this have no residual to take a standard error from.
+pub const POINTS_MIN: usize = 3;
+
+impl Line {
+    /// The line of least squares; `None` below [`POINTS_MIN`] points, with points that are not finite, or with one x only.
+    pub fn of(points: &[[f64; 2]]) -> Option<Self> {
+        if points.len() < POINTS_MIN || points.iter().flatten().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let n = points.len() as f64;
+        let [mean_x, mean_y] = [0, 1].map(|i| points.iter().map(|point| point[i]).sum::<f64>() / n);
+        let sxx: f64 = points.iter().map(|[x, _]| (x - mean_x).powi(2)).sum();
+        let sxy: f64 = points.iter().map(|[x, y]| (x - mean_x) * (y - mean_y)).sum();
+        if sxx == 0.0 {
+            return None;
+        }
+        let slope = sxy / sxx;
+        let intercept = mean_y - slope * mean_x;
+        let residual: f64 = points.iter().map(|[x, y]| (y - intercept - slope * x).powi(2)).sum();
+        let standard_error = (residual / (n - 2.0) / sxx).sqrt();
+        Some(Self { slope, standard_error, intercept, n: points.len() })
+    }
+
+    /// 95 % interval of the slope (Student's t).
+    pub fn slope_interval(&self) -> [f64; 2] {
+        let half = t_95(self.n - 2) * self.standard_error;
+        [self.slope - half, self.slope + half]
+    }
+}
+
+/// Two-sided 95 % quantiles of Student's t for 1 to 10 degrees of freedom; beyond, [`NORMAL_95`] with its first correction.
+const T_95: [f64; 10] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228];
+/// That of the normal distribution.
+pub const NORMAL_95: f64 = 1.960;
+
+/// Two-sided 95 % quantile of Student's t; infinite without a degree of freedom.
+pub fn t_95(degrees: usize) -> f64 {
+    match degrees {
+        0 => f64::INFINITY,
+        1..=10 => T_95[degrees - 1],
+        // Cornish-Fisher: t = z + (z^3 + z) / 4 dof, good to 0.5 % above 10.
+        _ => NORMAL_95 + (NORMAL_95.powi(3) + NORMAL_95) / (4.0 * degrees as f64),
+    }
+}

@@ -1,0 +1,307 @@
+//! The report without a browser: what is embedded, what cannot break out of the page, which files it may replace.
+
+use crate::runner::runs::{finished, plan};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use flate2::read::DeflateDecoder;
+use half::f16;
+use serde_json::{Value, json};
+use splitsum::pixels::packed;
+use splitsum::pixels::{GrayImage, RgbImage};
+use splitsum::study::finished::Finished;
+use splitsum::study::page::images::{BUDGET_BYTES, Choice, Window, collect};
+use splitsum::study::page::model::{axes as axes_of, exclusions};
+use splitsum::study::page::render::in_script;
+use splitsum::study::page::{PageOptions, Told, write};
+use splitsum::study::questions::{Answer, answers};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+#[test]
+fn json_in_a_script_element_cannot_end_it() {
+    let value = serde_json::json!({ "</script><!--": ["<script>", "]]>", "\u{2028}", "\"=1+1"] });
+    let text = in_script(&value);
+    assert!(!text.contains('<'), "{text}");
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), value);
+}
+
+/// What the page does: base64, inflate, sum the differences.
+fn decoded(text: &str, plane: usize) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    DeflateDecoder::new(BASE64_STANDARD.decode(text).unwrap().as_slice()).read_to_end(&mut bytes).unwrap();
+    for plane in bytes.chunks_mut(plane) {
+        for i in 1..plane.len() {
+            plane[i] = plane[i].wrapping_add(plane[i - 1]);
+        }
+    }
+    bytes
+}
+
+#[test]
+fn an_encoded_image_decodes_to_its_nearest_halves() {
+    let image = RgbImage::from_fn(5, 3, |x, y| [0.1 * x as f32, 1e-7 * y as f32, 30_000.0 * (x * y) as f32]);
+    let encoded = packed::radiance(&image);
+    let bytes = decoded(&encoded.base64, 15);
+    for (i, texel) in image.data.iter().enumerate() {
+        for (channel, value) in texel.iter().enumerate() {
+            let at = channel * 30 + i;
+            let half = f16::from_bits(u16::from_be_bytes([bytes[at], bytes[at + 15]]));
+            assert_eq!(half, f16::from_f32(value.min(packed::HALF_MAX)), "texel {i}, channel {channel}");
+        }
+    }
+    assert_eq!(encoded.clamped_count, image.data.iter().filter(|texel| texel[2] > packed::HALF_MAX).count());
+    assert!(encoded.clamped_count > 0);
+    let mask = GrayImage::from_fn(4, 4, |x, y| if x > y { 1.0 } else { 0.0 });
+    assert_eq!(decoded(&packed::mask(&mask), 16), mask.data.iter().map(|m| *m as u8).collect::<Vec<u8>>());
+}
+
+const EXPERIMENT: &str = r#"
+name = "tiny"
+question = "When does sampling win?"
+size = [200, 200]
+reference = { samples = 64 }
+[axes]
+environment = ["builtin:constant"]
+alpha = [0.1, 0.5]
+method = ["sampled", "split-sum"]
+samples = [1, 4, 16]
+exposure = [1, 10]
+[timing]
+warmup = 1
+rounds = 3
+"#;
+
+pub fn finished_run(dir: &Path) -> PathBuf {
+    finished(&plan(EXPERIMENT), &dir.join("run"))
+}
+
+/// A finished run with what it answers.
+pub fn read(dir: &Path) -> (Finished, Vec<Answer>) {
+    let run = Finished::read(dir).unwrap_or_else(|error| panic!("{error}"));
+    let answers = answers(&run, &[], None);
+    (run, answers)
+}
+
+fn text(axes: &str, rest: &str) -> String {
+    format!("name = \"joined\"\nsize = [24, 24]\nreference = {{ samples = 64 }}\n[axes]\n{axes}\n{rest}\n")
+}
+
+const CASES: &str = "environment = [\"builtin:constant\"]\nalpha = [0.1, 0.5]\nmethod = [\"sampled\", \"split-sum\"]\n";
+
+fn run(dir: &Path, name: &str, axes: &str, rest: &str) -> (Finished, Vec<Answer>) {
+    read(&finished(&plan(&text(axes, rest)), &dir.join(name)))
+}
+
+/// The model that a page holds.
+fn model_of(page: &str) -> Value {
+    let start = page.find("id=\"model\">").unwrap() + "id=\"model\">".len();
+    let end = start + page[start..].find("</script>").unwrap();
+    serde_json::from_str(&page[start..end]).unwrap()
+}
+
+#[test]
+fn a_page_is_the_same_each_time_and_holds_every_cell_and_answer_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = finished_run(dir.path());
+    let runs = [read(&run)];
+    let told = Told::of_runs(&runs);
+    let written = write(&PageOptions::in_folder(&run), &told).unwrap();
+    let before = std::fs::read(&written.path).unwrap();
+    write(&PageOptions::in_folder(&run), &told).unwrap();
+    assert!(std::fs::read(&written.path).unwrap() == before);
+    let page = String::from_utf8(before).unwrap();
+    assert!(!page.contains("src=\"http") && !page.contains("href=\"http") && page.contains("default-src 'none'"));
+    let model = model_of(&page);
+    let (finished, answers) = &runs[0];
+    assert_eq!(model["rows"].as_array().unwrap().len(), finished.cells.len());
+    let columns: Vec<&str> =
+        model["columns"].as_array().unwrap().iter().filter_map(|one| one["name"].as_str()).collect();
+    let place = |name: &str| columns.iter().position(|column| *column == name).unwrap();
+    let axis = |name: &str| model["axes"].as_array().unwrap().iter().find(|axis| axis["name"] == name).unwrap().clone();
+    let roles =
+        ["alpha", "samples", "method", "exposure", "brdf"].map(|name| axis(name)["role"].as_str().unwrap().to_owned());
+    assert_eq!(roles, ["scene", "variant", "variant", "display", "fixed"]);
+    for (row, cell) in model["rows"].as_array().unwrap().iter().zip(&finished.cells) {
+        assert_eq!(row[place("cell")], json!(cell.id));
+        let alpha = row[place("alpha")].as_u64().unwrap() as usize;
+        assert_eq!(axis("alpha")["values"][alpha], json!(cell.point.get("alpha").to_string()));
+        assert_eq!(row[place("rmse")].as_f64(), cell.scores.as_ref().unwrap().get("rmse"));
+    }
+    // Answers stand in the page as they are: sentence, table, both widths of the figure.
+    assert!(!answers.is_empty());
+    for (answer, told) in answers.iter().zip(model["answers"].as_array().unwrap()) {
+        assert_eq!(told["name"], answer.question.name);
+        assert_eq!(told["rows"].as_array().unwrap().len(), answer.finding.table.rows.len());
+        assert!(page.contains(&format!("id=\"{}\"", answer.question.name)));
+        for width in splitsum::study::figure::svg::WIDTHS {
+            let figure = answer.finding.figure.as_ref().map(|figure| splitsum::study::figure::svg::svg(figure, width));
+            assert!(figure.is_none_or(|figure| page.contains(figure.trim_end())), "{}", answer.question.name);
+        }
+    }
+}
+
+#[test]
+fn images_over_the_budget_become_windows_where_the_error_is() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = finished_run(dir.path());
+    let runs = [read(&run)];
+    let runs = Told::of_runs(&runs);
+    let whole = collect(&runs, Choice::Automatic, BUDGET_BYTES).unwrap();
+    assert_eq!(whole.images.len(), 2 * (1 + 4));
+    assert!(whole.notes.is_empty() && whole.images.iter().all(|image| image.window.unwrap().width == 200));
+    let bytes = |payloads: &[String]| payloads.iter().map(String::len).sum::<usize>();
+    let budget = bytes(&whole.payloads) / 2;
+    let cut = collect(&runs, Choice::Automatic, budget).unwrap();
+    assert!(cut.notes[0].contains("native texels"), "{:?}", cut.notes);
+    assert!(bytes(&cut.payloads) <= budget && cut.images.iter().all(|image| image.payload.is_some()));
+    let window = cut.images[1].window.unwrap();
+    // The relative error d / sqrt(r^2 + 0.01) of a constant factor is largest where the sphere is brightest: in the middle.
+    assert!((48..200).contains(&window.width) && (window.x + window.width / 2).abs_diff(100) < 8, "{window:?}");
+    assert_eq!(cut.images[1].overview.unwrap().0, [67, 67]);
+    let crop = |x, y, width, height| collect(&runs, Choice::Crop(Window { x, y, width, height }), BUDGET_BYTES);
+    let corner = Window { x: 190, y: 0, width: 10, height: 10 };
+    assert_eq!(crop(190, 0, 10, 10).unwrap().images[0].window, Some(corner));
+    // One texel too far, far outside, larger than the image, and beyond what 32 bits can add.
+    for [x, y, width, height] in [[191, 0, 10, 10], [500, 500, 10, 10], [100, 100, 200, 200], [u32::MAX, 0, 2, 2]] {
+        let error = crop(x, y, width, height).unwrap_err().to_string();
+        assert!(error.contains(&format!("--crop {x},{y},{width},{height}")) && error.contains("200 x "), "{error}");
+    }
+    // The command refuses it as bad input and writes nothing.
+    let out = dir.path().join("cut.html");
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_splitsum"))
+        .args(["report", "--crop", "500,500,10,10", "--out"])
+        .args([&out, &run])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--crop 500,500,10,10") && !out.exists(), "{output:?}");
+    let none = collect(&runs, Choice::None, BUDGET_BYTES).unwrap();
+    assert!(none.payloads.is_empty() && none.notes.len() == 1);
+}
+
+#[test]
+fn no_file_but_a_report_is_written_over() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = finished_run(dir.path());
+    let report = |out: PathBuf| {
+        let command = std::process::Command::new(env!("CARGO_BIN_EXE_splitsum"))
+            .args(["report", "--no-images", "--out"])
+            .args([&out, &run])
+            .output();
+        command.unwrap()
+    };
+    for name in ["errors.csv", "provenance.json", "summary.md"] {
+        let path = run.join(name);
+        let before = std::fs::read(&path).unwrap();
+        let output = report(path.clone());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && said.contains("is no report of splitsum"), "{name}: {output:?}");
+        assert!(std::fs::read(&path).unwrap() == before, "{name}");
+    }
+    // A new file, and that file again.
+    for _ in 0..2 {
+        assert_eq!(report(dir.path().join("new.html")).status.code(), Some(0));
+    }
+}
+
+#[test]
+fn exclusions_are_every_combination_that_is_left_out_with_its_reason() {
+    let dir = tempfile::tempdir().unwrap();
+    let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.5]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [1, 4]";
+    let rest = "[[exclude]]\nbrdf = \"phong\"\nalpha = 0.5\nwhy = \"first\"\n[[exclude]]\nbrdf = \"ggx\"\nsamples = 4\nwhy = \"second\"";
+    let runs = [run(dir.path(), "run", axes, rest)];
+    let runs = Told::of_runs(&runs);
+    let found = exclusions(&runs, &axes_of(&runs));
+    assert_eq!(found["reasons"], json!(["first", "second"]));
+    let names: Vec<&str> = found["axes"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    let place = |name: &str| names.iter().position(|axis| *axis == name).unwrap_or_else(|| panic!("{names:?}"));
+    let told = |point: &Value| {
+        let values =
+            ["brdf", "alpha", "method", "samples"].map(|name| point[1][place(name)].as_str().unwrap().to_owned());
+        (point[0].as_u64().unwrap(), values)
+    };
+    let mut points: Vec<_> = found["points"].as_array().unwrap().iter().map(told).collect();
+    points.sort();
+    let wanted = [
+        (0, ["phong", "0.5", "sampled", "1"]),
+        (0, ["phong", "0.5", "sampled", "4"]),
+        (0, ["phong", "0.5", "split-sum", ""]),
+        (1, ["ggx", "0.1", "sampled", "4"]),
+        (1, ["ggx", "0.5", "sampled", "4"]),
+    ];
+    assert_eq!(points, wanted.map(|(why, values)| (why, values.map(str::to_owned))));
+    // They are what the plan is short of: nothing else is missing, nothing is excluded twice.
+    assert_eq!(runs[0].finished.cells.len() + points.len(), 2 * 2 * (2 + 1));
+}
+
+#[test]
+fn of_many_point_sets_the_first_stays_where_not_all_fit() {
+    let dir = tempfile::tempdir().unwrap();
+    let axes = "environment = [\"builtin:constant\"]\nalpha = [0.5]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [1, 4]\npoint_set = [3, 1, 2]";
+    let runs = [run(dir.path(), "run", axes, "")];
+    let runs = Told::of_runs(&runs);
+    let bytes = |choice: Choice, budget: usize| {
+        let set = collect(&runs, choice, budget).unwrap();
+        (set.payloads.iter().map(String::len).sum::<usize>(), set)
+    };
+    let (all, whole) = bytes(Choice::Automatic, BUDGET_BYTES);
+    // A reference, the split sum, two counts of three sets.
+    assert_eq!(whole.images.len(), 1 + 1 + 2 * 3);
+    assert!(whole.notes.is_empty(), "{:?}", whole.notes);
+    let (used, cut) = bytes(Choice::Automatic, all * 3 / 4);
+    assert!(
+        used <= all * 3 / 4 && cut.notes[0].contains("of several point sets the images of the first"),
+        "{:?}",
+        cut.notes
+    );
+    for cell in &runs[0].finished.cells {
+        let image = &cut.images[cut.index[&(0, cell.images.clone().unwrap().radiance)]];
+        let set = cell.point.get("point_set").to_string();
+        let is_kept = ["", "3"].contains(&set.as_str());
+        assert_eq!(image.payload.is_some(), is_kept, "set {set:?}");
+        assert!(!is_kept || image.window.is_some_and(|window| window.width == 24), "{image:?}");
+    }
+}
+
+#[test]
+fn a_crop_leaves_out_the_images_that_end_before_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let axes =
+        "environment = [\"builtin:constant\"]\nalpha = [0.5]\nmethod = [\"split-sum\"]\nsize = [[24, 24], [48, 40]]";
+    let text = text(axes, "").replace("size = [24, 24]\nreference", "reference");
+    let runs = [read(&finished(&plan(&text), &dir.path().join("run")))];
+    let runs = Told::of_runs(&runs);
+    let window = Window { x: 20, y: 10, width: 16, height: 12 };
+    let set = collect(&runs, Choice::Crop(window), BUDGET_BYTES).unwrap();
+    assert_eq!(set.images.len(), 4);
+    let mut sizes = Vec::new();
+    for cell in &runs[0].finished.cells {
+        let files = cell.images.clone().unwrap();
+        for file in [files.radiance, files.reference] {
+            let image = &set.images[set.index[&(0, file)]];
+            let is_large = cell.point.get("size").to_string().starts_with("48");
+            assert_eq!(image.window, is_large.then_some(window));
+            sizes.push(is_large);
+        }
+    }
+    assert!(sizes.contains(&true) && sizes.contains(&false));
+    assert!(set.notes.iter().any(|note| note.contains("2 of 4 images end before the crop does")), "{:?}", set.notes);
+    // In none of the sizes: an error that names them all.
+    let beyond = Window { x: 40, y: 0, width: 16, height: 8 };
+    let error = collect(&runs, Choice::Crop(beyond), BUDGET_BYTES).unwrap_err();
+    assert_eq!(error.sizes, "24 x 24 or 48 x 40");
+}
+
+#[test]
+fn a_folder_is_no_file_to_write() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = finished(&plan(&text(&format!("{CASES}samples = [1, 4]"), "")), &dir.path().join("run"));
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_splitsum"))
+        .args(["report", "--out"])
+        .args([dir.path(), &run])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("is a folder; expected the file to write") && said.trim().lines().count() == 1, "{said}");
+}
