@@ -39,7 +39,7 @@ const MODULES: &[(&str, &str)] = modules![
     "dom",
     "answer",
     "tables",
-    "run",
+
     "program",
     "stage",
     "surface",
@@ -48,6 +48,8 @@ const MODULES: &[(&str, &str)] = modules![
     "viewer",
     "live",
     "live-render",
+    "live-scene",
+    "place",
     "grid",
 ];
 
