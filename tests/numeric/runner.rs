@@ -2,6 +2,7 @@
 
 mod chunk;
 mod config;
+mod environments;
 mod estimate;
 mod extend;
 pub mod fake;
@@ -15,4 +16,5 @@ pub mod runs;
 mod statistics;
 mod strangers;
 mod timed;
+pub mod timing_ratios;
 mod zips;

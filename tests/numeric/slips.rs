@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use splitsum::brdf::{Beckmann, Brdf, Ggx, MaskingShadowing, Phong};
 use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
 use splitsum::precompute::dfg::reference::dfg;
-use splitsum::slips::slips;
+use splitsum::slips::{Figure, costs, slips};
 use std::f64::consts::PI;
 
 /// Document, part of the printed formula, part of the quantity, value as printed, right value. Half a unit of the last digit, and as
@@ -109,4 +109,32 @@ fn rational_masking_of_phong_adds_energy() {
     assert_figure("phong correlated", albedo(&Phong, MaskingShadowing::Correlated, 0.1), "1.306");
     assert_figure("phong correlated at 0.01", albedo(&Phong, MaskingShadowing::Correlated, 0.01), "1.682");
     assert_figure("phong exact", albedo(&Phong, MaskingShadowing::SmithExact, 0.1), "0.558");
+}
+
+#[test]
+fn a_slip_stands_for_its_worst_figure_of_light() {
+    let costs = costs();
+    assert_eq!(costs.len(), slips().count(), "each once");
+    let of = |document: u32, part: &str| {
+        let mut own = costs.iter().filter(|cost| cost.slip.document == document && cost.slip.printed.contains(part));
+        let found = own.next().unwrap_or_else(|| panic!("no slip has {part}"));
+        assert!(own.next().is_none(), "{part} names more than one slip");
+        found
+    };
+    // From the derived figures above: 0.04 / 0.0016, 26.9 / 0.99, 0.99992 / 0.000987.
+    for (document, part, ratio) in
+        [(0, "F f_cook-torrance", 25.0), (4, "table: mean", 27.2), (1, "sin θ dφ dθ", 1013.1)]
+    {
+        let found = of(document, part).light_ratio.unwrap();
+        assert!((found / ratio - 1.0).abs() < 0.01, "{part}: {found}");
+    }
+    // Of figures of light and others those of light count.
+    assert!(of(0, "G_g").figure.quantity.starts_with("albedo"));
+    // Degrees, levels and exponents are no light, however wrong.
+    for (document, part) in [(0, "texel to direction"), (0, "level"), (0, "a_p"), (1, "MAX_REFLECTION_LOD")] {
+        assert_eq!(of(document, part).light_ratio, None, "{part}");
+    }
+    let figure = |printed, right| Figure { quantity: "albedo", printed, right, is_light: true };
+    assert_eq!((figure(0.5, 1.0).light_ratio(), figure(2.0, 1.0).light_ratio()), (Some(2.0), Some(2.0)));
+    assert_eq!((figure(0.5, 0.0).light_ratio(), figure(f64::NAN, 1.0).light_ratio()), (None, None));
 }

@@ -8,9 +8,9 @@ const NEAR: f64 = 0.04;
 /// More lanes than this make rows too high; marks then share lanes.
 const LANES: usize = 6;
 /// Between the middles of two lanes, pixels.
-pub const PITCH: f64 = 7.0;
+pub const PITCH: f64 = 8.0;
 /// The share of a step that marks keep to, and the share that bars fill.
-const FILLED: f64 = 0.86;
+const FILLED: f64 = 0.9;
 pub const BARS: f64 = 0.76;
 
 /// Where the marks of a panel stand beside the middle of their step.
@@ -34,6 +34,8 @@ struct Standing {
     /// Its ends on the other axis, shares of the domain.
     reach: [f64; 2],
     is_dot: bool,
+    /// Bars of one series on a step follow each other and share a lane.
+    is_bar: bool,
 }
 
 impl Dodge {
@@ -90,7 +92,8 @@ fn standing(panel: &Panel) -> Vec<Standing> {
         let [from, to] = [a, b].map(|end| axis.place(end[along]).map(|place| place.at));
         let (from, to) = (from?, to?);
         let reach = [from.min(to), from.max(to)];
-        Some(Standing { mark, step: a[across], series: own.series, reach, is_dot })
+        let is_bar = matches!(own.shape, Shape::HorizontalBar { .. });
+        Some(Standing { mark, step: a[across], series: own.series, reach, is_dot, is_bar })
     });
     own.collect()
 }
@@ -100,6 +103,7 @@ fn hides(standing: &[Standing]) -> bool {
     let is_hidden = |a: &Standing, b: &Standing| {
         let margin = if a.is_dot && b.is_dot { NEAR } else { -NEAR / 4.0 };
         a.is_dot == b.is_dot
+            && a.is_bar == b.is_bar
             && a.step == b.step
             && a.series != b.series
             && a.reach[0] < b.reach[1] + margin
@@ -110,44 +114,70 @@ fn hides(standing: &[Standing]) -> bool {
 
 /// The lane of each mark, from the middle of those of its series at its step, and the most lanes.
 fn lanes(standing: &[Standing]) -> (Vec<f64>, usize) {
-    let mut lanes = vec![0usize; standing.len()];
-    let mut counts = vec![1usize; standing.len()];
-    let mut order: Vec<usize> = (0..standing.len()).filter(|i| standing[*i].is_dot).collect();
-    let key = |i: usize| (standing[i].step, standing[i].series, standing[i].reach[0]);
-    order.sort_by(|a, b| {
-        let (a, b) = (key(*a), key(*b));
-        a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.total_cmp(&b.2))
+    let mut found = vec![0.0; standing.len()];
+    let mut most = 1;
+    let mut units = units(standing);
+    units.sort_by(|a, b| {
+        let (a_mark, b_mark) = (&standing[a.marks[0]], &standing[b.marks[0]]);
+        let step = a_mark.step.total_cmp(&b_mark.step).then(a_mark.series.cmp(&b_mark.series));
+        step.then(a.reach[0].total_cmp(&b.reach[0]))
     });
-    for cluster in order.chunk_by(|a, b| {
-        let (a, b) = (key(*a), key(*b));
-        a.0 == b.0 && a.1 == b.1 && b.2 - a.2 < NEAR
-    }) {
-        let mut ends: Vec<f64> = Vec::new();
-        for i in cluster {
-            let start = standing[*i].reach[0];
-            let free = ends.iter().position(|end| start - end >= NEAR);
-            let lane = free.unwrap_or(ends.len() % LANES);
-            match ends.get_mut(lane) {
-                Some(end) => *end = start,
-                None => ends.push(start),
+    let is_one_row = |a: &Unit, b: &Unit| {
+        let (a, b) = (&standing[a.marks[0]], &standing[b.marks[0]]);
+        a.step == b.step && a.series == b.series
+    };
+    for row in units.chunk_by(is_one_row) {
+        let (lanes, count) = in_lanes(row);
+        most = most.max(count);
+        for (unit, lane) in row.iter().zip(lanes) {
+            unit.marks.iter().for_each(|mark| found[*mark] = lane as f64 - (count as f64 - 1.0) / 2.0);
+        }
+    }
+    (found, most)
+}
+
+/// A dot with its interval, or either alone: moves as one.
+struct Unit {
+    marks: Vec<usize>,
+    reach: [f64; 2],
+}
+
+fn units(standing: &[Standing]) -> Vec<Unit> {
+    let alone = |i: usize| Unit { marks: vec![i], reach: standing[i].reach };
+    let mut units: Vec<Unit> = (0..standing.len()).filter(|i| standing[*i].is_dot).map(alone).collect();
+    for (i, own) in standing.iter().enumerate().filter(|(_, own)| !own.is_dot && !own.is_bar) {
+        // The nearest dot in the list that lies within and has no interval yet.
+        let is_mate = |unit: &Unit| {
+            let dot = &standing[unit.marks[0]];
+            let is_within = own.reach[0] <= dot.reach[0] && dot.reach[0] <= own.reach[1];
+            is_within && dot.is_dot && unit.marks.len() == 1 && dot.step == own.step && dot.series == own.series
+        };
+        let mates = units.iter_mut().filter(|unit| is_mate(unit));
+        match mates.min_by_key(|unit| unit.marks[0].abs_diff(i)) {
+            Some(unit) => {
+                unit.marks.push(i);
+                unit.reach = own.reach;
             }
-            lanes[*i] = lane;
-        }
-        for i in cluster {
-            counts[*i] = ends.len();
+            None => units.push(alone(i)),
         }
     }
-    // An interval goes with the nearest dot of its series in the list.
-    for (i, own) in standing.iter().enumerate().filter(|(_, own)| !own.is_dot) {
-        let is_mate = |other: &Standing| other.is_dot && other.step == own.step && other.series == own.series;
-        let mates = standing.iter().enumerate().filter(|(_, other)| is_mate(other));
-        if let Some((mate, _)) = mates.min_by_key(|(other, _)| other.abs_diff(i)) {
-            (lanes[i], counts[i]) = (lanes[mate], counts[mate]);
+    units
+}
+
+/// The first free lane for each of the units of a row, which come by their start, and how many there are.
+fn in_lanes(row: &[Unit]) -> (Vec<usize>, usize) {
+    let mut ends: Vec<f64> = Vec::new();
+    let mut lanes = Vec::new();
+    for unit in row {
+        let free = ends.iter().position(|end| unit.reach[0] - end >= NEAR);
+        let lane = free.unwrap_or(ends.len()).min(LANES - 1);
+        match ends.get_mut(lane) {
+            Some(end) => *end = unit.reach[1],
+            None => ends.push(unit.reach[1]),
         }
+        lanes.push(lane);
     }
-    let most = counts.iter().copied().max().unwrap_or(1);
-    let middle = |(lane, count): (&usize, &usize)| *lane as f64 - (*count as f64 - 1.0) / 2.0;
-    (lanes.iter().zip(&counts).map(middle).collect(), most)
+    (lanes, ends.len().max(1))
 }
 
 /// The place of a dot or whisker on the bar that it belongs to, a share of the step from its middle.

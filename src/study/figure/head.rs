@@ -4,7 +4,7 @@ use super::labels::FONT;
 use super::scale::{Axis, ticks};
 use super::text::{Font, LINE, MIDDLE};
 use super::words::{Anchor, Words};
-use super::{Figure, Ramp, ScaleKind};
+use super::{Figure, Ramp, ScaleKind, Shape};
 
 /// Around everything, pixels.
 pub const PAD: f64 = 12.0;
@@ -14,8 +14,9 @@ const NOTE_LINES: usize = 6;
 const TITLE_LINES: usize = 4;
 /// Between blocks.
 const GAP: f64 = 8.0;
-/// Room of a legend's mark, and between two entries.
-pub const SWATCH: f64 = 22.0;
+/// Room of a legend's line or bar, of a lone marker, and between two entries.
+const SWATCH: f64 = 22.0;
+const MARKER: f64 = 9.0;
 const SWATCH_GAP: f64 = 6.0;
 const ENTRY_GAP: f64 = 16.0;
 const ENTRY_HEIGHT: f64 = 18.0;
@@ -30,6 +31,8 @@ pub struct Head {
     pub words: Vec<Words>,
     /// Series with the left end and the middle height of its mark.
     pub entries: Vec<(usize, [f64; 2])>,
+    /// The width of these marks.
+    pub swatch: f64,
     /// Left, top, width and height of the colour bar, and its ticks.
     pub bar: Option<([f64; 4], Vec<f64>)>,
     pub bottom: f64,
@@ -67,15 +70,20 @@ impl Head {
 
     fn legend(&mut self, figure: &Figure, width: f64) {
         let names = figure.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty());
+        let is_small =
+            |shape: &Shape| matches!(shape, Shape::Dot(_) | Shape::Whisker(..) | Shape::Text(..) | Shape::Tile { .. });
+        let mut marks = figure.panels.iter().flat_map(|panel| &panel.marks).filter(|mark| mark.series.is_some());
+        self.swatch = if marks.all(|mark| is_small(&mark.shape)) { MARKER } else { SWATCH };
+        let indent = self.swatch + SWATCH_GAP;
         let (mut x, mut y) = (PAD, self.bottom + GAP + ENTRY_HEIGHT / 2.0 - 4.0);
         for (index, series) in names {
-            let name = NOTE.elide(&series.name, width - 2.0 * PAD - SWATCH - SWATCH_GAP);
-            let wide = SWATCH + SWATCH_GAP + NOTE.width(&name);
+            let name = NOTE.elide(&series.name, width - 2.0 * PAD - indent);
+            let wide = indent + NOTE.width(&name);
             if x > PAD && x + wide > width - PAD {
                 (x, y) = (PAD, y + ENTRY_HEIGHT);
             }
             self.entries.push((index, [x, y]));
-            let at = [x + SWATCH + SWATCH_GAP, y + NOTE.size * MIDDLE];
+            let at = [x + indent, y + NOTE.size * MIDDLE];
             self.words.push(Words::new(name, at, NOTE, "fig-ink fig-note").of(&series.name));
             x += wide + ENTRY_GAP;
             self.bottom = y + ENTRY_HEIGHT / 2.0;

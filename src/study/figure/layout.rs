@@ -4,7 +4,7 @@ use super::dodge::{Dodge, PITCH, dodges};
 use super::head::{Head, PAD};
 use super::labels::{FONT, Labels};
 use super::scale::Axis;
-use super::text::{Font, LINE, MIDDLE};
+use super::text::{ASCENT, Font, LINE, MIDDLE, is_whole};
 use super::words::{Anchor, Words};
 use super::{Figure, Panel, Scale, ScaleKind, Shape};
 
@@ -35,6 +35,8 @@ const TILE_FONT_LEAST: f64 = 8.0;
 const TILE_MARGIN: f64 = 5.0;
 /// Most lines of an axis title.
 const TITLE_LINES: usize = 3;
+/// More rows of panels than this are not seen at once: each has its own labels.
+const ROWS_AT_ONCE: usize = 3;
 
 /// A panel in its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +51,9 @@ pub struct Frame {
     pub ticks: [Vec<f64>; 2],
     pub minor: [Vec<f64>; 2],
     pub dodge: Dodge,
+    /// Which of x and y have grid lines, and which have bands of steps.
+    pub lines: [bool; 2],
+    pub bands: [bool; 2],
     /// Size of the words of tiles; nothing where they have no room.
     pub tile_font: Option<f64>,
 }
@@ -91,7 +96,7 @@ pub fn layout(figure: &Figure, width: f64) -> Layout {
     loop {
         let found = grid.place(head.clone());
         let room = grid_height(&found);
-        let is_cut = grid.titles[1].is_some_and(|title| !AXIS.wraps(title, room, grid.lines));
+        let is_cut = grid.titles[1].is_some_and(|title| !is_whole(&AXIS.wrap(title, room, grid.lines), title));
         if !is_cut || grid.lines == TITLE_LINES {
             return found;
         }
@@ -105,7 +110,7 @@ fn grid_height(layout: &Layout) -> f64 {
 }
 
 /// Coordinates of the marks of a panel, to choose ticks by.
-fn tried(panel: &Panel) -> [Vec<f64>; 2] {
+pub fn tried(panel: &Panel) -> [Vec<f64>; 2] {
     let mut places: [Vec<f64>; 2] = Default::default();
     let mut add = |[x, y]: [f64; 2]| {
         places[0].push(x);
@@ -189,6 +194,10 @@ impl Grid<'_> {
         count.div_ceil(count.div_ceil(most))
     }
 
+    fn shares_x(&self, columns: usize) -> bool {
+        self.is_shared[0] && self.panels().len().div_ceil(columns) <= ROWS_AT_ONCE
+    }
+
     fn row_height(&self, index: usize, labels: &Labels) -> f64 {
         let has_tiles = self.panels()[index].marks.iter().any(|mark| matches!(mark.shape, Shape::Tile { .. }));
         let least = if has_tiles { TILE } else { ROW };
@@ -212,7 +221,7 @@ impl Grid<'_> {
                 })
                 .collect();
             let names: Vec<Vec<String>> =
-                own.clone().map(|i| NAME.wrap(&self.panels()[i].title, plot_width, NAME_LINES)).collect();
+                own.clone().map(|i| NAME.wrap_list(&self.panels()[i].title, plot_width, NAME_LINES)).collect();
             let name_height = names.iter().map(Vec::len).max().unwrap_or(0) as f64 * NAME.size * LINE;
             for (name, i) in names.iter().zip(own.clone()) {
                 for (k, line) in name.iter().enumerate() {
@@ -244,7 +253,10 @@ impl Grid<'_> {
         columns: usize,
     ) -> f64 {
         let panel = &self.panels()[index];
-        let (right, over) = (left + width, COLUMN_GAP / 2.0 - 2.0);
+        let right = left + width;
+        // Half of what is between two panels; all of the margin at the sides of the figure.
+        let side = COLUMN_GAP / 2.0 - 2.0;
+        let over = [if index % columns == 0 { beside.depth.max(side) } else { side }, side];
         let height = match &panel.y.kind {
             ScaleKind::Steps(names) => names.len().max(1) as f64 * self.row_height(index, beside),
             _ => self.height_of(width),
@@ -257,7 +269,7 @@ impl Grid<'_> {
         let below = Labels::below(&panel.x, width, over, &tried(panel)[0]);
         let ((x_ticks, x_minor), (y_ticks, y_minor)) = (below.places(&x), beside.places(&y));
         let mut end = bottom;
-        if !self.is_shared[0] || index + columns >= self.panels().len() {
+        if !self.shares_x(columns) || index + columns >= self.panels().len() {
             layout.words.extend(below.words_below(&x, [left, right], bottom, over));
             end += below.depth;
         }
@@ -271,7 +283,7 @@ impl Grid<'_> {
             }
         }
         if self.titles[0].is_none() {
-            for line in AXIS.wrap(&panel.x.label, width + over, 2) {
+            for line in AXIS.wrap(&panel.x.label, width + side, 2) {
                 end += AXIS.size * LINE;
                 let at = [(left + right) / 2.0, end];
                 let words = Words::new(line, at, AXIS, "fig-ink fig-note").anchor(Anchor::Middle);
@@ -281,9 +293,38 @@ impl Grid<'_> {
         }
         let tile_font = tile_font(panel, &x);
         let dodge = self.dodges[index].clone();
+        let bands = [x.has_steps() && !dodge.is_y, dodge.is_y].map(|is_along| is_along && dodge.count > 1);
+        // A line behind the middle of a bar or a tile leads to nothing.
+        let is_filled = panel
+            .marks
+            .iter()
+            .any(|mark| matches!(mark.shape, Shape::Bar { .. } | Shape::HorizontalBar { .. } | Shape::Tile { .. }));
+        let lines = [&x, &y].map(|axis| !(axis.has_steps() && is_filled));
+        let lines = [lines[0] && !bands[0], lines[1] && !bands[1]];
         let (ticks, minor) = ([x_ticks, y_ticks], [x_minor, y_minor]);
-        layout.frames.push(Frame { x, y, left, top, right, bottom, ticks, minor, dodge, tile_font });
+        layout.frames.push(Frame { x, y, left, top, right, bottom, ticks, minor, dodge, lines, bands, tile_font });
         end
+    }
+
+    /// The title of y, once, or beside each row where there are many.
+    fn upright_title(&self, layout: &mut Layout, title: &str, [top, bottom]: [f64; 2]) {
+        let (first, last) = (layout.head.bottom + PAD, layout.height - PAD);
+        let mut rows: Vec<[f64; 2]> = layout.frames.iter().map(|frame| [frame.top, frame.bottom]).collect();
+        rows.dedup_by_key(|row| row[0]);
+        let is_whole = |row: &[f64; 2]| AXIS.width(title) <= row[1] - row[0];
+        if rows.len() <= ROWS_AT_ONCE || !rows.iter().all(is_whole) {
+            rows = vec![[top, bottom]];
+        }
+        let lines = AXIS.wrap(title, last - first, self.lines);
+        let half = lines.iter().map(|line| AXIS.width(line)).fold(0.0, f64::max) / 2.0;
+        for [top, bottom] in rows {
+            let middle = ((top + bottom) / 2.0).min(last - half).max(first + half);
+            for (i, line) in lines.iter().enumerate() {
+                let at = [PAD + AXIS.size * (ASCENT + i as f64 * LINE), middle];
+                let words = Words::new(line, at, AXIS, "fig-ink fig-note").anchor(Anchor::Middle).upright();
+                layout.words.push(words.of(title));
+            }
+        }
     }
 
     /// The titles that all panels share.
@@ -293,23 +334,15 @@ impl Grid<'_> {
         let bottom = layout.frames.iter().map(|frame| frame.bottom).fold(last.bottom, f64::max);
         let (left, right) = (first.left, layout.width - PAD);
         if let Some(title) = self.titles[1].filter(|title| !title.is_empty()) {
-            let room = grid_height(layout);
-            let lines = AXIS.wrap(title, room, self.lines);
-            let widest = lines.iter().map(|line| AXIS.width(line)).fold(0.0, f64::max) / 2.0;
-            let middle =
-                ((top + bottom) / 2.0).min(layout.height - PAD - widest).max(layout.head.bottom + PAD + widest);
-            for (i, line) in lines.into_iter().enumerate() {
-                let at = [PAD + AXIS.size * (0.8 + i as f64 * LINE), middle];
-                let words = Words::new(line, at, AXIS, "fig-ink fig-note").anchor(Anchor::Middle).upright();
-                layout.words.push(words.of(title));
-            }
+            self.upright_title(layout, title, [top, bottom]);
         }
         if let Some(title) = self.titles[0].filter(|title| !title.is_empty()) {
             let mut y = layout.height - PAD;
-            let reach = (right - PAD).min(2.0 * ((left + right) / 2.0 - PAD));
+            let middle = (left + right) / 2.0;
+            let reach = 2.0 * (middle - PAD).min(layout.width - PAD - middle);
             for line in AXIS.wrap(title, reach, TITLE_LINES) {
                 y += AXIS.size * LINE;
-                let at = [(left + right) / 2.0, y + AXIS.size * (MIDDLE - 0.25)];
+                let at = [middle, y + AXIS.size * (MIDDLE - 0.25)];
                 let words = Words::new(line, at, AXIS, "fig-ink fig-note").anchor(Anchor::Middle);
                 layout.words.push(words.of(title));
             }

@@ -23,28 +23,31 @@ const CAP: f64 = 3.0;
 const ARROW: f64 = 4.5;
 /// Height of a horizontal bar over that of its row.
 const HORIZONTAL: f64 = 0.66;
+/// The narrowest bar that has a marker.
+const SIGN_LEAST: f64 = 12.0;
+const BAR: &str = "class=\"fig-f fig-o\"";
 /// Between tiles.
 const TILE_GAP: f64 = 1.0;
 /// A line with more vertices has markers at some of them only.
-const MARKERS: usize = 12;
+const MARKERS_MOST: usize = 12;
 /// Between words and the place that they belong to.
 const AWAY: f64 = 6.0;
 
-/// The outline of the marker of a series around a place.
+/// The outlines of markers in the order of series, from the middle; areas are about equal.
+const MARKERS: [&str; 8] = [
+    "m0-3.5a3.5 3.5 0 1 0 .01 0z",
+    "m-3.2,-3.2h6.4v6.4h-6.4z",
+    "m0,-4.4l4.2,7.4h-8.4z",
+    "m0,-4.6l4.6,4.6l-4.6,4.6l-4.6,-4.6z",
+    "m0,4.4l4.2,-7.4h-8.4z",
+    "m-1.5,-4.5h3v3h3v3h-3v3h-3v-3h-3v-3h3z",
+    "m-4.3,-2.2l2.1,-2.1l2.2,2.2l2.2,-2.2l2.1,2.1l-2.2,2.2l2.2,2.2l-2.1,2.1l-2.2,-2.2l-2.2,2.2l-2.1,-2.1l2.2,-2.2z",
+    "m-4.5,-2.4h9v4.8h-9z",
+];
+
+/// The marker of a series around a place.
 pub fn marker(series: Option<usize>, [x, y]: [f64; 2]) -> String {
-    let r = RADIUS;
-    // Steps from the middle; areas are about equal.
-    let path = match series.map_or(0, |index| index % 8) {
-        0 => format!("m-{r},0a{r},{r} 0 1 0 {d},0a{r},{r} 0 1 0 -{d},0z", d = 2.0 * r),
-        1 => "m-3.2,-3.2h6.4v6.4h-6.4z".to_owned(),
-        2 => "m0,-4.4l4.2,7.4h-8.4z".to_owned(),
-        3 => "m0,-4.6l4.6,4.6l-4.6,4.6l-4.6,-4.6z".to_owned(),
-        4 => "m0,4.4l4.2,-7.4h-8.4z".to_owned(),
-        5 => "m-1.5,-4.5h3v3h3v3h-3v3h-3v-3h-3v-3h3z".to_owned(),
-        6 => "m-4.3,-2.2l2.1,-2.1l2.2,2.2l2.2,-2.2l2.1,2.1l-2.2,2.2l2.2,2.2l-2.1,2.1l-2.2,-2.2l-2.2,2.2l-2.1,-2.1l2.2,-2.2z".to_owned(),
-        _ => "m-4.5,-2.4h9v4.8h-9z".to_owned(),
-    };
-    format!("M{},{}{path}", px(x), px(y))
+    format!("M{},{}{}", px(x), px(y), MARKERS[series.unwrap_or(0) % MARKERS.len()])
 }
 
 /// An open triangle whose tip is at a place and points along x or y.
@@ -61,17 +64,33 @@ pub fn draw(out: &mut String, figure: &Figure, index: usize, frame: &Frame) {
     let panel = &figure.panels[index];
     let mut order: Vec<usize> = (0..panel.marks.len()).collect();
     order.sort_by_key(|i| layer(&panel.marks[*i].shape));
-    let _ = writeln!(out, "<g class=\"fig-panel\">");
+    let name = if panel.title.is_empty() { String::new() } else { format!(" aria-label=\"{}\"", escape(&panel.title)) };
+    let _ = writeln!(out, "<g role=\"group\"{name}>");
     let mut taken: Vec<[f64; 4]> = Vec::new();
+    let mut border = Some(border(frame));
     for i in order {
         let mark = &panel.marks[i];
+        if layer(&mark.shape) > FILLED
+            && let Some(border) = border.take()
+        {
+            *out += &border;
+        }
         let pen = Pen { figure, frame, index: i, panel: index };
         let Some(drawn) = pen.shape(mark, &mut taken) else { continue };
         open_mark(out, mark, index);
         *out += &drawn;
         *out += "</g>\n";
     }
+    *out += &border.unwrap_or_default();
     *out += "</g>\n";
+}
+
+/// The last layer of filled shapes: axes stand above them and below lines.
+const FILLED: u8 = 1;
+
+fn border(frame: &Frame) -> String {
+    let [left, top, right, bottom] = [frame.left, frame.top, frame.right, frame.bottom].map(px);
+    format!("<path class=\"fig-axis\" d=\"M{left},{top}V{bottom}H{right}\"/>\n")
 }
 
 fn layer(shape: &Shape) -> u8 {
@@ -140,7 +159,7 @@ impl Pen<'_> {
         let [x, y] = self.places(at)?;
         let at = [x.at, y.at];
         taken.push([at[0] - RADIUS, at[1] - RADIUS, at[0] + RADIUS, at[1] + RADIUS]);
-        let hit = self.hit(&format!("M{},{}h0", px(at[0]), px(at[1])));
+        let hit = self.hit(&format!("M{:.0},{:.0}h0", at[0], at[1]));
         Some(match self.direction([x, y]) {
             Some(direction) => format!("<path class=\"fig-b\" d=\"{}\"/>{hit}", arrow(at, direction)),
             None => format!("<path class=\"fig-d\" d=\"{}\"/>{hit}", marker(mark.series, at)),
@@ -174,7 +193,7 @@ impl Pen<'_> {
         if !path.is_empty() {
             let _ = write!(drawn, "<path class=\"fig-l\"{} d=\"{path}\"/>{}", self.dash(mark), self.hit(&path));
         }
-        let every = points.len().div_ceil(MARKERS).max(1);
+        let every = points.len().div_ceil(MARKERS_MOST).max(1);
         for (i, point) in points.iter().enumerate() {
             let Some(at) = self.places(*point) else { continue };
             let place = [at[0].at, at[1].at];
@@ -239,10 +258,11 @@ impl Pen<'_> {
         let (top, height) = (from.at.min(end.at), (from.at - end.at).abs());
         let Frame { left, right, .. } = *self.frame;
         let (start, stop) = ((middle - width / 2.0).max(left), (middle + width / 2.0).min(right));
-        let mut drawn = rectangle("fig-f fig-o", [start, top, stop - start, height]);
+        let mut drawn = rectangle(BAR, [start, top, stop - start, height]);
         if let Some(direction) = self.direction([Place { at: middle, beyond: 0 }, end]) {
             let _ = write!(drawn, "<path class=\"fig-b\" d=\"{}\"/>", arrow([middle, end.at], direction));
         }
+        drawn += &self.sign([start, top, stop - start, height]);
         Some(drawn + &self.hit(&format!("M{},{}v{}", px(middle), px(top), px(height))))
     }
 
@@ -265,11 +285,21 @@ impl Pen<'_> {
         let lanes = self.frame.dodge.count.max(1) as f64;
         let height = self.frame.y.step() * HORIZONTAL / lanes;
         let (left, width) = (from.at.min(end.at), (from.at - end.at).abs());
-        let mut drawn = rectangle("fig-f fig-o", [left, middle.at - height / 2.0, width, height]);
+        let mut drawn = rectangle(BAR, [left, middle.at - height / 2.0, width, height]);
         if let Some(direction) = self.direction([end, Place { at: middle.at, beyond: 0 }]) {
             let _ = write!(drawn, "<path class=\"fig-b\" d=\"{}\"/>", arrow([end.at, middle.at], direction));
         }
+        drawn += &self.sign([left, middle.at - height / 2.0, width, height]);
         Some(drawn + &self.hit(&format!("M{},{}h{}", px(left), px(middle.at), px(width))))
+    }
+
+    /// The marker of a series in the middle of its bar, for whom colours do not tell it; nothing where it has no room.
+    fn sign(&self, [left, top, width, height]: [f64; 4]) -> String {
+        let mark = &self.figure.panels[self.panel].marks[self.index];
+        if self.figure.series.len() < 2 || mark.series.is_none() || width.min(height) < SIGN_LEAST {
+            return String::new();
+        }
+        format!("<path class=\"fig-hole\" d=\"{}\"/>", marker(mark.series, [left + width / 2.0, top + height / 2.0]))
     }
 
     fn tile(&self, [x, y]: [usize; 2], value: Option<f64>, text: &str) -> Option<String> {
@@ -277,25 +307,19 @@ impl Pen<'_> {
         let (middle, level) = (across.place(x as f64)?.at, down.place(y as f64)?.at);
         let (width, height) = (across.step() - TILE_GAP, down.step() - TILE_GAP);
         let area = [middle - width / 2.0, level - height / 2.0, width, height];
-        let color =
-            value.filter(|value| !value.is_nan()).zip(self.figure.ramp.as_ref()).map(|(value, ramp)| ramp.color(value));
-        let mut drawn = match color {
-            Some(color) => {
-                let [x, y, width, height] = area.map(px);
-                format!(
-                    "<rect class=\"fig-o\" fill=\"{}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/>",
-                    hex(color)
-                )
-            }
-            None => rectangle("fig-none fig-o", area),
-        };
+        let ramp = self.figure.ramp.as_ref();
+        let color = value.filter(|value| !value.is_nan()).zip(ramp).map(|(value, ramp)| ramp.color(value));
+        let fill = color.map_or_else(
+            || "class=\"fig-none fig-o\"".to_owned(),
+            |color| format!("class=\"fig-o\" fill=\"{}\"", hex(color)),
+        );
+        let mut drawn = rectangle(&fill, area);
         if let Some(size) = self.frame.tile_font.filter(|_| !text.is_empty()) {
             let at = [middle, level + size * MIDDLE].map(px);
-            let class = color.map_or("fig-muted", words_on);
-            let own = if size == FONT.size { String::new() } else { format!(" style=\"font-size:{}px\"", px(size)) };
+            let class = color.map_or("fig-muted fig-gap", words_on);
+            let own = if size == FONT.size { String::new() } else { format!(" font-size=\"{}\"", px(size)) };
             let (x, y, text) = (&at[0], &at[1], escape(text));
-            let _ =
-                write!(drawn, "<text class=\"{class}\" x=\"{x}\" y=\"{y}\" text-anchor=\"middle\"{own}>{text}</text>");
+            let _ = write!(drawn, "<text class=\"{class}\"{own} x=\"{x}\" y=\"{y}\">{text}</text>");
         }
         Some(drawn)
     }
@@ -316,7 +340,7 @@ impl Pen<'_> {
             ([x - AWAY, y - AWAY], Anchor::End),
         ];
         let found = sides.into_iter().find_map(|(at, anchor)| {
-            let words = Words::new(text, at, font, "fig-ink").anchor(anchor);
+            let words = Words::new(text, at, font, "fig-ink fig-halo").anchor(anchor);
             let area = words.area();
             let is_inside = area[0] >= left && area[2] <= right && area[1] >= top && area[3] <= bottom;
             (is_inside && !taken.iter().any(|other| overlap(*other, area))).then_some((words, area))
@@ -329,7 +353,8 @@ impl Pen<'_> {
     }
 }
 
-fn rectangle(class: &str, [x, y, width, height]: [f64; 4]) -> String {
+/// A rectangle of an area: left, top, width and height.
+fn rectangle(paint: &str, [x, y, width, height]: [f64; 4]) -> String {
     let [x, y, width, height] = [x, y, width, height].map(px);
-    format!("<rect class=\"{class}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/>")
+    format!("<path {paint} d=\"M{x},{y}h{width}v{height}h-{width}z\"/>")
 }

@@ -114,8 +114,7 @@ pub fn ticks(kind: &ScaleKind, tried: &[f64], fits: impl Fn(&[Tick]) -> bool) ->
         ScaleKind::Steps(_) => Vec::new(),
         ScaleKind::Linear { .. } => linear(lo, hi),
         ScaleKind::Log { .. } => {
-            let doubled = are_powers_of_two(tried).then(|| powers_of_two(lo, hi));
-            doubled.into_iter().flatten().chain(decades(lo, hi)).chain(linear(lo, hi)).collect()
+            powers_of_two(lo, hi, tried).into_iter().chain(decades(lo, hi)).chain(linear(lo, hi)).collect()
         }
     };
     let fitting: Vec<Vec<Tick>> = candidates.into_iter().filter(|ticks| fits(ticks)).collect();
@@ -123,22 +122,41 @@ pub fn ticks(kind: &ScaleKind, tried: &[f64], fits: impl Fn(&[Tick]) -> bool) ->
     best.or_else(|| fitting.iter().max_by_key(|ticks| ticks.len())).cloned().unwrap_or_default()
 }
 
-/// The unlabelled multiples of powers of ten of a logarithmic axis.
-pub fn minor(kind: &ScaleKind) -> Vec<f64> {
+/// The multiples of powers of ten of a logarithmic axis whose labels are such, too.
+pub fn minor(kind: &ScaleKind, labelled: &[f64]) -> Vec<f64> {
     let ScaleKind::Log { .. } = kind else { return Vec::new() };
+    let has_all_decades = labelled.len() > 1 && labelled.windows(2).all(|pair| pair[1] / pair[0] < 10.5);
+    let is_decimal = |value: &f64| format!("{value:e}").split('e').next().is_some_and(|digits| digits.len() == 1);
+    if !has_all_decades || !labelled.iter().all(is_decimal) {
+        return Vec::new();
+    }
     let [lo, hi] = Axis::new(kind, 0.0, 1.0).domain();
     multiples(lo, hi, &[1, 2, 3, 4, 5, 6, 7, 8, 9], 1)
 }
 
-fn are_powers_of_two(values: &[f64]) -> bool {
+/// Ticks at tried powers of two, dense to sparse; nothing where others were tried.
+fn powers_of_two(lo: f64, hi: f64, tried: &[f64]) -> Vec<Vec<Tick>> {
     let is_power = |value: &f64| *value >= 1.0 && value.is_finite() && value.log2().fract() == 0.0;
-    values.iter().any(|value| *value > 1.0) && values.iter().all(is_power)
-}
-
-fn powers_of_two(lo: f64, hi: f64) -> Vec<Vec<Tick>> {
+    if !tried.iter().all(is_power) {
+        return Vec::new();
+    }
+    let mut exponents: Vec<i32> = tried.iter().map(|value| value.log2() as i32).collect();
+    exponents.sort_unstable();
+    exponents.dedup();
+    // The largest step that meets all of them.
+    let step = exponents.windows(2).fold(0, |step, pair| greatest_divisor(step, pair[1] - pair[0]));
+    let (Some(start), 1..) = (exponents.first(), step) else { return Vec::new() };
     let (first, last) = (lo.log2().ceil().max(0.0) as i32, hi.log2().floor() as i32);
     let tick = |exponent: i32| Tick { value: f64::from(exponent).exp2(), label: plain(f64::from(exponent).exp2(), 0) };
-    (1..=4).map(|by| (first..=last).filter(|exponent| exponent % by == 0).map(tick).collect()).collect()
+    let every = |by: i32| (first..=last).filter(|e| (e - start) % (by * step) == 0).map(tick).collect();
+    (1..=EXPONENTS_LEFT_OUT).map(every).collect()
+}
+
+/// Each of so many tried powers of two has a label at least.
+const EXPONENTS_LEFT_OUT: i32 = 4;
+
+fn greatest_divisor(a: i32, b: i32) -> i32 {
+    if b == 0 { a } else { greatest_divisor(b, a % b) }
 }
 
 /// Ticks of a logarithmic axis, dense to sparse.

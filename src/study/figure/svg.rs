@@ -4,7 +4,7 @@
 //! there is no id, so that many figures can stand in one page. A mark with a tip is a `<g class="mark">` with its words in `aria-label`,
 //! `data-tip` and `<title>`, its cell in `data-cell`, and the indices of its panel and series in `data-panel` and `data-series`.
 
-use super::head::{SWATCH, ramp_kind};
+use super::head::ramp_kind;
 use super::ink::{class, dashes, hex, style};
 use super::layout::{Frame, Layout, layout};
 use super::marks::{draw, marker};
@@ -65,32 +65,36 @@ pub fn write_words(out: &mut String, words: &Words) {
 
 /// What the marks of a series look like.
 fn legend(out: &mut String, figure: &Figure, layout: &Layout) {
+    let swatch = layout.head.swatch;
     for (series, [x, y]) in &layout.head.entries {
         let own = |is: fn(&Shape) -> bool| {
             let mut marks = figure.panels.iter().flat_map(|panel| &panel.marks);
             marks.any(|mark| mark.series == Some(*series) && is(&mark.shape))
         };
         let is_dashed = figure.series[*series].is_dashed;
-        let is_line = own(|shape| matches!(shape, Shape::Line(_) | Shape::HorizontalRule(_) | Shape::VerticalRule(_)));
+        let is_curve = own(|shape| matches!(shape, Shape::Line(_)));
+        let is_line = is_curve || own(|shape| matches!(shape, Shape::HorizontalRule(_) | Shape::VerticalRule(_)));
         let is_bar = own(|shape| matches!(shape, Shape::Bar { .. } | Shape::HorizontalBar { .. }));
-        let has_marker = own(|shape| matches!(shape, Shape::Dot(_))) || (is_line && !is_dashed);
+        let has_marker = own(|shape| matches!(shape, Shape::Dot(_))) || (is_curve && !is_dashed);
         let _ = write!(out, "<g class=\"{}\" data-series=\"{series}\">", class(Some(*series)));
         if is_bar {
-            let (top, height) = (px(y - 5.0), 10);
+            let (top, height) = (px(y - 6.0), 12);
             let _ = write!(
                 out,
                 "<rect class=\"fig-f\" x=\"{}\" y=\"{top}\" width=\"{}\" height=\"{height}\"/>",
                 px(*x),
-                px(SWATCH - 4.0)
+                px(swatch)
             );
         }
         if is_line {
             let dash =
                 dashes(*series, is_dashed).map_or_else(String::new, |dash| format!(" stroke-dasharray=\"{dash}\""));
-            let _ = write!(out, "<path class=\"fig-l\"{dash} d=\"M{},{}h{}\"/>", px(*x), px(*y), px(SWATCH));
+            let _ = write!(out, "<path class=\"fig-l\"{dash} d=\"M{},{}h{}\"/>", px(*x), px(*y), px(swatch));
         }
-        if has_marker || !(is_line || is_bar) {
-            let _ = write!(out, "<path class=\"fig-d\" d=\"{}\"/>", marker(Some(*series), [x + SWATCH / 2.0, *y]));
+        let is_signed_bar = is_bar && figure.series.len() > 1;
+        if has_marker || is_signed_bar || !(is_line || is_bar) {
+            let class = if is_bar { "fig-hole" } else { "fig-d" };
+            let _ = write!(out, "<path class=\"{class}\" d=\"{}\"/>", marker(Some(*series), [x + swatch / 2.0, *y]));
         }
         *out += "</g>\n";
     }
@@ -98,15 +102,14 @@ fn legend(out: &mut String, figure: &Figure, layout: &Layout) {
 
 /// The bar of tile colours with its ticks.
 fn bar(out: &mut String, ramp: &Ramp, [left, top, width, height]: [f64; 4], places: &[f64]) {
-    /// Enough for the eye to see no steps.
-    const PARTS: usize = 55;
+    /// Whole pixels, so that no seam shows.
+    const PART: f64 = 2.0;
     let axis = Axis::new(&ramp_kind(ramp), 0.0, 1.0);
-    let part = width / PARTS as f64;
-    for i in 0..PARTS {
-        let color = hex(ramp.color(axis.value((i as f64 + 0.5) / PARTS as f64)));
-        // Each reaches below the next, so that no seam shows.
-        let wide = if i + 1 < PARTS { part + 0.5 } else { part };
-        let (x, wide) = (px(left + i as f64 * part), px(wide));
+    let parts = (width / PART).ceil().max(1.0) as usize;
+    for i in 0..parts {
+        let start = i as f64 * PART;
+        let color = hex(ramp.color(axis.value((start + PART / 2.0).min(width) / width)));
+        let (x, wide) = (px(left + start), px(PART.min(width - start)));
         let _ = write!(
             out,
             "<rect fill=\"{color}\" x=\"{x}\" y=\"{}\" width=\"{wide}\" height=\"{}\"/>",
@@ -118,20 +121,40 @@ fn bar(out: &mut String, ramp: &Ramp, [left, top, width, height]: [f64; 4], plac
     let _ = writeln!(out, "\n<path class=\"fig-axis\" d=\"{ticks}\"/>");
 }
 
-/// Grid lines, the border, and minor ticks.
+/// Bands of steps, grid lines and minor ones.
 fn grid(out: &mut String, frame: &Frame) {
     let Frame { left, top, right, bottom, .. } = *frame;
-    let (wide, high) = (px(right - left), px(bottom - top));
-    let upright = |all: &[f64]| -> String { all.iter().map(|x| format!("M{},{}v{high}", px(*x), px(top))).collect() };
-    let level = |all: &[f64]| -> String { all.iter().map(|y| format!("M{},{}h{wide}", px(left), px(*y))).collect() };
+    let (wide, high) = (right - left, bottom - top);
+    if frame.bands[1] {
+        let bands = bands(&frame.ticks[1], frame.y.step(), |y, step| {
+            format!("M{},{}h{}v{step}h-{}z", px(left), px(y), px(wide), px(wide))
+        });
+        let _ = writeln!(out, "<path class=\"fig-band\" d=\"{bands}\"/>");
+    }
+    if frame.bands[0] {
+        let bands = bands(&frame.ticks[0], frame.x.step(), |x, step| {
+            format!("M{},{}h{step}v{}h-{step}z", px(x), px(top), px(high))
+        });
+        let _ = writeln!(out, "<path class=\"fig-band\" d=\"{bands}\"/>");
+    }
+    let upright =
+        |all: &[f64]| -> String { all.iter().map(|x| format!("M{},{}v{}", px(*x), px(top), px(high))).collect() };
+    let level =
+        |all: &[f64]| -> String { all.iter().map(|y| format!("M{},{}h{}", px(left), px(*y), px(wide))).collect() };
     let minor = upright(&frame.minor[0]) + &level(&frame.minor[1]);
     if !minor.is_empty() {
         let _ = writeln!(out, "<path class=\"fig-grid fig-minor\" d=\"{minor}\"/>");
     }
-    let major = upright(&frame.ticks[0]) + &level(&frame.ticks[1]);
-    let _ = writeln!(out, "<path class=\"fig-grid\" d=\"{major}\"/>");
-    let (left, top, bottom) = (px(left), px(top), px(bottom));
-    let _ = writeln!(out, "<path class=\"fig-axis\" d=\"M{left},{top}V{bottom}h{wide}\"/>");
+    let [x, y] = [0, 1].map(|way| if frame.lines[way] { frame.ticks[way].as_slice() } else { &[] });
+    let major = upright(x) + &level(y);
+    if !major.is_empty() {
+        let _ = writeln!(out, "<path class=\"fig-grid\" d=\"{major}\"/>");
+    }
+}
+
+/// Every second step.
+fn bands(middles: &[f64], step: f64, draw: impl Fn(f64, String) -> String) -> String {
+    middles.iter().step_by(2).map(|middle| draw(middle - step / 2.0, px(step))).collect()
 }
 
 /// The start of a group that people can point at; nothing for a mark without a tip.

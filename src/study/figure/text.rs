@@ -52,8 +52,22 @@ impl Font {
 
     /// The text in at most `most` lines no wider than `room`; the last ends in an ellipsis where words are left out.
     pub fn wrap(self, text: &str, room: f64, most: usize) -> Vec<String> {
+        self.lines(text.split_whitespace().collect(), room, most)
+    }
+
+    /// The same for a list such as "meadow, alpha 0.16", which breaks after commas where it can.
+    pub fn wrap_list(self, text: &str, room: f64, most: usize) -> Vec<String> {
+        let items = text.split_inclusive(", ").map(str::trim);
+        let pieces = items.flat_map(|item| match self.width(item) <= room {
+            true => vec![item],
+            false => item.split_whitespace().collect(),
+        });
+        self.lines(pieces.filter(|piece| !piece.is_empty()).collect(), room, most)
+    }
+
+    fn lines(self, pieces: Vec<&str>, room: f64, most: usize) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
-        let mut rest = text.split_whitespace().peekable();
+        let mut rest = pieces.into_iter().peekable();
         while rest.peek().is_some() {
             let mut line = String::new();
             let is_last = lines.len() + 1 >= most.max(1);
@@ -66,12 +80,6 @@ impl Font {
             lines.push(self.elide(&line, room));
         }
         lines
-    }
-
-    /// Whether [`Font::wrap`] keeps every letter.
-    pub fn wraps(self, text: &str, room: f64, most: usize) -> bool {
-        let kept: usize = self.wrap(text, room, most).iter().map(|line| line.split_whitespace().count()).sum();
-        kept == text.split_whitespace().count() && !self.wrap(text, room, most).iter().any(|line| line.ends_with('…'))
     }
 
     fn fits(self, line: &str, word: &str, room: f64) -> bool {
@@ -94,6 +102,11 @@ impl Font {
         let start: String = kept.into_iter().collect();
         format!("{}…", start.trim_end())
     }
+}
+
+/// Whether lines have every letter of a text.
+pub fn is_whole(lines: &[String], text: &str) -> bool {
+    lines.join(" ").split_whitespace().eq(text.split_whitespace())
 }
 
 fn advance(letter: char) -> f64 {

@@ -39,7 +39,7 @@ impl Words {
 
     /// With the whole text where some of it is missing.
     pub fn of(self, full: &str) -> Self {
-        let is_cut = self.text.ends_with('…') && !full.ends_with('…');
+        let is_cut = self.text.ends_with('…') && !full.contains(&self.text);
         Self { full: is_cut.then(|| full.to_owned()), ..self }
     }
 

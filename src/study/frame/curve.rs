@@ -58,9 +58,11 @@ pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// The curves of these images, in their order.
+/// The curves of these images, in their order. The reference itself, rendered for its times, is no competitor.
 pub fn curves<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Curve<'r, 'f>> {
-    let sampled: Vec<&Row> = images.iter().copied().filter(|row| row.samples().is_some()).collect();
+    let is_tested = |row: &Row| row.text(axis("method")) != frame.shape.reference_method;
+    let sampled = images.iter().copied().filter(|row| row.samples().is_some() && is_tested(row));
+    let sampled: Vec<&Row> = sampled.collect();
     let with_method: Vec<usize> = axes.iter().copied().chain([axis("method")]).collect();
     let groups = by(&sampled, &with_method).into_iter();
     let curve = |(mut key, own): (Key, Vec<&'r Row<'f>>)| {

@@ -39,7 +39,6 @@ const MODULES: &[(&str, &str)] = modules![
     "dom",
     "answer",
     "tables",
-
     "program",
     "stage",
     "surface",

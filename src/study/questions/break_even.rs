@@ -9,9 +9,9 @@
 //! for "above".
 
 use super::conditions::{by_width_and_light, extremes};
-use super::words::{cases_sentence, label, number, short};
+use super::words::{by_axis, cases_sentence, label, short};
 use super::{Finding, Question};
-use crate::runner::axis::{AXES, Part};
+use crate::runner::axis::Part;
 use crate::runner::value::Value;
 use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
 use crate::study::frame::curve::{Curve, curves, without_samples};
@@ -26,11 +26,20 @@ pub const QUESTION: Question = Question {
     columns: &[
         Column { name: "sampled", about: "The sampling method." },
         Column { name: "fixed", about: "The method without samples." },
-        Column { name: "break_even", about: "Smallest tried sample count from which on the sampling method errs less; empty above the largest tried." },
+        Column {
+            name: "break_even",
+            about: "Smallest tried sample count from which on the sampling method errs less; empty above the largest tried.",
+        },
         Column { name: "largest_tried", about: "Largest tried sample count." },
-        Column { name: "crossing", about: "Sample count at which the two errors meet, interpolated between tried counts; empty where they do not meet." },
+        Column {
+            name: "crossing",
+            about: "Sample count at which the two errors meet, interpolated between tried counts; empty where they do not meet.",
+        },
         Column { name: "fixed_error", about: "Error of the method without samples, in the metric of the question." },
-        Column { name: "is_resolved", about: "1 where both errors at the break-even stand clear of the reference's noise, else 0." },
+        Column {
+            name: "is_resolved",
+            about: "1 where both errors at the break-even stand clear of the reference's noise, else 0.",
+        },
     ],
     uses_times: false,
     lacks,
@@ -38,7 +47,8 @@ pub const QUESTION: Question = Question {
 };
 
 pub(super) fn lacks(shape: &Shape) -> Option<&'static str> {
-    lacks_methods(shape).or_else(|| (!shape.is_swept(axis("samples"))).then_some("axes.samples has fewer than two counts"))
+    lacks_methods(shape)
+        .or_else(|| (!shape.is_swept(axis("samples"))).then_some("axes.samples has fewer than two counts"))
 }
 
 /// What `axes.method` lacks for a comparison of a method that samples with one that does not.
@@ -174,7 +184,7 @@ fn counted(n: f64, [least, largest]: [u32; 2]) -> String {
     match n {
         n if n.is_infinite() => format!("more than {largest}"),
         n if n == f64::from(least) && least > 1 => format!("at most {least}"),
-        n => number(n),
+        n => n.to_string(),
     }
 }
 
@@ -196,10 +206,10 @@ fn sentence(frame: &Frame, axes: &[usize], pair: &Pair) -> String {
         counted(middle.value, tried),
         pair.fixed
     );
-    let number = |cases: &[&&Case]| median(&cases.iter().map(|case| **case).collect::<Vec<_>>()).map_or(f64::NAN, |m| m.value);
+    let number =
+        |cases: &[&&Case]| median(&cases.iter().map(|case| **case).collect::<Vec<_>>()).map_or(f64::NAN, |m| m.value);
     if let Some((of, [least, most])) = extremes(&all, |case| case.fixed, number, CHANGE_MIN) {
-        let at = |(value, n): &(Value, f64)| format!("{} ({})", counted(*n, tried), label(&[of], std::slice::from_ref(value)));
-        text += &format!(" Along {} it runs from {} to {}.", AXES[of].name, at(&least), at(&most));
+        text += &by_axis("it", of, &[least, most], |n| counted(n, tried));
     }
     let rows: Vec<&Row> = pair.cases.iter().map(|case| case.fixed).collect();
     text + &cases_sentence(&rows, axes, pair.cases.len())
@@ -213,11 +223,16 @@ fn interval_words(middle: &Estimate, tried: [u32; 2]) -> String {
 
 /// Medians by alpha and environment.
 fn digest(frame: &Frame, pair: &Pair) -> Table {
-    by_width_and_light(frame, &pair.cases, |case| case.fixed, |own| {
-        let tried = tried(own);
-        let words = |middle: Estimate| Cell::Text(counted(middle.value, tried) + &interval_words(&middle, tried));
-        median(own).map_or(Cell::Missing, words)
-    })
+    by_width_and_light(
+        frame,
+        &pair.cases,
+        |case| case.fixed,
+        |own| {
+            let tried = tried(own);
+            let words = |middle: Estimate| Cell::Text(counted(middle.value, tried) + &interval_words(&middle, tried));
+            median(own).map_or(Cell::Missing, words)
+        },
+    )
 }
 
 /// One panel a pair of methods: the break-even of each case, one row a case.

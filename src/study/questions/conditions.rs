@@ -23,38 +23,50 @@ pub fn by_width_and_light<T>(
     cell: impl Fn(&[&T]) -> Cell,
 ) -> Table {
     let (alpha, environment) = (axis("alpha"), axis("environment"));
-    let others = frame.swept(&[Part::Case]).into_iter().filter(|known| *known != environment);
-    let width = if frame.shape.is_swept(alpha) { Some(alpha) } else { others.into_iter().next() };
-    let values = |of: usize| ascending(distinct_in_order(items.iter().map(|item| row(item).point.0[of].clone())));
-    let lights = values(environment);
-    let widths = width.map_or_else(|| vec![Value::Unset], values);
-    let is_by_alpha = width == Some(alpha);
-    let mut names: Vec<String> = width.iter().map(|of| AXES[*of].name.to_owned()).collect();
-    names.extend(is_by_alpha.then(|| ROUGHNESS.to_owned()));
-    names.extend(lights.iter().map(|value| short(environment, value)));
-    names.extend((lights.len() > 1).then(|| ALL.to_owned()));
-    let mut table = Table::with_names(names);
-    let of_row = |value: Option<&Value>| {
-        let mut cells: Vec<Cell> =
-            width.iter().map(|of| Cell::Text(value.map_or(ALL.to_owned(), |value| short(*of, value)))).collect();
-        if is_by_alpha {
-            cells.push(value.and_then(roughness).into());
-        }
-        let all = (lights.len() > 1).then_some(None);
-        for light in lights.iter().map(Some).chain(all) {
-            let is_own = |item: &&T| {
-                let point = &row(item).point.0;
-                width.zip(value).is_none_or(|(of, value)| point[of] == *value)
-                    && light.is_none_or(|light| point[environment] == *light)
-            };
-            let own: Vec<&T> = items.iter().filter(is_own).collect();
-            cells.push(if own.is_empty() { Cell::Missing } else { cell(&own) });
-        }
+    let swept = frame.swept(&[Part::Case]);
+    let other = swept.iter().copied().find(|known| *known != environment);
+    let Some(width) = swept.iter().copied().find(|known| *known == alpha).or(other) else {
+        return by_light(&[], vec![(Vec::new(), items.iter().collect())], row, cell);
+    };
+    let is_by_alpha = width == alpha;
+    let widths = ascending(distinct_in_order(items.iter().map(|item| row(item).point.0[width].clone())));
+    let first = |text: String, rough: Option<f64>| {
+        let mut cells = vec![Cell::Text(text)];
+        cells.extend(is_by_alpha.then(|| rough.into()));
         cells
     };
-    widths.iter().for_each(|value| table.row(of_row(Some(value))));
-    if widths.len() > 1 {
-        table.row(of_row(None));
+    let group = |value: &Value| {
+        let own: Vec<&T> = items.iter().filter(|item| row(item).point.0[width] == *value).collect();
+        (first(short(width, value), roughness(value)), own)
+    };
+    let mut rows: Vec<(Vec<Cell>, Vec<&T>)> = widths.iter().map(group).collect();
+    if rows.len() > 1 {
+        rows.push((first(ALL.to_owned(), None), items.iter().collect()));
+    }
+    let names = [AXES[width].name, ROUGHNESS];
+    by_light(&names[..if is_by_alpha { 2 } else { 1 }], rows, row, cell)
+}
+
+/// A digest with one column an environment and the last over all, whose rows are groups with their first cells.
+pub fn by_light<T>(
+    names: &[&str],
+    rows: Vec<(Vec<Cell>, Vec<&T>)>,
+    row: impl Fn(&T) -> &Row,
+    cell: impl Fn(&[&T]) -> Cell,
+) -> Table {
+    let environment = axis("environment");
+    let light = |item: &T| row(item).point.0[environment].clone();
+    let lights = distinct_in_order(rows.iter().flat_map(|(_, own)| own).map(|item| light(item)));
+    let has_all = lights.len() > 1;
+    let names = names.iter().map(|name| name.to_string());
+    let names = names.chain(lights.iter().map(|value| short(environment, value)));
+    let mut table = Table::with_names(names.chain(has_all.then(|| ALL.to_owned())).collect());
+    let summed = |own: &[&T]| if own.is_empty() { Cell::Missing } else { cell(own) };
+    for (mut cells, own) in rows {
+        let under = |wanted: &Value| own.iter().copied().filter(|item| light(item) == *wanted).collect::<Vec<_>>();
+        cells.extend(lights.iter().map(|wanted| summed(&under(wanted))));
+        cells.extend(has_all.then(|| summed(&own)));
+        table.row(cells);
     }
     table
 }
@@ -101,14 +113,14 @@ pub fn extremes<T>(
     let of_axis = |of: usize| {
         let mut groups = along(items, &row, of, &number);
         groups.retain(|(_, number)| !number.is_nan());
-        groups.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let (least, most) = (groups.first()?.clone(), groups.last()?.clone());
+        // Of equal ones the first.
+        let least = groups.iter().cloned().reduce(|a, b| if b.1 < a.1 { b } else { a })?;
+        let most = groups.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a })?;
         Some((of, [least, most]))
     };
     let change = |(_, [least, most]): &(usize, [(Value, f64); 2])| most.1 / least.1;
     let found = [axis("alpha"), axis("environment")].into_iter().filter_map(of_axis);
     let found = found.filter(|found| change(found) >= factor);
-    // Of equal ones the first.
     found.reduce(|a, b| if change(&b) > change(&a) { b } else { a })
 }
 

@@ -9,7 +9,7 @@
 //! largest count that stands clear of the noise. Where bias and variance were parted, their share at the largest count says why.
 
 use super::conditions::{ROUGHNESS, extremes, roughness};
-use super::words::{cases_sentence, label, number, short, with_interval};
+use super::words::{by_axis, cases_sentence, label, number, percent, short, with_interval};
 use super::{Finding, Question};
 use crate::runner::axis::AXES;
 use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
@@ -27,10 +27,19 @@ pub const QUESTION: Question = Question {
         Column { name: "error", about: "Error in the metric of the question, geometric mean over point sets." },
         Column { name: "noise_floor", about: "Error that an exact image would have, from the reference's own noise." },
         Column { name: "is_resolved", about: "1 where the error stands clear of that noise, else 0." },
-        Column { name: "bias_share", about: "Squared bias over mean square error, 0 to 1; empty without [bias_variance]." },
-        Column { name: "slope", about: "Slope of ln error over ln samples of the row's curve, over its resolved counts; -1 is plain Monte Carlo in squared error." },
+        Column {
+            name: "bias_share",
+            about: "Squared bias over mean square error; as an unbiased estimate it may fall below 0. Empty without [bias_variance].",
+        },
+        Column {
+            name: "slope",
+            about: "Slope of ln error over ln samples of the row's curve, over its resolved counts; -1 is plain Monte Carlo in squared error.",
+        },
         Column { name: "slope_standard_error", about: "Standard error of that slope, from the residuals." },
-        Column { name: "stops_at", about: "Tried count from which on twice the samples take off less than 10 % of the error; empty where it falls to the end." },
+        Column {
+            name: "stops_at",
+            about: "Tried count from which on twice the samples take off less than 10 % of the error; empty where it falls to the end.",
+        },
     ],
     uses_times: false,
     lacks,
@@ -59,16 +68,13 @@ struct Fall<'r, 'f> {
 impl Fall<'_, '_> {
     fn of<'r, 'f>(curve: Curve<'r, 'f>) -> Fall<'r, 'f> {
         let resolved: Vec<&CurvePoint> = curve.points.iter().filter(|point| point.is_resolved).collect();
-        let logs: Vec<[f64; 2]> = resolved.iter().map(|point| [f64::from(point.samples).ln(), point.error.ln()]).collect();
-        let is_flat = |ends: &[[f64; 2]]| (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0]) > (1.0 - GAIN_MIN).log2();
+        let logs: Vec<[f64; 2]> =
+            resolved.iter().map(|point| [f64::from(point.samples).ln(), point.error.ln()]).collect();
+        let is_flat =
+            |ends: &[[f64; 2]]| (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0]) > (1.0 - GAIN_MIN).log2();
         let flat = logs.windows(2).rev().take_while(|ends| is_flat(ends)).count();
         let stops_at = (flat > 0).then(|| resolved[resolved.len() - 1 - flat].samples);
         Fall { line: Line::of(&logs), stops_at, curve }
-    }
-
-    /// By which factor twice the samples divide the error; NaN without a slope.
-    fn doubling(&self) -> f64 {
-        self.line.map_or(f64::NAN, |line| (-line.slope).exp2())
     }
 
     /// The share of bias at the largest count.
@@ -98,7 +104,11 @@ fn table(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Table
     for fall in falls {
         for point in &fall.curve.points {
             let mut row: Vec<Cell> = fall.curve.key.iter().chain([&fall.curve.method]).map(value_cell).collect();
-            row.extend([Cell::Integer(point.samples.into()), point.error.into(), frame.noise_floor(point.rows[0]).into()]);
+            row.extend([
+                Cell::Integer(point.samples.into()),
+                point.error.into(),
+                frame.noise_floor(point.rows[0]).into(),
+            ]);
             row.extend([Cell::Integer(point.is_resolved.into()), point.bias_share().into()]);
             row.extend([fall.line.map(|line| line.slope).into(), fall.line.map(|line| line.standard_error).into()]);
             row.push(fall.stops_at.map_or(Cell::Missing, |n| Cell::Integer(n.into())));
@@ -115,11 +125,11 @@ fn table(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Table
     table
 }
 
-/// The median of what twice the samples divide the error by.
+/// By which factor twice the samples divide the error, at the median slope.
 fn doubling(falls: &[&Fall]) -> Option<Estimate> {
     let environment = axis("environment");
-    let values = falls.iter().map(|fall| (fall.curve.first().point.0[environment].clone(), fall.doubling()));
-    estimate(&values.filter(|(_, factor)| !factor.is_nan()).collect::<Vec<_>>(), median)
+    let slope = |fall: &&Fall| Some((fall.curve.first().point.0[environment].clone(), fall.line?.slope));
+    estimate(&falls.iter().filter_map(slope).collect::<Vec<_>>(), |slopes| (-median(slopes)).exp2())
 }
 
 fn slope(falls: &[&Fall]) -> f64 {
@@ -136,7 +146,8 @@ fn sentence(frame: &Frame, axes: &[usize], falls: &[&Fall]) -> Option<String> {
         _ => ", in the median case".to_owned(),
     };
     let words = with_interval(&middle);
-    let (factor, interval) = words.split_once(' ').map_or((words.as_str(), ""), |(factor, interval)| (factor, interval));
+    let (factor, interval) =
+        words.split_once(' ').map_or((words.as_str(), ""), |(factor, interval)| (factor, interval));
     let interval = if interval.is_empty() { String::new() } else { format!(" {interval}") };
     let mut text = format!(
         "Twice the samples divide the `{}` of `{}` by **{factor}**{interval}{scope} (slope {}).",
@@ -144,10 +155,10 @@ fn sentence(frame: &Frame, axes: &[usize], falls: &[&Fall]) -> Option<String> {
         first.curve.method,
         number(slope(falls))
     );
-    let of = |own: &[&&Fall]| doubling(&own.iter().map(|fall| **fall).collect::<Vec<_>>()).map_or(f64::NAN, |one| one.value);
+    let of =
+        |own: &[&&Fall]| doubling(&own.iter().map(|fall| **fall).collect::<Vec<_>>()).map_or(f64::NAN, |one| one.value);
     if let Some((of, ends)) = extremes(falls, |fall| fall.curve.first(), of, CHANGE_MIN) {
-        let [least, most] = ends.map(|(value, n)| format!("{} ({})", number(n), label(&[of], &[value])));
-        text += &format!(" Along {} the factor runs from {least} to {most}.", AXES[of].name);
+        text += &by_axis("the factor", of, &ends, number);
     }
     let stops: Vec<u32> = falls.iter().filter_map(|fall| fall.stops_at).collect();
     text += &match (stops.iter().min(), falls.len()) {
@@ -174,7 +185,8 @@ fn digest(frame: &Frame, falls: &[Fall]) -> Table {
         let widths = ascending(distinct_in_order(own.iter().map(|fall| width(fall))));
         let each = widths.iter().map(Some).filter(|_| is_by_alpha);
         for value in each.chain([None]) {
-            let group: Vec<&Fall> = own.iter().copied().filter(|fall| value.is_none_or(|value| width(fall) == *value)).collect();
+            let group: Vec<&Fall> =
+                own.iter().copied().filter(|fall| value.is_none_or(|value| width(fall) == *value)).collect();
             let Some(factor) = doubling(&group) else { continue };
             let stops: Vec<f64> = group.iter().filter_map(|fall| fall.stops_at.map(f64::from)).collect();
             let mut row = vec![Cell::Text(method.to_string())];
@@ -187,7 +199,7 @@ fn digest(frame: &Frame, falls: &[Fall]) -> Table {
             row.push(Some(median(&stops)).filter(|n| !n.is_nan()).into());
             if has_bias {
                 let share = mean(group.iter().filter_map(|fall| fall.bias_share()));
-                row.push(share.map_or(Cell::Missing, |share| Cell::Text(number(share))));
+                row.push(share.map_or(Cell::Missing, |share| Cell::Text(percent(share))));
             }
             table.row(row);
         }
@@ -217,8 +229,11 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
     let panel_count = keys.len();
     keys.truncate(PANELS_MAX);
     let points = || falls.iter().flat_map(|fall| &fall.curve.points);
-    let errors: Vec<f64> =
-        points().map(|point| point.error).chain(fixed.iter().filter_map(|row| frame.error(row))).filter(|x| *x > 0.0).collect();
+    let errors: Vec<f64> = points()
+        .map(|point| point.error)
+        .chain(fixed.iter().filter_map(|row| frame.error(row)))
+        .filter(|x| *x > 0.0)
+        .collect();
     let least = errors.iter().copied().reduce(f64::min)?;
     let floor = |row: &Row| frame.noise_floor(row).filter(|floor| *floor > least / FLOOR_WITHIN);
     let floors = falls.iter().filter_map(|fall| floor(fall.curve.first()));
@@ -245,15 +260,25 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
             marks.push(Mark::new(Form::HorizontalRule(error), series).tip(tip).cell(&row.cell.id));
         }
         if let Some(floor) = own().next().and_then(|fall| floor(fall.curve.first())) {
-            marks.push(Mark::new(Form::HorizontalRule(floor), index(FLOOR, true)).tip(format!("{FLOOR}: {}", number(floor))));
+            marks.push(
+                Mark::new(Form::HorizontalRule(floor), index(FLOOR, true)).tip(format!("{FLOOR}: {}", number(floor))),
+            );
         }
         Panel { title: label(&of_panel, wanted), x: x.clone(), y: y.clone(), marks }
     };
     let panels: Vec<Panel> = keys.iter().map(&mut panel).collect();
-    let cut = if panel_count > panels.len() { format!("; the first {} of {panel_count} panels", panels.len()) } else { String::new() };
+    let cut = if panel_count > panels.len() {
+        format!("; the first {} of {panel_count} panels", panels.len())
+    } else {
+        String::new()
+    };
+    let dashed = match series.iter().any(|one| one.name == FLOOR) {
+        true => "dashed: methods without samples, and the reference's noise",
+        false => "dashed: methods without samples",
+    };
     Some(Figure {
         title: "Error over sample count".to_owned(),
-        note: format!("{}; dashed: methods without samples, and the reference's noise{cut}", frame.metric_name()),
+        note: format!("{}; {dashed}{cut}", frame.metric_name()),
         panels,
         series,
         ramp: None,

@@ -9,6 +9,7 @@
 //! The verdict holds for the device that was timed. Times of a driver that computes on the CPU say nothing about a GPU.
 
 use super::break_even::{self, Case, Pair};
+use super::conditions::by_width_and_light;
 use super::words::{count, label, listed, number, short};
 use super::{Finding, Question};
 use crate::runner::statistics::TOO_FEW_ROUNDS;
@@ -144,7 +145,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     Some(Finding {
         sentence: sentence(frame, lead),
         table,
-        digest: Some(digest(&pairs)),
+        digest: Some(digest(frame, lead)),
         figure: figure(frame, &axes, &pairs),
     })
 }
@@ -233,28 +234,9 @@ fn affordable(cases: &[Timed]) -> String {
     }
 }
 
-/// Verdicts by alpha, one column an environment.
-fn digest(pairs: &[Vec<Timed>]) -> Table {
-    let [alpha, environment] = ["alpha", "environment"].map(axis);
-    let value = |one: &Timed, axis: usize| one.case.fixed.point.0[axis].clone();
-    let all = || pairs.iter().flatten();
-    let environments = distinct_in_order(all().map(|one| value(one, environment)));
-    let names = ["sampled", "fixed", "alpha"].map(str::to_owned).into_iter();
-    let mut table = Table::with_names(names.chain(environments.iter().map(|light| short(environment, light))).collect());
-    for pair in pairs {
-        for width in ascending(distinct_in_order(pair.iter().map(|one| value(one, alpha)))) {
-            let cell = |light: &Value| {
-                let own: Vec<&Timed> =
-                    pair.iter().filter(|one| value(one, alpha) == width && value(one, environment) == *light).collect();
-                Cell::Text(verdicts(&own))
-            };
-            let mut row = vec![Cell::Text(pair[0].sampled.clone()), Cell::Text(pair[0].fixed.clone())];
-            row.push(Cell::Text(short(alpha, &width)));
-            row.extend(environments.iter().map(cell));
-            table.row(row);
-        }
-    }
-    table
+/// Verdicts of a pair by alpha, one column an environment.
+fn digest(frame: &Frame, cases: &[Timed]) -> Table {
+    by_width_and_light(frame, cases, |one| one.case.fixed, |own| Cell::Text(verdicts(own)))
 }
 
 /// "split-sum 3, undecided 1".

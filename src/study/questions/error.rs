@@ -6,8 +6,8 @@
 //!
 //! The *leading* method is the first without samples, which is what a renderer ships, else the first that samples, at its largest count.
 
-use super::conditions::{by_width_and_light, extremes};
-use super::words::{cases_sentence, label, number, rms_percent, short, with_rms};
+use super::conditions::{by_light, by_width_and_light, extremes};
+use super::words::{by_axis, cases_sentence, label, number, rms_percent, short, with_rms};
 use super::{Finding, Question};
 use crate::runner::axis::{AXES, Part};
 use crate::runner::value::Value;
@@ -24,7 +24,10 @@ pub const QUESTION: Question = Question {
         Column { name: "error", about: "Error in the metric of the question, geometric mean over point sets." },
         Column { name: "noise_floor", about: "Error that an exact image would have, from the reference's own noise." },
         Column { name: "is_resolved", about: "1 where the error stands clear of that noise, else 0." },
-        Column { name: "rms_percent", about: "Root mean square error in percent of the reference; empty for metrics that are no mean square." },
+        Column {
+            name: "rms_percent",
+            about: "Root mean square error in percent of the reference; empty for metrics that are no mean square.",
+        },
     ],
     uses_times: false,
     lacks,
@@ -33,7 +36,8 @@ pub const QUESTION: Question = Question {
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
     // A white furnace is held against a surface without specular term.
-    (shape.reference_method == "none").then_some("reference.method is none: what differs is the term that it leaves out")
+    (shape.reference_method == "none")
+        .then_some("reference.method is none: what differs is the term that it leaves out")
 }
 
 /// The point sets of one way in one case.
@@ -83,13 +87,30 @@ fn answer(frame: &Frame) -> Option<Finding> {
     }
     Some(Finding {
         sentence: sentence(frame, &axes, &lead, &own)?,
-        digest: Some(by_width_and_light(frame, &own, |case| case.row(), |group| {
-            mean(&group.iter().map(|case| **case).collect::<Vec<_>>())
-                .map_or(Cell::Missing, |mean| Cell::Text(with_rms(frame, mean.value) + &interval_words(&mean)))
-        })),
+        digest: Some(digest(frame, &all, &own)),
         table,
         figure: figure(frame, &axes, &all),
     })
+}
+
+/// The leading method by alpha and environment; without alpha, every method by environment.
+fn digest(frame: &Frame, all: &[Case], own: &[&Case]) -> Table {
+    let words = |group: &[&Case]| {
+        let words = |mean: Estimate| Cell::Text(with_rms(frame, mean.value) + &interval_words(&mean));
+        mean(group).map_or(Cell::Missing, words)
+    };
+    if frame.shape.is_swept(axis("alpha")) {
+        return by_width_and_light(
+            frame,
+            own,
+            |case| case.row(),
+            |group| words(&group.iter().map(|case| **case).collect::<Vec<_>>()),
+        );
+    }
+    let ways = distinct_in_order(all.iter().map(|case| frame.way(case.row())));
+    let of_way = |way: &String| all.iter().filter(|case| frame.way(case.row()) == *way).collect();
+    let rows = ways.iter().map(|way| (vec![Cell::Text(way.clone())], of_way(way)));
+    by_light(&["method"], rows.collect(), |case| case.row(), words)
 }
 
 fn mean(cases: &[&Case]) -> Option<Estimate> {
@@ -122,13 +143,13 @@ fn sentence(frame: &Frame, axes: &[usize], lead: &str, cases: &[&Case]) -> Optio
     let value = if percent.is_some() { value } else { format!("**{value}**") };
     let interval = interval_words(&middle);
     let mut text = format!("`{lead}` errs by a `{}` of {value}{interval}{rms}{scope}.", frame.metric_name());
-    let of = |own: &[&&Case]| mean(&own.iter().map(|case| **case).collect::<Vec<_>>()).map_or(f64::NAN, |one| one.value);
+    let of =
+        |own: &[&&Case]| mean(&own.iter().map(|case| **case).collect::<Vec<_>>()).map_or(f64::NAN, |one| one.value);
     if let Some((of, ends)) = extremes(cases, |case| case.row(), of, CHANGE_MIN) {
-        let [least, most] = ends.map(|(value, n)| format!("{} at {}", with_rms(frame, n), label(&[of], &[value])));
-        text += &format!(" Along {} it runs from {least} to {most}.", AXES[of].name);
+        text += &by_axis("it", of, &ends, |error| with_rms(frame, error));
     }
     text += &match cases.iter().any(|case| case.is_resolved(frame)) {
-        false => " That is within the reference's own noise: the true error may be smaller.".to_owned(),
+        false => " The reference's own noise shows in it: the true error may be smaller.".to_owned(),
         true => cases_sentence(&cases.iter().map(|case| case.row()).collect::<Vec<_>>(), axes, cases.len()),
     };
     Some(text)

@@ -63,8 +63,10 @@ const SEEN: &str = "more than 2 %";
 
 /// One row a slip, by its worst figure.
 fn digest(costs: &[Cost]) -> Table {
-    let names = ["document", "printed", "right", "quantity", "as printed", "right value", "light is wrong by"];
-    let mut table = Table::with_names(names.map(str::to_owned).to_vec());
+    let names = ["document", "printed", "right", "quantity", "as printed", "right value"].map(str::to_owned);
+    let seen = costs.iter().filter(|cost| is_seen(cost)).count();
+    let light = format!("light is wrong by ({seen} by {SEEN})");
+    let mut table = Table::with_names(names.into_iter().chain([light]).collect());
     for cost in costs {
         let light = match cost.light_ratio {
             None => "no amount of light".to_owned(),

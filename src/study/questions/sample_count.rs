@@ -10,7 +10,7 @@
 
 use super::break_even::lacks_methods;
 use super::conditions::{Along, along, change_of_sign, heading};
-use super::words::{cases_sentence, count, label, listed, number, short, with_interval};
+use super::words::{cases_sentence, count, label, listed, number, percent, short, with_interval};
 use super::{Finding, Question};
 use crate::runner::axis::AXES;
 use crate::runner::value::Value;
@@ -26,11 +26,20 @@ pub const QUESTION: Question = Question {
     asks: "Do so many samples a pixel suffice?",
     columns: &[
         Column { name: "fixed", about: "The method without samples that the row is held against." },
-        Column { name: "ratio", about: "Error over that of the method without samples; below 1 sampling is closer to the reference." },
+        Column {
+            name: "ratio",
+            about: "Error over that of the method without samples; below 1 sampling is closer to the reference.",
+        },
         Column { name: "is_resolved", about: "1 where both errors stand clear of the reference's noise, else 0." },
         Column { name: "flip", about: "Mean FLIP at the plain tone curve, mean over point sets." },
-        Column { name: "is_visible", about: "1 where that is at least 0.05, this project's limit of the visible, else 0." },
-        Column { name: "bias_share", about: "Squared bias over mean square error, 0 to 1; empty without [bias_variance]." },
+        Column {
+            name: "is_visible",
+            about: "1 where that is at least 0.05, this project's limit of the visible, else 0.",
+        },
+        Column {
+            name: "bias_share",
+            about: "Squared bias over mean square error; as an unbiased estimate it may fall below 0. Empty without [bias_variance].",
+        },
     ],
     uses_times: false,
     lacks,
@@ -163,7 +172,10 @@ fn sentence(frame: &Frame, axes: &[usize], lead: &[&Case]) -> Option<String> {
         }
         None if own.len() == 1 => {
             let light = short(axis("environment"), &first.fixed.point.0[axis("environment")]);
-            vec![format!("{at} `{method}` has {} times the `{metric}` of `{fixed}`, under {light}.", number(pooled.value))]
+            vec![format!(
+                "{at} `{method}` has {} times the `{metric}` of `{fixed}`, under {light}.",
+                number(pooled.value)
+            )]
         }
         None => vec![format!(
             "{at} `{method}` has {} times the `{metric}` of `{fixed}`; it wins in {wins} of {} cases.",
@@ -181,7 +193,7 @@ fn sentence(frame: &Frame, axes: &[usize], lead: &[&Case]) -> Option<String> {
         });
     }
     if let Some(share) = mean(own.iter().filter_map(|case| case.point.bias_share())) {
-        parts.push(format!("Bias, which more samples leave, is {} of the square error.", number(share)));
+        parts.push(format!("Bias, which more samples leave, is {} of the square error.", percent(share)));
     }
     let rows: Vec<&Row> = own.iter().map(|case| case.row()).collect();
     parts.push(cases_sentence(&rows, axes, own.len()).trim().to_owned());
@@ -224,7 +236,8 @@ fn capital(text: &str) -> String {
 fn digest(frame: &Frame, all: &[Case], pairs: &[(Value, Value)]) -> Table {
     let refs: Vec<&Case> = all.iter().collect();
     let usual = [axis("alpha"), axis("environment")].into_iter().find(|of| frame.shape.is_swept(*of));
-    let lead: Vec<&Case> = refs.iter().copied().filter(|case| pairs.first().is_some_and(|names| case.is_of(names))).collect();
+    let lead: Vec<&Case> =
+        refs.iter().copied().filter(|case| pairs.first().is_some_and(|names| case.is_of(names))).collect();
     let told: Vec<&Case> = lead.iter().copied().filter(|case| Some(case.point.samples) == told_count(&lead)).collect();
     let of = change_of_sign(frame, &told, |case| case.row(), ratio_value).map(|(of, _)| of).or(usual);
     let values = of.map_or_else(Vec::new, |of| {
@@ -242,10 +255,13 @@ fn digest(frame: &Frame, all: &[Case], pairs: &[(Value, Value)]) -> Table {
         counts.sort_unstable();
         for samples in counts {
             let at: Vec<&Case> = own.iter().copied().filter(|case| case.point.samples == samples).collect();
-            let mut row = vec![Cell::Text(pair.0.to_string()), Cell::Text(pair.1.to_string()), Cell::Integer(samples.into())];
+            let mut row =
+                vec![Cell::Text(pair.0.to_string()), Cell::Text(pair.1.to_string()), Cell::Integer(samples.into())];
             let groups = of.map_or_else(Vec::new, |of| along(&at, |case| case.row(), of, ratio_value));
             let group = |value: &Value| groups.iter().find(|(known, _)| known == value).map(|(_, ratio)| *ratio);
-            row.extend(values.iter().map(|value| group(value).map_or(Cell::Missing, |ratio| Cell::Text(number(ratio)))));
+            row.extend(
+                values.iter().map(|value| group(value).map_or(Cell::Missing, |ratio| Cell::Text(number(ratio)))),
+            );
             let is_pooled = change_of_sign(frame, &at, |case| case.row(), ratio_value).is_none();
             let pooled = ratio(&at).filter(|_| is_pooled);
             row.push(pooled.map_or(Cell::Missing, |pooled| Cell::Text(with_interval(&pooled))));
@@ -255,7 +271,7 @@ fn digest(frame: &Frame, all: &[Case], pairs: &[(Value, Value)]) -> Table {
             row.push(Cell::Integer(at.iter().filter(|case| case.is_visible()).count() as u64));
             if has_bias {
                 let share = mean(at.iter().filter_map(|case| case.point.bias_share()));
-                row.push(share.map_or(Cell::Missing, |share| Cell::Text(number(share))));
+                row.push(share.map_or(Cell::Missing, |share| Cell::Text(percent(share))));
             }
             table.row(row);
         }
@@ -273,7 +289,7 @@ fn figure(frame: &Frame, axes: &[usize], all: &[Case], pairs: &[(Value, Value)])
     let width = |case: &Case| case.fixed.point.0[alpha].clone();
     let widths = if is_by_alpha { ascending(distinct_in_order(all.iter().map(width))) } else { Vec::new() };
     let x = Scale::log("samples a pixel", all.iter().map(|case| f64::from(case.point.samples)))?;
-    let y = Scale::log("error over that of the method without samples", all.iter().map(|case| case.ratio).chain([1.0]))?;
+    let y = Scale::log("ratio of errors", all.iter().map(|case| case.ratio).chain([1.0]))?;
     let lights = distinct_in_order(all.iter().map(|case| case.fixed.point.0[environment].clone()));
     let places = pairs.iter().flat_map(|pair| lights.iter().map(move |light| (pair, light)));
     let panel = |(pair, light): (&(Value, Value), &Value)| {

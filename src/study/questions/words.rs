@@ -36,12 +36,26 @@ pub fn with_rms(frame: &Frame, error: f64) -> String {
     }
 }
 
-/// "a", "a and b", "a, b and c"; of more than four the first three and how many more.
+/// " By alpha it runs from 16 for alpha 0.5 to 64 for alpha 0.05."
+pub fn by_axis(subject: &str, of: usize, ends: &[(Value, f64); 2], words: impl Fn(f64) -> String) -> String {
+    let [least, most] = ends.each_ref().map(|(value, n)| {
+        let place = label(&[of], std::slice::from_ref(value));
+        format!("{} for {place}", words(*n))
+    });
+    format!(" By {} {subject} runs from {least} to {most}.", AXES[of].name)
+}
+
+/// A part of 1 in percent; an estimate that falls below 0 is 0.
+pub fn percent(part: f64) -> String {
+    format!("{:.0} %", 100.0 * part.max(0.0))
+}
+
+/// "a", "a and b", "a, b and c"; of more than four the first three and "others".
 pub fn listed(words: &[String]) -> String {
     match words {
         [] => String::new(),
         [one] => one.clone(),
-        [a, b, c, _, rest @ ..] if !rest.is_empty() => format!("{a}, {b}, {c} and {} more", words.len() - 3),
+        [a, b, c, _, _, ..] => format!("{a}, {b}, {c} and others"),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
 }
@@ -71,11 +85,6 @@ pub fn short(axis: usize, value: &Value) -> String {
         Some(formula) => formula.to_owned(),
         None => Path::new(&text).file_stem().map_or(text.clone(), |stem| stem.to_string_lossy().into_owned()),
     }
-}
-
-/// `25 %` of 0.25, `-25 %` of -0.25.
-pub fn percent(share: f64) -> String {
-    format!("{} %", number(100.0 * share))
 }
 
 /// "6 levels", "256x128": the value of an axis in a sentence; a bare number after the name of its axis.

@@ -25,6 +25,8 @@ pub struct Log {
     pub broken_method: Option<&'static str>,
     /// Whether a render fails.
     pub broken: Option<fn(&RenderRequest) -> bool>,
+    /// The relative error of `split-sum`, where not [`SPLIT_SUM_ERROR`].
+    pub split_sum_error: Option<fn(&RenderRequest) -> f32>,
     /// Renders until the device is lost.
     pub renders_left: Option<usize>,
     /// What the device is called, where not `fake`.
@@ -93,7 +95,7 @@ impl Renderer for Fake {
         log.renders.push((request.method.name.to_owned(), request.samples));
         let factor = match request.method.name {
             "reference" => 1.0,
-            "split-sum" => 1.0 + SPLIT_SUM_ERROR,
+            "split-sum" => 1.0 + log.split_sum_error.map_or(SPLIT_SUM_ERROR, |error| error(request)),
             _ => 1.0 + ERROR_AT_ONE / (request.samples as f32).sqrt() + set_error(request.point_set),
         };
         let alpha = request.scene.materials.first().map_or(0.5, |m| m.alpha);

@@ -1,33 +1,10 @@
-//! Break-even, order statistics and dates against values worked out by hand.
+//! Order statistics and dates against values worked out by hand.
 
 use splitsum::runner::date_utc;
 use splitsum::runner::statistics::{INTERVAL_SAMPLES_MIN, Random, drift, median_interval, median_order};
 use splitsum::runner::timing::summarize;
 use splitsum::runner::timing_ratios::{Verdict, verdict};
-use splitsum::study::answers::break_even::{BreakEven, break_even, median};
 use std::f64::consts::LN_2;
-
-#[test]
-fn break_even_is_the_first_count_from_which_all_are_better() {
-    let curve = [(1, 0.9), (4, 0.3), (16, 0.6), (64, 0.2), (256, 0.1)];
-    assert_eq!(break_even(&curve, 1.0), BreakEven::From(1));
-    assert_eq!(break_even(&curve, 0.5), BreakEven::From(64), "the dip at 4 does not last");
-    assert_eq!(break_even(&curve, 0.2), BreakEven::From(256), "equal is not better");
-    assert_eq!(break_even(&curve, 0.05), BreakEven::Above(256));
-    let shuffled = [(256, 0.1), (1, 0.9), (64, 0.2), (16, 0.6), (4, 0.3)];
-    assert_eq!(break_even(&shuffled, 0.5), BreakEven::From(64));
-    assert_eq!(break_even(&[(4, f64::NAN)], 0.5), BreakEven::Above(4));
-    assert_eq!(break_even(&[], 0.5), BreakEven::Above(0));
-}
-
-#[test]
-fn the_median_of_break_evens_puts_never_last() {
-    use BreakEven::{Above, From};
-    assert_eq!(median(&[Above(64), From(4), From(16)]), Some(From(16)));
-    assert_eq!(median(&[Above(64), From(4)]), Some(Above(64)), "the upper one of two");
-    assert_eq!(median(&[]), None);
-    assert_eq!(Above(64).to_string(), "> 64");
-}
 
 #[test]
 fn order_statistics_of_five_and_of_no_samples() {

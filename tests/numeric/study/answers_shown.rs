@@ -148,35 +148,6 @@ fn a_range_is_told_in_the_room_of_a_cell() {
 }
 
 #[test]
-fn printed_slips_are_named_by_what_they_cost() {
-    let mut made = Made::new(&["environment", "method", "samples"]);
-    for (environment, factor) in [("builtin:sky", 2.0), ("builtin:studio", 8.0)] {
-        made.add(&[environment, "sampled", "40"], 0.1);
-        made.add(&[environment, "seed0-literal", "40"], 0.1 * factor);
-    }
-    let dir = tempfile::tempdir().unwrap();
-    let slips = "document,printed,right,quantity,printed_value,right_value\n0,`a`,`b`,\"albedo, n·v 0.1\",0.5,0.6\n0,`a`,`b`,\"albedo, n·v 1\",3,0.6\n\
-                 1,`c`,`d`,\"reflectance, v = n\",0.4,0.04\n1,`e`,`f`,\"albedo, n·v 0.5\",0.505,0.5\n4,`g`,`h`,\"rotation, degrees\",120,0\n";
-    std::fs::write(dir.path().join("printed_slips.csv"), slips).unwrap();
-    let (_, answered) = made.answers(dir.path(), [1.0; 3]);
-    let answer = &answered.record.answer;
-    assert_eq!(answer.number, "2 of 4");
-    let sentence = "The slip that costs most makes light wrong by a factor of 10.0: document 1, `c`: 0.400 instead of 0.0400 (reflectance, v = n); \
-                    2 of the 4 slips change light by more than 2.0 %, which is seen side by side.";
-    assert_eq!(answer.sentence, sentence);
-    let has = |words: &str| answer.facts.iter().any(|fact| fact.contains(words));
-    assert!(has("A factor of 5.00: document 0, `a`: 3.00 instead of 0.600 (albedo, n·v 1)."), "{:#?}", answer.facts);
-    assert!(has("Not seen, by at most 2.0 % of the light: document 1, `e`"), "{:#?}", answer.facts);
-    assert!(has("The figures of the other 1 slip are no ratios of light"), "{:#?}", answer.facts);
-    // Environment by environment, and no mean over them.
-    assert!(
-        has("seed0-literal instead of sampled multiplies the error at 40 samples by 2.00 in sky and 8.00 in studio."),
-        "{:#?}",
-        answer.facts
-    );
-}
-
-#[test]
 fn published_runs_have_a_page() {
     let mut made = Made::new(&["method", "samples"]);
     made.add(&["split-sum", ""], 0.3);

@@ -1,7 +1,6 @@
 //! What answers must not do: speak of damaged tables, count one image twice, claim what no interval supports, leave gaps unnamed.
 
 use super::answers::Made;
-use splitsum::runner::timing_ratios::{Payback, Verdict, verdict};
 use splitsum::study::answers::Answered;
 use splitsum::study::answers::break_even::BreakEven;
 use splitsum::study::answers::plot::scale::tick_text;
@@ -182,31 +181,6 @@ fn the_same_linear_image_under_many_exposures_counts_once() {
     assert!(
         answered.record.answer.facts.iter().chain([&answered.record.answer.sentence]).all(|s| !s.contains("6 cells"))
     );
-}
-
-#[test]
-fn tables_are_paid_only_where_the_ratio_is_decided() {
-    // A frame of 2 ms, tables of 30 ms.
-    let of = |ratio, interval, rounds| Payback::new(ratio, interval, rounds, 2.0, 30.0);
-    assert_eq!(of(2.0, [1.75, 2.5], 15), Payback::Frames { count: 15.0, interval: [10.0, 20.0] });
-    assert_eq!(of(2.0, [1.75, 2.5], 15).to_string(), "15 (10 to 20)");
-    assert_eq!(of(0.5, [0.4, 0.6], 15), Payback::Never);
-    for (ratio, interval, rounds, said, why) in [
-        (
-            1.2,
-            [0.9, 1.5],
-            15,
-            Verdict::Ambiguous,
-            "not decided: the interval of the ratio leaves open whose frames are faster",
-        ),
-        (2.0, [1.75, 2.5], 5, Verdict::Ambiguous, "not decided: too few rounds for an interval"),
-        (1.005, [1.0, 1.01], 15, Verdict::Same, "not decided: frames within 2 % of each other"),
-    ] {
-        assert_eq!(verdict(interval, rounds), said);
-        let payback = of(ratio, interval, rounds);
-        assert_eq!((payback.frames(), payback.to_string().as_str()), (None, why));
-    }
-    assert_eq!(Payback::new(2.0, [1.75, 2.5], 15, 2.0, f64::NAN), Payback::NotTimed);
 }
 
 #[test]

@@ -1,13 +1,12 @@
-//! Times of tables where what they are made with is swept: each configuration has the tables of its own axes.
+//! Two methods timed together, and when tables have paid for themselves, of times that are known.
 
-use super::answers::Made;
-use crate::runner::runs::{fakes, invoke, log, options, plan};
+use super::runs::{fakes, invoke, log, options, plan};
 use splitsum::runner::store::Store;
 use splitsum::runner::tables::timing_ratios;
 use splitsum::runner::timing::TimingRecord;
-use splitsum::runner::timing_ratios::{Payback, ratios};
+use splitsum::runner::timing_ratios::{Payback, Verdict, ratios, verdict};
 use splitsum::runner::{MakeRenderer, Progress, run};
-use splitsum::study::answers::run_folder::RunFolder;
+use splitsum::study::finished::Finished;
 use splitsum::table::csv::Table;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -15,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 const AXES: [&str; 7] = ["brdf", "method", "diffuse", "samples", "masking", "storage_format", "prefilter_sample_count"];
 
 /// A record of seven rounds that all take `ms`; `axes` by name, `passes` by name and time.
-fn record(phase: &str, axes: &[(&str, &str)], passes: &[(&str, f64)]) -> TimingRecord {
+pub fn record(phase: &str, axes: &[(&str, &str)], passes: &[(&str, f64)]) -> TimingRecord {
     let value = |name: &str| axes.iter().find(|(axis, _)| *axis == name).map_or("", |(_, value)| *value);
     let all: serde_json::Map<_, _> = AXES.iter().map(|name| (name.to_string(), value(name).into())).collect();
     let passes: Vec<_> =
@@ -23,14 +22,14 @@ fn record(phase: &str, axes: &[(&str, &str)], passes: &[(&str, f64)]) -> TimingR
     // Blocks share what is not compared.
     let block = format!("{} {}", value("brdf"), value("masking"));
     serde_json::from_value(serde_json::json!({
-        "cell": "0000", "phase": phase, "block": block, "environment_size": [8, 4], "size": [24, 24], "axes": all, "warmup": 1,
-        "passes": passes, "wall_ms": vec![1.0; 7], "device": "paper", "device_type": "cpu", "driver": "pencil",
+        "cell": "0000", "phase": phase, "block": block, "environment_size": [8, 4], "size": [256, 256], "axes": all, "warmup": 1,
+        "passes": passes, "wall_ms": vec![1.0; 7], "device": "slate", "device_type": "cpu", "driver": "pencil",
     }))
     .unwrap()
 }
 
 /// Tables of 40 and 382 ms by their samples, doubled by another masking; frames of 2 ms without samples and 6 with.
-fn swept() -> Vec<TimingRecord> {
+pub fn swept() -> Vec<TimingRecord> {
     let mut records = Vec::new();
     for (masking, factor) in [("separable", 1.0), ("height-correlated", 2.0)] {
         let of = |method: &'static str, further: &[(&'static str, &'static str)]| {
@@ -112,55 +111,12 @@ fn two_methods_of_one_kind_are_compared_at_the_same_count() {
     assert_eq!(ratios(&formats).len(), 2);
 }
 
-/// The answers of a run with these records.
-fn answered(dir: &Path, records: &[TimingRecord]) -> (splitsum::study::answers::Answers, String, String, Table) {
-    let mut made = Made::new(&["size", "brdf", "method", "diffuse", "samples", "masking", "storage_format"]);
-    made.add(&["24x24", "ggx", "split-sum", "none", "", "separable", "f32"], 0.3);
-    made.add(&["24x24", "ggx", "sampled", "none", "40", "separable", ""], 0.2);
-    std::fs::create_dir(dir.join("timings")).unwrap();
-    for (i, record) in records.iter().enumerate() {
-        std::fs::write(dir.join(format!("timings/{i:016x}.json")), serde_json::to_string(record).unwrap()).unwrap();
-    }
-    let (answers, answered) = made.answers(dir, [1.0; 3]);
-    let text = &answered.files.iter().find(|(name, _)| name == "table_times.csv").unwrap().1;
-    std::fs::write(dir.join("copy.csv"), text).unwrap();
-    let sentence = format!("{} {}", answered.record.answer.sentence, answered.record.answer.facts.join(" "));
-    (answers, answered.summary, sentence, Table::read(&dir.join("copy.csv")).unwrap())
-}
-
-#[test]
-fn alternative_tables_are_a_range_and_never_a_sum() {
-    let dir = tempfile::tempdir().unwrap();
-    let records: Vec<TimingRecord> =
-        swept().into_iter().filter(|record| record.axes["masking"] == "separable").collect();
-    let (answers, summary, words, table) = answered(dir.path(), &records);
-    for part in
-        ["cost 40.0 to 382 ms, by prefilter_sample_count, once for each map and model", "prefilter 30.0 to 372 ms"]
-    {
-        assert!(words.contains(part), "{words}");
-    }
-    assert!(!words.contains("422"), "{words}");
-    assert!(table.column("prefilter_sample_count").is_ok() && table.column("masking").is_err(), "{:?}", table.columns);
-    assert!(summary.contains("| prefilter_sample_count |"), "{summary}");
-    assert_eq!(answers.frame_ratios.iter().map(|ratio| ratio.paybacks.len()).collect::<Vec<_>>(), [2, 2, 2]);
-
-    let dir = tempfile::tempdir().unwrap();
-    let (_, summary, _, table) = answered(dir.path(), &swept());
-    assert!(summary.contains("masking"), "{summary}");
-    let keys = ["brdf", "method", "diffuse", "masking", "prefilter_sample_count", "pass"];
-    let keys = keys.map(|name| table.column(name).unwrap());
-    let mut seen: Vec<_> = table.rows.iter().map(|row| keys.map(|column| row[column].clone())).collect();
-    seen.sort();
-    seen.dedup();
-    assert_eq!((seen.len(), table.rows.len()), (14, 14));
-}
-
 #[test]
 fn the_published_ratios_are_those_of_their_records() {
     for name in ["timing", "break-even", "quick"] {
         let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("results").join(name);
         let published = Table::read(&dir.join("timing_ratios.csv")).unwrap();
-        let (columns, rows) = timing_ratios(&RunFolder::read(&dir).unwrap().timings);
+        let (columns, rows) = timing_ratios(&Finished::read(&dir).unwrap().timings);
         let made = tempfile::tempdir().unwrap();
         Store::at(made.path()).write_table("made.csv", &columns, rows.into_iter().map(Ok)).unwrap();
         let mut made = Table::read(&made.path().join("made.csv")).unwrap();
@@ -192,7 +148,7 @@ impl Progress for Counter {
 #[test]
 fn progress_ends_at_its_end_when_a_block_is_timed_anew() {
     let (dir, log) = (tempfile::tempdir().unwrap(), log());
-    let plan = plan(&format!("{}[timing]\nwarmup = 1\nrounds = 3\n", crate::runner::run::EXPERIMENT));
+    let plan = plan(&format!("{}[timing]\nwarmup = 1\nrounds = 3\n", super::run::EXPERIMENT));
     invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
     let frames = splitsum::runner::timing::jobs(&plan);
     let one = frames.iter().find(|job| job.phase == "frame").unwrap();
@@ -200,4 +156,29 @@ fn progress_ends_at_its_end_when_a_block_is_timed_anew() {
     let (stop, mut counter) = (AtomicBool::new(false), Counter::default());
     run(&plan, &mut fakes(&log) as &mut MakeRenderer, &options(dir.path(), &stop), &mut counter).unwrap();
     assert_eq!(counter.done, counter.total);
+}
+
+#[test]
+fn tables_are_paid_only_where_the_ratio_is_decided() {
+    // A frame of 2 ms, tables of 30 ms.
+    let of = |ratio, interval, rounds| Payback::new(ratio, interval, rounds, 2.0, 30.0);
+    assert_eq!(of(2.0, [1.75, 2.5], 15), Payback::Frames { count: 15.0, interval: [10.0, 20.0] });
+    assert_eq!(of(2.0, [1.75, 2.5], 15).to_string(), "15 (10 to 20)");
+    assert_eq!(of(0.5, [0.4, 0.6], 15), Payback::Never);
+    for (ratio, interval, rounds, said, why) in [
+        (
+            1.2,
+            [0.9, 1.5],
+            15,
+            Verdict::Ambiguous,
+            "not decided: the interval of the ratio leaves open whose frames are faster",
+        ),
+        (2.0, [1.75, 2.5], 5, Verdict::Ambiguous, "not decided: too few rounds for an interval"),
+        (1.005, [1.0, 1.01], 15, Verdict::Same, "not decided: frames within 2 % of each other"),
+    ] {
+        assert_eq!(verdict(interval, rounds), said);
+        let payback = of(ratio, interval, rounds);
+        assert_eq!((payback.frames(), payback.to_string().as_str()), (None, why));
+    }
+    assert_eq!(Payback::new(2.0, [1.75, 2.5], 15, 2.0, f64::NAN), Payback::NotTimed);
 }

@@ -1,0 +1,304 @@
+//! Break-even, convergence, error and sample count of made-up runs whose answers are known.
+
+use super::made::{Made, column, finding, finished, numbers};
+use crate::runner::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
+use crate::runner::runs;
+use splitsum::runner::axis::Point;
+use splitsum::runner::value::Value;
+use splitsum::study::finished::Finished;
+use splitsum::study::questions::Finding;
+use splitsum::table::csv::Cell;
+
+/// f64 arithmetic of a few logarithms.
+const F64: f64 = 1e-9;
+
+fn samples(point: &Point) -> Option<f64> {
+    match point.get("samples") {
+        Value::Count(n) => Some(f64::from(*n)),
+        _ => None,
+    }
+}
+
+fn text(finding: &Finding, name: &str) -> Vec<String> {
+    let text = |cell: &&Cell| match cell {
+        Cell::Text(text) => text.clone(),
+        other => panic!("{other:?}"),
+    };
+    column(finding, name).iter().map(text).collect()
+}
+
+/// Rows of the digest as text.
+fn digest(finding: &Finding) -> Vec<Vec<String>> {
+    let digest = finding.digest.as_ref().unwrap();
+    digest.rows.iter().map(|row| row.iter().map(splitsum::study::table::shown).collect()).collect()
+}
+
+const CURVES: &str = "method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16, 64, 256]\n";
+
+#[test]
+fn a_run_has_the_break_even_of_its_error_model() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), runs::plan(crate::runner::run::EXPERIMENT));
+    runs::finished(&plan, dir.path());
+    let run = Finished::read(dir.path()).unwrap();
+    let found = finding(&run, "break-even");
+    // 0.4 / sqrt(4) = 0.2 is above the fixed 0.15, 0.4 / sqrt(16) = 0.1 below it: the tried counts are 1, 4 and 16.
+    assert_eq!(numbers(&found, "break_even"), [16.0; 4]);
+    assert!(numbers(&found, "is_resolved").iter().all(|is| *is == 1.0));
+    // Squared errors 0.16 / n meet 0.0225.
+    let crossing = f64::from(ERROR_AT_ONE / SPLIT_SUM_ERROR).powi(2);
+    assert!(numbers(&found, "crossing").iter().all(|n| (n / crossing - 1.0).abs() < 1e-3));
+    // And its squared error falls with the count.
+    let found = finding(&run, "convergence");
+    assert!(numbers(&found, "slope").iter().all(|slope| slope.is_nan() || (slope + 1.0).abs() < 1e-3));
+    assert!(numbers(&found, "stops_at").iter().all(|n| n.is_nan()));
+}
+
+#[test]
+fn the_break_even_is_the_first_count_from_which_all_are_better() {
+    // By alpha the error of the split sum: always above, between, never; the dip at 4 does not last; equal is not better.
+    let cases = [(0.1, 1.0), (0.2, 0.5), (0.3, 0.05), (0.4, 0.1)];
+    let curve = [(1.0, 0.9), (4.0, 0.3), (16.0, 0.6), (64.0, 0.2), (256.0, 0.1)];
+    let run = finished(&format!("{CURVES}alpha = [0.1, 0.2, 0.3, 0.4]\n"), |point| {
+        let fixed = cases.iter().find(|(alpha, _)| *alpha == point.get("alpha").number()).unwrap().1;
+        let sampled = |n: f64| curve.iter().find(|(count, _)| *count == n).unwrap().1;
+        Some(Made::error(samples(point).map_or(fixed, sampled)))
+    });
+    let found = finding(&run, "break-even");
+    let counts = numbers(&found, "break_even");
+    assert_eq!(counts[..2], [1.0, 64.0]);
+    assert!(counts[2].is_nan() && counts[3].is_nan(), "{counts:?}");
+    assert_eq!(numbers(&found, "largest_tried"), [256.0; 4]);
+    let crossings = numbers(&found, "crossing");
+    assert!(crossings[0].is_nan(), "below the smallest count nothing is known");
+    // ln 0.6 to ln 0.2 over a factor of four, at ln 0.5.
+    let expected = 16.0 * 4f64.powf((0.6f64 / 0.5).ln() / (0.6f64 / 0.2).ln());
+    assert!((crossings[1] - expected).abs() < 1e-9, "{crossings:?}");
+    // The upper median, with "above" last: two of four do not break even.
+    let rows = digest(&found);
+    assert_eq!(rows.last().unwrap()[2], "more than 256");
+    assert_eq!(rows[..3].iter().map(|row| row[2].as_str()).collect::<Vec<_>>(), ["1", "64", "more than 256"]);
+    assert!(found.sentence.contains("from 1 for alpha 0.1 to more than 256 for alpha 0.3"), "{}", found.sentence);
+}
+
+/// Errors 4/n under environments whose split sum has an error that breaks even at these counts.
+fn under(fixed: &[f64]) -> Finished {
+    let names: Vec<String> = (0..fixed.len()).map(|i| format!("\"builtin:sky:elevation_deg={}\"", 10 + i)).collect();
+    finished(&format!("environment = [{}]\n{CURVES}", names.join(", ")), |point| {
+        let place = names.iter().position(|name| name.trim_matches('"') == point.get("environment").text()).unwrap();
+        Some(Made::error(samples(point).map_or(fixed[place], |n| 4.0 / n)))
+    })
+}
+
+#[test]
+fn a_median_has_an_interval_from_six_environments_on() {
+    // 4/n lies below 0.3 from 16 on, below 2 from 4 on.
+    let few = finding(&under(&[0.3, 2.0, 0.3, 0.3, 0.3]), "break-even");
+    assert!(!few.sentence.contains("95 %") && few.sentence.contains("**16 samples"), "{}", few.sentence);
+    let many = finding(&under(&[0.3, 2.0, 0.3, 0.3, 2.0, 0.3, 0.3, 2.0]), "break-even");
+    assert!(many.sentence.contains("**16 samples a pixel** (95 % 4 to 16)"), "{}", many.sentence);
+    // An interval that is open, or wider than a decade, is not told.
+    let open = finding(&under(&[0.3, 1e-6, 0.3, 0.3, 1e-6, 0.3, 0.3, 1e-6]), "break-even");
+    assert!(!open.sentence.contains("95 %"), "{}", open.sentence);
+}
+
+#[test]
+fn one_case_is_one_case() {
+    let run = finished(CURVES, |point| Some(Made::error(samples(point).map_or(0.3, |n| 4.0 / n))));
+    for name in ["break-even", "convergence", "error", "sample-count"] {
+        let found = finding(&run, name);
+        assert!(!found.sentence.contains("case") && !found.sentence.contains("median"), "{}", found.sentence);
+    }
+    let fewest = finished(&CURVES.replace("[1, 4, ", "[4, "), |point| {
+        Some(Made::error(samples(point).map_or(2.0, |n| 4.0 / n)))
+    });
+    let sentence = finding(&fewest, "break-even").sentence;
+    assert!(sentence.contains("at most 4"), "fewer were not tried: {sentence}");
+}
+
+#[test]
+fn a_method_that_ignores_an_axis_stands_beside_every_value_of_it() {
+    let run = finished(&format!("{CURVES}dfg_size = [16, 32, 64]\n"), |point| {
+        Some(Made::error(samples(point).map_or(0.3 + point_size(point), |n| 4.0 / n)))
+    });
+    assert_eq!(run.cells.len(), 5 + 3);
+    let found = finding(&run, "break-even");
+    assert_eq!(numbers(&found, "dfg_size"), [16.0, 32.0, 64.0]);
+    assert_eq!(numbers(&found, "break_even"), [16.0; 3]);
+}
+
+fn point_size(point: &Point) -> f64 {
+    match point.get("dfg_size") {
+        Value::Count(n) => f64::from(*n) * 1e-3,
+        _ => 0.0,
+    }
+}
+
+#[test]
+fn a_slope_is_fitted_above_the_noise_only() {
+    let run = finished("method = [\"sampled\"]\nsamples = [1, 4, 16, 64, 256, 1024]\n", |point| {
+        // 1/n down to the reference's noise, where it stays: 100 floors of a mean square are ten of a difference.
+        let n = samples(point).unwrap();
+        Some(Made { floor: 5e-3 / 50.0, ..Made::error((1.0 / n).max(5e-3)) })
+    });
+    let found = finding(&run, "convergence");
+    let slopes = numbers(&found, "slope");
+    assert!(slopes.iter().all(|slope| (slope + 1.0).abs() < F64), "{slopes:?}");
+    assert_eq!(numbers(&found, "is_resolved"), [1.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
+    assert!(numbers(&found, "stops_at").iter().all(|n| n.is_nan()), "the noise of the reference is no bias");
+    assert!(numbers(&found, "slope_standard_error").iter().all(|error| *error < F64));
+    assert!(found.sentence.contains("by **2.0**"), "{}", found.sentence);
+}
+
+#[test]
+fn an_error_stops_falling_at_its_bias() {
+    // Variance 1/n over a squared bias of 0.1: a doubling takes off (1/n - 1/2n)/(1/n + 0.1), less than a tenth from about 40 on.
+    let run = finished("method = [\"sampled\"]\nsamples = { pow2 = [0, 9] }\nalpha = [0.1, 0.5]\n", |point| {
+        let (n, bias) = (samples(point).unwrap(), if point.get("alpha").number() == 0.1 { 0.1 } else { 0.0 });
+        Some(Made { bias_variance: Some([bias, 1.0 / n]), ..Made::error(1.0 / n + bias) })
+    });
+    let found = finding(&run, "convergence");
+    let stops = numbers(&found, "stops_at");
+    assert!(stops[..10].iter().all(|n| *n == 64.0) && stops[10..].iter().all(|n| n.is_nan()), "{stops:?}");
+    let shares = numbers(&found, "bias_share");
+    assert!((shares[0] - 0.1 / 1.1).abs() < F64 && shares[19] == 0.0, "{shares:?}");
+    assert!(found.sentence.contains("In 1 of 2 cases it stops falling, from 64 samples on."), "{}", found.sentence);
+}
+
+#[test]
+fn an_error_is_told_as_a_root_mean_square() {
+    let run = finished("method = [\"sampled\", \"split-sum\"]\nsamples = [4, 64]\nalpha = [0.1, 0.5]\n", |point| {
+        let at = if point.get("alpha").number() == 0.1 { 0.01 } else { 0.04 };
+        Some(Made::error(samples(point).map_or(at, |n| at / n)))
+    });
+    let found = finding(&run, "error");
+    assert_eq!(text(&found, "method"), ["sampled", "sampled", "sampled", "sampled", "split-sum", "split-sum"]);
+    let percents = numbers(&found, "rms_percent");
+    assert!((percents[4] - 10.0).abs() < F64 && (percents[5] - 20.0).abs() < F64, "{percents:?}");
+    // The method without samples leads; the geometric mean of 0.01 and 0.04 is 0.02.
+    assert!(
+        found.sentence.contains("`split-sum` errs by a") && found.sentence.contains("of 0.020"),
+        "{}",
+        found.sentence
+    );
+    assert!(
+        found.sentence.contains("0.010 (10 % rms) for alpha 0.1 to 0.040 (20 % rms) for alpha 0.5"),
+        "{}",
+        found.sentence
+    );
+    let rows = digest(&found);
+    assert_eq!(rows[0], ["0.1", "0.316", "0.010 (10 % rms)"]);
+    // A metric that is no mean square has no root.
+    let frame = splitsum::study::frame::Frame::new(&run, Some("rmse"));
+    let question = splitsum::study::questions::question("error").unwrap();
+    let of_rmse = (question.answer)(&frame).unwrap();
+    assert!(!of_rmse.sentence.contains('%') && of_rmse.sentence.contains("`rmse`"), "{}", of_rmse.sentence);
+    assert!(numbers(&of_rmse, "rms_percent").iter().all(|x| x.is_nan()));
+}
+
+#[test]
+fn higher_scores_are_lower_errors() {
+    let run = finished("method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]\n", |point| {
+        // In dB: sampling passes the split sum between 4 and 16 samples.
+        Some(Made::error(samples(point).map_or(35.0, |n| 20.0 + 10.0 * n.log2() / 2.0)))
+    });
+    let frame = splitsum::study::frame::Frame::new(&run, Some("psnr"));
+    let found = (splitsum::study::questions::question("break-even").unwrap().answer)(&frame).unwrap();
+    assert_eq!(numbers(&found, "break_even"), [16.0]);
+}
+
+#[test]
+fn so_many_samples_are_held_against_the_split_sum_and_the_eye() {
+    let axes = "environment = [\"builtin:sky\", \"builtin:studio\"]\nbrdf = [\"ggx\", \"phong\"]\n\
+                method = [\"sampled\", \"split-sum\"]\nsamples = [10, 30, 40, 80]\npoint_set = [0, 1]\n";
+    let run = finished(axes, |point| {
+        let scale = if point.get("environment").text() == "builtin:sky" { 1.0 } else { 2.0 };
+        let luck = if point.get("brdf").text() == "ggx" { 1.0 } else { 4.0 };
+        let (error, flip) = match samples(point) {
+            Some(10.0) => (2.0, 0.2),
+            Some(30.0) => (0.5, 0.06),
+            Some(40.0) => (0.125, 0.04),
+            Some(_) => (0.1, 0.02),
+            None => return Some(Made { flip: 0.2, ..Made::error(scale) }),
+        };
+        let set = if *point.get("point_set") == Value::Count(0) { 1.5 } else { 1.0 / 1.5 };
+        Some(Made { flip, bias_variance: Some([0.25, 0.75]), ..Made::error(scale * luck * error * set) })
+    });
+    let found = finding(&run, "sample-count");
+    let (counts, ratios) = (numbers(&found, "samples"), numbers(&found, "ratio"));
+    let at = |n: f64| -> Vec<f64> {
+        let own = counts.iter().zip(&ratios).filter(|(count, _)| **count == n);
+        own.map(|(_, ratio)| *ratio).collect()
+    };
+    // Two environments of ggx and phong, whatever the scale: the geometric mean over both point sets.
+    let close = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < F64);
+    assert!(close(&at(40.0), &[0.125, 0.5, 0.125, 0.5]), "{:?}", at(40.0));
+    assert!(close(&at(30.0), &[0.5, 2.0, 0.5, 2.0]), "{:?}", at(30.0));
+    let visible: f64 = numbers(&found, "is_visible").iter().sum();
+    assert_eq!(visible, 8.0, "10 and 30 samples in four cases");
+    // The default of the axis is told. The geometric mean of 1/8 and 1/2 is 1/4.
+    assert!(found.sentence.starts_with("At **40 samples a pixel** `sampled` has 0.25 times"), "{}", found.sentence);
+    assert!(
+        found.sentence.contains("wins in 4 of 4 cases") && found.sentence.contains("visible in 0 of 4 cases"),
+        "{}",
+        found.sentence
+    );
+    assert!(found.sentence.contains("25 % of the square error"), "{}", found.sentence);
+}
+
+#[test]
+fn a_change_of_sign_is_told_along_its_axis_and_not_averaged() {
+    let axes = "environment = [\"builtin:sky\", \"builtin:studio\"]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [40, 80]\n";
+    let ratios = [(0.05, 4.0), (0.1, 2.0), (0.25, 0.5), (0.5, 0.25)];
+    let run = finished(&format!("{axes}alpha = [0.05, 0.1, 0.25, 0.5]\n"), |point| {
+        let ratio = ratios.iter().find(|(alpha, _)| *alpha == point.get("alpha").number()).unwrap().1;
+        Some(Made::error(samples(point).map_or(1.0, |n| ratio * 40.0 / n)))
+    });
+    let found = finding(&run, "sample-count");
+    assert!(found.sentence.contains("at alpha 0.25 to 0.5 (0.25 to 0.50 times"), "{}", found.sentence);
+    assert!(found.sentence.contains("At alpha 0.05 to 0.1 it loses (2.0 to 4.0 times)."), "{}", found.sentence);
+    let all = found.digest.as_ref().unwrap().columns.iter().position(|name| name == "all").unwrap();
+    assert!(digest(&found).iter().all(|row| row[all].is_empty()), "{:?}", digest(&found));
+
+    let run = finished(axes, |point| {
+        let ratio = if point.get("environment").text() == "builtin:sky" { 2.0 } else { 0.25 };
+        Some(Made::error(samples(point).map_or(1.0, |n| ratio * 40.0 / n)))
+    });
+    let found = finding(&run, "sample-count");
+    assert!(
+        found.sentence.contains("for studio (0.25 times") && found.sentence.contains("For sky it loses (2.0 times)."),
+        "{}",
+        found.sentence
+    );
+    // Within 5 % of 1 nothing changes its sign.
+    let run = finished(axes, |point| {
+        let ratio = if point.get("environment").text() == "builtin:sky" { 1.02 } else { 0.5 };
+        Some(Made::error(samples(point).map_or(1.0, |n| ratio * 40.0 / n)))
+    });
+    assert!(!finding(&run, "sample-count").sentence.contains("loses"));
+}
+
+#[test]
+fn runs_that_lack_something_say_less_and_do_not_fail() {
+    // What is not finite, zero, or failed makes no case; what is left still answers.
+    let broken =
+        finished("method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16, 64]\n", |point| match samples(point) {
+            Some(1.0) => Some(Made::error(f64::NAN)),
+            Some(4.0) => None,
+            Some(16.0) => Some(Made::error(0.0)),
+            Some(_) => Some(Made::error(f64::INFINITY)),
+            None => Some(Made::error(0.2)),
+        });
+    assert_eq!(numbers(&finding(&broken, "break-even"), "largest_tried"), [64.0]);
+    assert!(numbers(&finding(&broken, "break-even"), "break_even")[0].is_nan());
+    let frame = splitsum::study::frame::Frame::new(&broken, None);
+    for question in
+        splitsum::study::questions::QUESTIONS.iter().filter(|question| (question.lacks)(&frame.shape).is_none())
+    {
+        let said = (question.answer)(&frame).map(|finding| finding.sentence).unwrap_or_default();
+        assert!(!said.contains("NaN") && !said.contains("inf"), "{}: {said}", question.name);
+    }
+    // Nothing is done yet.
+    let none = finished(CURVES, |_| None);
+    let frame = splitsum::study::frame::Frame::new(&none, None);
+    assert!(splitsum::study::questions::QUESTIONS.iter().all(|question| (question.answer)(&frame).is_none()));
+}

@@ -1,0 +1,314 @@
+//! Figures that are hard to draw, and a reader of SVGs.
+
+use roxmltree::{Document, Node, NodeId};
+use splitsum::study::figure::{Figure, Mark, Panel, Ramp, Scale, ScaleKind, Series, Shape};
+
+/// Dots of the first series.
+pub fn dots([x, y]: [ScaleKind; 2], points: &[[f64; 2]]) -> Figure {
+    let scale = |kind: ScaleKind, label: &str| Scale { label: label.to_owned(), kind };
+    let marks = points.iter().enumerate().map(|(i, at)| Mark::new(Shape::Dot(*at), 0).tip(format!("dot {i}")));
+    let panel = Panel { title: String::new(), x: scale(x, "x"), y: scale(y, "y"), marks: marks.collect() };
+    Figure {
+        title: "Dots".to_owned(),
+        note: "made".to_owned(),
+        panels: vec![panel],
+        series: series(&["a", "b", "c"]),
+        ramp: None,
+    }
+}
+
+fn series(names: &[&str]) -> Vec<Series> {
+    names.iter().map(|name| Series { name: (*name).to_owned(), is_dashed: name.ends_with("floor") }).collect()
+}
+
+fn owned(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| (*name).to_owned()).collect()
+}
+
+/// A number in [0, 1) that looks random.
+fn noise(seed: usize) -> f64 {
+    ((seed as f64 * 12.9898).sin() * 43_758.545).fract().abs()
+}
+
+const SCENES: [&str; 6] = [
+    "meadow",
+    "studio small 09",
+    "kloofendal overcast pure sky",
+    "sky",
+    "one-hot",
+    "royal_esplanade_4k_without_a_place_to_break",
+];
+
+/// Long names, many rows, many panels, tiles, bars, intervals, words.
+pub fn hard() -> Vec<Figure> {
+    vec![rows(), panels(), tiles(false), tiles(true), bars(), effects(), words(), long()]
+}
+
+/// A dot chart with 30 rows and three series.
+fn rows() -> Figure {
+    let names = SCENES.iter().flat_map(|scene| (0..5).map(move |i| format!("{scene}, alpha 0.{i}04, 256x128 · 5 lv")));
+    let mut marks = vec![Mark::neutral(Shape::VerticalRule(1024.0))];
+    for i in 0..90 {
+        let x = f64::from(1u32 << ((noise(i) * 11.0) as u32));
+        marks.push(Mark::new(Shape::Dot([x, (i / 3) as f64]), i % 3).tip(format!("row {i}")).cell(format!("{i:08x}")));
+    }
+    let x = Scale::log("samples a pixel", [1.0, 2048.0]).unwrap();
+    let panel = Panel { title: "sampled over split-sum".to_owned(), x, y: Scale::steps("", names.collect()), marks };
+    Figure { panels: vec![panel], series: series(&["ggx", "beckmann", "ashikhmin-shirley"]), ..dots_of_nothing("Rows") }
+}
+
+fn dots_of_nothing(title: &str) -> Figure {
+    let note = "relMSE: mean of (image − reference)² / (reference² + 0.01), without a unit; 0 is equal. Whiskers: 95 %";
+    Figure { title: title.to_owned(), note: note.to_owned(), panels: Vec::new(), series: Vec::new(), ramp: None }
+}
+
+/// Eight panels of lines with intervals and floors.
+fn panels() -> Figure {
+    let y = Scale::log("relMSE (ε = 0.01), geometric mean over point sets", [1e-5, 0.6]).unwrap();
+    let panel = |p: usize| {
+        let mut marks = vec![Mark::new(Shape::HorizontalRule(3e-4), 2).tip("floor")];
+        for s in 0..2 {
+            let curve = [1.0, 4.0, 16.0, 64.0, 256.0].map(|n: f64| [n, 0.4 * noise(p * 5 + s) / n]);
+            for [x, e] in curve {
+                marks.push(Mark::new(Shape::Whisker([x, e / 1.5], [x, e * 1.5]), s));
+                marks.push(Mark::new(Shape::Dot([x, e]), s).tip(format!("{x}: {e}")));
+            }
+            marks.push(Mark::new(Shape::Line(curve.to_vec()), s));
+        }
+        let title = format!("{}, alpha 0.0{p}", SCENES[p % SCENES.len()]);
+        Panel { title, x: Scale::log("samples a pixel", [1.0, 256.0]).unwrap(), y: y.clone(), marks }
+    };
+    let series = series(&["importance sampling of the lobe", "cosine", "noise floor"]);
+    Figure {
+        panels: (0..8).map(panel).collect(),
+        series,
+        ..dots_of_nothing("Error over the sample count of eight scenes")
+    }
+}
+
+/// Four heat maps; signed ones have a middle.
+fn tiles(is_signed: bool) -> Figure {
+    let bins: Vec<String> =
+        (0..10).map(|i| format!("{:.1}–{:.1}", f64::from(i) / 10.0, f64::from(i + 1) / 10.0)).collect();
+    let panel = |p: usize| {
+        let tile = |i: usize| {
+            let value = (i % 17 != 3).then(|| 10f64.powf(-3.0 + 4.0 * noise(i + p * 50)));
+            let text = value.map_or("–".to_owned(), |value| format!("{value:.3}"));
+            Mark::neutral(Shape::Tile { x: i % 10, y: i / 10, value, text }).tip(format!("tile {i}"))
+        };
+        let y = Scale::steps("alpha", owned(&["0.0016", "0.01", "0.04", "0.16", "0.64"]));
+        let x = Scale::steps("n·v: grazing to facing the viewer", bins.clone());
+        Panel { title: SCENES[p].to_owned(), x, y, marks: (0..50).map(tile).collect() }
+    };
+    let label =
+        "error of split-sum over error of dominant direction, median over everything else that is swept".to_owned();
+    let ramp = Ramp { label, lo: 1e-3, hi: 10.0, is_log: true, middle: is_signed.then_some(1.0) };
+    Figure { panels: (0..4).map(panel).collect(), ramp: Some(ramp), ..dots_of_nothing("Tiles") }
+}
+
+/// Grouped bars beside stacked ones.
+fn bars() -> Figure {
+    let panel = |is_stacked: bool| {
+        let bar = |i: usize| {
+            let (part, parts) = if is_stacked { (0, 1) } else { (i % 4, 4) };
+            let base = if is_stacked { (i % 4) as f64 * 0.05 } else { 0.0 };
+            Mark::new(Shape::Bar { x: (i / 4) as f64, base, to: base + 0.05 - 0.1 * noise(i), part, parts }, i % 4)
+                .tip("bar")
+        };
+        let y = Scale::linear("signed relative error", [-0.2, 0.3]).unwrap();
+        let x = Scale::steps("environment", owned(&SCENES));
+        Panel { title: "bars".to_owned(), x, y, marks: (0..24).map(bar).collect() }
+    };
+    Figure {
+        panels: vec![panel(false), panel(true)],
+        series: series(&["lobe", "table", "f90", "size"]),
+        ..dots_of_nothing("Bars")
+    }
+}
+
+/// Ratios with intervals, some of which leave the axis, and horizontal bars.
+fn effects() -> Figure {
+    let names: Vec<String> =
+        (0..9).map(|i| format!("prefilter_size {}x{i} → 512x256 in {}", 64 << i, SCENES[i % 6])).collect();
+    let mut marks = vec![Mark::neutral(Shape::VerticalRule(1.0))];
+    for i in 0..18 {
+        let (ratio, y) = ((noise(i) * 4.0 - 2.0).exp2(), (i / 2) as f64);
+        marks.push(Mark::new(
+            Shape::Whisker([ratio / 2.0, y], [ratio * if i == 3 { f64::INFINITY } else { 2.0 }, y]),
+            i % 2,
+        ));
+        marks.push(Mark::new(Shape::Dot([if i == 5 { 0.0 } else { ratio }, y]), i % 2).tip(format!("×{ratio}")));
+    }
+    let x = Scale { label: "error after / error before".to_owned(), kind: ScaleKind::Log { lo: 0.1, hi: 8.0 } };
+    let first = Panel { title: String::new(), x: x.clone(), y: Scale::steps("", names.clone()), marks };
+    let bars =
+        (0..9).map(|y| Mark::new(Shape::HorizontalBar { y: y as f64, base: 1.0, to: 0.2 + noise(y) }, 0).tip("bar"));
+    let second = Panel { title: "bars".to_owned(), x, y: Scale::steps("", names), marks: bars.collect() };
+    Figure { panels: vec![first, second], series: series(&["split-sum", "dominant"]), ..dots_of_nothing("Effects") }
+}
+
+/// Words at many places, and axes with titles of their own.
+fn words() -> Figure {
+    let panel = |p: usize| {
+        let place = |i: usize| [0.1 * noise(i).exp(), 100.0 * noise(i * 3 + p)];
+        let marks = (0..24).flat_map(|i| {
+            [
+                Mark::new(Shape::Dot(place(i)), i % 2).tip("d"),
+                Mark::new(Shape::Text(place(i), format!("{} spp", 1 << (i % 12))), i % 2),
+            ]
+        });
+        let x = Scale::log(&format!("time of a frame (ms), device {p}"), (0..24).map(|i| place(i)[0])).unwrap();
+        let y = Scale::linear(&format!("error {p}, a long title of its own beside a panel"), [0.0, 100.0]).unwrap();
+        Panel { title: format!("device {p}"), x, y, marks: marks.collect() }
+    };
+    Figure { panels: (0..3).map(panel).collect(), series: series(&["a", "b"]), ..dots_of_nothing("Words") }
+}
+
+/// Everything has the longest name.
+fn long() -> Figure {
+    let name =
+        |i: usize| format!("{i} a name that goes on and on, with commas, without an end in sight, {}", "w".repeat(90));
+    let marks = (0..6).map(|i| Mark::new(Shape::Dot([i as f64, i as f64]), i).tip(name(i)));
+    let steps = || Scale::steps(&name(99), (0..6).map(name).collect());
+    let panel = Panel { title: name(7), x: steps(), y: steps(), marks: marks.collect() };
+    let series = (0..6).map(|i| Series { name: name(i), is_dashed: false }).collect();
+    Figure { title: name(1), note: name(2), panels: vec![panel.clone(), panel], series, ramp: None }
+}
+
+/// Words that would end a text, an attribute, an element or a section.
+pub fn hostile() -> Figure {
+    let name =
+        |place: &str| format!("{place} <script>alert(1)</script> \"' & ]]> <!-- </svg> </title> --> &lt; {place}");
+    let steps = |place: &str| Scale::steps(&name(place), vec![name("s0"), name("s1")]);
+    let shapes = [
+        Shape::Dot([0.0, 1.0]),
+        Shape::Line(vec![[0.0, 0.0], [1.0, 1.0]]),
+        Shape::Bar { x: 0.0, base: 0.0, to: 1.0, part: 0, parts: 1 },
+        Shape::Whisker([0.0, 0.0], [0.0, 1.0]),
+        Shape::HorizontalRule(1.0),
+        Shape::VerticalRule(1.0),
+        Shape::Tile { x: 1, y: 0, value: Some(0.5), text: name("<") },
+        Shape::Text([1.0, 1.0], "<b>&".to_owned()),
+    ];
+    let mark = |(i, shape): (usize, Shape)| Mark::new(shape, 0).tip(name(&format!("tip {i}"))).cell(name("cell"));
+    let marks = shapes.into_iter().enumerate().map(mark).collect();
+    let panel = Panel { title: name("panel"), x: steps("x"), y: steps("y"), marks };
+    let ramp = Some(Ramp { label: name("ramp"), lo: 0.0, hi: 1.0, is_log: false, middle: None });
+    let series = vec![Series { name: name("series"), is_dashed: false }];
+    Figure { title: name("title"), note: name("note"), panels: vec![panel.clone(), panel], series, ramp }
+}
+
+/// The number that a label says.
+pub fn parse_label(text: &str) -> f64 {
+    let digits = |c: char| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|d| d == c).map(|d| (b'0' + d as u8) as char);
+    let plain = text.replace('\u{2212}', "-");
+    let (start, raised): (String, String) = (
+        plain.chars().filter(|c| digits(*c).is_none() && *c != '⁻').collect(),
+        plain.chars().filter_map(|c| if c == '⁻' { Some('-') } else { digits(c) }).collect(),
+    );
+    let exponent: i32 = if raised.is_empty() { 0 } else { raised.parse().unwrap() };
+    match start.split_once("·10") {
+        Some((factor, _)) => format!("{factor}e{exponent}").parse().unwrap(),
+        None if raised.is_empty() => start.parse().unwrap(),
+        None => format!("1e{exponent}").parse().unwrap(),
+    }
+}
+
+/// An SVG that was read again.
+pub struct Drawn {
+    document: Document<'static>,
+}
+
+impl Drawn {
+    pub fn new(text: &str) -> Self {
+        // The document borrows its text; a test's text may stay.
+        let text: &'static str = Box::leak(text.to_owned().into_boxed_str());
+        Self { document: Document::parse(text).unwrap_or_else(|error| panic!("{error}\n{text}")) }
+    }
+
+    pub fn document(&self) -> &Document<'static> {
+        &self.document
+    }
+
+    fn all(&self) -> impl Iterator<Item = Node<'_, 'static>> {
+        self.document.descendants()
+    }
+
+    pub fn marks(&self) -> Vec<NodeId> {
+        let is_mark =
+            |node: &Node| node.attribute("class").is_some_and(|class| class.split(' ').any(|name| name == "mark"));
+        self.all().filter(is_mark).map(|node| node.id()).collect()
+    }
+
+    pub fn attribute(&self, id: NodeId, key: &str) -> Option<String> {
+        self.document.get_node(id)?.attribute(key).map(str::to_owned)
+    }
+
+    /// Left, top, right and bottom of each panel, from its axes.
+    pub fn panels(&self) -> Vec<[f64; 4]> {
+        let borders =
+            self.all().filter(|node| node.tag_name().name() == "g" && node.attribute("role") == Some("group"));
+        let border = |panel: Node| {
+            let axis = panel.children().find(|node| node.attribute("class") == Some("fig-axis")).unwrap();
+            let n = numbers(axis.attribute("d").unwrap());
+            [n[0], n[1], n[3], n[2]]
+        };
+        borders.map(border).collect()
+    }
+
+    /// The numbers of the first path of the first mark.
+    pub fn numbers_of_first_mark(&self) -> Vec<f64> {
+        let mark = self.document.get_node(self.marks()[0]).unwrap();
+        mark.children().find_map(|node| node.attribute("d")).map(numbers).unwrap()
+    }
+
+    /// Where marks of panels start whose paths have a class.
+    pub fn starts(&self, class: &str) -> Vec<[f64; 2]> {
+        self.vertices_of(class).into_iter().map(|path| path[0]).collect()
+    }
+
+    pub fn vertices(&self, class: &str) -> Vec<[f64; 2]> {
+        self.vertices_of(class).into_iter().flatten().collect()
+    }
+
+    /// Points of paths of absolute commands; the rest of those with relative ones is left out.
+    fn vertices_of(&self, class: &str) -> Vec<Vec<[f64; 2]>> {
+        let is_own = |node: &Node| {
+            let in_panel =
+                node.parent().and_then(|mark| mark.parent()).is_some_and(|panel| panel.has_attribute("role"));
+            in_panel && node.attribute("class").is_some_and(|found| found.split(' ').any(|name| name == class))
+        };
+        let points = |node: Node| {
+            let path = node.attribute("d").unwrap();
+            let end = path.find(|c: char| c.is_ascii_lowercase()).unwrap_or(path.len());
+            numbers(&path[..end]).chunks_exact(2).map(|point| [point[0], point[1]]).collect()
+        };
+        // The legend's groups are children of the document's root, which has a role, too.
+        self.all()
+            .filter(|node| node.ancestors().nth(2).is_some_and(|g| g.tag_name().name() == "g"))
+            .filter(is_own)
+            .map(points)
+            .collect()
+    }
+
+    pub fn dots(&self) -> Vec<[f64; 2]> {
+        self.starts("fig-d")
+    }
+
+    /// Labels below a panel with the middle of each, from left to right.
+    pub fn labels_below(&self, bottom: f64) -> Vec<(String, f64)> {
+        let number = |node: &Node, key: &str| node.attribute(key).and_then(|text| text.parse::<f64>().ok());
+        let is_label = |node: &Node| {
+            let is_near = number(node, "y").is_some_and(|y| y > bottom && y < bottom + 22.0);
+            node.attribute("class") == Some("fig-muted") && node.attribute("text-anchor") == Some("middle") && is_near
+        };
+        let found = self.all().filter(|node| node.tag_name().name() == "text").filter(is_label);
+        found.map(|node| (node.text().unwrap().to_owned(), number(&node, "x").unwrap())).collect()
+    }
+}
+
+/// All numbers of a path.
+fn numbers(path: &str) -> Vec<f64> {
+    let spaced: String = path.chars().map(|c| if c.is_ascii_alphabetic() || c == ',' { ' ' } else { c }).collect();
+    spaced.split_whitespace().filter_map(|number| number.parse().ok()).collect()
+}

@@ -1,0 +1,154 @@
+//! What is drawn can be read: words beside each other and within the picture, colours that stand out.
+
+use super::figures::{Drawn, hard};
+use roxmltree::Node;
+use splitsum::study::figure::ink::{INKS, SERIES};
+use splitsum::study::figure::svg::{WIDTHS, svg};
+use splitsum::study::figure::text::{ASCENT, DESCENT, Font};
+
+/// Contrast of marks and of words with their ground (WCAG 2.2, 1.4.11 and 1.4.3).
+const MARKS_LEAST: f64 = 3.0;
+const WORDS_LEAST: f64 = 4.5;
+
+fn font(node: &Node) -> Font {
+    let classes = node.attribute("class").unwrap_or_default();
+    let has = |name: &str| classes.split(' ').any(|class| class == name);
+    match node.attribute("font-size").and_then(|size| size.parse().ok()) {
+        Some(size) => Font::new(size),
+        None if has("fig-title") => Font::bold(15.0),
+        None if has("fig-name") => Font::bold(12.0),
+        None if has("fig-note") => Font::new(12.0),
+        None if has("fig-small") => Font::new(10.0),
+        None => Font::new(11.0),
+    }
+}
+
+/// Left, top, right and bottom of a text.
+fn area(node: &Node) -> [f64; 4] {
+    let number = |key: &str| node.attribute(key).and_then(|value| value.parse::<f64>().ok()).unwrap();
+    let font = font(node);
+    let words = node.children().find(|child| child.is_text()).and_then(|child| child.text()).unwrap_or_default();
+    let is_tile =
+        ["fig-dark", "fig-pale", "fig-gap"].iter().any(|name| node.attribute("class").unwrap().contains(name));
+    let width = font.width(words);
+    let before = match node.attribute("text-anchor") {
+        Some("middle") => width / 2.0,
+        Some("end") => width,
+        _ if is_tile => width / 2.0,
+        _ => 0.0,
+    };
+    let (x, y, up, down) = (number("x"), number("y"), font.size * ASCENT, font.size * DESCENT);
+    match node.has_attribute("transform") {
+        true => [x - up, y + before - width, x + down, y + before],
+        false => [x - before, y - up, x - before + width, y + down],
+    }
+}
+
+#[test]
+fn no_words_leave_the_picture_or_hide_others() {
+    for figure in hard() {
+        for width in WIDTHS {
+            let drawn = Drawn::new(&svg(&figure, width));
+            let root = drawn.document().root_element();
+            let size =
+                ["width", "height"].map(|key| root.attribute(key).and_then(|value| value.parse::<f64>().ok()).unwrap());
+            let texts: Vec<Node> = root.descendants().filter(|node| node.tag_name().name() == "text").collect();
+            let areas: Vec<[f64; 4]> = texts.iter().map(area).collect();
+            for (i, a) in areas.iter().enumerate() {
+                let of = |k: usize| format!("{:?} {:?}", texts[k].text(), areas[k]);
+                let is_inside = a[0] >= 0.0 && a[1] >= 0.0 && a[2] <= size[0] && a[3] <= size[1];
+                assert!(is_inside, "{} at {width}: {} leaves {size:?}", figure.title, of(i));
+                for (k, b) in areas[..i].iter().enumerate() {
+                    let is_hidden = a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
+                    assert!(!is_hidden, "{} at {width}: {} on {}", figure.title, of(i), of(k));
+                }
+            }
+        }
+    }
+}
+
+/// Words that were cut short have all of them for people who point at them.
+#[test]
+fn words_that_are_cut_short_are_whole_in_their_title() {
+    for figure in hard() {
+        let drawn = Drawn::new(&svg(&figure, WIDTHS[1]));
+        for text in drawn.document().descendants().filter(|node| node.tag_name().name() == "text") {
+            let words =
+                text.children().find(|child| child.is_text()).and_then(|child| child.text()).unwrap_or_default();
+            if let Some(start) = words.strip_suffix('…') {
+                let title = text.first_element_child().and_then(|title| title.text());
+                assert!(
+                    title.is_some_and(|title| title.len() > words.len() && title.contains(start.trim())),
+                    "{words}"
+                );
+            }
+        }
+    }
+}
+
+fn luminance(color: &str) -> f64 {
+    let channel = |i: usize| {
+        let encoded = f64::from(u8::from_str_radix(&color[i..i + 2], 16).unwrap()) / 255.0;
+        if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+    };
+    0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
+}
+
+fn contrast(a: &str, b: &str) -> f64 {
+    let (a, b) = (luminance(a), luminance(b));
+    (a.max(b) + 0.05) / (a.min(b) + 0.05)
+}
+
+fn ink(name: &str) -> [&'static str; 2] {
+    INKS.iter().find(|ink| ink.0 == name).unwrap().3
+}
+
+#[test]
+fn series_and_words_stand_out_on_both_grounds() {
+    let (ground, band) = (ink(".fig-ground"), ink(".fig-band"));
+    for side in [0, 1] {
+        for behind in [ground[side], band[side]] {
+            for series in SERIES {
+                let found = contrast(series[side], behind);
+                assert!(found >= MARKS_LEAST, "{} on {behind}: {found}", series[side]);
+            }
+            for name in [".fig-ink", ".fig-muted"] {
+                let found = contrast(ink(name)[side], behind);
+                assert!(found >= WORDS_LEAST, "{name} on {behind}: {found}");
+            }
+        }
+        let colors: std::collections::BTreeSet<&str> = SERIES.iter().map(|series| series[side]).collect();
+        assert_eq!(colors.len(), SERIES.len());
+    }
+}
+
+/// Both grounds are in the style sheet, and a page's own colours come first.
+#[test]
+fn a_page_may_set_every_colour() {
+    let text = svg(&hard()[0], WIDTHS[0]);
+    let (light, dark) = text.split_once("prefers-color-scheme:dark").unwrap();
+    let series = SERIES.iter().enumerate().map(|(i, colors)| (format!("--fig-s{i}"), *colors));
+    for (name, [bright, dim]) in INKS.iter().map(|ink| (ink.2.to_owned(), ink.3)).chain(series) {
+        assert!(light.contains(&format!("var({name},{bright})")), "{name}");
+        assert!(dark.contains(&format!("var({name},{dim})")), "{name}");
+    }
+}
+
+#[test]
+fn words_on_tiles_stand_out() {
+    let mut count = 0;
+    for figure in hard().iter().filter(|figure| figure.ramp.is_some()) {
+        let drawn = Drawn::new(&svg(figure, WIDTHS[0]));
+        for mark in drawn.marks() {
+            let mark = drawn.document().get_node(mark).unwrap();
+            let fill = mark.children().find_map(|node| node.attribute("fill"));
+            let class =
+                mark.children().find(|node| node.tag_name().name() == "text").and_then(|text| text.attribute("class"));
+            let (Some(fill), Some(class)) = (fill, class) else { continue };
+            let ink = if class == "fig-dark" { "#000000" } else { "#ffffff" };
+            assert!(contrast(ink, fill) >= WORDS_LEAST, "{class} on {fill}");
+            count += 1;
+        }
+    }
+    assert!(count > 300, "{count} tiles have words");
+}

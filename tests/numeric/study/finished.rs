@@ -1,0 +1,84 @@
+//! Finished runs read from their files: what is whole, what is damaged.
+
+use crate::runner::run::EXPERIMENT;
+use crate::runner::runs::{finished, plan};
+use splitsum::study::finished::Finished;
+use std::path::{Path, PathBuf};
+
+/// A run of one case: the split sum beside three counts.
+fn whole(dir: &Path) -> PathBuf {
+    let text = "name = \"x\"\nsize = [16, 16]\nreference = { samples = 32 }\n[axes]\nmethod = [\"split-sum\", \"sampled\"]\n\
+                samples = [1, 4, 16]\ndiffuse = [\"none\"]\n";
+    finished(&plan(text), dir)
+}
+
+fn fault(dir: &Path) -> String {
+    Finished::read(dir).unwrap_err().to_string()
+}
+
+#[test]
+fn damaged_tables_are_refused_by_name() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = whole(dir.path());
+    let path = |name: &str| run.join(name);
+    let read = |name: &str| std::fs::read_to_string(path(name)).unwrap();
+    let (errors, bins) = (read("errors.csv"), read("errors_by_n_dot_v.csv"));
+    let lines = |text: &str, count: usize| text.lines().take(count).map(|line| format!("{line}\n")).collect::<String>();
+    let cells: Vec<&str> = errors.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(cells.len(), 4);
+    let column = errors.lines().next().unwrap().split(',').position(|name| name == "relmse_eps1e-2").unwrap();
+    let score = errors.lines().nth(1).unwrap().split(',').nth(column).unwrap();
+    let of_first =
+        lines(&bins, 1) + &bins.lines().filter(|line| line.starts_with(cells[0])).collect::<Vec<_>>().join("\n") + "\n";
+    let damages = [
+        ("errors.csv", String::new(), "the file is empty"),
+        ("errors.csv", lines(&errors, 1), "it is cut off"),
+        ("errors.csv", lines(&errors, 4), "3 rows, but the folder has records of 4 cells"),
+        ("errors.csv", errors[..errors.len() - 3].to_owned(), "ends within a row"),
+        ("errors.csv", lines(&errors, 2) + "0009,sampled,1\n", "found record with 3 fields"),
+        ("errors.csv", errors.replacen("verdict", "verdicts", 1), "no column \"verdict\""),
+        ("errors.csv", errors.replacen(score, "3e-l", 1), "\"3e-l\" is not a number"),
+        ("errors.csv", errors.replacen(cells[1], cells[0], 1), "4 rows of 3 cells"),
+        ("errors_by_n_dot_v.csv", String::new(), "the file is empty"),
+        ("errors_by_n_dot_v.csv", of_first, &format!("no row of cell {}", cells[1])),
+    ];
+    for (name, text, expected) in damages {
+        std::fs::write(path(name), &text).unwrap();
+        let message = fault(&run);
+        assert!(message.contains(&path(name).display().to_string()) && message.contains(expected), "{message}");
+        assert_eq!(message.lines().count(), 1, "{message}");
+        std::fs::write(path("errors.csv"), &errors).unwrap();
+        std::fs::write(path("errors_by_n_dot_v.csv"), &bins).unwrap();
+    }
+    assert_eq!(Finished::read(&run).unwrap().cells.len(), 4);
+}
+
+#[test]
+fn what_cannot_be_read_is_no_record() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = whole(dir.path());
+    std::fs::write(run.join("cells/0009.json"), "{").unwrap();
+    assert!(Finished::read(&run).is_ok());
+    // A published folder has no records, and no rows of a run that drew something.
+    std::fs::remove_dir_all(run.join("cells")).unwrap();
+    assert!(Finished::read(&run).is_ok());
+    let errors = std::fs::read_to_string(run.join("errors.csv")).unwrap();
+    std::fs::write(run.join("errors.csv"), errors.lines().next().unwrap().to_owned() + "\n").unwrap();
+    assert!(fault(&run).contains("no rows"), "{}", fault(&run));
+    assert!(fault(&run.join("nowhere")).contains("expected the folder of a run"));
+}
+
+#[test]
+fn a_run_reads_back_as_it_was_scored() {
+    let dir = tempfile::tempdir().unwrap();
+    let plan = plan(EXPERIMENT);
+    let run = Finished::read(&finished(&plan, dir.path())).unwrap();
+    assert_eq!(run.cells.len(), plan.cells.len());
+    for (read, planned) in run.cells.iter().zip(&plan.cells) {
+        assert_eq!((&read.id, &read.point), (&planned.id, &planned.point));
+        assert!(read.scores.as_ref().is_some_and(|scores| scores.get("relmse_eps1e-2").is_some_and(|x| x > 0.0)));
+        assert!(read.noise_floors.get("flip").is_none() && !read.bins.is_empty() && read.images.is_some());
+    }
+    assert_eq!((run.failed_count(), run.is_under_way, run.lights.len()), (0, false, 1));
+    assert_eq!(run.config.unwrap().axes.len(), plan.config.axes.len());
+}

@@ -1,0 +1,186 @@
+//! Errors by view, tone curve and light, of runs whose numbers are known.
+
+use super::paper::{F64, Paper, bins, column, numbers, only};
+use splitsum::runner::tables::HEADLINE;
+use splitsum::study::finished::MetricValues;
+
+#[test]
+fn a_bin_has_the_median_of_what_sees_it() {
+    // Three models with the errors 1, 2 and 6 times the bins' own; of the counts 16 is nearer to 40 than 4.
+    let mut paper = Paper::new(&["alpha", "brdf", "method", "samples"]);
+    for (alpha, scale) in [("0.1", 1.0), ("0.5", 10.0)] {
+        for (brdf, own) in [("ggx", 1.0), ("beckmann", 6.0), ("phong", 2.0)] {
+            for (method, samples, factor) in [("split-sum", "", 1.0), ("sampled", "4", 7.0), ("sampled", "16", 3.0)] {
+                let errors = [0.1, 0.2, 0.3].map(|error| error * scale * own * factor);
+                paper.add(&[alpha, brdf, method, samples], 1.0).bins = bins(HEADLINE, &errors);
+            }
+        }
+    }
+    let finding = paper.finding("n-dot-v");
+    let split = only(&finding.table, &[("method", "split-sum")]);
+    let found = numbers(&split, "error");
+    let expected = [0.2, 0.4, 0.6, 2.0, 4.0, 6.0];
+    assert!(found.len() == 6 && found.iter().zip(expected).all(|(a, b)| (a - b).abs() < F64), "{found:?}");
+    assert!(numbers(&split, "n").iter().all(|n| *n == 3.0) && numbers(&split, "error_lo").iter().all(|lo| lo.is_nan()));
+    let counts = column(&only(&finding.table, &[("method", "sampled")]), "samples");
+    assert!(counts.len() == 6 && counts.iter().all(|n| n == "16"), "{counts:?}");
+}
+
+#[test]
+fn an_interval_of_a_bin_needs_six_environments() {
+    let made = |lights: usize| {
+        let names = ["sky", "studio", "cap", "checker", "gradient", "constant", "sky:elevation_deg=8"];
+        let mut paper = Paper::new(&["alpha", "environment", "method"]);
+        for alpha in ["0.1", "0.5"] {
+            for (i, name) in names.iter().take(lights).enumerate() {
+                let environment = format!("builtin:{name}");
+                paper.add(&[alpha, &environment, "split-sum"], 1.0).bins = bins(HEADLINE, &[1.0 + i as f64]);
+            }
+        }
+        let table = paper.finding("n-dot-v").table;
+        [numbers(&table, "error_lo")[0], numbers(&table, "error")[0], numbers(&table, "error_hi")[0]]
+    };
+    assert!(made(5)[0].is_nan() && made(5)[1] == 3.0);
+    let [lo, middle, hi] = made(7);
+    assert!(middle == 4.0 && (1.0..4.0).contains(&lo) && hi > 4.0 && hi <= 7.0, "{lo} {hi}");
+}
+
+#[test]
+fn what_the_curve_hides_is_told_by_exposure_and_contrast() {
+    let mut paper = Paper::new(&["alpha", "method", "samples", "exposure", "contrast"]);
+    for contrast in ["1", "5"] {
+        for (exposure, flip) in [("0.1", 0.04), ("1", 0.2), ("500", 0.01)] {
+            for (alpha, own) in [("0.1", 1.0), ("0.5", 1.0), ("1", 2.0)] {
+                let flip = own * if contrast == "5" { flip * 10.0 } else { flip };
+                let cell = paper.add(&[alpha, "sampled", "16", exposure, contrast], 0.1);
+                cell.scores = Some(MetricValues::of(|name| Some(if name == "flip" { flip } else { 0.1 })));
+            }
+        }
+    }
+    let finding = paper.finding("visibility");
+    let digest = finding.digest.as_ref().unwrap();
+    let told = |name| column(digest, name).concat();
+    assert_eq!(["most at exposure", "contrast", "mean FLIP there"].map(told), ["1", "5", "2.00"]);
+    assert_eq!(told("visible at contrast 1"), "exposure 1", "the median of the three is 0.04 at 0.1");
+    assert_eq!(told("visible at contrast 5"), "every tried exposure");
+    let dark = only(&finding.table, &[("exposure", "0.100"), ("contrast", "1.00")]);
+    assert_eq!((numbers(&dark, "visible"), numbers(&dark, "n")), (vec![1.0], vec![3.0]), "0.08 is seen");
+    assert_eq!(
+        [numbers(&dark, "flip"), numbers(&dark, "flip_least"), numbers(&dark, "flip_most")].concat(),
+        [0.04, 0.04, 0.08]
+    );
+}
+
+#[test]
+fn runs_of_tried_exposures_are_drawn_together() {
+    let mut paper = Paper::new(&["method", "exposure"]);
+    for (exposure, flip) in [("5", 0.1), ("0.1", 0.1), ("1", 0.1), ("50", 0.01), ("500", 0.1)] {
+        let cell = paper.add(&["split-sum", exposure], 0.1);
+        cell.scores = Some(MetricValues::of(|name| Some(if name == "flip" { flip } else { 0.1 })));
+    }
+    let finding = paper.finding("visibility");
+    assert_eq!(column(finding.digest.as_ref().unwrap(), "visible at contrast 1").concat(), "exposure 0.1 to 5 and 500");
+}
+
+#[test]
+fn the_error_grows_by_a_factor_a_stop() {
+    let mut paper = Paper::new(&["environment", "environment_clip_log2", "alpha", "method", "samples"]);
+    for clip in 0..5 {
+        let text = clip.to_string();
+        paper.clip(&text, f64::from(clip));
+        for (alpha, own) in [("0.1", 1.0), ("0.5", 4.0)] {
+            paper.add(&["builtin:sky", &text, alpha, "sampled", "16"], own * 0.01 * 1.5f64.powi(clip));
+            paper.add(&["builtin:sky", &text, alpha, "split-sum", ""], own * 0.1);
+        }
+    }
+    let finding = paper.finding("dynamic-range");
+    let digest = finding.digest.as_ref().unwrap();
+    // What has no samples leads; each alpha is a path of its own.
+    assert_eq!(column(digest, "method"), ["split-sum", "split-sum", "sampled 16", "sampled 16"]);
+    let a_stop = numbers(digest, "factor a stop");
+    assert!(a_stop.iter().zip([1.0, 1.0, 1.5, 1.5]).all(|(a, b)| (a - b).abs() < F64), "{a_stop:?}");
+    let growth = numbers(digest, "growth");
+    assert!(
+        growth.iter().zip([1.0, 1.0, 1.5f64.powi(4), 1.5f64.powi(4)]).all(|(a, b)| (a - b).abs() < F64),
+        "{growth:?}"
+    );
+    assert_eq!(numbers(digest, "level from stops")[..2], [0.0, 0.0]);
+    assert!(numbers(digest, "level from stops")[2].is_nan());
+    assert_eq!(finding.table.rows.len(), 4 * 5);
+}
+
+#[test]
+fn an_error_that_saturates_is_level_from_there() {
+    let mut paper = Paper::new(&["environment_clip_log2", "method"]);
+    for (clip, error) in [0.01, 0.1, 0.5, 0.55, 0.5, 0.52].into_iter().enumerate() {
+        paper.clip(&clip.to_string(), clip as f64);
+        paper.add(&[&clip.to_string(), "split-sum"], error);
+    }
+    let finding = paper.finding("dynamic-range");
+    assert_eq!(numbers(finding.digest.as_ref().unwrap(), "level from stops"), [2.0]);
+}
+
+#[test]
+fn different_environments_are_no_trend() {
+    let mut paper = Paper::new(&["environment", "method"]);
+    paper.add(&["builtin:sky", "split-sum"], 1.0);
+    paper.add(&["builtin:studio", "split-sum"], 4.0);
+    assert!(paper.lacks("dynamic-range").is_some());
+}
+
+#[test]
+fn a_clip_above_the_peak_is_the_same_light() {
+    // From 2^4 on nothing is cut off: the lights are bit-equal, and so are the images.
+    let mut paper = Paper::new(&["environment_clip_log2", "method"]);
+    for (clip, stops) in [("2", 2.0), ("4", 3.5), ("6", 3.5), ("8", 3.5)] {
+        paper.clip(clip, stops);
+        paper.add(&[clip, "split-sum"], 0.1 * stops);
+    }
+    let finding = paper.finding("dynamic-range");
+    assert_eq!(numbers(&finding.table, "range_stops"), [2.0, 3.5]);
+    assert_eq!(numbers(&finding.table, "n"), [1.0, 1.0]);
+}
+
+/// A furnace with a change of energy of the whole and of two bins, and the noise 0.001.
+fn furnace(reference: &str, f0: &str) -> Paper {
+    let mut paper =
+        Paper::new(&["environment", "brdf", "alpha", "method", "samples", "f0", "metallic", "albedo", "diffuse"]);
+    paper.run.provenance =
+        serde_json::json!({ "name": "furnace", "sessions": [], "reference": { "method": reference } });
+    for (brdf, alpha, change, of_bins) in [
+        ("ggx", "0.1", -0.03, [-0.1, -0.01]),
+        ("ggx", "1", -0.6, [-0.5, -0.7]),
+        ("phong", "0.1", -0.005, [-0.02, 0.001]),
+        ("phong", "1", -0.4, [0.4, -0.6]),
+    ] {
+        let cell = paper.add(&["builtin:constant", brdf, alpha, "reference", "64", f0, "0", "1", "none"], 0.1);
+        cell.scores = Some(MetricValues::of(|name| (name == "bias_rel").then_some(change)));
+        cell.noise_floors = MetricValues::of(|name| (name == "bias_rel").then_some(1e-3));
+        cell.bins = bins("bias_rel", &of_bins);
+    }
+    paper
+}
+
+#[test]
+fn a_furnace_tells_what_is_lost_and_what_creates() {
+    let finding = furnace("none", "1").finding("energy");
+    let last = only(&finding.table, &[("brdf", "phong"), ("alpha", "1.00")]);
+    let of = |names: &[&str]| -> Vec<f64> { names.iter().flat_map(|name| numbers(&last, name)).collect() };
+    let interval = of(&["change_lo", "change", "change_hi"]);
+    // 1.96 standard errors of 0.001.
+    assert!(interval.iter().zip([-0.40196, -0.4, -0.39804]).all(|(a, b)| (a - b).abs() < 1e-6), "{interval:?}");
+    assert_eq!(of(&["least", "least_n_dot_v_from", "least_n_dot_v_to"]), [-0.6, 0.5, 1.0]);
+    assert_eq!(of(&["most", "most_n_dot_v_from", "most_n_dot_v_to"]), [0.4, 0.0, 0.5]);
+    let digest = finding.digest.as_ref().unwrap();
+    assert_eq!(column(digest, "creates most"), ["", "40 %"], "0.001 is within the noise of a bin");
+    assert_eq!(column(digest, "alpha 1"), ["-60 % ± 0.20", "-40 % ± 0.20"]);
+    // The model that creates at grazing views loses over the whole surface all the same.
+    assert!(finding.sentence.contains("phong"), "{}", finding.sentence);
+}
+
+#[test]
+fn a_constant_environment_alone_is_no_furnace() {
+    assert_eq!(furnace("none", "1").lacks("energy"), None);
+    assert!(furnace("reference", "1").lacks("energy").is_some_and(|lack| lack.contains("Lambert")));
+    assert!(furnace("none", "0.04").lacks("energy").is_some_and(|lack| lack.contains("f0")));
+}

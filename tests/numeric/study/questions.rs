@@ -1,0 +1,305 @@
+//! What every question keeps to, asked of made runs. A new question is tested by being listed.
+
+use super::made::scaled;
+use super::told::{sentences, unfounded, word_count, xml_fault};
+use crate::runner::runs::{finished, plan};
+use splitsum::runner::axis::{AXES, Point};
+use splitsum::runner::value::Value;
+use splitsum::study::figure::svg::{WIDTHS, svg};
+use splitsum::study::figure::vega::vega;
+use splitsum::study::finished::Finished;
+use splitsum::study::frame::{Frame, Shape};
+use splitsum::study::questions::{Finding, QUESTIONS, Question, SENTENCES_MAX, WORDS_MAX, answers, question};
+use splitsum::table::csv::{Cell, Table};
+use std::sync::OnceLock;
+
+/// Experiments that together serve every question. Seven environments are enough for intervals.
+const EXPERIMENTS: &[&str] = &[
+    r#"
+name = "methods"
+size = [16, 16]
+reference = { samples = 64 }
+[axes]
+environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient", "builtin:sky:elevation_deg=8"]
+method = ["sampled", "split-sum"]
+samples = [1, 4, 16]
+alpha = [0.1, 0.5]
+exposure = [1, 10]
+diffuse = ["none"]
+[bias_variance]
+repeats = 2
+[timing]
+warmup = 1
+rounds = 7
+"#,
+    r#"
+name = "parameters"
+size = [16, 16]
+reference = { samples = 64 }
+printed_slips = true
+[axes]
+environment = ["builtin:sky"]
+environment_clip_log2 = [0, 3]
+method = ["sampled", "split-sum", "seed0-literal"]
+samples = [4, 16]
+alpha = [0.1, 0.5]
+lod_bias = [0, 1]
+prefilter_size = [[64, 32], [128, 64]]
+prefilter_level_count = [2, 3]
+prefilter_sample_count = [16, 64]
+dfg_size = [16, 32]
+diffuse = ["none"]
+[timing]
+warmup = 1
+rounds = 7
+"#,
+    r#"
+name = "one-case"
+size = [16, 16]
+reference = { samples = 64 }
+[axes]
+method = ["sampled", "split-sum"]
+samples = [1, 4, 16]
+diffuse = ["none"]
+"#,
+    r#"
+name = "diffuse"
+size = [16, 16]
+reference = { samples = 64 }
+[axes]
+environment = ["builtin:sky", "builtin:studio"]
+method = ["none"]
+diffuse = ["sh9", "irradiance-map"]
+irradiance_size = [[16, 8], [32, 16]]
+irradiance_sample_count = [[32, 8], [64, 16]]
+"#,
+    r#"
+name = "furnace"
+size = [16, 16]
+reference = { method = "none", samples = 64, terms = "all" }
+[axes]
+environment = ["builtin:constant"]
+brdf = ["ggx", "phong"]
+masking = ["separable", "correlated"]
+method = ["reference"]
+samples = [64]
+alpha = [0.1, 0.5]
+f0 = [1]
+albedo = [1]
+metallic = [0]
+diffuse = ["none"]
+"#,
+];
+
+/// The runs of the experiments, and each again with errors that hang on alpha, environment and method.
+fn runs() -> &'static [Finished] {
+    static RUNS: OnceLock<Vec<Finished>> = OnceLock::new();
+    RUNS.get_or_init(|| {
+        let mut runs = Vec::new();
+        for text in EXPERIMENTS {
+            let dir = tempfile::tempdir().unwrap();
+            finished(&plan(text), dir.path());
+            runs.push(Finished::read(dir.path()).unwrap());
+            let mut varied = Finished::read(dir.path()).unwrap();
+            scaled(&mut varied, factor);
+            runs.push(varied);
+        }
+        runs
+    })
+}
+
+/// Sampling gains with alpha on the split sum, under some environments more than under others.
+fn factor(point: &Point) -> f64 {
+    let alpha = match point.get("alpha") {
+        Value::Number(alpha) => *alpha,
+        _ => 0.3,
+    };
+    let light = point.get("environment").to_string().len() as f64 / 10.0;
+    match point.get("method").to_string().as_str() {
+        "split-sum" => light * light * (0.05 + alpha),
+        _ => light / (0.05 + alpha),
+    }
+}
+
+/// Every question that a run serves, with its answer.
+fn asked(run: &Finished) -> Vec<(&'static Question, Finding)> {
+    let frame = Frame::new(run, None);
+    let serves = QUESTIONS.iter().filter(|question| (question.lacks)(&frame.shape).is_none());
+    let name = run.text("/name");
+    serves
+        .map(|&asked| (asked, (asked.answer)(&frame).unwrap_or_else(|| panic!("{}: no answer of {name}", asked.name))))
+        .collect()
+}
+
+fn each(check: impl Fn(&Finished, &'static Question, &Finding)) {
+    for run in runs() {
+        asked(run).iter().for_each(|(question, finding)| check(run, question, finding));
+    }
+}
+
+#[test]
+fn every_question_is_served_by_a_made_run() {
+    let served: Vec<&str> = runs().iter().flat_map(asked).map(|(question, _)| question.name).collect();
+    for question in QUESTIONS {
+        assert!(served.contains(&question.name), "{}", question.name);
+    }
+}
+
+#[test]
+fn what_an_experiment_serves_is_known_before_it_runs() {
+    for run in runs() {
+        let written = Shape::of_config(run.config.as_ref().unwrap());
+        let rendered = Frame::new(run, None).shape;
+        for question in QUESTIONS {
+            let [before, after] = [&written, &rendered].map(|shape| (question.lacks)(shape));
+            assert_eq!(before, after, "{} of {}", question.name, run.text("/name"));
+        }
+    }
+}
+
+#[test]
+fn every_question_has_a_table_of_its_columns() {
+    each(|_, question, finding| {
+        let names = &finding.table.columns;
+        assert!(!finding.table.rows.is_empty(), "{}", question.name);
+        assert!(names.iter().all(|name| !name.is_empty() && !name.contains('-')), "{names:?}");
+        let is_axis = |name: &String| AXES.iter().any(|axis| axis.name == *name);
+        let own: Vec<&str> = names.iter().filter(|name| !is_axis(name)).map(String::as_str).collect();
+        assert_eq!(own, question.columns.iter().map(|column| column.name).collect::<Vec<_>>(), "{}", question.name);
+        assert!(question.columns.iter().all(|column| column.about.ends_with('.')), "{}", question.name);
+        assert!(question.asks.ends_with('?'), "{}", question.asks);
+    });
+}
+
+#[test]
+fn sentences_are_short() {
+    each(|_, question, finding| {
+        let said = sentences(&finding.sentence);
+        assert!((1..=SENTENCES_MAX).contains(&said.len()), "{}: {}", question.name, finding.sentence);
+        for sentence in said {
+            let count = word_count(sentence);
+            assert!(count <= WORDS_MAX, "{}: {count} words: {sentence}", question.name);
+            assert!(sentence.ends_with('.') && !sentence.contains("  "), "{sentence}");
+            assert!(!sentence.contains("NaN") && !sentence.contains("inf"), "{sentence}");
+            assert!(!sentence.contains("1 cases") && !sentence.contains("of 1 case"), "{sentence}");
+        }
+    });
+}
+
+#[test]
+fn every_number_of_a_sentence_is_one_of_its_tables() {
+    each(|run, question, finding| {
+        let missing = unfounded(finding);
+        let digest = finding.digest.as_ref().map(|digest| digest.markdown()).unwrap_or_default();
+        let name = run.text("/name");
+        assert!(missing.is_empty(), "{} of {name}: {missing:?} in: {}\n{digest}", question.name, finding.sentence);
+    });
+}
+
+#[test]
+fn every_figure_is_well_formed_and_its_cells_exist() {
+    each(|run, question, finding| {
+        let Some(figure) = &finding.figure else { return };
+        for width in WIDTHS {
+            assert_eq!(xml_fault(&svg(figure, width)), None, "{}", question.name);
+        }
+        assert!(vega(figure).is_object());
+        let marks = || figure.panels.iter().flat_map(|panel| &panel.marks);
+        assert!(marks().next().is_some(), "{}: nothing is drawn", question.name);
+        for mark in marks() {
+            assert!(mark.series.is_none_or(|series| series < figure.series.len()), "{}: {mark:?}", question.name);
+            if let Some(id) = &mark.cell {
+                assert!(run.cells.iter().any(|cell| cell.id == *id), "{}: no cell {id}", question.name);
+                assert!(!mark.tip.is_empty(), "{}: a link without words", question.name);
+            }
+        }
+    });
+}
+
+#[test]
+fn the_csv_reads_back() {
+    let dir = tempfile::tempdir().unwrap();
+    each(|_, question, finding| {
+        let path = dir.path().join("table.csv");
+        std::fs::write(&path, finding.table.csv()).unwrap();
+        let read = Table::read(&path).unwrap();
+        assert_eq!(read.columns, finding.table.columns, "{}", question.name);
+        assert_eq!(read.rows.len(), finding.table.rows.len());
+        for (fields, cells) in read.rows.iter().zip(&finding.table.rows) {
+            for (field, cell) in fields.iter().zip(cells) {
+                match cell {
+                    Cell::Missing => assert_eq!(field, ""),
+                    Cell::Text(text) => assert_eq!(field, text),
+                    Cell::Integer(n) => assert_eq!(field.parse(), Ok(*n)),
+                    Cell::Number(x) => assert_eq!(field.parse::<f64>().map(f64::to_bits), Ok(x.to_bits())),
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn a_question_is_called_like_its_file() {
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir("src/study/questions").unwrap().map(Result::unwrap) {
+        if std::fs::read_to_string(entry.path()).unwrap().contains("pub const QUESTION: Question") {
+            names.push(entry.path().file_stem().unwrap().to_string_lossy().replace('_', "-"));
+        }
+    }
+    names.sort();
+    let mut listed: Vec<&str> = QUESTIONS.iter().map(|question| question.name).collect();
+    listed.sort_unstable();
+    assert_eq!(names, listed);
+    assert!(listed.iter().all(|name| question(name).unwrap().name == *name));
+}
+
+#[test]
+fn a_failed_cell_leaves_the_others_answer() {
+    for run in runs().iter().step_by(2) {
+        let whole = asked(run);
+        let last = run.cells.len() - 1;
+        for failed in [0, run.cells.len() / 2, last] {
+            let cells = run.cells.iter().enumerate().map(|(i, cell)| {
+                let mut cell = cell.clone();
+                cell.scores = cell.scores.filter(|_| i != failed);
+                cell
+            });
+            let broken = Finished {
+                dir: run.dir.clone(),
+                provenance: run.provenance.clone(),
+                experiment: run.experiment.clone(),
+                config: run.config.clone(),
+                cells: cells.collect(),
+                lights: run.lights.clone(),
+                timings: run.timings.clone(),
+                failures: Vec::new(),
+                is_under_way: false,
+            };
+            let frame = Frame::new(&broken, None);
+            for (question, before) in &whole {
+                let Some(after) = (question.answer)(&frame) else {
+                    // All that is left of so small a run may be too little.
+                    assert!(before.table.rows.len() <= 4, "{} says nothing", question.name);
+                    continue;
+                };
+                assert!(2 * after.table.rows.len() >= before.table.rows.len(), "{}", question.name);
+                assert!(unfounded(&after).is_empty(), "{}: {}", question.name, after.sentence);
+                let is_sound = |text: &str| !text.contains("NaN") && !text.contains("inf");
+                assert!(is_sound(&after.sentence) && is_sound(&after.table.csv()), "{}", question.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_asked_is_answered_in_that_order() {
+    let run = &runs()[0];
+    let names = |asked: &[&str]| -> Vec<&str> {
+        let asked: Vec<String> = asked.iter().map(|name| name.to_string()).collect();
+        answers(run, &asked, None).iter().map(|answer| answer.question.name).collect()
+    };
+    assert_eq!(names(&["error", "break-even"]), ["error", "break-even"]);
+    let frame = Frame::new(run, None);
+    let served = QUESTIONS.iter().filter(|question| (question.lacks)(&frame.shape).is_none());
+    assert_eq!(names(&[]), served.map(|question| question.name).collect::<Vec<_>>());
+}

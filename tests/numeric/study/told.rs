@@ -1,0 +1,233 @@
+//! Whether sentences say what tables say.
+
+use splitsum::study::questions::Finding;
+use splitsum::study::table::Table;
+use splitsum::table::csv::Cell;
+use splitsum::table::markdown::significant;
+use std::collections::{BTreeSet, HashSet};
+
+/// The sentences of a text: each ends with a full stop before a blank or the end.
+pub fn sentences(text: &str) -> Vec<&str> {
+    text.trim().split_inclusive(". ").map(str::trim).collect()
+}
+
+/// Words of a sentence: what has a letter or digit.
+pub fn word_count(sentence: &str) -> usize {
+    sentence.split_whitespace().filter(|word| word.contains(char::is_alphanumeric)).count()
+}
+
+/// The text without what stands in backticks: names, not words.
+fn without_names(text: &str) -> String {
+    text.split('`').step_by(2).collect::<Vec<_>>().join(" ")
+}
+
+/// Every number as written: `16`, `-0.95`, `1.3e-6`, `1234` of `1,234`. A minus between letters or digits is a hyphen.
+pub fn numbers(text: &str) -> Vec<String> {
+    let letters: Vec<char> = text.replace('−', "-").chars().collect();
+    let is_digit = |i: usize| letters.get(i).is_some_and(char::is_ascii_digit);
+    let mut found = Vec::new();
+    let mut i = 0;
+    while i < letters.len() {
+        if !is_digit(i) {
+            i += 1;
+            continue;
+        }
+        let mut number = String::new();
+        let is_signed = i > 0 && letters[i - 1] == '-' && (i < 2 || !letters[i - 2].is_alphanumeric());
+        number.extend(is_signed.then_some('-'));
+        loop {
+            match letters.get(i) {
+                Some(digit) if digit.is_ascii_digit() => number.push(*digit),
+                Some('.') if is_digit(i + 1) && !number.contains('.') => number.push('.'),
+                // Thousands.
+                Some(',') if (i + 1..i + 4).all(is_digit) && !is_digit(i + 4) => {}
+                Some('e') if is_digit(i + 1) && !number.contains('e') => number.push('e'),
+                Some('e') if letters.get(i + 1) == Some(&'-') && is_digit(i + 2) && !number.contains('e') => {
+                    number.push_str("e-");
+                    i += 1;
+                }
+                _ => break,
+            }
+            i += 1;
+        }
+        found.push(number);
+    }
+    found
+}
+
+/// How the numbers of a table may be written.
+fn known(table: &Table, found: &mut HashSet<String>) {
+    let mut add = |text: &str| found.extend(numbers(text));
+    table.columns.iter().for_each(|name| add(name));
+    add(&table.rows.len().to_string());
+    for (column, _) in table.columns.iter().enumerate() {
+        let mut values = BTreeSet::new();
+        for row in &table.rows {
+            match &row[column] {
+                Cell::Missing => continue,
+                Cell::Text(text) => add(text),
+                Cell::Integer(n) => add(&n.to_string()),
+                Cell::Number(x) => {
+                    add(&x.to_string());
+                    (1..=4).for_each(|digits| add(&significant(*x, digits)));
+                }
+            }
+            values.insert(format!("{:?}", row[column]));
+        }
+        add(&values.len().to_string());
+    }
+}
+
+/// What a sentence of a finding says that its table and digest do not: numbers that are none of theirs, no count of their rows and no count
+/// of the distinct values of one of their columns. The 95 of "95 %" is the size of every interval.
+pub fn unfounded(finding: &Finding) -> Vec<String> {
+    let mut known_numbers = HashSet::new();
+    [Some(&finding.table), finding.digest.as_ref()]
+        .into_iter()
+        .flatten()
+        .for_each(|table| known(table, &mut known_numbers));
+    let text = without_names(&finding.sentence).replace("95 %", "");
+    numbers(&text).into_iter().filter(|number| !known_numbers.contains(number)).collect()
+}
+
+/// What is wrong with a document of XML: tags that do not close each other, bare `&` and `<`, attributes without quotes.
+pub fn xml_fault(text: &str) -> Option<String> {
+    let mut open: Vec<&str> = Vec::new();
+    let mut rest = text;
+    let mut roots = 0;
+    while let Some(start) = rest.find('<') {
+        if let Some(fault) = entity_fault(&rest[..start]) {
+            return Some(fault);
+        }
+        rest = &rest[start..];
+        if let Some(comment) = rest.strip_prefix("<!--") {
+            rest = &comment[comment.find("-->")? + 3..];
+            continue;
+        }
+        let Some(end) = tag_end(rest) else { return Some(format!("a tag has no end: {:.40}", rest)) };
+        let tag = &rest[1..end];
+        rest = &rest[end + 1..];
+        if tag.starts_with('?') || tag.starts_with('!') {
+            continue;
+        }
+        let name = |tag: &str| tag.split(|c: char| c.is_whitespace() || c == '/').next().unwrap_or("").len();
+        if let Some(closed) = tag.strip_prefix('/') {
+            match open.pop() {
+                Some(known) if known == closed.trim() => {}
+                other => return Some(format!("</{closed}> closes {other:?}")),
+            }
+            continue;
+        }
+        if let Some(fault) = attribute_fault(tag) {
+            return Some(fault);
+        }
+        roots += usize::from(open.is_empty());
+        if !tag.ends_with('/') {
+            open.push(&tag[..name(tag)]);
+        }
+    }
+    match (open.is_empty(), roots) {
+        (false, _) => Some(format!("not closed: {open:?}")),
+        (_, 1) => entity_fault(rest),
+        (_, roots) => Some(format!("{roots} roots")),
+    }
+}
+
+/// Where the tag ends: a `>` outside quotes.
+fn tag_end(text: &str) -> Option<usize> {
+    let mut quote = None;
+    text.char_indices().find_map(|(i, c)| {
+        match (quote, c) {
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(open), c) if open == c => quote = None,
+            (None, '>') => return Some(i),
+            _ => {}
+        }
+        None
+    })
+}
+
+fn attribute_fault(tag: &str) -> Option<String> {
+    let mut names = BTreeSet::new();
+    let mut rest = tag[tag.find(char::is_whitespace)?..].trim_end_matches('/').trim();
+    while !rest.is_empty() {
+        let Some((name, value)) = rest.split_once('=') else {
+            return Some(format!("{rest:?} has no value in <{tag}>"));
+        };
+        if !names.insert(name.trim()) {
+            return Some(format!("{name} twice in <{tag}>"));
+        }
+        let quote = value.chars().next().filter(|c| ['"', '\''].contains(c));
+        let Some(quote) = quote else { return Some(format!("{name} without quotes in <{tag}>")) };
+        let Some((value, after)) = value[1..].split_once(quote) else { return Some(format!("{name} is cut off")) };
+        if value.contains('<') {
+            return Some(format!("< in {name}"));
+        }
+        if let Some(fault) = entity_fault(value) {
+            return Some(fault);
+        }
+        rest = after.trim();
+    }
+    None
+}
+
+fn entity_fault(text: &str) -> Option<String> {
+    let is_entity = |part: &str| {
+        part.split_once(';')
+            .is_some_and(|(name, _)| !name.is_empty() && name.chars().all(|c| c == '#' || c.is_alphanumeric()))
+    };
+    text.split('&').skip(1).find(|part| !is_entity(part)).map(|part| format!("a bare & before {part:.20}"))
+}
+
+#[test]
+fn numbers_are_found_as_they_are_written() {
+    let found =
+        numbers("From 1.3e-6 (0.11 % rms), -0.95 and −2 to 1,234 of 256x128, sh9, n·v 0.3-0.4; at 7. Half-5 2e3 10,20");
+    assert_eq!(
+        found,
+        ["1.3e-6", "0.11", "-0.95", "-2", "1234", "256", "128", "9", "0.3", "0.4", "7", "5", "2e3", "10", "20"]
+    );
+    assert_eq!(sentences("A is 1.5. B is 2.").len(), 2);
+    assert_eq!(word_count("`a` needs **16 samples** (95 % 1 to 2)."), 8);
+}
+
+#[test]
+fn what_no_table_says_is_found() {
+    let mut table = Table::with_names(vec!["alpha".to_owned(), "ratio".to_owned(), "words".to_owned()]);
+    let mut row =
+        |alpha: f64, ratio, words: &str| table.row(vec![Cell::Number(alpha), ratio, Cell::Text(words.to_owned())]);
+    row(0.1, Cell::Number(0.123456), "32 (95 % 16 to 64)");
+    row(0.25, Cell::Integer(12345), "1.3e-6");
+    row(0.25, Cell::Missing, "-0.5");
+    let says = |sentence: &str| {
+        unfounded(&Finding { sentence: sentence.to_owned(), table: table.clone(), digest: None, figure: None })
+    };
+    assert!(
+        says("`sampled-9` has 0.12 times (0.123) at alpha 0.25, 32 (95 % 16 to 64), 12,345, 1.3e-6 and -0.5.")
+            .is_empty()
+    );
+    assert!(says("Of 3 rows 2 alphas.").is_empty(), "counts of rows and of distinct values");
+    assert_eq!(says("0.13 and 95 and 0.5 and 7 and 1.3e-5"), ["0.13", "0.5", "7", "1.3e-5"]);
+    assert_eq!(says("95 of 100"), ["100"], "95 stands in the table's own words");
+}
+
+#[test]
+fn faults_of_xml_are_found() {
+    for good in ["<a/>", "<?xml v?><a b=\"1\"><c d='>'/>x &amp; y &#183;</a>", "<a><!-- <b> --></a>\n"] {
+        assert_eq!(xml_fault(good), None, "{good}");
+    }
+    for bad in [
+        "<a>",
+        "<a></b>",
+        "<a/><b/>",
+        "<a b=1/>",
+        "<a>x & y</a>",
+        "<a b=\"<\"/>",
+        "<a b/>",
+        "<a b='1' b='2'/>",
+        "x",
+        "<a",
+    ] {
+        assert!(xml_fault(bad).is_some(), "{bad}");
+    }
+}
