@@ -1,76 +1,37 @@
 // The image table: scenes down, ways to make the image across. Every picture leads into the comparison.
 
-import {
-  displayAxes,
-  errorColor,
-  exclusionOf,
-  exrLink,
-  hasPixels,
-  headline,
-  HALF,
-  mask,
-  model,
-  overview,
-  pixels,
-  rows,
-  sceneAxes,
-  axisOf,
-  scenes,
-  short,
-  symbol,
-  texelError,
-  tone,
-  truthName,
-  variantAxes,
-  variantLabel,
-  variantLabels,
-} from "report/data";
-import { choice, h, number, select, soft, unseen } from "report/dom";
-import { sheetLinks } from "report/run";
+import { HALF, exrLink, exclusionOf, hasPixels, headline, mask, model, overview, pixels, rows } from "report/data";
+import { axisOf, displayAxes, errorColor, sceneAxes, scenes, short, symbol, texelError, tone } from "report/data";
+import { truthName, variantAxes, variantLabel, variantLabels } from "report/data";
+import { choice, h, number, scrollBox, select, tableHead, unseen } from "report/dom";
+import { fillErrorLegend } from "report/legend";
 import { go, keep } from "report/state";
 
-/** Display codes of every half float: a table makes a picture in a millisecond. */
-const luts = new Map();
-function lut(settings) {
-  const key = `${settings.tone} ${settings.exposure} ${settings.contrast}`;
-  if (!luts.has(key)) {
-    if (luts.size > 8) luts.clear();
-    luts.set(
-      key,
-      Uint8Array.from(HALF, (x) => Math.round(255 * tone(x, settings))),
-    );
-  }
-  return luts.get(key);
-}
+const MODES = [
+  ["image", "Image"],
+  ["error", "Error"],
+  ["signed", "Signed"],
+];
 
-/** Draws an image, or its error, into a canvas. */
-export async function paint(canvas, row, mode, settings, isReference = false) {
+/** Draws an image, or its error, into a canvas; false where the page holds no pixels of it. */
+async function paint(canvas, row, mode, settings, isReference) {
   const index = isReference ? row.reference : row.image;
   const texels = await (mode === "image" ? overview(index) : pixels(index));
   if (!texels) return false;
   const { width, height, rgba } = texels;
-  const picture = new ImageData(width, height),
-    out = picture.data;
+  const picture = new ImageData(width, height);
+  const out = picture.data;
   if (mode === "image") {
-    const codes = lut(settings);
-    for (let i = 0; i < rgba.length; i++) out[i] = codes[rgba[i]];
-    for (let i = 3; i < out.length; i += 4) out[i] = 255;
+    // Display codes of every half float: a table makes a picture in a millisecond.
+    const codes = Uint8Array.from(HALF, (x) => Math.round(255 * tone(x, settings)));
+    for (let i = 0; i < rgba.length; i++) out[i] = i % 4 < 3 ? codes[rgba[i]] : 255;
   } else {
     const [truth, counts] = await Promise.all([pixels(row.reference), mask(row.reference)]);
-    const off = model.colors.off_mask,
-      t = [0, 0, 0],
-      r = [0, 0, 0];
+    const rgb = (texels, i) => [0, 1, 2].map((c) => HALF[texels[4 * i + c]]);
     for (let i = 0; i < width * height; i++) {
-      let color = off;
-      if (!counts || counts[i]) {
-        for (let c = 0; c < 3; c++) {
-          t[c] = HALF[rgba[4 * i + c]];
-          r[c] = HALF[truth.rgba[4 * i + c]];
-        }
-        color = errorColor(mode, texelError(t, r));
-      }
-      out.set(color, 4 * i);
-      out[4 * i + 3] = 255;
+      const isCounted = !counts || counts[i];
+      const error = isCounted && texelError(rgb(rgba, i), rgb(truth.rgba, i));
+      out.set([...(error ? errorColor(mode, error) : model.colors.off_mask), 255], 4 * i);
     }
   }
   [canvas.width, canvas.height] = [width, height];
@@ -79,273 +40,134 @@ export async function paint(canvas, row, mode, settings, isReference = false) {
   return true;
 }
 
-/** A picture with its score that opens the comparison. */
-export function thumbnail(row, mode, settings, { isReference = false, isLowest = false } = {}) {
-  const name = isReference ? truthName : variantLabel(row),
-    error = row.scores[headline];
-  const canvas = h("canvas", { width: 8, height: 8, "aria-hidden": "true" });
-  const score = isReference
-    ? row.floor === null
-      ? ""
-      : `floor ${number(row.floor, 2)}`
-    : error === null
-      ? "failed"
-      : number(error);
-  const button = h(
-    "button",
-    {
-      type: "button",
-      class: "thumb",
-      "data-cell": row.cell,
-      title: `${row.scene.label}: ${name}`,
-      onclick: () =>
-        go({ view: "compare", cell: row.cell, run: row.run || undefined, mode: mode === "image" ? undefined : mode }),
-    },
-    canvas,
-    unseen(`Compare ${row.scene.label}, ${name}, relMSE `),
-    isLowest && [h("span", { class: "lowest" }, "lowest"), " "],
-    h(
-      "span",
-      { class: "thumb-text" },
-      h("span", {}, score),
-      ["reference-limited", "equal-within-noise"].includes(row.verdict) &&
-        !isReference &&
-        h("abbr", { title: "within ten times what the reference's own noise would give" }, "~"),
-    ),
-  );
-  whenSeen(button, async () => {
-    if (!(await paint(canvas, row, mode, settings, isReference))) button.classList.add("no-pixels");
-  });
-  return button;
-}
-
 const tasks = new WeakMap();
 const observer = new IntersectionObserver(
   (entries) => {
-    for (const { isIntersecting, target } of entries) {
-      if (!isIntersecting) continue;
+    for (const { target } of entries.filter((entry) => entry.isIntersecting)) {
       observer.unobserve(target);
       tasks.get(target)();
     }
   },
   { rootMargin: "300px" },
 );
-function whenSeen(element, task) {
-  tasks.set(element, task);
-  observer.observe(element);
+
+/** A picture with its score that opens the comparison; it is painted when it is seen. */
+function thumbnail(row, mode, settings, { isReference = false, isLowest = false } = {}) {
+  const canvas = h("canvas", { width: 8, height: 8, "aria-hidden": "true" });
+  const floor = row.floor === null ? "" : `floor ${number(row.floor, 2)}`;
+  const own = row.scores[headline] === null ? "failed" : number(row.scores[headline]);
+  const isLimited = !isReference && ["reference-limited", "equal-within-noise"].includes(row.verdict);
+  const why = "within ten times what the reference's own noise would give";
+  const name = isReference ? truthName : variantLabel(row);
+  const score = [isReference ? floor : own, isLimited && h("abbr", { title: why }, " ~")];
+  const spoken = unseen(`Compare ${row.scene.label}, ${name}, ${headline} `);
+  const lowest = isLowest && [h("span", { class: "lowest" }, "lowest"), " "];
+  const place = { view: "compare", cell: row.cell, run: row.run || undefined };
+  const onclick = () => go({ ...place, mode: mode === "image" ? undefined : mode });
+  const marks = { type: "button", class: "thumb", "data-cell": row.cell, title: `${row.scene.label}: ${name}` };
+  const told = h("span", { class: "thumb-text" }, h("span", {}, score));
+  const button = h("button", { ...marks, onclick }, canvas, spoken, lowest, told);
+  tasks.set(button, async () => {
+    const isPainted = await paint(canvas, row, isReference ? "image" : mode, settings, isReference);
+    button.classList.toggle("no-pixels", !isPainted);
+  });
+  observer.observe(button);
+  return button;
 }
 
-export const settingsOf = (row) => ({
-  tone: "curve",
-  exposure: Number(row.axes.exposure) || 1,
-  contrast: Number(row.axes.contrast) || 1,
-});
-
-const variantOf = new Map();
 /** What stands where a scene has no such image: the reason, if the experiment gives one. */
 function missing(row, label) {
-  if (!variantOf.size) rows.forEach((one) => variantOf.set(variantLabel(one), one));
-  const pick = (from, names) => names.map((name) => [name, from.axes[name]]);
-  const why = exclusionOf(Object.fromEntries([...pick(row, sceneAxes), ...pick(variantOf.get(label), variantAxes)]));
-  return why === null
-    ? h("span", { class: "excluded" }, "none")
-    : h("span", { class: "excluded", title: why }, "excluded");
+  const like = rows.find((one) => variantLabel(one) === label);
+  const wanted = [
+    ...sceneAxes.map((name) => [name, row.axes[name]]),
+    ...variantAxes.map((name) => [name, like.axes[name]]),
+  ];
+  const why = exclusionOf(Object.fromEntries(wanted));
+  return h("span", { class: "excluded", title: why ?? "" }, why === null ? "none" : "excluded");
 }
 
 /** The linear EXR files of every scene, where the page holds no pixels. */
 function exrTable() {
-  const file = (index, label) =>
-    index === null ? "–" : h("a", { href: exrLink(index), "aria-label": label }, model.images[index].file);
-  const line = (row, name, index, score) =>
-    h(
-      "tr",
-      {},
-      h("th", { scope: "row" }, row.scene.label),
-      h("td", {}, name),
-      h("td", {}, score),
-      h("td", {}, file(index, `${row.scene.label}, ${name}: linear EXR`)),
-    );
-  return h(
-    "div",
-    { class: "scroll data-table", tabindex: 0, role: "region", "aria-label": "Linear EXR files" },
-    h(
-      "table",
-      {},
-      h(
-        "thead",
-        {},
-        h(
-          "tr",
-          {},
-          ["scene", "image", headline, "linear EXR"].map((name) => h("th", { scope: "col" }, name)),
-        ),
-      ),
-      h(
-        "tbody",
-        {},
-        scenes.flatMap((scene) => [
-          line(scene.main, truthName, scene.main.reference, ""),
-          ...scene.variants.map((row) => line(row, variantLabel(row), row.image, number(row.scores[headline]))),
-        ]),
-      ),
-    ),
-  );
+  const line = (scene, name, index, score) => {
+    const label = `${scene.label}, ${name}: linear EXR`;
+    const file = index === null ? "–" : h("a", { href: exrLink(index), "aria-label": label }, model.images[index].file);
+    return h("tr", {}, h("th", { scope: "row" }, scene.label), [name, score, file].map((field) => h("td", {}, field))); // prettier-ignore
+  };
+  const body = scenes.flatMap((scene) => [
+    line(scene, truthName, scene.main.reference, ""),
+    ...scene.variants.map((row) => line(scene, variantLabel(row), row.image, number(row.scores[headline]))),
+  ]);
+  const table = h("table", {}, tableHead(["scene", "image", headline, "linear EXR"], ""), h("tbody", {}, body));
+  return scrollBox("Linear EXR files", table);
+}
+
+/** What the page says of its images: what is left out, where the contact sheets lie. */
+function notesOf() {
+  const notes = model.image_notes.map((text) => h("p", { class: "warning" }, text));
+  const sheets = model.runs.flatMap((run) => run.sheets);
+  if (sheets.length) {
+    const links = sheets.map(([name, link], i) => [i ? " · " : "", h("a", { href: link }, name)]);
+    notes.push(h("p", { class: "note sheets" }, "Contact sheets, every image as a picture: ", links));
+  }
+  return notes;
 }
 
 /** The page of images. */
 export function showGrid(view, state) {
-  const mode = ["error", "signed"].includes(state.mode) ? state.mode : "image";
-  const filters = Object.fromEntries(
-    sceneAxes.map((name) => [name, axisOf[name].values.includes(state[name]) ? state[name] : ""]),
-  );
   const again = (details) => {
     keep(details);
     showGrid(view, { ...state, ...details });
   };
-  const stops = Number(state.ev) || 0;
-  const own = scenes.filter((scene) =>
-    sceneAxes.every((name) => !filters[name] || scene.variants[0].axes[name] === filters[name]),
-  );
-  const ev = h("input", {
-    type: "range",
-    min: -8,
-    max: 8,
-    step: 0.5,
-    value: stops,
-    "aria-label": "Exposure in stops",
-    onchange: () => again({ ev: ev.value === "0" ? "" : ev.value }),
-  });
-  const bar = h(
-    "div",
-    { class: "controls" },
-    h("h1", { tabindex: -1 }, "Images"),
-    choice(
-      "What is shown",
-      [
-        ["image", "Image"],
-        ["error", "Error"],
-        ["signed", "Signed"],
-      ],
-      mode,
-      (value) => again({ mode: value === "image" ? "" : value }),
-    ),
-    h(
-      "label",
-      { class: "choice" },
-      h("span", { class: "exposure-text" }, `Exposure ${stops > 0 ? "+" : stops < 0 ? "−" : ""}${Math.abs(stops)} EV`),
-      ev,
-    ),
-    sceneAxes
-      .filter((name) => axisOf[name].values.length > 1)
-      .map((name) =>
-        select(
-          symbol(name),
-          [["", "all"], ...axisOf[name].values.map((value) => [value, short(name, value)])],
-          filters[name],
-          (value) => again({ [name]: value }),
-        ),
-      ),
-  );
-  const notes = model.image_notes.map((text) => h("p", { class: "warning" }, text));
-  for (const one of model.runs.filter((each) => each.sheets.length))
-    notes.push(
-      h(
-        "details",
-        { class: "note" },
-        h(
-          "summary",
-          {},
-          `${one.sheets.length} contact ${one.sheets.length === 1 ? "sheet" : "sheets"} beside this report${model.runs.length > 1 ? ` · ${one.label}` : ""}: every image as a picture`,
-        ),
-        sheetLinks(one),
-      ),
-    );
+  const title = h("h1", { tabindex: -1 }, "Images");
+  const notes = notesOf();
+  // Exposure and error maps need pixels.
   if (!model.images.some((image) => image.payload !== null)) {
-    // Exposure and error maps need pixels.
-    view.replaceChildren(
-      h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Images")),
+    return view.replaceChildren(
+      h("div", { class: "controls" }, title),
       ...notes,
       model.images.length ? exrTable() : "",
     );
-    return;
   }
-  const used = variantLabels.filter((label) =>
-    own.some((scene) => scene.variants.some((row) => variantLabel(row) === label)),
-  );
+  const mode = MODES.some(([name]) => name === state.mode) ? state.mode : "image";
+  const chosen = (name) => (axisOf[name].values.includes(state[name]) ? state[name] : "");
+  const isChosen = (scene) => sceneAxes.every((name) => !chosen(name) || scene.main.axes[name] === chosen(name));
+  const own = scenes.filter(isChosen);
+  const stops = Number(state.ev) || 0;
+  const ev = h("input", { type: "range", min: -8, max: 8, step: 0.5, value: stops, "aria-label": "Exposure in stops" });
+  ev.addEventListener("change", () => again({ ev: ev.value === "0" ? "" : ev.value }));
+  const pick = (name) => {
+    const values = axisOf[name].values.map((value) => [value, short(name, value)]);
+    return select(symbol(name), [["", "all"], ...values], chosen(name), (value) => again({ [name]: value }));
+  };
+  const modes = choice("What is shown", MODES, mode, (value) => again({ mode: value === "image" ? "" : value }));
+  const exposure = h("label", { class: "choice" }, h("span", {}, `Exposure ${number(stops)} EV`), ev);
+  const filters = sceneAxes.filter((name) => axisOf[name].values.length > 1).map(pick);
+  const legend = h("div", { class: "error-legend" });
+  if (mode !== "image") fillErrorLegend(legend, mode === "signed", false);
   // Ways of which the page holds no pixels at all (further point sets of a large run) would be columns of nothing.
-  const labels = used.filter((label) =>
-    own.some((scene) =>
-      scene.variants.some((row) => variantLabel(row) === label && (row.image === null || hasPixels(row))),
-    ),
-  );
-  if (labels.length < used.length)
-    notes.push(
-      h(
-        "p",
-        { class: "note" },
-        `${used.length - labels.length} of ${used.length} ways to make the image have no pixels in this page and are not listed.`,
-      ),
-    );
-  const head = h(
-    "tr",
-    {},
-    h("th", { scope: "col" }, sceneAxes.map(symbol).join(" · ") || "scene"),
-    h("th", { scope: "col" }, truthName),
-    labels.map((label) => h("th", { scope: "col" }, soft(label))),
-  );
-  const body = own.map((scene) => {
-    const first = scene.main,
-      settings = settingsOf(first);
-    settings.exposure *= 2 ** stops;
+  const holds = (label) => (row) => variantLabel(row) === label && (row.image === null || hasPixels(row));
+  const labels = variantLabels.filter((label) => own.some((scene) => scene.variants.some(holds(label))));
+  const line = (scene) => {
+    const settings = { tone: "curve", exposure: 1, contrast: 1 };
+    settings.exposure = (Number(scene.main.axes.exposure) || 1) * 2 ** stops;
+    settings.contrast = Number(scene.main.axes.contrast) || 1;
     // Of one image there is no lowest.
     const scores = scene.variants.map((row) => row.scores[headline]).filter((score) => score !== null);
     const best = scores.length > 1 ? Math.min(...scores) : NaN;
-    return h(
-      "tr",
-      {},
-      h(
-        "th",
-        { scope: "row" },
-        sceneAxes.map((name) =>
-          h("span", {}, soft(`${symbol(name) === name ? "" : `${symbol(name)} `}${short(name, first.axes[name])}`)),
-        ),
-      ),
-      h("td", {}, thumbnail(first, "image", settings, { isReference: true })),
-      labels.map((label) => {
-        const row = scene.variants.find((one) => variantLabel(one) === label);
-        return h(
-          "td",
-          {},
-          row ? thumbnail(row, mode, settings, { isLowest: row.scores[headline] === best }) : missing(first, label),
-        );
-      }),
-    );
-  });
-  const legend =
-    mode === "image"
-      ? `Through the project's tone curve at the cell's exposure${displayAxes.length ? " (of those tried the nearest to 1)" : ""}. `
-      : mode === "error"
-        ? "√ of the RGB mean of d² / (r² + 0.01), magma, 10⁻³ to 1, the same for all. "
-        : "Mean of d / √(r² + 0.01), −0.5 (blue, too dark) to 0.5 (red, too bright). ";
-  view.replaceChildren(
-    bar,
-    ...notes,
-    h(
-      "p",
-      { class: "note" },
-      legend,
-      "Below each image its relMSE; the lowest of a scene is marked. Click one to compare it pixel by pixel.",
-    ),
-    h(
-      "div",
-      {
-        class: "scroll image-table",
-        style: `--columns:${labels.length + 1}`,
-        tabindex: 0,
-        role: "region",
-        "aria-label": "Image table",
-      },
-      h("table", {}, h("thead", {}, head), h("tbody", {}, body)),
-    ),
-  );
+    const cell = (label) => {
+      const row = scene.variants.find((one) => variantLabel(one) === label);
+      const options = { isLowest: row?.scores[headline] === best };
+      return h("td", {}, row ? thumbnail(row, mode, settings, options) : missing(scene.main, label));
+    };
+    const names = sceneAxes.map((name) => h("span", {}, `${symbol(name)} ${short(name, scene.main.axes[name])}`));
+    const reference = h("td", {}, thumbnail(scene.main, mode, settings, { isReference: true }));
+    return h("tr", {}, h("th", { scope: "row" }, names), reference, labels.map(cell)); // prettier-ignore
+  };
+  const head = tableHead([sceneAxes.map(symbol).join(" · ") || "scene", truthName, ...labels], "");
+  const curve = `At the cell's exposure${displayAxes.length ? " (of those tried the nearest to 1)" : ""}. `;
+  const told = `${mode === "image" ? curve : ""}Below each image its ${headline}. Click one to compare it.`;
+  const label = { tabindex: 0, role: "region", "aria-label": "Image table", style: `--columns:${labels.length + 1}` };
+  const table = h("div", { class: "scroll image-table", ...label }, h("table", {}, head, h("tbody", {}, own.map(line)))); // prettier-ignore
+  const bar = h("div", { class: "controls" }, title, modes, exposure, filters);
+  return view.replaceChildren(bar, ...notes, legend, h("p", { class: "note" }, told), table);
 }

@@ -1,6 +1,6 @@
 // The legend of error pictures: one fixed range for every image of the page.
 
-import { errorColor, model } from "report/data";
+import { model } from "report/data";
 import { h, number } from "report/dom";
 
 /** Fills `element` with the ramp, ticks and formula of the relative or the signed error; `marks` says that what lies beyond can be marked. */
@@ -31,18 +31,3 @@ export function fillErrorLegend(element, isSigned, marks) {
     ),
   );
 }
-
-/** The error of a texel with its colour, in the measure that is shown, as a cell of a table; null: an empty one. */
-export function errorCell(error, isSigned) {
-  const value = error && (isSigned ? error.signed : error.relative);
-  return h(
-    "td",
-    { "data-value": value ?? "" },
-    error && [
-      h("i", { class: "chip", style: `background:rgb(${errorColor(isSigned ? "signed" : "error", error)})` }),
-      number(value),
-    ],
-  );
-}
-/** What the column of such cells is called. */
-export const errorHead = (isSigned) => (isSigned ? "signed error" : "error");

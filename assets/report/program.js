@@ -1,34 +1,38 @@
-// What the comparison and the live view need of WebGL2: a program of one of the page's shaders over the whole target, textures, colours.
+// What the comparison and the live view need of WebGL2: programs of the page's shaders, textures, colours.
 
-import { shaderText } from "report/data";
+import { model, shaderText } from "report/data";
 
 /** One triangle over the target. */
 const VERTEX =
   "#version 300 es\nvoid main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }";
+/** What a uniform is set by, by its type; samplers are set by the texture. */
+const SETTERS = { FLOAT: "1f", INT: "1i", BOOL: "1i", UNSIGNED_INT: "1ui" };
+const VECTORS = { FLOAT_VEC2: "2fv", FLOAT_VEC3: "3fv", FLOAT_VEC4: "4fv" };
 
-/** The program of the shader `name`: {program, uniform: locations by name}. Arrays are listed without `[0]`. */
-export function makeProgram(gl, name) {
+/** The program of the shader `name`: {program, set: what sets a uniform, by name}. Arrays are listed without `[0]`. */
+export function makeProgram(gl, name, vertex = VERTEX) {
   const program = gl.createProgram();
-  for (const [type, source] of [
-    [gl.VERTEX_SHADER, VERTEX],
-    [gl.FRAGMENT_SHADER, shaderText(name)],
-  ]) {
-    const shader = gl.createShader(type);
+  const check = (isDone, log) => {
+    if (!isDone && !gl.isContextLost()) throw new Error(`${name}: ${log}`);
+  };
+  for (const [type, source] of Object.entries({ VERTEX_SHADER: vertex, FRAGMENT_SHADER: shaderText(name) })) {
+    const shader = gl.createShader(gl[type]);
     gl.shaderSource(shader, source);
     gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost())
-      throw new Error(`${name}: ${gl.getShaderInfoLog(shader)}`);
+    check(gl.getShaderParameter(shader, gl.COMPILE_STATUS), gl.getShaderInfoLog(shader));
     gl.attachShader(program, shader);
   }
   gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
-    throw new Error(`${name}: ${gl.getProgramInfoLog(program)}`);
-  const uniform = {};
+  check(gl.getProgramParameter(program, gl.LINK_STATUS), gl.getProgramInfoLog(program));
+  const set = {};
+  const kinds = Object.entries({ ...SETTERS, ...VECTORS });
   for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); i++) {
-    const { name: full } = gl.getActiveUniform(program, i);
-    uniform[full.replace(/\[0\]$/, "")] = gl.getUniformLocation(program, full);
+    const { name: full, type } = gl.getActiveUniform(program, i);
+    const place = gl.getUniformLocation(program, full);
+    const [, setter] = kinds.find(([kind]) => gl[kind] === type) ?? ["", "1i"];
+    set[full.replace(/\[0\]$/, "")] = (value) => gl[`uniform${setter}`](place, value);
   }
-  return { program, uniform };
+  return { program, set };
 }
 
 /** A texture of one level whose texels are read one by one. It is left bound at `unit`. */
@@ -38,16 +42,23 @@ export function makeTexture(gl, unit, internal, width, height, format, type, dat
   gl.bindTexture(gl.TEXTURE_2D, texture);
   gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
   gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, data);
-  for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
-  for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+  for (const name of ["MIN_FILTER", "MAG_FILTER"]) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}`], gl.NEAREST);
+  for (const name of ["WRAP_S", "WRAP_T"]) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}`], gl.CLAMP_TO_EDGE);
   return texture;
 }
 
 /** The colours of the project's error maps as a texture of two rows (magma, blue-red). */
-export const makePalette = (gl, unit, { magma, blue_red }) => {
-  const texels = Uint8Array.from([...magma, ...blue_red].flatMap((c) => [...c, 255]));
-  return makeTexture(gl, unit, gl.RGBA8, 256, 2, gl.RGBA, gl.UNSIGNED_BYTE, texels);
-};
+export function makePalette(gl, unit) {
+  const texels = [...model.colors.magma, ...model.colors.blue_red].flatMap((color) => [...color, 255]);
+  return makeTexture(gl, unit, gl.RGBA8, 256, 2, gl.RGBA, gl.UNSIGNED_BYTE, Uint8Array.from(texels));
+}
+
+/** The ranges of the project's error maps, and the colours of texels outside them. */
+export function errorColors() {
+  const { relative, signed, nan, off_mask } = model.colors;
+  const [nan_color, off_mask_color] = [nan, off_mask].map((color) => color.map((code) => code / 255));
+  return { relative_range: relative, signed_range: signed, nan_color, off_mask_color };
+}
 
 /** A context that is lost and comes back: `restored` makes everything anew. */
 export function keepContext(canvas, restored) {
@@ -55,32 +66,21 @@ export function keepContext(canvas, restored) {
   canvas.addEventListener("webglcontextrestored", restored);
 }
 
-/** The ranges of the project's error maps, and the colours of texels outside them. */
-export function setErrorColors(gl, uniform, { relative, signed, nan, off_mask }) {
-  gl.uniform2fv(uniform.relative_range, relative);
-  gl.uniform2fv(uniform.signed_range, signed);
-  gl.uniform3fv(
-    uniform.nan_color,
-    nan.map((c) => c / 255),
-  );
-  gl.uniform3fv(
-    uniform.off_mask_color,
-    off_mask.map((c) => c / 255),
-  );
-}
-
-/** Draws a program over `framebuffer` (null: the canvas) of `size`, with textures by sampler name; `set` fills the other uniforms. */
-export function drawOver(gl, { program, uniform }, framebuffer, [width, height], textures, set) {
+/** Makes a program current over `target` ({framebuffer, width, height} or a canvas). A uniform that it lacks is left out. */
+export function useProgram(gl, { program, set }, target, textures, values) {
   gl.useProgram(program);
-  gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-  gl.viewport(0, 0, width, height);
-  let unit = 0;
-  for (const [sampler, texture] of Object.entries(textures)) {
-    if (!uniform[sampler]) continue;
+  gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer ?? null);
+  gl.viewport(0, 0, target.width, target.height);
+  Object.entries(textures).forEach(([sampler, texture], unit) => {
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.uniform1i(uniform[sampler], unit++);
-  }
-  set(uniform);
+    set[sampler]?.(unit);
+  });
+  for (const [name, value] of Object.entries(values)) set[name]?.(value);
+}
+
+/** Draws a program over the whole of its target. */
+export function drawOver(gl, made, target, textures, values) {
+  useProgram(gl, made, target, textures, values);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
 }

@@ -1,14 +1,25 @@
-// What the pointer and the keys do in the comparison of images.
+// What the comparison of images shows first, and what its keys do.
 
-import { hasPixels, variantLabel } from "report/data";
+import { hasPixels, rows, scenes, variantLabel } from "report/data";
+import { clamp } from "report/stage";
 
 const KEY_MAX = 9;
-/** What the exposure reaches, stops. */
+/** What the sliders reach, and so what an address may ask for: stops, and contrast. */
 export const STOPS = [-14, 14];
+export const CONTRAST = [0.1, 5];
+/** The method that the project asks about. */
+const LEADING_METHOD = "split-sum";
+
+/** The first cell that is shown: the split sum, else a method without samples, else any. */
+export function firstRow() {
+  const shown = scenes.flatMap((scene) => scene.variants).filter(hasPixels);
+  const leading = shown.find((row) => row.axes.method === LEADING_METHOD);
+  return leading ?? shown.find((row) => !row.axes.samples) ?? shown[0] ?? rows[0];
+}
 
 /**
- * The images that the keys 1 to 9 show: those with pixels, of several point sets the first. Methods without samples always have a key: where
- * there are too many images, the largest sample counts go without.
+ * The images that the keys 1 to 9 show: those with pixels, of several point sets the first. Methods without samples always have a
+ * key: where there are too many images, the largest sample counts go without.
  */
 export function keyedVariants(scene) {
   const ways = new Map();
@@ -16,147 +27,45 @@ export function keyedVariants(scene) {
     const way = variantLabel(row, ["point_set"]);
     if (!ways.has(way)) ways.set(way, row);
   }
-  const shown = [...ways.values()],
-    fixed = shown.filter((row) => !row.axes.samples).slice(0, KEY_MAX);
+  const shown = [...ways.values()];
+  const fixed = shown.filter((row) => !row.axes.samples).slice(0, KEY_MAX);
   const sampled = shown.filter((row) => row.axes.samples).slice(0, KEY_MAX - fixed.length);
   return shown.filter((row) => fixed.includes(row) || sampled.includes(row));
-}
-
-/** Follows the pointer over the image and the split. */
-export function listen(viewer) {
-  const { canvas } = viewer,
-    pointers = new Map();
-  let moved = false,
-    spread = 0,
-    frame = 0;
-  canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    pointers.set(event.pointerId, event);
-    moved = false;
-    spread = 0;
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    if (!viewer.row || !viewer.origin) return;
-    const before = pointers.get(event.pointerId);
-    if (before) {
-      const ratio = canvas.width / canvas.getBoundingClientRect().width;
-      pointers.set(event.pointerId, event);
-      if (Math.hypot(event.clientX - before.clientX, event.clientY - before.clientY) > 0) moved ||= event.buttons > 0;
-      if (pointers.size === 2) {
-        const [a, b] = [...pointers.values()],
-          distance = Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
-        const box = canvas.getBoundingClientRect();
-        if (spread && Math.abs(distance / spread - 1) > 0.08) {
-          viewer.zoom(
-            distance / spread,
-            ((a.clientX + b.clientX) / 2 - box.left) * ratio,
-            ((a.clientY + b.clientY) / 2 - box.top) * ratio,
-          );
-          spread = distance;
-        }
-        spread ||= distance;
-      } else viewer.pan((event.clientX - before.clientX) * ratio, (event.clientY - before.clientY) * ratio);
-      return;
-    }
-    if (viewer.pinned) return;
-    viewer.probed = viewer.texelAt(event);
-    cancelAnimationFrame(frame);
-    frame = requestAnimationFrame(() => viewer.probe());
-  });
-  const up = (event) => {
-    if (!pointers.delete(event.pointerId)) return;
-    if (moved) {
-      if (viewer.row) viewer.keepState();
-      return;
-    }
-    if (!viewer.row || !viewer.origin) return;
-    viewer.pinned = !viewer.pinned || String(viewer.probed) !== String(viewer.texelAt(event));
-    viewer.probed = viewer.texelAt(event);
-    viewer.probe();
-    viewer.keepState();
-  };
-  canvas.addEventListener("pointerup", up);
-  canvas.addEventListener("pointercancel", (event) => pointers.delete(event.pointerId));
-  canvas.addEventListener(
-    "wheel",
-    (event) => {
-      event.preventDefault();
-      const box = canvas.getBoundingClientRect(),
-        ratio = canvas.width / box.width;
-      viewer.zoom(
-        event.deltaY < 0 ? 1.2 : 1 / 1.2,
-        (event.clientX - box.left) * ratio,
-        (event.clientY - box.top) * ratio,
-      );
-    },
-    { passive: false },
-  );
-  viewer.handle.addEventListener("pointerdown", (event) => viewer.handle.setPointerCapture(event.pointerId));
-  viewer.handle.addEventListener("pointermove", (event) => {
-    if (!viewer.handle.hasPointerCapture(event.pointerId)) return;
-    const box = viewer.stage.getBoundingClientRect();
-    viewer.split = Math.min(1, Math.max(0, (event.clientX - box.left) / box.width));
-    viewer.draw();
-  });
-  viewer.handle.addEventListener("pointerup", () => viewer.keepState());
 }
 
 /** Handles a key of the comparison; true when it was one. */
 export function key(viewer, event) {
   if (!viewer.row || !viewer.scene) return false;
-  const onHandle = document.activeElement === viewer.handle;
+  const { mode, tone, isClipped, split } = viewer;
+  const isImage = mode === "image";
+  const isOnHandle = document.activeElement === viewer.handle;
+  const show = (wanted) => viewer.set({ mode: mode === wanted ? "image" : wanted });
+  const brighten = (by) => isImage && viewer.set({ stops: clamp(viewer.stops + by, ...STOPS) });
+  const wipe = (by) => viewer.set({ split: clamp(split + by, 0, 1) });
   const actions = {
     " ": () => viewer.hold(true),
-    e: () => {
-      viewer.mode = viewer.mode === "error" ? "image" : "error";
-      viewer.redraw();
-    },
-    s: () => {
-      viewer.mode = viewer.mode === "signed" ? "image" : "signed";
-      viewer.redraw();
-    },
-    t: () => {
-      if (viewer.mode !== "image") return;
-      viewer.tone = viewer.tone === "srgb" ? "curve" : "srgb";
-      viewer.redraw();
-    },
-    c: () => {
-      viewer.clipped = !viewer.clipped;
-      viewer.redraw();
-    },
-    d: () => viewer.setSplit(viewer.split === null ? 0.5 : null),
-    "[": () => {
-      if (viewer.mode !== "image") return;
-      viewer.stops = Math.max(STOPS[0], viewer.stops - 0.5);
-      viewer.redraw();
-    },
-    "]": () => {
-      if (viewer.mode !== "image") return;
-      viewer.stops = Math.min(STOPS[1], viewer.stops + 0.5);
-      viewer.redraw();
-    },
+    e: () => show("error"),
+    s: () => show("signed"),
+    t: () => isImage && viewer.set({ tone: tone === "srgb" ? "curve" : "srgb" }),
+    c: () => viewer.set({ isClipped: !isClipped }),
+    d: () => viewer.set({ split: split === null ? 0.5 : null }),
+    "[": () => brighten(-0.5),
+    "]": () => brighten(0.5),
     "+": () => viewer.zoom(1.5),
-    "=": () => viewer.zoom(1.5),
     "-": () => viewer.zoom(1 / 1.5),
-    0: () => {
-      viewer.fit();
-      viewer.draw();
-      viewer.keepState();
-    },
-    ArrowLeft: () => (onHandle ? viewer.setSplit(Math.max(0, viewer.split - 0.02)) : viewer.step(-1)),
-    ArrowRight: () => (onHandle ? viewer.setSplit(Math.min(1, viewer.split + 0.02)) : viewer.step(1)),
+    0: () => viewer.refit(),
+    ArrowLeft: () => (isOnHandle ? wipe(-0.02) : viewer.step(-1)),
+    ArrowRight: () => (isOnHandle ? wipe(0.02) : viewer.step(1)),
     ArrowUp: () => viewer.stepScene(-1),
     ArrowDown: () => viewer.stepScene(1),
   };
-  const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  const name = event.key.length === 1 ? event.key.toLowerCase().replace("=", "+") : event.key;
   const moves = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-  if (event.shiftKey && name in moves) {
-    viewer.moveProbe(...moves[name]);
-  } else if (/^[1-9]$/.test(name)) {
+  if (event.shiftKey && name in moves) viewer.moveProbe(moves[name][0], moves[name][1]);
+  else if (/^[1-9]$/.test(name)) {
     const row = keyedVariants(viewer.scene)[Number(name) - 1];
     if (row) viewer.choose(row);
-  } else if (name in actions) {
-    if (!(name === " " && event.repeat)) actions[name]();
-  } else return false;
+  } else if (!(name in actions)) return false;
+  else if (name !== " " || !event.repeat) actions[name]();
   return true;
 }

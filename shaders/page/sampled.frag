@@ -1,5 +1,5 @@
-// Adds the params.point_count samples from first_sample on of the methods `sampled` and `sampled-unfiltered` to the specular term of one pixel of
-// the live view. The table may hold the points in any order: their sum is the same.
+// Adds the params.point_count samples from first_sample on of the method `sampled` to the specular term of one pixel of the live view.
+// The table may hold the points in any order: their sum is the same.
 #include "page/surface.glsl"
 #include "lib/importance_sampling.glsl"
 
@@ -9,7 +9,6 @@ uniform sampler2D points;
 // The samples before first_sample.
 uniform sampler2D so_far;
 uniform uint first_sample;
-uniform bool is_filtered;
 
 out vec4 specular;
 
@@ -22,6 +21,6 @@ void main() {
     Surface s;
     if (surface_here(s)) {
         Surface local = surface_in_environment(s, params);
-        specular.rgb += params.environment_scale * importance_sampled_radiance(local, environment, params, is_filtered);
+        specular.rgb += params.environment_scale * importance_sampled_radiance(local, environment, params, true);
     }
 }

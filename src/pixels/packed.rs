@@ -26,21 +26,20 @@ pub struct Encoded {
 
 /// Encodes the RGB of an image.
 pub fn radiance(image: &RgbImage) -> Encoded {
-    let mut bytes = Vec::with_capacity(image.data.len() * 6);
-    let mut clamped_count = 0;
+    let clamped_count = image.data.iter().flatten().filter(|value| **value > HALF_MAX).count();
+    let halves: Vec<[u16; 3]> =
+        image.data.iter().map(|texel| texel.map(|value| f16::from_f32(value.min(HALF_MAX)).to_bits())).collect();
+    Encoded { base64: words(&halves), clamped_count }
+}
+
+/// Encodes triples of 16-bit words.
+pub fn words(triples: &[[u16; 3]]) -> String {
+    let mut bytes = Vec::with_capacity(triples.len() * 6);
     for channel in 0..3 {
-        let halves: Vec<u16> = image
-            .data
-            .iter()
-            .map(|texel| {
-                clamped_count += usize::from(texel[channel] > HALF_MAX);
-                f16::from_f32(texel[channel].min(HALF_MAX)).to_bits()
-            })
-            .collect();
-        push_differences(&mut bytes, halves.iter().map(|half| (half >> 8) as u8));
-        push_differences(&mut bytes, halves.iter().map(|half| *half as u8));
+        push_differences(&mut bytes, triples.iter().map(|triple| (triple[channel] >> 8) as u8));
+        push_differences(&mut bytes, triples.iter().map(|triple| triple[channel] as u8));
     }
-    Encoded { base64: deflated(&bytes), clamped_count }
+    deflated(&bytes)
 }
 
 /// Encodes a mask: one byte a texel, 0 or 1.

@@ -1,7 +1,8 @@
-//! What a run leaves for the live view of its report: the tables that light a surface, packed, in `live.json`.
+//! What a run leaves for the live view of its report: the tables that light a surface and the scenes, packed, in `live.json`.
 
 use super::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP, Point};
 use super::images::short_text;
+use super::live_model::{LiveModel, models};
 use super::plan::Plan;
 use super::renderer::{RenderFault, Renderer};
 use super::value::Value;
@@ -26,6 +27,9 @@ pub struct LiveRecord<Image = PackedImage> {
     pub lobes: Vec<LiveLobe<Image>>,
     /// Environments of the run that are not here.
     pub left_out: usize,
+    /// Older runs have none.
+    #[serde(default)]
+    pub models: Vec<LiveModel>,
 }
 
 /// An image as half floats (see [`packed`]).
@@ -69,7 +73,7 @@ pub struct LiveLobe<Image = PackedImage> {
 
 /// Makes the tables of every model in the first environments of a plan.
 pub fn tables(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord<RgbImage>, RenderFault> {
-    let mut record = LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0 };
+    let mut record = LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan) };
     let environments = distinct(plan, &[], |request| request.environment.hash.clone());
     let lobes = distinct(plan, &[BRDF], |request| (request.brdf.name(), request.masking_shadowing));
     for (point, request) in environments.iter().take(ENVIRONMENT_COUNT) {
@@ -122,6 +126,7 @@ impl LiveRecord<RgbImage> {
             environments: self.environments.into_iter().map(of_environment).collect(),
             lobes: self.lobes.into_iter().map(of_lobe).collect(),
             left_out: self.left_out,
+            models: self.models,
         }
     }
 }

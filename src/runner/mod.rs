@@ -15,6 +15,7 @@ pub mod host;
 pub mod images;
 pub mod inputs;
 pub mod live;
+pub mod live_model;
 mod overrides;
 pub mod plan;
 pub mod provenance;

@@ -40,7 +40,7 @@ pub const SPHERES_METALLIC: [f32; 3] = [0.0, 0.5, 1.0];
 /// Distance between the centres of neighbours in `spheres`, in radii: a fifth of a radius stays free between two spheres.
 const SPHERES_PITCH: f64 = 2.2;
 
-fn sphere() -> Scene {
+pub(super) fn sphere() -> Scene {
     let sphere = Sphere { center: DVec3::ZERO, radius: 1.0, material: 0 };
     Scene::assemble("sphere", vec![sphere], Vec::new(), vec![Material::default()])
 }

@@ -91,6 +91,11 @@ impl Scene {
         }
     }
 
+    /// The built-in scene `sphere`.
+    pub fn sphere() -> Self {
+        builtin::sphere()
+    }
+
     /// The scene of the OBJ file at `path` of `files`, which also give what it names.
     pub fn from_obj(path: &Path, files: &dyn SceneFiles) -> Result<Self, SceneError> {
         obj::load(&path.to_string_lossy(), path, files)

@@ -6,14 +6,10 @@
 use super::told::Told;
 use crate::files::read_regular;
 use crate::glsl::constants;
-use crate::math::sequence::SEQUENCES;
-use crate::precompute::points;
 use crate::runner::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord};
-use crate::runner::value::Value;
-use crate::scene::camera::{PERSPECTIVE_FOV_DEG, PERSPECTIVE_SPHERE_DISTANCE};
-use crate::scene::material::{DEFAULT_ALBEDO, DEFAULT_F0};
-use base64::Engine;
-use base64::prelude::BASE64_STANDARD;
+use crate::runner::live_model::{self, LiveModel};
+use crate::scene::Projection;
+use crate::scene::camera::PERSPECTIVE_FOV_DEG;
 use serde::Serialize;
 
 /// Bytes of base64 that the tables of a page may take.
@@ -22,9 +18,6 @@ pub const BUDGET_BYTES: usize = 4 << 20;
 const ENVIRONMENT_WIDTH_MIN: u32 = 256;
 /// A larger file is none that a run wrote: the tables of its few environments are far smaller.
 const FILE_BYTES_MAX: u64 = 64 << 20;
-/// Sample counts that the page offers, besides those of the run.
-const SAMPLE_COUNTS: [u32; 15] = [1, 2, 4, 5, 8, 16, 30, 32, 40, 64, 100, 128, 256, 512, 1024];
-
 /// What the live view reads.
 #[derive(Debug, Serialize)]
 pub struct Light {
@@ -32,34 +25,14 @@ pub struct Light {
     pub lobes: Vec<LiveLobe>,
     /// Names of the maskings in the order of the shaders' constants.
     pub masking_names: Vec<&'static str>,
-    pub points: Vec<PointTable>,
-    pub camera: CameraDefaults,
-    pub material: MaterialDefaults,
+    /// At least one, if there are environments.
+    pub models: Vec<LiveModel>,
+    /// Vertical field of view of the background behind an orthographic camera.
+    pub fov_deg: f64,
     /// The floor of alpha.
     pub alpha_min: f32,
     /// What is missing and why, one sentence each.
     pub notes: Vec<String>,
-}
-
-/// The sample points of one count: vec4s of little-endian f32, base64.
-#[derive(Debug, Serialize)]
-pub struct PointTable {
-    pub count: u32,
-    pub base64: String,
-}
-
-/// The renderer's automatic camera of a sphere of radius 1.
-#[derive(Debug, Serialize)]
-pub struct CameraDefaults {
-    pub fov_deg: f64,
-    pub distance: f64,
-}
-
-/// The renderer's default surface.
-#[derive(Debug, Serialize)]
-pub struct MaterialDefaults {
-    pub albedo: f32,
-    pub f0: f32,
 }
 
 impl Light {
@@ -78,14 +51,12 @@ impl Light {
                 None
             }
         });
-        let counts = runs.iter().flat_map(sample_counts).chain(SAMPLE_COUNTS);
         let mut light = Self {
             environments: Vec::new(),
             lobes: Vec::new(),
             masking_names: crate::brdf::MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect(),
-            points: point_tables(counts),
-            camera: CameraDefaults { fov_deg: PERSPECTIVE_FOV_DEG, distance: PERSPECTIVE_SPHERE_DISTANCE },
-            material: MaterialDefaults { albedo: DEFAULT_ALBEDO, f0: DEFAULT_F0 },
+            models: Vec::new(),
+            fov_deg: PERSPECTIVE_FOV_DEG,
             alpha_min: constants::ALPHA_MIN,
             notes,
         };
@@ -100,7 +71,13 @@ impl Light {
 
     /// Takes the record's tables, and drops the finest levels of the largest environments, then whole environments, until all fits.
     fn fit(&mut self, record: LiveRecord, budget: usize) {
-        (self.environments, self.lobes) = (record.environments, record.lobes);
+        (self.environments, self.lobes, self.models) = (record.environments, record.lobes, record.models);
+        if self.models.is_empty() {
+            let note = format!("{LIVE_FILE} is of an older version and has no model, so a sphere is shown.");
+            let projection = Projection::Perspective { fov_deg: PERSPECTIVE_FOV_DEG };
+            self.models.push(live_model::sphere("sphere", note, projection, None));
+        }
+        self.notes.extend(self.models.iter().map(|model| model.note.clone()).filter(|note| !note.is_empty()));
         let mut left_out = record.left_out;
         while self.bytes() > budget {
             let reducible = self.environments.iter_mut().filter(|e| e.levels[0].size[0] > ENVIRONMENT_WIDTH_MIN);
@@ -146,25 +123,4 @@ fn read(run: &Told) -> Result<Option<LiveRecord>, String> {
         return Err(format!("{}: has an environment or model without tables", path.display()));
     }
     Ok(Some(record))
-}
-
-/// The sample counts of a run's cells that the page can take.
-fn sample_counts(run: &Told) -> Vec<u32> {
-    let most = SAMPLE_COUNTS[SAMPLE_COUNTS.len() - 1];
-    let counts = run.finished.cells.iter().filter_map(|cell| match cell.point.get("samples") {
-        Value::Count(count) => Some(*count),
-        _ => None,
-    });
-    counts.filter(|count| (1..=most).contains(count)).collect()
-}
-
-/// The renderer's own point sets, by count.
-fn point_tables(counts: impl Iterator<Item = u32>) -> Vec<PointTable> {
-    let mut counts: Vec<u32> = counts.collect();
-    counts.sort_unstable();
-    counts.dedup();
-    let bytes = |count| {
-        points::table(count, &SEQUENCES[0], 0).iter().flatten().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>()
-    };
-    counts.into_iter().map(|count| PointTable { count, base64: BASE64_STANDARD.encode(bytes(count)) }).collect()
 }

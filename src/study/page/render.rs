@@ -39,7 +39,6 @@ const MODULES: &[(&str, &str)] = modules![
     "dom",
     "answer",
     "tables",
-    "run",
     "program",
     "stage",
     "surface",
@@ -48,6 +47,8 @@ const MODULES: &[(&str, &str)] = modules![
     "viewer",
     "live",
     "live-render",
+    "live-scene",
+    "place",
     "grid",
 ];
 

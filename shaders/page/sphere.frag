@@ -1,0 +1,19 @@
+// The g-buffer of one sphere where the ray through the pixel's centre hits it. Depth is that of clip_from_camera in [1/2, 1].
+#include "page/gbuffer.glsl"
+#include "gbuffer/intersect.glsl"
+
+// Centre and radius.
+uniform vec4 sphere;
+
+void main() {
+    vec3 origin, direction, hit;
+    camera_ray(camera, gl_FragCoord.xy, origin, direction);
+    vec3 center = camera_from_world(camera, sphere.xyz) - origin;
+    if (!intersect_sphere(direction, center, sphere.w, hit)) {
+        discard;
+    }
+    vec4 clip = clip_from_camera(camera, origin + center + hit);
+    gl_FragDepth = 0.5 + 0.5 * clip.z / clip.w;
+    vec3 hit_world = world_from_camera(camera, hit);
+    write_surface(sphere.xyz + hit_world, normalize(hit_world));
+}
