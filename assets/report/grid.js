@@ -7,11 +7,7 @@ import { choice, h, number, scrollBox, select, tableHead, unseen } from "report/
 import { fillErrorLegend } from "report/legend";
 import { go, keep } from "report/state";
 
-const MODES = [
-  ["image", "Image"],
-  ["error", "Error"],
-  ["signed", "Signed"],
-];
+const MODE_NAMES = { image: "Image", error: "Error", signed: "Signed" };
 
 /** Draws an image, or its error, into a canvas; false where the page holds no pixels of it. */
 async function paint(canvas, row, mode, settings, isReference) {
@@ -128,7 +124,7 @@ export function showGrid(view, state) {
       model.images.length ? exrTable() : "",
     );
   }
-  const mode = MODES.some(([name]) => name === state.mode) ? state.mode : "image";
+  const mode = Object.hasOwn(MODE_NAMES, state.mode ?? "") ? state.mode : "image";
   const chosen = (name) => (axisOf[name].values.includes(state[name]) ? state[name] : "");
   const isChosen = (scene) => sceneAxes.every((name) => !chosen(name) || scene.main.axes[name] === chosen(name));
   const own = scenes.filter(isChosen);
@@ -139,7 +135,9 @@ export function showGrid(view, state) {
     const values = axisOf[name].values.map((value) => [value, short(name, value)]);
     return select(symbol(name), [["", "all"], ...values], chosen(name), (value) => again({ [name]: value }));
   };
-  const modes = choice("What is shown", MODES, mode, (value) => again({ mode: value === "image" ? "" : value }));
+  const modes = choice("What is shown", Object.entries(MODE_NAMES), mode, (value) =>
+    again({ mode: value === "image" ? "" : value }),
+  );
   const exposure = h("label", { class: "choice" }, h("span", {}, `Exposure ${number(stops)} EV`), ev);
   const filters = sceneAxes.filter((name) => axisOf[name].values.length > 1).map(pick);
   const legend = h("div", { class: "error-legend" });

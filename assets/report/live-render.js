@@ -67,8 +67,6 @@ export class LiveRender {
     return true;
   }
 
-  // --- Passes ----------------------------------------------------------------------------------------------------
-
   target(width, height, names = ["color"]) {
     const { gl } = this;
     const framebuffer = gl.createFramebuffer();
@@ -232,7 +230,8 @@ export class LiveRender {
     [targets[way], targets.spare] = [targets.spare, targets[way]];
     done[way] += count;
     if (way === "reference" && ENDS.includes(2 * done.reference)) this.keepHalf();
-    if (way === "reference" && ENDS.includes(done.reference)) this.judge();
+    const isEnd = way === "reference" ? ENDS.includes(done.reference) : this.isJudged && done.sampled === view.n;
+    if (isEnd) this.judge();
   }
 
   /** Keeps the reference as it is now, by which its own noise is known when it has twice as many samples. */
@@ -277,8 +276,6 @@ export class LiveRender {
       ...errorColors(),
     });
   }
-
-  // --- Time ------------------------------------------------------------------------------------------------------
 
   /** What is drawn is no longer what is wanted. */
   restart() {

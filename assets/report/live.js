@@ -1,51 +1,21 @@
 // The live view: the run's model in the run's light, shaded by the renderer's shaders, and its error against a reference.
 
 import { axisOf, lightTables, texelError } from "report/data";
-import { announce, byId, choice, h, number, say, select, stopsText } from "report/dom";
+import { announce, byId, h, number, say, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { LiveRender } from "report/live-render";
 import { keepContext } from "report/program";
-import { Probe, build, clamp, fitCanvas, followPointers, linkButton, real, sliderText, stageTools } from "report/stage";
+import { Controls, MODES, build, clamp, copyLink, fitCanvas, followPointers, real, showProbe } from "report/stage";
 import { keep, state as current } from "report/state";
 
-const METHODS = [
-  ["split", "Split sum", "one lookup each in the prefiltered map and the DFG table (1)"],
-  ["sampled", "Sampled", "filtered importance sampling at every pixel (2)"],
-  ["reference", "Reference", "the same with up to 4096 samples (3)"],
-];
-const MODES = [
-  ["image", "Image", "the image through the tone curve"],
-  ["error", "Error", "relative error against the reference (E)"],
-  ["signed", "Signed", "signed relative error against the reference (S)"],
-];
+const METHODS = ["split", "sampled", "reference"];
 const NAMES = { split: "split sum", sampled: "sampled", reference: "reference" };
 const COUNTS = [1, 4, 16, 64, 256, 1024];
 /** After this long without a change, ms, the view is at rest: samples are added, and its address is kept. */
 const REST_MS = 180;
-const EV = [-12, 12];
+const DISTANCE = [0.1, 4];
 const PITCH_MAX = 88;
-
-const PANEL = `<aside class="panel live-panel" aria-label="Controls">
-  <div class="row" data-ref="modes"></div><div class="error-legend" data-ref="legend" hidden></div>
-  <p class="told" data-ref="score"></p>
-  ${sliderText("Samples a pixel", "live-n", 0, 0, 1)}
-  <div class="row pickers" data-ref="pickers"></div>
-  <fieldset><legend>Surface</legend>
-    ${sliderText("Roughness", "live-roughness", 0, 1, 0.005)}
-    ${sliderText("Metallic", "live-metallic", 0, 1, 0.01)}
-    ${sliderText("f0 of a dielectric", "live-f0", 0, 1, 0.01)}
-    <div class="row checks"><label><input type="color" id="live-albedo"> Albedo</label>
-      <label><input type="checkbox" id="live-diffuse"> Diffuse (SH9)</label>
-      <button type="button" data-ref="own" title="The surface of the run">As in the run</button></div></fieldset>
-  <fieldset><legend>Light and tone</legend>
-    ${sliderText("Environment turned", "live-turn", -180, 180, 1)}
-    ${sliderText("Exposure", "live-ev", EV[0], EV[1], 0.1)}</fieldset>
-  <div data-ref="rest"></div>
-  <p class="note keys" id="live-keys">Drag or <kbd>arrows</kbd> to turn · <kbd>1</kbd>–<kbd>3</kbd> split sum, sampled,
-    reference · <kbd>E</kbd> error · <kbd>S</kbd> signed · hold <kbd>space</kbd> for the reference</p>
-  <p class="note">The reference is importance sampling at the finest level that the page holds, each sample filtered to
-    the solid angle that it stands for. Samples are added, up to 4096, until half of them agree with all within a
-    hundredth of the split sum's error. No shadows, as in the renderer.</p></aside>`;
+const FRONT = { yaw: 0, pitch: 0, distance: 1 };
 
 /** Linear reflectance and its code in a colour field. */
 const toCode = (x) => Math.round(255 * x ** (1 / 2.2));
@@ -60,59 +30,56 @@ function middle(name) {
 
 class Live {
   constructor(view) {
-    this.view = view;
     this.tables = lightTables();
-    this.canvas = h("canvas", { tabindex: 0, role: "img", "aria-label": "Live", "aria-describedby": "live-keys" });
+    this.parts = build(view, "live-stage");
+    this.canvas = this.parts.canvas;
     this.render = new LiveRender(this.canvas);
     this.isHeld = false;
     this.changed = -Infinity;
-    const { environments, notes } = this.tables;
+    const { environments, notes, models, lobes } = this.tables;
     this.isEmpty = Boolean(this.render.missing || !environments.length);
     if (this.isEmpty) {
       const why = [this.render.missing, ...(environments.length ? [] : notes)].filter(Boolean).join(" ");
       view.replaceChildren(h("h1", {}, "Live"), h("p", { class: "note", role: "status" }, why));
       return;
     }
+    const own = (axisOf.samples?.values ?? []).map(Number).filter((count) => count >= 1 && count <= 4096);
+    /** The sample counts of the run and some more. */
+    this.counts = [...new Set([...own, ...COUNTS])].sort((a, b) => a - b);
     this.start = this.defaults();
-    this.build();
+    this.controls = new Controls(view, (name, value) => this.set({ [name]: this.written(name, value) }));
+    this.controls.named.n.max = this.counts.length - 1;
+    this.controls.fill("model", models.map(({ label }) => label)); // prettier-ignore
+    this.controls.fill("env", environments.map(({ label }) => label)); // prettier-ignore
+    this.controls.fill("lobe", lobes.map(({ brdf, masking }) => `${brdf}, ${masking} masking`)); // prettier-ignore
+    this.parts.notes.append(...notes.map((note) => h("p", { class: "note" }, note)));
+    this.listen();
     keepContext(this.canvas, () => {
       this.render.reset();
       this.apply();
     });
   }
 
-  // --- State -----------------------------------------------------------------------------------------------------
-
   /** Every setting under its name in the address. What is null is as in the model. */
   defaults() {
-    const [roughness, alpha, albedo, turn] = [
-      "perceptual_roughness",
-      "alpha",
-      "albedo",
-      "environment_rotation_deg",
-    ].map(middle);
+    const albedo = middle("albedo");
+    const alpha = middle("alpha")?.[0];
     return {
       ...{ model: 0, env: 0, lobe: 0, method: "split", mode: "image", n: this.counts[this.counts.length >> 1] },
-      roughness: roughness?.[0] ?? (alpha && Math.sqrt(alpha[0])),
+      roughness: middle("perceptual_roughness")?.[0] ?? (alpha ? Math.sqrt(alpha) : null),
       albedo: albedo && [0, 1, 2].map((c) => albedo[c] ?? albedo[0]),
       metallic: middle("metallic")?.[0] ?? null,
       f0: middle("f0")?.[0] ?? null,
       diffuse: axisOf.diffuse?.values.some((value) => value && value !== "none") ?? false,
-      ...{ turn: turn?.[0] ?? 0, ev: 0, yaw: 0, pitch: 0, distance: 1 },
+      ...{ turn: middle("environment_rotation_deg")?.[0] ?? 0, ev: 0, ...FRONT },
     };
-  }
-
-  /** The sample counts of the run and some more. */
-  get counts() {
-    const own = (axisOf.samples?.values ?? []).map(Number).filter((count) => count >= 1 && count <= 4096);
-    return [...new Set([...own, ...COUNTS])].sort((a, b) => a - b);
   }
 
   /** The settings that the address asks for; what it does not name, or names wrongly, is the default. */
   read(state) {
     const { start, tables } = this;
     const index = (list) => (text) => Math.trunc(real(text, [0, list.length - 1]));
-    const one = (values) => (text) => (values.some(([name]) => name === text) ? text : null);
+    const one = (values) => (text) => (values.includes(text) ? text : null);
     const within = (lo, hi) => (text) => real(text, [lo, hi]);
     const [share, turn] = [within(0, 1), within(-360, 360)];
     const color = (text) => (text.split(",").length === 3 ? text.split(",").map((x) => share(x) ?? 0) : null);
@@ -121,10 +88,17 @@ class Live {
       ...{ method: one(METHODS), mode: one(MODES) },
       n: (text) => this.counts.find((count) => count >= Number(text)) ?? null,
       ...{ roughness: share, albedo: color, metallic: share, f0: share, diffuse: (text) => text === "true" },
-      ...{ turn, ev: within(...EV), yaw: turn, pitch: turn, distance: within(0.1, 4) },
+      ...{ turn, ev: within(...this.controls.range("ev")), yaw: turn, pitch: turn, distance: within(...DISTANCE) },
     };
     const read = ([name, parse]) => [name, (state[name] && parse(state[name])) ?? start[name]];
     return Object.fromEntries(Object.entries(parsers).map(read));
+  }
+
+  /** A setting as its control writes it. */
+  written(name, value) {
+    if (name === "n") return this.counts[value];
+    if (name === "albedo") return value.match(/[0-9a-f]{2}/g).map((code) => fromCode(parseInt(code, 16)));
+    return ["model", "env", "lobe"].includes(name) ? Number(value) : value;
   }
 
   keepState() {
@@ -144,7 +118,7 @@ class Live {
   async apply() {
     this.changed = performance.now();
     this.syncControls();
-    fitCanvas(this.canvas, this.stage);
+    fitCanvas(this.canvas, this.parts.stage);
     const [bias, brightness] = [middle("lod_bias")?.[0] ?? 0, middle("environment_scale")?.[0] ?? 1];
     if (await this.render.show({ ...this.settings, ...this.shown, bias, brightness })) this.loop();
   }
@@ -175,10 +149,8 @@ class Live {
   }
 
   approach(factor) {
-    this.set({ distance: clamp(this.settings.distance / factor, 0.1, 4) });
+    this.set({ distance: clamp(this.settings.distance / factor, DISTANCE[0], DISTANCE[1]) });
   }
-
-  // --- Drawing ---------------------------------------------------------------------------------------------------
 
   loop() {
     this.canvas.dataset.ready = "";
@@ -202,12 +174,12 @@ class Live {
     const counted = (way) => (done[way] < render.total(way) ? `${done[way]} of ${render.total(way)}` : `${done[way]}`);
     const image = method === "split" ? "split sum" : `${method}, ${counted(method)} samples a pixel`;
     const what = mode === "image" ? image : `${mode === "signed" ? "signed error" : "error"} of ${image}`;
-    say(this.badge, what);
+    say(this.parts.badge, what);
     const error = errors?.[method] ?? null;
     const own = errors && `${number(errors.half, 2)} is its own: half of its samples against all`;
     const until = render.isJudged ? "" : ", more to come";
     const score = error === null ? "relMSE …" : `relMSE of ${NAMES[method]} ${number(error)}`;
-    say(this.score, `${score}. Reference: ${done.reference} samples a pixel${until}${own ? `; ${own}` : ""}.`);
+    say(this.parts.score, `${score}. Reference: ${done.reference} samples a pixel${until}${own ? `; ${own}` : ""}.`);
     Object.assign(this.canvas.dataset, { method, mode, relmse: errors?.split ?? "", noise: errors?.half ?? "" });
     this.probe();
     if (render.isComplete) {
@@ -231,73 +203,19 @@ class Live {
       return { key, name: NAMES[key] + count, value, error, isCurrent: key === this.shown.method };
     };
     const keys = ["split", "sampled", "reference"].filter((key) => key !== "sampled" || this.shown.method === key);
-    this.probeTable.show(`pixel (${x}, ${y})`, this.shown.mode === "signed", keys.map(line)); // prettier-ignore
-  }
-
-  // --- Controls --------------------------------------------------------------------------------------------------
-
-  build() {
-    const { tables } = this;
-    const panel = build(PANEL);
-    this.panel = panel.root;
-    this.legend = panel.legend;
-    this.score = panel.score;
-    this.methodChoice = choice("Method", METHODS, "split", (method) => this.set({ method }));
-    this.modeChoice = choice("What is shown", MODES, "image", (mode) => this.set({ mode }));
-    panel.modes.append(this.methodChoice, this.modeChoice);
-    const pick = (name, label, labels) =>
-      select(label, labels.map((text, i) => [i, text]), 0, (i) => this.set({ [name]: Number(i) })); // prettier-ignore
-    const lobes = tables.lobes.map(({ brdf, masking }) => `${brdf}, ${masking} masking`);
-    this.pickers = {
-      model: pick("model", "Model", tables.models.map(({ label }) => label)), // prettier-ignore
-      env: pick("env", "Environment", tables.environments.map(({ label }) => label)), // prettier-ignore
-      lobe: pick("lobe", "BRDF", lobes),
-    };
-    panel.pickers.append(...Object.values(this.pickers));
-    this.inputs = Object.fromEntries(
-      [...this.panel.querySelectorAll("input")].map((input) => [input.id.slice(5), input]),
-    );
-    this.inputs.n.max = String(this.counts.length - 1);
-    const written = {
-      n: (input) => this.counts[Number(input.value)],
-      diffuse: (input) => input.checked,
-      albedo: (input) => input.value.match(/[0-9a-f]{2}/g).map((code) => fromCode(parseInt(code, 16))),
-    };
-    for (const [name, input] of Object.entries(this.inputs)) {
-      input.addEventListener("input", () => this.set({ [name]: written[name]?.(input) ?? Number(input.value) }));
-    }
-    panel.own.addEventListener("click", () => {
-      const { albedo, metallic, f0, roughness, diffuse, turn } = this.start;
-      this.set({ albedo, metallic, f0, roughness, diffuse, turn });
-    });
-    this.probeTable = new Probe();
-    const notes = tables.notes.map((note) => h("p", { class: "note" }, note));
-    panel.rest.append(
-      this.probeTable.element,
-      linkButton(() => this.keepState()),
-      ...notes,
-    );
-    this.badge = h("p", { class: "badge" });
-    this.caption = h("p", { class: "caption" });
-    const tools = [
-      ["−", "Farther (−)", () => this.approach(1 / 1.15)],
-      ["+", "Nearer (+)", () => this.approach(1.15)],
-      ["⟲", "As the run sees it (0)", () => this.set({ yaw: 0, pitch: 0, distance: 1 })],
-    ];
-    this.stage = h(
-      "div",
-      { class: "viewer-stage live-stage" },
-      this.canvas,
-      this.badge,
-      stageTools(tools),
-      this.caption,
-    );
-    const body = h("div", { class: "viewer live" }, this.stage, this.panel);
-    this.view.replaceChildren(h("h1", { class: "visually-hidden" }, "Live"), body);
-    this.listen();
+    showProbe(this.parts, `pixel (${x}, ${y})`, this.shown.mode === "signed", keys.map(line)); // prettier-ignore
   }
 
   listen() {
+    const { stage, link, out, in: nearer, front, own } = this.parts;
+    copyLink(link, () => this.keepState());
+    out.addEventListener("click", () => this.approach(1 / 1.15));
+    nearer.addEventListener("click", () => this.approach(1.15));
+    front.addEventListener("click", () => this.set(FRONT));
+    own.addEventListener("click", () => {
+      const { albedo, metallic, f0, roughness, diffuse, turn } = this.start;
+      this.set({ albedo, metallic, f0, roughness, diffuse, turn });
+    });
     followPointers(this.canvas, {
       // Half a turn over the width of the stage.
       drag: (dx, dy) => this.turn((-dx * 180) / this.canvas.width, (dy * 180) / this.canvas.width),
@@ -311,53 +229,41 @@ class Live {
       },
     });
     new ResizeObserver(() => {
-      if (!this.stage.clientWidth || !this.render.view || !fitCanvas(this.canvas, this.stage)) return;
+      if (!stage.clientWidth || !this.render.view || !fitCanvas(this.canvas, this.parts.stage)) return;
       this.render.restart();
       this.loop();
-    }).observe(this.stage);
+    }).observe(stage);
   }
 
   syncControls() {
-    const { settings, inputs, tables } = this;
+    const { settings, tables, controls } = this;
     const light = tables.environments[settings.env];
     const model = tables.models[settings.model];
-    const own = (model.spheres[0] ?? model.parts[0]).surface;
-    const value = (name, otherwise) => settings[name] ?? otherwise;
-    const roughness = value("roughness", Math.sqrt(own.alpha));
-    const isOwn = (name) => (settings[name] === null ? " (own)" : "");
-    const put = (name, at, text) => {
-      inputs[name].value = String(at);
-      inputs[name].previousElementSibling?.querySelector("output")?.replaceChildren(text);
-      inputs[name].setAttribute("aria-valuetext", text);
-    };
-    put("n", this.counts.indexOf(settings.n), String(settings.n));
-    const alpha = Math.max(roughness ** 2, tables.alpha_min);
-    put("roughness", roughness, `${number(roughness)} · α ${number(alpha)}${isOwn("roughness")}`);
-    put("metallic", value("metallic", own.metallic), number(value("metallic", own.metallic)) + isOwn("metallic"));
-    put("f0", value("f0", own.f0[0]), number(value("f0", own.f0[0])) + isOwn("f0"));
-    put("albedo", hex(value("albedo", own.albedo)), "");
-    put("turn", settings.turn, `${number(settings.turn)}°`);
-    put("ev", settings.ev, stopsText(settings.ev));
-    inputs.diffuse.checked = settings.diffuse;
-    for (const [name, picker] of Object.entries(this.pickers)) {
-      picker.querySelector("select").value = String(settings[name]);
-      picker.hidden = picker.querySelectorAll("option").length < 2;
-    }
+    // What is the model's own is shown as that of its first surface.
+    const { alpha, albedo, metallic, f0 } = (model.spheres[0] ?? model.parts[0]).surface;
+    const own = { roughness: Math.sqrt(alpha), albedo, metallic, f0: f0[0] };
+    const given = Object.fromEntries(Object.entries(settings).map(([name, value]) => [name, value ?? own[name]]));
+    const text = (name, more = "") => number(given[name]) + more + (settings[name] === null ? " (own)" : "");
+    const n = this.counts.indexOf(settings.n);
     const { method, mode } = this.shown;
-    inputs.n.closest("label").hidden = method !== "sampled";
-    this.methodChoice.press(method);
-    this.modeChoice.press(mode);
-    this.legend.hidden = mode === "image";
-    if (mode !== "image") fillErrorLegend(this.legend, mode === "signed", false);
+    controls.show({ ...given, n, method, mode, albedo: hex(given.albedo) }, {
+      ...{ n: String(settings.n), metallic: text("metallic"), f0: text("f0") },
+      roughness: text("roughness", ` · α ${number(Math.max(given.roughness ** 2, tables.alpha_min))}`),
+      ...{ turn: text("turn", "°"), ev: stopsText(settings.ev) },
+    }); // prettier-ignore
+    controls.named.n.closest("label").hidden = method !== "sampled";
+    this.parts.legend.hidden = mode === "image";
+    if (mode !== "image") fillErrorLegend(this.parts.legend, mode === "signed", false);
     const [width, height] = light.levels[0].size;
     const isCoarse = `environment at ${width} × ${height} of ${light.size[0]} × ${light.size[1]}`;
-    say(this.caption, light.first_level ? isCoarse : "");
+    say(this.parts.caption, light.first_level ? isCoarse : "");
   }
 
   /** Handles a key; true when it was one of the view's. */
   key(event) {
     if (this.isEmpty) return false;
     const { ev, mode } = this.settings;
+    const [lo, hi] = this.controls.range("ev");
     const show = (wanted) => this.set({ mode: mode === wanted ? "image" : wanted });
     const actions = {
       " ": () => this.hold(true),
@@ -367,13 +273,13 @@ class Live {
       ArrowDown: () => this.turn(0, -5),
       "+": () => this.approach(1.15),
       "-": () => this.approach(1 / 1.15),
-      0: () => this.set({ yaw: 0, pitch: 0, distance: 1 }),
-      "[": () => this.set({ ev: clamp(ev - 0.5, ...EV) }),
-      "]": () => this.set({ ev: clamp(ev + 0.5, ...EV) }),
+      0: () => this.set(FRONT),
+      "[": () => this.set({ ev: clamp(ev - 0.5, lo, hi) }),
+      "]": () => this.set({ ev: clamp(ev + 0.5, lo, hi) }),
       e: () => show("error"),
       s: () => show("signed"),
     };
-    METHODS.forEach(([method], i) => (actions[i + 1] = () => this.set({ method })));
+    METHODS.forEach((method, i) => (actions[i + 1] = () => this.set({ method })));
     const name = event.key.length === 1 ? event.key.toLowerCase().replace("=", "+") : event.key;
     // Space belongs to a button or a box that has the focus.
     if (!(name in actions) || (name === " " && event.target.matches("button, input, a, summary"))) return false;

@@ -1,8 +1,11 @@
-// What the comparison and the live view share: the canvas on its stage, pointers, the probe, the link to what is shown.
+// What the comparison and the live view share: the canvas on its stage, pointers, controls, the probe, the link to what is
+// shown. Their elements stand in the page as templates (stage.html).
 
 import { errorColor } from "report/data";
-import { h, number, say, scrollBox, tableHead } from "report/dom";
+import { byId, h, number, say } from "report/dom";
 import { link, state } from "report/state";
+
+export const MODES = ["image", "error", "signed"];
 
 export const clamp = (x, lo, hi) => Math.min(hi, Math.max(lo, x));
 
@@ -69,76 +72,77 @@ export function followPointers(canvas, { drag, zoom, hover, click = null, rest =
   canvas.addEventListener("wheel", wheel, { passive: false });
 }
 
-/** The elements of a fixed text, which holds no data: {root, and each by its name in `data-ref`}. */
-export function build(text) {
-  const template = document.createElement("template");
-  template.innerHTML = text;
-  const named = [...template.content.querySelectorAll("[data-ref]")].map((part) => [
-    part.getAttribute("data-ref"),
-    part,
-  ]);
-  return { root: template.content.firstElementChild, ...Object.fromEntries(named) };
+/** Puts a copy of a template into a view; its elements by their names in `data-ref`. @returns {Record<string, any>} */
+export function build(view, id) {
+  const template = /** @type {HTMLTemplateElement} */ (byId(id));
+  view.replaceChildren(template.content.cloneNode(true));
+  return Object.fromEntries([...view.querySelectorAll("[data-ref]")].map((part) => [part.dataset.ref, part]));
 }
 
-/** A labelled slider in such a text; its value stands beside its name. */
-export const sliderText = (name, id, min, max, step) =>
-  `<label class="slider" for="${id}"><span>${name} <output for="${id}"></output></span>
-   <input type="range" data-ref="${id}" id="${id}" min="${min}" max="${max}" step="${step}"></label>`;
-
-/** Round buttons over a stage: [sign, name, action]. */
-export function stageTools(buttons, ...more) {
-  const button = ([sign, name, onclick]) =>
-    h("button", { type: "button", title: name, "aria-label": name, onclick }, sign);
-  return h("div", { class: "zoom-tools" }, buttons.map(button), more);
-}
-
-/** The table of linear values at a pixel. Lines are {key, name, value: three numbers or null, error, isCurrent}. */
-export class Probe {
-  constructor() {
-    this.place = h("span", {});
-    this.body = h("tbody", {});
-    this.table = h("table", {}, tableHead(["", "R", "G", "B", "error"], "image"), this.body);
-    this.element = h(
-      "section",
-      { class: "probe", "aria-label": "Probe" },
-      h("h2", {}, "Linear values ", this.place),
-      scrollBox("Linear values", this.table),
-    );
+/** The controls of a view, by the settings that they make: sliders, boxes, fields, pickers, groups of buttons. */
+export class Controls {
+  constructor(view, set) {
+    this.named = Object.fromEntries([...view.querySelectorAll("[data-set]")].map((part) => [part.dataset.set, part]));
+    for (const [name, control] of Object.entries(this.named)) {
+      const read = { checkbox: () => control.checked, range: () => Number(control.value) }[control.type];
+      if (control.matches("input, select"))
+        control.addEventListener("input", () => set(name, (read ?? (() => control.value))()));
+      else control.addEventListener("click", ({ target }) => target.value && set(name, target.value));
+    }
   }
 
-  show(place, isSigned, lines) {
-    say(this.place, place);
-    say(this.table.querySelector("th:last-child"), isSigned ? "signed" : "error");
-    const value = (v) => h("td", { "data-value": v ?? "", title: v === null ? "" : String(v) }, number(v, 3));
-    const line = ({ key, name, value: values, error, isCurrent }) =>
-      h(
-        "tr",
-        { "data-probe": key, class: isCurrent ? "current" : "" },
-        h("th", { scope: "row" }, name),
-        (values ?? [null, null, null]).map(value),
-        errorCell(error, isSigned),
-      );
-    this.body.replaceChildren(...lines.map(line));
+  /** Shows settings; `texts` stand beside the sliders. */
+  show(settings, texts) {
+    for (const [name, control] of Object.entries(this.named)) {
+      const value = String(settings[name]);
+      for (const button of control.querySelectorAll("button"))
+        button.setAttribute("aria-pressed", String(button.value === value));
+      if (control.type === "checkbox") control.checked = settings[name];
+      else if (control.matches("input, select")) control.value = value;
+      if (!(name in texts)) continue;
+      say(control.labels[0].querySelector("output"), texts[name]);
+      control.setAttribute("aria-valuetext", texts[name]);
+    }
   }
 
-  /** The current line in words. */
-  get text() {
-    const cells = this.body.querySelector(".current")?.children ?? [];
-    return `${this.place.textContent}: ${[...cells].map((cell) => cell.textContent).join(" ")}`;
+  /** Fills a picker with labels, whose places are its values. */
+  fill(name, labels) {
+    this.named[name].replaceChildren(...labels.map((text, i) => h("option", { value: i }, text))); // prettier-ignore
+    this.named[name].closest("label").hidden = labels.length < 2;
+  }
+
+  disable(name, isDisabled) {
+    const control = this.named[name];
+    for (const part of [control, ...control.querySelectorAll("button")]) part.disabled = isDisabled;
+  }
+
+  /** What a slider reaches, and so what an address may ask for. */
+  range(name) {
+    return [Number(this.named[name].min), Number(this.named[name].max)];
   }
 }
 
-/** The error of a texel with its colour, in the measure that is shown; null: an empty cell. */
-function errorCell(error, isSigned) {
-  const value = error && (isSigned ? error.signed : error.relative);
-  const color = error && errorColor(isSigned ? "signed" : "error", error);
-  const chip = error && h("i", { class: "chip", style: `background:rgb(${color})` });
-  return h("td", { "data-value": value ?? "" }, error && [chip, number(value)]);
+/** Fills the table of linear values. Lines are {key, name, value: three numbers or null, error, isCurrent}. */
+export function showProbe(parts, where, isSigned, lines) {
+  const { place, errorHead, lines: body } = parts;
+  say(place, where);
+  say(errorHead, isSigned ? "signed" : "error");
+  const cell = (v) => h("td", { "data-value": v ?? "", title: v === null ? "" : String(v) }, number(v, 3));
+  const line = ({ key, name, value, error, isCurrent }) => {
+    const own = error && (isSigned ? error.signed : error.relative);
+    const color = error && errorColor(isSigned ? "signed" : "error", error);
+    const chip = error && h("i", { class: "chip", style: `background:rgb(${color})` });
+    const cells = (value ?? [null, null, null]).map(cell);
+    const last = h("td", { "data-value": own ?? "" }, error && [chip, number(own)]);
+    const marks = { "data-probe": key, class: isCurrent ? "current" : "" };
+    return h("tr", marks, h("th", { scope: "row" }, name), cells, last);
+  };
+  body.replaceChildren(...lines.map(line));
 }
 
-/** A button that copies the address of what is shown; `prepare` brings the address up to date. */
-export function linkButton(prepare) {
-  const copy = async () => {
+/** Makes a button copy the address of what is shown; `prepare` brings the address up to date. */
+export function copyLink(button, prepare) {
+  button.addEventListener("click", async () => {
     prepare();
     const address = new URL(link(state()), location.href).href;
     try {
@@ -148,7 +152,5 @@ export function linkButton(prepare) {
       prompt("Link to this view", address);
     }
     setTimeout(() => (button.textContent = "Copy link"), 1500);
-  };
-  const button = h("button", { type: "button", onclick: copy }, "Copy link");
-  return button;
+  });
 }

@@ -93,16 +93,16 @@ export class Surface {
     return shaded;
   }
 
-  /** Draws at once. `split` is a share of the width, or null; `look` has mode, tone, exposure and contrast. */
-  draw({ left, right, reference, rightReference, origin, scale, split, clipped, look }) {
+  /** Draws at once; right of `split`, a share of the width, the reference. `look` has mode, tone, exposure and contrast. */
+  draw(image, reference, { origin, scale }, split, isClipped, look) {
     const { gl, canvas } = this;
-    const left_image = this.shaded(left, reference, look);
-    const right_image = split === null ? left_image : this.shaded(right, rightReference, look);
+    const left_image = this.shaded(image, reference, look);
+    const right_image = split === null ? left_image : this.shaded(reference, reference, look);
     drawOver(gl, this.place, canvas, { left_image, right_image }, {
       canvas_size: [canvas.width, canvas.height],
       split: split === null ? 1e9 : split * canvas.width,
       background: BACKGROUND[isDark.matches ? "dark" : "light"],
-      shows_clipped: clipped,
+      shows_clipped: isClipped,
       ...{ origin, scale },
     }); // prettier-ignore
   }

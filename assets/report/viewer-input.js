@@ -4,9 +4,6 @@ import { hasPixels, rows, scenes, variantLabel } from "report/data";
 import { clamp } from "report/stage";
 
 const KEY_MAX = 9;
-/** What the sliders reach, and so what an address may ask for: stops, and contrast. */
-export const STOPS = [-14, 14];
-export const CONTRAST = [0.1, 5];
 /** The method that the project asks about. */
 const LEADING_METHOD = "split-sum";
 
@@ -38,9 +35,10 @@ export function key(viewer, event) {
   if (!viewer.row || !viewer.scene) return false;
   const { mode, tone, isClipped, split } = viewer;
   const isImage = mode === "image";
-  const isOnHandle = document.activeElement === viewer.handle;
+  const stops = viewer.controls.range("stops");
+  const isOnHandle = document.activeElement === viewer.parts.handle;
   const show = (wanted) => viewer.set({ mode: mode === wanted ? "image" : wanted });
-  const brighten = (by) => isImage && viewer.set({ stops: clamp(viewer.stops + by, ...STOPS) });
+  const brighten = (by) => isImage && viewer.set({ stops: clamp(viewer.stops + by, stops[0], stops[1]) });
   const wipe = (by) => viewer.set({ split: clamp(split + by, 0, 1) });
   const actions = {
     " ": () => viewer.hold(true),

@@ -2,48 +2,31 @@
 
 import { HALF, exrLink, hasPixels, headline, idOf, model, rowOf, rows } from "report/data";
 import { scenes, sceneLabel, texelError, truthName, variantLabel } from "report/data";
-import { announce, choice, h, number, say, select, stopsText } from "report/dom";
+import { announce, h, number, say, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
-import { Probe, build, clamp, fitCanvas, followPointers, linkButton, real, sliderText, stageTools } from "report/stage";
 import { Place } from "report/place";
+import { Controls, MODES, build, clamp, copyLink, fitCanvas, followPointers, real, showProbe } from "report/stage";
 import { keep, state as current } from "report/state";
 import { Surface } from "report/surface";
-import { CONTRAST, STOPS, firstRow, key, keyedVariants } from "report/viewer-input";
-
-const MODES = [
-  ["image", "Image", "the image through the tone curve"],
-  ["error", "Error", "relative error (E)"],
-  ["signed", "Signed", "signed relative error (S)"],
-];
-const TONES = [
-  ["curve", "Tone curve", "(e L / (e L + 1))^(contrast / 2.2), the project's (T)"],
-  ["srgb", "sRGB", "clipped linear, sRGB-encoded (T)"],
-];
-const PANEL = `<aside class="panel" aria-label="Controls">
-  <div class="row" data-ref="scene"></div><p class="note shared" data-ref="shared"></p>
-  <ol class="variants" data-ref="variants" aria-label="Images of this scene"></ol>
-  <div class="row" data-ref="modes"></div><div class="error-legend" data-ref="legend" hidden></div>
-  ${sliderText("Exposure", "exposure", STOPS[0], STOPS[1], 0.1)}
-  ${sliderText("Contrast", "contrast", CONTRAST[0], CONTRAST[1], 0.05)}
-  <div class="row checks"><label><input type="checkbox" data-ref="splitBox"> Wipe to</label><span data-ref="with"></span>
-    <label><input type="checkbox" data-ref="clipBox"> <span data-ref="clipText"></span></label></div>
-  <div data-ref="rest"></div><p class="row"><a data-ref="exr">Linear EXR</a></p>
-  <p class="note keys" id="viewer-keys"><kbd>1</kbd>–<kbd>9</kbd> image · hold <kbd>space</kbd> reference ·
-    <kbd>E</kbd> error · <kbd>S</kbd> signed · <kbd>D</kbd> wipe · <kbd>?</kbd> all keys</p></aside>`;
+import { firstRow, key, keyedVariants } from "report/viewer-input";
 
 const scoreText = (row) => (row.scores[headline] === null ? "failed" : number(row.scores[headline]));
 
 export class Viewer {
   constructor(view) {
-    this.view = view;
     this.isHeld = false;
-    this.canvas = h("canvas", { tabindex: 0, role: "img", "aria-describedby": "viewer-keys" });
+    this.parts = build(view, "compare-stage");
+    this.canvas = this.parts.canvas;
     this.place = new Place(this.canvas);
     this.surface = new Surface(this.canvas, () => this.show(current()));
-    this.build();
+    this.controls = new Controls(view, (name, value) => {
+      if (name === "at") this.stepScene(Number(value) - scenes.indexOf(this.scene));
+      else if (name === "isSplit") this.set({ split: value ? 0.5 : null });
+      else this.set({ [name]: value });
+    });
+    this.controls.fill("at", scenes.map((scene) => scene.label)); // prettier-ignore
+    this.listen();
   }
-
-  // --- State -----------------------------------------------------------------------------------------------------
 
   /** Shows what the address asks for; without a cell the split sum, wiped against the reference. */
   async show(state) {
@@ -51,11 +34,10 @@ export class Viewer {
     if (!this.surface.gl) return this.sayNothing(row);
     const { scene } = row;
     this.row = row.original;
-    this.other = scene.variants.find((one) => idOf(one) === state.with) ?? null;
-    this.mode = MODES.some(([name]) => name === state.mode) ? state.mode : "image";
+    this.mode = MODES.includes(state.mode) ? state.mode : "image";
     this.tone = state.tone === "srgb" ? "srgb" : "curve";
-    this.stops = real(state.ev, STOPS) ?? Math.log2(Number(row.axes.exposure) || 1);
-    this.contrast = real(state.contrast, CONTRAST) ?? (Number(row.axes.contrast) || 1);
+    this.stops = real(state.ev, this.controls.range("stops")) ?? Math.log2(Number(row.axes.exposure) || 1);
+    this.contrast = real(state.contrast, this.controls.range("contrast")) ?? (Number(row.axes.contrast) || 1);
     this.isClipped = state.clip === "1";
     this.split = real(state.split, [0, 1]) ?? (state.cell ? null : 0.5);
     const isNew = this.scene !== scene;
@@ -64,8 +46,7 @@ export class Viewer {
     this.surface.wanted = new Set(own.filter((index) => index !== null));
     this.fillVariants();
     this.syncControls();
-    const needed = [this.row, this.other].flatMap((one) => [one?.image ?? null, one?.reference ?? null]);
-    await Promise.all(needed.map((index) => this.surface.load(index)));
+    await Promise.all([this.row.image, this.row.reference].map((index) => this.surface.load(index)));
     if (this.scene !== scene) return undefined;
     const { texels } = this;
     if (!texels) return this.sayNothing(row);
@@ -75,7 +56,7 @@ export class Viewer {
     if (pin) this.probed = this.inside([pin[1] - window.x, pin[2] - window.y]);
     // Without a pointer the probe starts in the middle.
     this.probed ??= [texels.width >> 1, texels.height >> 1];
-    this.stage.classList.remove("empty");
+    this.parts.stage.classList.remove("empty");
     this.resize();
     const { place } = this;
     if (isNew || !place.origin) place.fit(texels);
@@ -95,7 +76,7 @@ export class Viewer {
 
   /** Says why there is no picture. */
   sayNothing(row) {
-    this.stage.classList.add("empty");
+    this.parts.stage.classList.add("empty");
     // The next picture is fitted anew.
     this.place.origin = null;
     const failure = model.runs[row.run].failures.find((one) => one.cell === row.cell);
@@ -103,9 +84,9 @@ export class Viewer {
     const why = this.surface.gl ? missing : "This browser has no WebGL2, which the comparison needs.";
     this.canvas.setAttribute("aria-label", `${sceneLabel(row)}: ${variantLabel(row)}. ${why}`);
     this.canvas.dataset.shown = row.cell;
-    this.mark.hidden = true;
+    this.parts.mark.hidden = true;
     const link = row.image === null ? "" : h("a", { href: exrLink(row.image) }, "Its linear EXR");
-    this.caption.replaceChildren(why, " ", link);
+    this.parts.caption.replaceChildren(why, " ", link);
   }
 
   keepState() {
@@ -113,7 +94,7 @@ export class Viewer {
     const [x, y] = isPlaced ? this.place.middle.map((at) => Number(at.toFixed(2))) : ["", ""];
     const rounded = (value) => Number(value.toFixed(4));
     keep({
-      ...{ cell: this.row.cell, run: this.row.run || "", with: this.other ? idOf(this.other) : "" },
+      ...{ cell: this.row.cell, run: this.row.run || "" },
       ...{ mode: this.mode === "image" ? "" : this.mode, tone: this.tone === "curve" ? "" : this.tone },
       ...{ ev: rounded(this.stops), contrast: rounded(this.contrast), clip: this.isClipped ? "1" : "" },
       split: this.split === null ? "" : rounded(this.split),
@@ -136,7 +117,7 @@ export class Viewer {
       this.show(current());
       return;
     }
-    this.stage.classList.remove("empty");
+    this.parts.stage.classList.remove("empty");
     this.set({ row });
     this.markVariant();
   }
@@ -146,18 +127,15 @@ export class Viewer {
     this.choose(shown[(shown.indexOf(this.row) + by + shown.length) % shown.length]);
   }
 
-  /** The same variant in another scene, beside the same one. */
+  /** The same variant in another scene. */
   stepScene(by) {
     const scene = scenes[(scenes.indexOf(this.scene) + by + scenes.length) % scenes.length];
-    const same = (wanted) => wanted && scene.variants.find((one) => variantLabel(one) === variantLabel(wanted));
-    const row = same(this.row) ?? scene.variants.find(hasPixels) ?? scene.variants[0];
-    const other = same(this.other);
-    const split = this.split ?? "";
-    keep({ cell: row.cell, run: row.run || "", with: other ? idOf(other) : "", split, zoom: "", x: "", y: "" });
+    const label = variantLabel(this.row);
+    const same = scene.variants.find((one) => variantLabel(one) === label);
+    const row = same ?? scene.variants.find(hasPixels) ?? scene.variants[0];
+    keep({ cell: row.cell, run: row.run || "", split: this.split ?? "", zoom: "", x: "", y: "" });
     this.show(current());
   }
-
-  // --- Place -----------------------------------------------------------------------------------------------------
 
   get texels() {
     return this.surface.images.get(this.row?.image);
@@ -171,7 +149,7 @@ export class Viewer {
   resize() {
     const { place } = this;
     const middle = place.origin && place.middle;
-    if (!this.stage.clientWidth || !fitCanvas(this.canvas, this.stage)) return false;
+    if (!this.parts.stage.clientWidth || !fitCanvas(this.canvas, this.parts.stage)) return false;
     if (middle && place.isFitted) place.fit(this.texels);
     else if (middle) place.center(middle);
     return true;
@@ -189,55 +167,38 @@ export class Viewer {
     this.set({});
   }
 
-  // --- Drawing ---------------------------------------------------------------------------------------------------
-
   draw() {
-    const { images } = this.surface;
-    const reference = images.get(this.row.reference);
+    const reference = this.surface.images.get(this.row.reference);
     const left = this.isHeld ? reference : this.texels;
     if (!left || !reference || !this.place.origin) return;
-    const right = this.other ? images.get(this.other.image) : reference;
-    const [mode, tone] = [MODES, TONES].map((list, i) =>
-      list.findIndex(([name]) => name === [this.mode, this.tone][i]),
-    );
-    const look = { mode, tone, exposure: 2 ** this.stops, contrast: this.contrast };
-    const rightReference = images.get(this.other?.reference) ?? reference;
-    const { split, isClipped: clipped } = this;
-    const { origin, scale } = this.place;
-    this.surface.draw({
-      left,
-      reference,
-      right: right ?? reference,
-      rightReference,
-      origin,
-      scale,
-      split,
-      clipped,
-      look,
-    });
+    const look = {
+      mode: MODES.indexOf(this.mode),
+      tone: Number(this.tone === "srgb"),
+      exposure: 2 ** this.stops,
+      contrast: this.contrast,
+    };
+    this.surface.draw(left, reference, this.place, this.split, this.isClipped, look);
     this.describe();
     this.probe();
   }
 
   describe() {
-    const { row, other, split, isHeld } = this;
-    const [left, right] = [isHeld ? truthName : variantLabel(row), other ? variantLabel(other) : truthName];
-    say(this.badge, left);
-    say(this.rightBadge, right);
-    this.badge.classList.toggle("is-reference", isHeld);
-    this.rightBadge.classList.toggle("is-reference", !other);
-    this.rightBadge.hidden = this.handle.hidden = split === null;
-    this.handle.style.left = `${(split ?? 0) * 100}%`;
-    this.handle.setAttribute("aria-valuenow", String(Math.round((split ?? 0) * 100)));
-    const shown = split === null ? left : `${left} | ${right}`;
+    const { row, split, isHeld } = this;
+    const { scale } = this.place;
+    const left = isHeld ? truthName : variantLabel(row);
+    const { badge, rightBadge, handle } = this.parts;
+    say(badge, left);
+    say(rightBadge, truthName);
+    badge.classList.toggle("is-reference", isHeld);
+    rightBadge.hidden = handle.hidden = split === null;
+    handle.style.left = `${(split ?? 0) * 100}%`;
+    handle.setAttribute("aria-valuenow", String(Math.round((split ?? 0) * 100)));
+    const shown = split === null ? left : `${left} | ${truthName}`;
     const score = isHeld ? "" : `; ${headline} ${scoreText(row)}`;
     this.canvas.setAttribute("aria-label", `${this.scene.label}: ${shown}, ${this.mode}${score}`);
     Object.assign(this.canvas.dataset, { shown: isHeld ? "reference" : row.cell, mode: this.mode });
-    const { scale } = this.place;
-    say(this.scaleText, scale >= 1 ? `${number(scale)}×` : `1/${number(1 / scale)}`);
+    say(this.parts.scale, scale >= 1 ? `${number(scale)}×` : `1/${number(1 / scale)}`);
   }
-
-  // --- Probe -----------------------------------------------------------------------------------------------------
 
   /** The probed texel in the whole image, of which the page may hold a window. */
   get texelName() {
@@ -271,17 +232,17 @@ export class Viewer {
       return { key: idOf(row), name: variantLabel(row), value, error, isCurrent: !this.isHeld && row === this.row };
     });
     const place = `texel (${this.texelName.join(", ")})${this.isPinned ? " · pinned" : ""}`;
-    this.probeTable.show(place, this.mode === "signed", [...truths, ...lines]);
+    showProbe(this.parts, place, this.mode === "signed", [...truths, ...lines]);
   }
 
   /** A ring with cross hairs around the pinned texel: never smaller than can be seen, and as large as the texel. */
   placeMark() {
-    this.mark.hidden = !this.isPinned;
-    const ratio = this.canvas.width / (this.stage.clientWidth || 1);
+    this.parts.mark.hidden = !this.isPinned;
+    const ratio = this.canvas.width / (this.parts.stage.clientWidth || 1);
     const { origin, scale } = this.place;
     const side = `${Math.max(14, (scale / ratio) * 1.5)}px`;
     const [left, top] = this.probed.map((at, i) => `${((at + 0.5 - origin[i]) * scale) / ratio}px`);
-    Object.assign(this.mark.style, { left, top, width: side, height: side });
+    Object.assign(this.parts.mark.style, { left, top, width: side, height: side });
   }
 
   /** Moves the probe by whole texels, pins it, and keeps it in sight. */
@@ -290,41 +251,8 @@ export class Viewer {
     this.probed = this.inside([this.probed[0] + dx, this.probed[1] + dy]);
     this.place.reveal(this.probed);
     this.set({ isPinned: true });
-    announce(this.probeTable.text);
-  }
-
-  // --- Controls --------------------------------------------------------------------------------------------------
-
-  build() {
-    const panel = build(PANEL);
-    this.panel = panel;
-    this.modeChoice = choice("What is shown", MODES, "image", (mode) => this.set({ mode }));
-    this.toneChoice = choice("Tone", TONES, "curve", (tone) => this.set({ tone }));
-    panel.modes.append(this.modeChoice, this.toneChoice);
-    this.sliders = { stops: panel.exposure, contrast: panel.contrast };
-    for (const [name, input] of Object.entries(this.sliders))
-      input.addEventListener("input", () => this.set({ [name]: Number(input.value) }));
-    panel.clipBox.addEventListener("change", () => this.set({ isClipped: panel.clipBox.checked }));
-    panel.splitBox.addEventListener("change", () => this.set({ split: panel.splitBox.checked ? 0.5 : null }));
-    this.probeTable = new Probe();
-    panel.rest.append(this.probeTable.element, linkButton(() => this.row && this.keepState())); // prettier-ignore
-    this.badge = h("p", { class: "badge" });
-    this.rightBadge = h("p", { class: "badge right", hidden: true });
-    this.mark = h("i", { class: "probe-mark", "aria-hidden": "true", hidden: true });
-    this.caption = h("p", { class: "caption" });
-    const slide = { role: "slider", "aria-label": "Wipe", "aria-valuemin": 0, "aria-valuemax": 100 };
-    this.handle = h("div", { class: "split-handle", tabindex: 0, hidden: true, ...slide });
-    this.scaleText = h("span", { class: "scale-text" });
-    const zooms = [
-      ["−", "Zoom out (−)", () => this.zoom(1 / 1.5)],
-      ["+", "Zoom in (+)", () => this.zoom(1.5)],
-      ["Fit", "Fit (0)", () => this.refit()],
-    ];
-    const over = [this.mark, this.badge, this.rightBadge, this.handle, stageTools(zooms, this.scaleText), this.caption];
-    this.stage = h("div", { class: "viewer-stage" }, this.canvas, ...over);
-    const title = h("h1", { class: "visually-hidden" }, "Compare");
-    this.view.replaceChildren(title, h("div", { class: "viewer" }, this.stage, panel.root));
-    this.listen();
+    const line = [...this.parts.lines.querySelectorAll(".current > *")].map((cell) => cell.textContent);
+    announce(`${this.parts.place.textContent}: ${line.join(" ")}`);
   }
 
   listen() {
@@ -349,7 +277,11 @@ export class Viewer {
       },
       rest: () => this.row && this.keepState(),
     });
-    const { handle, stage } = this;
+    const { handle, stage, link, out, in: nearer, fit } = this.parts;
+    copyLink(link, () => this.row && this.keepState());
+    out.addEventListener("click", () => this.zoom(1 / 1.5));
+    nearer.addEventListener("click", () => this.zoom(1.5));
+    fit.addEventListener("click", () => this.refit());
     handle.addEventListener("pointerdown", (event) => handle.setPointerCapture(event.pointerId));
     handle.addEventListener("pointermove", (event) => {
       if (!handle.hasPointerCapture(event.pointerId)) return;
@@ -361,83 +293,56 @@ export class Viewer {
   }
 
   syncControls() {
-    const { panel } = this;
+    const { controls, parts } = this;
     const isImage = this.mode === "image";
-    for (const [name, text] of [
-      ["stops", stopsText(this.stops)],
-      ["contrast", number(Number(this.contrast.toFixed(3)))],
-    ]) {
-      const input = this.sliders[name];
-      input.value = String(this[name]);
-      input.previousElementSibling.querySelector("output").textContent = text;
-      // Errors are of linear values: no tone curve reaches them.
-      input.disabled = !isImage || (name === "contrast" && this.tone === "srgb");
-    }
-    for (const button of this.toneChoice.querySelectorAll("button")) button.disabled = !isImage;
-    this.modeChoice.press(this.mode);
-    this.toneChoice.press(this.tone);
-    panel.clipBox.checked = this.isClipped;
-    panel.splitBox.checked = this.split !== null;
-    say(panel.clipText, isImage ? "Mark clipped" : "Mark beyond the range");
-    panel.legend.hidden = isImage;
-    if (!isImage) fillErrorLegend(panel.legend, this.mode === "signed", true);
+    const texts = { stops: stopsText(this.stops), contrast: number(Number(this.contrast.toFixed(3))) };
+    controls.show({ ...this, at: scenes.indexOf(this.scene), isSplit: this.split !== null }, texts);
+    // Errors are of linear values: no tone curve reaches them.
+    for (const name of ["stops", "tone"]) controls.disable(name, !isImage);
+    controls.disable("contrast", !isImage || this.tone === "srgb");
+    say(parts.isClippedText, isImage ? "Mark clipped" : "Mark beyond the range");
+    parts.legend.hidden = isImage;
+    if (!isImage) fillErrorLegend(parts.legend, this.mode === "signed", true);
   }
 
   fillVariants() {
-    const { panel, scene } = this;
-    const at = scenes.indexOf(scene);
-    const labels = scenes.map((one, i) => [i, one.label]);
-    panel.scene.replaceChildren(select("Scene", labels, at, (index) => this.stepScene(Number(index) - at)));
-    say(panel.shared, model.runs[this.row.run].shared ?? "");
-    const others = scene.variants.filter(hasPixels).map((one) => [idOf(one), variantLabel(one)]);
-    const chosen = this.other ? idOf(this.other) : "";
-    const wipe = select("", [["", truthName], ...others], chosen, async (id) => {
-      this.other = scene.variants.find((one) => idOf(one) === id) ?? null;
-      await Promise.all([
-        this.surface.load(this.other?.image ?? null),
-        this.surface.load(this.other?.reference ?? null),
-      ]);
-      this.set({ split: this.split ?? 0.5 });
-    });
-    wipe.querySelector("select").setAttribute("aria-label", "Wipe to");
-    panel.with.replaceChildren(wipe);
+    const { parts, scene } = this;
+    say(parts.shared, model.runs[this.row.run].shared);
     // What has a key stands first, in the order of the keys; of many point sets the rest would bury it.
     const keyed = keyedVariants(scene);
     const rest = scene.variants.filter((row) => !keyed.includes(row));
     const item = (row, name) => {
-      const parts = [
+      const marks = { type: "button", class: "variant", "data-cell": row.cell, "data-run": row.run };
+      const button = h("button", { ...marks, onclick: () => this.choose(row) });
+      button.append(
         h("kbd", {}, name),
         h("span", {}, variantLabel(row)),
         h("span", { class: "score" }, scoreText(row)),
-      ];
-      const marks = { type: "button", class: "variant", "data-cell": row.cell, "data-run": row.run };
-      return h("li", {}, h("button", { ...marks, onclick: () => this.choose(row) }, ...parts));
+      );
+      return h("li", {}, button);
     };
     const more = h("details", { open: rest.includes(this.row) }, h("summary", {}, `${rest.length} more without a key`));
     more.append(h("ol", { class: "variants" }, rest.map((row) => item(row, "·")))); // prettier-ignore
-    panel.variants.replaceChildren(...keyed.map((row, i) => item(row, String(i + 1))));
-    if (rest.length) panel.variants.append(h("li", {}, more));
+    parts.variants.replaceChildren(...keyed.map((row, i) => item(row, String(i + 1))));
+    if (rest.length) parts.variants.append(h("li", {}, more));
     this.markVariant();
   }
 
   markVariant() {
-    const { row, panel } = this;
-    for (const button of panel.variants.querySelectorAll("button"))
-      button.setAttribute(
-        "aria-pressed",
-        String(button.dataset.cell === row.cell && Number(button.dataset.run) === row.run),
-      );
-    const image = model.images[row.image];
-    panel.exr.hidden = !image;
-    if (image) {
-      panel.exr.href = exrLink(row.image);
-      const { window, size, clamped_count: count } = image;
-      const isCut = window && (window.width !== size[0] || window.height !== size[1]);
-      const place =
-        isCut && `window ${window.width} × ${window.height} at (${window.x}, ${window.y}) of ${size.join(" × ")}`;
-      const clamped = count > 0 && `${count} channels above 65504 are stored as 65504`;
-      say(this.caption, [place, clamped].filter(Boolean).join("; "));
+    const { row, parts } = this;
+    for (const button of parts.variants.querySelectorAll("button")) {
+      const isShown = button.dataset.cell === row.cell && Number(button.dataset.run) === row.run;
+      button.setAttribute("aria-pressed", String(isShown));
     }
+    const image = model.images[row.image];
+    parts.exr.hidden = !image;
+    if (image) parts.exr.href = exrLink(row.image);
+    const { window, size, clamped_count: count } = image ?? {};
+    const isCut = window && (window.width !== size[0] || window.height !== size[1]);
+    const corner = isCut && `${window.width} × ${window.height} at (${window.x}, ${window.y})`;
+    const clamped = count > 0 && `${count} channels above 65504 are stored as 65504`;
+    if (image)
+      say(this.parts.caption, [isCut && `window ${corner} of ${size.join(" × ")}`, clamped].filter(Boolean).join("; "));
     announce(`${this.scene.label}: ${variantLabel(row)}, ${headline} ${scoreText(row)}`);
   }
 

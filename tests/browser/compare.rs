@@ -1,11 +1,12 @@
 //! The comparison where the window changes and where not all images are in the page: places, keys, steps of colour.
 
 use crate::chromium::{self, Page};
-use crate::fixture::{SIDE, assert_clean, page_of, report, report_of};
+use crate::fixture::{SIDE, assert_clean, cell, page_of, report, report_of};
 use crate::viewer::shown;
 use serde_json::json;
 use splitsum::study::page::images::Choice;
 use splitsum::table::csv::Table;
+use std::path::Path;
 
 const READY: &str = "document.querySelector('.viewer-stage canvas')?.dataset.ready !== undefined";
 
@@ -13,7 +14,7 @@ const READY: &str = "document.querySelector('.viewer-stage canvas')?.dataset.rea
 fn a_pinned_texel_is_marked_where_it_lies() {
     let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
     page.resize(1440, 900, "light");
-    page.go(&report, "#compare?zoom=40&x=5.5&y=7.5");
+    page.go(&report, &format!("#compare?cell={}&zoom=40&x=5.5&y=7.5", split_sum(&report)));
     page.wait(READY);
     assert_eq!(page.eval("document.querySelector('.probe-mark').hidden"), json!(true));
     let texel = middle(&mut page);
@@ -31,6 +32,11 @@ fn a_pinned_texel_is_marked_where_it_lies() {
     let after = at(&mut page);
     assert!((after[0] - before[0] - 40.0).abs() < 1.0 && (after[1] - before[1]).abs() < 1.0, "{before:?} {after:?}");
     assert_clean(&page);
+}
+
+/// A cell of the split sum; an address that names a cell shows it without the wipe.
+fn split_sum(report: &Path) -> String {
+    cell(report, ["split-sum", "", "0.1", "ggx", "1"])
 }
 
 /// Waits until the canvas has as many pixels as its stage.
@@ -69,7 +75,7 @@ fn the_image_is_fitted_again_when_the_window_changes() {
         page.resize(width, 900, "light");
         page.go(&report, "#images");
         page.wait(&format!("document.querySelector('.image-table .thumb canvas').width === {SIDE}"));
-        page.eval("location.hash = '#compare'");
+        page.eval(&format!("location.hash = '#compare?cell={}'", split_sum(&report)));
         page.wait(READY);
         assert_fitted(&mut page, &format!("from the images at {width}"));
     }
@@ -81,11 +87,11 @@ fn the_image_is_fitted_again_when_the_window_changes() {
     page.eval("location.hash = '#run'");
     page.wait("document.body.dataset.view === 'run'");
     page.resize(1440, 900, "light");
-    page.eval("location.hash = '#compare'");
+    page.eval(&format!("location.hash = '#compare?cell={}'", split_sum(&report)));
     page.wait("document.body.dataset.view === 'compare'");
     assert_fitted(&mut page, "back from another page");
     // A place that the reader has chosen stays.
-    page.go(&report, "#compare?zoom=40&x=5.5&y=7.5");
+    page.go(&report, &format!("#compare?cell={}&zoom=40&x=5.5&y=7.5", split_sum(&report)));
     page.wait(READY);
     for width in [390, 1440] {
         page.resize(width, 900, "light");
@@ -94,6 +100,12 @@ fn the_image_is_fitted_again_when_the_window_changes() {
         assert_eq!(page.text(".viewer-stage .scale-text"), "40×", "{width}");
     }
     assert_clean(&page);
+}
+
+/// Cell and method of every row.
+fn rows_of(table: &Table) -> Vec<[String; 2]> {
+    let columns = ["cell", "method"].map(|name| table.column(name).unwrap());
+    table.rows.iter().map(|row| columns.map(|column| row[column].clone())).collect()
 }
 
 #[test]
@@ -116,9 +128,19 @@ fn keys_lead_to_images_with_pixels_and_to_every_method_without_samples() {
     }
     assert_eq!(removed, 20);
     let report = page_of(run, Choice::Automatic);
-    page.resize(1440, 900, "light");
+    page.resize(1280, 720, "light");
     page.go(&report, "#compare");
     page.wait(READY);
+    // It opens on the split sum, wiped to the reference.
+    let first = rows_of(&cells).into_iter().find(|row| row[1] == "split-sum").unwrap();
+    assert_eq!(shown(&mut page), first[0]);
+    let wipe = page.eval("[...document.querySelectorAll('.badge')].map((e) => e.hidden ? '' : e.textContent).concat(document.querySelector('.split-handle').style.left)");
+    assert_eq!(wipe, json!(["split-sum", "reference", "50%"]));
+    // Every column of the probe can be read, and no number is cut.
+    let cut = page.eval(
+        "[document.querySelector('.probe .scroll'), ...document.querySelectorAll('.probe td')].filter((e) => e.scrollWidth > e.clientWidth).length",
+    );
+    assert_eq!(cut, json!(0));
     let listed = page.eval(
         "[...document.querySelectorAll('.variant')].filter((b) => b.querySelector('kbd').textContent !== '·') \
          .map((b) => [b.querySelector('kbd').textContent, b.querySelector('span').textContent, b.dataset.cell])",

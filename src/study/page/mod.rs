@@ -162,6 +162,7 @@ fn run_model(told: &Told, here: &Path) -> Json {
         "link": told::link(here, &told.finished.dir),
         "failures": told.finished.failures,
         "sheets": told.sheets(here),
+        "shared": model::shared(&model::axes(std::slice::from_ref(told))),
     })
 }
 

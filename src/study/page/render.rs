@@ -19,6 +19,8 @@ use serde_json::Value as Json;
 /// Style sheet of the page.
 const STYLE: &str = include_str!("../../../assets/report/report.css");
 const TEMPLATE: &str = include_str!("../../../assets/report/report.html");
+/// What it holds of the views that draw in a canvas.
+const STAGE: &str = include_str!("../../../assets/report/stage.html");
 
 /// The page's shaders by name, which the build script wrote from the renderer's libraries (`shaders/page`).
 mod shaders {
@@ -104,6 +106,7 @@ pub fn render(page: &Page, model: &Json, images: &ImageSet, light: &Light) -> Re
     environment.add_filter("whole_units", whole_units);
     environment.add_filter("pieces", pieces);
     environment.add_template("report", TEMPLATE)?;
+    environment.add_template("stage", STAGE)?;
     let imports: serde_json::Map<String, Json> = MODULES
         .iter()
         .map(|(name, text)| {

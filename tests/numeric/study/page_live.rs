@@ -3,11 +3,17 @@
 use crate::study::page::{finished_run, read};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
+use glam::{DVec3, Vec3};
 use splitsum::pixels::packed::HALF_MAX;
-use splitsum::precompute::points;
+use splitsum::runner::Plan;
 use splitsum::runner::live::{LIVE_FILE, LiveRecord, half_scale};
+use splitsum::runner::live_model::{self, TRIANGLES_MAX};
+use splitsum::scene::Scene;
 use splitsum::study::page::Told;
 use splitsum::study::page::live::{BUDGET_BYTES, Light};
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write;
+use std::io::Read;
 use std::path::Path;
 
 fn record(run: &Path) -> LiveRecord {
@@ -36,10 +42,90 @@ fn a_run_leaves_its_tables_and_the_report_its_points() {
     assert_eq!((light.environments.len(), light.lobes.len(), light.notes.len()), (1, 1, 0));
     assert_eq!((light.environments[0].label.as_str(), light.environments[0].levels[0].size), ("constant", [8, 4]));
     assert_eq!((light.lobes[0].brdf.as_str(), light.lobes[0].masking.as_str()), ("ggx", "separable"));
-    let of_16 = light.points.iter().find(|table| table.count == 16).unwrap();
-    let bytes = BASE64_STANDARD.decode(&of_16.base64).unwrap();
-    let numbers: Vec<f32> = bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-    assert_eq!(numbers, points::table(16, &splitsum::math::sequence::SEQUENCES[0], 0).concat());
+    let [model] = light.models.as_slice() else { panic!("{:?}", light.models) };
+    assert_eq!((model.label.as_str(), model.spheres.len(), model.parts.len()), ("sphere", 1, 0));
+    assert_eq!(
+        (model.camera.offset, model.camera.extent, model.camera.is_perspective),
+        ([0.0, 0.0, 4.0], [1.05; 2], false)
+    );
+}
+
+/// The words of a packed text, a triple each.
+fn unpacked(text: &str, count: usize) -> Vec<[u16; 3]> {
+    let mut bytes = Vec::new();
+    let packed = BASE64_STANDARD.decode(text).unwrap();
+    flate2::read::DeflateDecoder::new(packed.as_slice()).read_to_end(&mut bytes).unwrap();
+    assert_eq!(bytes.len(), 6 * count);
+    for plane in bytes.chunks_exact_mut(count) {
+        (1..count).for_each(|i| plane[i] = plane[i].wrapping_add(plane[i - 1]));
+    }
+    let word = |i: usize, c: usize| u16::from_be_bytes([bytes[2 * c * count + i], bytes[(2 * c + 1) * count + i]]);
+    (0..count).map(|i| [0, 1, 2].map(|c| word(i, c))).collect()
+}
+
+#[test]
+fn a_model_is_packed_within_the_errors_that_it_states() {
+    let dir = tempfile::tempdir().unwrap();
+    // A ball of flat triangles: more vertices than 16 bits name.
+    let (rings, sectors) = (100, 120);
+    let at = |i: usize, k: usize| {
+        let (polar, azimuth) = (PI * (i + 1) as f64 / (rings + 2) as f64, TAU * k as f64 / sectors as f64);
+        DVec3::new(polar.sin() * azimuth.cos(), polar.cos(), polar.sin() * azimuth.sin())
+    };
+    let mut obj = String::new();
+    for (i, k) in (0..rings).flat_map(|i| (0..sectors).map(move |k| (i, k))) {
+        let [a, b, c, d] = [at(i, k), at(i, k + 1), at(i + 1, k + 1), at(i + 1, k)];
+        for corners in [[a, b, c], [a, c, d]] {
+            for n in corners {
+                let p = 3.0 * n + DVec3::new(10.0, 0.0, -5.0);
+                writeln!(obj, "v {} {} {}", p.x, p.y, p.z).unwrap();
+            }
+            let n = (corners[0] + corners[1] + corners[2]).normalize();
+            writeln!(obj, "vn {} {} {}\nf -3//-1 -2//-1 -1//-1", n.x, n.y, n.z).unwrap();
+        }
+    }
+    std::fs::write(dir.path().join("ball.obj"), obj).unwrap();
+    let plan = |scenes: &str| {
+        let text = format!("name = \"live\"\nsize = [8, 8]\n[axes]\nscene = [{scenes}]\nalpha = [0.5]\n");
+        Plan::from_text(&dir.path().join("live.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let models = live_model::models(&plan("\"ball.obj\", \"sphere\""));
+    assert_eq!(models.iter().map(|model| model.label.as_str()).collect::<Vec<_>>(), ["ball", "sphere"]);
+    let ball = &models[0];
+    let scene = Scene::load("ball.obj", dir.path()).unwrap();
+    let mesh = &scene.meshes[0];
+    let mut corners = mesh.indices.iter();
+    let side = (0..3).map(|c| ball.high[c] - ball.low[c]).fold(0.0, f64::max);
+    assert_eq!(ball.parts.len(), 2);
+    for part in &ball.parts {
+        assert!(part.vertex_count <= 1 << 16);
+        let [positions, normals] = [&part.positions, &part.normals].map(|text| unpacked(text, part.vertex_count));
+        for place in unpacked(&part.triangles, part.triangle_count).as_flattened() {
+            let index = *corners.next().unwrap() as usize;
+            let fraction = positions[*place as usize].map(|word| f64::from(word) / 65535.0);
+            for c in 0..3 {
+                let position = ball.low[c] + fraction[c] * (ball.high[c] - ball.low[c]);
+                assert!((position - f64::from(mesh.positions[index][c])).abs() <= side / 131_070.0 + 1e-6);
+            }
+            let [x, y, _] = normals[*place as usize].map(|word| f64::from(word as i16) / 32767.0);
+            let z = 1.0 - x.abs() - y.abs();
+            let fold = (-z).max(0.0);
+            let n = DVec3::new(x - fold.copysign(x), y - fold.copysign(y), z).normalize();
+            let wanted = Vec3::from_array(mesh.normals[index]).as_dvec3();
+            assert!(n.cross(wanted).length() < 0.01f64.to_radians(), "{n} for {wanted}");
+        }
+    }
+    assert!(corners.next().is_none() && (ball.parts[0].surface.alpha, ball.note.as_str()) == (0.5, ""));
+    // A model of too many triangles is a sphere, and the page says so.
+    let twice = "f 1//1 2//2 3//3\n".repeat(TRIANGLES_MAX + 1);
+    std::fs::write(
+        dir.path().join("large.obj"),
+        format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\n{twice}"),
+    )
+    .unwrap();
+    let large = &live_model::models(&plan("\"large.obj\""))[0];
+    assert_eq!((large.spheres.len(), large.parts.len()), (1, 0));
+    assert!(large.note.contains("large has 100001 triangles"), "{}", large.note);
 }
 
 #[test]
