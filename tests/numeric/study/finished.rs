@@ -26,7 +26,7 @@ fn damaged_tables_are_refused_by_name() {
     let lines = |text: &str, count: usize| text.lines().take(count).map(|line| format!("{line}\n")).collect::<String>();
     let cells: Vec<&str> = errors.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
     assert_eq!(cells.len(), 4);
-    let column = errors.lines().next().unwrap().split(',').position(|name| name == "relmse_eps1e-2").unwrap();
+    let column = errors.lines().next().unwrap().split(',').position(|name| name == "relmse").unwrap();
     let score = errors.lines().nth(1).unwrap().split(',').nth(column).unwrap();
     let of_first =
         lines(&bins, 1) + &bins.lines().filter(|line| line.starts_with(cells[0])).collect::<Vec<_>>().join("\n") + "\n";
@@ -76,7 +76,7 @@ fn a_run_reads_back_as_it_was_scored() {
     assert_eq!(run.cells.len(), plan.cells.len());
     for (read, planned) in run.cells.iter().zip(&plan.cells) {
         assert_eq!((&read.id, &read.point), (&planned.id, &planned.point));
-        assert!(read.scores.as_ref().is_some_and(|scores| scores.get("relmse_eps1e-2").is_some_and(|x| x > 0.0)));
+        assert!(read.scores.as_ref().is_some_and(|scores| scores.get("relmse").is_some_and(|x| x > 0.0)));
         assert!(read.noise_floors.get("flip").is_none() && !read.bins.is_empty() && read.images.is_some());
     }
     assert_eq!((run.failed_count(), run.is_under_way, run.lights.len()), (0, false, 1));
