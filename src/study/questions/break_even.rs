@@ -9,7 +9,7 @@
 //! for "above".
 
 use super::conditions::{by_width_and_light, extremes};
-use super::words::{by_axis, cases_sentence, label, short};
+use super::words::{by_axis, cases_sentence, interval_words, label, short};
 use super::{Finding, Question};
 use crate::runner::axis::Part;
 use crate::runner::value::Value;
@@ -195,7 +195,7 @@ fn sentence(frame: &Frame, axes: &[usize], pair: &Pair) -> String {
     let all: Vec<&Case> = pair.cases.iter().collect();
     let (tried, metric) = (pair.tried(), frame.metric_name());
     let ([first, ..], Some(middle)) = (pair.cases.as_slice(), median(&all)) else { return String::new() };
-    let interval = interval_words(&middle, tried);
+    let interval = interval_words(&middle, |n| counted(n, tried));
     let scope = match pair.cases.len() {
         1 => format!(", under {}", short(axis("environment"), &first.fixed.point.0[axis("environment")])),
         _ => ", in the median case".to_owned(),
@@ -215,12 +215,6 @@ fn sentence(frame: &Frame, axes: &[usize], pair: &Pair) -> String {
     text + &cases_sentence(&rows, axes, pair.cases.len())
 }
 
-/// " (95 % 16 to 64)".
-fn interval_words(middle: &Estimate, tried: [u32; 2]) -> String {
-    let words = |[lo, hi]: [f64; 2]| format!(" (95 % {} to {})", counted(lo, tried), counted(hi, tried));
-    middle.told_interval().map_or_else(String::new, words)
-}
-
 /// Medians by alpha and environment.
 fn digest(frame: &Frame, pair: &Pair) -> Table {
     by_width_and_light(
@@ -229,7 +223,9 @@ fn digest(frame: &Frame, pair: &Pair) -> Table {
         |case| case.fixed,
         |own| {
             let tried = tried(own);
-            let words = |middle: Estimate| Cell::Text(counted(middle.value, tried) + &interval_words(&middle, tried));
+            let words = |middle: Estimate| {
+                Cell::Text(counted(middle.value, tried) + &interval_words(&middle, |n| counted(n, tried)))
+            };
             median(own).map_or(Cell::Missing, words)
         },
     )

@@ -9,7 +9,7 @@
 //! largest count that stands clear of the noise. Where bias and variance were parted, their share at the largest count says why.
 
 use super::conditions::{ROUGHNESS, extremes, roughness};
-use super::words::{by_axis, cases_sentence, label, number, percent, short, with_interval};
+use super::words::{by_axis, cases_sentence, interval_words, label, number, percent, short, with_interval};
 use super::{Finding, Question};
 use crate::runner::axis::AXES;
 use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
@@ -145,10 +145,7 @@ fn sentence(frame: &Frame, axes: &[usize], falls: &[&Fall]) -> Option<String> {
         1 => format!(", under {}", short(axis("environment"), &first.curve.first().point.0[axis("environment")])),
         _ => ", in the median case".to_owned(),
     };
-    let words = with_interval(&middle);
-    let (factor, interval) =
-        words.split_once(' ').map_or((words.as_str(), ""), |(factor, interval)| (factor, interval));
-    let interval = if interval.is_empty() { String::new() } else { format!(" {interval}") };
+    let (factor, interval) = (number(middle.value), interval_words(&middle, number));
     let mut text = format!(
         "Twice the samples divide the `{}` of `{}` by **{factor}**{interval}{scope} (slope {}).",
         frame.metric_name(),

@@ -7,7 +7,7 @@
 //! The *leading* method is the first without samples, which is what a renderer ships, else the first that samples, at its largest count.
 
 use super::conditions::{by_light, by_width_and_light, extremes};
-use super::words::{by_axis, cases_sentence, label, number, rms_percent, short, with_rms};
+use super::words::{by_axis, cases_sentence, interval_words, label, number, rms_percent, short, with_rms};
 use super::{Finding, Question};
 use crate::runner::axis::{AXES, Part};
 use crate::runner::value::Value;
@@ -96,7 +96,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
 /// The leading method by alpha and environment; without alpha, every method by environment.
 fn digest(frame: &Frame, all: &[Case], own: &[&Case]) -> Table {
     let words = |group: &[&Case]| {
-        let words = |mean: Estimate| Cell::Text(with_rms(frame, mean.value) + &interval_words(&mean));
+        let words = |mean: Estimate| Cell::Text(with_rms(frame, mean.value) + &interval_words(&mean, number));
         mean(group).map_or(Cell::Missing, words)
     };
     if frame.shape.is_swept(axis("alpha")) {
@@ -119,12 +119,6 @@ fn mean(cases: &[&Case]) -> Option<Estimate> {
     estimate(&values.collect::<Vec<_>>(), geometric_mean)
 }
 
-/// " (95 % 0.008 to 0.02)".
-fn interval_words(mean: &Estimate) -> String {
-    let words = |[lo, hi]: [f64; 2]| format!(" (95 % {} to {})", number(lo), number(hi));
-    mean.told_interval().map_or_else(String::new, words)
-}
-
 /// Errors that differ by less than this factor are told as one.
 const CHANGE_MIN: f64 = 2.0;
 
@@ -141,7 +135,7 @@ fn sentence(frame: &Frame, axes: &[usize], lead: &str, cases: &[&Case]) -> Optio
     let rms = percent.map_or_else(String::new, |percent| format!(", about **{} % rms**", number(percent)));
     let value = number(middle.value);
     let value = if percent.is_some() { value } else { format!("**{value}**") };
-    let interval = interval_words(&middle);
+    let interval = interval_words(&middle, number);
     let mut text = format!("`{lead}` errs by a `{}` of {value}{interval}{rms}{scope}.", frame.metric_name());
     let of =
         |own: &[&&Case]| mean(&own.iter().map(|case| **case).collect::<Vec<_>>()).map_or(f64::NAN, |one| one.value);

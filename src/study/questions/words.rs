@@ -17,10 +17,14 @@ pub fn number(x: f64) -> String {
 
 /// "12 (95 % 8.1 to 17)"; without an interval, or with one wider than a decade, the number alone.
 pub fn with_interval(estimate: &Estimate) -> String {
-    match estimate.told_interval() {
-        Some([lo, hi]) => format!("{} (95 % {} to {})", number(estimate.value), number(lo), number(hi)),
-        None => number(estimate.value),
-    }
+    number(estimate.value) + &interval_words(estimate, number)
+}
+
+/// " (95 % 8.1 to 17)"; nothing where there is no interval to tell, or where its ends read alike.
+pub fn interval_words(estimate: &Estimate, words: impl Fn(f64) -> String) -> String {
+    let ends = estimate.told_interval().map(|ends| ends.map(words));
+    let told = ends.filter(|[lo, hi]| lo != hi);
+    told.map_or_else(String::new, |[lo, hi]| format!(" (95 % {lo} to {hi})"))
 }
 
 /// `relmse` as an error that people can picture: 11 for 0.012, in percent of the reference. Nothing for metrics that are no mean square.

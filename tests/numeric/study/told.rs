@@ -4,7 +4,7 @@ use splitsum::study::questions::Finding;
 use splitsum::study::table::Table;
 use splitsum::table::csv::Cell;
 use splitsum::table::markdown::significant;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// The sentences of a text: each ends with a full stop before a blank or the end.
 pub fn sentences(text: &str) -> Vec<&str> {
@@ -60,8 +60,9 @@ fn known(table: &Table, found: &mut HashSet<String>) {
     let mut add = |text: &str| found.extend(numbers(text));
     table.columns.iter().for_each(|name| add(name));
     add(&table.rows.len().to_string());
-    for (column, _) in table.columns.iter().enumerate() {
-        let mut values = BTreeSet::new();
+    for column in 0..table.columns.len() {
+        // How many rows have each value.
+        let mut counts: BTreeMap<String, usize> = BTreeMap::new();
         for row in &table.rows {
             match &row[column] {
                 Cell::Missing => continue,
@@ -72,14 +73,16 @@ fn known(table: &Table, found: &mut HashSet<String>) {
                     (1..=4).for_each(|digits| add(&significant(*x, digits)));
                 }
             }
-            values.insert(format!("{:?}", row[column]));
+            *counts.entry(format!("{:?}", row[column])).or_default() += 1;
         }
-        add(&values.len().to_string());
+        add(&counts.len().to_string());
+        let of_names = counts.iter().filter(|(value, _)| value.starts_with("Text"));
+        of_names.for_each(|(_, count)| add(&count.to_string()));
     }
 }
 
-/// What a sentence of a finding says that its table and digest do not: numbers that are none of theirs, no count of their rows and no count
-/// of the distinct values of one of their columns. The 95 of "95 %" is the size of every interval.
+/// What a sentence of a finding says that its table and digest do not: numbers that are none of theirs, no count of their rows or of those
+/// with one name in a column, and no count of the distinct values of a column. The 95 of "95 %" is the size of every interval.
 pub fn unfounded(finding: &Finding) -> Vec<String> {
     let mut known_numbers = HashSet::new();
     [Some(&finding.table), finding.digest.as_ref()]
