@@ -34,6 +34,25 @@ const SELECTIONS: [(&str, &str); 4] = [
     ("selected/lobe.glsl", "shade/lobe"),
 ];
 
+/// Files and folders of `src` whose code makes no number that the device returns: what is done with its results, the f64 twins, and the
+/// models, whose names and shaders count by themselves. Kept tables and references outlive a change of these, and of nothing else.
+const HOST_EXCLUDED: [&str; 14] = [
+    "main.rs",
+    "cli",
+    "study",
+    "runner",
+    "oracle",
+    "slips",
+    "metrics",
+    "table",
+    "tonemap",
+    "brdf",
+    "shade/method",
+    "shade/diffuse",
+    "shade/twin.rs",
+    "shade/reference.rs",
+];
+
 /// The folder of the page's entry points.
 const PAGE_FOLDER: &str = "page/";
 /// What comes first in each of them.
@@ -42,6 +61,7 @@ const ES_PRELUDE: &str = "page/es.glsl";
 fn main() {
     println!("cargo::rerun-if-changed=shaders");
     println!("cargo::rerun-if-changed=src/glsl");
+    println!("cargo::rerun-if-changed=Cargo.lock");
     if let Err(message) = build() {
         // A panic would bury the compiler's file:line:message under a backtrace.
         for line in message.lines() {
@@ -81,7 +101,43 @@ fn build() -> Result<(), String> {
         writeln!(table, "/// Names of the files of shaders/{folder}.\npub static {list}: &[&str] = &{names:?};")
             .expect("a String takes all");
     }
+    table.push_str(&host_text()?);
     fs::write(out.join("shaders.rs"), table).map_err(|e| format!("shaders.rs: {e}"))
+}
+
+/// The host's code around the shaders: names of its files, and one hash of them and of the versions of all crates.
+fn host_text() -> Result<String, String> {
+    let (mut found, mut open) = (Vec::new(), vec![PathBuf::from("src")]);
+    while let Some(folder) = open.pop() {
+        for path in files(&folder).map_err(|e| format!("{}: {e}", folder.display()))? {
+            let name = path.strip_prefix("src").map_err(|e| e.to_string())?.to_string_lossy().replace('\\', "/");
+            if HOST_EXCLUDED.contains(&name.as_str()) {
+                continue;
+            } else if path.is_dir() {
+                open.push(path);
+            } else {
+                println!("cargo::rerun-if-changed={}", path.display());
+                found.push((name, fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?));
+            }
+        }
+    }
+    found.sort();
+    let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+    let mut text =
+        format!("/// Files of src that results of the device hang on.\npub static HOST_FILES: &[&str] = &{names:?};\n");
+    let lock = fs::read("Cargo.lock").unwrap_or_default();
+    found.push(("Cargo.lock".into(), lock));
+    let mut hasher = blake3::Hasher::new();
+    for (name, bytes) in &found {
+        hasher.update(name.as_bytes()).update(&(bytes.len() as u64).to_le_bytes()).update(bytes);
+    }
+    writeln!(
+        text,
+        "/// One hash of them and of Cargo.lock.\npub static HOST_HASH: &str = {:?};",
+        hasher.finalize().to_hex().as_str()
+    )
+    .expect("a String takes all");
+    Ok(text)
 }
 
 /// Writes `page_shaders.rs`: the text of every permutation of the page's entry points, checked as GLSL ES 3.00.

@@ -66,10 +66,4 @@ float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
     return pdf_visible_l_ggx(v_local, h_local, alpha);
 }
 
-// Alpha of the lobe that source document 0 prints: cos = (1 - u)^(1 / (exponent + 1)) where 1 / (exponent + 2) is
-// right. [Kim22 "IBL"]
-float printed_lobe_alpha_brdf(float alpha) {
-    return alpha * sqrt(2.0 / (2.0 - alpha * alpha));
-}
-
 #endif

@@ -38,6 +38,10 @@ impl Brdf for Beckmann {
         "beckmann"
     }
 
+    fn about(&self) -> &'static str {
+        "microfacets with Gaussian slopes; its masking is Walter's rational fit"
+    }
+
     fn d(&self, h_local: DVec3, alpha: f64) -> f64 {
         if h_local.z <= 0.0 {
             return 0.0;

@@ -21,6 +21,10 @@ impl Brdf for Ggx {
         "ggx"
     }
 
+    fn about(&self) -> &'static str {
+        "microfacets with long tails (Trowbridge-Reitz); its masking is exact"
+    }
+
     fn d(&self, h_local: DVec3, alpha: f64) -> f64 {
         if h_local.z <= 0.0 {
             return 0.0;

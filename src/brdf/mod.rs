@@ -21,6 +21,8 @@ pub use phong::{Phong, alpha_from_exponent, exponent_from_alpha};
 pub trait Brdf: Sync + std::fmt::Debug {
     /// Name in configs, tables and shader file names.
     fn name(&self) -> &'static str;
+    /// One sentence for `splitsum list`.
+    fn about(&self) -> &'static str;
     /// Normal distribution D(h), 1/sr, of a unit vector; 0 below the horizon. `∫ D n_dot_h = 1`.
     fn d(&self, h_local: DVec3, alpha: f64) -> f64;
     /// Smith masking G1 in [0, 1] of one direction with cosine `n_dot_w` to the normal; 0 below the horizon.
@@ -40,7 +42,7 @@ pub trait Brdf: Sync + std::fmt::Debug {
     fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64;
 }
 
-/// Every model. Adding one: its file here, `shaders/brdf/<name>.glsl`, one line here.
+/// Every model. Adding one: its file here, `shaders/brdf/<stem>.glsl`, one line here. A stem is the name with `_` for `-`.
 pub static MODELS: &[&dyn Brdf] = &[&Ggx, &Beckmann, &Phong];
 
 /// The model of that name.

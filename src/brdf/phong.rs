@@ -47,6 +47,10 @@ impl Brdf for Phong {
         "phong"
     }
 
+    fn about(&self) -> &'static str {
+        "microfacets of a power of the cosine; its masking is Walter's fit of that of Beckmann"
+    }
+
     fn d(&self, h_local: DVec3, alpha: f64) -> f64 {
         if h_local.z <= 0.0 {
             return 0.0;

@@ -21,7 +21,9 @@ pub struct Arguments {
 enum What {
     Methods,
     Diffuse,
-    Brdfs,
+    /// The BRDF models.
+    #[value(alias = "brdfs")]
+    Models,
     Environments,
     Scenes,
     Metrics,
@@ -46,7 +48,7 @@ fn listing(what: What) -> String {
     match what {
         What::Methods => shade::METHODS.iter().for_each(|method| add(method.name, method.about)),
         What::Diffuse => shade::DIFFUSE.iter().for_each(|diffuse| add(diffuse.name, diffuse.about)),
-        What::Brdfs => brdf::MODELS.iter().for_each(|model| add(model.name(), "microfacet model")),
+        What::Models => brdf::MODELS.iter().for_each(|model| add(model.name(), model.about())),
         What::Environments => {
             for builtin in BUILTINS {
                 add(&format!("builtin:{}", builtin.name), builtin.about);

@@ -1,13 +1,16 @@
 //! Radiance by direction: environments from files and from formulas.
 
 mod builtin;
+mod error;
 mod load;
 
 pub use builtin::{BUILTIN_PREFIX, BUILTINS, Builtin, Parameter};
-pub use load::{EnvironmentError, FORMATS, Format, LoadOptions};
+pub use error::EnvironmentError;
+pub use load::{FORMATS, Format, LoadOptions};
 
 use crate::math::equirect;
 use crate::pixels::RgbImage;
+use crate::pixels::lookup::{Wrap, bilinear};
 use glam::DVec3;
 
 pub mod distribution;
@@ -51,19 +54,7 @@ impl Environment {
 
     /// Radiance from `direction` (any length but 0): bilinear between texel centres; u wraps, v clamps at the poles.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
-        let uv = equirect::uv_from_direction(direction);
-        let (width, height) = (i64::from(self.image.width), i64::from(self.image.height));
-        let x = uv.x * width as f64 - 0.5;
-        let y = uv.y * height as f64 - 0.5;
-        let (column, row) = (x.floor() as i64, y.floor() as i64);
-        let texel = |dx: i64, dy: i64| {
-            let [r, g, b] =
-                self.image.get((column + dx).rem_euclid(width) as u32, (row + dy).clamp(0, height - 1) as u32);
-            DVec3::new(r.into(), g.into(), b.into())
-        };
-        let (tx, ty) = (x - x.floor(), y - y.floor());
-        let upper = texel(0, 0).lerp(texel(1, 0), tx);
-        let lower = texel(0, 1).lerp(texel(1, 1), tx);
-        upper.lerp(lower, ty)
+        let value = |texel: [f32; 3]| DVec3::from_array(texel.map(f64::from));
+        bilinear(&self.image, equirect::uv_from_direction(direction), Wrap::Equirect, value)
     }
 }

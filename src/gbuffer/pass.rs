@@ -45,12 +45,22 @@ pub struct GbufferImages {
 }
 
 impl GbufferPass {
+    /// The vertex and the fragment shader of spheres.
+    const SPHERE_SHADERS: [&str; 2] = ["gbuffer/sphere.vert", "gbuffer/sphere.frag"];
+    /// Those of meshes.
+    const MESH_SHADERS: [&str; 2] = ["gbuffer/mesh.vert", "gbuffer/mesh.frag"];
+
+    /// Every shader of the pass.
+    pub fn shaders() -> [&'static str; 4] {
+        let ([a, b], [c, d]) = (Self::SPHERE_SHADERS, Self::MESH_SHADERS);
+        [a, b, c, d]
+    }
+
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let slots = [Slot::Buffer, Slot::Buffer, Slot::Sampled];
         let push_size = GbufferParams::SIZE;
         let spheres = gpu.graphics_pipeline(GraphicsDescription {
-            vertex_shader: "gbuffer/sphere.vert",
-            fragment_shader: "gbuffer/sphere.frag",
+            shaders: Self::SPHERE_SHADERS,
             slots: &slots,
             push_size,
             attributes: &[],
@@ -58,8 +68,7 @@ impl GbufferPass {
             strip: true,
         })?;
         let meshes = gpu.graphics_pipeline(GraphicsDescription {
-            vertex_shader: "gbuffer/mesh.vert",
-            fragment_shader: "gbuffer/mesh.frag",
+            shaders: Self::MESH_SHADERS,
             slots: &slots,
             push_size,
             attributes: &[3, 3, 2],

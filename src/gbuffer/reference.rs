@@ -3,6 +3,7 @@
 //! Triangles are tried one after another within the bounds of their mesh; that is meant for the small meshes of tests.
 
 use super::Gbuffer;
+use crate::pixels::lookup::{Wrap, bilinear};
 use crate::pixels::{Pixels, RgbImage};
 use crate::scene::{Camera, Material, Mesh, Scene, Sphere};
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -46,7 +47,7 @@ pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
 fn texels(scene: &Scene, hit: &Hit) -> [[f64; 4]; 4] {
     let material: &Material = &scene.materials[hit.material];
     let rgb = |values: [f32; 3]| Vec3::from_array(values).as_dvec3();
-    let map = material.albedo_map.map_or(DVec3::ONE, |map| bilinear(&scene.textures[map], hit.uv));
+    let map = material.albedo_map.map_or(DVec3::ONE, |map| texture_at(&scene.textures[map], hit.uv));
     let albedo = rgb(material.albedo) * map;
     let metallic = f64::from(material.metallic);
     let f0 = rgb(material.f0).lerp(albedo, metallic);
@@ -59,17 +60,9 @@ fn texels(scene: &Scene, hit: &Hit) -> [[f64; 4]; 4] {
     ]
 }
 
-/// Bilinear lookup between texel centres at `uv` (v up) with repeating coordinates.
-fn bilinear(texture: &RgbImage, uv: DVec2) -> DVec3 {
-    let size = DVec2::new(f64::from(texture.width), f64::from(texture.height));
-    let at = DVec2::new(uv.x, 1.0 - uv.y) * size - 0.5;
-    let (low, weight) = (at.floor(), at - at.floor());
-    let texel = |dx: f64, dy: f64| {
-        let (x, y) = ((low.x + dx).rem_euclid(size.x), (low.y + dy).rem_euclid(size.y));
-        Vec3::from_array(texture.get(x as u32, y as u32)).as_dvec3()
-    };
-    let row = |dy: f64| texel(0.0, dy).lerp(texel(1.0, dy), weight.x);
-    row(0.0).lerp(row(1.0), weight.y)
+/// The texture at `uv` (v up), bilinear with repeating coordinates.
+fn texture_at(texture: &RgbImage, uv: DVec2) -> DVec3 {
+    bilinear(texture, DVec2::new(uv.x, 1.0 - uv.y), Wrap::RepeatBoth, |texel| Vec3::from_array(texel).as_dvec3())
 }
 
 /// `|origin + t direction - center|² = r²`, nearer root, unit `direction`.

@@ -25,4 +25,7 @@ pub use image::{Filter, Format, Image, Sampler, Wrap};
 pub use instance::{DeviceChoice, DeviceInfo, Options, chosen_device, devices};
 pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline, Slot};
 pub use recorder::{Bind, DrawCall, PassTime, Recorder, Report, Targets};
-pub use shader::{BRDF_STEMS, DIFFUSE_STEMS, METHOD_STEMS, build_hash, has_shader};
+pub use shader::{
+    BRDF_STEMS, DIFFUSE_STEMS, HOST_FILES, HOST_HASH, METHOD_STEMS, build_hash, code_hash, has_shader, shader_code,
+    shader_names,
+};

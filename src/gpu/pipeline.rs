@@ -38,7 +38,9 @@ pub(super) struct Inner {
     pub(super) slots: Vec<Slot>,
     pub(super) push_size: u32,
     pub(super) stages: vk::ShaderStageFlags,
+    /// The last shader's.
     pub(super) name: String,
+    pub(super) shaders: Vec<String>,
     device: Arc<Shared>,
 }
 
@@ -58,8 +60,8 @@ pub struct GraphicsPipeline {
 /// the targets.
 #[derive(Clone, Copy, Debug)]
 pub struct GraphicsDescription<'a> {
-    pub vertex_shader: &'a str,
-    pub fragment_shader: &'a str,
+    /// The vertex and the fragment shader.
+    pub shaders: [&'a str; 2],
     pub slots: &'a [Slot],
     pub push_size: usize,
     /// Floats of each vertex attribute, one tightly packed buffer an attribute.
@@ -72,11 +74,12 @@ pub struct GraphicsDescription<'a> {
 impl Inner {
     fn new(
         gpu: &Gpu,
-        name: &str,
+        shaders: &[&str],
         slots: &[Slot],
         push_size: usize,
         stages: vk::ShaderStageFlags,
     ) -> Result<Self, GpuError> {
+        let name = shaders.last().copied().unwrap_or_default();
         let device = &gpu.shared;
         let limit = device.limits.max_push_constants_size;
         assert!(push_size <= 128 && push_size as u32 <= limit, "'{name}': {push_size} bytes of push constants");
@@ -88,6 +91,7 @@ impl Inner {
             push_size: push_size as u32,
             stages,
             name: name.into(),
+            shaders: shaders.iter().map(|shader| shader.to_string()).collect(),
             device: device.clone(),
         };
         let bindings: Vec<_> = slots
@@ -162,7 +166,7 @@ impl Gpu {
         constants: &[u32],
     ) -> Result<ComputePipeline, GpuError> {
         let device = &self.shared;
-        let mut inner = Inner::new(self, shader, slots, push_size, vk::ShaderStageFlags::COMPUTE)?;
+        let mut inner = Inner::new(self, &[shader], slots, push_size, vk::ShaderStageFlags::COMPUTE)?;
         let module = Module::new(device, shader)?;
         let entries: Vec<_> = (0..constants.len() as u32)
             .map(|id| vk::SpecializationMapEntry { constant_id: id, offset: 4 * id, size: 4 })
@@ -186,11 +190,12 @@ impl Gpu {
     /// The graphics pipeline of a description.
     pub fn graphics_pipeline(&self, description: GraphicsDescription<'_>) -> Result<GraphicsPipeline, GpuError> {
         let device = &self.shared;
-        let name = description.fragment_shader;
+        let [vertex_shader, fragment_shader] = description.shaders;
+        let name = fragment_shader;
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let mut inner = Inner::new(self, name, description.slots, description.push_size, stages)?;
-        let vertex = Module::new(device, description.vertex_shader)?;
-        let fragment = Module::new(device, description.fragment_shader)?;
+        let mut inner = Inner::new(self, &description.shaders, description.slots, description.push_size, stages)?;
+        let vertex = Module::new(device, vertex_shader)?;
+        let fragment = Module::new(device, fragment_shader)?;
         let shader_stages = [(vk::ShaderStageFlags::VERTEX, &vertex), (vk::ShaderStageFlags::FRAGMENT, &fragment)].map(
             |(stage, module)| {
                 vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw).name(c"main")

@@ -16,6 +16,29 @@ pub fn has_shader(name: &str) -> bool {
     SHADERS.iter().any(|(known, _)| *known == name)
 }
 
+/// Hash of what these permutations run; `spirv` gives the code of each.
+pub fn code_hash<'a>(shaders: &[String], spirv: impl Fn(&str) -> &'a [u8]) -> String {
+    let mut hasher = blake3::Hasher::new();
+    for name in shaders {
+        let code = spirv(name);
+        // The lengths keep one shader's end from passing for the next one's beginning.
+        hasher.update(&(name.len() as u64).to_le_bytes()).update(name.as_bytes());
+        hasher.update(&(code.len() as u64).to_le_bytes()).update(code);
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// SPIR-V of the permutation `name`, which the build made.
+pub fn shader_code(name: &str) -> &'static [u8] {
+    let known = SHADERS.iter().find(|(known, _)| *known == name);
+    known.unwrap_or_else(|| panic!("there is no shader {name}")).1
+}
+
+/// Names of all permutations.
+pub fn shader_names() -> impl Iterator<Item = &'static str> {
+    SHADERS.iter().map(|(name, _)| *name)
+}
+
 /// One hash of all shaders: changes whenever any of them does.
 pub fn build_hash() -> &'static str {
     // A plan asks for it with every cell.

@@ -1,7 +1,10 @@
 //! A test image, its reference and a mask, checked once; what several metrics need is computed once.
 
 use super::filter::Plane;
-use super::{EPSILON, METRICS, Metric, flip, linear_metrics, ssim};
+use super::flip::{map as flip, view::View as FlipView};
+use super::mean::rgb_mean;
+use super::ssim::map as ssim;
+use super::{EPSILON, METRICS, Metric, linear_metrics};
 use crate::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use crate::tonemap::ToneCurve;
 use std::sync::{Arc, OnceLock};
@@ -32,7 +35,7 @@ pub enum MetricsError {
 pub struct Displayed {
     image: Rgb8Image,
     ssim: OnceLock<ssim::View>,
-    flip: OnceLock<flip::View>,
+    flip: OnceLock<FlipView>,
 }
 
 impl Displayed {
@@ -55,8 +58,8 @@ impl Displayed {
         self.ssim.get_or_init(|| ssim::View::new(&self.image))
     }
 
-    fn flip(&self) -> &flip::View {
-        self.flip.get_or_init(|| flip::View::new(&self.image))
+    fn flip(&self) -> &FlipView {
+        self.flip.get_or_init(|| FlipView::new(&self.image))
     }
 }
 
@@ -210,16 +213,6 @@ impl<'a> Comparison<'a> {
             flip::flip_map(test, reference)
         })
     }
-}
-
-/// Mean of a term over the three channels.
-pub(super) fn rgb_mean(term: impl Fn(usize) -> f64) -> f64 {
-    (term(0) + term(1) + term(2)) / 3.0
-}
-
-/// Mean of a term over pixels.
-pub(super) fn pixel_mean(pixels: &[usize], term: impl Fn(usize) -> f64) -> f64 {
-    pixels.iter().map(|&pixel| term(pixel)).sum::<f64>() / pixels.len() as f64
 }
 
 /// Fails when an image has not the size of the reference.

@@ -1,6 +1,6 @@
 //! Mean absolute error.
 
-use super::comparison::{pixel_mean, rgb_mean};
+use super::mean::{pixel_mean, rgb_mean};
 use super::noise::MEAN_ABS_NORMAL;
 use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
 

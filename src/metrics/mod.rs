@@ -13,6 +13,7 @@ mod comparison;
 mod filter;
 mod flip;
 mod mae;
+mod mean;
 mod noise;
 mod psnr;
 mod relmse;

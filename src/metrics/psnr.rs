@@ -1,6 +1,6 @@
 //! Peak signal-to-noise ratio of the 8-bit display images.
 
-use super::comparison::{pixel_mean, rgb_mean};
+use super::mean::{pixel_mean, rgb_mean};
 use super::{Better, Comparison, Description, Displayed, Metric, ReferenceNoise, Space};
 
 /// Largest 8-bit code value: the peak.

@@ -3,7 +3,7 @@
 //! The plain form is the headline for HDR images, but one firefly can decide it: in an image of 5,000 pixels a single one
 //! moved it from 0.018 to 428. The trimmed form drops the largest errors and so hides rare, true ones. Report both.
 
-use super::comparison::pixel_mean;
+use super::mean::pixel_mean;
 use super::{Better, Comparison, Description, EPSILON, Metric, ReferenceNoise, Space};
 
 /// One pixel in this many is dropped by the trimmed form; a selection of fewer pixels loses none.

@@ -1,6 +1,6 @@
 //! Root mean square error.
 
-use super::comparison::{pixel_mean, rgb_mean};
+use super::mean::{pixel_mean, rgb_mean};
 use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
 
 /// `sqrt(mean d²)`, in radiance.

@@ -1,6 +1,6 @@
 //! Symmetric mean absolute percentage error, as a fraction.
 
-use super::comparison::{pixel_mean, rgb_mean};
+use super::mean::{pixel_mean, rgb_mean};
 use super::noise::MEAN_ABS_NORMAL;
 use super::{Better, Comparison, Description, EPSILON, Metric, ReferenceNoise, Space};
 

@@ -9,7 +9,8 @@ use crate::precompute::exact_quadrature;
 use crate::precompute::irradiance::reference::irradiance;
 use crate::precompute::prefilter::reference::prefilter;
 use crate::precompute::sh9::reference::project_bilinear_bounded;
-use crate::shade::reference::{integrate, seed0_literal};
+use crate::shade::method::seed0_literal;
+use crate::shade::reference::integrate;
 use crate::table::csv::{Cell, to_text};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -97,7 +98,7 @@ fn answer(
     let (colors, judged) = match query {
         Query::Shading { surface, .. } => {
             let answer = integrate(environment(), surface, tolerance);
-            let literal = with_literal.then(|| seed0_literal(environment(), surface, tolerance));
+            let literal = with_literal.then(|| seed0_literal::limit(environment(), surface, tolerance));
             // Those with F = 1 are what the integration judges itself by; the others are sums with the same parts.
             let judged = [answer.specular_white, answer.diffuse].into_iter().chain(literal).collect();
             let colors = [answer.specular, answer.specular_white, answer.diffuse_transmitted, answer.diffuse];

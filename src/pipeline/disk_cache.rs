@@ -1,14 +1,15 @@
 //! Tables and references that later runs take from the disk.
 //!
-//! An entry is a file named by the hash of its key. The key spells out everything that determines the entry's bits: this program (by the
-//! hash of its own file, so that a change of any formula counts), the device and its driver, the contents of the inputs, every parameter.
+//! An entry is a file named by the hash of its key. The key spells out everything that determines the entry's bits: the code that made it,
+//! the device and its driver, the contents of the inputs, every parameter. The code is this program (by the hash of its own file, so that a
+//! change of any formula counts), or [`Code::Shaders`] for what the device makes.
 //! Floats are kept bit for bit, so a run gives the same bytes with the cache as without it.
 //!
 //! An entry is written in one step and carries a checksum; one that does not hold is removed and made anew. Several processes may share
 //! a folder. Above its limit the entries that were used longest ago go first.
 
 use crate::files::read_regular;
-use crate::gpu::DeviceInfo;
+use crate::gpu::{DeviceInfo, HOST_HASH, code_hash, shader_code};
 use crate::pixels::{PART_PREFIX, write_atomically};
 use std::fs::{File, Metadata};
 use std::io::Write;
@@ -28,6 +29,17 @@ const KEPT_SHARE: f64 = 0.8;
 /// Half-written files of this age belong to nobody.
 const PART_AGE: Duration = Duration::from_secs(24 * 3600);
 
+/// The code that an entry hangs on.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Code<'a> {
+    /// This program, all of it.
+    Program,
+    /// These shaders, by their SPIR-V, and the host's code around them: the build script hashes every source file but those that
+    /// no device result hangs on (`HOST_EXCLUDED` in `shaders/build.rs`), and the versions of all crates. So the distribution of an
+    /// environment, the scrambles, the rule that stops a reference and the parameters of its passes count without a version to keep.
+    Shaders(&'a [String]),
+}
+
 /// A folder of entries.
 #[derive(Debug)]
 pub struct DiskCache {
@@ -35,8 +47,10 @@ pub struct DiskCache {
     limit_bytes: u64,
     /// Size of all entries, as far as this process knows.
     bytes: u64,
-    /// First lines of every key.
-    base: String,
+    /// Hash of this program's file.
+    program: &'static str,
+    /// Lines of every key: the device.
+    device: String,
     warnings: Vec<String>,
     /// Whether an entry could not be written; then no further one is tried.
     is_read_only: bool,
@@ -56,9 +70,8 @@ impl DiskCache {
         let fault = |what: String| DiskCacheError { dir: dir.to_owned(), what };
         let program = program_hash().ok_or_else(|| fault("this program cannot read its own file".to_owned()))?;
         std::fs::create_dir_all(dir).map_err(|error| fault(error.to_string()))?;
-        let base = format!("program={program}\nshaders={}\n", crate::gpu::build_hash());
-        let (dir, warnings) = (dir.to_owned(), Vec::new());
-        let mut cache = Self { dir, limit_bytes, bytes: 0, base, warnings, is_read_only: false };
+        let (dir, device, warnings) = (dir.to_owned(), String::new(), Vec::new());
+        let mut cache = Self { dir, limit_bytes, bytes: 0, program, device, warnings, is_read_only: false };
         cache.bytes = cache.entries().iter().map(|(_, metadata)| metadata.len()).sum();
         cache.remove_abandoned_parts();
         cache.evict();
@@ -68,12 +81,20 @@ impl DiskCache {
     /// From here on entries are those of this device.
     pub fn set_device(&mut self, device: &DeviceInfo) {
         let DeviceInfo { name, driver, api_version, .. } = device;
-        self.base += &format!("device={name}\ndriver={driver}\napi_version={api_version}\n");
+        self.device += &format!("device={name}\ndriver={driver}\napi_version={api_version}\n");
     }
 
-    /// Whether there is an entry for `key`. It may turn out to be damaged.
-    pub fn holds(&self, key: &str) -> bool {
-        self.path(&format!("{}{key}", self.base)).exists()
+    /// Whether there is an entry of this code for `key`. It may turn out to be damaged.
+    pub(super) fn holds(&self, code: Code, key: &str) -> bool {
+        self.path(&self.whole_key(code, key)).exists()
+    }
+
+    fn whole_key(&self, code: Code, key: &str) -> String {
+        let code = match code {
+            Code::Program => format!("program={}", self.program),
+            Code::Shaders(shaders) => format!("host={HOST_HASH}\nshaders={}", code_hash(shaders, shader_code)),
+        };
+        format!("{code}\n{}{key}", self.device)
     }
 
     /// The folder.
@@ -81,9 +102,14 @@ impl DiskCache {
         &self.dir
     }
 
-    /// What was kept under `key`; `None` when there is nothing, or nothing whole.
+    /// What this program kept under `key`; `None` when there is nothing, or nothing whole.
     pub fn load(&mut self, key: &str) -> Option<Vec<u8>> {
-        let key = format!("{}{key}", self.base);
+        self.load_of(Code::Program, key)
+    }
+
+    /// As [`Self::load`], of this code.
+    pub(super) fn load_of(&mut self, code: Code, key: &str) -> Option<Vec<u8>> {
+        let key = self.whole_key(code, key);
         let path = self.path(&key);
         let bytes = match read_regular(&path, ENTRY_BYTES_MAX) {
             Ok(bytes) => bytes,
@@ -103,9 +129,14 @@ impl DiskCache {
         Some(payload)
     }
 
-    /// Keeps `payload` under `key`. A folder that takes no files is a warning, no fault: the work itself is done.
+    /// Keeps `payload` under `key` for this program. A folder that takes no files is a warning, no fault: the work itself is done.
     pub fn store(&mut self, key: &str, payload: &[u8]) {
-        let key = format!("{}{key}", self.base);
+        self.store_of(Code::Program, key, payload);
+    }
+
+    /// As [`Self::store`], for this code.
+    pub(super) fn store_of(&mut self, code: Code, key: &str, payload: &[u8]) {
+        let key = self.whole_key(code, key);
         let length = (MAGIC.len() + CHECKSUM_LENGTH + 8 + key.len() + payload.len()) as u64;
         if self.is_read_only || length > self.limit_bytes {
             return;

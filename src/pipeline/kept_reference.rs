@@ -1,8 +1,12 @@
 //! References on the disk: what one is determined by, and its bytes.
 
 use super::RenderRequest;
+use super::inputs::{DfgInputs, Inputs, MipsInputs};
+use super::shared_work::SharedKey;
+use crate::gbuffer::pass::GbufferPass;
 use crate::pixels::RgbImage;
-use crate::shade::reference_pass::Convergence;
+use crate::shade::pass::ShadePass;
+use crate::shade::reference_pass::{Convergence, Lobe};
 
 /// The parts of a reference frame that take long to make.
 #[derive(Debug, PartialEq)]
@@ -13,7 +17,9 @@ pub(super) struct Reference {
 }
 
 /// Everything that determines the frame of `request`; `None` when a term of it is no reference: such frames are cheap.
-pub(super) fn key(request: &RenderRequest) -> Option<String> {
+///
+/// Of the settings of tables only those of the DFG table count, where the frame reads it.
+pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
     let RenderRequest {
         environment,
         environment_rotation_deg,
@@ -41,17 +47,29 @@ pub(super) fn key(request: &RenderRequest) -> Option<String> {
     if !request.has_reference_term() || !is_exact(method.name) || !is_exact(diffuse.name) {
         return None;
     }
-    Some(format!(
+    let dfg = method.needs_dfg(diffuse, !lights.is_empty()).then(|| (DfgInputs::of(request), precompute.storage));
+    let table = dfg.as_ref().map_or("none\n".to_owned(), |(inputs, storage)| format!("{storage:?}\n{}", inputs.key()));
+    let inputs = format!(
         "environment={}\nrotation={environment_rotation_deg}\nscale={environment_scale}\nscene={}\ncamera={camera:?}\n\
          size={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\nsamples={samples}\n\
          reference_samples={reference_samples}\nreference_error={reference_error:?}\nlights={lights:?}\n\
-         background={background}\nprecompute={precompute:?}\nseed={seed}\n",
+         background={background}\nseed={seed}\ndfg={table}",
         environment.hash,
         scene.hash,
         method.name,
         diffuse.name,
         brdf.name(),
-    ))
+    );
+    let lobes = request.reference_lobes().into_iter().flat_map(Lobe::shaders);
+    // A background reads the levels of the environment.
+    let levels = MipsInputs { environment }.shaders();
+    let shaders = GbufferPass::shaders().map(str::to_owned).into_iter().chain(lobes).chain(levels);
+    let shaders = shaders
+        .chain(dfg.iter().flat_map(|(inputs, _)| inputs.shaders()))
+        .chain((!lights.is_empty()).then(|| ShadePass::lights_shader(*brdf)))
+        .chain(background.then(|| ShadePass::BACKGROUND_SHADER.to_owned()))
+        .collect();
+    Some(SharedKey { kind: "reference", inputs, shaders })
 }
 
 /// The passes that [`Convergence::term`] can name.

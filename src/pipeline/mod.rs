@@ -7,6 +7,7 @@ mod bake;
 mod cache;
 mod disk_cache;
 mod fit;
+mod inputs;
 mod kept_reference;
 mod light_tables;
 mod prepare;
@@ -29,9 +30,11 @@ use crate::shade::pass::{ShadeSettings, light_data};
 use crate::shade::reference_pass::{Convergence, PartScramble, ReferenceRun};
 use crate::tonemap::ToneCurve;
 use crate::tonemap::pass::TonemapPass;
+use disk_cache::Code;
 use kept_reference::Reference;
 use prepare::{Prepared, Resources};
 use shared_work::Kept;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Why a frame could not be made.
@@ -73,7 +76,12 @@ impl PipelineError {
 
 /// Whether a cache that was told its device holds what `request` would render: then nothing is rendered.
 pub fn is_kept(cache: &DiskCache, request: &RenderRequest) -> bool {
-    kept_reference::key(request).is_some_and(|key| cache.holds(&shared_work::kind_key("reference", &key)))
+    kept_reference::key(request).is_some_and(|key| cache.holds(Code::Shaders(&key.shaders), &key.text()))
+}
+
+/// The shaders that a reference on the disk hangs on; `None` when frames of `request` are not kept.
+pub fn shaders_of_kept(request: &RenderRequest) -> Option<Vec<String>> {
+    Some(kept_reference::key(request)?.shaders)
 }
 
 /// An open device with every pass and what was made so far.
@@ -149,10 +157,10 @@ impl Pipeline {
     /// Renders one radiance image.
     pub fn render(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
         let Some(key) = kept_reference::key(request) else {
-            return self.with_memory(|pipeline| pipeline.rendered(request));
+            return Ok(self.with_memory(|pipeline| pipeline.rendered(request))?.0);
         };
         self.check(request)?;
-        let kept = self.kept.load("reference", &key).and_then(|bytes| Reference::from_bytes(&bytes, request.size));
+        let kept = self.kept.load(&key).and_then(|bytes| Reference::from_bytes(&bytes, request.size));
         if let Some(Reference { radiance, standard_error, convergences }) = kept {
             let (_, target) = self.resources.view(&self.gpu, request)?;
             let (mask, n_dot_v) = (target.mask.clone(), target.n_dot_v.clone());
@@ -165,19 +173,21 @@ impl Pipeline {
                 timings: FrameTimings::default(),
             });
         }
-        let frame = self.with_memory(|pipeline| pipeline.rendered(request))?;
-        self.kept.store("reference", &key, || {
+        let (frame, shaders) = self.with_memory(|pipeline| pipeline.rendered(request))?;
+        key.assert_names(&shaders);
+        self.kept.store(&key, || {
             let (radiance, standard_error) = (frame.radiance.clone(), frame.standard_error.clone());
             Ok(Reference { radiance, standard_error, convergences: frame.convergences.clone() }.to_bytes())
         })?;
         Ok(frame)
     }
 
-    fn rendered(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
+    /// A frame and the shaders that ran for it, those of its tables left out.
+    fn rendered(&mut self, request: &RenderRequest) -> Result<(Frame, BTreeSet<String>), PipelineError> {
         let prepared = self.prepare(request)?;
         let (report, convergences) = self.shade(request, &prepared)?;
         let (radiance, standard_error) = read_radiance(&self.gpu, &prepared, request)?;
-        Ok(Frame {
+        let frame = Frame {
             radiance,
             standard_error,
             convergences,
@@ -188,7 +198,8 @@ impl Pipeline {
                 frame: report.passes,
                 wall_ms: report.wall_ms,
             },
-        })
+        };
+        Ok((frame, report.shaders))
     }
 
     /// Applies the tone curve on the device.

@@ -1,6 +1,7 @@
 //! What a request needs before it can be shaded: tables, scene, targets, pipelines.
 
 use super::cache::Recent;
+use super::inputs::{DfgInputs, Inputs, IrradianceInputs, MipsInputs, PrefilterInputs, Sh9Inputs};
 use super::shared_work::{Kept, Levels, Maker, submit_pass};
 use super::{PipelineError, RenderRequest, light_bytes};
 use crate::brdf::MaskingShadowing;
@@ -18,7 +19,7 @@ use crate::precompute::mips::{level_count, pass::MipsPass};
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::pass::PrefilterPass;
 use crate::precompute::sh9::pass::Sh9Pass;
-use crate::precompute::{HALF_MAX, PrecomputeSettings, StorageFormat};
+use crate::precompute::{HALF_MAX, StorageFormat};
 use crate::scene::Camera;
 use crate::shade::pass::{ShadePass, Tables};
 use crate::shade::reference_pass::{DistributionBuffers, Lobe, ReferencePass, ScramblePlan, Sums};
@@ -174,21 +175,25 @@ impl Resources {
         let maker = &mut Maker { gpu, kept, total: Report::default() };
         let environment = self.environment(maker, &request.environment)?;
         let samples_per_pixel = if request.method.uses_samples { request.samples } else { 1 };
+        let storage = request.precompute.storage;
         let needs_dfg = request.method.needs_dfg(request.diffuse, !request.lights.is_empty());
 
         let sh9 = match request.diffuse.name {
-            "sh9" => self.coefficients(maker, &request.environment.hash, &environment)?,
+            "sh9" => self.coefficients(maker, &Sh9Inputs { environment: &request.environment }, &environment)?,
             _ => self.blank_buffer.clone(),
         };
         let irradiance_map = match request.diffuse.uses_irradiance_map {
-            true => self.irradiance_map(maker, request, &environment)?,
+            true => self.irradiance_map(maker, &IrradianceInputs::of(request), storage, &environment)?,
             false => self.blank_image.clone(),
         };
         let prefiltered = match request.method.uses_prefiltered {
-            true => self.prefiltered(maker, request, &environment)?,
+            true => self.prefiltered(maker, &PrefilterInputs::of(request), storage, &environment)?,
             false => self.blank_image.clone(),
         };
-        let dfg = if needs_dfg { self.dfg_table(maker, request)? } else { self.blank_image.clone() };
+        let dfg = match needs_dfg {
+            true => self.dfg_table(maker, &DfgInputs::of(request), storage)?,
+            false => self.blank_image.clone(),
+        };
         let (sequence, set) = (request.sequence, request.point_set);
         let points = self.points.get_or_make((samples_per_pixel, sequence.name, set), || {
             Points::upload(gpu, samples_per_pixel, sequence, set)
@@ -206,7 +211,7 @@ impl Resources {
         if lights.is_some() {
             self.shade.prepare_lights(gpu, brdf, masking)?;
         }
-        let lobes = reference_lobes(request);
+        let lobes = request.reference_lobes();
         for lobe in &lobes {
             self.reference.prepare(gpu, *lobe)?;
         }
@@ -229,15 +234,15 @@ impl Resources {
     }
 
     fn environment(&mut self, maker: &mut Maker, environment: &Environment) -> Result<Image, PipelineError> {
-        let (mips, gpu, pixels) = (&self.mips, maker.gpu, &environment.image);
+        let (mips, gpu, inputs) = (&self.mips, maker.gpu, MipsInputs { environment });
+        let pixels = &inputs.environment.image;
         let size = [pixels.width, pixels.height];
         let empty = || {
             let image = gpu.image("environment", size, level_count(size), Format::Rgba32Float)?;
             gpu.write_image(&image, 0, &weighted_texels(pixels))?;
             Ok(Levels { image, first: 1 })
         };
-        let key = format!("environment={}\n", environment.hash);
-        let made = maker.table(&mut self.environments, "mips", key, empty, |levels| {
+        let made = maker.table(&mut self.environments, &inputs, empty, |levels| {
             submit_pass(gpu, "mips", |r| mips.record(r, &levels.image))
         })?;
         Ok(made.image)
@@ -253,13 +258,16 @@ impl Resources {
         Ok(ReferenceData { distribution, sums, squared_error })
     }
 
-    fn coefficients(&mut self, maker: &mut Maker, hash: &str, environment: &Image) -> Result<Buffer, PipelineError> {
+    fn coefficients(
+        &mut self,
+        maker: &mut Maker,
+        inputs: &Sh9Inputs,
+        environment: &Image,
+    ) -> Result<Buffer, PipelineError> {
         let (pass, gpu) = (&self.sh9, maker.gpu);
-        let key = format!("environment={hash}\n");
         maker.table(
             &mut self.coefficients,
-            "sh9",
-            key,
+            inputs,
             || Sh9Pass::coefficients(gpu),
             |coefficients| submit_pass(gpu, "sh9", |r| pass.record(r, environment, coefficients)),
         )
@@ -268,78 +276,74 @@ impl Resources {
     fn irradiance_map(
         &mut self,
         maker: &mut Maker,
-        request: &RenderRequest,
+        inputs: &IrradianceInputs,
+        storage: StorageFormat,
         environment: &Image,
     ) -> Result<Image, PipelineError> {
-        let PrecomputeSettings { irradiance_size: size, irradiance_sample_count: sample_count, storage, .. } =
-            request.precompute;
+        let IrradianceInputs { size, sample_count, .. } = *inputs;
         let (pass, sampler, gpu) = (&self.irradiance, self.shade.equirect_sampler(), maker.gpu);
-        let key = format!("environment={}\nsize={size:?}\nsamples={sample_count:?}\n", request.environment.hash);
         let empty = || IrradiancePass::map(gpu, size).map(Levels::all);
-        let made = maker.table(&mut self.irradiance_maps, "irradiance", key.clone(), empty, |map| {
+        let made = maker.table(&mut self.irradiance_maps, inputs, empty, |map| {
             submit_pass(gpu, "irradiance", |r| pass.record_integrate(r, environment, sampler, sample_count, &map.image))
         })?;
-        self.stored(gpu, "irradiance", key, made.image, storage)
+        self.stored(gpu, inputs, made.image, storage)
     }
 
     fn prefiltered(
         &mut self,
         maker: &mut Maker,
-        request: &RenderRequest,
+        inputs: &PrefilterInputs,
+        storage: StorageFormat,
         environment: &Image,
     ) -> Result<Image, PipelineError> {
-        let settings = &request.precompute;
-        let (size, level_count) = (settings.prefilter_size, settings.prefilter_level_count);
-        let sample_count = settings.prefilter_sample_count;
-        let (name, gpu) = (request.brdf.name(), maker.gpu);
+        let PrefilterInputs { brdf, size, level_count, sample_count, .. } = *inputs;
+        let (name, gpu) = (brdf.name(), maker.gpu);
         if let Entry::Vacant(entry) = self.prefilter.entry(name) {
-            entry.insert(PrefilterPass::new(gpu, request.brdf)?);
+            entry.insert(PrefilterPass::new(gpu, brdf)?);
         }
         let sequence = &SEQUENCES[0];
         let points = self
             .points
             .get_or_make((sample_count, sequence.name, 0), || Points::upload(gpu, sample_count, sequence, 0))?;
         let (pass, sampler) = (&self.prefilter[name], self.shade.equirect_sampler());
-        let key = format!(
-            "environment={}\nbrdf={name}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n",
-            request.environment.hash
-        );
         let empty = || PrefilterPass::map(gpu, size, level_count).map(Levels::all);
-        let made = maker.table(&mut self.prefiltered, "prefilter", key.clone(), empty, |map| {
+        let made = maker.table(&mut self.prefiltered, inputs, empty, |map| {
             pass.run(gpu, environment, sampler, &points, sample_count, &map.image)
         })?;
-        self.stored(gpu, "prefilter", key, made.image, settings.storage)
+        self.stored(gpu, inputs, made.image, storage)
     }
 
-    fn dfg_table(&mut self, maker: &mut Maker, request: &RenderRequest) -> Result<Image, PipelineError> {
-        let settings = &request.precompute;
-        let (side, sample_count) = (settings.dfg_size, settings.dfg_sample_count);
-        let (name, masking, gpu) = (request.brdf.name(), request.masking_shadowing, maker.gpu);
+    fn dfg_table(
+        &mut self,
+        maker: &mut Maker,
+        inputs: &DfgInputs,
+        storage: StorageFormat,
+    ) -> Result<Image, PipelineError> {
+        let DfgInputs { brdf, masking, side, sample_count } = *inputs;
+        let (name, gpu) = (brdf.name(), maker.gpu);
         if let Entry::Vacant(entry) = self.dfg.entry((name, masking)) {
-            entry.insert(DfgPass::new(gpu, request.brdf, masking)?);
+            entry.insert(DfgPass::new(gpu, brdf, masking)?);
         }
         let pass = &self.dfg[&(name, masking)];
-        let key = format!("brdf={name}\nmasking={masking:?}\nsize={side}\nsamples={sample_count}\n");
         let empty = || DfgPass::table(gpu, side).map(Levels::all);
-        let made = maker.table(&mut self.dfg_tables, "dfg", key.clone(), empty, |table| {
-            pass.run(gpu, sample_count, &table.image)
-        })?;
-        self.stored(gpu, "dfg", key, made.image, settings.storage)
+        let made =
+            maker.table(&mut self.dfg_tables, inputs, empty, |table| pass.run(gpu, sample_count, &table.image))?;
+        self.stored(gpu, inputs, made.image, storage)
     }
 
     /// The table as `storage` holds it.
-    fn stored(
+    fn stored<I: Inputs>(
         &mut self,
         gpu: &Gpu,
-        kind: &str,
-        key: String,
+        inputs: &I,
         table: Image,
         storage: StorageFormat,
     ) -> Result<Image, PipelineError> {
         match storage {
             StorageFormat::F32 => Ok(table),
             StorageFormat::F16 => {
-                Ok(self.halves.get_or_make(format!("{kind} {key}"), || half_copy(gpu, kind, &table))?)
+                let key = format!("{} {}", I::KIND, inputs.key());
+                Ok(self.halves.get_or_make(key, || half_copy(gpu, I::KIND, &table))?)
             }
         }
     }
@@ -353,13 +357,14 @@ impl Resources {
         let scene = self
             .scenes
             .get_or_make(request.scene.hash.clone(), || SceneData::new(gpu, &request.scene).map(Arc::new))?;
-        let target = self.target(gpu, request, &scene)?;
+        let key = TargetKey { scene: request.scene.hash.clone(), camera: request.camera, size: request.size };
+        let target = self.target(gpu, key, &scene)?;
         Ok((scene, target))
     }
 
-    fn target(&mut self, gpu: &Gpu, request: &RenderRequest, scene: &SceneData) -> Result<Arc<Target>, PipelineError> {
-        let (camera, size) = (request.camera, request.size);
-        let key = TargetKey { scene: request.scene.hash.clone(), camera, size };
+    /// The target of a key, which names the scene, too.
+    fn target(&mut self, gpu: &Gpu, key: TargetKey, scene: &SceneData) -> Result<Arc<Target>, PipelineError> {
+        let TargetKey { camera, size, .. } = key;
         let pass = &self.gbuffer;
         self.targets.get_or_make(key, || {
             let gbuffer = GbufferImages::new(gpu, size)?;
@@ -383,13 +388,6 @@ fn half_copy(gpu: &Gpu, name: &str, table: &Image) -> Result<Image, GpuError> {
         gpu.write_image(&copy, mip, &bounded)?;
     }
     Ok(copy)
-}
-
-/// The terms that `request` takes from the reference.
-fn reference_lobes(request: &RenderRequest) -> Vec<Lobe> {
-    let specular = Lobe::Specular(request.brdf, request.masking_shadowing);
-    let terms = [(request.method.name == "reference", specular), (request.diffuse.name == "reference", Lobe::Diffuse)];
-    terms.into_iter().filter_map(|(wanted, lobe)| wanted.then_some(lobe)).collect()
 }
 
 fn validate(request: &RenderRequest) -> Result<(), PipelineError> {

@@ -7,7 +7,7 @@ use crate::math::sequence::Sequence;
 use crate::pixels::{GrayImage, RgbImage};
 use crate::precompute::PrecomputeSettings;
 use crate::scene::{Camera, Light, Scene};
-use crate::shade::reference_pass::{Convergence, Stop};
+use crate::shade::reference_pass::{Convergence, Lobe, Stop};
 use crate::shade::{Diffuse, Method};
 use std::sync::Arc;
 
@@ -47,6 +47,13 @@ pub struct RenderRequest {
 }
 
 impl RenderRequest {
+    /// The terms that are taken from the reference, specular first.
+    pub(super) fn reference_lobes(&self) -> Vec<Lobe> {
+        let specular = Lobe::Specular(self.brdf, self.masking_shadowing);
+        let terms = [(self.method.name == "reference", specular), (self.diffuse.name == "reference", Lobe::Diffuse)];
+        terms.into_iter().filter_map(|(wanted, lobe)| wanted.then_some(lobe)).collect()
+    }
+
     /// When the reference stops.
     pub(super) fn reference_stop(&self) -> Stop {
         Stop { sample_count: self.reference_samples, relative_error: self.reference_error }

@@ -2,10 +2,11 @@
 
 use super::PipelineError;
 use super::cache::Recent;
-use super::disk_cache::DiskCache;
+use super::disk_cache::{Code, DiskCache};
+use super::inputs::Inputs;
 use crate::gpu::{Buffer, Gpu, GpuError, Image, Recorder, Report};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How often a kind of table was made, and how often it was taken from the disk.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
@@ -17,9 +18,31 @@ pub struct Tally {
 /// A tally for each kind: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `reference`.
 pub type SharedWork = BTreeMap<String, Tally>;
 
-/// The key under which the disk keeps a kind of table.
-pub(super) fn kind_key(kind: &str, key: &str) -> String {
-    format!("kind={kind}\n{key}")
+/// What names a shared result.
+#[derive(Clone, Debug)]
+pub(super) struct SharedKey {
+    pub(super) kind: &'static str,
+    /// Every input, one line each.
+    pub(super) inputs: String,
+    /// Every shader that the result hangs on.
+    pub(super) shaders: Vec<String>,
+}
+
+impl SharedKey {
+    pub(super) fn of<I: Inputs>(inputs: &I) -> Self {
+        Self { kind: I::KIND, inputs: inputs.key(), shaders: inputs.shaders() }
+    }
+
+    /// The lines that name it on the disk, beside its code.
+    pub(super) fn text(&self) -> String {
+        format!("kind={}\n{}", self.kind, self.inputs)
+    }
+
+    /// Fails when a shader ran that the key does not name: a change of it would go unseen.
+    pub(super) fn assert_names(&self, ran: &BTreeSet<String>) {
+        let unnamed: Vec<&String> = ran.iter().filter(|shader| !self.shaders.contains(shader)).collect();
+        assert!(unnamed.is_empty(), "the key of {} leaves out {unnamed:?}", self.kind);
+    }
 }
 
 /// The disk, if there is a cache, and what was shared so far.
@@ -30,23 +53,22 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// What the disk holds of a kind under a key.
-    pub(super) fn load(&mut self, kind: &str, key: &str) -> Option<Vec<u8>> {
-        let payload = self.disk.as_mut()?.load(&kind_key(kind, key))?;
-        self.work.entry(kind.to_owned()).or_default().read += 1;
+    /// What the disk holds under a key.
+    pub(super) fn load(&mut self, key: &SharedKey) -> Option<Vec<u8>> {
+        let payload = self.disk.as_mut()?.load_of(Code::Shaders(&key.shaders), &key.text())?;
+        self.work.entry(key.kind.to_owned()).or_default().read += 1;
         Some(payload)
     }
 
     /// Notes that something was made, and keeps it where there is a disk.
     pub(super) fn store(
         &mut self,
-        kind: &str,
-        key: &str,
+        key: &SharedKey,
         payload: impl FnOnce() -> Result<Vec<u8>, GpuError>,
     ) -> Result<(), GpuError> {
-        self.work.entry(kind.to_owned()).or_default().made += 1;
+        self.work.entry(key.kind.to_owned()).or_default().made += 1;
         if let Some(disk) = &mut self.disk {
-            disk.store(&kind_key(kind, key), &payload()?);
+            disk.store_of(Code::Shaders(&key.shaders), &key.text(), &payload()?);
         }
         Ok(())
     }
@@ -121,24 +143,25 @@ pub(super) struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// The table of `key`: from the shelf, from the disk, or filled by the pass `kind`.
-    pub(super) fn table<T: Table>(
+    /// The table of these inputs: from the shelf, from the disk, or filled by its passes.
+    pub(super) fn table<T: Table, I: Inputs>(
         &mut self,
         shelf: &mut Recent<String, T>,
-        kind: &'static str,
-        key: String,
+        inputs: &I,
         empty: impl FnOnce() -> Result<T, GpuError>,
         fill: impl FnOnce(&T) -> Result<Report, GpuError>,
     ) -> Result<T, PipelineError> {
-        shelf.get_or_make(key.clone(), || {
-            let table = empty()?;
-            if let Some(bytes) = self.kept.load(kind, &key)
+        shelf.get_or_make(inputs.key(), || {
+            let (table, key) = (empty()?, SharedKey::of(inputs));
+            if let Some(bytes) = self.kept.load(&key)
                 && table.upload(self.gpu, &bytes)?
             {
                 return Ok(table);
             }
-            self.total.add(fill(&table)?);
-            self.kept.store(kind, &key, || table.download(self.gpu))?;
+            let report = fill(&table)?;
+            key.assert_names(&report.shaders);
+            self.total.add(report);
+            self.kept.store(&key, || table.download(self.gpu))?;
             Ok(table)
         })
     }

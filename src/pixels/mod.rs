@@ -5,6 +5,7 @@
 
 pub mod exr;
 mod file;
+pub mod lookup;
 pub mod packed;
 pub mod png;
 pub mod radiance;

@@ -139,7 +139,7 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
     let frames: Vec<&TimingRecord> = records.iter().filter(|r| r.phase == FRAME && !is_nothing(r)).collect();
     let mut found = Vec::new();
     // Records come in any order: the list of methods says which of two stands over the other.
-    let place = |record: &TimingRecord| METHODS.iter().position(|method| Some(method) == record.method());
+    let place = |record: &TimingRecord| METHODS.iter().position(|method| method.name == record.value(METHOD));
     for fixed in &frames {
         let is_pair = |record: &&&TimingRecord| {
             let is_beside =

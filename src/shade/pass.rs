@@ -120,13 +120,21 @@ pub(super) fn groups(width: u32, row_count: u32) -> [u32; 3] {
 }
 
 impl ShadePass {
+    /// The shader of the background.
+    pub const BACKGROUND_SHADER: &str = "shade/background.comp";
+
+    /// The shader of analytic lights.
+    pub fn lights_shader(brdf: &dyn Brdf) -> String {
+        format!("shade/lights.comp:{}", brdf.name())
+    }
+
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled, Slot::Buffer]].concat();
         Ok(Self {
             specular: HashMap::new(),
             diffuse: HashMap::new(),
             lights: HashMap::new(),
-            background: gpu.compute_pipeline("shade/background.comp", &slots, BackgroundParams::SIZE, &[])?,
+            background: gpu.compute_pipeline(Self::BACKGROUND_SHADER, &slots, BackgroundParams::SIZE, &[])?,
             nearest: gpu.sampler(Filter::Nearest, Wrap::Clamp)?,
             equirect: gpu.sampler(Filter::Linear, Wrap::Equirect)?,
             clamp: gpu.sampler(Filter::Linear, Wrap::Clamp)?,
@@ -178,7 +186,7 @@ impl ShadePass {
         let key = (brdf.name(), masking_shadowing);
         if let Entry::Vacant(entry) = self.lights.entry(key) {
             let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled, Slot::Buffer, Slot::Buffer]].concat();
-            let shader = format!("shade/lights.comp:{}", brdf.name());
+            let shader = Self::lights_shader(brdf);
             let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &[masking_shadowing as u32])?;
             entry.insert(pipeline);
         }

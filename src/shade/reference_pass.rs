@@ -39,6 +39,11 @@ impl Lobe {
         }
     }
 
+    /// The shaders that take the samples and that add the term to the image.
+    pub fn shaders(self) -> [String; 2] {
+        ["reference", "reference_resolve"].map(|entry| format!("shade/{entry}.comp:{}", self.permutation()))
+    }
+
     /// The timed pass.
     fn pass_name(self) -> &'static str {
         match self {
@@ -226,18 +231,17 @@ impl ReferencePass {
     /// Makes the pipelines of a term, if they are not made yet.
     pub fn prepare(&mut self, gpu: &Gpu, lobe: Lobe) -> Result<(), GpuError> {
         let key = lobe.key();
+        let [integrate, resolve] = lobe.shaders();
         let constants = [key.1 as u32, u32::from(gpu.info().has_exact_filter)];
         if let Entry::Vacant(entry) = self.integrate.entry(key) {
             let slots =
                 [&GBUFFER_SLOTS[..], &[Slot::Sampled], &[Slot::Buffer; 3], &[Slot::Sampled, Slot::Uniform]].concat();
-            let shader = format!("shade/reference.comp:{}", lobe.permutation());
-            let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &constants)?;
+            let pipeline = gpu.compute_pipeline(&integrate, &slots, ShadeParams::SIZE, &constants)?;
             entry.insert(pipeline);
         }
         if let Entry::Vacant(entry) = self.resolve.entry(key.0) {
             let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled], &[Slot::Buffer; 4]].concat();
-            let shader = format!("shade/reference_resolve.comp:{}", lobe.permutation());
-            let pipeline = gpu.compute_pipeline(&shader, &slots, ShadeParams::SIZE, &[key.1 as u32])?;
+            let pipeline = gpu.compute_pipeline(&resolve, &slots, ShadeParams::SIZE, &[key.1 as u32])?;
             entry.insert(pipeline);
         }
         Ok(())

@@ -9,7 +9,8 @@ use crate::math::spherical_harmonics::{basis, irradiance};
 use crate::pixels::RgbImage;
 use crate::precompute::dfg::reference::dfg;
 use crate::precompute::exact_quadrature;
-use crate::shade::reference::{Surface, TOLERANCE, seed0_literal};
+use crate::shade::method::seed0_literal;
+use crate::shade::reference::{Surface, TOLERANCE};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -92,7 +93,7 @@ pub const SLIPS: &[Slip] = &[
             furnaces(|alpha, n_dot_v| {
                 let (n, v) = (DVec3::Z, view(n_dot_v));
                 let surface = Surface { model: &Ggx, masking: SEPARABLE, alpha, f0: DVec3::ONE, n, v };
-                seed0_literal(&white, &surface, TOLERANCE).value.x
+                seed0_literal::limit(&white, &surface, TOLERANCE).value.x
             })
         },
     },
@@ -113,15 +114,13 @@ pub const SLIPS: &[Slip] = &[
         printed: "Phong: `θ = acos(ξ^(1/(a + 1)))`",
         right: "`acos(ξ^(1/(a + 2)))`, whose density is D cos",
         figures: || {
-            // An exponent less by one has the printed sampler.
-            let printed = |alpha| brdf::alpha_from_exponent(brdf::exponent_from_alpha(alpha) - 1.0);
             let mean_sin2 = |exponent: f64| 2.0 / (exponent + 4.0);
             let spread = |quantity, alpha| {
                 let exponent = brdf::exponent_from_alpha(alpha);
                 figure(quantity, mean_sin2(exponent - 1.0), mean_sin2(exponent))
             };
             let v = view(0.5);
-            let sampled = mean(&Phong, printed(0.5), 0.5, |m, l| {
+            let sampled = mean(&Phong, seed0_literal::lobe_alpha(&Phong, 0.5), 0.5, |m, l| {
                 brdf::g2(&Phong, 0.5, l.z, 0.5, SEPARABLE) * v.dot(m) / (0.5 * m.z)
             });
             vec![

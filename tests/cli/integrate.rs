@@ -1,6 +1,7 @@
 //! `splitsum integrate` through the binary: outside answers, every fault of a table, files left whole.
 
 use super::{entries, splitsum, stderr, stdout};
+use splitsum::brdf::MODELS;
 use splitsum::table::csv::Table;
 use std::path::Path;
 
@@ -188,6 +189,11 @@ fn answers_go_to_standard_output_without_out() {
 }
 
 /// Runs a table that must be refused: exit code, every expected line of the message and no other, and the old output untouched.
+/// The names of all models, as a message lists them.
+fn models() -> String {
+    MODELS.iter().map(|model| model.name()).collect::<Vec<_>>().join(", ")
+}
+
 fn assert_refused(queries: &str, arguments: &[&str], code: i32, lines: &[&str]) {
     let dir = folder(queries);
     std::fs::write(dir.path().join("a.csv"), "old").unwrap();
@@ -238,7 +244,10 @@ fn every_fault_of_every_row_is_told_with_its_place() {
             "q.csv:10:alpha: \"nan\" is not a finite number",
             "q.csv:10:f0: \"inf\" is not a finite number",
             "q.csv:10:vz: \"x\" is not a finite number",
-            "q.csv:11:brdf: \"beckman\" is not a BRDF model; expected ggx, beckmann, phong; did you mean \"beckmann\"?",
+            &format!(
+                "q.csv:11:brdf: \"beckman\" is not a BRDF model; expected {}; did you mean \"beckmann\"?",
+                models()
+            ),
             "q.csv:11:f0: 1.5 is outside [0, 1]",
             "q.csv:12:f0: \"1:2\" is neither a number nor R:G:B",
             "q.csv:12:environment: environment builtin:ski: there is no builtin \"ski\"; did you mean \"sky\"?",

@@ -10,7 +10,7 @@ use splitsum::scene::{Camera, CameraKind, Scene};
 use std::path::Path;
 
 /// The attachments, which start as NaN: a texel that is neither cleared nor written shows.
-fn draw(gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f32> {
+pub fn draw(gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f32> {
     let target = GbufferImages::new(gpu, size).unwrap();
     target.attachments.iter().for_each(|image| poison_image(gpu, image));
     let pass = GbufferPass::new(gpu).unwrap();

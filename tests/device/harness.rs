@@ -240,15 +240,3 @@ pub fn poison_image(gpu: &Gpu, image: &Image) {
         gpu.write_image(image, mip, &texels).unwrap();
     }
 }
-
-/// The value of `image` between texel centres at `uv`; u wraps if `wrap_u`, else it clamps; v clamps.
-pub fn bilinear(image: &Pixels<DVec3>, uv: glam::DVec2, wrap_u: bool) -> DVec3 {
-    let (width, height) = (f64::from(image.width), f64::from(image.height));
-    let (x, y) = (uv.x * width - 0.5, uv.y * height - 0.5);
-    let texel = |x: f64, y: f64| {
-        let x = if wrap_u { x.rem_euclid(width) } else { x.clamp(0.0, width - 1.0) };
-        image.get(x as u32, y.clamp(0.0, height - 1.0) as u32)
-    };
-    let row = |y: f64| texel(x.floor(), y).lerp(texel(x.floor() + 1.0, y), x - x.floor());
-    row(y.floor()).lerp(row(y.floor() + 1.0), y - y.floor())
-}

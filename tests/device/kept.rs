@@ -1,12 +1,15 @@
 //! Tables and references from the disk have the bits of those that are made; halves are rounded once.
 
 use crate::harness::{golden_environment, request, scene, with_pipeline};
+use glam::DVec3;
 use half::f16;
+use splitsum::brdf::MaskingShadowing;
 use splitsum::environment::Environment;
-use splitsum::pipeline::{BakeRequest, DiskCache, Pipeline, RenderRequest};
+use splitsum::math::sequence::SEQUENCES;
+use splitsum::pipeline::{BakeRequest, DiskCache, Frame, Pipeline, RenderRequest};
 use splitsum::pixels::{RgbImage, exr};
 use splitsum::precompute::{HALF_MAX, PrecomputeSettings, StorageFormat};
-use splitsum::scene::{CameraKind, MaterialOverride};
+use splitsum::scene::{Camera, CameraKind, Light, LightKind, MaterialOverride};
 use splitsum::shade::{diffuse_by_name, method_by_name};
 use std::path::Path;
 use std::sync::Arc;
@@ -68,6 +71,142 @@ fn what_the_disk_keeps_has_the_bits_of_what_is_made() {
             assert_eq!(work["prefilter"].made + work["prefilter"].read, 1);
             assert!(pipeline.take_warnings().is_empty());
         });
+    }
+}
+
+/// Every request that differs from `base` in one field or one setting.
+fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
+    // Without `..`: a new field needs a neighbour below, if it can change an image.
+    let RenderRequest {
+        environment,
+        environment_rotation_deg,
+        environment_scale,
+        scene: _,
+        camera: _,
+        size,
+        method: _,
+        diffuse: _,
+        brdf: _,
+        masking_shadowing: _,
+        samples,
+        sequence: _,
+        point_set,
+        reference_samples,
+        reference_error: _,
+        lod_bias,
+        lights: _,
+        background,
+        precompute,
+        seed,
+    } = base.clone();
+    let PrecomputeSettings {
+        prefilter_size: [width, height],
+        prefilter_level_count,
+        prefilter_sample_count,
+        dfg_size,
+        dfg_sample_count,
+        irradiance_size: [map_width, map_height],
+        irradiance_sample_count: [azimuths, polars],
+        storage: _,
+    } = precompute;
+    let other = |change: &dyn Fn(&mut RenderRequest)| {
+        let mut request = base.clone();
+        change(&mut request);
+        request
+    };
+    let set = |change: &dyn Fn(&mut PrecomputeSettings)| other(&|request| change(&mut request.precompute));
+    let rough = MaterialOverride { alpha: Some(0.7), ..MaterialOverride::default() };
+    let toward = DVec3::new(0.0, 0.6, 0.8);
+    let light = Light { kind: LightKind::Directional, position_or_direction: toward, color: [1.0, 2.0, 3.0] };
+    let far = Camera::for_scene(CameraKind::Perspective, &base.scene, size);
+    vec![
+        other(&|r| r.environment = Arc::new(environment.clipped(1.0))),
+        other(&|r| r.environment_rotation_deg = environment_rotation_deg + 40.0),
+        other(&|r| r.environment_scale = 3.0 * environment_scale),
+        other(&|r| r.scene = Arc::new(scene("spheres", rough))),
+        other(&|r| r.camera = far),
+        other(&|r| r.size = [size[0] + 3, size[1]]),
+        other(&|r| r.brdf = splitsum::brdf::MODELS[1]),
+        other(&|r| r.masking_shadowing = MaskingShadowing::Correlated),
+        other(&|r| r.samples = samples + 8),
+        other(&|r| r.sequence = &SEQUENCES[1]),
+        other(&|r| r.point_set = point_set + 1),
+        other(&|r| r.reference_samples = 2 * reference_samples),
+        other(&|r| r.reference_error = Some(0.5)),
+        other(&|r| r.lod_bias = lod_bias + 1.0),
+        other(&|r| r.lights = vec![light]),
+        other(&|r| r.background = !background),
+        other(&|r| r.seed = seed + 1),
+        set(&|s| s.prefilter_size = [2 * width, 2 * height]),
+        set(&|s| s.prefilter_level_count = prefilter_level_count + 1),
+        set(&|s| s.prefilter_sample_count = 2 * prefilter_sample_count),
+        set(&|s| s.dfg_size = 2 * dfg_size),
+        set(&|s| s.dfg_sample_count = 2 * dfg_sample_count),
+        set(&|s| s.irradiance_size = [2 * map_width, 2 * map_height]),
+        set(&|s| s.irradiance_sample_count = [2 * azimuths, 2 * polars]),
+        set(&|s| s.storage = StorageFormat::F16),
+    ]
+}
+
+/// All that a frame shows, bit for bit.
+fn shown(frame: &Frame) -> (Vec<u32>, Option<Vec<u32>>, Vec<u32>) {
+    let n_dot_v = frame.n_dot_v.data.iter().map(|x| x.to_bits()).collect();
+    (bits(&frame.radiance), frame.standard_error.as_ref().map(bits), n_dot_v)
+}
+
+/// A key that leaves out a field hands on the table of an earlier request: in one order the right one, in the other that of a neighbour.
+#[test]
+fn what_a_frame_shows_does_not_hang_on_earlier_requests() {
+    let dir = tempfile::tempdir().unwrap();
+    let of = |method: &str, diffuse: &str| RenderRequest {
+        precompute: PrecomputeSettings { prefilter_size: [64, 32], ..SMALL },
+        reference_samples: 64,
+        samples: 8,
+        method: method_by_name(method).unwrap(),
+        diffuse: diffuse_by_name(diffuse).unwrap(),
+        ..request(&golden_environment(), scene("sphere", MaterialOverride::default()), CameraKind::Ortho, [13, 9])
+    };
+    let bases = [of("split-sum", "irradiance-map"), of("sampled", "sh9"), of("reference", "reference")];
+    let all: Vec<RenderRequest> = bases.iter().flat_map(neighbours).collect();
+    let render = |pipeline: &mut Pipeline, request: &RenderRequest| shown(&pipeline.render(request).unwrap());
+    let mut expected = Vec::new();
+    with_pipeline(|pipeline| {
+        pipeline.keep_on_disk(DiskCache::open(dir.path(), 1 << 30).unwrap());
+        for base in &bases {
+            for neighbour in neighbours(base) {
+                render(pipeline, base);
+                expected.push(render(pipeline, &neighbour));
+            }
+        }
+    });
+    for is_kept in [false, true] {
+        with_pipeline(|pipeline| {
+            if is_kept {
+                pipeline.keep_on_disk(DiskCache::open(dir.path(), 1 << 30).unwrap());
+            }
+            for (index, (request, expected)) in all.iter().zip(&expected).enumerate().rev() {
+                assert!(render(pipeline, request) == *expected, "kept {is_kept}, neighbour {index}: {request:?}");
+            }
+            let references = pipeline.shared_work()["reference"];
+            assert!(!is_kept || references.made == 0, "{references:?}");
+        });
+    }
+}
+
+/// A map and its clip have one name and different light.
+#[test]
+fn a_clip_is_another_environment() {
+    let map = golden_environment();
+    let clip = Arc::new(map.clipped(1.0));
+    assert_eq!(map.name, clip.name);
+    let render = |pipeline: &mut Pipeline, environment: &Arc<Environment>| -> Vec<_> {
+        let under = requests().into_iter().map(|request| RenderRequest { environment: environment.clone(), ..request });
+        under.map(|request| shown(&pipeline.render(&request).unwrap())).collect()
+    };
+    let mut of_one = Vec::new();
+    with_pipeline(|pipeline| of_one = [&map, &clip].map(|environment| render(pipeline, environment)).into());
+    for (environment, frames) in [&map, &clip].into_iter().zip(of_one) {
+        with_pipeline(|pipeline| assert!(render(pipeline, environment) == frames, "{}", environment.hash));
     }
 }
 

@@ -19,3 +19,4 @@ mod reference;
 mod symmetry;
 mod tables;
 mod tonemap;
+mod twins;

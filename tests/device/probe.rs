@@ -6,7 +6,9 @@ use glam::{DVec2, DVec3};
 use splitsum::brdf::{alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
 use splitsum::glsl::constants::ALPHA_MIN;
 use splitsum::gpu::{Bind, Slot};
-use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, uv_from_direction};
+use splitsum::math::equirect::{
+    direction_from_uv, lod_from_solid_angles, texel_solid_angle, texel_solid_angle_at, uv_from_direction,
+};
 use splitsum::math::frame::Frame;
 use splitsum::math::sampling::{direction_from_polar, hammersley};
 use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
@@ -126,9 +128,9 @@ fn equirectangular_mapping_and_its_inverse() {
             worst_uv.add(wrapped * sin_theta, 0.0, || format!("u of {d}"));
             worst_uv.add(out[0][1], expected.y, || format!("v of {d}"));
             worst_sin.add(out[0][2], sin_theta, || format!("{d}"));
-            let omega_p = 2.0 * PI * PI * sin_theta.max(0.5 * PI / height) / (width * height);
+            let omega_p = texel_solid_angle_at(sin_theta, SIZE[0], SIZE[1]);
             worst_omega.add(out[0][3], omega_p, || format!("{d}"));
-            worst_lod.add(out[1][3], 0.5 * (omega_s / omega_p).log2(), || format!("{d}"));
+            worst_lod.add(out[1][3], lod_from_solid_angles(omega_s, omega_p), || format!("{d}"));
             worst_d.add_vector(xyz(out[1]), direction_from_uv(*uv), || format!("{uv}"));
         }
         [worst_uv, worst_sin, worst_omega, worst_d, worst_lod].into_iter().for_each(Worst::check);

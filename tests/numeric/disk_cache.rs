@@ -1,7 +1,16 @@
 //! What is kept on the disk comes back bit for bit or not at all.
 
-use splitsum::pipeline::DiskCache;
+use splitsum::brdf::{Beckmann, Brdf, Ggx};
+use splitsum::environment::Environment;
+use splitsum::gpu::{HOST_FILES, code_hash, shader_code, shader_names};
+use splitsum::math::sequence::SEQUENCES;
+use splitsum::pipeline::{DiskCache, RenderRequest, shaders_of_kept};
+use splitsum::pixels::RgbImage;
+use splitsum::precompute::PrecomputeSettings;
+use splitsum::scene::{Camera, CameraKind, Scene};
+use splitsum::shade::{diffuse_by_name, method_by_name};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 const LIMIT: u64 = 1 << 20;
 
@@ -97,4 +106,82 @@ fn a_folder_that_takes_no_files_is_one_warning() {
     assert!(warnings.len() == 1 && warnings[0].contains("nothing more is kept"), "{warnings:?}");
     std::fs::write(&folder, "").unwrap();
     assert!(DiskCache::open(&folder, LIMIT).unwrap_err().to_string().contains("expected a folder"));
+}
+
+fn request(brdf: &'static dyn Brdf, method: &str, diffuse: &str) -> RenderRequest {
+    let scene = Scene::load("sphere", Path::new("")).unwrap();
+    let size = [8, 8];
+    RenderRequest {
+        environment: Arc::new(Environment::from_image("white", RgbImage::filled(4, 2, [1.0; 3]))),
+        environment_rotation_deg: 0.0,
+        environment_scale: 1.0,
+        camera: Camera::for_scene(CameraKind::Ortho, &scene, size),
+        scene: Arc::new(scene),
+        size,
+        method: method_by_name(method).unwrap(),
+        diffuse: diffuse_by_name(diffuse).unwrap(),
+        brdf,
+        masking_shadowing: Default::default(),
+        samples: 1,
+        sequence: &SEQUENCES[0],
+        point_set: 0,
+        reference_samples: 64,
+        reference_error: None,
+        lod_bias: 0.0,
+        lights: Vec::new(),
+        background: false,
+        precompute: PrecomputeSettings::default(),
+        seed: 0,
+    }
+}
+
+#[test]
+fn a_reference_outlives_a_change_of_every_shader_but_its_own() {
+    const VIEW: [&str; 5] = [
+        "gbuffer/sphere.vert",
+        "gbuffer/sphere.frag",
+        "gbuffer/mesh.vert",
+        "gbuffer/mesh.frag",
+        "precompute/mips.comp",
+    ];
+    let own = |brdf: &str| {
+        [format!("shade/reference.comp:specular:{brdf}"), format!("shade/reference_resolve.comp:specular:{brdf}")]
+    };
+    let diffuse =
+        ["shade/reference.comp:lambert", "shade/reference_resolve.comp:lambert", "precompute/dfg.comp:beckmann"];
+    let cases = [
+        (request(&Ggx, "reference", "none"), own("ggx").to_vec()),
+        (request(&Beckmann, "reference", "none"), own("beckmann").to_vec()),
+        (
+            request(&Beckmann, "reference", "reference"),
+            [own("beckmann").to_vec(), diffuse.map(str::to_owned).to_vec()].concat(),
+        ),
+    ];
+    for (request, own) in cases {
+        let shaders = shaders_of_kept(&request).unwrap();
+        let hash = |changed: &str| {
+            code_hash(&shaders, |name| if name == changed { b"changed".as_slice() } else { shader_code(name) })
+        };
+        for name in shader_names() {
+            let is_own = VIEW.contains(&name) || own.iter().any(|shader| shader == name);
+            assert_eq!(hash(name) != hash(""), is_own, "{name}");
+        }
+    }
+    assert!(shaders_of_kept(&request(&Ggx, "sampled", "none")).is_none());
+}
+
+#[test]
+fn what_is_kept_hangs_on_the_host_code_that_makes_it() {
+    for file in [
+        "environment/distribution.rs",
+        "shade/reference_pass.rs",
+        "shade/pass.rs",
+        "pipeline/kept_reference.rs",
+        "lib.rs",
+    ] {
+        assert!(HOST_FILES.contains(&file), "{file}");
+    }
+    let is_twin =
+        |file: &&&str| file.starts_with("shade/method/") || file.starts_with("brdf/") || file.starts_with("study/");
+    assert_eq!(HOST_FILES.iter().filter(is_twin).collect::<Vec<_>>(), Vec::<&&str>::new());
 }

@@ -12,6 +12,7 @@ use splitsum::pixels::{Pixels, RgbImage};
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::exact_quadrature;
 use splitsum::precompute::irradiance::reference::irradiance;
+use splitsum::shade::method::seed0_literal;
 use splitsum::shade::reference::{self, Surface, TOLERANCE};
 use std::f64::consts::{PI, TAU};
 
@@ -92,7 +93,7 @@ fn golden_queries_are_met() {
             assert!(bounded.error.max_element() <= 2e-5 * expected.max_element(), "{what}: {bounded:?}");
         }
         let white = Surface { f0: DVec3::ONE, ..golden.surface };
-        let literal = reference::seed0_literal(&environment, &white, TOLERANCE);
+        let literal = seed0_literal::limit(&environment, &white, TOLERANCE);
         assert_close(
             &format!("query {} seed_literal_F1", golden.id),
             literal.value,

@@ -13,19 +13,29 @@
 #include "lib/sampling.glsl"
 #include "lib/surface.glsl"
 
+// Width of the lobe that the document's angles make. Phong's has cos = (1 - u)^(1 / (exponent + 1)) where 1 / (exponent + 2) is right. Every
+// other model, one that the document does not have among them, is drawn by its own D. [Kim22 "IBL"]
+float lobe_alpha(float alpha) {
+#ifdef BRDF_PHONG_GLSL
+    return alpha * sqrt(2.0 / (2.0 - alpha * alpha));
+#else
+    return alpha;
+#endif
+}
+
 vec3 specular_radiance(Surface s, sampler2D environment, sampler2D prefiltered, sampler2D dfg, ShadeParams params) {
     mat3 frame = frame_from_normal(s.n);
     mat3 mirror_frame = frame_from_normal(normalize(reflect(-s.v, s.n)));
     vec3 v_local = s.v * frame;
     float g1_v = g1(s.n_dot_v, s.alpha, MASKING);
-    float lobe_alpha = printed_lobe_alpha_brdf(s.alpha);
+    float drawn_alpha = lobe_alpha(s.alpha);
     float lod_max = float(textureQueryLevels(environment) - 1);
     float sample_count = float(params.sample_count);
     float texels_per_sample = float(params.environment_width) * float(params.environment_height) / sample_count;
 
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < params.point_count; ++i) {
-        vec3 l = mirror_frame * sample_lobe_brdf(sample_point(i), lobe_alpha).h_local;
+        vec3 l = mirror_frame * sample_lobe_brdf(sample_point(i), drawn_alpha).h_local;
         vec3 l_local = l * frame;
         vec3 h_local = normalize(v_local + l_local);
         // Where D(h) is 0 in f32 the printed level is infinite: the coarsest one.

@@ -8,7 +8,7 @@ mod raster;
 mod sky;
 mod studio;
 
-use super::EnvironmentError;
+use super::error::EnvironmentError;
 use crate::pixels::{ENVIRONMENT_TEXELS_MAX, RgbImage};
 
 /// Marks a spec as the name of a formula.

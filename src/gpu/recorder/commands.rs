@@ -48,6 +48,7 @@ impl Recorder {
         self.bind(inner, vk::PipelineBindPoint::COMPUTE, binds, push)?;
         // SAFETY: recording, the pipeline with its set and constants is bound, and the counts are within the limits.
         unsafe { self.device().cmd_dispatch(self.commands, groups[0], groups[1], groups[2]) };
+        self.shaders.extend(inner.shaders.iter().cloned());
         self.kept.push(inner.clone());
         Ok(())
     }
@@ -127,6 +128,7 @@ impl Recorder {
         }
         // SAFETY: rendering was begun above.
         unsafe { self.device().cmd_end_rendering(self.commands) };
+        self.shaders.extend(inner.shaders.iter().cloned());
         self.kept.push(inner.clone());
         Ok(())
     }

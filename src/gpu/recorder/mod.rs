@@ -11,6 +11,7 @@ use super::inject::Site;
 use super::{Gpu, GpuError};
 use ash::vk;
 use std::any::Any;
+use std::collections::BTreeSet;
 use std::ffi::CString;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -33,10 +34,12 @@ pub struct Report {
     pub passes: Vec<PassTime>,
     /// Host time from submission to completion, ms.
     pub wall_ms: f64,
+    /// Every shader that ran.
+    pub shaders: BTreeSet<String>,
 }
 
 impl Report {
-    /// Adds another submission's times; passes of the same name become one.
+    /// Adds what another submission took; passes of the same name become one.
     pub fn add(&mut self, other: Report) {
         for time in other.passes {
             match self.passes.iter_mut().find(|known| known.pass == time.pass) {
@@ -45,6 +48,7 @@ impl Report {
             }
         }
         self.wall_ms += other.wall_ms;
+        self.shaders.extend(other.shaders);
     }
 }
 
@@ -56,6 +60,7 @@ pub struct Recorder {
     commands: vk::CommandBuffer,
     queries: vk::QueryPool,
     passes: Vec<&'static str>,
+    shaders: BTreeSet<String>,
     descriptor_pools: Vec<vk::DescriptorPool>,
     sets_left: u32,
     /// Everything that the commands use.
@@ -73,6 +78,7 @@ impl Gpu {
             commands: vk::CommandBuffer::null(),
             queries: vk::QueryPool::null(),
             passes: Vec::new(),
+            shaders: BTreeSet::new(),
             descriptor_pools: Vec::new(),
             sets_left: 0,
             kept: Vec::new(),
@@ -157,7 +163,7 @@ impl Recorder {
         let waited = started.elapsed();
         shared.waited_ns.fetch_add(waited.as_nanos() as u64, Ordering::Relaxed);
         let wall_ms = waited.as_secs_f64() * 1e3;
-        Ok(Report { passes: self.pass_times()?, wall_ms })
+        Ok(Report { passes: self.pass_times()?, wall_ms, shaders: self.shaders.clone() })
     }
 
     fn pass_times(&self) -> Result<Vec<PassTime>, GpuError> {

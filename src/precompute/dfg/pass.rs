@@ -10,10 +10,15 @@ pub struct DfgPass {
 }
 
 impl DfgPass {
+    /// The shader that makes the table.
+    pub fn shader(brdf: &dyn Brdf) -> String {
+        format!("precompute/dfg.comp:{}", brdf.name())
+    }
+
     pub fn new(gpu: &Gpu, brdf: &dyn Brdf, masking_shadowing: MaskingShadowing) -> Result<Self, GpuError> {
-        let shader = format!("precompute/dfg.comp:{}", brdf.name());
         let slots = [Slot::StorageImage];
-        let pipeline = gpu.compute_pipeline(&shader, &slots, DfgParams::SIZE, &[masking_shadowing as u32])?;
+        let pipeline =
+            gpu.compute_pipeline(&Self::shader(brdf), &slots, DfgParams::SIZE, &[masking_shadowing as u32])?;
         Ok(Self { pipeline })
     }
 

@@ -10,16 +10,15 @@ pub struct IrradiancePass {
 }
 
 impl IrradiancePass {
+    /// The shader of [`Self::record_integrate`].
+    pub const INTEGRATE_SHADER: &str = "precompute/irradiance_integrate.comp";
+
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let size = IrradianceParams::SIZE;
         let from_sh9 =
             gpu.compute_pipeline("precompute/irradiance_sh9.comp", &[Slot::Buffer, Slot::StorageImage], size, &[])?;
-        let integrate = gpu.compute_pipeline(
-            "precompute/irradiance_integrate.comp",
-            &[Slot::Sampled, Slot::StorageImage],
-            size,
-            &[],
-        )?;
+        let integrate =
+            gpu.compute_pipeline(Self::INTEGRATE_SHADER, &[Slot::Sampled, Slot::StorageImage], size, &[])?;
         Ok(Self { from_sh9, integrate })
     }
 

@@ -10,9 +10,12 @@ pub struct MipsPass {
 }
 
 impl MipsPass {
+    /// The shader that makes the levels.
+    pub const SHADER: &str = "precompute/mips.comp";
+
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let slots = [Slot::Sampled, Slot::StorageImage];
-        let pipeline = gpu.compute_pipeline("precompute/mips.comp", &slots, MipsParams::SIZE, &[])?;
+        let pipeline = gpu.compute_pipeline(Self::SHADER, &slots, MipsParams::SIZE, &[])?;
         Ok(Self { pipeline, sampler: gpu.sampler(Filter::Nearest, Wrap::Equirect)? })
     }
 

@@ -28,10 +28,14 @@ pub struct PrefilterPass {
 }
 
 impl PrefilterPass {
+    /// The shader that makes the levels.
+    pub fn shader(brdf: &dyn Brdf) -> String {
+        format!("precompute/prefilter.comp:{}", brdf.name())
+    }
+
     pub fn new(gpu: &Gpu, brdf: &dyn Brdf) -> Result<Self, GpuError> {
-        let shader = format!("precompute/prefilter.comp:{}", brdf.name());
         let slots = [Slot::Sampled, Slot::StorageImage, Slot::Uniform];
-        Ok(Self { pipeline: gpu.compute_pipeline(&shader, &slots, PrefilterParams::SIZE, &[])? })
+        Ok(Self { pipeline: gpu.compute_pipeline(&Self::shader(brdf), &slots, PrefilterParams::SIZE, &[])? })
     }
 
     /// A map to fill.

@@ -15,11 +15,13 @@ pub struct Sh9Pass {
 }
 
 impl Sh9Pass {
+    /// The shaders that make the coefficients.
+    pub const SHADERS: [&str; 2] = ["precompute/sh9.comp", "precompute/sh9_reduce.comp"];
+
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        let project =
-            gpu.compute_pipeline("precompute/sh9.comp", &[Slot::Sampled, Slot::Buffer], Sh9Params::SIZE, &[])?;
-        let reduce =
-            gpu.compute_pipeline("precompute/sh9_reduce.comp", &[Slot::Buffer, Slot::Buffer], Sh9Params::SIZE, &[])?;
+        let [project, reduce] = Self::SHADERS;
+        let project = gpu.compute_pipeline(project, &[Slot::Sampled, Slot::Buffer], Sh9Params::SIZE, &[])?;
+        let reduce = gpu.compute_pipeline(reduce, &[Slot::Buffer, Slot::Buffer], Sh9Params::SIZE, &[])?;
         let sampler = gpu.sampler(Filter::Nearest, Wrap::Equirect)?;
         let partials = gpu.buffer("SH9 partial sums", u64::from(16 * SH9_COUNT * GROUP_COUNT))?;
         Ok(Self { project, reduce, sampler, partials })

@@ -1,5 +1,6 @@
 //! Every fault of a file is reported at once, with its place and the nearest right name.
 
+use splitsum::brdf::MODELS;
 use splitsum::runner::Plan;
 use std::path::Path;
 
@@ -22,6 +23,7 @@ pub fn assert_faults(found: &[String], expected: &[&str]) {
 
 #[test]
 fn many_faults_are_reported_in_one_go_with_line_and_column() {
+    let models = MODELS.iter().map(|model| model.name()).collect::<Vec<_>>().join(", ");
     let text = r#"name = "x y"
 colour = 1
 size = [256]
@@ -63,7 +65,7 @@ position = [0, 1, 0]
             "e.toml:8:47: reference.samples: 0 is outside [1, 16777216]",
             "e.toml:8:50: reference.seed is unknown",
             "e.toml:10:31: environment missing.hdr: no such file",
-            "e.toml:11:9: axes.brdf: \"gxx\" is not a BRDF model; did you mean \"ggx\"?; expected ggx, beckmann, phong",
+            &format!("e.toml:11:9: axes.brdf: \"gxx\" is not a BRDF model; did you mean \"ggx\"?; expected {models}"),
             "e.toml:12:10: axes.method: an axis needs at least one value",
             "e.toml:13:15: axes.alpha: 1.4 is outside (0, 1]",
             "e.toml:13:20: axes.alpha: 0 is outside (0, 1]",

@@ -7,53 +7,21 @@
 //! error of hue alone (FLIP does). Departure: the paper keeps only windows that lie inside the image; here a window is cut at
 //! the border and its weights are normalised again, so that every masked pixel has a value.
 
-use super::comparison::pixel_mean;
-use super::filter::{Border, Plane};
-use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
+use crate::metrics::filter::{Border, Plane};
 use crate::pixels::Rgb8Image;
 
 /// Pixels from the centre to the edge of the window.
 const WINDOW_RADIUS: usize = 5;
 /// Standard deviation of the window, pixels.
-const WINDOW_SIGMA: f64 = 1.5;
+pub(super) const WINDOW_SIGMA: f64 = 1.5;
 const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 /// Rec. 601 luma weights of encoded RGB.
 const LUMA: [f64; 3] = [0.299, 0.587, 0.114];
 
-/// Mean of the SSIM map, in [-1, 1]; 1 for equal images.
-pub struct Ssim;
-
-impl Metric for Ssim {
-    fn description(&self) -> &'static Description {
-        &Description {
-            name: "ssim",
-            space: Space::Display,
-            better: Better::Higher,
-            version: 1,
-            parameters: &[("window", 11.0), ("sigma", WINDOW_SIGMA), ("k1", 0.01), ("k2", 0.03)],
-            formula: "mean structural similarity (Wang et al. 2004) of the 8-bit luma, 11x11 Gaussian window, sigma 1.5",
-            power: 1.0,
-        }
-    }
-
-    fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
-        let map = comparison.ssim();
-        pixel_mean(pixels, |pixel| map.data[pixel])
-    }
-
-    fn error(&self, score: f64) -> f64 {
-        1.0 - score
-    }
-
-    fn noise_floor(&self, _: &ReferenceNoise) -> Option<f64> {
-        None
-    }
-}
-
 /// One image, as SSIM compares it: local means under the window.
 #[derive(Debug)]
-pub(super) struct View {
+pub struct View {
     luma: Plane<f64>,
     mean: Plane<f64>,
     mean_square: Plane<f64>,
@@ -68,7 +36,7 @@ impl View {
 }
 
 /// SSIM at every pixel of two views of one size.
-pub(super) fn ssim_map(test: &View, reference: &View) -> Plane<f64> {
+pub fn ssim_map(test: &View, reference: &View) -> Plane<f64> {
     let mean_product = window_mean(&product(&test.luma, &reference.luma));
     let ssim = |pixel: usize| {
         let [t, r] = [test, reference].map(|view| view.mean.data[pixel]);

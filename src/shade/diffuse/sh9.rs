@@ -1,0 +1,15 @@
+//! Nine spherical-harmonic coefficients evaluated per pixel [Ramamoorthi01, eq. 7, over π]; floored at 0, where degree 2 rings.
+
+use super::Diffuse;
+use crate::math::spherical_harmonics::irradiance;
+use crate::shade::twin::Twin;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+pub const DIFFUSE: Diffuse = Diffuse {
+    name: "sh9",
+    about: "nine spherical-harmonic coefficients evaluated per pixel",
+    twin: Twin::Estimator(|n, light| (irradiance(&light.sh9, n) / PI).max(DVec3::ZERO)),
+    uses_irradiance_map: false,
+    uses_sh9: true,
+};

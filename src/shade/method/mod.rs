@@ -1,0 +1,80 @@
+//! The specular methods: what each is called, what changes its result, and its f64 twin.
+
+mod none;
+mod reference;
+mod sampled;
+mod sampled_unfiltered;
+pub mod seed0_literal;
+mod split_sum;
+
+use super::diffuse::Diffuse;
+use super::twin::SpecularTwin;
+use super::{NONE, REFERENCE};
+
+/// How the specular term is computed. The names are the shader file stems (with `-` for `_`).
+///
+/// The flags say what changes its result: an experiment has one cell, not many, along an axis that a method ignores.
+#[derive(Clone, Copy, Debug)]
+pub struct Method {
+    pub name: &'static str,
+    /// One sentence for `splitsum list`.
+    pub about: &'static str,
+    /// What the device tests hold its frames to.
+    pub twin: SpecularTwin,
+    /// The sample count.
+    pub uses_samples: bool,
+    /// The sequence of points and the choice among its sets (`math::sequence`).
+    pub uses_point_set: bool,
+    /// The bias of the mip level.
+    pub uses_lod_bias: bool,
+    /// The prefiltered map.
+    pub uses_prefiltered: bool,
+    /// The DFG table, for the specular term itself; see [`Method::needs_dfg`].
+    pub uses_dfg: bool,
+}
+
+/// Every specular method. Adding one: `shaders/shade/method/<stem>.glsl`, its file here with its twin, and one line here.
+pub static METHODS: &[Method] = &[
+    sampled::METHOD,
+    sampled_unfiltered::METHOD,
+    seed0_literal::METHOD,
+    split_sum::METHOD,
+    none::METHOD,
+    reference::METHOD,
+];
+
+impl Method {
+    /// A method that depends on nothing but the scene. Each file sets its flags beside it; no method goes without a twin.
+    const fn plain(name: &'static str, about: &'static str, twin: SpecularTwin) -> Self {
+        Self {
+            name,
+            about,
+            twin,
+            uses_samples: false,
+            uses_point_set: false,
+            uses_lod_bias: false,
+            uses_prefiltered: false,
+            uses_dfg: false,
+        }
+    }
+
+    /// Whether it is the unbiased one.
+    pub fn is_reference(&self) -> bool {
+        self.name == REFERENCE
+    }
+
+    /// Whether there is no specular term.
+    pub fn is_none(&self) -> bool {
+        self.name == NONE
+    }
+
+    /// Whether a frame reads the DFG table: for the specular term itself, or to weight what else the surface reflects beside it.
+    pub fn needs_dfg(&self, diffuse: &Diffuse, has_lights: bool) -> bool {
+        self.uses_dfg || (!self.is_none() && (!diffuse.is_none() || has_lights))
+    }
+}
+
+/// The method of that name.
+pub fn method_by_name(name: &str) -> Option<&'static Method> {
+    METHODS.iter().find(|method| method.name == name)
+}

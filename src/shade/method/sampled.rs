@@ -1,0 +1,45 @@
+//! Importance sampling of D with N fixed points, each lookup filtered by its solid angle [Colbert07, section 20.4].
+//!
+//! `1/N Σ_k f(v, l_k) n_dot_l_k / pdf_l(l_k) L(l_k, lod_k)`; m_k has density `D(m) n_dot_m` and `l_k = reflect(-v, m_k)`. The level is
+//! `lod_k = 1/2 log2(omega_s / omega_p) + lod_bias`: `omega_s = 1/(N pdf_l)` is the solid angle of the sample and `omega_p` that of
+//! a texel of level 0 at `l_k`. Directions below the horizon add 0 and count in N.
+
+use super::Method;
+use crate::brdf::{eval, pdf_d_l, reflect};
+use crate::math::equirect::{lod_from_solid_angles, texel_solid_angle_at};
+use crate::math::frame::Frame;
+use crate::shade::reference::Surface;
+use crate::shade::twin::{Light, Samples, Twin};
+use glam::DVec3;
+
+pub const METHOD: Method = Method {
+    uses_samples: true,
+    uses_point_set: true,
+    uses_lod_bias: true,
+    ..Method::plain(
+        "sampled",
+        "per-pixel half-vector importance sampling, filtered by mip level",
+        Twin::Estimator(|surface, light, samples| importance_sampled(surface, light, samples, true)),
+    )
+};
+
+/// The sum of the module's text; always from level 0 when not `filtered`.
+pub fn importance_sampled(surface: &Surface, light: &Light, samples: &Samples, filtered: bool) -> DVec3 {
+    let Surface { model, masking, alpha, f0, n, v } = *surface;
+    let [width, height] = light.environment_size();
+    let frame = Frame::from_normal(n);
+    let v_local = frame.to_local(v);
+    let count = f64::from(samples.count);
+    let term = |xi| {
+        let h = model.sample_d(xi, alpha);
+        let l_local = reflect(v_local, h);
+        if l_local.z <= 0.0 || v_local.dot(h) <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let (l, pdf_l) = (frame.to_world(l_local), pdf_d_l(model, v_local, h, alpha));
+        let omega_p = texel_solid_angle_at(l.x.hypot(l.z), width, height);
+        let lod = if filtered { lod_from_solid_angles(1.0 / (count * pdf_l), omega_p) + samples.lod_bias } else { 0.0 };
+        light.radiance(l, lod) * eval(model, v_local, l_local, alpha, f0, masking) * (l_local.z / pdf_l)
+    };
+    samples.points().map(term).sum::<DVec3>() / count
+}

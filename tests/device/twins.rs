@@ -1,0 +1,304 @@
+//! Every method and every diffuse method against its f64 twin, pixel by pixel, at few samples and far from any limit.
+//!
+//! Whoever is listed is tested. The twins read the device's own g-buffer and tables, so that what differs is the method's alone.
+
+use crate::compare::{Tolerance, Worst};
+use crate::gbuffer::draw;
+use crate::harness::{read_level, request, scene, with_gpu, with_pipeline};
+use crate::tables::{coefficients, dfg_table, environment_image, equirect_sampler, prefiltered};
+use glam::DVec3;
+use rayon::prelude::*;
+use splitsum::brdf::{Brdf, MODELS, MaskingShadowing};
+use splitsum::environment::{Environment, LoadOptions};
+use splitsum::glsl::constants::POINTS_PER_DISPATCH;
+use splitsum::gpu::Gpu;
+use splitsum::math::quadrature;
+use splitsum::math::sequence::SEQUENCES;
+use splitsum::pipeline::{Frame, RenderRequest};
+use splitsum::precompute::irradiance::pass::IrradiancePass;
+use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
+use splitsum::scene::{CameraKind, MaterialOverride};
+use splitsum::shade::pass::environment_from_world;
+use splitsum::shade::reference::Surface;
+use splitsum::shade::twin::{Light, Samples, Twin};
+use splitsum::shade::{DIFFUSE, Diffuse, METHODS, Method, diffuse_by_name, method_by_name};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Relative; directions, levels and weights in f32.
+const F32: f64 = 5e-5;
+/// Of the frame's mean: a lookup that moves by 2e-7 of the map's width moves on the edge of a lamp, which may be brighter than the pixel.
+const F32_EDGE: f64 = 3e-4;
+/// A GPU's filter weighs texels and levels by some 8 bits; relative and of the frame's mean.
+const FILTER_UNIT: f64 = 2e-2;
+/// A frame of a random estimator is off by its standard error, which 16 scrambles know to 18 %.
+const SIGMAS: f64 = 6.0;
+/// A standard error above this share would let anything pass.
+const SIGMA_MAX: f64 = 0.2;
+/// What f32 adds to that, relative.
+const F32_SUM: f64 = 1e-5;
+/// Far below the standard error of the frames here.
+const EXACT: quadrature::Tolerance = quadrature::Tolerance { relative: 1e-4, max_part_count: 100_000 };
+/// Only every so many pixels are integrated.
+const MEAN_STEP: usize = 23;
+/// Some pixel's n_dot_v is below this.
+const GRAZING: f64 = 0.04;
+
+/// Small tables, so that levels and texels are coarse and their choice matters.
+const TABLES: PrecomputeSettings = PrecomputeSettings {
+    prefilter_size: [64, 32],
+    prefilter_level_count: 3,
+    prefilter_sample_count: 64,
+    dfg_size: 32,
+    dfg_sample_count: 128,
+    irradiance_size: [16, 8],
+    irradiance_sample_count: [16, 8],
+    storage: splitsum::precompute::StorageFormat::F32,
+};
+
+/// Lamps of several sizes, and one at a pole, where texels are narrow. A sun would turn the rounding of a direction into errors of 0.1 %.
+/// Opposite to that lamp SH9 rings below 0.
+fn environments() -> [Arc<Environment>; 2] {
+    let options = LoadOptions { builtin_size: [128, 64], ..LoadOptions::default() };
+    ["builtin:studio", "builtin:cap:elevation_deg=82,half_angle_deg=15,radiance=20,ambient=0.03"]
+        .map(|name| Arc::new(Environment::load(name, Path::new("."), &options).unwrap()))
+}
+
+/// What is shaded and by which points.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    kind: CameraKind,
+    alpha: f32,
+    masking: MaskingShadowing,
+    /// Pixels on a side.
+    size: u32,
+    samples: u32,
+    sequence: usize,
+    point_set: u32,
+    lod_bias: f32,
+}
+
+const PLAIN: Case = Case {
+    kind: CameraKind::Ortho,
+    alpha: 0.3,
+    masking: MaskingShadowing::Separable,
+    size: 24,
+    samples: 16,
+    sequence: 0,
+    point_set: 0,
+    lod_bias: 0.0,
+};
+
+/// Each differs from the first in what could be mistaken; the last takes two dispatches of points.
+const CASES: [Case; 6] = [
+    PLAIN,
+    Case { lod_bias: 1.5, masking: MaskingShadowing::Correlated, ..PLAIN },
+    Case { lod_bias: -1.5, alpha: 0.6, ..PLAIN },
+    Case { kind: CameraKind::Perspective, alpha: 0.08, ..PLAIN },
+    Case { alpha: 1.0, sequence: 1, point_set: 3, masking: MaskingShadowing::Schlick, ..PLAIN },
+    Case { samples: POINTS_PER_DISPATCH + 16, size: 9, ..PLAIN },
+];
+
+impl Case {
+    fn request(&self, environment: &Arc<Environment>, model: &'static dyn Brdf) -> RenderRequest {
+        let material =
+            MaterialOverride { alpha: Some(self.alpha), f0: Some([0.04, 0.5, 1.0]), ..MaterialOverride::default() };
+        RenderRequest {
+            environment_rotation_deg: 30.0,
+            environment_scale: 0.5,
+            brdf: model,
+            masking_shadowing: self.masking,
+            samples: self.samples,
+            sequence: &SEQUENCES[self.sequence],
+            point_set: self.point_set,
+            lod_bias: self.lod_bias,
+            reference_samples: 2048,
+            precompute: TABLES,
+            ..request(environment, scene("sphere", material), self.kind, [self.size; 2])
+        }
+    }
+
+    fn samples(&self) -> Samples {
+        let (count, sequence) = (self.samples, &SEQUENCES[self.sequence]);
+        Samples { count, sequence, set: self.point_set, lod_bias: self.lod_bias.into() }
+    }
+}
+
+/// The device's tables for a request.
+fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
+    let settings = &request.precompute;
+    let image = environment_image(gpu, &request.environment.image);
+    let map = IrradiancePass::map(gpu, settings.irradiance_size).unwrap();
+    let mut recorder = gpu.record("irradiance").unwrap();
+    let pass = IrradiancePass::new(gpu).unwrap();
+    pass.record_integrate(&mut recorder, &image, &equirect_sampler(gpu), settings.irradiance_sample_count, &map)
+        .unwrap();
+    recorder.submit().unwrap();
+    let (size, level_count) = (settings.prefilter_size, settings.prefilter_level_count);
+    let (model, masking) = (request.brdf, request.masking_shadowing);
+    Light {
+        environment: (0..image.mip_count()).map(|mip| read_level(gpu, &image, mip)).collect(),
+        prefiltered: prefiltered(gpu, &image, model, size, level_count, settings.prefilter_sample_count),
+        dfg: dfg_table(gpu, model, masking, settings.dfg_size, settings.dfg_sample_count).map(DVec3::truncate),
+        irradiance_map: read_level(gpu, &map, 0),
+        sh9: coefficients(gpu, &image).1,
+    }
+}
+
+/// A pixel and the surface that the device's g-buffer holds there, in the environment's frame, and its albedo.
+struct Sight {
+    pixel: [u32; 2],
+    surface: Surface,
+    albedo: DVec3,
+}
+
+impl Sight {
+    fn n_dot_v(&self) -> f64 {
+        self.surface.n.dot(self.surface.v)
+    }
+}
+
+fn sights(gpu: &Gpu, request: &RenderRequest) -> Vec<Sight> {
+    let turn = environment_from_world(request.environment_rotation_deg);
+    let texels = draw(gpu, &request.scene, &request.camera, request.size);
+    let [width, height] = request.size;
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    let hit = pixels.filter(|&[x, y]| texels.position_mask.get(x, y)[3] == 1.0);
+    let sight = |pixel: [u32; 2]| {
+        let xyz = |attachment: &splitsum::pixels::Pixels<[f32; 4]>| {
+            let [x, y, z, _] = attachment.get(pixel[0], pixel[1]);
+            DVec3::new(x.into(), y.into(), z.into())
+        };
+        let surface = Surface {
+            model: request.brdf,
+            masking: request.masking_shadowing,
+            alpha: texels.normal_alpha.get(pixel[0], pixel[1])[3].into(),
+            f0: xyz(&texels.f0_material),
+            n: turn * xyz(&texels.normal_alpha).normalize(),
+            v: turn * request.camera.v_at(xyz(&texels.position_mask)),
+        };
+        Sight { pixel, surface, albedo: xyz(&texels.albedo_metallic) }
+    };
+    hit.map(sight).collect()
+}
+
+fn radiance(frame: &Frame, [x, y]: [u32; 2]) -> DVec3 {
+    DVec3::from_array(frame.radiance.get(x, y).map(f64::from))
+}
+
+/// Holds a frame to a twin of the radiance of each sight.
+fn check<E: Copy>(
+    name: String,
+    twin: Twin<E>,
+    estimate: impl Fn(E, &Sight) -> DVec3 + Sync,
+    mean_weight: impl Fn(&Sight) -> DVec3,
+    request: &RenderRequest,
+    sights: &[Sight],
+    frame: &Frame,
+    lookup: Tolerance,
+) where
+    E: Sync,
+{
+    let scale = f64::from(request.environment_scale);
+    match twin {
+        Twin::Estimator(estimator) => {
+            let expected: Vec<DVec3> = sights.par_iter().map(|sight| scale * estimate(estimator, sight)).collect();
+            let mean = expected.iter().map(|rgb| rgb.element_sum()).sum::<f64>() / (3 * expected.len()) as f64;
+            let mut worst = Worst::new(name, Tolerance { floor: lookup.floor * mean + f64::MIN_POSITIVE, ..lookup });
+            for (sight, expected) in sights.iter().zip(expected) {
+                let place = || format!("{:?} n_dot_v {}", sight.pixel, sight.n_dot_v());
+                worst.add_rgb(radiance(frame, sight.pixel), expected, place);
+            }
+            worst.check();
+        }
+        Twin::Mean(mean) => {
+            let exact = exact_quadrature(&request.environment.image);
+            let some: Vec<&Sight> = sights.iter().step_by(MEAN_STEP).collect();
+            let means: Vec<DVec3> = some.par_iter().map(|sight| mean(&exact, &sight.surface, EXACT).value).collect();
+            let sigmas = frame.standard_error.as_ref().unwrap();
+            for (sight, mean) in some.into_iter().zip(means) {
+                let (expected, [x, y]) = (scale * mean * mean_weight(sight), sight.pixel);
+                let (off, sigma) = (radiance(frame, sight.pixel) - expected, sigmas.get(x, y).map(f64::from));
+                for c in 0..3 {
+                    let allowed = SIGMAS * sigma[c] + F32_SUM * expected[c];
+                    assert!(off[c].abs() < allowed, "{name}: {off} at {x} {y}, standard error {sigma:?}");
+                    assert!(sigma[c] < SIGMA_MAX * expected[c], "{name}: {sigma:?} of {expected} says nothing");
+                }
+            }
+        }
+    }
+}
+
+/// Relative, with a floor in units of the frame's mean.
+fn lookup_tolerance(gpu: &Gpu) -> Tolerance {
+    let is_cpu = gpu.info().device_type == "cpu";
+    let [relative, floor] = if is_cpu { [F32, F32_EDGE] } else { [FILTER_UNIT; 2] };
+    Tolerance { relative, floor }
+}
+
+/// Whether `case` asks something else of `method` than the first case of the same surface.
+fn concerns(method: &Method, case: &Case) -> bool {
+    (method.uses_samples || case.samples == PLAIN.samples)
+        && (method.uses_point_set || case.point_set == PLAIN.point_set)
+        && (method.uses_lod_bias || case.lod_bias == PLAIN.lod_bias)
+}
+
+#[test]
+fn every_method_meets_its_twin() {
+    let none: &Diffuse = diffuse_by_name("none").unwrap();
+    with_gpu(|gpu| {
+        with_pipeline(|pipeline| {
+            let mut smallest = 1.0;
+            for (environment, case) in environments().iter().flat_map(|e| CASES.iter().map(move |case| (e, case))) {
+                for &model in MODELS {
+                    let base = case.request(environment, model);
+                    let (light, sights) = (light(gpu, &base), sights(gpu, &base));
+                    smallest = sights.iter().map(Sight::n_dot_v).fold(smallest, f64::min);
+                    for method in METHODS.iter().filter(|method| concerns(method, case)) {
+                        let request = RenderRequest { method, diffuse: none, ..base.clone() };
+                        let frame = pipeline.render(&request).unwrap();
+                        let name = format!("{} {} {case:?} {}", method.name, model.name(), environment.name);
+                        check(
+                            name,
+                            method.twin,
+                            |twin, sight| twin(&sight.surface, &light, &case.samples()),
+                            |_| DVec3::ONE,
+                            &request,
+                            &sights,
+                            &frame,
+                            lookup_tolerance(gpu),
+                        );
+                    }
+                }
+            }
+            assert!(smallest < GRAZING, "no grazing view: n_dot_v is {smallest} or more");
+        });
+    });
+}
+
+#[test]
+fn every_diffuse_method_meets_its_twin() {
+    let none: &Method = method_by_name("none").unwrap();
+    with_gpu(|gpu| {
+        with_pipeline(|pipeline| {
+            for environment in &environments() {
+                let base = PLAIN.request(environment, MODELS[0]);
+                let (light, sights) = (light(gpu, &base), sights(gpu, &base));
+                for diffuse in DIFFUSE {
+                    let request = RenderRequest { method: none, diffuse, ..base.clone() };
+                    let frame = pipeline.render(&request).unwrap();
+                    check(
+                        format!("{} {}", diffuse.name, environment.name),
+                        diffuse.twin,
+                        |twin, sight| sight.albedo * twin(sight.surface.n, &light),
+                        |sight| sight.albedo,
+                        &request,
+                        &sights,
+                        &frame,
+                        lookup_tolerance(gpu),
+                    );
+                }
+            }
+        });
+    });
+}
