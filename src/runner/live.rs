@@ -1,4 +1,4 @@
-//! What a run leaves for the live view of its report: the tables that light a surface, packed, in `live.json`.
+//! Tables for the live view of the report, packed, in `live.json`.
 
 use super::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP, Point};
 use super::images::short_text;
@@ -100,7 +100,7 @@ pub fn tables(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord<Rgb
 }
 
 impl LiveRecord<RgbImage> {
-    /// What is written. Takes some tenths of a second, on all cores and without the device.
+    /// The packed form. Takes some tenths of a second, on all cores and without the device.
     pub fn packed(self) -> LiveRecord {
         let pack_all = |levels: Vec<RgbImage>, scale: f32| levels.par_iter().map(|level| pack(level, scale)).collect();
         let of_model = |map: LivePrefiltered<RgbImage>, scale| LivePrefiltered {
