@@ -5,10 +5,9 @@ use std::borrow::Cow;
 /// Names that are compared with a misspelt one: the product's own lists are shorter, those of a file may not be.
 const NAMES_COMPARED: usize = 500;
 
-/// `; did you mean "x"?` for the nearest of `names`, or nothing when none is near.
-///
-/// Near: at most half of the longer word differs (Damerau-Levenshtein), so that noise suggests nothing.
-pub fn suggestion(wrong: &str, names: &[&str]) -> String {
+/// The nearest of `names` to a misspelt one, where one is near: at most half of the longer word differs (Damerau-Levenshtein), so that noise
+/// suggests nothing.
+pub fn nearest<'n>(wrong: &str, names: &[&'n str]) -> Option<&'n str> {
     let length = wrong.chars().count();
     // Of names more than twice as long, or less than half, more than half differs: not asked, since a name may be as long as its file.
     let is_as_long = |name: &&&str| {
@@ -19,11 +18,15 @@ pub fn suggestion(wrong: &str, names: &[&str]) -> String {
         .iter()
         .take(NAMES_COMPARED)
         .filter(is_as_long)
-        .map(|name| (strsim::normalized_damerau_levenshtein(&wrong.to_lowercase(), name), name))
+        .map(|name| (strsim::normalized_damerau_levenshtein(&wrong.to_lowercase(), name), *name))
         .filter(|(similarity, _)| *similarity >= 0.5)
         .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| format!("; did you mean {name:?}?"))
-        .unwrap_or_default()
+        .map(|(_, name)| name)
+}
+
+/// `; did you mean "x"?` for the [`nearest`] of `names`, or nothing.
+pub fn suggestion(wrong: &str, names: &[&str]) -> String {
+    nearest(wrong, names).map_or_else(String::new, |name| format!("; did you mean {name:?}?"))
 }
 
 /// `text` with its control characters, and those that turn the direction of writing, written as escapes: names come from files of anyone's

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     /// The image to judge.
     test: PathBuf,
-    /// What it should be.
+    /// The image that it should be.
     reference: PathBuf,
     /// Image that is 1 where pixels count and 0 elsewhere; the reference's alpha channel when left out, else all pixels.
     #[arg(long, value_name = "MASK.exr")]

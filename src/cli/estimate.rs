@@ -1,4 +1,4 @@
-//! What the rest of a run will cost: from records, else from constants, scaled by a probe of the device where there is one.
+//! The cost of the rest of a run: from records, else from constants, scaled by a probe of the device.
 
 use super::Failure;
 use super::cache::CacheArguments;
@@ -20,7 +20,7 @@ pub struct Estimated {
     pub notes: Vec<String>,
 }
 
-/// What is asked beside the plan itself.
+/// The question beside the plan itself.
 pub struct Question<'a> {
     pub open: &'a [&'a Cell],
     pub jobs: &'a [TimingJob<'a>],

@@ -161,13 +161,13 @@ fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -
     ))
 }
 
-/// What is printed.
+/// The printed plan.
 struct Shown<'a> {
     plan: &'a Plan,
     states: &'a [State],
     /// Timed configurations, and how many are done.
     timings: [usize; 2],
-    /// What a run of another plan leaves, where the folder holds one.
+    /// The run of another plan in the folder, where there is one.
     extension: Option<&'a Extension>,
     cost: &'a Estimated,
 }

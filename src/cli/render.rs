@@ -7,7 +7,8 @@ use clap::Args;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pixels::png;
 use splitsum::runner::axis::{AXES, Point, Reference, SAMPLES, View};
-use splitsum::runner::config::{CAMERA, LIGHT_COLOR, SEED, coordinates, light};
+use splitsum::runner::config::{CAMERA, SEED};
+use splitsum::runner::lights::{LIGHT_COLOR, coordinates, light};
 use splitsum::runner::value::{Kind, Range, Value};
 use splitsum::runner::{RenderFault, write_radiance};
 use splitsum::scene::{CameraKind, Light, LightKind, Scene};
@@ -53,7 +54,7 @@ pub struct Arguments {
     axes: AxisFlags,
 }
 
-/// What the name of the output asks for.
+/// The kind of file that the output's name asks for.
 enum Output {
     LinearExr,
     DisplayPng,

@@ -1,4 +1,4 @@
-//! What `run` and `plan` are about.
+//! The experiment that `run` and `plan` are given.
 
 use super::{Failure, tell};
 use clap::Args;
@@ -39,7 +39,7 @@ impl Subject {
         self.out.clone().unwrap_or_else(|| PathBuf::from("runs").join(&plan.config.name))
     }
 
-    /// What there is to say when no cell is left.
+    /// The failure of an experiment without cells.
     pub fn nothing_to_do(&self) -> Failure {
         Failure::NothingToDo(format!("{}: no cell is left", self.experiment.display()))
     }

@@ -1,5 +1,7 @@
 //! Importance sampling of an equirectangular map in proportion to the luminance of its *bilinear* interpolation.
 //!
+//! Long because the derivation stands beside the code that it explains.
+//!
 //! # Derivation
 //!
 //! Texel centres cut the sphere into W columns (the last one crosses the seam) and H + 1 bands of constant width in v:

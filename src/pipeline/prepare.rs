@@ -1,4 +1,6 @@
 //! What a request needs before it can be shaded: tables, scene, targets, pipelines.
+//!
+//! Long because each resource is prepared in the order in which the next one needs it.
 
 use super::cache::Recent;
 use super::inputs::{DfgInputs, Inputs, IrradianceInputs, MipsInputs, PrefilterInputs, Sh9Inputs};

@@ -1,4 +1,4 @@
-//! What values must be together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
+//! Checks of values together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
 
 use super::axis::{AXES, PREFILTER_SIZE, Point, REFERENCE, SAMPLES, SIZE, index_of};
 use super::config::{Config, Sweep};

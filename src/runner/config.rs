@@ -7,9 +7,8 @@ use super::fault::{Faults, Place};
 use super::toml_tree::{checked, entries, first_of_twice, raw, table, texts, unclosed, unknown_key};
 use super::value::{Kind, Range, Raw, Value};
 use crate::metrics::{HEADLINE, METRICS, metric};
-use crate::scene::{CameraKind, Light, LightKind};
+use crate::scene::{CameraKind, Light};
 use crate::shade::NONE;
-use glam::DVec3;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -49,7 +48,7 @@ pub struct Exclusion {
     pub place: Place,
 }
 
-/// What comes before the executions that count.
+/// Executions before those that count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Warmup {
     /// This many executions.
@@ -155,9 +154,6 @@ const KEYS: &[&str] = &[
     "printed_slips",
 ];
 
-/// Radiance and irradiance of analytic lights.
-pub const LIGHT_COLOR: Range = Range::closed(0.0, 1e9);
-pub(super) const COORDINATE: Range = Range::closed(-1e9, 1e9);
 /// Seeds.
 pub const SEED: Kind = Kind::Count { min: 0, max: u32::MAX };
 
@@ -367,22 +363,6 @@ impl Config {
             }
         }
     }
-}
-
-/// A light from its checked parts, or what is wrong with it.
-pub fn light(kind: LightKind, vector: [f32; 3], color: Option<[f32; 3]>) -> Result<Light, String> {
-    let color = color.ok_or("color is missing")?;
-    let vector = DVec3::from(vector.map(f64::from));
-    let position_or_direction = match kind {
-        LightKind::Directional => vector.try_normalize().ok_or("direction must not be zero")?,
-        LightKind::Point => vector,
-    };
-    Ok(Light { kind, position_or_direction, color })
-}
-
-/// The three numbers of a position or direction given as text `x,y,z`.
-pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
-    Kind::Color(COORDINATE).parse_text(text).map(|v| v.color()).map_err(|_| format!("{text:?} is not x,y,z"))
 }
 
 pub(super) fn axis_names() -> Vec<&'static str> {

@@ -1,4 +1,4 @@
-//! What is wrong with an experiment: every fault with its place, all reported at once.
+//! Faults of an experiment: each with its place, all reported at once.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -147,7 +147,7 @@ impl<'a> Faults<'a> {
         self.found.is_empty()
     }
 
-    /// What was found, in the order of the file.
+    /// The faults, in the order of the file.
     pub fn into_result(mut self) -> Result<(), ConfigError> {
         self.found.sort();
         if self.found.is_empty() { Ok(()) } else { Err(ConfigError { faults: self.found, more: self.more }) }

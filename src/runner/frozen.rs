@@ -16,7 +16,7 @@ const FILE_BYTES_MAX: u64 = 1 << 22;
 /// The frozen experiment in the folder of a run.
 pub const EXPERIMENT_FILE: &str = "experiment.toml";
 
-/// What the provenance says of an experiment file beside it.
+/// Facts in the provenance about the experiment file beside it.
 #[derive(Debug)]
 struct Frozen {
     /// The folder that paths in the file are relative to; `None` where it names no file.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// What stands for a value that neither the driver nor the system tells.
+/// The word for a value that neither the driver nor the system tells.
 pub const UNKNOWN: &str = "unknown";
 
 /// One observation. What is not told is `None`.
@@ -18,7 +18,7 @@ pub struct HostState {
     pub gpu: Option<GpuState>,
 }
 
-/// What the driver tells of a GPU.
+/// The state of a GPU by its driver.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct GpuState {
     pub name: String,
@@ -64,7 +64,7 @@ impl HostState {
         if device_type == "cpu" { self.cpu_mhz } else { self.gpu.as_ref()?.sm_mhz }
     }
 
-    /// What slows the GPU down, as words with spaces; empty for nothing, [`UNKNOWN`] where nobody tells.
+    /// Reasons for a slow GPU, as words with spaces; empty for nothing, [`UNKNOWN`] where nobody tells.
     pub fn slowdown(&self) -> String {
         match self.gpu.as_ref().and_then(|gpu| gpu.throttle.as_ref()) {
             Some(reasons) => {

@@ -124,7 +124,7 @@ impl Inputs {
         environments.chain(self.scenes.values().map(|s| (s.name.clone(), s.hash.clone()))).collect()
     }
 
-    /// What is odd about the inputs, one sentence each with the input's name.
+    /// Warnings about the inputs, one sentence each with the input's name.
     pub fn warnings(&self) -> Vec<String> {
         let environments =
             self.environments.values().flat_map(|e| e.warnings.iter().map(|w| format!("{}: {w}", e.name)));

@@ -104,7 +104,7 @@ pub fn tables(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord<Rgb
 }
 
 impl LiveRecord<RgbImage> {
-    /// What is written. Takes some tenths of a second, on all cores and without the device.
+    /// The packed form. Takes some tenths of a second, on all cores and without the device.
     pub fn packed(self) -> LiveRecord {
         let pack_all = |levels: Vec<RgbImage>, scale: f32| levels.par_iter().map(|level| pack(level, scale)).collect();
         let of_model = |map: LivePrefiltered<RgbImage>, scale| LivePrefiltered {

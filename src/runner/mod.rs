@@ -14,6 +14,7 @@ pub mod frozen;
 pub mod host;
 pub mod images;
 pub mod inputs;
+pub mod lights;
 pub mod live;
 pub mod live_model;
 mod overrides;

@@ -48,7 +48,7 @@ pub struct Plan {
     pub excluded: Vec<usize>,
     /// Combinations that equal an earlier one because they differ in unused parameters only.
     pub collapsed: usize,
-    /// What tables call each environment.
+    /// The name of each environment in tables.
     pub environment_names: BTreeMap<String, String>,
     /// Hash over name, cells and timing: two plans with the same hash are the same experiment.
     pub hash: String,
@@ -140,7 +140,7 @@ impl Plan {
         groups
     }
 
-    /// What is rendered to judge a cell of this point.
+    /// The point of the reference that judges a cell of this point.
     pub fn reference_point(&self, point: &Point) -> Point {
         point.reference(&self.config.reference, !self.config.lights.is_empty())
     }
@@ -150,7 +150,7 @@ impl Plan {
         self.columns.iter().map(|&axis| (AXES[axis].name, &cell.point.0[axis])).collect()
     }
 
-    /// What tells the cell from the others: its values on the axes with more than one value, as `name=value` words for people.
+    /// A label that tells the cell from the others: its values on the axes with more than one value, as `name=value` words for people.
     pub fn label(&self, cell: &Cell) -> String {
         let words = self.swept().map(|axis| (AXES[axis].name, &cell.point[axis]));
         let set = words.filter(|(_, value)| **value != Value::Unset);
@@ -171,13 +171,13 @@ impl Plan {
         Point((0..AXES.len()).map(|axis| self.shown(cell, axis)).collect())
     }
 
-    /// What to render for the point of a cell: the scene with the point's material, framed by the experiment's camera.
+    /// The request for the point of a cell: the scene with the point's material, framed by the experiment's camera.
     pub fn request(&self, point: &Point) -> RenderRequest {
         let request = self.seeded_request(point, cell_seed(&self.config, point));
         RenderRequest { reference_error: cell_error(&self.config, point), ..request }
     }
 
-    /// What to render for the point of a reference ([`Plan::reference_point`]).
+    /// The request for the point of a reference ([`Plan::reference_point`]).
     pub fn reference_request(&self, point: &Point) -> RenderRequest {
         self.seeded_request(point, self.config.seed)
     }
@@ -223,7 +223,7 @@ impl Plan {
         self.config.axes.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| sweep.axis)
     }
 
-    /// What is odd but no fault, each with its place: exclusions that leave nothing out, usually a slip in the file, values of exclusions that
+    /// Warnings, each with its place: exclusions that leave nothing out, usually a slip in the file, values of exclusions that
     /// their axis does not have beside some that it has, and images that some
     /// devices refuse.
     pub fn warnings(&self) -> Vec<String> {

@@ -67,7 +67,7 @@ pub fn experiment_hash(text: &str) -> String {
     blake3::hash(text.as_bytes()).to_hex().to_string()
 }
 
-/// What of a provenance tells of the experiment file and not of its cells.
+/// Keys of a provenance that tell of the experiment file, not of its cells.
 const OF_THE_FILE: [&str; 9] = [
     "question",
     "asks",

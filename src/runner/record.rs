@@ -1,4 +1,4 @@
-//! What a run keeps of each cell and each reference.
+//! Records of cells and references.
 
 pub use super::scores::{Exact, Scores};
 
@@ -19,7 +19,7 @@ pub struct ReferenceStop {
     pub stopped_by: StopReason,
 }
 
-/// What ended a reference.
+/// The reason why a reference stopped.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StopReason {
@@ -52,7 +52,7 @@ impl ReferenceStop {
     }
 }
 
-/// What is kept of one finished cell.
+/// The record of a finished cell.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct CellRecord {
     pub cell: String,
@@ -114,7 +114,7 @@ pub struct BinRecord {
     pub scores: Scores,
 }
 
-/// What a run keeps in memory of a finished cell: what its tables and sheets say of it. The plan knows its axes, the disk the rest.
+/// The part of a record that a run keeps in memory, for its tables and sheets. The plan knows the axes, the disk the rest.
 #[derive(Clone, Debug)]
 pub struct CellOutcome {
     pub scores: Scores,

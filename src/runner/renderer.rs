@@ -1,4 +1,4 @@
-//! What a run needs of a renderer, so that runs can be tested without a device.
+//! The renderer as a run sees it, so that runs can be tested without a device.
 
 use crate::pipeline::{
     DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, SharedWork, TimingSamples,
@@ -19,7 +19,7 @@ pub struct RenderFault {
 
 /// Renders, tone-maps and times.
 pub trait Renderer {
-    /// What it renders on.
+    /// The device.
     fn device(&self) -> DeviceInfo;
     /// Whether a request can be served, as far as that can be told before any work.
     fn check(&self, request: &RenderRequest) -> Result<(), RenderFault>;
@@ -40,7 +40,7 @@ pub trait Renderer {
     ) -> Result<TimingSamples, RenderFault>;
     /// Host time in which the device worked or was waited for so far, ms.
     fn waited_ms(&self) -> f64;
-    /// What was made once for several images so far, and what of it the disk had.
+    /// Work done once for several images so far, and the part of it that the disk had.
     fn shared_work(&self) -> SharedWork;
     /// Warnings since the last call. None is a fault of a cell.
     fn take_warnings(&mut self) -> Vec<String>;

@@ -14,7 +14,7 @@ use crate::tonemap::ToneCurve;
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// What a cell is judged against.
+/// The reference of a cell.
 #[derive(Debug)]
 pub struct ReferenceImage {
     pub radiance: RgbImage,
@@ -25,7 +25,7 @@ pub struct ReferenceImage {
     /// The frame itself, unless the image was read back from an earlier invocation.
     pub rendered: Option<Arc<Frame>>,
     noise_floors: OnceLock<Result<Scores, String>>,
-    /// What display metrics see of it, by tone curve; of the last few, since a sweep takes them one after the other.
+    /// Its display images by tone curve; of the last few, since a sweep takes them one after the other.
     displays: Mutex<Vec<(ToneCurve, Arc<Displayed>)>>,
 }
 
@@ -107,7 +107,7 @@ pub struct Rendered<'p> {
     /// Display images of test and reference.
     pub pictures: [Arc<Rgb8Image>; 2],
     pub bias_variance: Option<BiasVariance>,
-    /// What cells that differ in the tone curve only share.
+    /// Scores that cells share which differ in the tone curve only.
     pub linear: Arc<OnceLock<Linear>>,
 }
 

@@ -3,13 +3,13 @@
 //! A guard against damage, and against a figure that somebody corrected by hand and forgot: not against malice, since who changes a
 //! figure can make a new hash as well.
 
-/// What stands between a record and its hash, and after it.
+/// The text between a record and its hash, and after it.
 const BEFORE: &str = ",\n  \"checksum\": \"";
 const AFTER: &str = "\"\n}\n";
 /// The end of an indented object.
 const END: &str = "\n}\n";
 
-/// What a record's checksum says.
+/// The state of a record's checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seal {
     /// Every byte is as it was written.

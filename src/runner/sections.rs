@@ -1,11 +1,10 @@
-//! The sections of an experiment file beside its axes: exclusions, timing, bias and variance, tables, lights.
+//! The sections of an experiment file beside its axes: exclusions, timing, bias and variance, tables.
 
 use super::axis::{AXES, Named, index_of, is_precompute};
-use super::config::{COORDINATE, Config, Exclusion, LIGHT_COLOR, Placed, Timing, Warmup, light, unknown_axis};
+use super::config::{Config, Exclusion, Placed, Timing, Warmup, unknown_axis};
 use super::fault::{Faults, Place};
 use super::toml_tree::{checked, checked_as, list, raw, table, unknown_key};
 use super::value::{Kind, Raw};
-use crate::scene::LightKind;
 use toml::Spanned;
 use toml::de::DeValue;
 
@@ -112,41 +111,6 @@ impl Config {
                     let names: Vec<&str> = AXES.iter().filter(|a| is_precompute(a)).map(|a| a.name).collect();
                     unknown_key(&place, "precompute.", key, &names, faults);
                 }
-            }
-        }
-    }
-
-    pub(super) fn read_lights(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        for item in list(value, "lights", faults) {
-            let at = Place::File(item.span().start);
-            let (mut kind, mut vector, mut color) = (None, None, None);
-            for (key, value, place) in table(item, "lights", faults) {
-                match key {
-                    "kind" => {
-                        let names = Kind::Name { what: "kind of light", names: || vec!["directional", "point"] };
-                        kind = checked(names, "lights.kind", value, faults).map(|v| v.text().to_owned());
-                    }
-                    "direction" | "position" => {
-                        let name = format!("lights.{key}");
-                        vector = checked(Kind::Color(COORDINATE), &name, value, faults).map(|v| (key, v.color()));
-                    }
-                    "color" => {
-                        color = checked(Kind::Color(LIGHT_COLOR), "lights.color", value, faults).map(|v| v.color());
-                    }
-                    _ => unknown_key(&place, "lights.", key, &["kind", "direction", "position", "color"], faults),
-                }
-            }
-            let light = match (kind.as_deref(), vector) {
-                (Some("directional"), Some(("direction", d))) => light(LightKind::Directional, d, color),
-                (Some("point"), Some(("position", p))) => light(LightKind::Point, p, color),
-                _ => Err("needs kind = \"directional\" with direction, or kind = \"point\" with position".to_owned()),
-            };
-            match light {
-                Ok(light) => {
-                    self.lights.push(light);
-                    self.light_places.push(at);
-                }
-                Err(fault) => faults.add(&at, format!("lights: {fault}")),
             }
         }
     }

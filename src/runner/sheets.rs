@@ -25,7 +25,7 @@ const PAGE_WIDTH_MAX: u32 = 2600;
 pub const PUBLISHED_SIZE: [u32; 2] = [1200, 2400];
 /// Why a sheet can be drawn.
 const EVEN_SHEET: &str = "every row of a sheet has one tile a column, all of one size";
-/// What a page needs beside its tiles: margins and row labels.
+/// Room on a page beside its tiles: margins and row labels.
 const PAGE_OVERHEAD: u32 = 240;
 /// Room between two columns, group gaps included.
 const COLUMN_GAP: u32 = 8;
@@ -156,7 +156,7 @@ struct Page<'p> {
     tiles: TileSize,
 }
 
-/// What a row shows of its cells.
+/// The kind of picture in a row.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Display,

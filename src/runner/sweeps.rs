@@ -152,7 +152,7 @@ impl Config {
         })
     }
 
-    /// What tables call each environment.
+    /// The name of each environment in tables.
     pub fn environment_names(&self) -> BTreeMap<String, String> {
         short_names(self.values(ENVIRONMENT).map(|(value, _)| value.text()))
     }

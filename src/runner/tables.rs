@@ -14,7 +14,7 @@ use crate::metrics::{BiasVariance, METRICS, linear_metrics};
 use crate::table::csv::Cell as Field;
 use std::collections::BTreeMap;
 
-/// What is known of a cell that was tried.
+/// The result of a cell that was tried.
 #[derive(Clone, Debug)]
 pub enum CellResult {
     Done(Box<CellOutcome>),

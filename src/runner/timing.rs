@@ -79,7 +79,7 @@ pub const FRAME: &str = "frame";
 /// A configuration that is not stable after a warm-up of this length is timed all the same; its drift stands in the table.
 pub const WARMUP_TIME_MAX: Duration = Duration::from_secs(3);
 
-/// What is to be timed, block after block in plan order; nothing without `[timing]`.
+/// Configurations to time, block after block in plan order; nothing without `[timing]`.
 pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
     let Some(timing) = plan.config.timing else { return Vec::new() };
     let mut seen = BTreeSet::new();
@@ -246,7 +246,7 @@ impl TimingRecord {
         }
     }
 
-    /// What to be wary of, as words with spaces: `few-samples`, `drift`, `outliers`, `throttled`; empty for nothing.
+    /// Cautions, as words with spaces: `few-samples`, `drift`, `outliers`, `throttled`; empty for nothing.
     pub fn flags(&self, pass: &PassSamples) -> String {
         let (n, (middle, mad)) = (pass.ms.len(), centre(&pass.ms));
         let moved = self.trend(pass) / 100.0 * self.minutes();

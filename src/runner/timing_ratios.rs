@@ -10,7 +10,7 @@ use std::fmt;
 /// Times closer than this count as the same: below it neither is worth a choice.
 const SAME_WITHIN: f64 = 0.02;
 
-/// What an interval of a ratio of times says of the first method.
+/// The verdict of an interval of a ratio of times on the first method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     Fast,
@@ -75,12 +75,12 @@ impl Ratio<'_> {
     }
 }
 
-/// What one set of tables costs behind a pair of methods.
+/// The cost of one set of tables behind a pair of methods.
 #[derive(Clone, Debug)]
 pub struct TableCost {
     /// The axes of both frames and of their tables, without method and sample count.
     pub key: Key,
-    /// What the tables of `fixed` cost beyond those of `sampled`, ms; NaN where they were not timed.
+    /// Cost of the tables of `fixed` beyond those of `sampled`, ms; NaN where they were not timed.
     pub ms: f64,
     pub payback: Payback,
 }
@@ -174,7 +174,7 @@ fn is_same_device(a: &TimingRecord, b: &TimingRecord) -> bool {
     (&a.device, &a.driver) == (&b.device, &b.driver)
 }
 
-/// What each set of tables of `fixed` costs beyond that of `sampled` with the same parameters, median ms, with its key.
+/// The cost of each set of tables of `fixed` beyond that of `sampled` with the same parameters, median ms, with its key.
 fn costs(records: &[TimingRecord], fixed: &TimingRecord, sampled: &TimingRecord) -> Vec<(Key, f64)> {
     // A method without any tables was timed, too: they cost nothing.
     let ms = |record: &TimingRecord| if record.passes.is_empty() { 0.0 } else { median(&record.sums_ms()) };

@@ -42,7 +42,7 @@ pub fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<Entry<'t, 'i>> {
     entries.into_iter().map(|(offset, key, value)| (key, value, Place::File(offset))).collect()
 }
 
-/// What the parser says of a key that stands twice in one table.
+/// The parser's message for a key that stands twice in one table.
 const TWICE: &str = "duplicate key";
 
 /// For the parser's fault of a second key, that key and where the first one is: the nearest before it of that name, and for a table's header
@@ -177,7 +177,7 @@ pub fn texts(value: &Spanned<DeValue>, name: &str, faults: &mut Faults) -> Vec<(
     texts
 }
 
-/// What is written, before it is checked.
+/// The value as written, before it is checked.
 pub fn raw(value: &DeValue) -> Raw {
     match value {
         DeValue::String(text) => Raw::Text(text.to_string()),

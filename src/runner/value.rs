@@ -174,7 +174,7 @@ impl Raw {
     }
 }
 
-/// What a parameter accepts.
+/// The values that a parameter accepts.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     Number(Range),

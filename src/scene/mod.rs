@@ -15,6 +15,7 @@ pub use mesh::Mesh;
 pub use obj::SceneFiles;
 
 use crate::pixels::RgbImage;
+use crate::spelling::suggestion;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
@@ -69,13 +70,6 @@ fn known_names() -> String {
     SCENES.iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ")
 }
 
-/// The built-in name nearest to what was written, as the end of a message; empty when none is near.
-fn suggestion(name: &str) -> String {
-    let distance = |entry: &&SceneEntry| strsim::damerau_levenshtein(&name.to_lowercase(), entry.name);
-    let nearest = SCENES.iter().min_by_key(distance).filter(|entry| distance(entry) <= 1 + entry.name.len() / 3);
-    nearest.map(|entry| format!("; did you mean \"{}\"?", entry.name)).unwrap_or_default()
-}
-
 impl Scene {
     /// The scene that `spec` names: an entry of [`SCENES`] or the path of an OBJ file, which is relative to `base_dir` unless absolute.
     pub fn load(spec: &str, base_dir: &Path) -> Result<Self, SceneError> {
@@ -87,7 +81,10 @@ impl Scene {
         match extension.as_deref() {
             Some("obj") => obj::load(spec, &path, &obj::Disk),
             Some(_) if path.exists() => Err(SceneError::Format { path }),
-            _ => Err(SceneError::Unknown { name: spec.to_owned(), suggestion: suggestion(spec) }),
+            _ => {
+                let names: Vec<&str> = SCENES.iter().map(|entry| entry.name).collect();
+                Err(SceneError::Unknown { name: spec.to_owned(), suggestion: suggestion(spec, &names) })
+            }
         }
     }
 

@@ -10,6 +10,7 @@ mod studio;
 
 use super::error::EnvironmentError;
 use crate::pixels::{ENVIRONMENT_TEXELS_MAX, RgbImage};
+use crate::spelling;
 
 /// Marks a spec as the name of a formula.
 pub const BUILTIN_PREFIX: &str = "builtin:";
@@ -50,24 +51,13 @@ impl Values {
     }
 }
 
-/// Distance, as a share of equal letters, up to which a name counts as misspelt.
-const SIMILARITY_FLOOR: f64 = 0.6;
-
-fn nearest_of(word: &str, names: impl Iterator<Item = &'static str>) -> Option<&'static str> {
-    names
-        .map(|name| (strsim::jaro_winkler(&word.to_lowercase(), name), name))
-        .filter(|(similarity, _)| *similarity >= SIMILARITY_FLOOR)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| name)
-}
-
 /// The builtin whose name resembles `word`.
 pub(super) fn nearest(word: &str) -> Option<&'static str> {
-    nearest_of(word, BUILTINS.iter().map(|builtin| builtin.name))
+    spelling::nearest(word, &BUILTINS.iter().map(|builtin| builtin.name).collect::<Vec<_>>())
 }
 
 fn hint(word: &str, names: &[&'static str]) -> String {
-    match nearest_of(word, names.iter().copied()) {
+    match spelling::nearest(word, names) {
         Some(name) => format!("did you mean {name:?}? Known: {}", names.join(", ")),
         None if names.is_empty() => "it takes none".to_owned(),
         None => format!("known: {}", names.join(", ")),

@@ -1,4 +1,6 @@
 //! The list of all axes.
+//!
+//! Long because each axis stands here whole: splitting the list would hide its order, which is that of columns.
 
 use super::{Axis, Part, Sheet, Spelling, Symbol, Used, diffuse, method};
 use crate::brdf::{self, MaskingShadowing};
@@ -20,7 +22,7 @@ pub const PREFILTER: &str = "prefilter";
 pub const DFG: &str = "dfg";
 pub const IRRADIANCE: &str = "irradiance";
 
-/// What most axes share; entries override what differs.
+/// An axis without peculiarities; entries override what differs.
 const PLAIN: Axis = Axis {
     name: "",
     about: "",
@@ -42,6 +44,9 @@ const PLAIN: Axis = Axis {
     reference: |_, value| value.clone(),
     apply: |_, _| {},
 };
+
+/// A setting of the tables that a method looks up.
+const TABLE: Axis = Axis { part: Part::Table, tables_cost: true, ..PLAIN };
 
 /// Every axis, in the order of the columns that an experiment does not name itself.
 pub static AXES: &[Axis] = LIST;
@@ -301,124 +306,100 @@ const LIST: &[Axis] = &[
             named: || LEVEL_BIASES.iter().map(|bias| (bias.name, bias.levels)).collect(),
         },
         default: || Value::Number(0.0),
-        reference: |_, _| Value::Number(0.0),
         apply: |s, v| s.lod_bias = v.number() as f32,
         ..PLAIN
     },
     Axis {
         name: "prefilter_size",
-        part: Part::Table,
         about: "width and height of the prefiltered map's first level",
         plural: "prefilter sizes",
-        tables_cost: true,
         needs_memory: true,
         feeds: &[PREFILTER],
         used: |u| u.method.uses_prefiltered,
         kind: Kind::Pair { min: 8, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().prefilter_size),
-        reference: |_, _| Value::Pair(PrecomputeSettings::default().prefilter_size),
         apply: |s, v| s.precompute.prefilter_size = v.pair(),
-        ..PLAIN
+        ..TABLE
     },
     Axis {
         name: "prefilter_level_count",
-        part: Part::Table,
         about: "levels of the prefiltered map",
         plural: "level counts",
         symbol: Symbol::After("lv", "levels"),
-        tables_cost: true,
         feeds: &[PREFILTER],
         used: |u| u.method.uses_prefiltered,
         kind: Kind::Count { min: 2, max: 12 },
         default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
-        reference: |_, _| Value::Count(PrecomputeSettings::default().prefilter_level_count),
         apply: |s, v| s.precompute.prefilter_level_count = v.count(),
-        ..PLAIN
+        ..TABLE
     },
     Axis {
         name: "prefilter_sample_count",
-        part: Part::Table,
         about: "samples a texel of the prefiltered map",
         plural: "prefilter sample counts",
         symbol: Symbol::After("spp", "samples"),
-        tables_cost: true,
         feeds: &[PREFILTER],
         used: |u| u.method.uses_prefiltered,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
-        reference: |_, _| Value::Count(PrecomputeSettings::default().prefilter_sample_count),
         apply: |s, v| s.precompute.prefilter_sample_count = v.count(),
-        ..PLAIN
+        ..TABLE
     },
     Axis {
         name: "dfg_size",
-        part: Part::Table,
         about: "side of the DFG table",
         plural: "DFG sizes",
         symbol: Symbol::Before("DFG"),
-        tables_cost: true,
         needs_memory: true,
         feeds: &[DFG],
         used: Used::needs_dfg,
         kind: Kind::Count { min: 2, max: SIDE_MAX },
         default: || Value::Count(PrecomputeSettings::default().dfg_size),
-        reference: |_, _| Value::Count(PrecomputeSettings::default().dfg_size),
         apply: |s, v| s.precompute.dfg_size = v.count(),
-        ..PLAIN
+        ..TABLE
     },
     Axis {
         name: "dfg_sample_count",
-        part: Part::Table,
         about: "samples a texel of the DFG table",
         plural: "DFG sample counts",
         symbol: Symbol::After("DFG spp", "DFG samples"),
-        tables_cost: true,
         feeds: &[DFG],
         used: Used::needs_dfg,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().dfg_sample_count),
-        reference: |_, _| Value::Count(PrecomputeSettings::default().dfg_sample_count),
         apply: |s, v| s.precompute.dfg_sample_count = v.count(),
-        ..PLAIN
+        ..TABLE
     },
     Axis {
         name: "irradiance_size",
-        part: Part::Table,
         about: "width and height of the irradiance map",
         plural: "irradiance map sizes",
         symbol: Symbol::Before("irradiance"),
-        tables_cost: true,
         needs_memory: true,
         feeds: &[IRRADIANCE],
         used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
         kind: Kind::Pair { min: 2, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_size),
-        reference: |_, _| Value::Pair(PrecomputeSettings::default().irradiance_size),
         apply: |s, v| s.precompute.irradiance_size = v.pair(),
-        ..PLAIN
+        ..TABLE
     },
     Axis {
         name: "irradiance_sample_count",
-        part: Part::Table,
         about: "azimuth and polar samples a texel of the irradiance map",
         plural: "irradiance sample counts",
         symbol: Symbol::After("irradiance spp", "irradiance samples"),
-        tables_cost: true,
         feeds: &[IRRADIANCE],
         used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
         kind: Kind::Pair { min: 1, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
-        reference: |_, _| Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
         apply: |s, v| s.precompute.irradiance_sample_count = v.pair(),
-        ..PLAIN
+        ..TABLE
     },
     Axis {
         name: "storage_format",
-        part: Part::Table,
         about: "numbers of the prefiltered map, the DFG table and the irradiance map on the device; f16 ends at 65504",
         plural: "storage formats",
         frames_cost: true,
-        tables_cost: true,
         is_compared: true,
         feeds: &[PREFILTER, DFG, IRRADIANCE],
         used: |u| {
@@ -427,12 +408,11 @@ const LIST: &[Axis] = &[
         },
         kind: Kind::Name { what: "format", names: || StorageFormat::ALL.iter().map(|(name, _)| *name).collect() },
         default: || Value::Text(StorageFormat::ALL[0].0.to_owned()),
-        reference: |_, _| Value::Text(StorageFormat::ALL[0].0.to_owned()),
         apply: |s, v| {
             let named = StorageFormat::ALL.iter().find(|(name, _)| *name == v.text());
             s.precompute.storage = named.expect("the plan checked the format's name").1;
         },
-        ..PLAIN
+        ..TABLE
     },
 ];
 

@@ -19,7 +19,7 @@ use crate::tonemap::ToneCurve;
 use std::ops::{Index, IndexMut};
 use std::sync::Arc;
 
-/// What one point of an experiment sets; the rest of a request (scene files, camera, lights) is the same for all points.
+/// The settings of one point. The rest of a request (camera, lights, seed) is the same for all points.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Width and height of the image.
@@ -47,7 +47,7 @@ pub struct Settings {
     pub curve: ToneCurve,
 }
 
-/// What every point of an experiment shares.
+/// The part of a request that all points of an experiment share.
 #[derive(Clone, Debug)]
 pub struct View {
     pub camera: CameraKind,
@@ -61,7 +61,7 @@ pub struct View {
 }
 
 impl Settings {
-    /// What to render: `scene` with the settings' material, framed by the view's camera.
+    /// The request: `scene` with the settings' material, framed by the view's camera.
     pub fn request(self, environment: &Arc<Environment>, scene: &Scene, view: &View) -> RenderRequest {
         let scene = Arc::new(scene.apply(&self.material));
         RenderRequest {
@@ -126,7 +126,7 @@ impl Default for Reference {
     }
 }
 
-/// What the values of an axis tell apart.
+/// The role of an axis: the thing that its values tell apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// Cases: what is seen, in which light. The reference takes the same value.
@@ -176,7 +176,7 @@ pub struct Axis {
     /// Word beside a value in labels.
     pub symbol: Symbol,
     pub kind: Kind,
-    /// What the axis tells apart.
+    /// Its role.
     pub part: Part,
     /// Where contact sheets show its values.
     pub sheet: Sheet,
@@ -200,13 +200,13 @@ pub struct Axis {
     pub default: fn() -> Value,
     /// Whether the parameter changes the image at this point; where not, its values collapse into one cell.
     pub used: fn(&Used) -> bool,
-    /// The value that the reference of a point with this value takes.
+    /// The value that the reference of a point with this value takes. Where it looks up a table, that is the default one.
     pub reference: fn(&Reference, &Value) -> Value,
     /// Writes a set value into the settings.
     pub apply: fn(&mut Settings, &Value),
 }
 
-/// What decides which parameters change an image.
+/// Facts that decide which parameters change an image.
 pub struct Used {
     pub method: &'static Method,
     pub diffuse: &'static Diffuse,
@@ -338,11 +338,14 @@ impl Point {
 
     /// The point of this point's reference, collapsed.
     pub fn reference(&self, reference: &Reference, has_lights: bool) -> Self {
-        let values = AXES.iter().zip(&self.0).map(|(axis, value)| (axis.reference)(reference, value));
+        let values = AXES.iter().zip(&self.0).map(|(axis, value)| match axis.part {
+            Part::Table => (axis.default)(),
+            _ => (axis.reference)(reference, value),
+        });
         Self(values.collect()).collapsed(has_lights)
     }
 
-    /// What the point means to the renderer.
+    /// The settings that the point stands for.
     pub fn settings(&self) -> Settings {
         let mut settings = Settings {
             size: [1, 1],

@@ -58,7 +58,7 @@ impl Named {
         self.spelling.map_or(self.entry().about, |spelling| spelling.about)
     }
 
-    /// What the name accepts.
+    /// Values that the name accepts.
     pub fn kind(self) -> Kind {
         self.spelling.map_or(self.entry().kind, |spelling| spelling.kind)
     }
@@ -84,7 +84,7 @@ pub fn columns(axis: usize) -> impl Iterator<Item = &'static str> {
     std::iter::once(AXES[axis].name).chain(second.map(|spelling| spelling.name))
 }
 
-/// What stands in the [`columns`] of an axis for its value; empty for an unset one.
+/// The fields of a value in the [`columns`] of its axis; empty for an unset one.
 pub fn fields(axis: usize, value: &Value) -> impl Iterator<Item = String> + use<> {
     let second = AXES[axis].spelling.as_ref().and_then(|spelling| spelling.of_axis);
     let of_second = second.map(|of_axis| if *value == Value::Unset { Value::Unset } else { of_axis(value) });
@@ -95,7 +95,7 @@ pub fn fields(axis: usize, value: &Value) -> impl Iterator<Item = String> + use<
 const AMBIGUOUS: &[(&str, &str)] =
     &[("roughness", "write perceptual_roughness (what materials store), or alpha, which is its square")];
 
-/// What an unknown name was meant to be among `names`, as the end of a sentence.
+/// The likely meaning of an unknown name among `names`, as the end of a sentence.
 pub fn hint(name: &str, names: &[&str]) -> String {
     match AMBIGUOUS.iter().find(|(known, _)| *known == name) {
         Some((_, hint)) => format!("; {hint}"),

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// What the file says it is.
+/// The file's own word for its format.
 const FORMAT: &str = "splitsum-plan";
 /// Counts up when the file or the way of cutting changes.
 const FORMAT_VERSION: u32 = 2;
@@ -46,7 +46,7 @@ pub struct PlanFile {
     inputs: BTreeMap<String, String>,
     plan_hash: String,
     pub chunk_seconds: f64,
-    /// What the work was priced with.
+    /// Prices of the work.
     pub prices: Prices,
     pub chunks: Vec<Chunk>,
 }

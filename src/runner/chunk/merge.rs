@@ -1,9 +1,10 @@
 //! Makes one run of the attempts at all chunks: the folder that `run` would have left on one machine.
 //!
-//! Every record carries a checksum and the hashes of its images, and all of them are checked before anything is written.
-//! Scores and images are a function of cell and device, so records of one cell from one device must agree to the last bit, the hashes of
-//! their images included; where they do not, something is wrong with a machine, and nothing is merged. Times are no such function: of several timings of a block the first is kept
-//! whole, and no table compares times of two devices.
+//! Every record carries a checksum and the hashes of its images. All are checked before anything is written. Scores and images depend on cell
+//! and device alone, so records of one cell from one device must agree to the last bit. Where they do not, a machine is at fault, and nothing
+//! is merged. Times do not repeat: of several timings of a block the first is kept whole, and no table compares times of two devices.
+//!
+//! Long because finding, checking, choosing and writing are steps of one operation, which has no use apart.
 
 use super::ChunkError;
 use super::agreement::differing_columns;
@@ -35,17 +36,17 @@ pub struct MergeOptions {
     pub trace: bool,
 }
 
-/// What a merge left.
+/// The outcome of a merge.
 #[derive(Debug)]
 pub struct Merged {
     pub outcome: Outcome,
     /// Chunks of which something is missing; empty when the run is whole.
     pub holes: Vec<Hole>,
-    /// What a reader of the tables should know, one sentence each.
+    /// Notes for a reader of the tables, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// What is missing of one chunk.
+/// The missing part of one chunk.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hole {
     pub chunk: usize,
@@ -154,7 +155,7 @@ fn find_cells(
     Ok(found)
 }
 
-/// What was read, where it is whole; a sentence for `damage` where it is not.
+/// The value that was read, where it is whole; else a sentence for `damage`.
 fn whole<T>(read: Result<Option<T>, StoreError>, damage: &mut Vec<String>) -> Result<Option<T>, StoreError> {
     match read {
         Err(error) if error.is_unusable_record() => {
@@ -248,7 +249,7 @@ fn disagreements(plan: &Plan, found: &BTreeMap<String, Vec<Found<CellRecord>>>) 
     sentences
 }
 
-/// What belongs to the chosen records.
+/// Files and references of the chosen records.
 struct Belongings {
     /// Where a whole copy of each file of `images/` stands, with its content hash where a record tells it.
     files: BTreeMap<String, (PathBuf, Option<String>)>,
@@ -383,7 +384,7 @@ fn write_provenance<'a>(
     out.write_text(&out.dir().join(EXPERIMENT_FILE), &plan.config.text)
 }
 
-/// What the run's folder lacks, by chunk.
+/// The missing parts of the run, by chunk.
 fn holes(file: &PlanFile, plan: &Plan, out: &Store, attempts: &[Vec<Attempt>]) -> Result<Vec<Hole>, StoreError> {
     let by_id: BTreeMap<&str, &Cell> = plan.cells.iter().map(|cell| (cell.id.as_str(), cell)).collect();
     let jobs = timing::jobs(plan);

@@ -1,4 +1,4 @@
-//! What work is priced with. A plan file holds its prices, so that its chunks follow from it alone.
+//! Prices of work. A plan file holds its prices, so that its chunks follow from it alone.
 
 use crate::runner::estimate::{Host, Item, Line, Part, Source, Speeds, constants_at, items, line_of};
 use crate::runner::plan::{Cell, Plan};

@@ -13,7 +13,7 @@ use crate::runner::timing::{self, TimingJob};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What one process does.
+/// The work of one process.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chunk {
@@ -56,7 +56,7 @@ struct Load<'p> {
 }
 
 impl Load<'_> {
-    /// What a unit would add.
+    /// Seconds that a unit would add.
     fn extra(&self, unit: &Unit) -> f64 {
         let shared = unit.shared.iter().filter(|(name, _)| !self.shared.contains(*name)).map(|(_, seconds)| seconds);
         unit.seconds + shared.sum::<f64>()

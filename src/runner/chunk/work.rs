@@ -23,13 +23,13 @@ pub struct ChunkOptions<'a> {
     pub store: PathBuf,
     /// Set from outside to stop after the current cell.
     pub stop: &'a AtomicBool,
-    /// What the user typed, for the provenance.
+    /// The command line, for the provenance.
     pub command_line: Vec<String>,
     /// Ends the chunk at the first cell that fails.
     pub fail_fast: bool,
 }
 
-/// What a chunk left.
+/// The outcome of a chunk.
 #[derive(Debug)]
 pub struct ChunkOutcome {
     /// Cells of the chunk.
@@ -75,7 +75,7 @@ pub fn run_chunk(
     Ok(ChunkOutcome { cell_count: chunk.cells.len(), failures, is_stopped })
 }
 
-/// What no attempt has finished: a record that is not whole counts for nothing. A block of timings counts when one attempt holds all of it: its samples belong together.
+/// The work that no attempt has finished: a record that is not whole counts for nothing. A block of timings counts when one attempt holds all of it: its samples belong together.
 fn left(chunk: &Chunk, plan: &Plan, attempts: &[Attempt]) -> Result<Share, ChunkError> {
     let mut share = Share { cells: chunk.cells.iter().cloned().collect(), timings: BTreeSet::new(), has_live: false };
     let mut blocks = chunk.blocks(&timing::jobs(plan));

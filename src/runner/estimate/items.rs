@@ -8,7 +8,7 @@ use crate::runner::plan::{Cell, Plan};
 use crate::runner::timing::{FRAME, TimingJob, WARMUP_TIME_MAX};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What an item is part of.
+/// The part of a run that an item belongs to.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 pub enum Part {
     References,
@@ -79,7 +79,7 @@ impl Item {
         all_tables(plan, point).into_iter().map(|(key, kind, samples)| (key, item(kind, samples))).collect()
     }
 
-    /// What a cell takes beside its images; `is_first` of those that share one.
+    /// The work of a cell beside its images; `is_first` of those that share one.
     pub fn cell(plan: &Plan, cell: &Cell, is_first: bool) -> [Self; 3] {
         let pixels = Amount { pixels: amount(plan, &cell.point).pixels, samples: 0.0 };
         [
@@ -182,7 +182,7 @@ pub fn all_tables(plan: &Plan, point: &Point) -> Vec<(String, String, f64)> {
     reads.into_iter().filter(|(_, is_read)| *is_read).map(table).collect()
 }
 
-/// What is left when these cells and timings are. References in `kept` need not be made: a cache has them.
+/// The work of these cells and timings. References in `kept` stand in a cache and are no work.
 pub fn items(plan: &Plan, cells: &[&Cell], jobs: &[TimingJob], kept: &BTreeSet<&str>) -> Vec<Item> {
     let mut items = Vec::new();
     let mut seen: BTreeSet<String> = BTreeSet::new();

@@ -49,7 +49,7 @@ pub struct PartEstimate {
     pub sources: BTreeMap<Source, f64>,
 }
 
-/// What is left of a run.
+/// The cost of the rest of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Estimate {
     pub parts: BTreeMap<Part, PartEstimate>,

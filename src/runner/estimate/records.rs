@@ -13,7 +13,7 @@ use crate::runner::value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// What the records of some folders tell.
+/// Speeds from the records of some folders.
 #[derive(Clone, Debug, Default)]
 pub struct Recorded {
     pub speeds: Speeds,

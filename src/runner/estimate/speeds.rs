@@ -1,4 +1,4 @@
-//! What a unit of work takes: lines fitted to measurements.
+//! Seconds of a unit of work: lines fitted to measurements.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

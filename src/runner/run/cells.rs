@@ -2,6 +2,8 @@
 //!
 //! The device belongs to this thread. Scores and files are made by others meanwhile, in any order; what they did is kept in the order of
 //! the work, so that a record never comes before the images it stands for.
+//!
+//! Long because rendering, the queue and what comes back share one order, which is easiest checked in one place.
 
 use super::{Progress, Run, RunError, cell_result, milliseconds};
 use crate::files::content_hash;
@@ -38,7 +40,7 @@ enum Job<'p> {
     Score { rendered: Box<Rendered<'p>>, spent: Spent },
 }
 
-/// What a job led to.
+/// The result of a job.
 enum Done<'p> {
     /// Name and content hash of an image that is there now.
     Kept(String, String),
@@ -48,7 +50,7 @@ enum Done<'p> {
     Scored(&'p Cell, Box<Result<CellRecord, String>>),
 }
 
-/// What a job led to, or the fault of a file.
+/// The result of a job, or the fault of a file.
 type Answer<'p> = Result<Done<'p>, StoreError>;
 
 /// Where work is handed in and results come back, numbered in the order of the work.
@@ -335,7 +337,7 @@ fn queue_length(plan: &Plan) -> usize {
     (QUEUE_PIXELS / largest).clamp(*QUEUE_LENGTHS.start(), *QUEUE_LENGTHS.end()) as usize
 }
 
-/// What each of the other threads needs.
+/// The state of each of the other threads.
 #[derive(Clone, Copy)]
 struct Worker<'w, 'p> {
     queue: &'w Mutex<Receiver<(usize, Job<'p>)>>,

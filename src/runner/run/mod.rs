@@ -35,7 +35,7 @@ pub struct RunOptions<'a> {
     pub dir: PathBuf,
     /// Set from outside to stop after the current cell.
     pub stop: &'a AtomicBool,
-    /// What the user typed, for the provenance.
+    /// The command line, for the provenance.
     pub command_line: Vec<String>,
     /// Ends the run at the first cell that fails, instead of going on with the others.
     pub fail_fast: bool,
@@ -65,7 +65,7 @@ pub enum RunError {
     NoRenderer(String),
 }
 
-/// What one process does of a plan whose other parts are done elsewhere.
+/// The part of a plan that one process does.
 #[derive(Debug, Default)]
 pub struct Share {
     /// Ids of cells.

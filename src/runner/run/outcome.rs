@@ -1,4 +1,4 @@
-//! What a run left, and what it took.
+//! The outcome of a run.
 
 use crate::pipeline::{SharedWork, Tally};
 use crate::runner::store::FailureRecord;
@@ -6,7 +6,7 @@ use crate::runner::tables::Results;
 use crate::runner::timing::TimingRecord;
 use std::path::PathBuf;
 
-/// What a run left.
+/// The outcome of a run.
 #[derive(Debug)]
 pub struct Outcome {
     pub dir: PathBuf,
@@ -17,11 +17,11 @@ pub struct Outcome {
     pub failures: Vec<FailureRecord>,
     /// Whether it was stopped before all steps were tried.
     pub is_stopped: bool,
-    /// What this invocation did; nothing where all was done before.
+    /// The work of this invocation; nothing where all was done before.
     pub work: Option<Work>,
 }
 
-/// What an invocation spent and shared.
+/// Time and shared work of an invocation.
 #[derive(Clone, Debug, Default)]
 pub struct Work {
     /// Host time in which the device worked or was waited for, ms.

@@ -1,4 +1,4 @@
-//! What a run keeps of where it comes from: the frozen experiment, and an entry in the provenance for each invocation that did work.
+//! The origin of a run: the frozen experiment, and an entry in the provenance for each invocation that did work.
 
 use super::{Progress, Run, RunError, Work, milliseconds};
 use crate::pipeline::DeviceInfo;

@@ -1,4 +1,4 @@
-//! What can be wrong with the folder of a run.
+//! Faults of the folder of a run.
 
 use crate::pixels::PixelsError;
 use crate::runner::provenance::ProvenanceError;

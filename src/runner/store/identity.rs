@@ -13,7 +13,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// What a run of another plan of the same experiment leaves for a plan that has all of its cells.
+/// A run of another plan of the same experiment, seen by a plan that has all of its cells.
 #[derive(Clone, Debug)]
 pub struct Extension {
     /// `provenance.json` of the run.
@@ -39,7 +39,7 @@ impl Store {
         }
     }
 
-    /// What the run in the folder leaves for this plan, where it is one of another plan that the plan extends; `None` where it is one of this
+    /// The [`Extension`] of the run in the folder, where it is one of another plan that the plan extends; `None` where it is one of this
     /// plan, or none at all. Fails when the folder holds something else.
     pub fn extension(&self, plan: &Plan) -> Result<Option<Extension>, StoreError> {
         if self.dir.is_file() {

@@ -289,7 +289,7 @@ struct Named<'r, T> {
     content: &'r T,
 }
 
-/// What a record says of itself.
+/// The name in a record.
 #[derive(Deserialize)]
 struct NameOnly {
     #[serde(default)]

@@ -1,0 +1,67 @@
+//! Analytic lights of an experiment, as written in a file or after a flag.
+
+use super::config::Config;
+use super::fault::{Faults, Place};
+use super::toml_tree::{checked, list, table, unknown_key};
+use super::value::{Kind, Range};
+use crate::scene::{Light, LightKind};
+use glam::DVec3;
+use toml::Spanned;
+use toml::de::DeValue;
+
+/// Radiance and irradiance of analytic lights.
+pub const LIGHT_COLOR: Range = Range::closed(0.0, 1e9);
+const COORDINATE: Range = Range::closed(-1e9, 1e9);
+
+impl Config {
+    pub(super) fn read_lights(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        for item in list(value, "lights", faults) {
+            let at = Place::File(item.span().start);
+            let (mut kind, mut vector, mut color) = (None, None, None);
+            for (key, value, place) in table(item, "lights", faults) {
+                match key {
+                    "kind" => {
+                        let names = Kind::Name { what: "kind of light", names: || vec!["directional", "point"] };
+                        kind = checked(names, "lights.kind", value, faults).map(|v| v.text().to_owned());
+                    }
+                    "direction" | "position" => {
+                        let name = format!("lights.{key}");
+                        vector = checked(Kind::Color(COORDINATE), &name, value, faults).map(|v| (key, v.color()));
+                    }
+                    "color" => {
+                        color = checked(Kind::Color(LIGHT_COLOR), "lights.color", value, faults).map(|v| v.color());
+                    }
+                    _ => unknown_key(&place, "lights.", key, &["kind", "direction", "position", "color"], faults),
+                }
+            }
+            let light = match (kind.as_deref(), vector) {
+                (Some("directional"), Some(("direction", d))) => light(LightKind::Directional, d, color),
+                (Some("point"), Some(("position", p))) => light(LightKind::Point, p, color),
+                _ => Err("needs kind = \"directional\" with direction, or kind = \"point\" with position".to_owned()),
+            };
+            match light {
+                Ok(light) => {
+                    self.lights.push(light);
+                    self.light_places.push(at);
+                }
+                Err(fault) => faults.add(&at, format!("lights: {fault}")),
+            }
+        }
+    }
+}
+
+/// A light from its checked parts, or what is wrong with it.
+pub fn light(kind: LightKind, vector: [f32; 3], color: Option<[f32; 3]>) -> Result<Light, String> {
+    let color = color.ok_or("color is missing")?;
+    let vector = DVec3::from(vector.map(f64::from));
+    let position_or_direction = match kind {
+        LightKind::Directional => vector.try_normalize().ok_or("direction must not be zero")?,
+        LightKind::Point => vector,
+    };
+    Ok(Light { kind, position_or_direction, color })
+}
+
+/// The three numbers of a position or direction given as text `x,y,z`.
+pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
+    Kind::Color(COORDINATE).parse_text(text).map(|v| v.color()).map_err(|_| format!("{text:?} is not x,y,z"))
+}
