@@ -14,9 +14,9 @@
 //!   Cartography and Geographic Information Science 30(1), 2003.
 //! - Burley12: B. Burley, "Physically-Based Shading at Disney", SIGGRAPH 2012 course notes.
 //! - Burley20: B. Burley, "Practical Hash-based Owen Scrambling", Journal of Computer Graphics Techniques 9(4), 2020.
+//! - Cigolle14: Z. H. Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014.
 //! - Clarberg08: P. Clarberg and T. Akenine-Möller, "Practical Product Importance Sampling for Direct Illumination", Computer Graphics
 //!   Forum 27(2), 2008.
-//! - Cigolle14: Z. H. Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014.
 //! - Colbert07: M. Colbert and J. Křivánek, "GPU-Based Importance Sampling", GPU Gems 3, chapter 20, 2007.
 //! - CranleyPatterson76: R. Cranley and T. N. L. Patterson, "Randomization of Number Theoretic Methods for Multiple Integration", SIAM
 //!   Journal on Numerical Analysis 13(6), 1976.

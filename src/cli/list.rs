@@ -1,11 +1,13 @@
 //! `splitsum list`: every name that can be written in a file or after a flag.
 
-use super::{Failure, print};
+use super::{Failure, print, print_data};
 use clap::{Args, ValueEnum};
 use splitsum::environment::{BUILTINS, FORMATS};
 use splitsum::math::sequence::SEQUENCES;
 use splitsum::runner::axis::Named;
 use splitsum::shade::level_bias::LEVEL_BIASES;
+use splitsum::study::columns;
+use splitsum::study::questions::QUESTIONS;
 use splitsum::table::markdown::{Align, MarkdownTable};
 use splitsum::{brdf, metrics, scene, shade};
 
@@ -30,12 +32,16 @@ enum What {
     Axes,
     Sequences,
     LevelBiases,
+    Questions,
+    /// The text of docs/columns.md.
+    Columns,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     match arguments.what {
+        Some(What::Columns) => print_data(&columns::page()),
         Some(what) => print(&listing(what)),
-        None => What::value_variants().iter().try_for_each(|what| {
+        None => What::value_variants().iter().filter(|what| !matches!(what, What::Columns)).try_for_each(|what| {
             let name = what.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
             print(&format!("# {name}\n\n{}\n", listing(*what)))
         }),
@@ -69,6 +75,8 @@ fn listing(what: What) -> String {
                 add(d.name, &format!("{}; {} values, {} is better", d.formula, d.space.name(), d.better.name()));
             }
         }
+        What::Questions => QUESTIONS.iter().for_each(|question| add(question.name, question.asks)),
+        What::Columns => {}
         What::Sequences => SEQUENCES.iter().for_each(|sequence| add(sequence.name, sequence.about)),
         What::LevelBiases => {
             LEVEL_BIASES.iter().for_each(|bias| add(bias.name, &format!("{:.4} levels: {}", bias.levels, bias.about)));

@@ -84,8 +84,9 @@ pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
     let Some(timing) = plan.config.timing else { return Vec::new() };
     let mut seen = BTreeSet::new();
     let mut jobs = Vec::new();
-    let phases: [(&str, fn(&Axis) -> bool); 2] =
-        [(PRECOMPUTE, |axis| axis.tables_cost), (FRAME, |axis| axis.frames_cost)];
+    /// Whether the time of a phase depends on an axis.
+    type Costs = fn(&Axis) -> bool;
+    let phases: [(&str, Costs); 2] = [(PRECOMPUTE, |axis| axis.tables_cost), (FRAME, |axis| axis.frames_cost)];
     for (phase, matters) in phases {
         for cell in &plan.cells {
             let image = &plan.inputs.environment(cell.point[ENVIRONMENT].text()).image;

@@ -83,7 +83,8 @@ fn places_of(table: &DeTable, name: &str, places: &mut Vec<usize>) {
 
 /// Where brackets, and texts of several lines, open that nothing closes: the place of each, and what closes it.
 pub fn unclosed(text: &str) -> Vec<(usize, &'static str)> {
-    let (mut open, mut found): (Vec<(usize, &str)>, Vec<(usize, &str)>) = (Vec::new(), Vec::new());
+    let mut open: Vec<(usize, &str)> = Vec::new();
+    let mut found: Vec<(usize, &str)> = Vec::new();
     let mut at = 0;
     while let Some(c) = text[at..].chars().next() {
         let rest = &text[at..];

@@ -2,7 +2,7 @@
 
 use super::questions::QUESTIONS;
 use crate::metrics::METRICS;
-use crate::runner::axis::AXES;
+use crate::runner::axis::Named;
 use crate::runner::columns::{CELL, Column, TABLES};
 use crate::table::markdown::{Align, MarkdownTable};
 use std::fmt::Write;
@@ -13,7 +13,7 @@ pub fn page() -> String {
                     their digits. An interval is a 95 % interval.\n\n"
         .to_owned();
     let _ = write!(text, "`{}`: {}\n\n## Axes\n\n", CELL.name, CELL.about);
-    text += &table(AXES.iter().map(|axis| (axis.name, format!("{}.", sentence(axis.about)))));
+    text += &table(Named::all().map(|axis| (axis.name(), format!("{}.", sentence(axis.about())))));
     text += "\nAn axis that a method does not use is empty in its rows.\n\n## Metrics\n\n";
     let metric = |d: &crate::metrics::Description| {
         let constants: Vec<String> = d.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();

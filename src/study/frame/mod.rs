@@ -13,7 +13,7 @@ pub use shape::Shape;
 
 use super::finished::{Bin, Finished, FinishedCell};
 use crate::metrics::{BiasVariance, HEADLINE, Metric, Verdict, metric, verdict};
-use crate::runner::axis::{AXES, Part, Point, index_of};
+use crate::runner::axis::{AXES, DIFFUSE_METHOD, METHOD, Part, Point, index_of};
 use crate::runner::tables::DISPLAY_HEADLINE;
 use crate::runner::value::Value;
 use crate::table::csv::Cell;
@@ -267,7 +267,9 @@ fn distinct(run: &Finished) -> Vec<Row<'_>> {
     for cell in &run.cells {
         let light = light_of(&cell.point);
         // What only lights use is unset already where there are none.
-        let mut point = cell.point.of_pixels(true);
+        // Without its methods nothing is known of what reaches the pixels.
+        let is_whole = [METHOD, DIFFUSE_METHOD].iter().all(|&axis| cell.point[axis] != Value::Unset);
+        let mut point = if is_whole { cell.point.of_pixels(true) } else { cell.point.clone() };
         if let Some(light) = light {
             let key = (point.0[environment].clone(), [light.mean.to_bits(), light.peak.to_bits()]);
             point.0[clip] = clips.entry(key).or_insert_with(|| cell.point.0[clip].clone()).clone();

@@ -1,5 +1,7 @@
 //! Which images go into the page, at what size: all of them whole where they fit the budget, else a window of native texels
 //! of each with a reduced overview. Reduced images are never compared: averaging texels would hide noise.
+//!
+//! Long because choosing, shrinking and packing share one budget.
 
 use super::told::Told;
 use crate::metrics::Comparison;

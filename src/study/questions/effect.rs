@@ -9,8 +9,9 @@
 use super::conditions::{along, by_width_and_light, change_of_sign, heading};
 use super::words::{cases_sentence, listed, number, said, short, with_interval};
 use super::{Finding, Question};
-use crate::runner::axis::{AXES, Part};
+use crate::runner::axis::{AXES, METHOD, Part};
 use crate::runner::value::Value;
+use crate::shade::METHODS;
 use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
 use crate::study::frame::estimate::{Estimate, estimate, geometric_mean};
 use crate::study::frame::{Frame, Row, Shape, ascending, axis, distinct_in_order, pair};
@@ -38,8 +39,13 @@ const WAYS: [Part; 3] = [Part::Method, Part::Parameter, Part::Table];
 const TOLD_MAX: usize = 2;
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    let is_way = |axis: usize| WAYS.contains(&AXES[axis].part) && shape.is_swept(axis);
-    (!(0..AXES.len()).any(is_way)).then_some("no axis of methods, their parameters or their tables has two values")
+    // A method that samples has no partner among those that do not.
+    let of_methods = |draws: bool| {
+        let alike = METHODS.iter().filter(|method| method.uses_samples == draws && !method.is_none());
+        alike.filter(|method| shape.has("method", &[method.name])).count() > 1
+    };
+    let is_way = |axis: usize| WAYS.contains(&AXES[axis].part) && axis != METHOD && shape.is_swept(axis);
+    (!(0..AXES.len()).any(is_way) && !of_methods(true) && !of_methods(false)).then_some("no axis of methods, their parameters or their tables has two values")
 }
 
 /// An image beside the one with the base.
@@ -217,7 +223,7 @@ fn figure(frame: &Frame, effects: &[Effect]) -> Option<Figure> {
         for (series, value) in values.iter().enumerate() {
             let is_own = |effect: &&Effect| effect.row.point.0[environment] == *light && effect.value() == value;
             let own: Vec<&Effect> = effects.iter().filter(is_own).collect();
-            let line = along(&own, |effect| effect.row, alpha, |own| mean_value(&own.iter().copied().collect::<Vec<_>>()));
+            let line = along(&own, |effect| effect.row, alpha, |own| mean_value(own));
             let place = |width: &Value| widths.iter().position(|known| known == width).map_or(f64::NAN, |i| i as f64);
             let points: Vec<[f64; 2]> = line.iter().map(|(width, ratio)| [place(width), *ratio]).collect();
             for ((width, ratio), point) in line.iter().zip(&points) {

@@ -154,11 +154,11 @@ fn payback(ratios: &[Ratio], method: &str, over: &str) -> Option<Result<(String,
     let found: Result<Vec<(f64, [f64; 2])>, String> = all.iter().map(frames).collect();
     let of = |found: Vec<(f64, [f64; 2])>| {
         let whole = |number: f64| format!("{number}");
-        let least = |of: &dyn Fn(&(f64, [f64; 2])) -> f64| found.iter().map(of).fold(f64::INFINITY, f64::min);
-        let most = |of: &dyn Fn(&(f64, [f64; 2])) -> f64| found.iter().map(of).fold(0.0, f64::max);
-        let (lo, hi) = (least(&|one| one.0), most(&|one| one.0));
+        let least = |of: fn(&(f64, [f64; 2])) -> f64| found.iter().map(of).fold(f64::INFINITY, f64::min);
+        let most = |of: fn(&(f64, [f64; 2])) -> f64| found.iter().map(of).fold(0.0, f64::max);
+        let (lo, hi) = (least(|one| one.0), most(|one| one.0));
         let frames = if lo == hi { whole(lo) } else { format!("{} to {}", whole(lo), whole(hi)) };
-        (frames, format!("{} to {}", whole(least(&|one| one.1[0])), whole(most(&|one| one.1[1]))))
+        (frames, format!("{} to {}", whole(least(|one| one.1[0])), whole(most(|one| one.1[1]))))
     };
     (!all.is_empty()).then(|| found.map(of))
 }

@@ -94,7 +94,8 @@ fn costs(frame: &Frame, parameters: &[Parameter]) -> Vec<Cost> {
         let is_beside_large = |row: &&&Row| parameters.iter().all(|other| other.axis == own.axis || is_large(row, other));
         let rows: Vec<&Row> = images.iter().filter(is_beside_large).copied().collect();
         for against in &own.values {
-            let mut groups: Vec<((Value, String, Key), Vec<Cell>, Vec<f64>)> = Vec::new();
+            type Group = ((Value, String, Key), Vec<Cell>, Vec<f64>);
+            let mut groups: Vec<Group> = Vec::new();
             for (row, base) in pair(&rows, own.axis, against) {
                 let value = &row.point.0[own.axis];
                 let ratio = frame.error(row).zip(frame.error(base)).map(|(of_row, of_base)| of_row / of_base);

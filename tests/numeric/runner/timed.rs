@@ -31,8 +31,6 @@ fn timings_are_taken_once_a_configuration_and_kept() {
         assert_eq!(row[table.column("wall_check").unwrap()], check);
         assert_eq!(row[table.column("device_type").unwrap()], "cpu");
     }
-    let summary = String::from_utf8(read(dir.path().join("summary.md"))).unwrap();
-    assert!(summary.contains("Measured on a CPU driver") && summary.contains("SLOW (CPU)"), "{summary}");
 
     // Frames of 1 + n + i ms against 2 + i, for i from 0 to 4: the median of the ratios is that of 2.
     let ratios = Table::read(&dir.path().join("timing_ratios.csv")).unwrap();

@@ -30,7 +30,7 @@ fn every_column_of_every_table_is_explained() {
     let text = format!("printed_slips = true\n{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n");
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&text));
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
-    let axes = splitsum::runner::axis::AXES.iter().map(|axis| axis.name);
+    let axes = splitsum::runner::axis::Named::all().map(|axis| axis.name());
     let metrics: Vec<&str> = splitsum::metrics::METRICS.iter().map(|metric| metric.description().name).collect();
     let known: Vec<&str> = axes.chain(metrics.iter().copied()).chain([CELL.name]).collect();
     for (file, columns, _) in TABLES {
