@@ -1,7 +1,7 @@
 // Behaviour of the answers, which stand in the page already: tips and keys of the marks, whole tables, files to save.
 
 import { model } from "report/data";
-import { byId, csvText, download, h } from "report/dom";
+import { csvText, download, h } from "report/dom";
 import { go } from "report/state";
 import { dataTable } from "report/tables";
 
@@ -49,16 +49,19 @@ function fill(details) {
 
 const tip = h("div", { class: "tip", "aria-hidden": "true", hidden: true });
 
-/** Shows the words of a mark beside it, within the window. */
-function showTip(mark) {
+/** Shows the words of a mark above it, or above the pointer: a line is as long as its figure. */
+function showTip(mark, pointer = null) {
   tip.hidden = !mark?.dataset.tip;
   if (tip.hidden) return;
   tip.textContent = mark.dataset.tip;
-  const box = mark.getBoundingClientRect();
+  const box = pointer ? new DOMRect(pointer.clientX, pointer.clientY, 0, 12) : mark.getBoundingClientRect();
   const { width, height } = tip.getBoundingClientRect();
   const left = Math.min(innerWidth - width - 8, Math.max(8, box.left + box.width / 2 - width / 2));
-  const top = box.top - height - 8 < 60 ? box.bottom + 8 : box.top - height - 8;
-  Object.assign(tip.style, { left: `${left + scrollX}px`, top: `${top + scrollY}px` });
+  const above = box.top - height - 8;
+  Object.assign(tip.style, {
+    left: `${left + scrollX}px`,
+    top: `${(above < 60 ? box.bottom + 8 : above) + scrollY}px`,
+  });
 }
 
 /** Makes one mark of a drawing the one that the tabulator key reaches. */
@@ -70,6 +73,7 @@ function rove(svg, mark) {
 /** Goes to the images of a mark's cell. */
 function follow(mark) {
   if (!mark.dataset.cell) return;
+  showTip(null);
   go({ view: "compare", cell: mark.dataset.cell, run: answerOf(mark).run || undefined });
 }
 
@@ -122,5 +126,4 @@ export function startAnswer(view) {
     else follow(mark);
   });
   view.addEventListener("toggle", (event) => event.target.matches(".all-rows") && fill(event.target), true);
-  byId("main").addEventListener("scroll", () => showTip(null), { passive: true });
 }

@@ -42,8 +42,6 @@ export const short = textOf("labels");
 export const word = textOf("words");
 /** The name of an axis as people say it. */
 export const symbol = (name) => name.replaceAll("_", " ");
-/** The name of a number, where its axis has names for some, as for the level biases of engines. */
-export const preset = (axis, value) => model.presets[axis]?.[value];
 
 /** JSON has no infinity: it is written by its name. */
 const real = (field) => ({ inf: Infinity, "-inf": -Infinity, nan: NaN })[field] ?? field;

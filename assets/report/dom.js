@@ -15,9 +15,6 @@ function fill(element, attributes, children) {
 export const h = (tag, attributes, ...children) => fill(document.createElement(tag), attributes, children);
 export const byId = (id) => document.getElementById(id);
 
-/** Text that may break after the signs that join words in names of files and axes, and nowhere within a word. */
-export const soft = (text) => text.split(/(?<=[_\-/])/).flatMap((part, i) => (i ? [h("wbr"), part] : [part]));
-
 /** A number for people: `digits` significant digits, no exponent where one is not needed. */
 export function number(x, digits = 3) {
   if (x === null || x === undefined || Number.isNaN(x)) return "–";

@@ -2,7 +2,7 @@
 
 use super::file::{Fault, PICTURE_TEXELS_MAX, check_claim, read_bounded, reserved};
 use super::{PixelsError, Rgb8Image, write_atomically};
-use image::codecs::png::PngEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageFormat, ImageReader};
 use std::io::{self, Cursor};
 use std::path::Path;
@@ -19,10 +19,10 @@ pub fn write_rgb8(path: &Path, image: &Rgb8Image) -> Result<(), PixelsError> {
     })
 }
 
-/// The bytes of a PNG file of `image` (already sRGB-encoded).
+/// The bytes of a PNG file of `image` (already sRGB-encoded), as few as the encoder can make.
 pub fn encode_rgb8(image: &Rgb8Image) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive)
         .write_image(image.data.as_flattened(), image.width, image.height, ExtendedColorType::Rgb8)
         .map_err(io::Error::other)?;
     Ok(bytes)

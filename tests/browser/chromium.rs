@@ -207,13 +207,6 @@ impl Page {
         }
     }
 
-    /// A PNG of a rectangle of the page: left, top, width and height in CSS pixels.
-    pub fn capture(&mut self, [x, y, width, height]: [f64; 4]) -> Vec<u8> {
-        let clip = json!({ "x": x, "y": y, "width": width, "height": height, "scale": 1 });
-        let answer = self.call("Page.captureScreenshot", json!({ "format": "png", "clip": clip }));
-        BASE64_STANDARD.decode(answer["data"].as_str().unwrap()).unwrap()
-    }
-
     /// Saves what is seen as `target/browser/NAME.png`.
     pub fn screenshot(&mut self, name: &str) {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/browser");

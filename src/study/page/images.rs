@@ -235,16 +235,13 @@ impl ImageSet {
 
     /// Embeds the window that `window` names for each image (`None`: nothing), clipped to the image, until the budget is used up.
     fn embed(&mut self, runs: &[Told], budget: usize, window: impl Fn(usize) -> Option<Window> + Sync) -> Used {
-        let (mut bytes, mut texels) = (0usize, 0u64);
-        let mut done = 0;
+        let (mut bytes, mut texels, mut done) = (0usize, 0u64, 0);
         while done < self.images.len() {
             let chunk = done..(done + CHUNK).min(self.images.len());
             let prepared: Vec<(usize, Result<Prepared, String>)> = chunk
                 .into_par_iter()
                 .filter_map(|index| Some((index, window(index)?)))
-                .map(|(index, window)| {
-                    (index, prepare(runs, &self.images[index], self.images[index].reference == index, window))
-                })
+                .map(|(index, window)| (index, prepare(runs, &self.images, index, window)))
                 .collect();
             for (index, prepared) in prepared {
                 match prepared {
@@ -360,12 +357,13 @@ fn read_image(runs: &[Told], image: &EmbeddedImage) -> Result<Decoded, String> {
     read(&runs[image.run].finished.dir, &image.file)
 }
 
-fn mask_of(image: &Decoded) -> GrayImage {
+/// Where an image has pixels: everywhere without alpha.
+pub fn mask_of(image: &Decoded) -> GrayImage {
     image.alpha.clone().unwrap_or_else(|| GrayImage::filled(image.rgb.width, image.rgb.height, 1.0))
 }
 
-fn prepare(runs: &[Told], image: &EmbeddedImage, is_reference: bool, wanted: Window) -> Result<Prepared, String> {
-    let decoded = read_image(runs, image)?;
+fn prepare(runs: &[Told], images: &[EmbeddedImage], index: usize, wanted: Window) -> Result<Prepared, String> {
+    let decoded = read_image(runs, &images[index])?;
     let size = [decoded.rgb.width, decoded.rgb.height];
     // Clipped, and moved inside where it starts beyond the image.
     let clip = |start: u32, length: u32, full: u32| {
@@ -375,7 +373,7 @@ fn prepare(runs: &[Told], image: &EmbeddedImage, is_reference: bool, wanted: Win
     let ((x, width), (y, height)) = (clip(wanted.x, wanted.width, size[0]), clip(wanted.y, wanted.height, size[1]));
     let window = Window { x, y, width, height };
     let part = RgbImage::from_fn(width, height, |i, j| decoded.rgb.get(x + i, y + j));
-    let mask = is_reference.then(|| mask_of(&decoded));
+    let mask = (images[index].reference == index).then(|| mask_of(&decoded));
     let is_whole = [width, height] == size;
     let overview = (!is_whole).then(|| {
         let small = reduced(&decoded.rgb, OVERVIEW_SIDE);

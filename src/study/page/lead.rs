@@ -1,11 +1,11 @@
 //! The leading answer of a run, and a picture of its leading case: the method beside the reference, with its error.
 
-use super::images::read;
+use super::images::{mask_of, read};
 use super::model::{PageAxis, Role};
 use super::told::Told;
 use crate::metrics::Comparison;
 use crate::pixels::png::encode_rgb8;
-use crate::pixels::{GrayImage, Rgb8Image, RgbImage};
+use crate::pixels::{Rgb8Image, RgbImage};
 use crate::study::frame::{Frame, Row};
 use crate::study::questions::Answer;
 use crate::study::questions::words::with_rms;
@@ -54,8 +54,7 @@ pub fn pictures(told: &Told, frame: &Frame, lead: Option<usize>, axes: &[PageAxi
     let files = row.cell.images.as_ref()?;
     let [own, reference] = [&files.radiance, &files.reference].map(|file| read(&told.finished.dir, file).ok());
     let (own, reference) = (own?, reference?);
-    let mask =
-        reference.alpha.clone().unwrap_or_else(|| GrayImage::filled(reference.rgb.width, reference.rgb.height, 1.0));
+    let mask = mask_of(&reference);
     let curve = row.cell.point.settings().curve;
     // A damaged file may hold anything, and the tone curve is for radiance alone.
     let is_radiance = |image: &RgbImage| image.data.iter().flatten().all(|x| x.is_finite() && *x >= 0.0);

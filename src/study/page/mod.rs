@@ -139,7 +139,6 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
         "runs": runs.iter().map(|told| run_model(told, here)).collect::<Vec<_>>(),
         "axes": axes,
         "roughness": model::roughnesses(&axes),
-        "presets": model::presets(&axes),
         "metrics": metrics.iter().map(|metric| json!({ "name": metric.description().name, "formula": metric.description().formula })).collect::<Vec<_>>(),
         "columns": model::columns(&axes, &metrics),
         "rows": model::rows(runs, &axes, &metrics, frames[0].metric, &images),

@@ -92,13 +92,21 @@ fn labels(index: usize, values: &[&Value]) -> Vec<String> {
     values.iter().zip(&labels).map(whole).collect()
 }
 
-/// A value with what it is: "5 lv", "alpha 0.25 (roughness 0.5)".
+/// A value with what it is: "5 lv", "alpha 0.25 (roughness 0.5)", "bias 1 (filament)".
 fn word(index: usize, value: &Value, short: &str) -> String {
     let word = label(&[index], std::slice::from_ref(value)).replace(&words::short(index, value), short);
-    match roughness(index, value) {
-        Some(roughness) => format!("{word} (roughness {roughness})"),
+    let roughness = roughness(index, value).map(|roughness| format!("roughness {roughness}"));
+    match roughness.or_else(|| number_name(index, value)) {
+        Some(beside) => format!("{word} ({beside})"),
         None => word,
     }
+}
+
+/// The name of a number, where its axis has names for some, as for the level biases of engines; 0 needs none.
+fn number_name(index: usize, value: &Value) -> Option<String> {
+    let (Kind::NumberOrName { named, .. }, Value::Number(number)) = (&AXES[index].kind, value) else { return None };
+    let known = named().into_iter().find(|(_, known)| known == number && *known != 0.0)?;
+    Some(known.0.to_owned())
 }
 
 /// Steps a unit of a roughness that people read.
@@ -208,22 +216,6 @@ pub fn roughnesses(axes: &[PageAxis]) -> Json {
         Some((text.clone(), json!(roughness_of(axis("alpha"), &value)?)))
     };
     of_axis.filter_map(entry).collect::<serde_json::Map<_, _>>().into()
-}
-
-/// The names of numbers, by axis and value as it is written: `{"lod_bias": {"1": "filament"}}`.
-pub fn presets(axes: &[PageAxis]) -> Json {
-    let named = |axis: &PageAxis| -> serde_json::Map<String, Json> {
-        let Some(Kind::NumberOrName { named, .. }) = axis.index.map(|index| &AXES[index].kind) else {
-            return Default::default();
-        };
-        let known: Vec<(&str, f64)> = named();
-        let name = |text: &String| {
-            known.iter().find(|(_, number)| text.parse() == Ok(*number)).map(|(name, _)| (text.clone(), json!(name)))
-        };
-        axis.values.iter().filter_map(name).collect()
-    };
-    let all = axes.iter().map(|axis| (axis.name.to_owned(), named(axis))).filter(|(_, names)| !names.is_empty());
-    all.map(|(axis, names)| (axis, Json::Object(names))).collect::<serde_json::Map<_, _>>().into()
 }
 
 /// Metrics that any cell has a score of, in the order of the list.

@@ -3,8 +3,9 @@
 //! Each run is answered for itself. Nothing is pooled over runs: two runs of one experiment are the same cases twice, not more cases.
 
 use crate::files;
+use crate::metrics::{METRICS, Metric};
 use crate::runner::sheets::sheet_files;
-use crate::study::finished::Finished;
+use crate::study::finished::{Finished, FinishedCell};
 use crate::study::questions::Answer;
 use serde::Serialize;
 use serde_json::Value as Json;
@@ -144,16 +145,25 @@ pub fn heading(runs: &[Told]) -> String {
 
 /// A sentence for every run that repeats an earlier one: it is no further evidence.
 pub fn repeats(runs: &[Told]) -> Vec<String> {
-    let is_same = |a: &Finished, b: &Finished| a.text("/plan_hash") == b.text("/plan_hash") && a.cells == b.cells;
     let say = |later: usize| {
-        let earlier = runs[..later].iter().find(|earlier| is_same(earlier.finished, runs[later].finished))?;
-        let (label, cells) = (&runs[later].label, runs[later].finished.cells.len());
+        let told = &runs[later];
+        let earlier = runs[..later].iter().find(|earlier| is_same(earlier.finished, told.finished))?;
+        let (label, of, cells) = (&told.label, &earlier.label, told.finished.cells.len());
         Some(format!(
-            "{label} repeats {}: the same plan and the same scores in all {cells} cells. It is no further evidence.",
-            earlier.label
+            "{label} repeats {of}: the same plan and the same scores in all {cells} cells. It is no further evidence."
         ))
     };
     (0..runs.len()).filter_map(say).collect()
+}
+
+/// Whether two runs have the same cells with the same scores.
+fn is_same(a: &Finished, b: &Finished) -> bool {
+    let scores = |cell: &FinishedCell| -> Vec<Option<f64>> {
+        let score = |metric: &&dyn Metric| cell.scores.as_ref()?.get(metric.description().name);
+        METRICS.iter().map(score).collect()
+    };
+    let is_equal = |(a, b): (&FinishedCell, &FinishedCell)| a.id == b.id && scores(a) == scores(b);
+    a.cells.len() == b.cells.len() && a.cells.iter().zip(&b.cells).all(is_equal)
 }
 
 /// `to` as a link from the folder `from`, with percent-escapes.
