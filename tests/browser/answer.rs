@@ -22,7 +22,7 @@ fn the_first_screen_of_a_laptop_answers_and_hostile_names_stay_text() {
             json!([SIDE, SIDE, SIDE])
         );
         assert!(page.text(".shots").contains("split-sum") && page.text(".shots").contains("reference"));
-        assert!(page.text(".case figcaption").contains("relMSE"), "{}", page.text(".case figcaption"));
+        assert!(page.text(".case figcaption").contains("relmse"), "{}", page.text(".case figcaption"));
         let bottoms = "[...document.querySelectorAll('#question, .first .sentence, .shots, .lead-side :is(svg, table)')].filter((e) => e.getClientRects().length) \
                        .map((e) => e.getBoundingClientRect().bottom)";
         let bottoms = page.eval(bottoms);

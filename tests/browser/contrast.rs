@@ -58,7 +58,7 @@ fn text_stands_out_in_both_themes() {
 }
 
 /// What is drawn in figures and written around them, as the browser paints it.
-const PAINTED: &str = "[...document.querySelectorAll('.desk .fig text, .view:not([hidden]) :is(p, td, th, h1, h2, summary, figcaption, button)')] \
+const PAINTED: &str = "[...document.querySelectorAll('.desk .fig text:not(.fig-dark, .fig-pale), .view:not([hidden]) :is(p, td, th, h1, h2, summary, figcaption, button)')] \
     .filter((e) => e.getClientRects().length && e.textContent.trim()).map((e) => { const style = getComputedStyle(e); \
     return e.ownerSVGElement ? style.fill : style.color; })";
 
