@@ -84,7 +84,7 @@ fn images_of_equal_cells_of_two_runs_are_told_apart() {
     let pressed = "[...document.querySelectorAll('.variant[aria-pressed=true]')].map((b) => b.dataset.run)";
     assert_eq!(page.eval(pressed), json!(["1"]));
     assert_eq!(page.eval("document.querySelectorAll('.probe tr.current').length"), json!(1));
-    page.eval("(() => { const box = document.querySelector('[aria-label=\"Split with\"]'), cell = document.querySelector('.variant[aria-pressed=true]').dataset.cell; \
+    page.eval("(() => { const box = document.querySelector('[aria-label=\"Wipe to\"]'), cell = document.querySelector('.variant[aria-pressed=true]').dataset.cell; \
                box.value = cell; box.dispatchEvent(new Event('change')); })()");
     page.wait("!document.querySelector('.badge.right').hidden");
     let badges = texts(&mut page, ".badge");

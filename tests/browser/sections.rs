@@ -20,7 +20,9 @@ fn pictures_of_the_image_table_have_one_size() {
         // One picture of each of the three scenes is named, to the ear too.
         assert_eq!(page.eval("document.querySelectorAll('.lowest').length"), json!(3));
         assert_eq!(
-            page.eval("[...document.querySelectorAll('.thumb')].filter((b) => b.textContent.includes(' lowest ')).length"),
+            page.eval(
+                "[...document.querySelectorAll('.thumb')].filter((b) => b.textContent.includes(' lowest ')).length"
+            ),
             json!(3)
         );
     }
