@@ -2,7 +2,7 @@
 
 import { HALF, exrLink, exclusionOf, hasPixels, headline, mask, model, overview, pixels, rows } from "report/data";
 import { axisOf, displayAxes, errorColor, sceneAxes, scenes, short, symbol, texelError, tone } from "report/data";
-import { truthName, variantAxes, variantLabel, variantLabels } from "report/data";
+import { truthName, variantAxes, variantLabel, variantLabels, word } from "report/data";
 import { choice, h, number, scrollBox, select, tableHead, unseen } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { go, keep } from "report/state";
@@ -157,7 +157,7 @@ export function showGrid(view, state) {
       const options = { isLowest: row?.scores[headline] === best };
       return h("td", {}, row ? thumbnail(row, mode, settings, options) : missing(scene.main, label));
     };
-    const names = sceneAxes.map((name) => h("span", {}, `${symbol(name)} ${short(name, scene.main.axes[name])}`));
+    const names = sceneAxes.map((name) => h("span", {}, word(name, scene.main.axes[name])));
     const reference = h("td", {}, thumbnail(scene.main, mode, settings, { isReference: true }));
     return h("tr", {}, h("th", { scope: "row" }, names), reference, labels.map(cell)); // prettier-ignore
   };

@@ -167,6 +167,11 @@ export class Viewer {
     this.set({});
   }
 
+  /** Where the reference begins, a share of the width; of errors it would show none. */
+  get wipe() {
+    return this.mode === "image" ? this.split : null;
+  }
+
   draw() {
     const reference = this.surface.images.get(this.row.reference);
     const left = this.isHeld ? reference : this.texels;
@@ -177,23 +182,23 @@ export class Viewer {
       exposure: 2 ** this.stops,
       contrast: this.contrast,
     };
-    this.surface.draw(left, reference, this.place, this.split, this.isClipped, look);
+    this.surface.draw(left, reference, this.place, this.wipe, this.isClipped, look);
     this.describe();
     this.probe();
   }
 
   describe() {
-    const { row, split, isHeld } = this;
+    const { row, wipe, isHeld } = this;
     const { scale } = this.place;
     const left = isHeld ? truthName : variantLabel(row);
     const { badge, rightBadge, handle } = this.parts;
     say(badge, left);
     say(rightBadge, truthName);
     badge.classList.toggle("is-reference", isHeld);
-    rightBadge.hidden = handle.hidden = split === null;
-    handle.style.left = `${(split ?? 0) * 100}%`;
-    handle.setAttribute("aria-valuenow", String(Math.round((split ?? 0) * 100)));
-    const shown = split === null ? left : `${left} | ${truthName}`;
+    rightBadge.hidden = handle.hidden = wipe === null;
+    handle.style.left = `${(this.split ?? 0) * 100}%`;
+    handle.setAttribute("aria-valuenow", String(Math.round((this.split ?? 0) * 100)));
+    const shown = wipe === null ? left : `${left} | ${truthName}`;
     const score = isHeld ? "" : `; ${headline} ${scoreText(row)}`;
     this.canvas.setAttribute("aria-label", `${this.scene.label}: ${shown}, ${this.mode}${score}`);
     Object.assign(this.canvas.dataset, { shown: isHeld ? "reference" : row.cell, mode: this.mode });
@@ -298,7 +303,7 @@ export class Viewer {
     const texts = { stops: stopsText(this.stops), contrast: number(Number(this.contrast.toFixed(3))) };
     controls.show({ ...this, at: scenes.indexOf(this.scene), isSplit: this.split !== null }, texts);
     // Errors are of linear values: no tone curve reaches them.
-    for (const name of ["stops", "tone"]) controls.disable(name, !isImage);
+    for (const name of ["stops", "tone", "isSplit"]) controls.disable(name, !isImage);
     controls.disable("contrast", !isImage || this.tone === "srgb");
     say(parts.isClippedText, isImage ? "Mark clipped" : "Mark beyond the range");
     parts.legend.hidden = isImage;

@@ -64,19 +64,18 @@ fn a_failed_cell_says_why_and_keys_lead_on() {
 }
 
 #[test]
-fn the_comparison_keeps_its_partner_its_pin_and_its_sign() {
+fn the_comparison_keeps_its_wipe_its_pin_and_its_sign() {
     let Some(mut page) = chromium::open() else { return };
     let dir = tempfile::tempdir().unwrap();
     let report = report_of(dir.path(), AXES, "");
-    let [left, right, next] =
-        [["sampled", "4", "0.1"], ["split-sum", "", "0.1"], ["split-sum", "", "0.25"]].map(|one| cell(&report, one));
+    let [first, next] = [["sampled", "4", "0.1"], ["sampled", "4", "0.25"]].map(|one| cell(&report, one));
     let ready = "document.querySelector('.viewer-stage canvas')?.dataset.ready !== undefined";
     page.resize(1440, 900, "light");
-    page.go(&report, &format!("#compare?cell={left}&with={right}&split=0.5&texel=11,13&mode=signed"));
+    page.go(&report, &format!("#compare?cell={first}&split=0.5&texel=11,13&mode=signed"));
     page.wait(ready);
     assert_eq!(page.text(".probe h2 span"), "texel (11, 13) · pinned");
     // The signed mode has signed values in its own colours.
-    assert_eq!(page.text(".probe th:last-child"), "signed error");
+    assert_eq!(page.text(".probe th:last-child"), "signed");
     let colors = |page: &mut Page| -> Vec<Value> {
         let all = page.eval("[...document.querySelectorAll('.probe tbody tr')].slice(1).map((r) => [Number(r.lastChild.dataset.value), r.querySelector('.chip').style.background.replaceAll(' ', '')])");
         all.as_array().unwrap().clone()
@@ -93,10 +92,10 @@ fn the_comparison_keeps_its_partner_its_pin_and_its_sign() {
         assert!(shown.iter().zip(wanted).all(|(s, w)| s.abs_diff(w) <= 2), "{a} {wanted:?}");
         assert_ne!(a[1], b[1]);
     }
-    // The next scene has the same partner, and the pin stays.
+    // The next scene has the same wipe, and the pin stays.
     page.key("ArrowDown");
-    page.wait(&format!("location.hash.includes('with={next}')"));
-    assert!(hash(&mut page).contains("texel=11"), "{}", hash(&mut page));
+    page.wait(&format!("location.hash.includes('cell={next}')"));
+    assert!(["texel=11", "split=0.5"].iter().all(|part| hash(&mut page).contains(part)), "{}", hash(&mut page));
     page.eval("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight', shiftKey: true, bubbles: true }))");
     page.wait("location.hash.includes('texel=12%2C13')");
     // Capital letters are the same keys.
