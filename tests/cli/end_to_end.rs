@@ -72,7 +72,7 @@ fn a_run_leaves_the_promised_files_and_a_second_one_changes_nothing() {
     std::fs::remove_dir_all(run.join("answers")).unwrap();
     let rebuilt = splitsum(dir.path(), &["answers", "runs/tiny", "--publish", "results"]);
     assert!(rebuilt.status.success(), "{}", stderr(&rebuilt));
-    assert!(run.join("answers/convergence.svg").exists() && std::fs::read(run.join("summary.md")).unwrap() == summary);
+    assert!(run.join("answers/break-even.svg").exists() && std::fs::read(run.join("summary.md")).unwrap() == summary);
     assert!(entries(&dir.path().join("results/tiny")).contains(&"ggx.png".to_owned()));
     assert!(std::fs::read_to_string(dir.path().join("results/README.md")).unwrap().contains("[tiny](tiny/summary.md)"));
     let nothing = splitsum(dir.path(), &["answers", "nowhere"]);
