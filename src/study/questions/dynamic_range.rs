@@ -21,7 +21,10 @@ pub const QUESTION: Question = Question {
     name: "dynamic-range",
     asks: "How does the error grow with the dynamic range of the environment?",
     columns: &[
-        Column { name: "range_stops", about: "Dynamic range of the clipped environment: log2 of peak over mean luminance." },
+        Column {
+            name: "range_stops",
+            about: "Dynamic range of the clipped environment: log2 of peak over mean luminance.",
+        },
         Column { name: "n", about: "Images behind the error." },
         Column { name: "error", about: "Error in the metric of the question, geometric mean over the images." },
     ],
@@ -62,7 +65,8 @@ fn condition_axes() -> [usize; 2] {
 fn paths<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Path<'r, 'f>> {
     let images = frame.images().into_iter().filter(|row| frame.way(row) != "none");
     let rows: Vec<(&Row, f64)> = images.filter_map(|row| Some((row, row.range_stops?))).collect();
-    let key = |row: &Row| (row.samples().is_some(), frame.way(row), condition_axes().map(|axis| row.point.0[axis].clone()));
+    let key =
+        |row: &Row| (row.samples().is_some(), frame.way(row), condition_axes().map(|axis| row.point.0[axis].clone()));
     let mut keys = distinct_in_order(rows.iter().map(|(row, _)| key(row)));
     keys.sort_by_key(|(draws, ..)| *draws);
     let path = |wanted: (bool, String, [Value; 2])| {
@@ -98,7 +102,8 @@ impl Path<'_, '_> {
         let logs = || self.points.iter().map(|point| (point.range, point.error.ln()));
         let mean = |of: fn((f64, f64)) -> f64| logs().map(of).sum::<f64>() / n;
         let (x0, y0) = (mean(|p| p.0), mean(|p| p.1));
-        let slope = logs().map(|(x, y)| (x - x0) * (y - y0)).sum::<f64>() / logs().map(|(x, _)| (x - x0).powi(2)).sum::<f64>();
+        let slope =
+            logs().map(|(x, y)| (x - x0) * (y - y0)).sum::<f64>() / logs().map(|(x, _)| (x - x0).powi(2)).sum::<f64>();
         (self.points.len() > 2).then(|| slope.exp()).filter(|factor| factor.is_finite())
     }
 
@@ -110,7 +115,9 @@ impl Path<'_, '_> {
             errors().fold(0.0, f64::max) <= LEVEL * errors().fold(f64::INFINITY, f64::min)
         };
         let is_long = |point: &Point| last.range - point.range >= LEVEL_SHARE * (last.range - first.range);
-        (0..self.points.len()).find(|&i| is_long(&self.points[i]) && is_level(&self.points[i..])).map(|i| self.points[i].range)
+        (0..self.points.len())
+            .find(|&i| is_long(&self.points[i]) && is_level(&self.points[i..]))
+            .map(|i| self.points[i].range)
     }
 }
 
@@ -125,7 +132,12 @@ fn answer(frame: &Frame) -> Option<Finding> {
         table.row(row);
     }
     let own: Vec<&Path> = paths.iter().filter(|path| path.method == *lead).collect();
-    Some(Finding { sentence: sentence(frame, &own), table, digest: Some(digest(&paths)), figure: figure(frame, &paths) })
+    Some(Finding {
+        sentence: sentence(frame, &own),
+        table,
+        digest: Some(digest(&paths)),
+        figure: figure(frame, &paths),
+    })
 }
 
 /// Environments of a sentence; the digest has all.
@@ -184,7 +196,10 @@ fn figure(frame: &Frame, paths: &[Path]) -> Option<Figure> {
         let mut marks = Vec::new();
         for path in paths.iter().filter(|path| path.condition == condition) {
             let series = methods.iter().position(|method| *method == path.method)?;
-            marks.push(Mark::new(Form::Line(path.points.iter().map(|point| [point.range, point.error]).collect()), series));
+            marks.push(Mark::new(
+                Form::Line(path.points.iter().map(|point| [point.range, point.error]).collect()),
+                series,
+            ));
             for point in &path.points {
                 let tip = format!("{} · {} stops: {}", path.method, number(point.range), number(point.error));
                 let mark = Mark::new(Form::Dot([point.range, point.error]), series).tip(tip);

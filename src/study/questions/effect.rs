@@ -26,7 +26,10 @@ pub const QUESTION: Question = Question {
         Column { name: "value", about: "The value that is judged." },
         Column { name: "base", about: "The value that it is judged against: the first one of the axis." },
         Column { name: "ratio", about: "Error over that of the base; below 1 the value is closer to the reference." },
-        Column { name: "is_resolved", about: "1 where an error of the two stands clear of the reference's noise, else 0." },
+        Column {
+            name: "is_resolved",
+            about: "1 where an error of the two stands clear of the reference's noise, else 0.",
+        },
     ],
     uses_times: false,
     lacks,
@@ -45,7 +48,8 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
         alike.filter(|method| shape.has("method", &[method.name])).count() > 1
     };
     let is_way = |axis: usize| WAYS.contains(&AXES[axis].part) && axis != METHOD && shape.is_swept(axis);
-    (!(0..AXES.len()).any(is_way) && !of_methods(true) && !of_methods(false)).then_some("no axis of methods, their parameters or their tables has two values")
+    (!(0..AXES.len()).any(is_way) && !of_methods(true) && !of_methods(false))
+        .then_some("no axis of methods, their parameters or their tables has two values")
 }
 
 /// An image beside the one with the base.
@@ -91,7 +95,12 @@ fn answer(frame: &Frame) -> Option<Finding> {
 
 fn table(frame: &Frame, by_axis: &[Vec<Effect>]) -> Table {
     let mut axes = frame.case_axes();
-    axes.extend([axis("method"), axis("samples"), axis("point_set")].into_iter().filter(|known| !axes.contains(known)).collect::<Vec<_>>());
+    axes.extend(
+        [axis("method"), axis("samples"), axis("point_set")]
+            .into_iter()
+            .filter(|known| !axes.contains(known))
+            .collect::<Vec<_>>(),
+    );
     let mut table = Table::new(&axes, QUESTION.columns);
     for effect in by_axis.iter().flatten() {
         let mut row: Vec<Cell> = effect.row.key(&axes).iter().map(value_cell).collect();
@@ -131,7 +140,10 @@ fn sentence(frame: &Frame, effects: &[Effect]) -> String {
     if let Some((along_axis, groups)) = change_of_sign(frame, &of_value, |effect| effect.row, mean_value) {
         let better = |is: fn(f64) -> bool| {
             let own = groups.iter().filter(|(_, ratio)| is(*ratio));
-            listed(&own.map(|(value, ratio)| format!("{} ({})", short(along_axis, value), number(*ratio))).collect::<Vec<_>>())
+            listed(
+                &own.map(|(value, ratio)| format!("{} ({})", short(along_axis, value), number(*ratio)))
+                    .collect::<Vec<_>>(),
+            )
         };
         let axis_name = AXES[along_axis].name;
         return format!(
@@ -217,7 +229,10 @@ fn figure(frame: &Frame, effects: &[Effect]) -> Option<Figure> {
     let values = distinct_in_order(effects.iter().map(|effect| effect.value().clone()));
     let lights = distinct_in_order(effects.iter().map(|effect| effect.row.point.0[environment].clone()));
     let widths = ascending(distinct_in_order(effects.iter().map(|effect| effect.row.point.0[alpha].clone())));
-    let scale = Scale::log(&format!("{} over that of the base", frame.metric_name()), effects.iter().map(|e| e.ratio).chain([1.0]))?;
+    let scale = Scale::log(
+        &format!("{} over that of the base", frame.metric_name()),
+        effects.iter().map(|e| e.ratio).chain([1.0]),
+    )?;
     let panel = |light: &Value| {
         let mut marks = vec![Mark::neutral(Form::HorizontalRule(1.0))];
         for (series, value) in values.iter().enumerate() {

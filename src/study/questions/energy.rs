@@ -19,7 +19,10 @@ pub const QUESTION: Question = Question {
     name: "energy",
     asks: "Which model and masking loses energy, how much, and which creates some?",
     columns: &[
-        Column { name: "change", about: "Energy that leaves over energy that arrives, minus 1, over the whole surface." },
+        Column {
+            name: "change",
+            about: "Energy that leaves over energy that arrives, minus 1, over the whole surface.",
+        },
         Column { name: "change_lo", about: "Lower end of its 95 % interval, by the noise of the image that judges." },
         Column { name: "change_hi", about: "Upper end of that interval." },
         Column { name: "least", about: "The change in the bin of n·v that loses most." },
@@ -50,9 +53,12 @@ const WHITE: [(&str, &str, &str); 5] = [
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
     if shape.reference_method != "none" || !shape.judges_all_terms {
-        return Some("reference is not { method = \"none\", terms = \"all\" }: a furnace is judged by a white Lambert surface");
+        return Some(
+            "reference is not { method = \"none\", terms = \"all\" }: a furnace is judged by a white Lambert surface",
+        );
     }
-    let is = |name: &str, wanted: &str| matches!(shape.values[axis(name)].as_slice(), [only] if only.to_string() == wanted);
+    let is =
+        |name: &str, wanted: &str| matches!(shape.values[axis(name)].as_slice(), [only] if only.to_string() == wanted);
     WHITE.iter().find(|(name, wanted, _)| !is(name, wanted)).map(|(.., lack)| *lack)
 }
 
@@ -86,7 +92,9 @@ fn balances<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Balance<'r, 'f>> {
     let axes = key_axes(frame);
     let balance = |row: &'r Row<'f>| {
         let change = frame.score_in(row, CHANGE).filter(|change| change.is_finite())?;
-        let of_bin = |bin: &crate::study::finished::Bin| Some(BinChange { change: bin.scores.get(CHANGE)?, ends: [bin.lo, bin.hi] });
+        let of_bin = |bin: &crate::study::finished::Bin| {
+            Some(BinChange { change: bin.scores.get(CHANGE)?, ends: [bin.lo, bin.hi] })
+        };
         let bins = || row.cell.bins.iter().filter_map(of_bin).filter(|bin| bin.change.is_finite());
         Some(Balance {
             row,
@@ -168,7 +176,8 @@ fn sentence(axes: &[usize], all: &[Balance]) -> Option<String> {
 fn digest(axes: &[usize], all: &[Balance]) -> Table {
     let alphas = alphas(all);
     let heads = alphas.iter().map(|alpha| label(&[axis("alpha")], std::slice::from_ref(alpha)));
-    let names = std::iter::once("surface".to_owned()).chain(heads).chain(["creates most".to_owned(), "where".to_owned()]);
+    let names =
+        std::iter::once("surface".to_owned()).chain(heads).chain(["creates most".to_owned(), "where".to_owned()]);
     let mut table = Table::with_names(names.collect());
     for key in distinct_in_order(all.iter().map(|one| one.key.clone())) {
         let own: Vec<&Balance> = all.iter().filter(|one| one.key == key).collect();
@@ -183,7 +192,8 @@ fn digest(axes: &[usize], all: &[Balance]) -> Table {
             Some(one) => {
                 let [lo, hi] = one.most.ends;
                 let alpha = label(&[axis("alpha")], std::slice::from_ref(&one.alpha));
-                [percent(one.most.change), format!("{alpha} n·v {lo} to {}", hi.min(1.0)).trim().to_owned()].map(Cell::Text)
+                [percent(one.most.change), format!("{alpha} n·v {lo} to {}", hi.min(1.0)).trim().to_owned()]
+                    .map(Cell::Text)
             }
         });
         table.row(row);
@@ -202,10 +212,12 @@ fn figure(frame: &Frame, all: &[Balance]) -> Option<Figure> {
     let axes = key_axes(frame);
     let series_axis = axes.iter().position(|known| *known == axis("brdf"));
     let names = series_axis.map_or_else(Vec::new, |i| distinct_in_order(all.iter().map(|one| one.key[i].clone())));
-    let rest = |key: &Key| -> Key { (0..key.len()).filter(|i| Some(*i) != series_axis).map(|i| key[i].clone()).collect() };
+    let rest =
+        |key: &Key| -> Key { (0..key.len()).filter(|i| Some(*i) != series_axis).map(|i| key[i].clone()).collect() };
     let rest_axes: Vec<usize> = (0..axes.len()).filter(|i| Some(*i) != series_axis).map(|i| axes[i]).collect();
     let alphas = alphas(all);
-    let changes = || all.iter().flat_map(|one| [one.change - one.half.unwrap_or(0.0), one.change + one.half.unwrap_or(0.0)]);
+    let changes =
+        || all.iter().flat_map(|one| [one.change - one.half.unwrap_or(0.0), one.change + one.half.unwrap_or(0.0)]);
     let panel = |of: Key| {
         let mut marks = vec![Mark::neutral(Form::HorizontalRule(0.0))];
         for key in distinct_in_order(all.iter().filter(|one| rest(&one.key) == of).map(|one| one.key.clone())) {
@@ -219,7 +231,8 @@ fn figure(frame: &Frame, all: &[Balance]) -> Option<Figure> {
                 if let Some(half) = one.half {
                     marks.push(Mark::new(Form::Whisker([x, one.change - half], [x, one.change + half]), series));
                 }
-                let tip = format!("{} · alpha {}: {}", label(&axes, &key), short(axis("alpha"), &one.alpha), with_half(one));
+                let tip =
+                    format!("{} · alpha {}: {}", label(&axes, &key), short(axis("alpha"), &one.alpha), with_half(one));
                 marks.push(Mark::new(Form::Dot([x, one.change]), series).tip(tip).cell(&one.row.cell.id));
             }
         }
@@ -231,7 +244,8 @@ fn figure(frame: &Frame, all: &[Balance]) -> Option<Figure> {
         })
     };
     let panels = distinct_in_order(all.iter().map(|one| rest(&one.key)));
-    let series = if names.is_empty() { vec!["energy".to_owned()] } else { names.iter().map(Value::to_string).collect() };
+    let series =
+        if names.is_empty() { vec!["energy".to_owned()] } else { names.iter().map(Value::to_string).collect() };
     Some(Figure {
         title: "Energy in a white furnace".to_owned(),
         note: "energy that leaves over energy that arrives, minus 1; above 0 energy is created".to_owned(),

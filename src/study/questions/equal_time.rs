@@ -28,14 +28,26 @@ pub const QUESTION: Question = Question {
     columns: &[
         Column { name: "sampled", about: "The sampling method." },
         Column { name: "fixed", about: "The method without samples." },
-        Column { name: "verdict", about: "The method that errs less in equal time, `undecided`, or why there is no verdict." },
-        Column { name: "samples_at_equal_time", about: "Sample count whose frame takes as long; 0 where one of the least tried takes longer, inf where the most tried take less." },
+        Column {
+            name: "verdict",
+            about: "The method that errs less in equal time, `undecided`, or why there is no verdict.",
+        },
+        Column {
+            name: "samples_at_equal_time",
+            about: "Sample count whose frame takes as long; 0 where one of the least tried takes longer, inf where the most tried take less.",
+        },
         Column { name: "samples_at_equal_time_lo", about: "Lower end of its 95 % interval over rounds." },
         Column { name: "samples_at_equal_time_hi", about: "Upper end of that interval." },
-        Column { name: "error_ratio", about: "Error of the sampling method at that count over that of the other; empty outside the tried counts." },
+        Column {
+            name: "error_ratio",
+            about: "Error of the sampling method at that count over that of the other; empty outside the tried counts.",
+        },
         Column { name: "error_ratio_lo", about: "Lower end of its 95 % interval, by that of the count." },
         Column { name: "error_ratio_hi", about: "Upper end of that interval." },
-        Column { name: "samples_at_equal_error", about: "Sample count with the other's error, interpolated; empty outside the tried counts." },
+        Column {
+            name: "samples_at_equal_error",
+            about: "Sample count with the other's error, interpolated; empty outside the tried counts.",
+        },
         Column { name: "time_ratio", about: "Frame time at that count over that of the other." },
         Column { name: "time_ratio_lo", about: "Lower end of its 95 % interval over rounds." },
         Column { name: "time_ratio_hi", about: "Upper end of that interval." },
@@ -136,8 +148,11 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let axes = frame.case_axes();
     let ratios = times::pairs(frame);
     let images = frame.images();
-    let pairs: Vec<Vec<Timed>> =
-        pairs(frame, &images, &axes).into_iter().map(|pair| timed_pair(frame, &ratios, pair)).filter(|cases| !cases.is_empty()).collect();
+    let pairs: Vec<Vec<Timed>> = pairs(frame, &images, &axes)
+        .into_iter()
+        .map(|pair| timed_pair(frame, &ratios, pair))
+        .filter(|cases| !cases.is_empty())
+        .collect();
     let lead = pairs.first()?;
     let mut table = Table::new(&axes, QUESTION.columns);
     for one in pairs.iter().flatten() {
@@ -156,7 +171,8 @@ fn row(axes: &[usize], one: &Timed) -> Vec<Cell> {
         Value::Unset => one.case.fixed.text(axis),
         value => value.to_string(),
     });
-    let ends = |interval: Option<[f64; 2]>| interval.filter(|ends| !ends[0].is_nan()).map_or([None; 2], |ends| ends.map(Some));
+    let ends =
+        |interval: Option<[f64; 2]>| interval.filter(|ends| !ends[0].is_nan()).map_or([None; 2], |ends| ends.map(Some));
     let mut row: Vec<Cell> = own.map(Cell::Text).collect();
     row.extend([&*one.sampled, &*one.fixed, one.verdict()].map(Cell::from));
     row.push(one.time.samples.into());
@@ -175,7 +191,9 @@ fn sentence(frame: &Frame, cases: &[Timed]) -> String {
     let metric = frame.metric_name();
     let [few, n] = [number_of(Winner::TooFewRounds), cases.len()];
     if few == n {
-        return format!("Too few rounds were timed to say whether `{sampled}` or `{fixed}` errs less in equal frame time{on}.");
+        return format!(
+            "Too few rounds were timed to say whether `{sampled}` or `{fixed}` errs less in equal frame time{on}."
+        );
     }
     let [by_fixed, by_sampled, open] = [Winner::Fixed, Winner::Sampled, Winner::Undecided].map(number_of);
     let mut text = match cases {
@@ -205,7 +223,8 @@ fn where_it_turns(cases: &[Timed]) -> String {
         return String::new();
     }
     let parting = ["alpha", "environment", "brdf"].map(axis).into_iter().find_map(|axis| {
-        let of = |winner: Winner| ascending(distinct_in_order(wins(winner).map(|one| one.case.fixed.point.0[axis].clone())));
+        let of =
+            |winner: Winner| ascending(distinct_in_order(wins(winner).map(|one| one.case.fixed.point.0[axis].clone())));
         let (sampled, fixed) = (of(Winner::Sampled), of(Winner::Fixed));
         let parts = !sampled.iter().any(|value| fixed.contains(value));
         let words = |values: &[Value]| listed(&values.iter().map(|value| short(axis, value)).collect::<Vec<_>>());
@@ -213,7 +232,9 @@ fn where_it_turns(cases: &[Timed]) -> String {
         parts.then(|| (format!("{name}{}", words(&sampled)), format!("{name}{}", words(&fixed))))
     });
     match (parting, cases.first()) {
-        (Some((sampled, fixed)), Some(one)) => format!(" `{}` wins at {sampled}, `{}` at {fixed}.", one.sampled, one.fixed),
+        (Some((sampled, fixed)), Some(one)) => {
+            format!(" `{}` wins at {sampled}, `{}` at {fixed}.", one.sampled, one.fixed)
+        }
         _ => String::new(),
     }
 }
@@ -225,10 +246,17 @@ fn affordable(cases: &[Timed]) -> String {
     let (lo, hi) = (counts().fold(f64::INFINITY, f64::min), counts().fold(0.0, f64::max));
     let [least, most] = case.curve.tried();
     match () {
-        () if hi == 0.0 => format!(" A frame of `{sampled}` takes longer than one of `{fixed}` even with {}.", count(least as usize, "sample", "samples")),
-        () if lo == f64::INFINITY => format!(" A frame of `{sampled}` takes less than one of `{fixed}` even with {most} samples."),
+        () if hi == 0.0 => format!(
+            " A frame of `{sampled}` takes longer than one of `{fixed}` even with {}.",
+            count(least as usize, "sample", "samples")
+        ),
+        () if lo == f64::INFINITY => {
+            format!(" A frame of `{sampled}` takes less than one of `{fixed}` even with {most} samples.")
+        }
         () if lo == 0.0 || hi == f64::INFINITY => String::new(),
-        () if number(lo) == number(hi) => format!(" `{sampled}` affords {} samples in the frame time of `{fixed}`.", number(lo)),
+        () if number(lo) == number(hi) => {
+            format!(" `{sampled}` affords {} samples in the frame time of `{fixed}`.", number(lo))
+        }
         () => format!(" `{sampled}` affords {} to {} samples in the frame time of `{fixed}`.", number(lo), number(hi)),
     }
 }
@@ -242,7 +270,8 @@ fn digest(frame: &Frame, cases: &[Timed]) -> Table {
 fn verdicts(cases: &[&Timed]) -> String {
     let kinds = distinct_in_order(cases.iter().map(|one| one.verdict().to_owned()));
     let number_of = |kind: &String| cases.iter().filter(|one| one.verdict() == kind).count();
-    let words = kinds.iter().map(|kind| if cases.len() == 1 { kind.clone() } else { format!("{kind} {}", number_of(kind)) });
+    let words =
+        kinds.iter().map(|kind| if cases.len() == 1 { kind.clone() } else { format!("{kind} {}", number_of(kind)) });
     words.collect::<Vec<_>>().join(", ")
 }
 
@@ -255,7 +284,9 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[Vec<Timed>]) -> Option<Figure>
         let mut marks = vec![Mark::neutral(Form::VerticalRule(1.0))];
         let mut values = vec![1.0];
         for one in pair {
-            let Some((ratio, ends)) = one.error_ratio.filter(|(ratio, _)| ratio.is_finite() && *ratio > 0.0) else { continue };
+            let Some((ratio, ends)) = one.error_ratio.filter(|(ratio, _)| ratio.is_finite() && *ratio > 0.0) else {
+                continue;
+            };
             let y = rows.iter().position(|row| *row == key(one))? as f64;
             values.push(ratio);
             if let Some([lo, hi]) = ends {

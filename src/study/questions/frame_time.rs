@@ -31,8 +31,14 @@ pub const QUESTION: Question = Question {
         Column { name: "ratio", about: "Time over that of this method, the median of the ratios round by round." },
         Column { name: "ratio_lo", about: "Lower end of its 95 % interval; empty below six rounds." },
         Column { name: "ratio_hi", about: "Upper end of that interval." },
-        Column { name: "verdict", about: "FAST, SLOW or SAME (within 2 %) where the interval says so, else AMBIGUOUS." },
-        Column { name: "host_check", about: "`ok` where the passes sum to 50 to 105 % of the host's own time, else what is wrong." },
+        Column {
+            name: "verdict",
+            about: "FAST, SLOW or SAME (within 2 %) where the interval says so, else AMBIGUOUS.",
+        },
+        Column {
+            name: "host_check",
+            about: "`ok` where the passes sum to 50 to 105 % of the host's own time, else what is wrong.",
+        },
         Column { name: "load", about: "Runnable tasks on the host over the minute before the first round." },
         Column { name: "processors", about: "Processors of the host." },
         Column { name: "device", about: "The device that was timed." },
@@ -95,7 +101,8 @@ fn frames<'f>(frame: &Frame<'f>) -> Vec<Timed<'f>> {
     let timed = |record: &'f TimingRecord| Timed { record, key: record.key(), summary: summarize(&record.sums_ms()) };
     let mut found: Vec<Timed> = records.map(timed).filter(|one| one.summary.n > 0).collect();
     let samples = |one: &Timed| text(&one.key, "samples").parse::<u32>().unwrap_or(0);
-    let order = |one: &Timed| (samples(one) > 0, text(&one.key, "method").to_owned(), samples(one), one.record.block.clone());
+    let order =
+        |one: &Timed| (samples(one) > 0, text(&one.key, "method").to_owned(), samples(one), one.record.block.clone());
     found.sort_by_key(order);
     found
 }
@@ -127,7 +134,11 @@ fn answer(frame: &Frame) -> Option<Finding> {
         for ratio in over {
             let [width, height] = one.record.environment_size;
             let mut row = key_cells(&one.key, &axes);
-            row.extend([Cell::Text(format!("{width}x{height}")), Cell::Integer(one.summary.n as u64), one.summary.median.into()]);
+            row.extend([
+                Cell::Text(format!("{width}x{height}")),
+                Cell::Integer(one.summary.n as u64),
+                one.summary.median.into(),
+            ]);
             row.extend(ends(one.summary.interval));
             row.push(ratio.map_or(Cell::Missing, |ratio| Cell::Text(way(&ratio.fixed.key()))));
             row.push(ratio.map(|ratio| ratio.ratio).into());
@@ -202,13 +213,19 @@ fn digest(frames: &[Timed], ratios: &[Ratio]) -> Table {
     let names = ["method", "configurations", "ms a frame", "95 %", "times as long", "as", "95 %", "host's time"];
     let mut table = Table::with_names(names.map(str::to_owned).to_vec());
     let interval = |ends: &mut dyn Iterator<Item = [f64; 2]>| match ends.next() {
-        Some(only) if ends.next().is_none() => interval_words(only).trim().trim_matches(['(', ')']).replace("95 % ", ""),
+        Some(only) if ends.next().is_none() => {
+            interval_words(only).trim().trim_matches(['(', ')']).replace("95 % ", "")
+        }
         _ => String::new(),
     };
     for name in distinct_in_order(frames.iter().map(|one| way(&one.key))) {
         let own = || frames.iter().filter(|one| way(&one.key) == name);
         let bad = own().filter(|one| one.record.wall_check() != "ok").count();
-        let checked = if bad == 0 { "agrees".to_owned() } else { format!("disagrees in {}", percent(bad as f64 / own().count() as f64)) };
+        let checked = if bad == 0 {
+            "agrees".to_owned()
+        } else {
+            format!("disagrees in {}", percent(bad as f64 / own().count() as f64))
+        };
         let of_ratio = || ratios.iter().filter(|ratio| way(&ratio.sampled.key()) == name);
         let mut bases = distinct_in_order(of_ratio().map(|ratio| way(&ratio.fixed.key())));
         if bases.is_empty() {
@@ -235,7 +252,8 @@ fn digest(frames: &[Timed], ratios: &[Ratio]) -> Table {
 /// One bar a configuration.
 fn figure(frame: &Frame, frames: &[Timed], axes: &[&str]) -> Option<Figure> {
     let places = distinct_in_order(frames.iter().map(|one| place(&one.key, axes)));
-    let name = |one: &Timed| format!("{} · {}", way(&one.key), place(&one.key, axes)).trim_end_matches(" · ").to_owned();
+    let name =
+        |one: &Timed| format!("{} · {}", way(&one.key), place(&one.key, axes)).trim_end_matches(" · ").to_owned();
     let mut marks = Vec::new();
     for (y, one) in frames.iter().enumerate() {
         let (y, series) = (y as f64, places.iter().position(|known| *known == place(&one.key, axes))?);
@@ -260,7 +278,10 @@ fn figure(frame: &Frame, frames: &[Timed], axes: &[&str]) -> Option<Figure> {
             y: Scale::steps("", frames.iter().map(name).collect()),
             marks,
         }],
-        series: places.into_iter().map(|name| Series { name: if name.is_empty() { "frame".to_owned() } else { name }, is_dashed: false }).collect(),
+        series: places
+            .into_iter()
+            .map(|name| Series { name: if name.is_empty() { "frame".to_owned() } else { name }, is_dashed: false })
+            .collect(),
         ramp: None,
     })
 }

@@ -24,8 +24,14 @@ pub const QUESTION: Question = Question {
         Column { name: "n_dot_v_from", about: "Least n·v of the bin." },
         Column { name: "n_dot_v_to", about: "Largest n·v of the bin." },
         Column { name: "n", about: "Images behind the error." },
-        Column { name: "error", about: "Median over the images of the error over the bin's pixels, in the metric of the question." },
-        Column { name: "error_lo", about: "Lower end of its 95 % interval over environments; empty below six environments." },
+        Column {
+            name: "error",
+            about: "Median over the images of the error over the bin's pixels, in the metric of the question.",
+        },
+        Column {
+            name: "error_lo",
+            about: "Lower end of its 95 % interval over environments; empty below six environments.",
+        },
         Column { name: "error_hi", about: "Upper end of that interval." },
     ],
     uses_times: false,
@@ -77,7 +83,8 @@ fn leading<'r, 'f>(frame: &'r Frame<'f>) -> Vec<(String, Vec<&'r Row<'f>>)> {
 fn places(frame: &Frame, rows: &[&Row]) -> Vec<Place> {
     let (alpha, environment) = (axis("alpha"), axis("environment"));
     let alphas = rows.iter().map(|row| row.point.0[alpha].clone()).filter(|alpha| *alpha != Value::Unset);
-    let mut bins: Vec<[f64; 2]> = rows.iter().flat_map(|row| row.cell.bins.iter().map(|bin| [bin.lo, bin.hi])).collect();
+    let mut bins: Vec<[f64; 2]> =
+        rows.iter().flat_map(|row| row.cell.bins.iter().map(|bin| [bin.lo, bin.hi])).collect();
     bins.sort_by(|a, b| a[0].total_cmp(&b[0]));
     bins.dedup();
     let of = |at: &Value, bin: [f64; 2]| {
@@ -125,7 +132,12 @@ fn answer(frame: &Frame) -> Option<Finding> {
         ]);
         table.row(row);
     }
-    Some(Finding { sentence: sentence(frame, lead)?, table, digest: Some(digest(&methods)), figure: figure(frame, &methods) })
+    Some(Finding {
+        sentence: sentence(frame, lead)?,
+        table,
+        digest: Some(digest(&methods)),
+        figure: figure(frame, &methods),
+    })
 }
 
 fn sentence(frame: &Frame, lead: &Method) -> Option<String> {
@@ -139,7 +151,7 @@ fn sentence(frame: &Frame, lead: &Method) -> Option<String> {
     let turns = ["environment_rotation_deg", "scene"].iter().any(|name| frame.shape.is_swept(axis(name)));
     let view = if turns { "In these views" } else { "In this view" };
     let mut text = format!(
-        "{view} `{}` errs most at {}: {} {}{over}; least at {}: {}.",
+        "{view} `{}` errs most at {}: {} {}{over}. It errs least at {}: {}.",
         lead.name,
         place(most),
         frame.metric_name(),
@@ -159,7 +171,8 @@ fn digest(methods: &[Method]) -> Table {
     let mut bins: Vec<[f64; 2]> = places().map(|place| place.bin).collect();
     bins.sort_by(|a, b| a[0].total_cmp(&b[0]));
     bins.dedup();
-    let names = ["method", "alpha"].map(str::to_owned).into_iter().chain(bins.iter().map(|bin| format!("n·v {}", ends(*bin))));
+    let names =
+        ["method", "alpha"].map(str::to_owned).into_iter().chain(bins.iter().map(|bin| format!("n·v {}", ends(*bin))));
     let mut table = Table::with_names(names.collect());
     for method in methods {
         for alpha in distinct_in_order(method.places.iter().map(|place| place.alpha.clone())) {
@@ -184,7 +197,13 @@ fn figure(frame: &Frame, methods: &[Method]) -> Option<Figure> {
             let x = bins.iter().position(|bin| *bin == place.bin)?;
             let y = alphas.iter().position(|alpha| *alpha == place.alpha)?;
             let text = number(place.error.value);
-            let tip = format!("{} · alpha {} · n·v {}: {}", method.name, place.alpha, ends(place.bin), with_interval(&place.error));
+            let tip = format!(
+                "{} · alpha {} · n·v {}: {}",
+                method.name,
+                place.alpha,
+                ends(place.bin),
+                with_interval(&place.error)
+            );
             let mark = Mark::neutral(Form::Tile { x, y, value: Some(place.error.value), text }).tip(tip);
             // A tile of one image leads to it.
             let mut own = method.rows.iter().filter(|row| row.point.0[axis("alpha")] == place.alpha);
@@ -205,7 +224,11 @@ fn figure(frame: &Frame, methods: &[Method]) -> Option<Figure> {
     let scope = frame.swept(&[Part::Case]).len() > 1;
     Some(Figure {
         title: "Error by n·v and alpha in this view".to_owned(),
-        note: format!("{}{}; bins by their least n·v", frame.metric_name(), if scope { ", median over the rest" } else { "" }),
+        note: format!(
+            "{}{}; bins by their least n·v",
+            frame.metric_name(),
+            if scope { ", median over the rest" } else { "" }
+        ),
         panels: methods.iter().map(panel).collect(),
         series: Vec::new(),
         ramp: Some(Ramp { label: frame.metric_name().to_owned(), lo, hi, is_log: true, middle: None }),

@@ -19,11 +19,23 @@ pub const QUESTION: Question = Question {
         Column { name: "document", about: "The source document: 0 [Kim22], 1 or 4." },
         Column { name: "printed", about: "The formula as printed, or its place in words." },
         Column { name: "right", about: "The right formula." },
-        Column { name: "quantity", about: "What is computed with both: of GGX with separable masking where nothing else is said." },
-        Column { name: "printed_value", about: "The quantity by the printed formula; empty where that gives no number." },
+        Column {
+            name: "quantity",
+            about: "What is computed with both: of GGX with separable masking where nothing else is said.",
+        },
+        Column {
+            name: "printed_value",
+            about: "The quantity by the printed formula; empty where that gives no number.",
+        },
         Column { name: "right_value", about: "The quantity by the right formula." },
-        Column { name: "light_ratio", about: "By which factor light is wrong, at least 1; empty where the quantity is no amount of light." },
-        Column { name: "changes_light", about: "1 where light is wrong by more than 2 %, which is told apart side by side, else 0." },
+        Column {
+            name: "light_ratio",
+            about: "By which factor light is wrong, at least 1; empty where the quantity is no amount of light.",
+        },
+        Column {
+            name: "changes_light",
+            about: "1 where light is wrong by more than 2 %, which is told apart side by side, else 0.",
+        },
     ],
     uses_times: false,
     lacks,

@@ -21,13 +21,25 @@ pub const QUESTION: Question = Question {
     asks: "What do the tables cost once, and after how many frames are they paid back?",
     columns: &[
         Column { name: "environment_size", about: "Width and height of the environment's map." },
-        Column { name: "pass", about: "A pass that makes a table, or `all`: all passes beyond those of the sampling method in `over`." },
+        Column {
+            name: "pass",
+            about: "A pass that makes a table, or `all`: all passes beyond those of the sampling method in `over`.",
+        },
         Column { name: "ms", about: "Its time in milliseconds, once, the median over rounds." },
         Column { name: "ms_lo", about: "Lower end of its 95 % interval; empty below six rounds and for `all`." },
         Column { name: "ms_hi", about: "Upper end of that interval." },
-        Column { name: "over", about: "The sampling method, with its sample count, that the tables are paid back against." },
-        Column { name: "payback_frames", about: "Frames after which the tables are paid back; empty where that is not known." },
-        Column { name: "payback_frames_lo", about: "Lower end of its 95 % interval, that of the ratio of frame times." },
+        Column {
+            name: "over",
+            about: "The sampling method, with its sample count, that the tables are paid back against.",
+        },
+        Column {
+            name: "payback_frames",
+            about: "Frames after which the tables are paid back; empty where that is not known.",
+        },
+        Column {
+            name: "payback_frames_lo",
+            about: "Lower end of its 95 % interval, that of the ratio of frame times.",
+        },
         Column { name: "payback_frames_hi", about: "Upper end of that interval." },
         Column { name: "payback", about: "`paid back`, `never` (its frames are slower), or why it is not decided." },
         Column { name: "device", about: "The device that was timed." },
@@ -134,18 +146,22 @@ fn kind_ms(record: &TimingRecord, wanted: Option<&str>) -> Option<f64> {
 /// Each kind of pass of a method with its range over the sets of tables, in the order of the passes; nothing first for the sum.
 fn kinds(sets: &[&TimingRecord], method: &str) -> Vec<(String, String)> {
     let own = || sets.iter().filter(|record| text(&record.axes, "method") == method);
-    let names = distinct_in_order(own().flat_map(|record| record.passes.iter().map(|pass| kind(&pass.pass).to_owned())));
+    let names =
+        distinct_in_order(own().flat_map(|record| record.passes.iter().map(|pass| kind(&pass.pass).to_owned())));
     let ms = |wanted: Option<&str>| {
         let all: Vec<f64> = own().filter_map(|record| kind_ms(record, wanted)).collect();
         range(all.into_iter())
     };
-    std::iter::once(("all".to_owned(), ms(None))).chain(names.into_iter().map(|name| (name.clone(), ms(Some(&name))))).collect()
+    std::iter::once(("all".to_owned(), ms(None)))
+        .chain(names.into_iter().map(|name| (name.clone(), ms(Some(&name)))))
+        .collect()
 }
 
 /// When a method has paid for its tables against a sampling way: frames and their interval, or why there is no number. Over several
 /// configurations the range of all; one that is not decided leaves the whole open.
 fn payback(ratios: &[Ratio], method: &str, over: &str) -> Option<Result<(String, String), String>> {
-    let own = || ratios.iter().filter(|pair| text(&pair.fixed.axes, "method") == method && way(&pair.sampled.key()) == over);
+    let own =
+        || ratios.iter().filter(|pair| text(&pair.fixed.axes, "method") == method && way(&pair.sampled.key()) == over);
     let all: Vec<Payback> = own().flat_map(|pair| pair.tables.iter().map(|tables| tables.payback)).collect();
     let frames = |payback: &Payback| match *payback {
         Payback::Frames { count, interval } => Ok((count, interval)),
@@ -219,13 +235,16 @@ fn figure(frame: &Frame, sets: &[&TimingRecord], method: &str) -> Option<Figure>
     let own = || sets.iter().filter(|record| text(&record.axes, "method") == method);
     let passes = distinct_in_order(own().flat_map(|record| record.passes.iter().map(|pass| pass.pass.clone())));
     let ms = |name: &String| -> Vec<f64> {
-        let of_set = |record: &&&TimingRecord| record.passes.iter().find(|pass| pass.pass == *name).map(|pass| summarize(&pass.ms).median);
+        let of_set = |record: &&&TimingRecord| {
+            record.passes.iter().find(|pass| pass.pass == *name).map(|pass| summarize(&pass.ms).median)
+        };
         own().filter_map(|record| of_set(&record)).collect()
     };
     let mut marks = Vec::new();
     for (y, name) in passes.iter().enumerate() {
         let (y, all) = (y as f64, ms(name));
-        let (least, most) = (all.iter().copied().fold(f64::INFINITY, f64::min), all.iter().copied().fold(0.0, f64::max));
+        let (least, most) =
+            (all.iter().copied().fold(f64::INFINITY, f64::min), all.iter().copied().fold(0.0, f64::max));
         let tip = format!("{name}: {} ms", range(all.into_iter()));
         marks.push(Mark::new(Form::HorizontalBar { y, base: 0.0, to: most }, 0).tip(tip));
         if least < most {
@@ -235,7 +254,10 @@ fn figure(frame: &Frame, sets: &[&TimingRecord], method: &str) -> Option<Figure>
     let on = if QUESTION.rests_on_cpu_times(frame) { "; a CPU driver: nothing about a GPU" } else { "" };
     Some(Figure {
         title: format!("What the tables of {method} cost once"),
-        note: format!("median over rounds; the longest of {}, the line from the shortest{on}", sets_words(own().count())),
+        note: format!(
+            "median over rounds; the longest of {}, the line from the shortest{on}",
+            sets_words(own().count())
+        ),
         panels: vec![Panel {
             title: String::new(),
             x: Scale::linear("ms", passes.iter().flat_map(ms).chain([0.0]))?,

@@ -26,8 +26,14 @@ pub const QUESTION: Question = Question {
         Column { name: "value", about: "The smaller value." },
         Column { name: "against", about: "The larger value." },
         Column { name: "n", about: "Pairs of cells behind the ratio, which differ in this axis alone." },
-        Column { name: "ratio", about: "Error with the smaller value over that with the larger one, geometric mean of the pairs." },
-        Column { name: "is_enough", about: "1 where in this condition no larger value gains more than 5 % over the smaller one, else 0." },
+        Column {
+            name: "ratio",
+            about: "Error with the smaller value over that with the larger one, geometric mean of the pairs.",
+        },
+        Column {
+            name: "is_enough",
+            about: "1 where in this condition no larger value gains more than 5 % over the smaller one, else 0.",
+        },
     ],
     uses_times: false,
     lacks,
@@ -90,8 +96,10 @@ fn costs(frame: &Frame, parameters: &[Parameter]) -> Vec<Cost> {
     let images = frame.images();
     let mut found: Vec<Cost> = Vec::new();
     for own in parameters {
-        let is_large = |row: &Row, other: &Parameter| size_of(&row.point.0[other.axis]).is_none_or(|size| size >= other.base);
-        let is_beside_large = |row: &&&Row| parameters.iter().all(|other| other.axis == own.axis || is_large(row, other));
+        let is_large =
+            |row: &Row, other: &Parameter| size_of(&row.point.0[other.axis]).is_none_or(|size| size >= other.base);
+        let is_beside_large =
+            |row: &&&Row| parameters.iter().all(|other| other.axis == own.axis || is_large(row, other));
         let rows: Vec<&Row> = images.iter().filter(is_beside_large).copied().collect();
         for against in &own.values {
             type Group = ((Value, String, Key), Vec<Cell>, Vec<f64>);
@@ -153,7 +161,8 @@ impl<'c> Verdict<'c> {
     /// Of the next smaller value, the condition in which it costs most over the shipped one.
     fn below(&self) -> Option<&'c Cost> {
         let smaller = || self.costs.iter().copied().filter(|cost| cost.against == self.shipped);
-        let next = smaller().map(|cost| size_of(&cost.value)).fold(None, |most, size| if size > most { size } else { most });
+        let next =
+            smaller().map(|cost| size_of(&cost.value)).fold(None, |most, size| if size > most { size } else { most });
         smaller().filter(|cost| size_of(&cost.value) == next).max_by(|a, b| a.ratio.total_cmp(&b.ratio))
     }
 
@@ -166,13 +175,16 @@ impl<'c> Verdict<'c> {
 
 /// The verdicts of one method, in the order of the axes.
 fn verdicts<'c>(frame: &Frame, parameters: &[Parameter], costs: &'c [Cost], method: &str) -> Vec<Verdict<'c>> {
-    let of = |axis: usize| -> Vec<&Cost> { costs.iter().filter(|cost| cost.axis == axis && cost.method == method).collect() };
+    let of = |axis: usize| -> Vec<&Cost> {
+        costs.iter().filter(|cost| cost.axis == axis && cost.method == method).collect()
+    };
     let own: Vec<(usize, Vec<&Cost>)> =
         parameters.iter().map(|one| (one.axis, of(one.axis))).filter(|(_, costs)| !costs.is_empty()).collect();
     let axes: Vec<usize> = own.iter().map(|(axis, _)| *axis).collect();
     let sets: Vec<Vec<&Value>> = own.iter().map(|(_, costs)| enough(costs)).collect();
     let rows = frame.images().into_iter().filter(|row| frame.way(row) == method);
-    let keys = rows.map(|row| row.key(&axes)).filter(|key| key.iter().zip(&sets).all(|(value, set)| set.contains(&value)));
+    let keys =
+        rows.map(|row| row.key(&axes)).filter(|key| key.iter().zip(&sets).all(|(value, set)| set.contains(&value)));
     let product = |key: &Key| key.iter().filter_map(size_of).product::<f64>();
     let smallest = keys.min_by(|a, b| product(a).total_cmp(&product(b)));
     own.into_iter()
@@ -237,9 +249,11 @@ fn by_alpha(verdicts: &[Verdict]) -> String {
     let needs = |alpha: &Value| -> Vec<Option<&Value>> { verdicts.iter().map(|one| one.least_at(alpha)).collect() };
     let all: Vec<(Value, Vec<Option<&Value>>)> =
         alphas(verdicts).into_iter().map(|alpha| (alpha.clone(), needs(&alpha))).collect();
-    let differing: Vec<usize> = (0..verdicts.len()).filter(|&i| all.iter().any(|(_, key)| key[i] != all[0].1[i])).collect();
+    let differing: Vec<usize> =
+        (0..verdicts.len()).filter(|&i| all.iter().any(|(_, key)| key[i] != all[0].1[i])).collect();
     let size = |key: &[Option<&Value>]| differing.iter().filter_map(|&i| size_of(key[i]?)).product::<f64>();
-    let Some((_, least)) = all.iter().min_by(|a, b| size(&a.1).total_cmp(&size(&b.1))).filter(|_| !differing.is_empty())
+    let Some((_, least)) =
+        all.iter().min_by(|a, b| size(&a.1).total_cmp(&size(&b.1))).filter(|_| !differing.is_empty())
     else {
         return String::new();
     };
@@ -253,7 +267,8 @@ fn table(frame: &Frame, costs: &[Cost]) -> Table {
     let mut table = Table::new(&[frame.way_axes(), condition_axes().to_vec()].concat(), QUESTION.columns);
     for cost in costs {
         let is_rival = |other: &&Cost| {
-            (other.axis, &other.method, &other.value, &other.condition) == (cost.axis, &cost.method, &cost.value, &cost.condition)
+            (other.axis, &other.method, &other.value, &other.condition)
+                == (cost.axis, &cost.method, &cost.value, &cost.condition)
         };
         let is_enough = costs.iter().filter(is_rival).all(|other| other.gain() <= GAIN);
         let mut row = cost.way.clone();
@@ -269,14 +284,21 @@ fn table(frame: &Frame, costs: &[Cost]) -> Table {
 /// One row an axis: what to ship, what more gains, what less costs, what each alpha needs.
 fn digest(all: &[(String, Vec<Verdict>)]) -> Table {
     let alphas = alphas(&all.iter().flat_map(|(_, verdicts)| verdicts).cloned().collect::<Vec<_>>());
-    let names = ["table", "method", "ship", "enough alone", "larger gains at most", "next smaller", "costs up to", "where"];
+    let names =
+        ["table", "method", "ship", "enough alone", "larger gains at most", "next smaller", "costs up to", "where"];
     let of_alphas = alphas.iter().map(|alpha| format!("alpha {}", short(axis("alpha"), alpha)));
     let mut table = Table::with_names(names.map(str::to_owned).into_iter().chain(of_alphas).collect());
     for (method, verdict) in all.iter().flat_map(|(method, verdicts)| verdicts.iter().map(move |one| (method, one))) {
         let value = |value: &Value| said(verdict.axis, value);
         let (beyond, below) = (verdict.beyond(), verdict.below());
         let gain = beyond.map_or("no larger one tried".to_owned(), |cost| percent(cost.gain().max(0.0)));
-        let mut row = vec![AXES[verdict.axis].name.to_owned(), method.clone(), value(&verdict.shipped), value(&verdict.least), gain];
+        let mut row = vec![
+            AXES[verdict.axis].name.to_owned(),
+            method.clone(),
+            value(&verdict.shipped),
+            value(&verdict.least),
+            gain,
+        ];
         row.push(below.map_or("none tried".to_owned(), |cost| value(&cost.value)));
         row.push(below.map_or(String::new(), |cost| percent(cost.ratio - 1.0)));
         row.push(below.map_or(String::new(), |cost| label(&condition_axes(), &cost.condition)));
@@ -293,15 +315,20 @@ fn figure(frame: &Frame, method: &str, verdicts: &[Verdict]) -> Option<Figure> {
     for verdict in verdicts {
         let of_condition = |condition: &Key| -> Vec<(Value, f64)> {
             let own = || verdict.costs.iter().filter(|cost| cost.condition == *condition);
-            let smaller = own().filter(|cost| cost.against == verdict.shipped).map(|cost| (cost.value.clone(), cost.ratio));
-            let larger = own().filter(|cost| cost.value == verdict.shipped).map(|cost| (cost.against.clone(), 1.0 / cost.ratio));
+            let smaller =
+                own().filter(|cost| cost.against == verdict.shipped).map(|cost| (cost.value.clone(), cost.ratio));
+            let larger =
+                own().filter(|cost| cost.value == verdict.shipped).map(|cost| (cost.against.clone(), 1.0 / cost.ratio));
             let mut points: Vec<(Value, f64)> = smaller.chain([(verdict.shipped.clone(), 1.0)]).chain(larger).collect();
             points.sort_by(|a, b| size_of(&a.0).partial_cmp(&size_of(&b.0)).unwrap_or(std::cmp::Ordering::Equal));
             points
         };
         let conditions = distinct_in_order(verdict.costs.iter().map(|cost| cost.condition.clone()));
-        let curves: Vec<(&Key, Vec<(Value, f64)>)> = conditions.iter().map(|condition| (condition, of_condition(condition))).collect();
-        let steps = ascending(distinct_in_order(curves.iter().flat_map(|(_, curve)| curve.iter().map(|point| point.0.clone()))));
+        let curves: Vec<(&Key, Vec<(Value, f64)>)> =
+            conditions.iter().map(|condition| (condition, of_condition(condition))).collect();
+        let steps = ascending(distinct_in_order(
+            curves.iter().flat_map(|(_, curve)| curve.iter().map(|point| point.0.clone())),
+        ));
         let mut marks = vec![Mark::neutral(Form::HorizontalRule(1.0))];
         for (condition, curve) in &curves {
             let series = alphas.iter().position(|alpha| *alpha == condition[0]).unwrap_or(0);
@@ -309,7 +336,12 @@ fn figure(frame: &Frame, method: &str, verdicts: &[Verdict]) -> Option<Figure> {
             let points: Vec<[f64; 2]> = curve.iter().map(|(value, ratio)| [place(value), *ratio]).collect();
             marks.push(Mark::new(Form::Line(points), series));
             for (value, ratio) in curve {
-                let tip = format!("{} · {}: {}", label(&condition_axes(), condition), said(verdict.axis, value), number(*ratio));
+                let tip = format!(
+                    "{} · {}: {}",
+                    label(&condition_axes(), condition),
+                    said(verdict.axis, value),
+                    number(*ratio)
+                );
                 marks.push(Mark::new(Form::Dot([place(value), *ratio]), series).tip(tip));
             }
         }
@@ -329,7 +361,11 @@ fn figure(frame: &Frame, method: &str, verdicts: &[Verdict]) -> Option<Figure> {
     let axes: Vec<usize> = verdicts.iter().map(|one| one.axis).collect();
     Some(Figure {
         title: "What smaller tables cost".to_owned(),
-        note: format!("{}, `{method}`; shipped: {}; one line an alpha and environment", frame.metric_name(), label(&axes, &shared)),
+        note: format!(
+            "{}, `{method}`; shipped: {}; one line an alpha and environment",
+            frame.metric_name(),
+            label(&axes, &shared)
+        ),
         panels,
         series: series.into_iter().map(|name| Series { name, is_dashed: false }).collect(),
         ramp: None,

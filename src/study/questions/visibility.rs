@@ -22,7 +22,10 @@ pub const QUESTION: Question = Question {
         Column { name: "flip", about: "Mean FLIP of an image, the median over these images; from 0 (none) to 1." },
         Column { name: "flip_least", about: "Mean FLIP of the image with the least." },
         Column { name: "flip_most", about: "Mean FLIP of the image with the most." },
-        Column { name: "visible_from", about: "Mean FLIP from which a difference is called visible, a convention of this project." },
+        Column {
+            name: "visible_from",
+            about: "Mean FLIP from which a difference is called visible, a convention of this project.",
+        },
         Column { name: "visible", about: "How many of the images have at least that." },
     ],
     uses_times: false,
@@ -231,7 +234,9 @@ fn figure<'r, 'f: 'r>(methods: &[String], of: &dyn Fn(&String) -> Vec<&'r Curve<
     let hi = flips.iter().copied().fold(VISIBLE_FROM, f64::max);
     (lo < hi).then(|| Figure {
         title: "The difference after the tone curve".to_owned(),
-        note: format!("mean FLIP, median over the rest; from {VISIBLE_FROM} on a difference is called visible (a convention)"),
+        note: format!(
+            "mean FLIP, median over the rest; from {VISIBLE_FROM} on a difference is called visible (a convention)"
+        ),
         panels: methods.iter().map(panel).collect(),
         series: Vec::new(),
         ramp: Some(Ramp { label: "mean FLIP".to_owned(), lo, hi, is_log: true, middle: Some(VISIBLE_FROM) }),

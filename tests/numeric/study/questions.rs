@@ -126,9 +126,13 @@ fn asked(run: &Finished) -> Vec<(&'static Question, Finding)> {
     let frame = Frame::new(run, None);
     let serves = QUESTIONS.iter().filter(|question| (question.lacks)(&frame.shape).is_none());
     let name = run.text("/name");
-    serves
-        .map(|&asked| (asked, (asked.answer)(&frame).unwrap_or_else(|| panic!("{}: no answer of {name}", asked.name))))
-        .collect()
+    let answer = |asked: &&'static Question| {
+        let finding = (asked.answer)(&frame);
+        // Images of the diffuse run differ in two ways at once, so questions of pairs are served and have no pair.
+        assert!(finding.is_some() || name == "diffuse", "{}: no answer of {name}", asked.name);
+        Some((*asked, finding?))
+    };
+    serves.filter_map(answer).collect()
 }
 
 fn each(check: impl Fn(&Finished, &'static Question, &Finding)) {
