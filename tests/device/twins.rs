@@ -187,7 +187,8 @@ fn radiance(frame: &Frame, [x, y]: [u32; 2]) -> DVec3 {
 }
 
 /// Holds a frame to a twin of the radiance of each sight.
-fn check<E: Copy>(
+#[allow(clippy::too_many_arguments, reason = "a twin, its frame and its tolerances")]
+fn check<E: Copy + Sync>(
     name: String,
     twin: Twin<E>,
     estimate: impl Fn(E, &Sight) -> DVec3 + Sync,
@@ -196,9 +197,7 @@ fn check<E: Copy>(
     sights: &[Sight],
     frame: &Frame,
     lookup: Tolerance,
-) where
-    E: Sync,
-{
+) {
     let scale = f64::from(request.environment_scale);
     match twin {
         Twin::Estimator(estimator) => {
