@@ -103,6 +103,7 @@ fn a_model_is_packed_within_the_errors_that_it_states() {
         for place in unpacked(&part.triangles, part.triangle_count).as_flattened() {
             let index = *corners.next().unwrap() as usize;
             let fraction = positions[*place as usize].map(|word| f64::from(word) / 65535.0);
+            #[allow(clippy::needless_range_loop, reason = "the component of several lists")]
             for c in 0..3 {
                 let position = ball.low[c] + fraction[c] * (ball.high[c] - ball.low[c]);
                 assert!((position - f64::from(mesh.positions[index][c])).abs() <= side / 131_070.0 + 1e-6);
