@@ -248,10 +248,10 @@ export class LiveRender {
   /** Compares all with the reference, and half of its samples with all: for independent samples that is its own error. */
   judge() {
     const truth = this.linear("reference");
-    const ways = ["split", "half", ...(this.done.sampled ? ["sampled"] : [])];
-    this.errors = Object.fromEntries(ways.map((way) => [way, relativeError(this.linear(way), truth)]));
-    const isClean = this.errors.half <= NOISE_SHARE * this.errors.split;
-    this.isJudged = isClean || this.done.reference === REFERENCE_SAMPLES;
+    const errorOf = (way) => relativeError(this.linear(way), truth);
+    const [split, reference] = [errorOf("split"), errorOf("half")];
+    this.errors = { split, reference, sampled: this.done.sampled ? errorOf("sampled") : null };
+    this.isJudged = reference <= NOISE_SHARE * split || this.done.reference === REFERENCE_SAMPLES;
   }
 
   /** Shows a way on the canvas, as an image or as its error; or writes its linear values. */

@@ -170,17 +170,17 @@ class Live {
   describe() {
     const { render, settings } = this;
     const { method, mode } = this.shown;
-    const { errors, done, view } = render;
+    const { errors, done, view, isJudged } = render;
     const counted = (way) => (done[way] < render.total(way) ? `${done[way]} of ${render.total(way)}` : `${done[way]}`);
     const image = method === "split" ? "split sum" : `${method}, ${counted(method)} samples a pixel`;
-    const what = mode === "image" ? image : `${mode === "signed" ? "signed error" : "error"} of ${image}`;
+    const truth = `against ${done.reference} samples${isJudged ? "" : " so far"}`;
+    const what = mode === "image" ? image : `${mode === "signed" ? "signed error" : "error"} of ${image} ${truth}`;
     say(this.parts.badge, what);
-    const error = errors?.[method] ?? null;
-    const own = errors && `${number(errors.half, 2)} is its own: half of its samples against all`;
-    const until = render.isJudged ? "" : ", more to come";
-    const score = error === null ? "relMSE …" : `relMSE of ${NAMES[method]} ${number(error)}`;
-    say(this.parts.score, `${score}. Reference: ${done.reference} samples a pixel${until}${own ? `; ${own}` : ""}.`);
-    Object.assign(this.canvas.dataset, { method, mode, relmse: errors?.split ?? "", noise: errors?.half ?? "" });
+    const score = `relMSE of ${NAMES[method]}: ${errors?.[method] ? number(errors[method]) : "not yet known"}`;
+    const noise = errors ? `; half of them against all: ${number(errors.reference, 2)}` : "";
+    const more = isJudged ? "" : ", more to come";
+    say(this.parts.score, `${score}. Reference: ${done.reference} samples a pixel${more}${noise}.`);
+    Object.assign(this.canvas.dataset, { method, mode, relmse: errors?.split ?? "", noise: errors?.reference ?? "" });
     this.probe();
     if (render.isComplete) {
       const places = `${view.shape.label} in ${view.light.label}, ${view.lobe.brdf}`;

@@ -105,6 +105,7 @@ export class Viewer {
 
   /** Changes what is shown. */
   set(details) {
+    if (!this.row) return;
     Object.assign(this, details);
     this.syncControls();
     this.draw();

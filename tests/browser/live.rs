@@ -106,7 +106,10 @@ fn keys_sliders_the_reference_and_the_link_of_the_live_view() {
     let whole = linear(&mut page, "sampled")[middle][1];
     page.eval("(() => { const r = live.render; r.restart(); r.drawBase(); r.isStale = false; r.drawSamples('sampled', 3); live.describe(); })()");
     let count = page.eval("live.settings.n").as_u64().unwrap();
-    assert_eq!(page.text(".live .badge"), format!("error of sampled, 3 of {count} samples a pixel"));
+    assert_eq!(
+        page.text(".live .badge"),
+        format!("error of sampled, 3 of {count} samples a pixel against 0 samples so far")
+    );
     let lines = page.eval("[...document.querySelectorAll('.live .probe tbody tr')].map((r) => r.textContent)");
     assert!(lines[1].as_str().unwrap().starts_with("sampled 3"), "{lines}");
     assert_eq!(lines[2], json!("reference 0–––"), "no values of before");

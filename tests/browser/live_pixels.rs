@@ -192,6 +192,7 @@ impl Setting {
             diffuse: diffuse_by_name(if self.diffuse { "sh9" } else { "none" }).unwrap(),
             brdf: *MODELS.iter().find(|model| model.name() == ["ggx", "phong"][self.lobe]).unwrap(),
             samples,
+            reference_samples: samples,
             background: true,
             ..of_run
         }
@@ -209,7 +210,7 @@ fn is_storage_error(method: &str, error: f64) -> bool {
 #[ignore = "the page was rewritten; this test is not adapted to it yet"]
 fn pixels_and_errors_are_those_of_the_renderer() {
     let Some(Bench { mut page, mut pipeline, plan, report, _dir }) = bench() else { return };
-    let size = [90, 70];
+    let size = [60, 46];
     open(&mut page, &report, "#live", size);
     assert_eq!(page.eval("live.tables.environments.map((e) => e.scale)"), json!([1, 4]));
     let begins = page.eval("[live.settings.turn, live.render.view.bias, live.render.view.brightness]");
