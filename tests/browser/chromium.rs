@@ -15,36 +15,61 @@ const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "goog
 /// A machine under load is slow; a browser that hangs must not hang the tests.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-pub struct Page {
+/// One browser serves every test; it starts with the first.
+struct Browser {
     child: Child,
     input: ChildStdin,
     messages: Receiver<Value>,
-    session: Option<String>,
     last_id: u64,
+    _profile: tempfile::TempDir,
+}
+
+/// One test at a time has the browser: times are measured, and it takes more than one core.
+static BROWSER: Mutex<Option<Browser>> = Mutex::new(None);
+
+/// A page in a context of its own: nothing that another test stored or cached.
+pub struct Page {
+    browser: MutexGuard<'static, Option<Browser>>,
+    context: Value,
+    session: Option<String>,
     /// Addresses that the page asked for.
     pub requests: Vec<String>,
     /// Uncaught exceptions and console errors.
     pub errors: Vec<String>,
-    _profile: tempfile::TempDir,
-    _turn: MutexGuard<'static, ()>,
 }
 
-/// One browser at a time: times are measured, and each takes more than one core.
-static TURN: Mutex<()> = Mutex::new(());
-
-/// A page in a new browser; `None` (with a line) where there is no browser.
+/// A new page; `None` (with a line) where there is no browser.
 pub fn open() -> Option<Page> {
+    let mut browser = BROWSER.lock().unwrap_or_else(PoisonError::into_inner);
+    if browser.is_none() {
+        *browser = Some(start()?);
+    }
+    let (requests, errors) = (Vec::new(), Vec::new());
+    let mut page = Page { browser, context: Value::Null, session: None, requests, errors };
+    page.context = page.call("Target.createBrowserContext", json!({}))["browserContextId"].clone();
+    let new = json!({ "url": "about:blank", "browserContextId": page.context });
+    let target = page.call("Target.createTarget", new);
+    let attach = json!({ "targetId": target["targetId"], "flatten": true });
+    page.session = Some(page.call("Target.attachToTarget", attach)["sessionId"].as_str().unwrap().to_owned());
+    for domain in ["Page", "Runtime", "Network", "Log"] {
+        page.call(&format!("{domain}.enable"), json!({}));
+    }
+    Some(page)
+}
+
+fn start() -> Option<Browser> {
     let found = |name: &&&str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
     let Some(name) = NAMES.iter().find(found) else {
         eprintln!("skipped: no Chromium; `apt-get install chromium` adds it");
         assert!(std::env::var_os("SPLITSUM_REQUIRE_BROWSER").is_none(), "SPLITSUM_REQUIRE_BROWSER is set");
         return None;
     };
-    let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let profile = tempfile::tempdir().unwrap();
-    // The protocol's pipes are descriptors 3 (in) and 4 (out).
+    // The protocol's pipes are descriptors 3 (in) and 4 (out). When the tests end they close, the browser ends, and its profile goes.
     let mut child = Command::new("sh")
-        .args(["-c", r#"exec "$@" 3<&0 4>&1 </dev/null >/dev/null 2>&1"#, "sh", name])
+        .args(["-c", r#"profile=$1; shift; "$@" 3<&0 4>&1 </dev/null >/dev/null 2>&1; rm -rf "$profile""#, "sh"])
+        .arg(profile.path())
+        .arg(name)
         .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--no-first-run"])
         .args(["--disable-background-networking", "--disable-extensions", "--remote-debugging-pipe"])
         .arg(format!("--user-data-dir={}", profile.path().display()))
@@ -53,24 +78,7 @@ pub fn open() -> Option<Page> {
         .spawn()
         .unwrap();
     let (input, output) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());
-    let mut page = Page {
-        child,
-        input,
-        messages: listen(output),
-        session: None,
-        last_id: 0,
-        requests: Vec::new(),
-        errors: Vec::new(),
-        _profile: profile,
-        _turn: turn,
-    };
-    let target = page.call("Target.createTarget", json!({ "url": "about:blank" }));
-    let attach = json!({ "targetId": target["targetId"], "flatten": true });
-    page.session = Some(page.call("Target.attachToTarget", attach)["sessionId"].as_str().unwrap().to_owned());
-    for domain in ["Page", "Runtime", "Network", "Log"] {
-        page.call(&format!("{domain}.enable"), json!({}));
-    }
-    Some(page)
+    Some(Browser { child, input, messages: listen(output), last_id: 0, _profile: profile })
 }
 
 fn listen(output: ChildStdout) -> Receiver<Value> {
@@ -87,28 +95,42 @@ fn listen(output: ChildStdout) -> Receiver<Value> {
 
 impl Drop for Page {
     fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        if !std::thread::panicking() {
+            self.session = None;
+            self.call("Target.disposeBrowserContext", json!({ "browserContextId": self.context }));
+        } else if let Some(mut browser) = self.browser.take() {
+            // The browser may be why the test failed: the next one gets another. It ends when its pipe is closed.
+            drop(browser.input);
+            let asked = Instant::now();
+            while matches!(browser.child.try_wait(), Ok(None)) && asked.elapsed() < Duration::from_secs(10) {
+                std::thread::sleep(Duration::from_millis(20));
+            }
+        }
     }
 }
 
 impl Page {
     fn call(&mut self, method: &str, parameters: Value) -> Value {
-        self.last_id += 1;
-        let mut message = json!({ "id": self.last_id, "method": method, "params": parameters });
+        let browser = self.browser.as_mut().unwrap();
+        browser.last_id += 1;
+        let mut message = json!({ "id": browser.last_id, "method": method, "params": parameters });
         if let Some(session) = &self.session {
             message["sessionId"] = json!(session);
         }
-        self.input.write_all(format!("{message}\0").as_bytes()).unwrap();
+        browser.input.write_all(format!("{message}\0").as_bytes()).unwrap();
         let started = Instant::now();
         loop {
+            let browser = self.browser.as_mut().unwrap();
             let left = PATIENCE.saturating_sub(started.elapsed());
-            let answer = self.messages.recv_timeout(left).unwrap_or_else(|_| panic!("no answer to {method}"));
-            if answer["id"] == self.last_id {
+            let answer = browser.messages.recv_timeout(left).unwrap_or_else(|_| panic!("no answer to {method}"));
+            if answer["id"] == browser.last_id {
                 assert!(answer["error"].is_null(), "{method}: {}", answer["error"]);
                 return answer["result"].clone();
             }
-            self.note(&answer);
+            // Another test's page may still say something.
+            if answer["sessionId"].as_str() == self.session.as_deref() {
+                self.note(&answer);
+            }
         }
     }
 
