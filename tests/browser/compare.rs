@@ -221,7 +221,6 @@ fn errors_beyond_the_range_of_the_colours_can_be_marked() {
 }
 
 #[test]
-#[ignore = "the page was rewritten; this test is not adapted to it yet"]
 fn images_with_keys_stand_first_and_contact_sheets_are_linked() {
     let Some(mut page) = chromium::open() else { return };
     let dir = tempfile::tempdir().unwrap();

@@ -63,7 +63,6 @@ const PAINTED: &str = "[...document.querySelectorAll('.desk .fig text:not(.fig-d
     return e.ownerSVGElement ? style.fill : style.color; })";
 
 #[test]
-#[ignore = "the page was rewritten; this test is not adapted to it yet"]
 fn words_stand_out_from_what_is_below_them() {
     let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
     for scheme in ["light", "dark"] {

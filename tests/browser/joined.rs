@@ -35,7 +35,6 @@ fn tips(page: &mut Page, figures: &str) -> serde_json::Value {
 }
 
 #[test]
-#[ignore = "the page was rewritten; this test is not adapted to it yet"]
 fn each_run_has_the_answers_that_it_has_alone() {
     let Some(mut page) = chromium::open() else { return };
     let dir = tempfile::tempdir().unwrap();
@@ -72,7 +71,6 @@ fn each_run_has_the_answers_that_it_has_alone() {
 }
 
 #[test]
-#[ignore = "the page was rewritten; this test is not adapted to it yet"]
 fn images_of_equal_cells_of_two_runs_are_told_apart() {
     let Some(mut page) = chromium::open() else { return };
     let dir = tempfile::tempdir().unwrap();

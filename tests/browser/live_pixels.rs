@@ -207,7 +207,6 @@ fn is_storage_error(method: &str, error: f64) -> bool {
 }
 
 #[test]
-#[ignore = "the page was rewritten; this test is not adapted to it yet"]
 fn pixels_and_errors_are_those_of_the_renderer() {
     let Some(Bench { mut page, mut pipeline, plan, report, _dir }) = bench() else { return };
     let size = [60, 46];
