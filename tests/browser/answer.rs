@@ -27,7 +27,7 @@ fn the_first_screen_of_a_laptop_answers_and_hostile_names_stay_text() {
                        .map((e) => e.getBoundingClientRect().bottom)";
         let bottoms = page.eval(bottoms);
         let all: Vec<f64> = bottoms.as_array().unwrap().iter().map(|bottom| bottom.as_f64().unwrap()).collect();
-        assert!(all.len() == 4 && all.iter().all(|bottom| *bottom < f64::from(height)), "{width}: {bottoms}");
+        assert!(all.len() >= 4 && all.iter().all(|bottom| *bottom < f64::from(height)), "{width}: {bottoms}");
         // Of a sentence about times of a CPU driver nothing is there.
         assert!(!page.text(".lead").contains("CPU driver"));
     }
