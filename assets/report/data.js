@@ -8,7 +8,7 @@ import { byId } from "report/dom";
  * @typedef {{ label: string, name: string, link: string, failures: { cell: string, reason: string }[], sheets: [string, string][] }} Run
  * @typedef {{ x: number, y: number, width: number, height: number }} Window
  * @typedef {{ run: number, file: string, reference: number, size: [number, number], window: Window | null, payload: number | null,
- *   mask: number | null, overview: [[number, number], number] | null, clamped_count: number }} Image
+ *   mask: number | null, clamped_count: number }} Image
  * @typedef {{ run: number, name: string, columns: string[], rows: (string | number | null)[][], vega: object | null }} Answer
  * @typedef {{ run: number, cell: string, image: number | null, reference: number | null, verdict: string, floor: number | null,
  *   axes: Record<string, string>, scores: Record<string, number | null>, scene?: Scene, copies?: Row[], original?: Row }} Row
@@ -241,12 +241,6 @@ export function pixels(index) {
   cache.delete(index);
   cache.set(index, promise);
   return promise;
-}
-
-/** The whole image, reduced where only a window of it is embedded. */
-export function overview(index) {
-  const image = index === null ? null : model.images[index];
-  return image?.overview ? decode(payloadText(image.overview[1]), ...image.overview[0]) : pixels(index);
 }
 
 const masks = new Map();

@@ -1,6 +1,6 @@
 // The image table: scenes down, ways to make the image across. Every picture leads into the comparison.
 
-import { HALF, exrLink, exclusionOf, hasPixels, headline, mask, model, overview, pixels, rows } from "report/data";
+import { HALF, exrLink, exclusionOf, hasPixels, headline, mask, model, pixels, rows } from "report/data";
 import { axisOf, displayAxes, errorColor, sceneAxes, scenes, short, symbol, texelError, tone } from "report/data";
 import { truthName, variantAxes, variantLabel, variantLabels, word } from "report/data";
 import { choice, h, number, scrollBox, select, tableHead, unseen } from "report/dom";
@@ -11,8 +11,7 @@ const MODE_NAMES = { image: "Image", error: "Error", signed: "Signed" };
 
 /** Draws an image, or its error, into a canvas; false where the page holds no pixels of it. */
 async function paint(canvas, row, mode, settings, isReference) {
-  const index = isReference ? row.reference : row.image;
-  const texels = await (mode === "image" ? overview(index) : pixels(index));
+  const texels = await pixels(isReference ? row.reference : row.image);
   if (!texels) return false;
   const { width, height, rgba } = texels;
   const picture = new ImageData(width, height);

@@ -21,7 +21,7 @@ const cellOf = (field, shown = text(field)) =>
 function withRoughness(columns) {
   const at = columns.indexOf("alpha");
   if (at < 0 || columns.includes(ROUGHNESS)) return { names: columns, extend: (row) => row };
-  const beside = (row) => Number(model.roughness[row[at]] ?? NaN) || null;
+  const beside = (row) => Math.sqrt(Number(row[at])) || null;
   const extend = (row) => [...row.slice(0, at + 1), beside(row), ...row.slice(at + 1)];
   return { names: [...columns.slice(0, at + 1), ROUGHNESS, ...columns.slice(at + 1)], extend };
 }
@@ -54,7 +54,7 @@ function cellColumns() {
   const numeric = (value) => (value !== "" && Number.isFinite(Number(value)) ? Number(value) : value);
   const fields = (row) => ({
     ...Object.fromEntries(Object.entries(row.axes).map(([name, value]) => [name, numeric(value)])),
-    [ROUGHNESS]: Number(row.axes[ROUGHNESS] || model.roughness[row.axes.alpha]) || null,
+    [ROUGHNESS]: Number(row.axes[ROUGHNESS] || Math.sqrt(Number(row.axes.alpha))) || null,
     ...row.scores,
     noise_floor: row.floor,
     verdict: row.verdict,

@@ -114,12 +114,10 @@ const ROUGHNESS_STEPS: f64 = 1e3;
 
 /// The perceptual roughness of an alpha, short: alpha is its square.
 pub fn roughness(index: usize, value: &Value) -> Option<String> {
-    roughness_of(index, value).map(|roughness| ((roughness * ROUGHNESS_STEPS).round() / ROUGHNESS_STEPS).to_string())
-}
-
-fn roughness_of(index: usize, value: &Value) -> Option<f64> {
     match value {
-        Value::Number(alpha) if index == axis("alpha") => Some(alpha.sqrt()),
+        Value::Number(alpha) if index == axis("alpha") => {
+            Some(((alpha.sqrt() * ROUGHNESS_STEPS).round() / ROUGHNESS_STEPS).to_string())
+        }
         _ => None,
     }
 }
@@ -188,13 +186,7 @@ fn number(value: Option<f64>) -> Json {
     match value {
         None => Json::Null,
         Some(value) if value.is_finite() => json!(value),
-        Some(value) => json!(if value.is_nan() {
-            "nan"
-        } else if value > 0.0 {
-            "inf"
-        } else {
-            "-inf"
-        }),
+        Some(value) => json!(value.to_string().to_lowercase()),
     }
 }
 
@@ -206,16 +198,6 @@ pub fn field(cell: &Cell) -> Json {
         Cell::Integer(value) => json!(value),
         Cell::Missing => Json::Null,
     }
-}
-
-/// The perceptual roughness of every alpha by its text.
-pub fn roughnesses(axes: &[PageAxis]) -> Json {
-    let of_axis = axes.iter().filter(|one| one.index == Some(axis("alpha"))).flat_map(|axis| &axis.values);
-    let entry = |text: &String| {
-        let value = Value::Number(text.parse().ok()?);
-        Some((text.clone(), json!(roughness_of(axis("alpha"), &value)?)))
-    };
-    of_axis.filter_map(entry).collect::<serde_json::Map<_, _>>().into()
 }
 
 /// Metrics that any cell has a score of, in the order of the list.

@@ -157,7 +157,6 @@ fn images_over_the_budget_become_windows_where_the_error_is() {
     let window = cut.images[1].window.unwrap();
     // The relative error d / sqrt(r^2 + 0.01) of a constant factor is largest where the sphere is brightest: in the middle.
     assert!((48..200).contains(&window.width) && (window.x + window.width / 2).abs_diff(100) < 8, "{window:?}");
-    assert_eq!(cut.images[1].overview.unwrap().0, [67, 67]);
     let crop = |x, y, width, height| collect(&runs, Choice::Crop(Window { x, y, width, height }), BUDGET_BYTES);
     let corner = Window { x: 190, y: 0, width: 10, height: 10 };
     assert_eq!(crop(190, 0, 10, 10).unwrap().images[0].window, Some(corner));
