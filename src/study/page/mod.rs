@@ -103,13 +103,16 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
         section_count += sections.len();
         json!({
             "label": told.label,
+            "name": told.finished.text("/name"),
+            "link": told::link(here, &told.finished.dir),
             "anchor": format!("run-{}", index + 1),
             "index": index,
             "device": told.device(),
             "date": told.date(),
             "warnings": told.warnings(),
             "cpu_warning": told.cpu_warning(),
-            "shared": shared(told),
+            // What all its cells share.
+            "shared": model::shared(&model::axes(std::slice::from_ref(told))),
             "lead": lead,
             "pictures": has_pictures.then(|| lead::pictures(told, frame, lead, &axes)).flatten(),
             "sections": sections,
@@ -137,13 +140,12 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
     let images = images::collect(runs, options.images, options.budget.saturating_sub(others + row_bytes(runs)))?;
     let model = json!({
         "headline": frames[0].metric_name(),
-        "runs": runs.iter().map(|told| run_model(told, here)).collect::<Vec<_>>(),
+        "runs": fixed["runs"].as_array().into_iter().flatten().map(for_scripts).collect::<Vec<_>>(),
         "axes": axes,
         "metrics": metrics.iter().map(|metric| metric.description()).map(|one| json!({ "name": one.name, "formula": one.formula })).collect::<Vec<_>>(),
         "columns": model::columns(&axes, &metrics),
         "rows": model::rows(runs, &axes, &metrics, frames[0].metric, &images),
         "answers": answers,
-        "exclusions": model::exclusions(runs, &axes),
         "images": images.images,
         "image_notes": images.notes,
         "colors": model::colors(),
@@ -154,20 +156,10 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
     Ok(Written { path: options.out.clone(), bytes: html.len(), notes })
 }
 
-/// What all cells of a run share.
-fn shared(told: &Told) -> String {
-    model::shared(&model::axes(std::slice::from_ref(told)))
-}
-
-fn run_model(told: &Told, here: &Path) -> Json {
-    json!({
-        "label": told.label,
-        "name": told.finished.text("/name"),
-        "link": told::link(here, &told.finished.dir),
-        "failures": told.finished.failures,
-        "sheets": told.sheets(here),
-        "shared": shared(told),
-    })
+/// What the scripts need of a run.
+fn for_scripts(run: &Json) -> Json {
+    let keys = ["label", "name", "link", "failures", "sheets", "shared"];
+    keys.into_iter().map(|key| (key.to_owned(), run[key].clone())).collect::<serde_json::Map<_, _>>().into()
 }
 
 /// About what the model says of the cells and their images, bytes.

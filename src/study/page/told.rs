@@ -2,8 +2,9 @@
 //!
 //! Each run is answered for itself. Nothing is pooled over runs: two runs of one experiment are the same cases twice, not more cases.
 
+use super::model::score;
 use crate::files;
-use crate::metrics::{METRICS, Metric};
+use crate::metrics::METRICS;
 use crate::runner::sheets::sheet_files;
 use crate::study::finished::{Finished, FinishedCell};
 use crate::study::questions::Answer;
@@ -149,11 +150,9 @@ pub fn repeats(runs: &[Told]) -> Vec<String> {
 
 /// Whether two runs have the same cells with the same scores.
 fn is_same(a: &Finished, b: &Finished) -> bool {
-    let scores = |cell: &FinishedCell| -> Vec<Option<f64>> {
-        let score = |metric: &&dyn Metric| cell.scores.as_ref()?.get(metric.description().name);
-        METRICS.iter().map(score).collect()
+    let is_equal = |(a, b): (&FinishedCell, &FinishedCell)| {
+        a.id == b.id && METRICS.iter().all(|metric| score(a, *metric) == score(b, *metric))
     };
-    let is_equal = |(a, b): (&FinishedCell, &FinishedCell)| a.id == b.id && scores(a) == scores(b);
     a.cells.len() == b.cells.len() && a.cells.iter().zip(&b.cells).all(is_equal)
 }
 
