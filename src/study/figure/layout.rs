@@ -14,7 +14,7 @@ const COLUMNS: usize = 4;
 const COLUMN_GAP: f64 = 18.0;
 const ROW_GAP: f64 = 14.0;
 /// The narrowest panel of numbers, and the smallest step, pixels.
-const NARROWEST: f64 = 120.0;
+const NARROWEST: f64 = 150.0;
 const STEP_LEAST: f64 = 14.0;
 /// Names of steps take at most this share of a column, and at most so many pixels.
 const NAMES_SHARE: f64 = 0.44;

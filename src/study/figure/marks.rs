@@ -3,10 +3,10 @@
 //! Marks stay in their panel: where a value lies outside of the domain (0 or less on a logarithm, infinity), an open arrow stands at the
 //! border. NaN has no place and is not drawn.
 
+use super::element::{dash, line, path, rectangle};
 use super::ink::{class, hex, words_on};
 use super::layout::Frame;
 use super::scale::Axis;
-use super::svg::{dash, line, path, rectangle};
 use super::text::{MIDDLE, TILE, escape, px};
 use super::{Figure, Mark, Shape};
 

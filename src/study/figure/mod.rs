@@ -3,6 +3,7 @@
 //! Marks are placed in data units. A mark may carry the words of its tip and the cell that it stands for.
 
 mod dodge;
+mod element;
 mod head;
 pub mod ink;
 mod labels;

@@ -8,12 +8,13 @@
 //! A mark with a tip is a `<g class="mark">`: its words are in `aria-label`, `data-tip` and `<title>`, its cell in `data-cell`, the indices
 //! of its panel and series in `data-panel` and `data-series`.
 
+use super::element::{dash, line, path, rectangle, words};
 use super::head::ramp_scale;
-use super::ink::{class, dashes, hex, style};
+use super::ink::{class, hex, style};
 use super::layout::{Frame, Layout, layout};
 use super::marks::{draw, marker};
 use super::scale::Axis;
-use super::text::{Words, escape, px};
+use super::text::{escape, px};
 use super::{Figure, Ramp, Shape};
 
 /// Widths at which figures are laid out, pixels: a desk and a phone.
@@ -39,42 +40,6 @@ pub fn svg(figure: &Figure, width: u32) -> String {
          role=\"group\" aria-label=\"{title}\">\n<title>{title}</title>\n<desc>{note}</desc>\n<style>{style}</style>\n\
          <rect class=\"fig-ground\" width=\"{width}\" height=\"{height}\"/>\n{body}</svg>\n"
     )
-}
-
-/// A line from point to point, as the data of a path.
-pub fn line(points: &[[f64; 2]]) -> String {
-    let step = |(i, [x, y]): (usize, &[f64; 2])| format!("{}{},{}", if i == 0 { 'M' } else { 'L' }, px(*x), px(*y));
-    points.iter().enumerate().map(step).collect()
-}
-
-/// A rectangle, as the data of a path.
-pub fn rectangle([x, y, width, height]: [f64; 4]) -> String {
-    let [x, y, width, height] = [x, y, width, height].map(px);
-    format!("M{x},{y}h{width}v{height}h-{width}z")
-}
-
-/// A path; `more` are further attributes.
-pub fn path(class: &str, more: &str, data: &str) -> String {
-    format!("<path class=\"{class}\"{more} d=\"{data}\"/>")
-}
-
-/// The attribute that dashes the lines of a series, where they are.
-pub fn dash(figure: &Figure, series: Option<usize>) -> String {
-    let dashes = series.and_then(|index| dashes(index, figure.series.get(index)?.is_dashed));
-    dashes.map_or_else(String::new, |dashes| format!(" stroke-dasharray=\"{dashes}\""))
-}
-
-/// One line of text.
-fn words(words: &Words) -> String {
-    let [x, y] = words.at.map(px);
-    let anchor = match words.anchor {
-        "start" => String::new(),
-        other => format!(" text-anchor=\"{other}\""),
-    };
-    let turn = if words.is_upright { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
-    let full = words.full.as_ref().map_or_else(String::new, |full| format!("<title>{}</title>", escape(full)));
-    let (class, text) = (words.class, escape(&words.text));
-    format!("<text class=\"{class}\" x=\"{x}\" y=\"{y}\"{anchor}{turn}>{full}{text}</text>\n")
 }
 
 /// What the marks of each series look like.

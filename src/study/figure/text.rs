@@ -10,15 +10,12 @@ const ADVANCES: [u16; 95] = [
     556, 278, 556, 556, 222, 222, 500, 222, 833, 556, 556, 556, 556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334,
     260, 334, 584,
 ];
-/// The widest of the fonts in [`FONTS`] needs 6 % more than Helvetica.
+/// The widest of the fonts in `figure.css` needs 6 % more than Helvetica.
 const SLACK: f64 = 1.08;
 /// Bold letters are wider.
 const BOLD: f64 = 1.1;
 /// From this character on (CJK) letters fill a square.
 const SQUARE_FROM: char = '\u{2e80}';
-
-/// The fonts that the widths hold for, in the order in which a browser tries them.
-pub const FONTS: &str = "'Helvetica Neue','Segoe UI',Arial,'Liberation Sans','DejaVu Sans Condensed',sans-serif";
 
 /// Height of a line, text sizes.
 pub const LINE: f64 = 1.2;

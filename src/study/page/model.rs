@@ -1,7 +1,7 @@
 //! What the page's scripts read: axes with their values in words, and every cell as one typed row. The page computes no statistics.
 
 use super::images::ImageSet;
-use super::told::Told;
+use super::told::{Told, score};
 use crate::metrics::{METRICS, Metric, verdict};
 use crate::runner::axis::{AXES, Part};
 use crate::runner::value::{Kind, Value};
@@ -137,11 +137,6 @@ pub fn columns(axes: &[PageAxis], metrics: &[&'static dyn Metric]) -> Vec<&'stat
     let own = ["run", "cell", "image", "reference", "verdict", "noise_floor"];
     let axes = axes.iter().filter(|axis| axis.index.is_some()).map(|axis| axis.name);
     own.into_iter().chain(axes).chain(metrics.iter().map(|metric| metric.description().name)).collect()
-}
-
-/// The score of a cell by a metric.
-pub fn score(cell: &FinishedCell, metric: &dyn Metric) -> Option<f64> {
-    cell.scores.as_ref()?.get(metric.description().name)
 }
 
 /// Every cell of every run. A value on an axis is the index of its text in the axis' values.

@@ -2,9 +2,8 @@
 //!
 //! Each run is answered for itself. Nothing is pooled over runs: two runs of one experiment are the same cases twice, not more cases.
 
-use super::model::score;
 use crate::files;
-use crate::metrics::METRICS;
+use crate::metrics::{METRICS, Metric};
 use crate::runner::sheets::sheet_files;
 use crate::study::finished::{Finished, FinishedCell};
 use crate::study::questions::Answer;
@@ -146,6 +145,11 @@ pub fn repeats(runs: &[Told]) -> Vec<String> {
         ))
     };
     (0..runs.len()).filter_map(say).collect()
+}
+
+/// The score of a cell by a metric.
+pub fn score(cell: &FinishedCell, metric: &dyn Metric) -> Option<f64> {
+    cell.scores.as_ref()?.get(metric.description().name)
 }
 
 /// Whether two runs have the same cells with the same scores.
