@@ -3,7 +3,7 @@
 use super::dodge::{Dodge, PITCH};
 use super::labels::{Labels, OFF};
 use super::scale::Axis;
-use super::text::{AXIS, NAME, TILE, Words, stack};
+use super::text::{AXIS, LABEL, NAME, TILE, Words, stack};
 use super::{Figure, Panel, Scale, ScaleKind, Shape};
 
 /// Around everything, pixels.
@@ -139,7 +139,10 @@ impl Grid<'_> {
     fn narrowest(&self, index: usize) -> f64 {
         let panel = &self.panels()[index];
         let ScaleKind::Steps(names) = &panel.x.kind else { return NARROWEST };
-        let step = STEP_LEAST.max(tile_width(panel)).max(self.dodges[index].count as f64 * PITCH);
+        // Names that are level are read more easily than upright ones.
+        let words = names.iter().flat_map(|name| name.split_whitespace()).map(|word| LABEL.width(word) + OFF);
+        let lanes = self.dodges[index].count as f64 * PITCH;
+        let step = words.fold(STEP_LEAST, f64::max).max(tile_width(panel)).max(lanes);
         (names.len() as f64 * step).max(NARROWEST * 0.75)
     }
 
