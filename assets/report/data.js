@@ -5,13 +5,15 @@ import { byId } from "report/dom";
 /**
  * @typedef {{ name: string, role: "fixed" | "scene" | "variant" | "display", values: string[], labels: string[],
  *   words: string[] }} Axis  An axis; labels and words are short texts of the values, words say what they are.
- * @typedef {{ label: string, name: string, link: string, failures: { cell: string, reason: string }[], sheets: [string, string][] }} Run
+ * @typedef {{ label: string, name: string, link: string, failures: { cell: string, reason: string }[],
+ *   sheets: [string, string][] }} Run
  * @typedef {{ x: number, y: number, width: number, height: number }} Window
- * @typedef {{ run: number, file: string, reference: number, size: [number, number], window: Window | null, payload: number | null,
- *   mask: number | null, overview: [[number, number], number] | null, clamped_count: number }} Image
- * @typedef {{ run: number, name: string, columns: string[], rows: (string | number | null)[][], vega: object | null }} Answer
- * @typedef {{ run: number, cell: string, image: number | null, reference: number | null, verdict: string, floor: number | null,
- *   axes: Record<string, string>, scores: Record<string, number | null>, scene?: Scene, copies?: Row[], original?: Row }} Row
+ * @typedef {{ run: number, file: string, reference: number, size: [number, number], window: Window | null,
+ *   payload: number | null, mask: number | null, clamped_count: number }} Image
+ * @typedef {{ run: number, name: string, columns: string[], rows: (string | number | null)[][], vega?: object }} Answer
+ * @typedef {{ run: number, cell: string, image: number | null, reference: number | null, verdict: string,
+ *   floor: number | null, axes: Record<string, string>, scores: Record<string, number | null>, scene?: Scene,
+ *   copies?: Row[], original?: Row }} Row
  * @typedef {{ key: string, label: string, variants: Row[], main?: Row }} Scene
  */
 
@@ -46,19 +48,15 @@ export const symbol = (name) => name.replaceAll("_", " ");
 /** JSON has no infinity: it is written by its name. */
 const real = (field) => ({ inf: Infinity, "-inf": -Infinity, nan: NaN })[field] ?? field;
 
-const placeOf = Object.fromEntries(model.columns.map(({ name }, i) => [name, i]));
+const placeOf = Object.fromEntries(model.columns.map((name, i) => [name, i]));
 
 /** @returns {Row} */
 function rowFrom(fields) {
   const at = (name) => fields[placeOf[name]];
   const value = ({ name, values }) => (name === "run" ? model.runs[at("run")].label : (values[at(name)] ?? ""));
+  const [run, cell, image, reference, verdict] = ["run", "cell", "image", "reference", "verdict"].map(at);
   return {
-    run: at("run"),
-    cell: at("cell"),
-    image: at("image"),
-    reference: at("reference"),
-    verdict: at("verdict"),
-    floor: real(at("noise_floor")),
+    ...{ run, cell, image, reference, verdict, floor: real(at("noise_floor")) },
     axes: Object.fromEntries(model.axes.map((axis) => [axis.name, value(axis)])),
     scores: Object.fromEntries(model.metrics.map(({ name }) => [name, real(at(name))])),
   };
@@ -92,7 +90,7 @@ function maker(axes, names) {
   return [specular, diffuse].filter(Boolean).join(" · ");
 }
 
-/** How a cell is made: "sampled 16", "split-sum · 256x128 · 5 lv · 256 spp"; axes may be left out. What all cells share is not said. */
+/** How a cell is made, without what all cells share: "sampled 16", "split-sum · 256x128 · 5 lv · 256 spp". */
 export function variantLabel(row, without = []) {
   const all = variantAxes.length ? variantAxes : ["method", "samples"];
   const names = all.filter((name) => !without.includes(name));
@@ -109,60 +107,25 @@ export const sceneLabel = (row) =>
     .filter(Boolean)
     .join(" · ") || model.runs[row.run].name;
 
-/**
- * Why the experiment has no cell with these values, by axis name; null when no exclusion says so. A value that is unset on either side
- * tells nothing apart.
- */
-export function exclusionOf(wanted) {
-  const { axes, points, reasons } = model.exclusions;
-  const tests = axes.map((name) => wanted[name]);
-  const found = points.find(([, values]) =>
-    values.every((value, i) => tests[i] === undefined || tests[i] === "" || value === "" || value === tests[i]),
-  );
-  return found ? reasons[found[0]] : null;
-}
-
-/** Cells with the same scene values; tone-curve copies of one image are kept in `row.copies`. */
-export const scenes = [];
-{
-  const byKey = new Map(),
-    byImage = new Map();
-  for (const row of rows) {
-    const key = JSON.stringify(sceneAxes.map((name) => row.axes[name]));
-    if (!byKey.has(key)) {
-      byKey.set(key, { key, label: sceneLabel(row), variants: [] });
-      scenes.push(byKey.get(key));
-    }
-    const scene = byKey.get(key),
-      imageKey = JSON.stringify([key, ...variantAxes.map((name) => row.axes[name])]);
-    row.scene = scene;
-    if (!byImage.has(imageKey)) {
-      byImage.set(imageKey, row);
-      row.copies = [];
-      scene.variants.push(row);
-    }
-    byImage.get(imageKey).copies.push(row);
-    row.original = byImage.get(imageKey);
-  }
-}
 /** How far the tone curve of a row is from the plain one. */
 const distance = ({ axes }) =>
   Math.abs(Math.log(Number(axes.exposure) || 1)) + Math.abs(Math.log(Number(axes.contrast) || 1));
-for (const scene of scenes) {
-  // Of the tone curves that were tried over an image the plainest stands for it.
-  scene.variants = scene.variants.map(({ copies }) => {
+const grouped = (all, names) => Map.groupBy(all, (row) => JSON.stringify(names.map((name) => row.axes[name])));
+
+/** Cells with the same scene values; tone-curve copies of one image are kept in `row.copies` of the plainest. */
+export const scenes = [...grouped(rows, sceneAxes)].map(([key, own]) => {
+  const variants = [...grouped(own, variantAxes).values()].map((copies) => {
     const plain = copies.reduce((best, row) => (distance(row) < distance(best) ? row : best));
-    copies.forEach((row) => {
-      row.original = plain;
-      row.copies = [];
-    });
-    plain.copies = copies;
-    return plain;
+    copies.forEach((row) => Object.assign(row, { original: plain, copies: [] }));
+    return Object.assign(plain, { copies });
   });
   // A cell without some term has a reference without it; the scene's is the one that most of its cells have.
-  const uses = (row) => scene.variants.filter((other) => other.reference === row.reference).length;
-  scene.main = scene.variants.reduce((best, row) => (uses(row) > uses(best) ? row : best));
-}
+  const uses = (row) => variants.filter((other) => other.reference === row.reference).length;
+  const main = variants.reduce((best, row) => (uses(row) > uses(best) ? row : best));
+  const scene = { key, label: sceneLabel(main), variants, main };
+  own.forEach((row) => Object.assign(row, { scene }));
+  return scene;
+});
 /** Labels of all variants, in the order of the rows. */
 export const variantLabels = [...new Set(scenes.flatMap((scene) => scene.variants.map((row) => variantLabel(row))))];
 
@@ -170,47 +133,37 @@ export const variantLabels = [...new Set(scenes.flatMap((scene) => scene.variant
 export const hasPixels = (row) => row.image !== null && model.images[row.image].payload !== null;
 
 /** Half-float bits to numbers. */
-export const HALF = new Float32Array(65536);
-for (let bits = 0; bits < 65536; bits++) {
-  const sign = bits & 0x8000 ? -1 : 1,
-    exponent = (bits >> 10) & 31,
-    fraction = bits & 1023;
-  HALF[bits] =
-    sign *
-    (exponent === 0
-      ? fraction * 2 ** -24
-      : exponent === 31
-        ? fraction
-          ? NaN
-          : Infinity
-        : (1 + fraction / 1024) * 2 ** (exponent - 15));
-}
+export const HALF = Float32Array.from({ length: 65536 }, (_, bits) => {
+  const exponent = (bits >> 10) & 31;
+  const fraction = bits & 1023;
+  const special = fraction ? NaN : Infinity;
+  const normal = exponent < 31 ? (1 + fraction / 1024) * 2 ** (exponent - 15) : special;
+  return (bits & 0x8000 ? -1 : 1) * (exponent ? normal : fraction * 2 ** -24);
+});
 
 const payloadText = (index) => byId(`pixels-${index}`).textContent;
 
-/** The bytes of base64 text. */
-export const base64Bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-
 async function inflate(text) {
-  const bytes = base64Bytes(text);
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
-  const data = new Uint8Array(await new Response(stream).arrayBuffer());
-  return data;
+  const stream = new Blob([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))])
+    .stream()
+    .pipeThrough(new DecompressionStream("deflate-raw"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
 /** Sums differences modulo 256 over data[start, start + count). */
-function undo(data, start, count) {
+function undo(data, start = 0, count = data.length) {
   for (let i = start + 1; i < start + count; i++) data[i] = (data[i] + data[i - 1]) & 255;
+  return data;
 }
 
 /** A packed image as half-float RGBA: {width, height, rgba}. */
 export async function decode(text, width, height) {
-  const data = await inflate(text),
-    count = width * height;
+  const data = await inflate(text);
+  const count = width * height;
   const rgba = new Uint16Array(4 * count);
   for (let channel = 0; channel < 3; channel++) {
-    const high = 2 * channel * count,
-      low = high + count;
+    const high = 2 * channel * count;
+    const low = high + count;
     undo(data, high, count);
     undo(data, low, count);
     for (let i = 0; i < count; i++) rgba[4 * i + channel] = (data[high + i] << 8) | data[low + i];
@@ -224,7 +177,7 @@ const CACHE_TEXELS = 24e6;
 const cache = new Map();
 let cachedTexels = 0;
 
-/** The embedded texels of an image as half-float RGBA: a promise of {width, height, rgba}, null when nothing is embedded. */
+/** The embedded texels of an image as half-float RGBA: a promise of {width, height, rgba}, or of null. */
 export function pixels(index) {
   const image = index === null ? null : model.images[index];
   if (!image || image.payload === null) return Promise.resolve(null);
@@ -243,26 +196,16 @@ export function pixels(index) {
   return promise;
 }
 
-/** The whole image, reduced where only a window of it is embedded. */
-export function overview(index) {
-  const image = index === null ? null : model.images[index];
-  return image?.overview ? decode(payloadText(image.overview[1]), ...image.overview[0]) : pixels(index);
-}
-
 const masks = new Map();
 /** The mask of a reference's window: bytes, 1 where pixels count. */
 export function mask(reference) {
   const image = reference === null ? null : model.images[reference];
   if (!image || image.mask === null) return Promise.resolve(null);
-  if (!masks.has(image.mask)) {
+  if (!masks.has(image.mask))
     masks.set(
       image.mask,
-      inflate(payloadText(image.mask)).then((data) => {
-        undo(data, 0, data.length);
-        return data;
-      }),
+      inflate(payloadText(image.mask)).then((data) => undo(data)),
     );
-  }
   return masks.get(image.mask);
 }
 
@@ -275,33 +218,36 @@ export const exrLink = (index) => {
 const EPSILON = 1e-2;
 /** Relative and signed error of one texel, by the formulas of the metrics. */
 export function texelError(t, r) {
-  let squares = 0,
-    sum = 0;
+  let [squares, sum] = [0, 0];
   for (let c = 0; c < 3; c++) {
-    const d = t[c] - r[c],
-      scale = r[c] * r[c] + EPSILON;
+    const d = t[c] - r[c];
+    const scale = r[c] * r[c] + EPSILON;
     squares += (d * d) / scale;
     sum += d / Math.sqrt(scale);
   }
   return { relative: Math.sqrt(squares / 3), signed: sum / 3 };
 }
 
+/** The colours and ticks of the map of an error, and where a value lies on it, 0 to 1. */
+export function errorMap(isSigned) {
+  const { magma, blue_red, relative, signed, relative_ticks, signed_ticks } = model.colors;
+  if (isSigned) {
+    const place = (value) => (value - signed[0]) / (signed[1] - signed[0]);
+    return { colors: blue_red, ticks: signed_ticks, place };
+  }
+  const place = (value) => Math.log(Math.max(value, relative[0]) / relative[0]) / Math.log(relative[1] / relative[0]);
+  return { colors: magma, ticks: relative_ticks, place };
+}
+
 /** Colour of a relative or signed error; the page's CPU twin of the shader's. */
-export function errorColor(mode, error) {
-  const { magma, blue_red, relative, signed, nan } = model.colors;
-  const value = mode === "signed" ? error.signed : error.relative;
-  if (Number.isNaN(value)) return nan;
-  const place =
-    mode === "signed"
-      ? (value - signed[0]) / (signed[1] - signed[0])
-      : Math.log(Math.max(value, relative[0]) / relative[0]) / Math.log(relative[1] / relative[0]);
-  return (mode === "signed" ? blue_red : magma)[Math.round(255 * Math.min(1, Math.max(0, place)))];
+export function errorColor(isSigned, error) {
+  const { colors, place } = errorMap(isSigned);
+  const value = isSigned ? error.signed : error.relative;
+  return Number.isNaN(value) ? model.colors.nan : colors[Math.round(255 * Math.min(1, Math.max(0, place(value))))];
 }
 
 /** Display value in [0, 1] of linear radiance. */
-export function tone(radiance, { tone, exposure, contrast }) {
+export function tone(radiance, { exposure, contrast }) {
   const x = exposure * Math.max(0, radiance);
-  if (tone !== "srgb") return x === Infinity ? 1 : (x / (x + 1)) ** (contrast / 2.2);
-  const c = Math.min(1, x);
-  return c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055;
+  return x === Infinity ? 1 : (x / (x + 1)) ** (contrast / 2.2);
 }

@@ -1,18 +1,17 @@
 // Elements and text. Text from data only ever becomes text nodes and attribute values, never markup.
 
-function fill(element, attributes, children) {
-  for (const [name, value] of Object.entries(attributes ?? {})) {
-    if (value === undefined || value === null || value === false) continue;
+const isThere = (value) => value !== undefined && value !== null && value !== false;
+
+/** An HTML element; `on...` attributes are listeners. */
+export function h(tag, attributes, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes).filter(([, value]) => isThere(value))) {
     if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
     else element.setAttribute(name, value === true ? "" : String(value));
   }
-  for (const child of children.flat(2))
-    if (child !== null && child !== undefined && child !== false) element.append(child);
+  element.append(...children.flat(2).filter(isThere));
   return element;
 }
-
-/** An HTML element; `on...` attributes are listeners. */
-export const h = (tag, attributes, ...children) => fill(document.createElement(tag), attributes, children);
 export const byId = (id) => document.getElementById(id);
 
 /** A number for people: `digits` significant digits, no exponent where one is not needed. */
@@ -20,11 +19,8 @@ export function number(x, digits = 3) {
   if (x === null || x === undefined || Number.isNaN(x)) return "–";
   if (!Number.isFinite(x)) return x > 0 ? "∞" : "−∞";
   if (x === 0) return "0";
-  const magnitude = Math.abs(x);
-  const text =
-    magnitude < 1e-4 || magnitude >= 1e6
-      ? x.toExponential(digits - 1).replace("e+", "e")
-      : Number(x.toPrecision(digits)).toString();
+  const isPlain = Math.abs(x) >= 1e-4 && Math.abs(x) < 1e6;
+  const text = isPlain ? String(Number(x.toPrecision(digits))) : x.toExponential(digits - 1).replace("e+", "e");
   return text.replace("-", "−");
 }
 
@@ -44,28 +40,21 @@ const isLikeFormula = (text) =>
   /^'*[=+\-@\t\r]/.test(text) &&
   !(/^[+-]/.test(text) && (Number.isFinite(Number(text)) || /^.(inf|infinity|nan)$/i.test(text)));
 
-/** RFC 4180. */
-export const csvText = (columns, rows) =>
-  [columns, ...rows]
-    .map((row) =>
-      row
-        .map((field) => {
-          const plain = field === Infinity ? "inf" : String(field ?? ""),
-            text = isLikeFormula(plain) ? `'${plain}` : plain;
-          return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
-        })
-        .join(","),
-    )
-    .join("\n") + "\n";
-
-/** Says something to screen readers. */
-export function announce(text) {
-  say(byId("announcer"), text);
+function csvField(field) {
+  const plain = field === Infinity ? "inf" : String(field ?? "");
+  const text = isLikeFormula(plain) ? `'${plain}` : plain;
+  return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
 
+/** RFC 4180. */
+export const csvText = (columns, rows) => [columns, ...rows].map((row) => `${row.map(csvField).join(",")}\n`).join("");
+
+/** Says something to screen readers. */
+export const announce = (text) => say(byId("announcer"), text);
+
 /** What may be wider than its place: it scrolls, by keyboard too. */
-export const scrollBox = (label, ...children) =>
-  h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": label }, ...children);
+export const scrollBox = (name, label, ...children) =>
+  h("div", { class: `scroll ${name}`, tabindex: 0, role: "region", "aria-label": label }, ...children);
 
 /** Writes a text where it is another one: a new node costs a layout. */
 export function say(element, text) {
@@ -75,59 +64,20 @@ export function say(element, text) {
 /** Text for screen readers alone. */
 export const unseen = (text) => h("span", { class: "visually-hidden" }, text);
 
-/** The head of a table: names of its columns; one that nothing is written over says what it holds to screen readers. */
-export const tableHead = (names, hidden) =>
-  h(
-    "thead",
-    {},
-    h(
-      "tr",
-      {},
-      names.map((name) => h("th", { scope: "col" }, name === "" ? unseen(hidden) : name)),
-    ),
-  );
+/** The head of a table: names of its columns. */
+export const tableHead = (names) =>
+  h("thead", {}, h("tr", {}, names.map((name) => h("th", { scope: "col" }, name)))); // prettier-ignore
 
 /** A labelled choice. `options` are [value, label]. */
 export function select(label, options, value, onchange) {
-  const box = h(
-    "select",
-    { onchange: () => onchange(box.value) },
-    options.map(([v, text]) => h("option", { value: v, selected: String(v) === String(value) }, text)),
-  );
+  const option = ([own, text]) => h("option", { value: own, selected: String(own) === String(value) }, text);
+  const box = h("select", { onchange: () => onchange(box.value) }, options.map(option));
   return h("label", { class: "choice" }, h("span", {}, label), box);
 }
 
-/** Buttons of which one is pressed. */
+/** Buttons of which one is pressed; `options` are [value, label]. */
 export function choice(label, options, value, onchange) {
-  const group = h("span", { class: "segments", role: "group", "aria-label": label });
-  const press = (pressed) =>
-    [...group.children].forEach((button) => button.setAttribute("aria-pressed", button.value === pressed));
-  group.append(
-    ...options.map(([v, text, title]) =>
-      h(
-        "button",
-        {
-          type: "button",
-          value: v,
-          title,
-          onclick: () => {
-            press(v);
-            onchange(v);
-          },
-        },
-        text,
-      ),
-    ),
-  );
-  press(value);
-  group.press = press;
-  return group;
-}
-
-/** A labelled slider with its value written beside the label; `oninput` gets numbers. */
-export function slider(label, min, max, step, id, oninput) {
-  const output = h("output", { for: id });
-  const input = h("input", { type: "range", min, max, step, id, oninput: () => oninput(Number(input.value)) });
-  // Named by `for`: the label of an element inside it would be that of the output.
-  return { input, output, element: h("label", { class: "slider", for: id }, h("span", {}, label, " ", output), input) };
+  const state = (own) => ({ type: "button", value: own, "aria-pressed": String(own === value) });
+  const button = ([own, text]) => h("button", { ...state(own), onclick: () => onchange(own) }, text);
+  return h("span", { class: "segments", role: "group", "aria-label": label }, options.map(button));
 }

@@ -1,8 +1,8 @@
 // The image table: scenes down, ways to make the image across. Every picture leads into the comparison.
 
-import { HALF, exrLink, exclusionOf, hasPixels, headline, mask, model, overview, pixels, rows } from "report/data";
+import { HALF, exrLink, hasPixels, headline, mask, model, pixels } from "report/data";
 import { axisOf, displayAxes, errorColor, sceneAxes, scenes, short, symbol, texelError, tone } from "report/data";
-import { truthName, variantAxes, variantLabel, variantLabels, word } from "report/data";
+import { truthName, variantLabel, variantLabels, word } from "report/data";
 import { choice, h, number, scrollBox, select, tableHead, unseen } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { go, keep } from "report/state";
@@ -11,8 +11,7 @@ const MODE_NAMES = { image: "Image", error: "Error", signed: "Signed" };
 
 /** Draws an image, or its error, into a canvas; false where the page holds no pixels of it. */
 async function paint(canvas, row, mode, settings, isReference) {
-  const index = isReference ? row.reference : row.image;
-  const texels = await (mode === "image" ? overview(index) : pixels(index));
+  const texels = await pixels(isReference ? row.reference : row.image);
   if (!texels) return false;
   const { width, height, rgba } = texels;
   const picture = new ImageData(width, height);
@@ -27,7 +26,7 @@ async function paint(canvas, row, mode, settings, isReference) {
     for (let i = 0; i < width * height; i++) {
       const isCounted = !counts || counts[i];
       const error = isCounted && texelError(rgb(rgba, i), rgb(truth.rgba, i));
-      out.set([...(error ? errorColor(mode, error) : model.colors.off_mask), 255], 4 * i);
+      out.set([...(error ? errorColor(mode === "signed", error) : model.colors.off_mask), 255], 4 * i);
     }
   }
   [canvas.width, canvas.height] = [width, height];
@@ -71,30 +70,20 @@ function thumbnail(row, mode, settings, { isReference = false, isLowest = false 
   return button;
 }
 
-/** What stands where a scene has no such image: the reason, if the experiment gives one. */
-function missing(row, label) {
-  const like = rows.find((one) => variantLabel(one) === label);
-  const wanted = [
-    ...sceneAxes.map((name) => [name, row.axes[name]]),
-    ...variantAxes.map((name) => [name, like.axes[name]]),
-  ];
-  const why = exclusionOf(Object.fromEntries(wanted));
-  return h("span", { class: "excluded", title: why ?? "" }, why === null ? "none" : "excluded");
-}
-
 /** The linear EXR files of every scene, where the page holds no pixels. */
 function exrTable() {
   const line = (scene, name, index, score) => {
-    const label = `${scene.label}, ${name}: linear EXR`;
-    const file = index === null ? "–" : h("a", { href: exrLink(index), "aria-label": label }, model.images[index].file);
-    return h("tr", {}, h("th", { scope: "row" }, scene.label), [name, score, file].map((field) => h("td", {}, field))); // prettier-ignore
+    const link = () => ({ href: exrLink(index), "aria-label": `${scene.label}, ${name}: linear EXR` });
+    const file = index === null ? "–" : h("a", link(), model.images[index].file);
+    const fields = [name, score, file].map((field) => h("td", {}, field));
+    return h("tr", {}, h("th", { scope: "row" }, scene.label), fields);
   };
   const body = scenes.flatMap((scene) => [
     line(scene, truthName, scene.main.reference, ""),
     ...scene.variants.map((row) => line(scene, variantLabel(row), row.image, number(row.scores[headline]))),
   ]);
-  const table = h("table", {}, tableHead(["scene", "image", headline, "linear EXR"], ""), h("tbody", {}, body));
-  return scrollBox("Linear EXR files", table);
+  const table = h("table", {}, tableHead(["scene", "image", headline, "linear EXR"]), h("tbody", {}, body));
+  return scrollBox("", "Linear EXR files", table);
 }
 
 /** What the page says of its images: what is left out, where the contact sheets lie. */
@@ -118,11 +107,8 @@ export function showGrid(view, state) {
   const notes = notesOf();
   // Exposure and error maps need pixels.
   if (!model.images.some((image) => image.payload !== null)) {
-    return view.replaceChildren(
-      h("div", { class: "controls" }, title),
-      ...notes,
-      model.images.length ? exrTable() : "",
-    );
+    const table = model.images.length ? exrTable() : "";
+    return view.replaceChildren(h("div", { class: "controls" }, title), ...notes, table);
   }
   const mode = Object.hasOwn(MODE_NAMES, state.mode ?? "") ? state.mode : "image";
   const chosen = (name) => (axisOf[name].values.includes(state[name]) ? state[name] : "");
@@ -135,9 +121,8 @@ export function showGrid(view, state) {
     const values = axisOf[name].values.map((value) => [value, short(name, value)]);
     return select(symbol(name), [["", "all"], ...values], chosen(name), (value) => again({ [name]: value }));
   };
-  const modes = choice("What is shown", Object.entries(MODE_NAMES), mode, (value) =>
-    again({ mode: value === "image" ? "" : value }),
-  );
+  const show = (value) => again({ mode: value === "image" ? "" : value });
+  const modes = choice("What is shown", Object.entries(MODE_NAMES), mode, show);
   const exposure = h("label", { class: "choice" }, h("span", {}, `Exposure ${number(stops)} EV`), ev);
   const filters = sceneAxes.filter((name) => axisOf[name].values.length > 1).map(pick);
   const legend = h("div", { class: "error-legend" });
@@ -146,26 +131,25 @@ export function showGrid(view, state) {
   const holds = (label) => (row) => variantLabel(row) === label && (row.image === null || hasPixels(row));
   const labels = variantLabels.filter((label) => own.some((scene) => scene.variants.some(holds(label))));
   const line = (scene) => {
-    const settings = { tone: "curve", exposure: 1, contrast: 1 };
-    settings.exposure = (Number(scene.main.axes.exposure) || 1) * 2 ** stops;
-    settings.contrast = Number(scene.main.axes.contrast) || 1;
+    const { exposure, contrast } = scene.main.axes;
+    const settings = { exposure: (Number(exposure) || 1) * 2 ** stops, contrast: Number(contrast) || 1 };
     // Of one image there is no lowest.
     const scores = scene.variants.map((row) => row.scores[headline]).filter((score) => score !== null);
     const best = scores.length > 1 ? Math.min(...scores) : NaN;
     const cell = (label) => {
       const row = scene.variants.find((one) => variantLabel(one) === label);
       const options = { isLowest: row?.scores[headline] === best };
-      return h("td", {}, row ? thumbnail(row, mode, settings, options) : missing(scene.main, label));
+      return h("td", {}, row ? thumbnail(row, mode, settings, options) : h("span", { class: "missing" }, "none"));
     };
     const names = sceneAxes.map((name) => h("span", {}, word(name, scene.main.axes[name])));
     const reference = h("td", {}, thumbnail(scene.main, mode, settings, { isReference: true }));
     return h("tr", {}, h("th", { scope: "row" }, names), reference, labels.map(cell)); // prettier-ignore
   };
-  const head = tableHead([sceneAxes.map(symbol).join(" · ") || "scene", truthName, ...labels], "");
+  const head = tableHead([sceneAxes.map(symbol).join(" · ") || "scene", truthName, ...labels]);
   const curve = `At the cell's exposure${displayAxes.length ? " (of those tried the nearest to 1)" : ""}. `;
   const told = `${mode === "image" ? curve : ""}Below each image its ${headline}. Click one to compare it.`;
-  const label = { tabindex: 0, role: "region", "aria-label": "Image table", style: `--columns:${labels.length + 1}` };
-  const table = h("div", { class: "scroll image-table", ...label }, h("table", {}, head, h("tbody", {}, own.map(line)))); // prettier-ignore
+  const table = scrollBox("image-table", "Image table", h("table", {}, head, h("tbody", {}, own.map(line))));
+  table.style.setProperty("--columns", String(labels.length + 1));
   const bar = h("div", { class: "controls" }, title, modes, exposure, filters);
   return view.replaceChildren(bar, ...notes, legend, h("p", { class: "note" }, told), table);
 }

@@ -140,7 +140,7 @@ export class LiveRender {
     return { ...Object.fromEntries(named), MASKING: lightTables().masking_names.indexOf(view.lobe.masking) };
   }
 
-  /** Makes a program current that writes to the g-buffer; returns what sets a material, its own but for what the view sets. */
+  /** Makes a program of the g-buffer current; returns what sets a material, its own but for what the view sets. */
   startSurface(name, values, vertex = undefined) {
     const { view, camera } = this;
     const { gbuffer } = this.targets;
@@ -245,7 +245,7 @@ export class LiveRender {
     this.done.half = this.done.reference;
   }
 
-  /** Compares all with the reference, and half of its samples with all: for independent samples that is its own error. */
+  /** Compares all with the reference, and half of its samples with all: of independent samples that is its error. */
   judge() {
     const truth = this.linear("reference");
     const errorOf = (way) => relativeError(this.linear(way), truth);

@@ -3,7 +3,7 @@
 import { decode, texelError } from "report/data";
 import { makeTexture } from "report/program";
 
-/** The run's camera over a model, turned by degrees about its middle; at a distance of 1 it frames what the run's does. */
+/** The run's camera over a model, turned by degrees about its middle; at a distance of 1 it frames the same. */
 export function cameraOf({ camera, low, high }, { yaw, pitch, distance }, width, height) {
   const [a, b] = [camera.yaw + (yaw * Math.PI) / 180, camera.pitch + (pitch * Math.PI) / 180];
   const [sa, ca, sb, cb] = [Math.sin(a), Math.cos(a), Math.sin(b), Math.cos(b)];
@@ -76,7 +76,7 @@ export function makePoints(gl, count) {
   return makeTexture(gl, 0, gl.RGBA32F, count, 1, gl.RGBA, gl.FLOAT, table);
 }
 
-/** Mean squared relative error over the surface: the formula of the metric relMSE. Texels are RGB and 1 on the surface. */
+/** Mean squared relative error over the surface, as the metric relMSE has it. Texels are RGB and 1 on the surface. */
 export function relativeError(test, truth) {
   let sum = 0;
   let count = 0;

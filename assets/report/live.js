@@ -1,11 +1,11 @@
-// The live view: the run's model in the run's light, shaded by the renderer's shaders, and its error against a reference.
+// The live view: the run's model in its light, shaded by the renderer's shaders, and its error against a reference.
 
 import { axisOf, lightTables, texelError } from "report/data";
 import { announce, byId, h, number, say, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { LiveRender } from "report/live-render";
 import { keepContext } from "report/program";
-import { Controls, MODES, build, clamp, copyLink, fitCanvas, followPointers, real, showProbe } from "report/stage";
+import { Controls, MODES, build, clamp, fitCanvas, followPointers, real, showProbe } from "report/stage";
 import { keep, state as current } from "report/state";
 
 const METHODS = ["split", "sampled", "reference"];
@@ -207,8 +207,7 @@ class Live {
   }
 
   listen() {
-    const { stage, link, out, in: nearer, front, own } = this.parts;
-    copyLink(link, () => this.keepState());
+    const { stage, out, in: nearer, front, own } = this.parts;
     out.addEventListener("click", () => this.approach(1 / 1.15));
     nearer.addEventListener("click", () => this.approach(1.15));
     front.addEventListener("click", () => this.set(FRONT));

@@ -66,7 +66,7 @@ export function keepContext(canvas, restored) {
   canvas.addEventListener("webglcontextrestored", restored);
 }
 
-/** Makes a program current over `target` ({framebuffer, width, height} or a canvas). A uniform that it lacks is left out. */
+/** Makes a program current over `target`, a canvas or {framebuffer, width, height}. What it lacks is left out. */
 export function useProgram(gl, { program, set }, target, textures, values) {
   gl.useProgram(program);
   gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer ?? null);

@@ -1,9 +1,8 @@
-// What the comparison and the live view share: the canvas on its stage, pointers, controls, the probe, the link to what is
-// shown. Their elements stand in the page as templates (stage.html).
+// What the comparison and the live view share: the canvas on its stage, pointers, controls, the probe. Their elements
+// stand in the page as templates (stage.html).
 
 import { errorColor } from "report/data";
 import { byId, h, number, say } from "report/dom";
-import { link, state } from "report/state";
 
 export const MODES = ["image", "error", "signed"];
 
@@ -16,9 +15,8 @@ export const real = (text, range) =>
 /** Gives the canvas as many pixels as its stage has on the screen; false when it has them already. */
 export function fitCanvas(canvas, stage) {
   const box = stage.getBoundingClientRect();
-  const [width, height] = [box.width, box.height].map((side) =>
-    Math.max(1, Math.round(side * (devicePixelRatio || 1))),
-  );
+  const pixels = (side) => Math.max(1, Math.round(side * (devicePixelRatio || 1)));
+  const [width, height] = [pixels(box.width), pixels(box.height)];
   if (canvas.width === width && canvas.height === height) return false;
   [canvas.width, canvas.height] = [width, height];
   return true;
@@ -33,11 +31,9 @@ export function followPointers(canvas, { drag, zoom, hover, click = null, rest =
   let moved = false;
   let spread = 0;
   const place = (event) => {
-    const box = canvas.getBoundingClientRect();
-    return [
-      ((event.clientX - box.left) / box.width) * canvas.width,
-      ((event.clientY - box.top) / box.height) * canvas.height,
-    ];
+    const { left, top, width, height } = canvas.getBoundingClientRect();
+    const share = [(event.clientX - left) / width, (event.clientY - top) / height];
+    return [share[0] * canvas.width, share[1] * canvas.height];
   };
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
@@ -130,27 +126,11 @@ export function showProbe(parts, where, isSigned, lines) {
   const cell = (v) => h("td", { "data-value": v ?? "", title: v === null ? "" : String(v) }, number(v, 3));
   const line = ({ key, name, value, error, isCurrent }) => {
     const own = error && (isSigned ? error.signed : error.relative);
-    const color = error && errorColor(isSigned ? "signed" : "error", error);
-    const chip = error && h("i", { class: "chip", style: `background:rgb(${color})` });
+    const chip = error && h("i", { class: "chip", style: `background:rgb(${errorColor(isSigned, error)})` });
     const cells = (value ?? [null, null, null]).map(cell);
     const last = h("td", { "data-value": own ?? "" }, error && [chip, number(own)]);
     const marks = { "data-probe": key, class: isCurrent ? "current" : "" };
     return h("tr", marks, h("th", { scope: "row" }, name), cells, last);
   };
   body.replaceChildren(...lines.map(line));
-}
-
-/** Makes a button copy the address of what is shown; `prepare` brings the address up to date. */
-export function copyLink(button, prepare) {
-  button.addEventListener("click", async () => {
-    prepare();
-    const address = new URL(link(state()), location.href).href;
-    try {
-      await navigator.clipboard.writeText(address);
-      button.textContent = "Copied";
-    } catch {
-      prompt("Link to this view", address);
-    }
-    setTimeout(() => (button.textContent = "Copy link"), 1500);
-  });
 }

@@ -20,7 +20,7 @@ export function link(state) {
 
 export const state = () => current;
 
-/** Browsers refuse more than about a hundred changes of the address in half a minute; a slider makes that many in a second. */
+/** Browsers refuse more than about a hundred changes of the address in half a minute; a slider makes them in one. */
 const WRITE_MS = 400;
 let written = -Infinity,
   timer = 0;
@@ -45,7 +45,7 @@ export function go(next) {
   changed();
 }
 
-/** Changes details of the view that is shown. An empty value removes one. Tells nobody: the caller has drawn already. */
+/** Changes details of the view that is shown; an empty value removes one. Tells nobody: the caller has drawn. */
 export function keep(details) {
   current = { ...current, ...details };
   if (timer) return;

@@ -1,4 +1,4 @@
-// The WebGL2 side of the comparison: the images as half-float textures, shaded once for each setting, and placed on the canvas.
+// The WebGL2 side of the comparison: images as half-float textures, shaded once a setting, and placed on the canvas.
 
 import { mask, pixels } from "report/data";
 import { drawOver, errorColors, keepContext, makePalette, makeProgram, makeTexture } from "report/program";
@@ -93,7 +93,7 @@ export class Surface {
     return shaded;
   }
 
-  /** Draws at once; right of `split`, a share of the width, the reference. `look` has mode, tone, exposure and contrast. */
+  /** Draws at once; right of `split`, a share of the width, the truth. `look` has mode, tone, exposure, contrast. */
   draw(image, reference, { origin, scale }, split, isClipped, look) {
     const { gl, canvas } = this;
     const left_image = this.shaded(image, reference, look);

@@ -1,7 +1,7 @@
 // Tables: the cells of the run, by a choice for each swept axis, sorted by a column.
 
 import { axisOf, model, rows, short } from "report/data";
-import { csvText, download, h, number, select, unseen } from "report/dom";
+import { csvText, download, h, number, scrollBox, select, tableHead, unseen } from "report/dom";
 import { go, keep } from "report/state";
 
 /** Rows put on the page at once; a button adds as many again. */
@@ -21,7 +21,7 @@ const cellOf = (field, shown = text(field)) =>
 function withRoughness(columns) {
   const at = columns.indexOf("alpha");
   if (at < 0 || columns.includes(ROUGHNESS)) return { names: columns, extend: (row) => row };
-  const beside = (row) => Number(model.roughness[row[at]] ?? NaN) || null;
+  const beside = (row) => Math.sqrt(Number(row[at])) || null;
   const extend = (row) => [...row.slice(0, at + 1), beside(row), ...row.slice(at + 1)];
   return { names: [...columns.slice(0, at + 1), ROUGHNESS, ...columns.slice(at + 1)], extend };
 }
@@ -29,10 +29,8 @@ function withRoughness(columns) {
 /** A table of rows as they are, in a box that scrolls. */
 export function dataTable(label, columns, rows) {
   const { names, extend } = withRoughness(columns);
-  const head = h("tr", {}, ...names.map((name) => h("th", { scope: "col" }, name)));
   const body = rows.map((row) => h("tr", {}, ...extend(row).map((field) => cellOf(field))));
-  const table = h("table", {}, h("thead", {}, head), h("tbody", {}, ...body));
-  return h("div", { class: "scroll data-table", tabindex: 0, role: "region", "aria-label": label }, table);
+  return scrollBox("data-table", label, h("table", {}, tableHead(names), h("tbody", {}, ...body)));
 }
 
 /** Orders fields: numbers by size, texts by letters, nothing last. */
@@ -45,8 +43,8 @@ function order(a, b) {
 
 /** Columns of the cells that tell something: swept axes, the roughness of alpha, scores. */
 function cellColumns() {
-  const isSwept = ({ name, kind }) => kind === "axis" && axisOf[name].values.length > 1;
-  const axes = model.columns.filter(isSwept).map(({ name }) => name);
+  const isSwept = (name) => name !== "run" && axisOf[name]?.values.length > 1;
+  const axes = model.columns.filter(isSwept);
   const at = axes.indexOf("alpha") + 1;
   if (at > 0 && !axes.includes(ROUGHNESS)) axes.splice(at, 0, ROUGHNESS);
   const scores = model.metrics.map((metric) => metric.name);
@@ -54,7 +52,7 @@ function cellColumns() {
   const numeric = (value) => (value !== "" && Number.isFinite(Number(value)) ? Number(value) : value);
   const fields = (row) => ({
     ...Object.fromEntries(Object.entries(row.axes).map(([name, value]) => [name, numeric(value)])),
-    [ROUGHNESS]: Number(row.axes[ROUGHNESS] || model.roughness[row.axes.alpha]) || null,
+    [ROUGHNESS]: Number(row.axes[ROUGHNESS] || Math.sqrt(Number(row.axes.alpha))) || null,
     ...row.scores,
     noise_floor: row.floor,
     verdict: row.verdict,
@@ -101,7 +99,8 @@ export function showTables(view, state) {
     return name ? own.sort(compare) : own;
   };
   const line = ({ row, fields }) => {
-    const button = h("button", { type: "button", "aria-label": `Compare ${row.cell}`, onclick: () => open(row) }, "▸");
+    const label = { type: "button", "aria-label": `Compare ${row.cell}` };
+    const button = h("button", { ...label, onclick: () => open(row) }, "▸");
     const hasImage = row.image !== null;
     const onclick = (event) => hasImage && !event.target.closest("button") && open(row);
     const shown = (name) => (axisOf[name] ? short(name, row.axes[name]) : undefined);
@@ -127,26 +126,17 @@ export function showTables(view, state) {
       fill(PAGE_ROWS);
     });
   };
-  const saved = () =>
-    csvText(
-      columns,
-      found().map(({ fields }) => columns.map((name) => fields[name] ?? null)),
-    );
-  const button = h("button", { type: "button", onclick: () => download("cells.csv", saved(), "text/csv") }, "Save CSV");
-  const links = model.runs.map((run, i) => [
-    i ? " · " : "",
-    h("a", { href: `${run.link}/errors.csv` }, `errors.csv of ${run.label}`),
-  ]);
+  const fieldsOf = ({ fields }) => columns.map((name) => fields[name]);
+  const save = () => download("cells.csv", csvText(columns, found().map(fieldsOf)), "text/csv"); // prettier-ignore
+  const button = h("button", { type: "button", onclick: save }, "Save CSV");
+  const errors = (run) => h("a", { href: `${run.link}/errors.csv` }, `errors.csv of ${run.label}`);
+  const links = model.runs.map((run, i) => [i ? " · " : "", errors(run)]);
   fill(PAGE_ROWS);
   const head = h("tr", {}, h("th", { scope: "col" }, unseen("images")), ...heads);
   view.replaceChildren(
     h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Tables"), ...axes.map(picker), button),
     count,
-    h(
-      "div",
-      { class: "scroll data-table", tabindex: 0, role: "region", "aria-label": "Cells" },
-      h("table", {}, h("thead", {}, head), body),
-    ),
+    scrollBox("data-table", "Cells", h("table", {}, h("thead", {}, head), body)),
     more,
     h("p", { class: "note" }, "All columns: ", links),
   );

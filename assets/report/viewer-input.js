@@ -15,8 +15,8 @@ export function firstRow() {
 }
 
 /**
- * The images that the keys 1 to 9 show: those with pixels, of several point sets the first. Methods without samples always have a
- * key: where there are too many images, the largest sample counts go without.
+ * The images that the keys 1 to 9 show: those with pixels, of several point sets the first. Methods without samples
+ * always have a key: where there are too many images, the largest sample counts go without.
  */
 export function keyedVariants(scene) {
   const ways = new Map();

@@ -5,7 +5,7 @@ import { scenes, sceneLabel, texelError, truthName, variantLabel } from "report/
 import { announce, h, number, say, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { Place } from "report/place";
-import { Controls, MODES, build, clamp, copyLink, fitCanvas, followPointers, real, showProbe } from "report/stage";
+import { Controls, MODES, build, clamp, fitCanvas, followPointers, real, showProbe } from "report/stage";
 import { keep, state as current } from "report/state";
 import { Surface } from "report/surface";
 import { firstRow, key, keyedVariants } from "report/viewer-input";
@@ -146,7 +146,7 @@ export class Viewer {
     return place.map((at, i) => clamp(at, 0, [this.texels.width, this.texels.height][i] - 1));
   }
 
-  /** Fits the canvas to its stage, and the image to the canvas; a place that the reader has chosen stays in the middle. */
+  /** Fits the canvas to its stage, and the image to the canvas; a place that the reader chose stays in the middle. */
   resize() {
     const { place } = this;
     const middle = place.origin && place.middle;
@@ -283,8 +283,7 @@ export class Viewer {
       },
       rest: () => this.row && this.keepState(),
     });
-    const { handle, stage, link, out, in: nearer, fit } = this.parts;
-    copyLink(link, () => this.row && this.keepState());
+    const { handle, stage, out, in: nearer, fit } = this.parts;
     out.addEventListener("click", () => this.zoom(1 / 1.5));
     nearer.addEventListener("click", () => this.zoom(1.5));
     fit.addEventListener("click", () => this.refit());
@@ -319,13 +318,9 @@ export class Viewer {
     const rest = scene.variants.filter((row) => !keyed.includes(row));
     const item = (row, name) => {
       const marks = { type: "button", class: "variant", "data-cell": row.cell, "data-run": row.run };
-      const button = h("button", { ...marks, onclick: () => this.choose(row) });
-      button.append(
-        h("kbd", {}, name),
-        h("span", {}, variantLabel(row)),
-        h("span", { class: "score" }, scoreText(row)),
-      );
-      return h("li", {}, button);
+      const words = [h("kbd", {}, name), h("span", {}, variantLabel(row))];
+      const score = h("span", { class: "score" }, scoreText(row));
+      return h("li", {}, h("button", { ...marks, onclick: () => this.choose(row) }, words, score));
     };
     const more = h("details", { open: rest.includes(this.row) }, h("summary", {}, `${rest.length} more without a key`));
     more.append(h("ol", { class: "variants" }, rest.map((row) => item(row, "·")))); // prettier-ignore
@@ -347,8 +342,8 @@ export class Viewer {
     const isCut = window && (window.width !== size[0] || window.height !== size[1]);
     const corner = isCut && `${window.width} × ${window.height} at (${window.x}, ${window.y})`;
     const clamped = count > 0 && `${count} channels above 65504 are stored as 65504`;
-    if (image)
-      say(this.parts.caption, [isCut && `window ${corner} of ${size.join(" × ")}`, clamped].filter(Boolean).join("; "));
+    const cut = isCut && `window ${corner} of ${size.join(" × ")}`;
+    if (image) say(parts.caption, [cut, clamped].filter(Boolean).join("; "));
     announce(`${this.scene.label}: ${variantLabel(row)}, ${headline} ${scoreText(row)}`);
   }
 

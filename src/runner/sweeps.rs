@@ -157,22 +157,6 @@ impl Config {
         short_names(self.values(ENVIRONMENT).map(|(value, _)| value.text()))
     }
 
-    /// The combinations that are left out, each with the index of its exclusion: as tables would show them, with unused parameters unset.
-    pub fn excluded_points(&self) -> impl Iterator<Item = (usize, Point)> + '_ {
-        // A file that no plan was ever made of may span any number of combinations.
-        let is_small = self.combination_count() <= COMBINATIONS_MAX && !self.exclusions.is_empty();
-        let points = is_small.then(|| self.combinations()).into_iter().flatten();
-        let names = if is_small { self.environment_names() } else { BTreeMap::new() };
-        points.filter_map(move |point| {
-            let exclusion = self.exclusion_of(&point)?;
-            let mut shown = point.collapsed(!self.lights.is_empty());
-            if let Some(name) = names.get(shown[ENVIRONMENT].text()) {
-                shown[ENVIRONMENT] = Value::Text(name.clone());
-            }
-            Some((exclusion, shown))
-        })
-    }
-
     /// The axes in groups that vary together, each with its number of steps, in the order of their first axis. Groups hold indices
     /// into `axes`.
     fn dimensions(&self) -> Vec<(Vec<usize>, usize)> {

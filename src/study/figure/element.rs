@@ -1,40 +1,41 @@
-//! The elements that marks share with the rest of a figure.
+//! Elements of an SVG as texts.
 
-use super::Mark;
-use super::ink::class;
-use super::text::{escape, px};
-use super::words::{Anchor, Words};
-use std::fmt::Write;
+use super::Figure;
+use super::ink::dashes;
+use super::text::{Words, escape, px};
+
+/// A line from point to point, as the data of a path.
+pub fn line(points: &[[f64; 2]]) -> String {
+    let step = |(i, [x, y]): (usize, &[f64; 2])| format!("{}{},{}", if i == 0 { 'M' } else { 'L' }, px(*x), px(*y));
+    points.iter().enumerate().map(step).collect()
+}
+
+/// A rectangle, as the data of a path.
+pub fn rectangle([x, y, width, height]: [f64; 4]) -> String {
+    let [x, y, width, height] = [x, y, width, height].map(px);
+    format!("M{x},{y}h{width}v{height}h-{width}z")
+}
+
+/// A path; `more` are further attributes.
+pub fn path(class: &str, more: &str, data: &str) -> String {
+    format!("<path class=\"{class}\"{more} d=\"{data}\"/>")
+}
+
+/// The attribute that dashes the lines of a series, where they are.
+pub fn dash(figure: &Figure, series: Option<usize>) -> String {
+    let dashes = series.and_then(|index| dashes(index, figure.series.get(index)?.is_dashed));
+    dashes.map_or_else(String::new, |dashes| format!(" stroke-dasharray=\"{dashes}\""))
+}
 
 /// One line of text.
-pub fn write_words(out: &mut String, words: &Words) {
-    let anchor = match words.anchor {
-        Anchor::Start => "",
-        Anchor::Middle => " text-anchor=\"middle\"",
-        Anchor::End => " text-anchor=\"end\"",
-    };
+pub fn words(words: &Words) -> String {
     let [x, y] = words.at.map(px);
+    let anchor = match words.anchor {
+        "start" => String::new(),
+        other => format!(" text-anchor=\"{other}\""),
+    };
     let turn = if words.is_upright { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
     let full = words.full.as_ref().map_or_else(String::new, |full| format!("<title>{}</title>", escape(full)));
     let (class, text) = (words.class, escape(&words.text));
-    let _ = writeln!(out, "<text class=\"{class}\" x=\"{x}\" y=\"{y}\"{anchor}{turn}>{full}{text}</text>");
-}
-
-/// The start of a group that people can point at; nothing for a mark without a tip.
-pub fn open_mark(out: &mut String, mark: &Mark, panel: usize) {
-    let _ = write!(out, "<g class=\"{}{}\"", if mark.tip.is_empty() { "" } else { "mark " }, class(mark.series));
-    if !mark.tip.is_empty() {
-        let tip = escape(&mark.tip);
-        let _ = write!(out, " tabindex=\"-1\" role=\"img\" aria-label=\"{tip}\" data-tip=\"{tip}\"");
-        if let Some(cell) = &mark.cell {
-            let _ = write!(out, " data-cell=\"{}\"", escape(cell));
-        }
-        let _ = write!(out, " data-panel=\"{panel}\"");
-        if let Some(series) = mark.series {
-            let _ = write!(out, " data-series=\"{series}\"");
-        }
-        let _ = write!(out, "><title>{tip}</title>");
-    } else {
-        *out += ">";
-    }
+    format!("<text class=\"{class}\" x=\"{x}\" y=\"{y}\"{anchor}{turn}>{full}{text}</text>\n")
 }

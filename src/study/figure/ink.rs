@@ -1,21 +1,21 @@
 //! Colours of a figure: inks and series as CSS custom properties for light and dark grounds, and the colours of tiles.
 
 use super::Ramp;
-use super::text::FONTS;
 use crate::table::colormap::Palette;
 
 /// A CSS property of a class, the custom property that it follows, and its colour on a light and on a dark ground.
 type Ink = (&'static str, &'static str, &'static str, [&'static str; 2]);
 
 /// What is not a series.
-pub const INKS: [Ink; 8] = [
+pub const INKS: [Ink; 9] = [
     (".fig-ground", "fill", "--fig-ground", ["#ffffff", "#14161a"]),
     (".fig-ink", "fill", "--fig-ink", ["#1b1d21", "#ecebe8"]),
     (".fig-muted", "fill", "--fig-muted", ["#595d65", "#a6a9b0"]),
     (".fig-grid", "stroke", "--fig-grid", ["#e4e5e8", "#2b2e34"]),
-    (".fig-band", "fill", "--fig-band", ["#f4f5f6", "#1c1f24"]),
     (".fig-axis", "stroke", "--fig-axis", ["#9a9da3", "#62666e"]),
     (".fig-plain", "color", "--fig-muted", ["#595d65", "#a6a9b0"]),
+    (".fig-d,.fig-o", "stroke", "--fig-ground", ["#ffffff", "#14161a"]),
+    (".fig-b", "fill", "--fig-ground", ["#ffffff", "#14161a"]),
     (".fig-none", "fill", "--fig-none", ["#eceded", "#24272c"]),
 ];
 
@@ -44,6 +44,9 @@ pub fn dashes(index: usize, is_dashed: bool) -> Option<&'static str> {
     is_dashed.then(|| PATTERNS[index % PATTERNS.len()])
 }
 
+/// Sizes, weights and strokes.
+const SHAPES: &str = include_str!("../../../assets/report/figure.css");
+
 /// The style sheet of a figure. Each colour stands twice: programs without custom properties read the first.
 pub fn style() -> String {
     let inks = INKS.map(|(class, property, name, colors)| (class.to_owned(), property, name.to_owned(), colors));
@@ -55,25 +58,10 @@ pub fn style() -> String {
             let color = colors[ground];
             format!("{class}{{{property}:{color};{property}:var({name},{color})}}")
         };
-        let ground_color = INKS[0].3[ground];
-        let outline =
-            format!(".fig-d,.fig-o,.fig-halo{{stroke:{ground_color};stroke:var(--fig-ground,{ground_color})}}");
-        let hollow = format!(".fig-b,.fig-hole{{fill:{ground_color};fill:var(--fig-ground,{ground_color})}}");
-        all.iter().map(rule).chain([outline, hollow]).collect()
+        all.iter().map(rule).collect()
     };
-    // Dots and fills, lines, hollow arrows, places for the pointer.
-    let shapes = ".fig-d,.fig-f{fill:currentColor}.fig-d{stroke-width:1;paint-order:stroke}.fig-o{stroke-width:.75}\
-        .fig-l,.fig-b{stroke:currentColor;stroke-width:1.75;stroke-linejoin:round}.fig-l{fill:none}.fig-halo{paint-order:stroke;stroke-width:3;stroke-linejoin:round}.fig-thin{stroke-width:1.25}\
-        .fig-grid,.fig-axis{fill:none;stroke-width:1}.fig-minor{opacity:.55}\
-        .fig-h{fill:none;stroke:transparent;stroke-width:20;stroke-linecap:round;pointer-events:all}\
-        .mark:focus{outline:none}.mark:focus .fig-h,.mark:hover .fig-h{stroke:currentColor;stroke-opacity:.22}\
-        .mark:focus .fig-o,.mark:hover .fig-o{stroke:currentColor;stroke-width:2}";
-    let words = format!(
-        ".fig{{font:11px {FONTS};font-family:var(--fig-font,{FONTS});font-variant-numeric:tabular-nums}}\
-         .fig-title{{font-size:15px;font-weight:600}}.fig-name{{font-size:12px;font-weight:600}}.fig-note{{font-size:12px}}.fig-small{{font-size:10px}}\
-         .fig-dark,.fig-pale,.fig-gap{{text-anchor:middle}}.fig-dark{{fill:#000}}.fig-pale{{fill:#fff}}"
-    );
-    format!("{words}{shapes}{}@media(prefers-color-scheme:dark){{{}}}", rules(0), rules(1))
+    let dark = rules(1);
+    format!("{}{}@media(prefers-color-scheme:dark){{{dark}}}", SHAPES.replace("\n", ""), rules(0))
 }
 
 /// The ends of a palette's one-sided colours are black and near white, which are lost on a ground of that colour.

@@ -2,7 +2,6 @@
 //!
 //! Marks are placed in data units. A mark may carry the words of its tip and the cell that it stands for.
 
-mod clip;
 mod dodge;
 mod element;
 mod head;
@@ -14,7 +13,6 @@ mod scale;
 pub mod svg;
 pub mod text;
 pub mod vega;
-mod words;
 
 /// A chart of one or more panels with one legend.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,14 +95,6 @@ pub struct Mark {
 pub enum Shape {
     Line(Vec<[f64; 2]>),
     Dot([f64; 2]),
-    /// From `base` to `to` along y at the step or place `x`; `part` of `parts` bars share it.
-    Bar {
-        x: f64,
-        base: f64,
-        to: f64,
-        part: usize,
-        parts: usize,
-    },
     /// From `base` to `to` along x at the step `y`.
     HorizontalBar {
         y: f64,
@@ -124,14 +114,19 @@ pub enum Shape {
         value: Option<f64>,
         text: String,
     },
-    /// Words at a place.
-    Text([f64; 2], String),
+}
+
+impl Figure {
+    /// The marks of all panels.
+    fn marks(&self) -> impl Iterator<Item = &Mark> {
+        self.panels.iter().flat_map(|panel| &panel.marks)
+    }
 }
 
 impl Mark {
     /// A mark of a series, without tip or cell.
     pub fn new(shape: Shape, series: usize) -> Self {
-        Self { shape, series: Some(series), tip: String::new(), cell: None }
+        Self { series: Some(series), ..Self::neutral(shape) }
     }
 
     /// A mark in neutral ink.

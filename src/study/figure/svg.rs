@@ -3,20 +3,19 @@
 //! It needs nothing but itself and has no id, so that many figures can stand in one page.
 //!
 //! Colours are custom properties with fallbacks for light and dark. A page that holds the figure may set `--fig-ground`, `--fig-ink`,
-//! `--fig-muted`, `--fig-grid`, `--fig-band`, `--fig-axis`, `--fig-none`, `--fig-s0` to `--fig-s7`, and `--fig-font`; its values win.
+//! `--fig-muted`, `--fig-grid`, `--fig-axis`, `--fig-none`, `--fig-s0` to `--fig-s7`, and `--fig-font`; its values win.
 //!
 //! A mark with a tip is a `<g class="mark">`: its words are in `aria-label`, `data-tip` and `<title>`, its cell in `data-cell`, the indices
 //! of its panel and series in `data-panel` and `data-series`.
 
-use super::element::write_words;
-use super::head::ramp_kind;
-use super::ink::{class, dashes, hex, style};
+use super::element::{dash, line, path, rectangle, words};
+use super::head::ramp_scale;
+use super::ink::{class, hex, style};
 use super::layout::{Frame, Layout, layout};
 use super::marks::{draw, marker};
 use super::scale::Axis;
 use super::text::{escape, px};
 use super::{Figure, Ramp, Shape};
-use std::fmt::Write;
 
 /// Widths at which figures are laid out, pixels: a desk and a phone.
 pub const WIDTHS: [u32; 2] = [760, 360];
@@ -27,122 +26,60 @@ const NARROWEST: u32 = 240;
 pub fn svg(figure: &Figure, width: u32) -> String {
     let layout = layout(figure, f64::from(width.max(NARROWEST)));
     let (width, height) = (px(layout.width), px(layout.height.ceil()));
-    let (title, note) = (escape(&figure.title), escape(&figure.note));
-    let mut out = format!(
+    let (title, note, style) = (escape(&figure.title), escape(&figure.note), style());
+    let bar = figure.ramp.as_ref().zip(layout.bar.as_ref());
+    let bar = bar.map_or_else(String::new, |(ramp, (area, ticks))| bar_of(ramp, *area, ticks));
+    let body = std::iter::once(legend(figure, &layout))
+        .chain([bar])
+        .chain(layout.frames.iter().map(grid))
+        .chain(layout.words.iter().map(words))
+        .chain(layout.frames.iter().enumerate().map(|(index, frame)| draw(figure, index, frame)));
+    let body: String = body.collect();
+    format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"fig\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
-         role=\"group\" aria-label=\"{title}\">\n<title>{title}</title>\n<desc>{note}</desc>\n<style>{}</style>\n\
-         <rect class=\"fig-ground\" width=\"{width}\" height=\"{height}\"/>\n",
-        style()
-    );
-    for words in &layout.head.words {
-        write_words(&mut out, words);
-    }
-    legend(&mut out, figure, &layout);
-    if let (Some(ramp), Some((area, places))) = (&figure.ramp, &layout.head.bar) {
-        bar(&mut out, ramp, *area, places);
-    }
-    for frame in &layout.frames {
-        grid(&mut out, frame);
-    }
-    for words in &layout.words {
-        write_words(&mut out, words);
-    }
-    for (index, frame) in layout.frames.iter().enumerate() {
-        draw(&mut out, figure, index, frame);
-    }
-    out + "</svg>\n"
+         role=\"group\" aria-label=\"{title}\">\n<title>{title}</title>\n<desc>{note}</desc>\n<style>{style}</style>\n\
+         <rect class=\"fig-ground\" width=\"{width}\" height=\"{height}\"/>\n{body}</svg>\n"
+    )
 }
 
-/// What the marks of a series look like.
-fn legend(out: &mut String, figure: &Figure, layout: &Layout) {
-    let swatch = layout.head.swatch;
-    for (series, [x, y]) in &layout.head.entries {
-        let own = |is: fn(&Shape) -> bool| {
-            let mut marks = figure.panels.iter().flat_map(|panel| &panel.marks);
-            marks.any(|mark| mark.series == Some(*series) && is(&mark.shape))
-        };
-        let is_dashed = figure.series[*series].is_dashed;
-        let is_curve = own(|shape| matches!(shape, Shape::Line(_)));
-        let is_line = is_curve || own(|shape| matches!(shape, Shape::HorizontalRule(_) | Shape::VerticalRule(_)));
-        let is_bar = own(|shape| matches!(shape, Shape::Bar { .. } | Shape::HorizontalBar { .. }));
-        let has_marker = own(|shape| matches!(shape, Shape::Dot(_))) || (is_curve && !is_dashed);
-        let _ = write!(out, "<g class=\"{}\" data-series=\"{series}\">", class(Some(*series)));
-        if is_bar {
-            let (top, height) = (px(y - 6.0), 12);
-            let _ = write!(
-                out,
-                "<rect class=\"fig-f\" x=\"{}\" y=\"{top}\" width=\"{}\" height=\"{height}\"/>",
-                px(*x),
-                px(swatch)
-            );
-        }
-        if is_line {
-            let dash =
-                dashes(*series, is_dashed).map_or_else(String::new, |dash| format!(" stroke-dasharray=\"{dash}\""));
-            let _ = write!(out, "<path class=\"fig-l\"{dash} d=\"M{},{}h{}\"/>", px(*x), px(*y), px(swatch));
-        }
-        let is_signed_bar = is_bar && figure.series.len() > 1;
-        if has_marker || is_signed_bar || !(is_line || is_bar) {
-            let class = if is_bar { "fig-hole" } else { "fig-d" };
-            let _ = write!(out, "<path class=\"{class}\" d=\"{}\"/>", marker(Some(*series), [x + swatch / 2.0, *y]));
-        }
-        *out += "</g>\n";
-    }
+/// What the marks of each series look like.
+fn legend(figure: &Figure, layout: &Layout) -> String {
+    let swatch = layout.swatch;
+    let entry = |(index, [x, y]): &(usize, [f64; 2])| {
+        let series = Some(*index);
+        let own = |is: fn(&Shape) -> bool| figure.marks().any(|mark| mark.series == series && is(&mark.shape));
+        let bar = own(|shape| matches!(shape, Shape::HorizontalBar { .. }))
+            .then(|| path("fig-f", "", &rectangle([*x, y - 6.0, swatch, 12.0])));
+        let is_line =
+            |shape: &Shape| matches!(shape, Shape::Line(_) | Shape::HorizontalRule(_) | Shape::VerticalRule(_));
+        let curve = own(is_line).then(|| path("fig-l", &dash(figure, series), &line(&[[*x, *y], [x + swatch, *y]])));
+        let has_dots = own(|shape| matches!(shape, Shape::Dot(_))) || (bar.is_none() && curve.is_none());
+        let dot = has_dots.then(|| path("fig-d", "", &marker(series, [x + swatch / 2.0, *y])));
+        let drawn: String = [bar, curve, dot].into_iter().flatten().collect();
+        format!("<g class=\"{}\" data-series=\"{index}\">{drawn}</g>\n", class(series))
+    };
+    layout.entries.iter().map(entry).collect()
 }
 
 /// The bar of tile colours with its ticks.
-fn bar(out: &mut String, ramp: &Ramp, [left, top, width, height]: [f64; 4], places: &[f64]) {
+fn bar_of(ramp: &Ramp, [left, top, width, height]: [f64; 4], ticks: &[f64]) -> String {
     /// Whole pixels, so that no seam shows.
     const PART: f64 = 2.0;
-    let axis = Axis::new(&ramp_kind(ramp), 0.0, 1.0);
-    let parts = (width / PART).ceil().max(1.0) as usize;
-    for i in 0..parts {
+    let axis = Axis::new(&ramp_scale(ramp).kind, 0.0, 1.0);
+    let part = |i: usize| {
         let start = i as f64 * PART;
-        let color = hex(ramp.color(axis.value((start + PART / 2.0).min(width) / width)));
-        let (x, wide) = (px(left + start), px(PART.min(width - start)));
-        let _ = write!(
-            out,
-            "<rect fill=\"{color}\" x=\"{x}\" y=\"{}\" width=\"{wide}\" height=\"{}\"/>",
-            px(top),
-            px(height)
-        );
-    }
-    let ticks: String = places.iter().map(|x| format!("M{},{}v3", px(*x), px(top + height))).collect();
-    let _ = writeln!(out, "\n<path class=\"fig-axis\" d=\"{ticks}\"/>");
+        let wide = PART.min(width - start);
+        let color = hex(ramp.color(axis.value((start + wide / 2.0) / width)));
+        format!("<path fill=\"{color}\" d=\"{}\"/>", rectangle([left + start, top, wide, height]))
+    };
+    let parts: String = (0..(width / PART).ceil() as usize).map(part).collect();
+    let ticks: String = ticks.iter().map(|x| line(&[[*x, top + height], [*x, top + height + 3.0]])).collect();
+    format!("{parts}\n{}\n", path("fig-axis", "", &ticks))
 }
 
-/// Bands of steps, grid lines and minor ones.
-fn grid(out: &mut String, frame: &Frame) {
-    let Frame { left, top, right, bottom, .. } = *frame;
-    let (wide, high) = (right - left, bottom - top);
-    if frame.bands[1] {
-        let bands = bands(&frame.ticks[1], frame.y.step(), |y, step| {
-            format!("M{},{}h{}v{step}h-{}z", px(left), px(y), px(wide), px(wide))
-        });
-        let _ = writeln!(out, "<path class=\"fig-band\" d=\"{bands}\"/>");
-    }
-    if frame.bands[0] {
-        let bands = bands(&frame.ticks[0], frame.x.step(), |x, step| {
-            format!("M{},{}h{step}v{}h-{step}z", px(x), px(top), px(high))
-        });
-        let _ = writeln!(out, "<path class=\"fig-band\" d=\"{bands}\"/>");
-    }
-    let upright =
-        |all: &[f64]| -> String { all.iter().map(|x| format!("M{},{}v{}", px(*x), px(top), px(high))).collect() };
-    let level =
-        |all: &[f64]| -> String { all.iter().map(|y| format!("M{},{}h{}", px(left), px(*y), px(wide))).collect() };
-    let minor = upright(&frame.minor[0]) + &level(&frame.minor[1]);
-    if !minor.is_empty() {
-        let _ = writeln!(out, "<path class=\"fig-grid fig-minor\" d=\"{minor}\"/>");
-    }
-    let [x, y] = [0, 1].map(|way| if frame.lines[way] { frame.ticks[way].as_slice() } else { &[] });
-    let major = upright(x) + &level(y);
-    if !major.is_empty() {
-        let _ = writeln!(out, "<path class=\"fig-grid\" d=\"{major}\"/>");
-    }
-}
-
-/// Every second step.
-fn bands(middles: &[f64], step: f64, draw: impl Fn(f64, String) -> String) -> String {
-    middles.iter().step_by(2).map(|middle| draw(middle - step / 2.0, px(step))).collect()
+fn grid(frame: &Frame) -> String {
+    let Frame { left, top, right, bottom, lines: [xs, ys], .. } = frame;
+    let upright = xs.iter().map(|x| line(&[[*x, *top], [*x, *bottom]]));
+    let level = ys.iter().map(|y| line(&[[*left, *y], [*right, *y]]));
+    path("fig-grid", "", &upright.chain(level).collect::<String>()) + "\n"
 }

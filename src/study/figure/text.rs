@@ -10,15 +10,12 @@ const ADVANCES: [u16; 95] = [
     556, 278, 556, 556, 222, 222, 500, 222, 833, 556, 556, 556, 556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334,
     260, 334, 584,
 ];
-/// The widest of the fonts in [`FONTS`] needs 6 % more than Helvetica.
+/// The widest of the fonts in `figure.css` needs 6 % more than Helvetica.
 const SLACK: f64 = 1.08;
 /// Bold letters are wider.
 const BOLD: f64 = 1.1;
 /// From this character on (CJK) letters fill a square.
 const SQUARE_FROM: char = '\u{2e80}';
-
-/// The fonts that the widths hold for, in the order in which a browser tries them.
-pub const FONTS: &str = "'Helvetica Neue','Segoe UI',Arial,'Liberation Sans','DejaVu Sans Condensed',sans-serif";
 
 /// Height of a line, text sizes.
 pub const LINE: f64 = 1.2;
@@ -28,20 +25,29 @@ pub const DESCENT: f64 = 0.22;
 /// Half the height of digits above the baseline, text sizes: centres a text on a y.
 pub const MIDDLE: f64 = 0.35;
 
-/// A text size and weight.
+/// A text size and weight with the class of its colour and size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Font {
     pub size: f64,
     pub is_bold: bool,
+    pub class: &'static str,
 }
 
-impl Font {
-    pub const fn new(size: f64) -> Self {
-        Self { size, is_bold: false }
-    }
+pub const TITLE: Font = Font { size: 15.0, is_bold: true, class: "fig-ink fig-title" };
+/// Of a panel.
+pub const NAME: Font = Font { size: 12.0, is_bold: true, class: "fig-ink fig-name" };
+/// Titles of axes and names of series.
+pub const AXIS: Font = Font { size: 12.0, is_bold: false, class: "fig-ink fig-note" };
+pub const NOTE: Font = Font { class: "fig-muted fig-note", ..AXIS };
+/// Words of tiles; their own class says their colour.
+pub const TILE: Font = Font { size: 10.0, ..LABEL };
+/// Labels of axes.
+pub const LABEL: Font = Font { size: 11.0, is_bold: false, class: "fig-muted" };
 
-    pub const fn bold(size: f64) -> Self {
-        Self { size, is_bold: true }
+impl Font {
+    /// From one baseline to the next.
+    pub fn line(self) -> f64 {
+        self.size * LINE
     }
 
     /// At least the width of one line in pixels.
@@ -50,40 +56,30 @@ impl Font {
         text.chars().map(advance).sum::<f64>() * self.size * SLACK * weight
     }
 
-    /// The text in at most `most` lines no wider than `room`; the last ends in an ellipsis where words are left out.
-    pub fn wrap(self, text: &str, room: f64, most: usize) -> Vec<String> {
-        self.lines(text.split_whitespace().collect(), room, most)
+    /// The width of the widest line.
+    pub fn widest<'t>(self, lines: impl IntoIterator<Item = &'t String>) -> f64 {
+        lines.into_iter().map(|line| self.width(line)).fold(0.0, f64::max)
     }
 
-    /// The same for a list such as "meadow, alpha 0.16", which breaks after commas where it can.
-    pub fn wrap_list(self, text: &str, room: f64, most: usize) -> Vec<String> {
+    /// The text in at most `most` lines no wider than `room`, broken after commas where that is possible; the last ends in an ellipsis where
+    /// words are left out.
+    pub fn wrap(self, text: &str, room: f64, most: usize) -> Vec<String> {
         let items = text.split_inclusive(", ").map(str::trim);
         let pieces = items.flat_map(|item| match self.width(item) <= room {
             true => vec![item],
             false => item.split_whitespace().collect(),
         });
-        self.lines(pieces.filter(|piece| !piece.is_empty()).collect(), room, most)
-    }
-
-    fn lines(self, pieces: Vec<&str>, room: f64, most: usize) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
-        let mut rest = pieces.into_iter().peekable();
-        while rest.peek().is_some() {
-            let mut line = String::new();
-            let is_last = lines.len() + 1 >= most.max(1);
-            while let Some(word) = rest.next_if(|word| is_last || line.is_empty() || self.fits(&line, word, room)) {
-                if !line.is_empty() {
-                    line.push(' ');
+        for piece in pieces.filter(|piece| !piece.is_empty()) {
+            let count = lines.len();
+            match lines.last_mut() {
+                Some(line) if count >= most.max(1) || self.width(&format!("{line} {piece}")) <= room => {
+                    *line = format!("{line} {piece}");
                 }
-                line += word;
+                _ => lines.push(piece.to_owned()),
             }
-            lines.push(self.elide(&line, room));
         }
-        lines
-    }
-
-    fn fits(self, line: &str, word: &str, room: f64) -> bool {
-        self.width(line) + self.width(" ") + self.width(word) <= room
+        lines.iter().map(|line| self.elide(line, room)).collect()
     }
 
     /// The text, or as much of its start as fits with an ellipsis.
@@ -91,17 +87,42 @@ impl Font {
         if self.width(text) <= room {
             return text.to_owned();
         }
-        let mut kept: Vec<char> = text.chars().collect();
-        let mark = self.width("…");
-        let mut width = self.width(text) + mark;
-        while width > room
-            && let Some(last) = kept.pop()
-        {
-            width -= self.width(last.encode_utf8(&mut [0; 4]));
-        }
-        let start: String = kept.into_iter().collect();
-        format!("{}…", start.trim_end())
+        let starts = text.char_indices().rev().map(|(end, _)| format!("{}…", text[..end].trim_end()));
+        starts.into_iter().find(|start| self.width(start) <= room).unwrap_or_else(|| "…".to_owned())
     }
+}
+
+/// One line of text at a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Words {
+    pub text: String,
+    /// All of it where `text` is cut short.
+    pub full: Option<String>,
+    /// Of the anchor, on the baseline.
+    pub at: [f64; 2],
+    /// As SVG names it.
+    pub anchor: &'static str,
+    /// Reads from bottom to top.
+    pub is_upright: bool,
+    pub class: &'static str,
+}
+
+/// The lines of a text below each other; the baseline of the first is given.
+pub fn stack<'t>(
+    lines: &'t [String],
+    full: &'t str,
+    [x, y]: [f64; 2],
+    font: Font,
+    anchor: &'static str,
+) -> impl Iterator<Item = Words> + 't {
+    lines.iter().enumerate().map(move |(i, line)| Words {
+        text: line.clone(),
+        full: (line.ends_with('…') && !full.contains(line.as_str())).then(|| full.to_owned()),
+        at: [x, y + i as f64 * font.line()],
+        anchor,
+        is_upright: false,
+        class: font.class,
+    })
 }
 
 /// Whether lines have every letter of a text.
@@ -122,33 +143,14 @@ fn advance(letter: char) -> f64 {
     }
 }
 
-/// The text for an element or a quoted attribute. Characters that XML forbids are replaced.
+/// The text for an element or a quoted attribute. Controls, which XML forbids or reads as blanks, are blanks.
 pub fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped += "&amp;",
-            '<' => escaped += "&lt;",
-            '>' => escaped += "&gt;",
-            '"' => escaped += "&quot;",
-            '\'' => escaped += "&#39;",
-            // In an attribute a parser would read them as blanks.
-            '\t' | '\n' | '\r' => escaped.push(' '),
-            '\0'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
-            other => escaped.push(other),
-        }
-    }
-    escaped
+    let text = text.replace(|c: char| c.is_control() || ['\u{fffe}', '\u{ffff}'].contains(&c), " ");
+    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    text.replace('"', "&quot;").replace('\'', "&#39;")
 }
 
-/// A coordinate with at most two decimals.
+/// A coordinate with at most two decimals, without the sign of a zero.
 pub fn px(value: f64) -> String {
-    let hundredths = (value * 100.0).round() as i64;
-    let sign = if hundredths < 0 { "-" } else { "" };
-    let (whole, part) = (hundredths.abs() / 100, hundredths.abs() % 100);
-    match part {
-        0 => format!("{sign}{whole}"),
-        tenths if tenths % 10 == 0 => format!("{sign}{whole}.{}", tenths / 10),
-        part => format!("{sign}{whole}.{part:02}"),
-    }
+    ((value * 100.0).round() / 100.0 + 0.0).to_string()
 }

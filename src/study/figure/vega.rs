@@ -1,16 +1,14 @@
-//! The Vega-Lite specification of a figure: one view a panel with a layer for each form of mark.
+//! The Vega-Lite specification of a figure: one view a panel with a layer for each form of mark, data inline.
 //!
-//! Both axes are quantitative, so that every mark stands where its numbers say; the names of steps are looked up.
-//! Numbers outside of a domain are drawn at its border. The datum keeps what they were, infinity in words.
+//! A datum has the numbers of its mark, the index of a step, and the mark's words, series and cell. Vega-Lite chooses ticks itself. Numbers
+//! outside of a domain are drawn at its border.
 
-use super::dodge::{BARS, Dodge, PITCH, dodges, part_share};
-use super::head::ramp_kind;
+use super::head::ramp_scale;
 use super::ink::{INKS, SERIES, dashes, hex, words_on};
-use super::labels::Labels;
-use super::layout::tried;
 use super::scale::Axis;
-use super::{Figure, Mark, Panel, Ramp, Scale, ScaleKind, Shape};
-use serde_json::{Map, Value, json};
+use super::{Figure, Mark, Panel, Ramp, Scale, ScaleKind, Series, Shape};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// The schema of the specification; an identifier, never fetched by this program.
 const SCHEMA: &str = "https://vega.github.io/schema/vega-lite/v6.json";
@@ -20,311 +18,175 @@ const SIZE: [f64; 2] = [220.0, 150.0];
 const SINGLE: [f64; 2] = [520.0, 300.0];
 /// Pixels of a step.
 const STEP: [f64; 2] = [36.0, 22.0];
-/// Height of a horizontal bar, steps.
-const HORIZONTAL: f64 = 0.66;
-/// The outlines of dots in the order of series, as far as Vega has them; -1 to 1 else.
-const OUTLINES: [&str; 8] = [
-    "circle",
-    "square",
-    "triangle-up",
-    "diamond",
-    "triangle-down",
-    "cross",
-    "M-1,-0.5L-0.5,-1L0,-0.5L0.5,-1L1,-0.5L0.5,0L1,0.5L0.5,1L0,0.5L-0.5,1L-1,0.5L-0.5,0Z",
-    "M-1,-0.5H1V0.5H-1Z",
-];
-/// The legend's mark of a series that has lines only.
-const LINE: &str = "M-1.6,-0.2H1.6V0.2H-1.6Z";
-/// Area of a dot, square pixels.
-const DOT: f64 = 50.0;
-/// Neutral ink and missing tiles, as in the SVG on a light ground.
+/// Colours between which those of tiles are interpolated.
+const STOPS: usize = 32;
+/// Neutral ink, as in the SVG on a light ground.
 const INK: &str = INKS[2].3[0];
-const NONE: &str = INKS[INKS.len() - 1].3[0];
 
 /// A self-contained specification (data inline).
 pub fn vega(figure: &Figure) -> Value {
-    let dodges = dodges(figure);
-    let view = |(i, panel)| View { figure, index: i, panel, dodge: &dodges[i] }.value();
     let count = figure.panels.len().max(1);
     json!({
         "$schema": SCHEMA,
         "title": { "text": figure.title, "subtitle": figure.note, "anchor": "start", "offset": 12 },
-        "concat": figure.panels.iter().enumerate().map(view).collect::<Vec<Value>>(),
+        "concat": figure.panels.iter().map(|panel| view(figure, panel)).collect::<Vec<Value>>(),
         // Evenly filled rows.
         "columns": count.div_ceil(count.div_ceil(COLUMNS)),
         "config": {
             "view": { "stroke": null },
             "axis": { "gridColor": "#e4e5e8", "titleFontWeight": "normal" },
-            "legend": { "orient": "top", "title": null },
+            "legend": { "orient": "top" },
+            "bar": { "stroke": "#fff", "strokeWidth": 0.5 },
+            "point": { "filled": true, "opacity": 1, "size": 50 },
+            "rect": { "stroke": "#fff" },
+            "rule": { "strokeWidth": 1.25 },
+            "text": { "fontSize": 9 },
         },
     })
 }
 
-/// Forms of marks, from the ground up.
-const FORMS: [&str; 7] = ["tile", "bar", "rule", "line", "whisker", "dot", "text"];
-
-fn form(shape: &Shape) -> &'static str {
-    match shape {
-        Shape::Tile { .. } => "tile",
-        Shape::Bar { .. } | Shape::HorizontalBar { .. } => "bar",
-        Shape::HorizontalRule(_) | Shape::VerticalRule(_) => "rule",
-        Shape::Line(_) => "line",
-        Shape::Whisker(..) => "whisker",
-        Shape::Dot(_) => "dot",
-        Shape::Text(..) => "text",
-    }
-}
-
-/// A panel.
-struct View<'f> {
-    figure: &'f Figure,
-    index: usize,
-    panel: &'f Panel,
-    dodge: &'f Dodge,
-}
-
-impl View<'_> {
-    /// Pixels of a step of x or y, with room for its lanes.
-    fn step(&self, way: usize) -> f64 {
-        let is_own = self.dodge.is_y == (way == 1);
-        STEP[way].max(if is_own { (self.dodge.count + 1) as f64 * PITCH } else { 0.0 })
-    }
-
-    fn length(&self, way: usize) -> f64 {
-        let size = if self.figure.panels.len() > 1 { SIZE } else { SINGLE };
-        match &[&self.panel.x, &self.panel.y][way].kind {
-            ScaleKind::Steps(names) => names.len().max(1) as f64 * self.step(way),
-            _ => size[way],
+fn view(figure: &Figure, panel: &Panel) -> Value {
+    let size = if figure.panels.len() > 1 { SIZE } else { SINGLE };
+    let length = |way: usize| match [&panel.x, &panel.y][way].kind {
+        ScaleKind::Steps(_) => json!({ "step": STEP[way] }),
+        _ => json!(size[way]),
+    };
+    // Marks of one form with the same fields, those in neutral ink apart.
+    let mut layers: BTreeMap<_, Vec<Value>> = BTreeMap::new();
+    for (number, mark) in panel.marks.iter().enumerate() {
+        for row in rows(figure, number, mark) {
+            let fields: Vec<&str> = ["x", "y", "x2", "y2"].into_iter().filter(|field| !row[field].is_null()).collect();
+            layers.entry((form(&mark.shape), series(figure, mark).is_some(), fields)).or_default().push(row);
         }
     }
-
-    fn value(&self) -> Value {
-        let layers: Vec<Value> = FORMS.iter().flat_map(|form| self.layers(form)).collect();
-        let title = json!({ "text": self.panel.title, "anchor": "start" });
-        json!({ "title": title, "width": self.length(0), "height": self.length(1), "layer": layers })
-    }
-
-    /// The layers of a form: one with the colours of series, one in neutral ink.
-    fn layers(&self, name: &str) -> Vec<Value> {
-        let own: Vec<_> = self.panel.marks.iter().enumerate().filter(|(_, mark)| form(&mark.shape) == name).collect();
-        let of = |is_neutral: bool| -> Vec<Value> {
-            let own = own.iter().filter(|(_, mark)| self.series(mark).is_none() == is_neutral);
-            own.flat_map(|(i, mark)| self.rows(*i, mark)).collect()
-        };
-        let both = [(of(true), true), (of(false), false)];
-        both.into_iter()
-            .filter(|(rows, _)| !rows.is_empty())
-            .flat_map(|(rows, is)| self.layer(name, rows, is))
-            .collect()
-    }
-
-    fn layer(&self, name: &str, rows: Vec<Value>, is_neutral: bool) -> Vec<Value> {
-        let position = json!({ "x": self.channel(0, "x_at"), "y": self.channel(1, "y_at") });
-        let ends = json!({ "x2": { "field": "x2_at" }, "y2": { "field": "y2_at" } });
-        let tip = json!({ "tooltip": { "field": "tip", "type": "nominal" } });
-        let of = |channel: &str, range: fn(&Figure, usize) -> Value| match is_neutral {
-            true if channel == "color" => json!({ "color": { "value": INK } }),
-            true => json!({}),
-            false => json!({ channel: by_series(self.figure, range) }),
-        };
-        let (color, outline) = (of("color", colors), of("shape", outlines));
-        // A scale would merge its legend with that of the colours.
-        let dash = json!({ "strokeDash": { "field": "dash", "type": "nominal", "scale": null, "legend": null } });
-        let layer = |mark: Value, parts: &[&Value]| {
-            let encoding: Map<String, Value> = parts
-                .iter()
-                .filter_map(|part| part.as_object())
-                .flatten()
-                .map(|(key, value)| (key.clone(), value.clone()))
-                .collect();
-            json!({ "data": { "values": rows }, "mark": mark, "encoding": encoding })
-        };
-        match name {
-            "tile" => {
-                let fill = json!({ "color": { "field": "color", "type": "nominal", "scale": null } });
-                let middle = json!({ "x": self.channel(0, "x"), "y": self.channel(1, "y") });
-                let ink = json!({ "color": { "field": "ink", "type": "nominal", "scale": null }, "text": { "field": "text" } });
-                let tiles = layer(json!({ "type": "rect", "stroke": "#fff" }), &[&position, &ends, &fill, &tip]);
-                let words = layer(json!({ "type": "text", "fontSize": 9 }), &[&middle, &ink]);
-                [tiles, words].into_iter().chain(self.figure.ramp.as_ref().map(ramp_legend)).collect()
-            }
-            "bar" => {
-                let mark = json!({ "type": "rect", "clip": true, "stroke": "#fff", "strokeWidth": 0.5 });
-                vec![layer(mark, &[&position, &ends, &color, &tip])]
-            }
-            "rule" | "whisker" => {
-                let mark = json!({ "type": "rule", "clip": true, "strokeWidth": 1.25 });
-                vec![layer(mark, &[&position, &ends, &color, &dash, &tip])]
-            }
-            "line" => {
-                let path =
-                    json!({ "detail": { "field": "mark" }, "order": { "field": "order", "type": "quantitative" } });
-                vec![layer(json!({ "type": "line", "clip": true }), &[&position, &color, &dash, &path, &tip])]
-            }
-            "text" => {
-                let text = json!({ "text": { "field": "text" } });
-                let mark = json!({ "type": "text", "align": "left", "dx": 6, "fontSize": 9 });
-                vec![layer(mark, &[&position, &text, &tip])]
-            }
-            _ => {
-                let mark = json!({ "type": "point", "filled": true, "opacity": 1, "size": DOT });
-                vec![layer(mark, &[&position, &color, &outline, &tip])]
-            }
+    let layers = layers.into_iter().map(|(((_, form), has_series, fields), rows)| {
+        let mut encoding = look(figure, form, has_series);
+        for field in fields {
+            let scale = if field.starts_with('x') { &panel.x } else { &panel.y };
+            encoding[field] = if field.len() == 1 { channel(scale, field) } else { json!({ "field": field }) };
         }
-    }
-
-    /// A position channel with the ticks of the SVG. Steps run down.
-    fn channel(&self, way: usize, field: &str) -> Value {
-        let (scale, tried) = ([&self.panel.x, &self.panel.y][way], &tried(self.panel)[way]);
-        let length = self.length(way);
-        let found = match way {
-            0 => Labels::below(scale, length, [STEP[0]; 2], tried),
-            _ => Labels::beside(scale, length, length, tried),
-        };
-        let (values, labels): (Vec<f64>, Vec<&str>) = found.ticks().unzip();
-        let title = if scale.label.is_empty() { Value::Null } else { json!(scale.label) };
-        let (is_log, is_steps) =
-            (matches!(scale.kind, ScaleKind::Log { .. }), matches!(scale.kind, ScaleKind::Steps(_)));
-        let angle = if is_steps && way == 0 { -45 } else { 0 };
-        json!({
-            "field": field, "type": "quantitative",
-            "scale": {
-                "type": if is_log { "log" } else { "linear" }, "domain": Axis::new(&scale.kind, 0.0, 1.0).domain(), "nice": false,
-                "zero": false, "reverse": is_steps && way == 1,
-            },
-            "axis": {
-                "title": title, "values": values, "labelExpr": format!("{}[indexof({}, datum.value)]", json!(labels), json!(values)),
-                "grid": !is_steps, "labelLimit": LABEL_LONGEST, "labelAngle": angle, "labelOverlap": false,
-            },
-        })
-    }
-
-    fn series(&self, mark: &Mark) -> Option<&str> {
-        mark.series.and_then(|index| self.figure.series.get(index)).map(|series| series.name.as_str())
-    }
-    /// The data of a mark: one row, or one a vertex of a line.
-    ///
-    /// `x`, `y`, `x2` and `y2` are its numbers; the fields in `_at` say where they are drawn.
-    fn rows(&self, number: usize, mark: &Mark) -> Vec<Value> {
-        let (figure, panel, index) = (self.figure, self.panel, self.index);
-        let series = self.series(mark);
-        // Steps from the middle of the own one.
-        let way = usize::from(self.dodge.is_y);
-        let aside = self.dodge.offset(number, self.step(way)) / self.step(way);
-        let aside = if matches!(mark.shape, Shape::Dot(_) | Shape::Whisker(..) | Shape::HorizontalBar { .. }) {
-            aside
-        } else {
-            0.0
-        };
-        let row = |from: [f64; 2], to: Option<[f64; 2]>, more: Value| {
-            let mut row = json!({
-                "panel": index, "mark": number, "series": series, "tip": mark.tip, "cell": mark.cell,
-                "dash": dash_lengths(figure, mark),
-            });
-            let axes = [&panel.x, &panel.y].map(|scale| Axis::new(&scale.kind, 0.0, 1.0));
-            for (end, suffix) in [(Some(from), ""), (to, "2")] {
-                for (i, ((axis, value), name)) in axes.iter().zip(end.into_iter().flatten()).zip(["x", "y"]).enumerate()
-                {
-                    row[format!("{name}{suffix}")] = number_or_words(value);
-                    let aside = if i == way && axis.has_steps() { aside } else { 0.0 };
-                    let at = axis.place(value).map(|place| axis.value(place.at) + aside);
-                    row[format!("{name}{suffix}_at")] = at.map_or(Value::Null, number_or_words);
-                }
-            }
-            if let (Some(row), Value::Object(more)) = (row.as_object_mut(), more) {
-                row.extend(more);
-            }
-            row
-        };
-        let domain = |scale: &Scale| Axis::new(&scale.kind, 0.0, 1.0).domain();
-        match &mark.shape {
-            Shape::Line(points) => {
-                let vertex = |(order, point): (usize, &[f64; 2])| row(*point, None, json!({ "order": order }));
-                points.iter().enumerate().map(vertex).collect()
-            }
-            Shape::Dot(at) => vec![row(*at, None, Value::Null)],
-            Shape::Text(at, text) => vec![row(*at, None, json!({ "text": text }))],
-            Shape::Whisker(a, b) => vec![row(*a, Some(*b), Value::Null)],
-            Shape::HorizontalRule(y) => {
-                let [lo, hi] = domain(&panel.x);
-                vec![row([lo, *y], Some([hi, *y]), Value::Null)]
-            }
-            Shape::VerticalRule(x) => {
-                let [lo, hi] = domain(&panel.y);
-                vec![row([*x, lo], Some([*x, hi]), Value::Null)]
-            }
-            Shape::Bar { x, base, to, part, parts } => {
-                let middle = x + part_share(*part, *parts);
-                let half = BARS / (*parts).max(1) as f64 / 2.0;
-                vec![row([*x, *base], Some([*x, *to]), json!({ "x_at": middle - half, "x2_at": middle + half }))]
-            }
-            Shape::HorizontalBar { y, base, to } => {
-                let half = HORIZONTAL / 2.0 / self.dodge.count.max(1) as f64;
-                let ends = json!({ "y_at": y + aside - half, "y2_at": y + aside + half });
-                vec![row([*base, *y], Some([*to, *y]), ends)]
-            }
-            Shape::Tile { x, y, value, text } => {
-                let [x, y] = [*x as f64, *y as f64];
-                let color = value.zip(figure.ramp.as_ref()).map(|(value, ramp)| ramp.color(value));
-                let ink = color.map_or(INK, |color| if words_on(color) == "fig-pale" { "#fff" } else { "#000" });
-                let fill = color.map_or_else(|| NONE.to_owned(), hex);
-                let more = json!({
-                    "x_at": x - 0.5, "x2_at": x + 0.5, "y_at": y - 0.5, "y2_at": y + 0.5,
-                    "value": value.map(number_or_words), "text": text, "color": fill, "ink": ink,
-                });
-                vec![row([x, y], None, more)]
-            }
-        }
-    }
-}
-
-/// The longest label, pixels.
-const LABEL_LONGEST: u32 = 300;
-
-/// A channel by series with the range that `of` has for each.
-fn by_series(figure: &Figure, of: fn(&Figure, usize) -> Value) -> Value {
-    let names: Vec<&str> = figure.series.iter().map(|series| series.name.as_str()).collect();
-    let range: Vec<Value> = (0..figure.series.len()).map(|index| of(figure, index)).collect();
-    json!({ "field": "series", "type": "nominal", "scale": { "domain": names, "range": range } })
-}
-
-fn colors(_: &Figure, index: usize) -> Value {
-    json!(SERIES[index % SERIES.len()][0])
-}
-
-fn outlines(figure: &Figure, index: usize) -> Value {
-    let mut marks = figure.panels.iter().flat_map(|panel| &panel.marks);
-    let has_dots = marks.any(|mark| mark.series == Some(index) && matches!(mark.shape, Shape::Dot(_)));
-    json!(if has_dots { OUTLINES[index % OUTLINES.len()] } else { LINE })
-}
-
-/// Lengths of dashes and gaps of a mark.
-fn dash_lengths(figure: &Figure, mark: &Mark) -> Vec<u32> {
-    let series = mark.series.and_then(|index| Some((index, figure.series.get(index)?)));
-    let dash = series.and_then(|(index, series)| dashes(index, series.is_dashed)).unwrap_or("1 0");
-    dash.split(' ').filter_map(|part| part.parse().ok()).collect()
-}
-
-/// A layer without marks whose legend is the bar of tile colours.
-fn ramp_legend(ramp: &Ramp) -> Value {
-    /// Enough for a smooth bar.
-    const STOPS: usize = 32;
-    let axis = Axis::new(&ramp_kind(ramp), 0.0, 1.0);
-    let [lo, hi] = axis.domain();
-    let colors: Vec<String> = (0..=STOPS).map(|i| hex(ramp.color(axis.value(i as f64 / STOPS as f64)))).collect();
-    let kind = if ramp.is_log { "log" } else { "linear" };
-    // Evenly spaced on the scale: a logarithm interpolates in its own domain.
+        let words = (form == "rect").then(|| {
+            let ink = json!({ "field": "ink", "type": "nominal", "scale": null });
+            json!({
+                "mark": "text",
+                "encoding": { "x": encoding["x"], "y": encoding["y"], "text": { "field": "text" }, "color": ink },
+            })
+        });
+        let layer: Vec<Value> = [json!({ "mark": form, "encoding": encoding })].into_iter().chain(words).collect();
+        json!({ "data": { "values": rows }, "layer": layer })
+    });
     json!({
-        "data": { "values": [{ "value": lo }, { "value": hi }] },
-        "mark": { "type": "point", "size": 0, "opacity": 0 },
-        "encoding": { "fill": {
-            "field": "value", "type": "quantitative", "title": ramp.label, "legend": { "orient": "top", "title": ramp.label },
-            "scale": { "type": kind, "domain": [lo, hi], "range": colors, "interpolate": "rgb" },
-        } },
+        "title": { "text": panel.title, "anchor": "start" },
+        "width": length(0),
+        "height": length(1),
+        "layer": layers.collect::<Vec<Value>>(),
     })
 }
 
-/// JSON has no infinity and no NaN.
-fn number_or_words(value: f64) -> Value {
-    if value.is_finite() { json!(value) } else { json!(value.to_string()) }
+/// The name of a form of marks, with its place from the ground up.
+fn form(shape: &Shape) -> (u8, &'static str) {
+    match shape {
+        Shape::Tile { .. } => (0, "rect"),
+        Shape::HorizontalBar { .. } => (1, "bar"),
+        Shape::HorizontalRule(_) | Shape::VerticalRule(_) => (2, "rule"),
+        Shape::Line(_) => (3, "line"),
+        Shape::Whisker(..) => (4, "rule"),
+        Shape::Dot(_) => (5, "point"),
+    }
+}
+
+/// A position channel. Steps are told by their indices: two may have one name.
+fn channel(scale: &Scale, field: &str) -> Value {
+    let title = (!scale.label.is_empty()).then_some(&scale.label);
+    let quantitative = |kind: &str, lo: f64, hi: f64| {
+        let scale =
+            json!({ "type": kind, "domain": [number(lo), number(hi)], "nice": false, "zero": false, "clamp": true });
+        json!({ "field": field, "type": "quantitative", "title": title, "scale": scale })
+    };
+    match &scale.kind {
+        ScaleKind::Linear { lo, hi } => quantitative("linear", *lo, *hi),
+        ScaleKind::Log { lo, hi } => quantitative("log", *lo, *hi),
+        ScaleKind::Steps(names) => {
+            let steps: Vec<usize> = (0..names.len()).collect();
+            let axis = json!({ "labelExpr": format!("{}[datum.value]", json!(names)), "labelLimit": 300 });
+            json!({ "field": field, "type": "ordinal", "title": title, "scale": { "domain": steps }, "axis": axis })
+        }
+    }
+}
+
+/// The channels of a form besides its place.
+fn look(figure: &Figure, form: &str, has_series: bool) -> Value {
+    let names: Vec<&str> = figure.series.iter().map(|series| series.name.as_str()).collect();
+    let mut by_series = json!({ "field": "series", "type": "nominal", "title": null, "scale": { "domain": names } });
+    let mut look = json!({ "tooltip": { "field": "tip", "type": "nominal" } });
+    if form == "point" && has_series {
+        look["shape"] = by_series.clone();
+    }
+    let colors: Vec<&str> = (0..names.len()).map(|index| SERIES[index % SERIES.len()][0]).collect();
+    by_series["scale"]["range"] = json!(colors);
+    look["color"] = match &figure.ramp {
+        Some(ramp) if form == "rect" => ramp_color(ramp),
+        _ if has_series => by_series,
+        _ => json!({ "value": INK }),
+    };
+    if form == "line" || form == "rule" {
+        // A scale would merge its legend with that of the colours.
+        look["strokeDash"] = json!({ "field": "dash", "type": "nominal", "scale": null, "legend": null });
+        look["detail"] = json!({ "field": "mark" });
+    }
+    if form == "line" {
+        look["order"] = json!({ "field": "order", "type": "quantitative" });
+    }
+    look
+}
+
+fn ramp_color(ramp: &Ramp) -> Value {
+    let scale = ramp_scale(ramp);
+    let axis = Axis::new(&scale.kind, 0.0, 1.0);
+    let colors: Vec<String> = (0..=STOPS).map(|i| hex(ramp.color(axis.value(i as f64 / STOPS as f64)))).collect();
+    let mut color = channel(&scale, "value");
+    // Evenly spaced on the scale: a logarithm interpolates in its own domain.
+    (color["scale"]["range"], color["scale"]["interpolate"]) = (json!(colors), json!("rgb"));
+    color
+}
+
+fn series<'f>(figure: &'f Figure, mark: &Mark) -> Option<(usize, &'f Series)> {
+    mark.series.and_then(|index| Some((index, figure.series.get(index)?)))
+}
+
+/// The data of a mark: one row, or one a vertex of a line.
+fn rows(figure: &Figure, index: usize, mark: &Mark) -> Vec<Value> {
+    let series = series(figure, mark);
+    let dash = series.and_then(|(index, series)| dashes(index, series.is_dashed)).unwrap_or("1 0");
+    let dash: Vec<u32> = dash.split(' ').filter_map(|part| part.parse().ok()).collect();
+    let row = |own: &[(&str, f64)]| {
+        let name = series.map(|(_, series)| &series.name);
+        let mut row = json!({ "mark": index, "series": name, "tip": mark.tip, "cell": mark.cell, "dash": dash });
+        own.iter().for_each(|(field, value)| row[field] = number(*value));
+        row
+    };
+    match &mark.shape {
+        Shape::Line(points) => {
+            let vertex = |(order, [x, y]): (usize, &[f64; 2])| row(&[("x", *x), ("y", *y), ("order", order as f64)]);
+            points.iter().enumerate().map(vertex).collect()
+        }
+        Shape::Dot([x, y]) => vec![row(&[("x", *x), ("y", *y)])],
+        Shape::Whisker(a, b) if a[1] == b[1] => vec![row(&[("x", a[0]), ("x2", b[0]), ("y", a[1])])],
+        Shape::Whisker(a, b) => vec![row(&[("x", a[0]), ("y", a[1]), ("y2", b[1])])],
+        Shape::HorizontalBar { y, base, to } => vec![row(&[("x", *base), ("x2", *to), ("y", *y)])],
+        Shape::HorizontalRule(y) => vec![row(&[("y", *y)])],
+        Shape::VerticalRule(x) => vec![row(&[("x", *x)])],
+        Shape::Tile { x, y, value, text } => {
+            let mut row = row(&[("x", *x as f64), ("y", *y as f64), ("value", value.unwrap_or(f64::NAN))]);
+            let color = value.zip(figure.ramp.as_ref()).map(|(value, ramp)| ramp.color(value));
+            let is_pale = color.is_some_and(|color| words_on(color) == "fig-pale");
+            (row["text"], row["ink"]) = (json!(text), json!(if is_pale { "#fff" } else { "#000" }));
+            vec![row]
+        }
+    }
+}
+
+/// JSON has no infinity and no NaN: the largest number, which a scale clamps, and nothing.
+fn number(value: f64) -> Value {
+    json!(value.clamp(f64::MIN, f64::MAX))
 }

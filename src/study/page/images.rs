@@ -1,11 +1,9 @@
-//! Which images go into the page, at what size: all of them whole where they fit the budget, else a window of native texels
-//! of each with a reduced overview. Reduced images are never compared: averaging texels would hide noise.
-//!
-//! Long because choosing, shrinking and packing share one budget.
+//! Which images go into the page, at what size: all of them whole where they fit the budget, else a window of native texels of each.
+//! Images are never reduced: averaging texels would hide noise.
 
 use super::told::Told;
 use crate::metrics::Comparison;
-use crate::pixels::packed::{self, Encoded};
+use crate::pixels::packed;
 use crate::pixels::{Decoded, GrayImage, RgbImage, exr};
 use crate::runner::value::Value;
 use crate::study::finished::FinishedCell;
@@ -24,6 +22,9 @@ pub struct Window {
     pub height: u32,
 }
 
+/// Stands for the window of the whole image.
+const WHOLE: Window = Window { x: 0, y: 0, width: u32::MAX, height: u32::MAX };
+
 /// What of the images a report embeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
@@ -36,17 +37,17 @@ pub enum Choice {
 
 /// Bytes that a page may take. The images get what its tables and figures leave.
 pub const BUDGET_BYTES: usize = 40_000_000;
-/// Longest side of an overview, texels.
-const OVERVIEW_SIDE: u32 = 96;
 /// Windows are no smaller: below this they show noise only.
 const WINDOW_SIDE_MIN: u32 = 48;
+/// Sides of windows are multiples of this; so many steps of their corners make a side.
+const WINDOW_STEP: u32 = 8;
 /// Share of the budget that estimates aim for; what an image compresses to is known only afterwards.
 const AIM: f64 = 0.9;
 /// Images that are read and encoded together.
 const CHUNK: usize = 32;
 
 /// One linear image of a run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct EmbeddedImage {
     pub run: usize,
     /// File name in `images/` of its run.
@@ -61,8 +62,6 @@ pub struct EmbeddedImage {
     pub payload: Option<usize>,
     /// Mask payload, on references only.
     pub mask: Option<usize>,
-    /// Reduced image of the whole, where only a window is embedded: its size and payload.
-    pub overview: Option<([u32; 2], usize)>,
     /// Channels above the half-float range, stored as its maximum.
     pub clamped_count: usize,
 }
@@ -93,48 +92,48 @@ pub struct CropError {
 
 /// Collects the images of all runs. A file that cannot be read is a note, not a failure; a crop that fits no image is one.
 pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet, CropError> {
-    let mut set = list(runs);
+    let mut set = ImageSet::list(runs);
     match choice {
         Choice::None => {
-            set.notes.push("Images were left out (--no-images); the linear EXR files are linked.".to_owned())
+            set.notes.push("Images were left out (--no-images); the linear EXR files are linked.".to_owned());
         }
         Choice::Crop(window) => {
-            let too_small = set.too_small_for(runs, window)?;
-            set.embed(runs, budget, |index| (!too_small.contains(&index)).then_some(window));
+            // What does not fit the budget is said in a note.
+            let _ = set.embed(runs, budget, |_| Some(window));
+            let is_small = |image: &&EmbeddedImage| image.size != [0, 0] && image.payload.is_none();
+            let small: Vec<&EmbeddedImage> = set.images.iter().filter(is_small).collect();
+            if !small.is_empty() && set.payloads.is_empty() {
+                let sizes: BTreeSet<[u32; 2]> = small.iter().map(|image| image.size).collect();
+                let sizes: Vec<String> = sizes.iter().map(|[width, height]| format!("{width} x {height}")).collect();
+                return Err(CropError { window, sizes: sizes.join(" or ") });
+            }
+            let (small, all) = (small.len(), set.images.len());
             set.notes.push(format!(
                 "Images are cut to {} x {} texels at ({}, {}) (--crop); error metrics are those of the whole images.",
                 window.width, window.height, window.x, window.y
             ));
-            if !too_small.is_empty() {
+            if small > 0 {
                 set.notes.push(format!(
-                    "{} of {} images end before the crop does and are left out; their EXR files are linked.",
-                    too_small.len(),
-                    set.images.len()
+                    "{small} of {all} images end before the crop does and are left out; their EXR files are linked."
                 ));
             }
         }
         Choice::Automatic => {
-            let whole = Window { x: 0, y: 0, width: u32::MAX, height: u32::MAX };
-            let mut used = set.embed(runs, budget, |_| Some(whole));
             let mut wanted: BTreeSet<usize> = (0..set.images.len()).collect();
+            let mut done = set.embed(runs, budget, |_| Some(WHOLE));
             let first_sets = set.of_first_point_set(runs);
-            if used.left_out > 0 && first_sets.len() < wanted.len() {
+            if done.is_err() && first_sets.len() < wanted.len() {
                 // Other point sets show the same error with other noise: better fewer images than parts of all.
                 wanted = first_sets;
-                set.forget_payloads();
-                used = set.embed(runs, budget, |index| wanted.contains(&index).then_some(whole));
+                done = set.embed(runs, budget, |index| wanted.contains(&index).then_some(WHOLE));
             }
-            if used.left_out > 0 {
-                set.forget_payloads();
-                set.embed_windows(runs, budget, used.bytes_per_texel, &wanted);
+            if let Err(bytes_per_texel) = done {
+                set.embed_windows(runs, budget, bytes_per_texel, &wanted);
             }
             if wanted.len() < set.images.len() {
-                set.notes.insert(
-                    0,
-                    "Not all images fit the page: of several point sets the images of the first are embedded; the EXR files \
-                     of all are linked."
-                        .to_owned(),
-                );
+                let note = "Not all images fit the page: of several point sets the images of the first are embedded; the EXR files \
+                            of all are linked.";
+                set.notes.insert(0, note.to_owned());
             }
         }
     }
@@ -144,84 +143,39 @@ pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet,
     Ok(set)
 }
 
-/// What embedding cost.
-struct Used {
-    bytes_per_texel: f64,
-    left_out: usize,
-}
-
-/// A decoded image with its encoded window.
-struct Prepared {
-    size: [u32; 2],
-    window: Window,
-    payload: Encoded,
-    overview: Option<(RgbImage, Encoded)>,
-    mask: Option<String>,
-}
-
-fn list(runs: &[Told]) -> ImageSet {
-    let mut set = ImageSet::default();
-    for (run, told) in runs.iter().enumerate() {
-        for images in told.finished.cells.iter().filter_map(|cell| cell.images.as_ref()) {
-            let reference = set.add(run, &images.reference, None);
-            set.add(run, &images.radiance, Some(reference));
-        }
-    }
-    set
-}
+/// An image with the texts of its texels and its mask.
+type Prepared = (EmbeddedImage, [Option<String>; 2]);
 
 impl ImageSet {
+    /// The images of the cells, each once, without pixels.
+    fn list(runs: &[Told]) -> Self {
+        let mut set = Self::default();
+        for (run, told) in runs.iter().enumerate() {
+            for files in told.finished.cells.iter().filter_map(|cell| cell.images.as_ref()) {
+                let reference = set.add(run, &files.reference, None);
+                set.add(run, &files.radiance, Some(reference));
+            }
+        }
+        set
+    }
+
     fn add(&mut self, run: usize, file: &str, reference: Option<usize>) -> usize {
         let next = self.images.len();
         let index = *self.index.entry((run, file.to_owned())).or_insert(next);
         if index == next {
-            self.images.push(EmbeddedImage {
-                run,
-                file: file.to_owned(),
-                reference: reference.unwrap_or(next),
-                size: [0, 0],
-                window: None,
-                payload: None,
-                mask: None,
-                overview: None,
-                clamped_count: 0,
-            });
+            let (file, reference) = (file.to_owned(), reference.unwrap_or(next));
+            self.images.push(EmbeddedImage { run, file, reference, ..EmbeddedImage::default() });
         }
         index
     }
 
-    /// Images that do not hold the whole window, by the sizes of their references; an error where none of them does.
-    fn too_small_for(&self, runs: &[Told], window: Window) -> Result<BTreeSet<usize>, CropError> {
-        let references: Vec<usize> = (0..self.images.len()).filter(|&i| self.images[i].reference == i).collect();
-        let sizes: BTreeMap<usize, [u32; 2]> = references
-            .into_par_iter()
-            .filter_map(|index| {
-                read_image(runs, &self.images[index]).ok().map(|i| (index, [i.rgb.width, i.rgb.height]))
-            })
-            .collect();
-        let ends = |start: u32, length: u32| u64::from(start) + u64::from(length);
-        let (right, bottom) = (ends(window.x, window.width), ends(window.y, window.height));
-        let holds = |size: &[u32; 2]| right <= u64::from(size[0]) && bottom <= u64::from(size[1]);
-        if !sizes.is_empty() && !sizes.values().any(holds) {
-            let found: BTreeSet<&[u32; 2]> = sizes.values().collect();
-            let found: Vec<String> = found.into_iter().map(|[width, height]| format!("{width} x {height}")).collect();
-            return Err(CropError { window, sizes: found.join(" or ") });
-        }
-        let is_small = |image: &EmbeddedImage| sizes.get(&image.reference).is_some_and(|size| !holds(size));
-        Ok((0..self.images.len()).filter(|&i| is_small(&self.images[i])).collect())
-    }
-
-    fn forget_payloads(&mut self) {
-        self.payloads.clear();
-        self.notes.clear();
-        for image in &mut self.images {
-            (image.window, image.payload, image.mask, image.overview) = (None, None, None, None);
-        }
+    fn references(&self) -> impl Iterator<Item = usize> {
+        (0..self.images.len()).filter(|&index| self.images[index].reference == index)
     }
 
     /// Images of cells with the first point set of their run, or none, and all references.
     fn of_first_point_set(&self, runs: &[Told]) -> BTreeSet<usize> {
-        let mut found: BTreeSet<usize> = (0..self.images.len()).filter(|&i| self.images[i].reference == i).collect();
+        let mut found: BTreeSet<usize> = self.references().collect();
         for (run, told) in runs.iter().enumerate() {
             let cells = &told.finished.cells;
             let set = |cell: &FinishedCell| cell.point.get("point_set").clone();
@@ -233,113 +187,122 @@ impl ImageSet {
         found
     }
 
-    /// Embeds the window that `window` names for each image (`None`: nothing), clipped to the image, until the budget is used up.
-    fn embed(&mut self, runs: &[Told], budget: usize, window: impl Fn(usize) -> Option<Window> + Sync) -> Used {
-        let (mut bytes, mut texels, mut done) = (0usize, 0u64, 0);
-        while done < self.images.len() {
-            let chunk = done..(done + CHUNK).min(self.images.len());
-            let prepared: Vec<(usize, Result<Prepared, String>)> = chunk
-                .into_par_iter()
-                .filter_map(|index| Some((index, window(index)?)))
-                .map(|(index, window)| (index, prepare(runs, &self.images, index, window)))
-                .collect();
-            for (index, prepared) in prepared {
-                match prepared {
-                    Ok(prepared) => {
-                        bytes += prepared.payload.base64.len();
-                        bytes += prepared.mask.as_ref().map_or(0, String::len);
-                        bytes += prepared.overview.as_ref().map_or(0, |(_, encoded)| encoded.base64.len());
-                        texels += u64::from(prepared.window.width) * u64::from(prepared.window.height);
-                        if bytes > budget {
-                            let left_out = (index..self.images.len()).filter(|&i| window(i).is_some()).count();
-                            self.notes.push(format!(
-                                "{left_out} of {} images do not fit the {} MB that the page has for them; their EXR files are linked.",
-                                self.images.len(),
-                                budget / 1_000_000
-                            ));
-                            return Used { bytes_per_texel: bytes as f64 / texels as f64, left_out };
-                        }
-                        self.store(index, prepared);
-                    }
-                    Err(note) => self.notes.push(note),
-                }
-            }
-            done += CHUNK;
+    /// Embeds the window that `window` names for each image (`None`: nothing) in place of what was embedded, unless the image ends before
+    /// it. Where the budget ends before the images, the error has the bytes that a texel took.
+    fn embed(&mut self, runs: &[Told], budget: usize, window: impl Fn(usize) -> Option<Window>) -> Result<(), f64> {
+        (self.payloads, self.notes) = (Vec::new(), Vec::new());
+        for image in &mut self.images {
+            (image.window, image.payload, image.mask) = (None, None, None);
         }
-        Used { bytes_per_texel: bytes as f64 / texels.max(1) as f64, left_out: 0 }
+        let wanted: Vec<(usize, Window)> =
+            (0..self.images.len()).filter_map(|index| Some((index, window(index)?))).collect();
+        let (mut bytes, mut texels, mut done) = (0, 0, 0);
+        for chunk in wanted.chunks(CHUNK) {
+            let prepared: Vec<Result<Prepared, String>> =
+                chunk.into_par_iter().map(|(index, window)| self.prepare(runs, *index, *window)).collect();
+            for ((index, _), prepared) in chunk.iter().zip(prepared) {
+                let (image, texts) = match prepared {
+                    Ok(prepared) => prepared,
+                    Err(note) => {
+                        self.notes.push(note);
+                        done += 1;
+                        continue;
+                    }
+                };
+                bytes += texts.iter().flatten().map(String::len).sum::<usize>();
+                texels += image.window.map_or(0, |window| u64::from(window.width) * u64::from(window.height));
+                if bytes > budget {
+                    self.notes.push(format!(
+                        "{} of {} images do not fit the {} MB that the page has for them; their EXR files are linked.",
+                        wanted.len() - done,
+                        self.images.len(),
+                        budget / 1_000_000
+                    ));
+                    return Err(bytes as f64 / texels as f64);
+                }
+                let [payload, mask] = texts.map(|text| text.map(|text| self.store(text)));
+                self.images[*index] = EmbeddedImage { payload, mask, ..image };
+                done += 1;
+            }
+        }
+        Ok(())
     }
 
-    fn store(&mut self, index: usize, prepared: Prepared) {
-        let mut payload = |text: String| match self.payloads.iter().position(|known| *known == text) {
-            Some(known) if text.len() < 4096 => known,
-            _ => {
-                self.payloads.push(text);
-                self.payloads.len() - 1
-            }
+    /// An image with its size and window, and the encoded texels and mask of the window.
+    fn prepare(&self, runs: &[Told], index: usize, wanted: Window) -> Result<Prepared, String> {
+        let mut image = self.images[index].clone();
+        let decoded = read_image(runs, &image)?;
+        image.size = [decoded.rgb.width, decoded.rgb.height];
+        let [full_width, full_height] = image.size;
+        let window = match wanted {
+            WHOLE => Window { width: full_width, height: full_height, ..WHOLE },
+            window => window,
         };
-        let image = &mut self.images[index];
-        image.size = prepared.size;
-        image.window = Some(prepared.window);
-        image.clamped_count = prepared.payload.clamped_count;
-        image.payload = Some(payload(prepared.payload.base64));
-        image.mask = prepared.mask.map(&mut payload);
-        image.overview =
-            prepared.overview.map(|(small, encoded)| ([small.width, small.height], payload(encoded.base64)));
+        let Window { x, y, width, height } = window;
+        let ends = |start: u32, length: u32| u64::from(start) + u64::from(length);
+        if ends(x, width) > u64::from(full_width) || ends(y, height) > u64::from(full_height) {
+            return Ok((image, [None, None]));
+        }
+        let encoded = packed::radiance(&RgbImage::from_fn(width, height, |i, j| decoded.rgb.get(x + i, y + j)));
+        let mask = (image.reference == index).then(|| {
+            let mask = mask_of(&decoded);
+            packed::mask(&GrayImage::from_fn(width, height, |i, j| mask.get(x + i, y + j)))
+        });
+        (image.window, image.clamped_count) = (Some(window), encoded.clamped_count);
+        Ok((image, [Some(encoded.base64), mask]))
+    }
+
+    /// The index of a payload; small ones such as masks are often equal.
+    fn store(&mut self, text: String) -> usize {
+        let known = self.payloads.iter().position(|known| text.len() < 4096 && *known == text);
+        known.unwrap_or_else(|| {
+            self.payloads.push(text);
+            self.payloads.len() - 1
+        })
     }
 
     /// Windows of the same side everywhere, each where the methods of its reference err most.
     fn embed_windows(&mut self, runs: &[Told], budget: usize, bytes_per_texel: f64, wanted: &BTreeSet<usize>) {
-        let overviews = wanted.len() as f64 * f64::from(OVERVIEW_SIDE * OVERVIEW_SIDE) * bytes_per_texel;
-        let texels = (budget as f64 * AIM - overviews) / bytes_per_texel / wanted.len() as f64;
-        let side = (texels.max(0.0).sqrt() as u32 / 8 * 8).max(WINDOW_SIDE_MIN);
-        let references: Vec<usize> = (0..self.images.len()).filter(|&i| self.images[i].reference == i).collect();
-        let places: BTreeMap<usize, Window> =
-            references.into_par_iter().map(|index| (index, self.worst_window(runs, index, side))).collect();
+        let texels = budget as f64 * AIM / bytes_per_texel / wanted.len() as f64;
+        let side = (texels.sqrt() as u32 / WINDOW_STEP * WINDOW_STEP).max(WINDOW_SIDE_MIN);
+        let references: Vec<usize> = self.references().collect();
+        let worst = |index| Some((index, self.worst_window(runs, index, side)?));
+        let places: BTreeMap<usize, Window> = references.into_par_iter().filter_map(worst).collect();
         let reference_of: Vec<usize> = self.images.iter().map(|image| image.reference).collect();
-        self.embed(runs, budget, |index| places.get(&reference_of[index]).filter(|_| wanted.contains(&index)).copied());
-        self.notes.insert(
-            0,
-            format!(
-                "The images would not fit {} MB: of each a window of {side} x {side} native texels is embedded, where the \
-                 methods of its scene err most, with a reduced overview. Metrics are those of the whole images; the full EXR \
-                 files are linked.",
-                budget / 1_000_000
-            ),
+        let place = |index: usize| places.get(&reference_of[index]).filter(|_| wanted.contains(&index)).copied();
+        // What does not fit the budget is said in a note.
+        let _ = self.embed(runs, budget, place);
+        let note = format!(
+            "The images would not fit {} MB: of each a window of {side} x {side} native texels is embedded, where the methods \
+             of its scene err most. Metrics are those of the whole images; the full EXR files are linked.",
+            budget / 1_000_000
         );
+        self.notes.insert(0, note);
     }
 
-    /// The window of a reference with the largest sum of relative errors over all images that are compared with it.
-    fn worst_window(&self, runs: &[Told], reference: usize, side: u32) -> Window {
-        let corner = Window { x: 0, y: 0, width: side, height: side };
-        let Ok(truth) = read_image(runs, &self.images[reference]) else { return corner };
-        let [width, height] = [truth.rgb.width as usize, truth.rgb.height as usize];
+    /// The window of a reference with the largest sum of relative errors over all images that are compared with it; none where it cannot be
+    /// read.
+    fn worst_window(&self, runs: &[Told], reference: usize, side: u32) -> Option<Window> {
+        let truth = read_image(runs, &self.images[reference]).ok()?;
+        let [width, height] = [truth.rgb.width, truth.rgb.height];
+        let window = Window { x: 0, y: 0, width: side.min(width), height: side.min(height) };
         let mask = mask_of(&truth);
-        // One row and column of zeros before the first.
-        let mut sums = vec![0.0f64; (width + 1) * (height + 1)];
+        let mut errors = vec![0.0; (width * height) as usize];
         let tests = (0..self.images.len()).filter(|&i| i != reference && self.images[i].reference == reference);
         for test in tests.filter_map(|i| read_image(runs, &self.images[i]).ok()) {
             if let Ok(comparison) = Comparison::new(&test.rgb, &truth.rgb, &mask, ToneCurve::default()) {
                 let map = comparison.relative_error_map();
-                map.data.iter().enumerate().for_each(|(i, error)| {
-                    sums[(i / width + 1) * (width + 1) + i % width + 1] += f64::from(*error);
-                });
+                errors.iter_mut().zip(&map.data).for_each(|(sum, error)| *sum += error);
             }
         }
-        for y in 1..=height {
-            for x in 1..=width {
-                let at = y * (width + 1) + x;
-                sums[at] += sums[at - 1] + sums[at - width - 1] - sums[at - width - 2];
-            }
-        }
-        let [w, h] = [(side as usize).min(width), (side as usize).min(height)];
-        let sum = |x: usize, y: usize| {
-            let at = |x: usize, y: usize| sums[y * (width + 1) + x];
-            at(x + w, y + h) - at(x, y + h) - at(x + w, y) + at(x, y)
+        let sum = |[x, y]: [u32; 2]| -> f32 {
+            let row = |row: u32| &errors[(row * width + x) as usize..][..window.width as usize];
+            (y..y + window.height).flat_map(row).sum()
         };
-        let corners = (0..=height - h).flat_map(|y| (0..=width - w).map(move |x| (x, y)));
-        let worst = corners.max_by(|a, b| sum(a.0, a.1).total_cmp(&sum(b.0, b.1)));
-        let (x, y) = worst.unwrap_or((0, 0));
-        Window { x: x as u32, y: y as u32, width: side, height: side }
+        let starts = |length: u32| (0..=length - side.min(length)).step_by((side / WINDOW_STEP) as usize);
+        let corners = starts(height).flat_map(|y| starts(width).map(move |x| [x, y]));
+        let worst = corners.map(|corner| (sum(corner), corner)).max_by(|a, b| a.0.total_cmp(&b.0));
+        worst.map(|(_, [x, y])| Window { x, y, ..window })
     }
 }
 
@@ -360,43 +323,4 @@ fn read_image(runs: &[Told], image: &EmbeddedImage) -> Result<Decoded, String> {
 /// Where an image has pixels: everywhere without alpha.
 pub fn mask_of(image: &Decoded) -> GrayImage {
     image.alpha.clone().unwrap_or_else(|| GrayImage::filled(image.rgb.width, image.rgb.height, 1.0))
-}
-
-fn prepare(runs: &[Told], images: &[EmbeddedImage], index: usize, wanted: Window) -> Result<Prepared, String> {
-    let decoded = read_image(runs, &images[index])?;
-    let size = [decoded.rgb.width, decoded.rgb.height];
-    // Clipped, and moved inside where it starts beyond the image.
-    let clip = |start: u32, length: u32, full: u32| {
-        let start = start.min(full - length.min(full));
-        (start, length.min(full - start))
-    };
-    let ((x, width), (y, height)) = (clip(wanted.x, wanted.width, size[0]), clip(wanted.y, wanted.height, size[1]));
-    let window = Window { x, y, width, height };
-    let part = RgbImage::from_fn(width, height, |i, j| decoded.rgb.get(x + i, y + j));
-    let mask = (images[index].reference == index).then(|| mask_of(&decoded));
-    let is_whole = [width, height] == size;
-    let overview = (!is_whole).then(|| {
-        let small = reduced(&decoded.rgb, OVERVIEW_SIDE);
-        let encoded = packed::radiance(&small);
-        (small, encoded)
-    });
-    Ok(Prepared {
-        size,
-        window,
-        payload: packed::radiance(&part),
-        overview,
-        mask: mask.map(|mask| packed::mask(&GrayImage::from_fn(width, height, |i, j| mask.get(x + i, y + j)))),
-    })
-}
-
-/// Means of square blocks, so that no side is longer than `side`.
-fn reduced(image: &RgbImage, side: u32) -> RgbImage {
-    let block = image.width.max(image.height).div_ceil(side).max(1);
-    RgbImage::from_fn(image.width.div_ceil(block), image.height.div_ceil(block), |i, j| {
-        let xs = (i * block)..((i + 1) * block).min(image.width);
-        let ys = (j * block)..((j + 1) * block).min(image.height);
-        let count = (xs.len() * ys.len()) as f32;
-        let texels = ys.flat_map(|y| xs.clone().map(move |x| image.get(x, y)));
-        texels.fold([0.0; 3], |sum, texel| std::array::from_fn(|c| sum[c] + texel[c] / count))
-    })
 }

@@ -12,31 +12,10 @@ use crate::study::questions::words::with_rms;
 use crate::table::colormap::RELATIVE_ERROR;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use serde::Serialize;
+use serde_json::{Value as Json, json};
 
 /// Longest side of a picture, pixels.
 const SIDE: u32 = 256;
-
-/// Pictures of one case.
-#[derive(Clone, Debug, Serialize)]
-pub struct Pictures {
-    /// The case in words.
-    pub case: String,
-    /// Its error in words, with the metric.
-    pub error: String,
-    /// The cell, for a link to the comparison.
-    pub cell: String,
-    pub shots: Vec<Shot>,
-}
-
-/// One picture.
-#[derive(Clone, Debug, Serialize)]
-pub struct Shot {
-    pub label: String,
-    /// A PNG as a data address.
-    pub source: String,
-    pub size: [u32; 2],
-}
 
 /// Whether an answer rests on the times of a CPU driver, which say nothing about a GPU.
 pub fn rests_on_cpu_times(told: &Told, answer: &Answer) -> bool {
@@ -48,8 +27,8 @@ pub fn leading(told: &Told) -> Option<usize> {
     told.answers.iter().position(|answer| !rests_on_cpu_times(told, answer))
 }
 
-/// Pictures of the leading case; nothing where its images are not at hand.
-pub fn pictures(told: &Told, frame: &Frame, lead: Option<usize>, axes: &[PageAxis]) -> Option<Pictures> {
+/// Pictures of the leading case with its words, its error and its cell; nothing where its images are not at hand.
+pub fn pictures(told: &Told, frame: &Frame, lead: Option<usize>, axes: &[PageAxis]) -> Option<Json> {
     let row = case(told, frame, lead)?;
     let files = row.cell.images.as_ref()?;
     let [own, reference] = [&files.radiance, &files.reference].map(|file| read(&told.finished.dir, file).ok());
@@ -64,12 +43,16 @@ pub fn pictures(told: &Told, frame: &Frame, lead: Option<usize>, axes: &[PageAxi
     let comparison = Comparison::new(&own.rgb, &reference.rgb, &mask, curve).ok()?;
     let map = RELATIVE_ERROR.image(&comparison.relative_error_map(), &mask);
     let [lo, .., hi] = RELATIVE_ERROR.ticks()[..] else { return None };
-    let shots = vec![
-        shot(way(row, axes), &curve.apply_image(&own.rgb))?,
-        shot("reference".to_owned(), &curve.apply_image(&reference.rgb))?,
-        shot(format!("relative error, {lo} (black) to {hi} (pale)"), &map)?,
+    let method = words(row, axes, Role::Variant);
+    let method = if method.is_empty() { row.point.get("method").to_string() } else { method };
+    let error = frame.error(row).map(|error| format!("{} {}", frame.metric_name(), with_rms(frame, error)));
+    let shots = [
+        shot(&method, &curve.apply_image(&own.rgb))?,
+        shot("reference", &curve.apply_image(&reference.rgb))?,
+        shot(&format!("relative error, {lo} (black) to {hi} (pale)"), &map)?,
     ];
-    Some(Pictures { case: case_words(row, axes), error: error_words(frame, row), cell: row.cell.id.clone(), shots })
+    let case = words(row, axes, Role::Scene);
+    Some(json!({ "case": case, "error": error.unwrap_or_default(), "cell": row.cell.id, "shots": shots }))
 }
 
 /// Of the cells that the leading figure shows, the one that errs most of those whose method draws no samples; else of all such cells; else
@@ -89,16 +72,7 @@ fn case<'r, 'f>(told: &Told, frame: &'r Frame<'f>, lead: Option<usize>) -> Optio
     worst(&|row| is_shown(row) && draws_none(row)).or_else(|| worst(&draws_none)).or_else(|| worst(&|_| true))
 }
 
-/// How the image was made: the words of the axes that tell methods apart.
-fn way(row: &Row, axes: &[PageAxis]) -> String {
-    let words = words(row, axes, Role::Variant);
-    if words.is_empty() { row.point.get("method").to_string() } else { words }
-}
-
-fn case_words(row: &Row, axes: &[PageAxis]) -> String {
-    words(row, axes, Role::Scene)
-}
-
+/// The words of a case on the axes of a role.
 fn words(row: &Row, axes: &[PageAxis], role: Role) -> String {
     let word = |axis: &PageAxis| {
         let text = row.cell.point.0[axis.index?].to_string();
@@ -108,15 +82,11 @@ fn words(row: &Row, axes: &[PageAxis], role: Role) -> String {
     axes.iter().filter(|axis| axis.role == role).filter_map(word).collect::<Vec<_>>().join(" · ")
 }
 
-/// "relmse 0.44 (66 % rms)".
-fn error_words(frame: &Frame, row: &Row) -> String {
-    frame.error(row).map_or_else(String::new, |error| format!("{} {}", frame.metric_name(), with_rms(frame, error)))
-}
-
-fn shot(label: String, image: &Rgb8Image) -> Option<Shot> {
+/// A picture as a data address.
+fn shot(label: &str, image: &Rgb8Image) -> Option<Json> {
     let factor = f64::from(image.width.max(image.height)) / f64::from(SIDE);
     let side = |length: u32| ((f64::from(length) / factor).round() as u32).max(1);
     let small = if factor > 1.0 { image.shrunk(side(image.width), side(image.height)) } else { image.clone() };
     let source = format!("data:image/png;base64,{}", BASE64_STANDARD.encode(encode_rgb8(&small).ok()?));
-    Some(Shot { label, source, size: [small.width, small.height] })
+    Some(json!({ "label": label, "source": source, "size": [small.width, small.height] }))
 }

@@ -95,55 +95,57 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
     let axes = model::axes(runs);
     let metrics = model::metrics(runs);
     let light = live::Light::collect(runs, live::BUDGET_BYTES);
-    let mut shown: Vec<render::Run> = Vec::new();
-    for (index, (told, frame)) in runs.iter().zip(&frames).enumerate() {
-        let before = shown.iter().map(|run| run.sections.len()).sum();
+    let mut section_count = 0;
+    let shown = runs.iter().zip(&frames).enumerate().map(|(index, (told, frame))| {
         let lead = lead::leading(told);
-        shown.push(render::Run {
-            label: told.label.clone(),
-            anchor: format!("run-{}", index + 1),
-            index,
-            question: told.question(),
-            device: told.device(),
-            date: told.date(),
-            warnings: told.warnings(),
-            cpu_warning: told.cpu_warning(),
-            shared: model::shared(&model::axes(std::slice::from_ref(told))),
-            lead,
-            pictures: (options.images != Choice::None).then(|| lead::pictures(told, frame, lead, &axes)).flatten(),
-            sections: sections::sections(told, index, before, here),
-            provenance: told::provenance(told),
-            failures: json!(told.finished.failures),
-            excluded: told.finished.provenance["excluded"].clone(),
-            input_warnings: told.finished.provenance["input_warnings"].clone(),
-            sheets: told.sheets(here),
-            experiment: told.finished.experiment.clone(),
-            whole: format!("{:#}", told.finished.provenance),
-        });
-    }
-    let fixed = render::Page {
-        name: first.finished.text("/name"),
-        heading: told::heading(runs),
-        metric: frames[0].metric_name(),
-        facts: told::facts(runs),
-        repeats: told::repeats(runs),
-        metrics: first.finished.provenance["metrics"].clone(),
-        program_version: env!("CARGO_PKG_VERSION"),
-        runs: shown,
-    };
+        let has_pictures = options.images != Choice::None;
+        let sections = sections::sections(told, index, section_count, here);
+        section_count += sections.len();
+        json!({
+            "label": told.label,
+            "name": told.finished.text("/name"),
+            "link": told::link(here, &told.finished.dir),
+            "anchor": format!("run-{}", index + 1),
+            "index": index,
+            "device": told.device(),
+            "date": told.date(),
+            "warnings": told.warnings(),
+            "cpu_warning": told.cpu_warning(),
+            // What all its cells share.
+            "shared": model::shared(&model::axes(std::slice::from_ref(told))),
+            "lead": lead,
+            "pictures": has_pictures.then(|| lead::pictures(told, frame, lead, &axes)).flatten(),
+            "sections": sections,
+            "provenance": told::provenance(told),
+            "failures": told.finished.failures,
+            "excluded": told.finished.provenance["excluded"],
+            "input_warnings": told.finished.provenance["input_warnings"],
+            "sheets": told.sheets(here),
+            "experiment": told.finished.experiment,
+            "whole": format!("{:#}", told.finished.provenance),
+        })
+    });
+    let fixed = json!({
+        "name": first.finished.text("/name"),
+        "heading": told::heading(runs),
+        "metric": frames[0].metric_name(),
+        "facts": told::facts(runs),
+        "repeats": told::repeats(runs),
+        "metrics": first.finished.provenance["metrics"],
+        "program_version": env!("CARGO_PKG_VERSION"),
+        "runs": shown.collect::<Vec<Json>>(),
+    });
     let answers: Vec<Json> = runs.iter().enumerate().flat_map(|(run, told)| sections::model(told, run)).collect();
     let others = [json_bytes(&light), json_bytes(&answers), json_bytes(&fixed), PROGRAM_BYTES].iter().sum::<usize>();
     let images = images::collect(runs, options.images, options.budget.saturating_sub(others + row_bytes(runs)))?;
     let model = json!({
         "headline": frames[0].metric_name(),
-        "runs": runs.iter().map(|told| run_model(told, here)).collect::<Vec<_>>(),
+        "runs": fixed["runs"].as_array().into_iter().flatten().map(for_scripts).collect::<Vec<_>>(),
         "axes": axes,
-        "roughness": model::roughnesses(&axes),
-        "metrics": metrics.iter().map(|metric| json!({ "name": metric.description().name, "formula": metric.description().formula })).collect::<Vec<_>>(),
+        "metrics": metrics.iter().map(|metric| metric.description()).map(|one| json!({ "name": one.name, "formula": one.formula })).collect::<Vec<_>>(),
         "columns": model::columns(&axes, &metrics),
         "rows": model::rows(runs, &axes, &metrics, frames[0].metric, &images),
         "answers": answers,
-        "exclusions": model::exclusions(runs, &axes),
         "images": images.images,
         "image_notes": images.notes,
         "colors": model::colors(),
@@ -154,15 +156,10 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
     Ok(Written { path: options.out.clone(), bytes: html.len(), notes })
 }
 
-fn run_model(told: &Told, here: &Path) -> Json {
-    json!({
-        "label": told.label,
-        "name": told.finished.text("/name"),
-        "link": told::link(here, &told.finished.dir),
-        "failures": told.finished.failures,
-        "sheets": told.sheets(here),
-        "shared": model::shared(&model::axes(std::slice::from_ref(told))),
-    })
+/// What the scripts need of a run.
+fn for_scripts(run: &Json) -> Json {
+    let keys = ["label", "name", "link", "failures", "sheets", "shared"];
+    keys.into_iter().map(|key| (key.to_owned(), run[key].clone())).collect::<serde_json::Map<_, _>>().into()
 }
 
 /// About what the model says of the cells and their images, bytes.

@@ -1,12 +1,12 @@
 //! What the page's scripts read: axes with their values in words, and every cell as one typed row. The page computes no statistics.
 
 use super::images::ImageSet;
-use super::told::Told;
-use crate::metrics::{Metric, verdict};
+use super::told::{Told, score};
+use crate::metrics::{METRICS, Metric, verdict};
 use crate::runner::axis::{AXES, Part};
 use crate::runner::value::{Kind, Value};
 use crate::study::finished::FinishedCell;
-use crate::study::frame::{axis, distinct_in_order};
+use crate::study::frame::axis;
 use crate::study::questions::words::{self, label};
 use crate::table::colormap::{NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR};
 use crate::table::csv::Cell;
@@ -114,12 +114,10 @@ const ROUGHNESS_STEPS: f64 = 1e3;
 
 /// The perceptual roughness of an alpha, short: alpha is its square.
 pub fn roughness(index: usize, value: &Value) -> Option<String> {
-    roughness_of(index, value).map(|roughness| ((roughness * ROUGHNESS_STEPS).round() / ROUGHNESS_STEPS).to_string())
-}
-
-fn roughness_of(index: usize, value: &Value) -> Option<f64> {
     match value {
-        Value::Number(alpha) if index == axis("alpha") => Some(alpha.sqrt()),
+        Value::Number(alpha) if index == axis("alpha") => {
+            Some(((alpha.sqrt() * ROUGHNESS_STEPS).round() / ROUGHNESS_STEPS).to_string())
+        }
         _ => None,
     }
 }
@@ -134,19 +132,11 @@ pub fn shared(axes: &[PageAxis]) -> String {
     axes.iter().filter(says).map(word).collect::<Vec<_>>().join(", ")
 }
 
-/// The columns of the cells' rows with what they hold.
-pub fn columns(axes: &[PageAxis], metrics: &[&'static dyn Metric]) -> Json {
-    let own = [
-        ("run", "run"),
-        ("cell", "cell"),
-        ("image", "image"),
-        ("reference", "image"),
-        ("verdict", "verdict"),
-        ("noise_floor", "floor"),
-    ];
-    let axes = axes.iter().filter(|axis| axis.index.is_some()).map(|axis| (axis.name, "axis"));
-    let metrics = metrics.iter().map(|metric| (metric.description().name, "metric"));
-    own.into_iter().chain(axes).chain(metrics).map(|(name, kind)| json!({ "name": name, "kind": kind })).collect()
+/// The names of the columns of [`rows`].
+pub fn columns(axes: &[PageAxis], metrics: &[&'static dyn Metric]) -> Vec<&'static str> {
+    let own = ["run", "cell", "image", "reference", "verdict", "noise_floor"];
+    let axes = axes.iter().filter(|axis| axis.index.is_some()).map(|axis| axis.name);
+    own.into_iter().chain(axes).chain(metrics.iter().map(|metric| metric.description().name)).collect()
 }
 
 /// Every cell of every run. A value on an axis is the index of its text in the axis' values.
@@ -161,9 +151,8 @@ pub fn rows(
         let image = |file: &String| images.index.get(&(run, file.clone())).copied();
         let [own, reference] =
             [0, 1].map(|i| cell.images.as_ref().and_then(|files| image([&files.radiance, &files.reference][i])));
-        let name = headline.description().name;
-        let (score, floor) = (cell.scores.as_ref().and_then(|scores| scores.get(name)), cell.noise_floors.get(name));
-        let verdict = match (score, floor) {
+        let floor = cell.noise_floors.get(headline.description().name);
+        let verdict = match (score(cell, headline), floor) {
             _ if cell.scores.is_none() => FAILED,
             (Some(score), Some(floor)) => verdict(headline, score, floor).name(),
             _ => NO_FLOOR,
@@ -174,10 +163,8 @@ pub fn rows(
             Some(axis.values.iter().position(|value| *value == text))
         };
         let places = axes.iter().filter_map(place).map(|place| json!(place));
-        let score = |metric: &&'static dyn Metric| {
-            number(cell.scores.as_ref().and_then(|scores| scores.get(metric.description().name)))
-        };
-        Json::Array(own.into_iter().chain(places).chain(metrics.iter().map(score)).collect())
+        let scores = metrics.iter().map(|metric| number(score(cell, *metric)));
+        Json::Array(own.into_iter().chain(places).chain(scores).collect())
     };
     let all = runs.iter().enumerate();
     all.flat_map(|(run, told)| told.finished.cells.iter().map(move |cell| row(run, cell))).collect()
@@ -188,13 +175,7 @@ fn number(value: Option<f64>) -> Json {
     match value {
         None => Json::Null,
         Some(value) if value.is_finite() => json!(value),
-        Some(value) => json!(if value.is_nan() {
-            "nan"
-        } else if value > 0.0 {
-            "inf"
-        } else {
-            "-inf"
-        }),
+        Some(value) => json!(value.to_string().to_lowercase()),
     }
 }
 
@@ -208,24 +189,10 @@ pub fn field(cell: &Cell) -> Json {
     }
 }
 
-/// The perceptual roughness of every alpha by its text.
-pub fn roughnesses(axes: &[PageAxis]) -> Json {
-    let of_axis = axes.iter().filter(|one| one.index == Some(axis("alpha"))).flat_map(|axis| &axis.values);
-    let entry = |text: &String| {
-        let value = Value::Number(text.parse().ok()?);
-        Some((text.clone(), json!(roughness_of(axis("alpha"), &value)?)))
-    };
-    of_axis.filter_map(entry).collect::<serde_json::Map<_, _>>().into()
-}
-
 /// Metrics that any cell has a score of, in the order of the list.
 pub fn metrics(runs: &[Told]) -> Vec<&'static dyn Metric> {
-    let has = |name: &str| {
-        runs.iter()
-            .flat_map(|run| &run.finished.cells)
-            .any(|cell| cell.scores.as_ref().is_some_and(|scores| scores.get(name).is_some()))
-    };
-    crate::metrics::METRICS.iter().copied().filter(|metric| has(metric.description().name)).collect()
+    let cells = runs.iter().flat_map(|run| &run.finished.cells);
+    METRICS.iter().copied().filter(|metric| cells.clone().any(|cell| score(cell, *metric).is_some())).collect()
 }
 
 /// The palettes and ranges of the project's error maps, so that the page has no colours of its own.
@@ -244,34 +211,4 @@ pub fn colors() -> Json {
         "nan": NAN_COLOR,
         "off_mask": OFF_MASK_COLOR,
     })
-}
-
-/// More combinations would only make the page large.
-const EXCLUDED_MAX: usize = 20_000;
-
-/// Combinations that the experiments leave out on purpose, so that the page can tell them from what failed: swept axes, reasons, and for
-/// each combination the index of its reason and its values as texts.
-pub fn exclusions(runs: &[Told], axes: &[PageAxis]) -> Json {
-    let configs = runs.iter().filter_map(|run| run.finished.config.as_ref());
-    let in_files = configs.flat_map(|config| config.axes.iter().map(|sweep| sweep.axis));
-    let swept = axes.iter().filter(|axis| axis.role != Role::Fixed).filter_map(|axis| axis.index);
-    let swept = distinct_in_order(swept.chain(in_files));
-    let key = |label: &str, point: &crate::runner::axis::Point| -> Vec<String> {
-        std::iter::once(label.to_owned()).chain(swept.iter().map(|&axis| point.0[axis].to_string())).collect()
-    };
-    // What another combination makes is not left out: a method without samples has one cell whichever counts are excluded.
-    let made = runs.iter().flat_map(|run| run.finished.cells.iter().map(|cell| key(&run.label, &cell.point)));
-    let made: std::collections::HashSet<Vec<String>> = made.collect();
-    let (mut reasons, mut points) = (Vec::new(), std::collections::BTreeSet::new());
-    for run in runs {
-        let Some(config) = &run.finished.config else { continue };
-        let first = reasons.len();
-        reasons.extend(config.exclusions.iter().map(|exclusion| exclusion.why.clone()));
-        let own = config.excluded_points().map(|(reason, point)| (first + reason, key(&run.label, &point)));
-        points.extend(
-            own.filter(|(_, values)| !made.contains(values)).take(EXCLUDED_MAX - points.len().min(EXCLUDED_MAX)),
-        );
-    }
-    let names = std::iter::once(RUN_AXIS).chain(swept.iter().map(|&axis| AXES[axis].name));
-    json!({ "axes": names.collect::<Vec<_>>(), "reasons": reasons, "points": points })
 }

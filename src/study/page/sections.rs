@@ -11,7 +11,6 @@ use crate::study::frame::axis;
 use crate::study::questions::Answer;
 use crate::study::table::{Table, shown};
 use crate::table::csv::Cell;
-use serde::Serialize;
 use serde_json::{Value as Json, json};
 use std::path::Path;
 
@@ -22,67 +21,30 @@ const DIGEST_ROWS: usize = 24;
 /// A taller figure does not fit the first screen of a laptop, pixels at the desk's width.
 const FIRST_SCREEN_HEIGHT: u32 = 640;
 
-/// One answer.
-#[derive(Clone, Debug, Serialize)]
-pub struct Section {
-    /// Anchor of the page: the question's key, numbered from the second run on.
-    pub id: String,
-    /// Place among the answers of all runs.
-    pub index: usize,
-    pub key: &'static str,
-    pub question: &'static str,
-    pub sentence: String,
-    /// SVG documents for a desk and for a phone.
-    pub figure: Option<[String; 2]>,
-    pub digest: Option<Digest>,
-    pub row_count: usize,
-    /// The CSV file in the folder of the run.
-    pub csv: String,
-    /// Whether its verdict rests on the times of a CPU driver.
-    pub is_cpu: bool,
-    /// Whether its figure fits a first screen; else the digest stands there.
-    pub figure_first: bool,
-}
-
-/// A small table for people.
-#[derive(Clone, Debug, Serialize)]
-pub struct Digest {
-    pub columns: Vec<Head>,
-    pub rows: Vec<Vec<String>>,
-}
-
-/// A column of it.
-#[derive(Clone, Debug, Serialize)]
-pub struct Head {
-    pub text: String,
-    /// Whether it is set flush right.
-    pub is_number: bool,
-}
-
-/// The answers of a run as sections, in order; the first has the number `first` among those of all runs.
-pub fn sections(told: &Told, run: usize, first: usize, here: &Path) -> Vec<Section> {
+/// The answers of a run as sections for the template, in order; the first has the number `first` among those of all runs.
+pub fn sections(told: &Told, run: usize, first: usize, here: &Path) -> Vec<Json> {
     let section = |(i, answer): (usize, &Answer)| {
         let (key, finding) = (answer.question.name, &answer.finding);
-        let figure = finding.figure.as_ref().map(|figure| WIDTHS.map(|width| inline(&svg(figure, width))));
-        let digest = finding
-            .digest
-            .as_ref()
-            .or(Some(&finding.table).filter(|table| table.rows.len() <= DIGEST_ROWS))
-            .map(digest);
+        // SVG documents for a desk and for a phone.
+        let figure = finding.figure.as_ref().map(|figure| WIDTHS.map(|width| svg(figure, width).trim_end().to_owned()));
+        let small = Some(&finding.table).filter(|table| table.rows.len() <= DIGEST_ROWS);
+        let digest = finding.digest.as_ref().or(small).map(digest);
         let fits = figure.as_ref().is_some_and(|[desk, _]| height(desk) <= FIRST_SCREEN_HEIGHT);
-        Section {
-            id: if run == 0 { key.to_owned() } else { format!("{key}-{}", run + 1) },
-            index: first + i,
-            key,
-            question: answer.question.asks,
-            sentence: finding.sentence.clone(),
-            row_count: finding.table.rows.len(),
-            csv: link(here, &told.finished.dir.join(FOLDER).join(format!("{key}.csv"))),
-            is_cpu: rests_on_cpu_times(told, answer),
-            figure_first: fits || digest.is_none(),
-            figure,
-            digest,
-        }
+        json!({
+            // Anchor of the page: the question's key, numbered from the second run on.
+            "id": if run == 0 { key.to_owned() } else { format!("{key}-{}", run + 1) },
+            "index": first + i,
+            "key": key,
+            "question": answer.question.asks,
+            "sentence": finding.sentence,
+            "row_count": finding.table.rows.len(),
+            "csv": link(here, &told.finished.dir.join(FOLDER).join(format!("{key}.csv"))),
+            "is_cpu": rests_on_cpu_times(told, answer),
+            // Whether the figure fits a first screen; else the digest stands there.
+            "figure_first": fits || digest.is_none(),
+            "figure": figure,
+            "digest": digest,
+        })
     };
     told.answers.iter().enumerate().map(section).collect()
 }
@@ -102,20 +64,15 @@ pub fn model(told: &Told, run: usize) -> Vec<Json> {
     told.answers.iter().map(entry).collect()
 }
 
-/// An SVG document without what only a file has.
-fn inline(document: &str) -> String {
-    let start = document.find("<svg").unwrap_or(0);
-    document[start..].trim_end().to_owned()
-}
-
 /// The height of an SVG document that this program wrote.
 fn height(svg: &str) -> u32 {
     let head = svg.split('>').next().unwrap_or_default();
     let value = head.split(" height=\"").nth(1).and_then(|rest| rest.split('"').next());
-    value.and_then(|text| text.parse::<f64>().ok()).map_or(0, |height| height.ceil() as u32)
+    value.and_then(|text| text.parse().ok()).unwrap_or(0)
 }
 
-fn digest(table: &Table) -> Digest {
+/// A small table for people: heads with whether they are set flush right, and rows of texts.
+fn digest(table: &Table) -> Json {
     let alpha = axis("alpha");
     let has_roughness = table.columns.iter().any(|name| name == "perceptual_roughness");
     let is_alpha = |column: usize| !has_roughness && table.columns[column] == AXES[alpha].name;
@@ -127,9 +84,9 @@ fn digest(table: &Table) -> Digest {
     };
     let rows: Vec<Vec<String>> = table.rows.iter().map(|row| row.iter().enumerate().map(text).collect()).collect();
     let starts_with_digit = |text: &String| text.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-    let head = |(column, name): (usize, &String)| Head {
-        text: if is_alpha(column) { format!("{name} (perceptual roughness)") } else { name.replace('_', " ") },
-        is_number: column > 0 && rows.iter().any(|row| starts_with_digit(&row[column])),
+    let head = |(column, name): (usize, &String)| {
+        let text = if is_alpha(column) { format!("{name} (perceptual roughness)") } else { name.replace('_', " ") };
+        json!({ "text": text, "is_number": column > 0 && rows.iter().any(|row| starts_with_digit(&row[column])) })
     };
-    Digest { columns: table.columns.iter().enumerate().map(head).collect(), rows }
+    json!({ "columns": table.columns.iter().enumerate().map(head).collect::<Vec<Json>>(), "rows": rows })
 }

@@ -7,8 +7,7 @@ use crate::metrics::{METRICS, Metric};
 use crate::runner::sheets::sheet_files;
 use crate::study::finished::{Finished, FinishedCell};
 use crate::study::questions::Answer;
-use serde::Serialize;
-use serde_json::Value as Json;
+use serde_json::{Value as Json, json};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -107,26 +106,18 @@ impl<'a> Told<'a> {
     }
 }
 
-/// What tells joined runs apart.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Fact {
-    pub what: &'static str,
-    /// One a run.
-    pub values: Vec<String>,
-    pub differs: bool,
-}
-
-/// Device, commit and question of joined runs.
-pub fn facts(runs: &[Told]) -> Vec<Fact> {
-    let fact = |what: &'static str, values: Vec<String>| {
-        let differs = values.iter().collect::<BTreeSet<_>>().len() > 1;
-        Fact { what, values, differs }
-    };
-    vec![
-        fact("device", runs.iter().map(Told::device).collect()),
-        fact("commit", runs.iter().map(Told::commit).collect()),
-        fact("question", runs.iter().map(Told::question).collect()),
-    ]
+/// Device, commit and question of joined runs: what each is, its value of each run, whether the values differ.
+pub fn facts(runs: &[Told]) -> Vec<Json> {
+    let facts = ["device", "commit", "question"].map(|what| {
+        let of = |told: &Told| match what {
+            "device" => told.device(),
+            "commit" => told.commit(),
+            _ => told.question(),
+        };
+        let values: Vec<String> = runs.iter().map(of).collect();
+        json!({ "what": what, "differs": values.iter().any(|value| *value != values[0]), "values": values })
+    });
+    facts.to_vec()
 }
 
 /// Questions that one heading can hold.
@@ -156,13 +147,16 @@ pub fn repeats(runs: &[Told]) -> Vec<String> {
     (0..runs.len()).filter_map(say).collect()
 }
 
+/// The score of a cell by a metric.
+pub fn score(cell: &FinishedCell, metric: &dyn Metric) -> Option<f64> {
+    cell.scores.as_ref()?.get(metric.description().name)
+}
+
 /// Whether two runs have the same cells with the same scores.
 fn is_same(a: &Finished, b: &Finished) -> bool {
-    let scores = |cell: &FinishedCell| -> Vec<Option<f64>> {
-        let score = |metric: &&dyn Metric| cell.scores.as_ref()?.get(metric.description().name);
-        METRICS.iter().map(score).collect()
+    let is_equal = |(a, b): (&FinishedCell, &FinishedCell)| {
+        a.id == b.id && METRICS.iter().all(|metric| score(a, *metric) == score(b, *metric))
     };
-    let is_equal = |(a, b): (&FinishedCell, &FinishedCell)| a.id == b.id && scores(a) == scores(b);
     a.cells.len() == b.cells.len() && a.cells.iter().zip(&b.cells).all(is_equal)
 }
 
@@ -178,56 +172,50 @@ fn escape(text: &str) -> String {
     text.bytes().map(|byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
 }
 
-/// The facts of a run's provenance as the page lists them: a title and its entries.
+/// The facts of a run: title, name and pointer into the provenance; one that starts with `~` is of the last session.
+const FACTS: &[(&str, &str, &str)] = &[
+    ("Device", "name", "~/device/name"),
+    ("Device", "type", "~/device/type"),
+    ("Device", "driver", "~/device/driver"),
+    ("Device", "Vulkan", "~/device/api_version"),
+    ("Host", "CPU", "~/host/cpu"),
+    ("Host", "threads", "~/host/cpu_count"),
+    ("Host", "system", "~/host/os"),
+    ("Host", "date", "~/date_utc"),
+    ("Program", "version", "~/program_version"),
+    ("Program", "commit", COMMIT),
+    ("Program", "shaders", "/shader_hash"),
+    ("Program", "command", "~/command_line"),
+    ("Experiment", "file", "/experiment_file"),
+    ("Experiment", "hash", "/experiment_hash"),
+    ("Experiment", "plan", "/plan_hash"),
+    ("Experiment", "overrides", "/overrides"),
+    ("Experiment", "seed", "/seed"),
+    ("Experiment", "cells", "/cell_count"),
+];
+const COMMIT: &str = "~/commit/hash";
+
+/// The facts of a run's provenance as the page lists them: a title and its entries. The hashes of its inputs come last.
 pub fn provenance(told: &Told) -> Vec<(&'static str, Vec<(String, String)>)> {
     let run = told.finished;
-    let session = |name: &str, pointer: &str| (name.to_owned(), told.session(pointer));
-    let whole = |name: &str, pointer: &str| (name.to_owned(), run.text(pointer));
-    let words =
-        |value: &Json| value.as_array().into_iter().flatten().filter_map(Json::as_str).collect::<Vec<_>>().join(" ");
-    let command =
-        run.provenance.pointer(&format!("{}/command_line", run.last_session())).map(words).unwrap_or_default();
+    let words = |value: &Json| match value {
+        Json::String(text) => text.clone(),
+        Json::Array(all) => all.iter().filter_map(Json::as_str).collect::<Vec<_>>().join(" "),
+        other => other.to_string(),
+    };
+    let value = |pointer: &str| match pointer.strip_prefix('~') {
+        _ if pointer == COMMIT => told.commit(),
+        Some(rest) => run.provenance.pointer(&format!("{}{rest}", run.last_session())).map_or_else(String::new, words),
+        None => run.provenance.pointer(pointer).map_or_else(String::new, words),
+    };
+    let entries = |facts: &[(&str, &str, &str)]| -> Vec<(String, String)> {
+        let facts = facts.iter().map(|(_, name, pointer)| ((*name).to_owned(), value(pointer)));
+        facts.filter(|(_, text)| !text.is_empty()).collect()
+    };
+    let mut groups: Vec<_> = FACTS.chunk_by(|a, b| a.0 == b.0).map(|own| (own[0].0, entries(own))).collect();
     let inputs = run.provenance["inputs"].as_object().into_iter().flatten();
-    let inputs =
-        inputs.map(|(name, hash)| (name.clone(), hash.as_str().map_or_else(|| hash.to_string(), str::to_owned)));
-    let experiment = [
-        whole("file", "/experiment_file"),
-        whole("hash", "/experiment_hash"),
-        whole("plan", "/plan_hash"),
-        ("overrides".to_owned(), words(&run.provenance["overrides"])),
-        whole("seed", "/seed"),
-        whole("cells", "/cell_count"),
-    ];
-    let mut groups = vec![
-        (
-            "Device",
-            vec![
-                session("name", "/device/name"),
-                session("type", "/device/type"),
-                session("driver", "/device/driver"),
-                session("Vulkan", "/device/api_version"),
-            ],
-        ),
-        (
-            "Host",
-            vec![
-                session("CPU", "/host/cpu"),
-                session("threads", "/host/cpu_count"),
-                session("system", "/host/os"),
-                session("date", "/date_utc"),
-            ],
-        ),
-        (
-            "Program",
-            vec![
-                session("version", "/program_version"),
-                ("commit".to_owned(), told.commit()),
-                whole("shaders", "/shader_hash"),
-                ("command".to_owned(), command),
-            ],
-        ),
-        ("Experiment", experiment.into_iter().chain(inputs).collect()),
-    ];
-    groups.iter_mut().for_each(|(_, entries)| entries.retain(|(_, text)| !text.is_empty()));
+    if let Some((_, experiment)) = groups.last_mut() {
+        experiment.extend(inputs.map(|(name, hash)| (name.clone(), words(hash))));
+    }
     groups
 }

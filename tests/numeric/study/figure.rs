@@ -81,10 +81,10 @@ fn lines_whiskers_bars_and_tiles_end_where_their_numbers_say() {
     close(&found, &[left, top, left + wide / 2.0, bottom - high / 4.0, right, bottom - high / 2.0]);
     let (_, found) = first_path(Shape::Whisker([10.0, 0.5], [10.0, 1.5]), &x, &y);
     close(&found, &[left + wide / 2.0, bottom - high / 4.0, left + wide / 2.0, bottom - high * 0.75]);
-    let bar = Shape::Bar { x: 1.0, base: 0.5, to: 1.5, part: 0, parts: 1 };
-    let ([left, top, right, bottom], found) = first_path(bar, &steps, &y);
-    let (step, high) = ((right - left) / 5.0, bottom - top);
-    close(&[found[0] + found[2] / 2.0, found[1], found[3]], &[left + 1.5 * step, bottom - high * 0.75, high / 2.0]);
+    let bar = Shape::HorizontalBar { y: 1.0, base: 0.5, to: 1.5 };
+    let ([left, top, right, bottom], found) = first_path(bar, &y, &steps);
+    let (wide, step) = (right - left, (bottom - top) / 5.0);
+    close(&[found[0], found[1] + found[3] / 2.0, found[2]], &[left + wide / 4.0, top + 1.5 * step, wide / 2.0]);
     let tile = Shape::Tile { x: 4, y: 2, value: Some(0.5), text: String::new() };
     let ([left, top, right, bottom], found) = first_path(tile, &steps, &steps);
     let (step, row) = ((right - left) / 5.0, (bottom - top) / 5.0);
@@ -279,23 +279,17 @@ fn vega_has_every_mark_with_its_numbers() {
         assert_eq!(views.len(), figure.panels.len());
         for (view, panel) in views.iter().zip(&figure.panels) {
             let layers = view["layer"].as_array().unwrap();
-            let rows = |number: usize| -> Vec<&Value> {
-                let all = layers.iter().flat_map(|layer| layer["data"]["values"].as_array().unwrap());
-                let mut own: Vec<&Value> = all.filter(|row| row["mark"] == number).collect();
-                // Tiles are listed again for their words.
-                own.dedup();
-                own
-            };
+            let all = || layers.iter().flat_map(|layer| layer["data"]["values"].as_array().unwrap());
             for (number, mark) in panel.marks.iter().enumerate() {
-                let own = rows(number);
+                let own: Vec<&Value> = all().filter(|row| row["mark"] == number).collect();
                 let first = own.first().unwrap_or_else(|| panic!("{}: mark {number} is missing", figure.title));
                 assert_eq!(first["tip"], mark.tip);
                 let series = mark.series.map(|series| figure.series[series].name.clone());
                 assert_eq!(first["series"], serde_json::json!(series));
                 for (row, numbers) in own.iter().zip(numbers(&mark.shape)) {
                     for (key, value) in numbers {
-                        let expected =
-                            if value.is_finite() { serde_json::json!(value) } else { value.to_string().into() };
+                        // JSON has no infinity; a scale clamps the largest number as well.
+                        let expected = serde_json::json!(value.min(f64::MAX));
                         assert_eq!(row[key], expected, "{}: {key} of {:?}", figure.title, mark.shape);
                     }
                 }
@@ -305,8 +299,6 @@ fn vega_has_every_mark_with_its_numbers() {
             }
             check_scales(layers, panel);
         }
-        let range = &spec.pointer("/concat/0/layer").unwrap();
-        assert!(!range.as_array().unwrap().is_empty());
     }
 }
 
@@ -315,12 +307,12 @@ fn numbers(shape: &Shape) -> Vec<Vec<(&'static str, f64)>> {
     let point = |[x, y]: [f64; 2]| vec![("x", x), ("y", y)];
     match shape {
         Shape::Line(points) => points.iter().map(|at| point(*at)).collect(),
-        Shape::Dot(at) | Shape::Text(at, _) => vec![point(*at)],
-        Shape::Whisker(a, b) => vec![vec![("x", a[0]), ("y", a[1]), ("x2", b[0]), ("y2", b[1])]],
-        Shape::Bar { x, base, to, .. } => vec![vec![("x", *x), ("y", *base), ("y2", *to)]],
+        Shape::Dot(at) => vec![point(*at)],
+        Shape::Whisker(a, b) if a[1] == b[1] => vec![vec![("x", a[0]), ("x2", b[0]), ("y", a[1])]],
+        Shape::Whisker(a, b) => vec![vec![("x", a[0]), ("y", a[1]), ("y2", b[1])]],
         Shape::HorizontalBar { y, base, to } => vec![vec![("y", *y), ("x", *base), ("x2", *to)]],
-        Shape::HorizontalRule(y) => vec![vec![("y", *y), ("y2", *y)]],
-        Shape::VerticalRule(x) => vec![vec![("x", *x), ("x2", *x)]],
+        Shape::HorizontalRule(y) => vec![vec![("y", *y)]],
+        Shape::VerticalRule(x) => vec![vec![("x", *x)]],
         Shape::Tile { x, y, value, .. } => {
             let place = vec![("x", *x as f64), ("y", *y as f64)];
             vec![place.into_iter().chain(value.map(|value| ("value", value))).collect()]
@@ -329,14 +321,16 @@ fn numbers(shape: &Shape) -> Vec<Vec<(&'static str, f64)>> {
 }
 
 fn check_scales(layers: &[Value], panel: &Panel) {
-    for layer in layers.iter().filter(|layer| !layer["encoding"]["x"].is_null()) {
-        for (scale, channel) in [(&panel.x, "x"), (&panel.y, "y")] {
-            let found = &layer["encoding"][channel];
-            let is_log = matches!(scale.kind, ScaleKind::Log { .. });
-            assert_eq!(found["scale"]["type"], if is_log { "log" } else { "linear" });
-            if let ScaleKind::Log { lo, hi } | ScaleKind::Linear { lo, hi } = scale.kind {
-                assert_eq!(found["scale"]["domain"], serde_json::json!([lo, hi]));
-            }
+    for encoding in layers.iter().map(|layer| &layer["layer"][0]["encoding"]) {
+        for (scale, found) in [(&panel.x, &encoding["x"]), (&panel.y, &encoding["y"])] {
+            let wanted = match &scale.kind {
+                _ if found.is_null() => continue,
+                ScaleKind::Log { lo, hi } => ("log", serde_json::json!([lo, hi])),
+                ScaleKind::Linear { lo, hi } => ("linear", serde_json::json!([lo, hi])),
+                ScaleKind::Steps(names) => ("null", serde_json::json!((0..names.len()).collect::<Vec<_>>())),
+            };
+            let kind = found["scale"]["type"].as_str().unwrap_or("null");
+            assert_eq!((kind, found["scale"]["domain"].clone()), wanted);
         }
     }
 }
@@ -350,8 +344,8 @@ fn a_series_looks_the_same_in_both() {
     figure.panels[0].marks.push(Mark::new(Shape::HorizontalRule(0.5), 2));
     let spec = vega(&figure);
     let layers = spec["concat"][0]["layer"].as_array().unwrap();
-    let rule = layers.iter().find(|layer| layer["mark"]["type"] == "rule").unwrap();
-    let colors = rule["encoding"]["color"]["scale"]["range"].as_array().unwrap();
+    let rule = layers.iter().find(|layer| layer["layer"][0]["mark"] == "rule").unwrap();
+    let colors = rule["layer"][0]["encoding"]["color"]["scale"]["range"].as_array().unwrap();
     let text = svg(&figure, WIDTHS[0]);
     let dash = &rule["data"]["values"][0]["dash"];
     let dash: Vec<String> = dash.as_array().unwrap().iter().map(|part| part.to_string()).collect();

@@ -4,23 +4,17 @@ use super::figures::{Drawn, hard};
 use roxmltree::Node;
 use splitsum::study::figure::ink::{INKS, SERIES};
 use splitsum::study::figure::svg::{WIDTHS, svg};
-use splitsum::study::figure::text::{ASCENT, DESCENT, Font};
+use splitsum::study::figure::text::{ASCENT, AXIS, DESCENT, Font, LABEL, NAME, NOTE, TILE, TITLE};
 
 /// Contrast of marks and of words with their ground (WCAG 2.2, 1.4.11 and 1.4.3).
 const MARKS_LEAST: f64 = 3.0;
 const WORDS_LEAST: f64 = 4.5;
 
 fn font(node: &Node) -> Font {
-    let classes = node.attribute("class").unwrap_or_default();
-    let has = |name: &str| classes.split(' ').any(|class| class == name);
-    match node.attribute("font-size").and_then(|size| size.parse().ok()) {
-        Some(size) => Font::new(size),
-        None if has("fig-title") => Font::bold(15.0),
-        None if has("fig-name") => Font::bold(12.0),
-        None if has("fig-note") => Font::new(12.0),
-        None if has("fig-small") => Font::new(10.0),
-        None => Font::new(11.0),
-    }
+    let class = node.attribute("class").unwrap_or_default();
+    let is_tile = ["fig-dark", "fig-pale", "fig-gap"].iter().any(|name| class.contains(name));
+    let known = [TITLE, NAME, AXIS, NOTE].into_iter().find(|font| font.class == class);
+    known.unwrap_or(if is_tile { TILE } else { LABEL })
 }
 
 /// Left, top, right and bottom of a text.
@@ -105,17 +99,15 @@ fn ink(name: &str) -> [&'static str; 2] {
 
 #[test]
 fn series_and_words_stand_out_on_both_grounds() {
-    let (ground, band) = (ink(".fig-ground"), ink(".fig-band"));
     for side in [0, 1] {
-        for behind in [ground[side], band[side]] {
-            for series in SERIES {
-                let found = contrast(series[side], behind);
-                assert!(found >= MARKS_LEAST, "{} on {behind}: {found}", series[side]);
-            }
-            for name in [".fig-ink", ".fig-muted"] {
-                let found = contrast(ink(name)[side], behind);
-                assert!(found >= WORDS_LEAST, "{name} on {behind}: {found}");
-            }
+        let ground = ink(".fig-ground")[side];
+        for series in SERIES {
+            let found = contrast(series[side], ground);
+            assert!(found >= MARKS_LEAST, "{} on {ground}: {found}", series[side]);
+        }
+        for name in [".fig-ink", ".fig-muted"] {
+            let found = contrast(ink(name)[side], ground);
+            assert!(found >= WORDS_LEAST, "{name} on {ground}: {found}");
         }
         let colors: std::collections::BTreeSet<&str> = SERIES.iter().map(|series| series[side]).collect();
         assert_eq!(colors.len(), SERIES.len());
