@@ -82,12 +82,13 @@ fn sources(
     info: Option<&DeviceInfo>,
     notes: &mut Vec<String>,
 ) -> Vec<(Source, Speeds)> {
-    let found = recorded(plan, asked.folders, info);
-    if found.count > 0 {
-        notes.push(format!("records: {} cells and timings in {}", found.count, listed(asked.folders)));
+    let (recorded, count) = recorded(plan, asked.folders, info);
+    if count > 0 {
+        let folders: Vec<String> = asked.folders.iter().map(|folder| folder.display().to_string()).collect();
+        notes.push(format!("records: {count} cells and timings in {}", folders.join(", ")));
     }
-    let needs_more = lack(&found.speeds, work);
-    let mut speeds = vec![(Source::Records, found.speeds)];
+    let needs_more = lack(&recorded, work);
+    let mut speeds = vec![(Source::Records, recorded)];
     match info.filter(|_| needs_more) {
         Some(info) => match probed(plan, asked.device) {
             Ok(Some((found, note))) => {
@@ -102,10 +103,6 @@ fn sources(
     }
     speeds.push((Source::Constants, constants()));
     speeds
-}
-
-fn listed(folders: &[PathBuf]) -> String {
-    folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
 /// The speeds of the device by a probe, with a word on it; `None` for a plan without cells.

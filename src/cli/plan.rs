@@ -141,7 +141,7 @@ fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -
         let text = "--clamp-invalid: a plan file does not keep it; expected environments without invalid texels";
         return Err(Failure::BadInput(text.to_owned()));
     }
-    let prices = Prices::stated(plan, arguments.samples_per_second.unwrap_or(SAMPLES_PER_SECOND));
+    let prices = Prices::stated(arguments.samples_per_second.unwrap_or(SAMPLES_PER_SECOND));
     let file = PlanFile::new(plan, path.parent().unwrap_or(Path::new("")), seconds, prices);
     file.write(path)?;
     let timed: usize = file.chunks.iter().map(|chunk| chunk.timings.len()).sum();

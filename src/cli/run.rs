@@ -7,7 +7,7 @@ use super::subject::Subject;
 use super::{Failure, print};
 use clap::Args;
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
-use splitsum::runner::chunk::{ChunkOptions, PlanFile, run_chunk};
+use splitsum::runner::chunk::{PlanFile, run_chunk};
 use splitsum::runner::store::{FailureRecord, Store};
 use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run, run_extended};
 use splitsum::study::finished::Finished;
@@ -85,13 +85,7 @@ fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure
         return Err(Failure::BadInput(format!("--trace: {file} times nothing; expected a [timing] section")));
     }
     let mut progress = begin(&plan)?;
-    let options = RunOptions {
-        dir: subject.dir(&plan),
-        stop: &STOP,
-        command_line: std::env::args().collect(),
-        fail_fast: arguments.fail_fast,
-        trace: arguments.trace,
-    };
+    let options = options(arguments, subject.dir(&plan));
     let mut open = opener(arguments);
     let run = if arguments.extend { run_extended } else { run };
     let outcome = run(&plan, &mut open, &options, &mut progress)?;
@@ -99,41 +93,28 @@ fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure
     if let Some(work) = &outcome.work {
         progress.note(&work.line(started.elapsed().as_secs_f64() * 1e3));
     }
-    if outcome.is_stopped && failed.is_none() {
-        return Err(stopped());
-    }
-    failed.map_or(Ok(()), Err)
+    failed.or_else(|| outcome.is_stopped.then(stopped)).map_or(Ok(()), Err)
 }
 
 fn execute_chunk(arguments: &Arguments, plan_file: &Path, chunk: usize, store: &Path) -> Result<(), Failure> {
     let (file, plan) = PlanFile::load(plan_file)?;
     let mut progress = begin(&plan)?;
-    let options = ChunkOptions {
-        plan_file: plan_file.to_owned(),
-        chunk,
-        store: store.to_owned(),
-        stop: &STOP,
-        command_line: std::env::args().collect(),
-        fail_fast: arguments.fail_fast,
-    };
-    let mut open = opener(arguments);
-    let outcome = run_chunk(&file, &plan, &mut open, &options, &mut progress)?;
-    if let Some(failure) = cells_failed(&outcome.failures, outcome.cell_count) {
-        return Err(failure);
-    }
-    if outcome.is_stopped {
-        return Err(stopped());
-    }
+    let options = options(arguments, store.to_owned());
+    let outcome = run_chunk(&file, &plan, chunk, &mut opener(arguments), &options, &mut progress)?;
+    let failed = cells_failed(&outcome.failures, file.chunks[chunk].cells.len());
+    failed.or_else(|| outcome.is_stopped.then(stopped)).map_or(Ok(()), Err)?;
     print(&format!("Chunk {chunk} of 0 to {} is done, in {}\n", file.chunks.len() - 1, store.display()))
+}
+
+fn options(arguments: &Arguments, dir: PathBuf) -> RunOptions<'static> {
+    let command_line = std::env::args().collect();
+    RunOptions { dir, stop: &STOP, command_line, fail_fast: arguments.fail_fast, trace: arguments.trace }
 }
 
 /// Says what is odd about the experiment and takes requests to stop.
 fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     let mut progress = Terminal::default();
-    for warning in plan.inputs.warnings() {
-        progress.note(&format!("warning: {warning}"));
-    }
-    for warning in plan.warnings() {
+    for warning in plan.inputs.warnings().into_iter().chain(plan.warnings()) {
         progress.note(&format!("warning: {warning}"));
     }
     stop::listen()?;

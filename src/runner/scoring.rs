@@ -2,6 +2,7 @@
 
 use super::images::{self, STANDARD_ERROR_LAYER};
 use super::plan::{Cell, Plan};
+use super::renderer::RenderFault;
 use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, Spent, Store, StoreError};
 use super::tables::HEADLINE;
 use crate::metrics::{
@@ -9,7 +10,7 @@ use crate::metrics::{
     linear_metrics, metric, noise_floor, verdict,
 };
 use crate::pipeline::{DeviceInfo, Frame};
-use crate::pixels::{GrayImage, Rgb8Image, RgbImage, exr};
+use crate::pixels::{GrayImage, PixelsError, Rgb8Image, RgbImage, exr};
 use crate::tonemap::ToneCurve;
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -120,30 +121,49 @@ pub struct Linear {
 
 /// Why a cell has no record.
 #[derive(Debug)]
-pub enum ScoreFault {
-    /// The images cannot be scored: the cell fails.
+pub enum CellFault {
+    /// Of the cell alone: it fails.
     Cell(String),
     /// The folder takes no files: the run ends.
     Store(StoreError),
+    /// The device is lost: the run ends.
+    Lost(String),
 }
 
-impl From<StoreError> for ScoreFault {
+impl From<StoreError> for CellFault {
     fn from(error: StoreError) -> Self {
         Self::Store(error)
     }
 }
 
+impl From<PixelsError> for CellFault {
+    fn from(error: PixelsError) -> Self {
+        Self::Store(error.into())
+    }
+}
+
+impl From<MetricsError> for CellFault {
+    fn from(error: MetricsError) -> Self {
+        Self::Cell(error.to_string())
+    }
+}
+
+impl From<RenderFault> for CellFault {
+    fn from(fault: RenderFault) -> Self {
+        if fault.device_lost { Self::Lost(fault.message) } else { Self::Cell(fault.message) }
+    }
+}
+
 impl Rendered<'_> {
     /// Scores the cell and writes its pictures and error maps. What it spent is left out, and the linear files: they may not be written yet.
-    pub fn score(&self, plan: &Plan, store: &Store, device: &DeviceInfo) -> Result<CellRecord, ScoreFault> {
-        let bad = |error: &dyn std::fmt::Display| ScoreFault::Cell(error.to_string());
+    pub fn score(&self, plan: &Plan, store: &Store, device: &DeviceInfo) -> Result<CellRecord, CellFault> {
         let (cell, reference) = (self.cell, &self.reference);
         let mask = &reference.mask;
         let curve = cell.point.settings().curve;
-        let comparison = reference.comparison(&self.frame.radiance, curve).map_err(|error| bad(&error))?;
-        let bins_of = |metrics: &[&dyn Metric]| -> Result<Vec<BinRecord>, ScoreFault> {
+        let comparison = reference.comparison(&self.frame.radiance, curve)?;
+        let bins_of = |metrics: &[&dyn Metric]| -> Result<Vec<BinRecord>, CellFault> {
             let bins = comparison.evaluate_bins(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES, metrics);
-            let bins = bins.map_err(|error| bad(&error))?.into_iter();
+            let bins = bins?.into_iter();
             let record =
                 |b: BinRow| BinRecord { lo: b.lo, hi: b.hi, pixel_count: b.pixel_count, scores: by_name(b.values) };
             Ok(bins.map(record).collect())
@@ -153,7 +173,7 @@ impl Rendered<'_> {
             // Two threads may both compute it: they find the same, and the first one's is kept.
             None => {
                 let metrics = linear_metrics();
-                images::write_error(store, plan, cell, &comparison, mask).map_err(StoreError::from)?;
+                images::write_error(store, plan, cell, &comparison, mask)?;
                 let found = Linear { scores: by_name(comparison.evaluate(&metrics)), bins: bins_of(&metrics)? };
                 self.linear.get_or_init(|| found)
             }
@@ -165,11 +185,11 @@ impl Rendered<'_> {
         bins.iter_mut()
             .zip(bins_of(&display_metrics)?)
             .for_each(|(bin, display)| bin.scores = bin.scores.with(&display.scores));
-        let noise_floors = reference.noise_floors().map_err(ScoreFault::Cell)?;
+        let noise_floors = reference.noise_floors().map_err(CellFault::Cell)?;
         let flip = images::sweeps_display(plan).then(|| images::flip_picture(&comparison, mask));
         let pictures =
             images::CellPictures { test: &self.pictures[0], reference: &self.pictures[1], flip: flip.as_ref() };
-        pictures.write(store, plan, cell).map_err(StoreError::from)?;
+        pictures.write(store, plan, cell)?;
         let bias_variance = self.bias_variance.map(|parts| BiasVariance::NAMES.into_iter().zip(parts.values()));
         Ok(CellRecord {
             cell: cell.id.clone(),

@@ -9,6 +9,7 @@ use super::plan::{Cell, Plan};
 use super::rows;
 use super::store::{CellOutcome, Store, StoreError};
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
+use crate::files::names_in;
 use crate::pixels::png;
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::contact_sheet::{ContactSheet, Legend, Tile};
@@ -81,9 +82,9 @@ fn page_height(width: u32) -> u32 {
 
 /// Contact sheets of the run in a folder: by name, pages by number.
 pub fn sheet_files(dir: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(Store::at(dir).table_path("")).into_iter().flatten().flatten();
-    let mut found: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-    found.retain(|path| path.extension().is_some_and(|extension| extension == "png"));
+    let folder = Store::at(dir).table_path("");
+    let names = names_in(&folder).into_iter().filter(|name| name.ends_with(".png"));
+    let mut found: Vec<PathBuf> = names.map(|name| folder.join(name)).collect();
     let key = |path: &PathBuf| {
         let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         match stem.rsplit_once('_').and_then(|(name, page)| Some((name.to_owned(), page.parse::<u32>().ok()?))) {

@@ -112,7 +112,7 @@ fn records_that_contradict_each_other_end_the_merge() {
     assert_eq!(code, Some(1), "{text}");
     let id = path.file_stem().unwrap().to_str().unwrap();
     assert!(text.contains(&format!("store/cells/{id}.json and ")), "{text}");
-    assert!(text.contains("differ in rmse (") && text.contains("4.2e1"), "{text}");
+    assert!(text.contains("differ in scores.rmse (") && text.contains("4.2e1"), "{text}");
 }
 
 #[test]

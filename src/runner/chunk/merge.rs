@@ -7,7 +7,6 @@
 //! Long because finding, checking, choosing and writing are steps of one operation, which has no use apart.
 
 use super::ChunkError;
-use super::agreement::differing_columns;
 use super::file::PlanFile;
 use super::store::{Attempt, ChunkStore};
 use crate::files::content_hash;
@@ -17,24 +16,12 @@ use crate::runner::live::LIVE_FILE;
 use crate::runner::plan::{Cell, Plan};
 use crate::runner::provenance;
 use crate::runner::run::{Outcome, RunOptions, tabulate};
-use crate::runner::store::{CellRecord, FailureRecord, ReferenceStop, Store, StoreError};
+use crate::runner::store::{CellRecord, FailureRecord, ReferenceStop, Spent, Store, StoreError};
 use crate::runner::timing::{self, TimingRecord};
 use rayon::prelude::*;
+use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
-use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
-
-/// How to merge.
-#[derive(Debug)]
-pub struct MergeOptions {
-    /// The folder that the chunks share.
-    pub store: PathBuf,
-    /// The folder of the run to make; it may be the same.
-    pub out: PathBuf,
-    pub command_line: Vec<String>,
-    /// Writes the timed passes as a Chrome trace.
-    pub trace: bool,
-}
+use std::path::{Path, PathBuf};
 
 /// The outcome of a merge.
 #[derive(Debug)]
@@ -72,14 +59,16 @@ struct Found<T> {
 
 /// Merges what there is. All of it is read and checked before the first byte is written: nothing is when a record or an image is damaged
 /// or missing, or when records contradict each other.
-pub fn merge(file: &PlanFile, plan: &Plan, options: &MergeOptions) -> Result<Merged, ChunkError> {
-    let chunks = ChunkStore::existing(&options.store, file)?;
+///
+/// `store` is the folder that the chunks share; that of the options, where the run is made, may be the same.
+pub fn merge(file: &PlanFile, plan: &Plan, store: &Path, options: &RunOptions) -> Result<Merged, ChunkError> {
+    let chunks = ChunkStore::existing(store, file)?;
     let attempts: Vec<Vec<Attempt>> =
         file.chunks.iter().map(|chunk| chunks.attempts(chunk.index)).collect::<Result<_, _>>()?;
     if attempts.iter().all(Vec::is_empty) {
-        return Err(ChunkError::NoStore { dir: options.store.clone() });
+        return Err(ChunkError::NoStore { dir: store.to_owned() });
     }
-    let before = Store::at(&options.out);
+    let before = Store::at(&options.dir);
     before.check_identity(plan)?;
     let (mut damage, mut notes) = (Vec::new(), Vec::new());
     let cells = find_cells(&before, plan, &attempts, &mut damage, &mut notes)?;
@@ -95,7 +84,7 @@ pub fn merge(file: &PlanFile, plan: &Plan, options: &MergeOptions) -> Result<Mer
         return Err(ChunkError::Disagreement(disagreements));
     }
 
-    let out = Store::open(&options.out, plan)?;
+    let out = Store::open(&options.dir, plan)?;
     import_cells(&out, plan, &chosen, &belongings, attempts.iter().flatten())?;
     import_failures(&out, plan, &chosen, attempts.iter().flatten())?;
     for block in chosen_blocks.values() {
@@ -105,15 +94,7 @@ pub fn merge(file: &PlanFile, plan: &Plan, options: &MergeOptions) -> Result<Mer
     }
     write_provenance(&out, plan, attempts.iter().flatten(), options)?;
     let holes = holes(file, plan, &out, &attempts)?;
-    let stop = AtomicBool::new(false);
-    let run_options = RunOptions {
-        dir: options.out.clone(),
-        stop: &stop,
-        command_line: options.command_line.clone(),
-        fail_fast: false,
-        trace: options.trace,
-    };
-    Ok(Merged { outcome: tabulate(plan, out, &run_options)?, holes, notes })
+    Ok(Merged { outcome: tabulate(plan, out, options)?, holes, notes })
 }
 
 /// Every record of every cell of the plan, that of the run's folder first, then in the order of the attempts.
@@ -138,7 +119,7 @@ fn find_cells(
     let of_plan: HashSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
     let mut strangers = Vec::new();
     for attempt in attempts.iter().flatten() {
-        for id in attempt.ids("cells")? {
+        for id in attempt.store.ids("cells") {
             match of_plan.contains(id.as_str()) {
                 true => add(&id, &attempt.store)?,
                 false => strangers.push(attempt.store.cell_path(&id)),
@@ -233,20 +214,46 @@ fn disagreements(plan: &Plan, found: &BTreeMap<String, Vec<Found<CellRecord>>>) 
         let mut first_of: BTreeMap<&Device, &Found<CellRecord>> = BTreeMap::new();
         for record in records {
             let first = *first_of.entry(&record.device).or_insert(record);
-            let columns = differing_columns(&first.record, &record.record);
-            if !columns.is_empty() {
+            let facts = differing(&first.record, &record.record);
+            if !facts.is_empty() {
                 sentences.push(format!(
                     "{} {}: {} and {} differ in {}",
                     cell.id,
                     plan.label(cell),
                     first.store.cell_path(&cell.id).display(),
                     record.store.cell_path(&cell.id).display(),
-                    columns.join(", ")
+                    facts.join(", ")
                 ));
             }
         }
     }
     sentences
+}
+
+/// The facts in which two records differ, with both values. The time that a cell took is none.
+fn differing(a: &CellRecord, b: &CellRecord) -> Vec<String> {
+    let [a, b] = [a, b].map(|record| {
+        let mut facts = BTreeMap::new();
+        flatten("", &json!(CellRecord { spent: Spent::default(), ..record.clone() }), &mut facts);
+        facts
+    });
+    let value = |facts: &BTreeMap<String, String>, name| facts.get(name).map_or("none", String::as_str).to_owned();
+    let names = a.keys().chain(b.keys()).collect::<BTreeSet<_>>();
+    let differ = names.into_iter().filter(|name| a.get(*name) != b.get(*name));
+    differ.map(|name| format!("{name} ({} and {})", value(&a, name), value(&b, name))).collect()
+}
+
+/// Every number and text of a value by its place: `scores.mae`.
+fn flatten(place: &str, value: &Value, facts: &mut BTreeMap<String, String>) {
+    let below = |key: &str| if place.is_empty() { key.to_owned() } else { format!("{place}.{key}") };
+    match value {
+        Value::Object(fields) => fields.iter().for_each(|(key, value)| flatten(&below(key), value, facts)),
+        Value::Array(items) => {
+            items.iter().enumerate().for_each(|(i, value)| flatten(&below(&i.to_string()), value, facts));
+        }
+        Value::String(text) => drop(facts.insert(place.to_owned(), text.clone())),
+        other => drop(facts.insert(place.to_owned(), other.to_string())),
+    }
 }
 
 /// Files and references of the chosen records.
@@ -348,7 +355,7 @@ fn import_failures<'a>(
 ) -> Result<(), StoreError> {
     let mut failures: BTreeMap<String, FailureRecord> = BTreeMap::new();
     for attempt in attempts {
-        for id in attempt.ids("failed")? {
+        for id in attempt.store.ids("failed") {
             if let Some(failure) = attempt.store.failure(&id)? {
                 failures.insert(id, failure);
             }
@@ -363,12 +370,12 @@ fn write_provenance<'a>(
     out: &Store,
     plan: &Plan,
     attempts: impl Iterator<Item = &'a Attempt>,
-    options: &MergeOptions,
+    options: &RunOptions,
 ) -> Result<(), StoreError> {
     let path = out.provenance_path();
     let mut value = provenance::read(out.dir())?.unwrap_or_else(|| provenance::provenance(plan, out.dir()));
     let kept = value["sessions"].as_array().cloned().unwrap_or_default();
-    let mut sessions: Vec<serde_json::Value> = kept.into_iter().filter(|session| session["chunk"].is_null()).collect();
+    let mut sessions: Vec<Value> = kept.into_iter().filter(|session| session["chunk"].is_null()).collect();
     for attempt in attempts {
         let own = provenance::read(attempt.store.dir())?;
         for mut session in own.and_then(|value| value["sessions"].as_array().cloned()).unwrap_or_default() {

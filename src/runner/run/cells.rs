@@ -5,7 +5,7 @@
 //!
 //! Long because rendering, the queue and what comes back share one order, which is easiest checked in one place.
 
-use super::{Progress, Run, RunError, cell_result, milliseconds};
+use super::{Progress, Run, RunError, milliseconds, of_cell};
 use crate::files::content_hash;
 use crate::metrics::{BiasVariance, Repeats};
 use crate::pipeline::{DeviceInfo, Frame, FrameTimings, RenderRequest};
@@ -14,7 +14,7 @@ use crate::runner::axis::Point;
 use crate::runner::images;
 use crate::runner::plan::{Cell, Plan, ReferenceGroup};
 use crate::runner::renderer::Renderer;
-use crate::runner::scoring::{ReferenceImage, Rendered, ScoreFault};
+use crate::runner::scoring::{CellFault, ReferenceImage, Rendered};
 use crate::runner::store::{CellRecord, Spent, Store, StoreError};
 use crate::tonemap::ToneCurve;
 use std::collections::BTreeMap;
@@ -106,7 +106,7 @@ impl<'p> Run<'p> {
         let point = self.plan.reference_point(&first.point);
         // Shared work is counted with the first cell that needs it.
         let mut spent = Spent::default();
-        let reference = match self.reference(group.id, &point, renderer, desk, &mut spent)? {
+        let reference = match of_cell(self.reference(group.id, &point, renderer, desk, &mut spent))? {
             Ok(reference) => Arc::new(reference),
             Err(reason) => {
                 let cells: Vec<&Cell> = group.radiances.iter().flat_map(|(_, cells)| cells).copied().collect();
@@ -119,7 +119,7 @@ impl<'p> Run<'p> {
             let (Some(first), false) = (todo.first(), self.is_stopped()) else { continue };
             let rendered = match reference.rendered.as_ref().filter(|_| *id == group.id) {
                 Some(frame) => Ok((frame.clone(), None)),
-                None => self.radiance(id, &first.point, &reference, renderer, desk, &mut spent)?,
+                None => of_cell(self.radiance(id, &first.point, &reference, renderer, desk, &mut spent))?,
             };
             let linear = Arc::new(OnceLock::new());
             for cell in todo {
@@ -128,16 +128,17 @@ impl<'p> Run<'p> {
                 }
                 let started = Instant::now();
                 let job = match &rendered {
-                    Ok((frame, bias_variance)) => self
-                        .displays(cell, frame, &reference, &mut reference_pictures, renderer)?
-                        .map(|pictures| Rendered {
+                    Ok((frame, bias_variance)) => {
+                        let pictures = self.displays(cell, frame, &reference, &mut reference_pictures, renderer);
+                        of_cell(pictures)?.map(|pictures| Rendered {
                             cell,
                             frame: frame.clone(),
                             reference: reference.clone(),
                             pictures,
                             bias_variance: *bias_variance,
                             linear: linear.clone(),
-                        }),
+                        })
+                    }
                     Err(reason) => Err(reason.clone()),
                 };
                 spent.display_ms = milliseconds(started);
@@ -153,18 +154,12 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    /// The image of a cell's point with a set of the sequence. The outer error ends the run, the inner one fails the cells that need it.
-    fn render(
-        &mut self,
-        point: &Point,
-        set: u32,
-        renderer: &mut dyn Renderer,
-    ) -> Result<Result<Frame, String>, RunError> {
-        cell_result(renderer.render(&RenderRequest { point_set: set, ..self.plan.request(point) }))
+    /// The image of a cell's point with a set of the sequence.
+    fn render(&self, point: &Point, set: u32, renderer: &mut dyn Renderer) -> Result<Frame, CellFault> {
+        Ok(renderer.render(&RenderRequest { point_set: set, ..self.plan.request(point) })?)
     }
 
     /// The image of a point, and its bias and variance where the experiment asks for them.
-    #[allow(clippy::type_complexity, reason = "two levels of failure: the run's and the cell's")]
     fn radiance(
         &mut self,
         id: &str,
@@ -173,38 +168,26 @@ impl<'p> Run<'p> {
         renderer: &mut dyn Renderer,
         desk: &mut Desk<'p>,
         spent: &mut Spent,
-    ) -> Result<Result<(Arc<Frame>, Option<BiasVariance>), String>, RunError> {
+    ) -> Result<(Arc<Frame>, Option<BiasVariance>), CellFault> {
         let started = Instant::now();
-        let frame = match self.render(point, point.settings().point_set, renderer)? {
-            Ok(frame) => Arc::new(frame),
-            Err(reason) => return Ok(Err(reason)),
-        };
+        let frame = Arc::new(self.render(point, point.settings().point_set, renderer)?);
         spent.add(|spent| &mut spent.image_ms, &frame.timings, milliseconds(started));
         let path = self.store.image_path(&images::radiance_name(self.plan, point, id));
         desk.hand_in(Job::Keep { path, frame: frame.clone() });
         let started = Instant::now();
-        let Some(repeats) = self.plan.repeats_of(point) else { return Ok(Ok((frame, None))) };
-        let mut images = match Repeats::new(&reference.mask) {
-            Ok(images) => images,
-            Err(error) => return Ok(Err(error.to_string())),
-        };
+        let Some(repeats) = self.plan.repeats_of(point) else { return Ok((frame, None)) };
+        let mut images = Repeats::new(&reference.mask)?;
         for set in 1..=repeats {
-            let added = match self.render(point, set, renderer)? {
-                Ok(frame) => images.add(&frame.radiance).map_err(|error| error.to_string()),
-                Err(reason) => Err(reason),
-            };
-            if let Err(reason) = added {
-                return Ok(Err(reason));
-            }
+            images.add(&self.render(point, set, renderer)?.radiance)?;
         }
-        let parts = images.finish(&reference.radiance, reference.standard_error.as_ref());
+        let parts = images.finish(&reference.radiance, reference.standard_error.as_ref())?;
         spent.add(|spent| &mut spent.image_ms, &FrameTimings::default(), milliseconds(started));
-        Ok(parts.map(|parts| (frame, parts)).map_err(|error| error.to_string()))
+        Ok((frame, parts))
     }
 
     /// Whether the image of a reference is what a finished cell was judged against, byte for byte. Without such a cell nothing vouches for
     /// the image, so that it is made again.
-    fn is_as_recorded(&self, reference: &str, name: &str, path: &Path) -> Result<bool, RunError> {
+    fn is_as_recorded(&self, reference: &str, name: &str, path: &Path) -> Result<bool, StoreError> {
         for cell in self.plan.cells.iter().filter(|cell| cell.reference == reference) {
             if let Some(hash) = self.store.cell(&cell.id)?.and_then(|record| record.files.get(name).cloned()) {
                 return Ok(content_hash(path).is_ok_and(|found| found == hash));
@@ -221,7 +204,7 @@ impl<'p> Run<'p> {
         renderer: &mut dyn Renderer,
         desk: &mut Desk<'p>,
         spent: &mut Spent,
-    ) -> Result<Result<ReferenceImage, String>, RunError> {
+    ) -> Result<ReferenceImage, CellFault> {
         let name = images::radiance_name(self.plan, point, id);
         let path = self.store.image_path(&name);
         let request = self.plan.reference_request(point);
@@ -231,13 +214,10 @@ impl<'p> Run<'p> {
         {
             self.references_read += 1;
             desk.hand_in(Job::Known { path });
-            return Ok(Ok(reference));
+            return Ok(reference);
         }
         let started = Instant::now();
-        let frame = match cell_result(renderer.render(&request))? {
-            Ok(frame) => Arc::new(frame),
-            Err(reason) => return Ok(Err(reason)),
-        };
+        let frame = Arc::new(renderer.render(&request)?);
         // One from the cache has no times: what it costs to make is not known from it.
         if !frame.timings.frame.is_empty() {
             spent.add(|spent| &mut spent.reference_ms, &frame.timings, milliseconds(started));
@@ -247,7 +227,7 @@ impl<'p> Run<'p> {
         if let Some(stop) = &reference.stop {
             self.store.write_reference(id, stop)?;
         }
-        Ok(Ok(reference))
+        Ok(reference)
     }
 
     /// The display images of a cell and its reference.
@@ -258,21 +238,15 @@ impl<'p> Run<'p> {
         reference: &ReferenceImage,
         reference_pictures: &mut ReferencePictures,
         renderer: &mut dyn Renderer,
-    ) -> Result<Result<[Arc<Rgb8Image>; 2], String>, RunError> {
+    ) -> Result<[Arc<Rgb8Image>; 2], CellFault> {
         let curve = cell.point.settings().curve;
-        let mut picture = |radiance| cell_result(renderer.tonemap(radiance, curve)).map(|r| r.map(Arc::new));
-        let test = picture(&frame.radiance)?;
-        let of_reference = match reference_pictures.iter().find(|(known, _)| *known == curve) {
-            Some((_, picture)) => Ok(picture.clone()),
-            None => picture(&reference.radiance)?,
-        };
-        Ok(test.and_then(|test| {
-            let of_reference = of_reference?;
-            if reference_pictures.iter().all(|(known, _)| *known != curve) {
-                reference_pictures.push((curve, of_reference.clone()));
-            }
-            Ok([test, of_reference])
-        }))
+        let test = Arc::new(renderer.tonemap(&frame.radiance, curve)?);
+        if let Some((_, picture)) = reference_pictures.iter().find(|(known, _)| *known == curve) {
+            return Ok([test, picture.clone()]);
+        }
+        let of_reference = Arc::new(renderer.tonemap(&reference.radiance, curve)?);
+        reference_pictures.push((curve, of_reference.clone()));
+        Ok([test, of_reference])
     }
 
     /// Keeps what came back, in the order of the work; `to_the_end` waits until the workers are gone.
@@ -390,8 +364,8 @@ impl<'p> Worker<'_, 'p> {
                         spent.score_ms = milliseconds(started);
                         Ok(CellRecord { spent, ..record })
                     }
-                    Err(ScoreFault::Cell(reason)) => Err(reason),
-                    Err(ScoreFault::Store(error)) => match self.is_of_a_picture(&error, rendered.cell) {
+                    Err(CellFault::Cell(reason) | CellFault::Lost(reason)) => Err(reason),
+                    Err(CellFault::Store(error)) => match self.is_of_a_picture(&error, rendered.cell) {
                         true => Err(error.to_string()),
                         false => return Err(error),
                     },

@@ -6,6 +6,7 @@
 //! has a new member is timed anew as a whole ([`super::timed`]).
 
 use super::{MakeRenderer, Outcome, Progress, RunError, RunOptions, opened, run_with};
+use crate::files::names_in;
 use crate::runner::frozen::EXPERIMENT_FILE;
 use crate::runner::images;
 use crate::runner::live::LIVE_FILE;
@@ -85,10 +86,10 @@ fn rename_images(plan: &Plan, store: &Store, extension: &Extension) -> Result<()
 fn remove_old_names(plan: &Plan, store: &Store) -> Result<(), StoreError> {
     let ids: BTreeSet<&str> = plan.cells.iter().flat_map(|cell| [&*cell.id, &cell.radiance, &cell.reference]).collect();
     let names: BTreeSet<String> = plan.cells.iter().flat_map(|cell| images::files(plan, cell)).collect();
-    let entries = std::fs::read_dir(store.image_path("")).into_iter().flatten().flatten();
-    let found = entries.filter(|entry| entry.path().is_file()).filter_map(|entry| entry.file_name().into_string().ok());
-    let is_old = |name: &String| !names.contains(name) && name.split('.').any(|part| ids.contains(part));
-    found.filter(is_old).try_for_each(|name| store.remove_image(&name))
+    let is_old = |name: &&String| {
+        !names.contains(*name) && name.split('.').any(|part| ids.contains(part)) && store.image_path(name).is_file()
+    };
+    names_in(&store.image_path("")).iter().filter(is_old).try_for_each(|name| store.remove_image(name))
 }
 
 /// Makes the plan that of the folder, and tells from where it came.

@@ -2,7 +2,6 @@
 
 mod cells;
 mod extend;
-mod live;
 mod outcome;
 mod session;
 mod timed;
@@ -13,9 +12,11 @@ pub use outcome::{Outcome, Work};
 use crate::files::holds;
 use crate::runner::environments;
 use crate::runner::images;
+use crate::runner::live::{self, LIVE_FILE};
 use crate::runner::plan::{Cell, Plan};
 use crate::runner::provenance::ProvenanceError;
 use crate::runner::renderer::{RenderFault, Renderer};
+use crate::runner::scoring::CellFault;
 use crate::runner::sheets;
 use crate::runner::store::{CellRecord, FailureRecord, Store, StoreError};
 use crate::runner::tables::{self, CellResult, Results};
@@ -74,6 +75,14 @@ pub struct Share {
     pub timings: BTreeSet<String>,
     /// Whether it makes what the live view of the whole run needs.
     pub has_live: bool,
+}
+
+/// The outcome of a share.
+#[derive(Debug, Default)]
+pub struct ShareOutcome {
+    /// Cells without a record, each with its reason.
+    pub failures: Vec<FailureRecord>,
+    pub is_stopped: bool,
 }
 
 /// Makes the renderer when the first step needs it, so that a finished run needs no device.
@@ -141,7 +150,7 @@ fn opened(plan: &Plan, make_renderer: &mut MakeRenderer) -> Result<Box<dyn Rende
 }
 
 /// Does a share of `plan` in the folder `store`, which must be this process's own. Writes records and images, no tables: those are made
-/// of all shares together. Returns the failed cells and whether it was stopped.
+/// of all shares together.
 pub(super) fn run_share(
     plan: &Plan,
     share: &Share,
@@ -149,7 +158,7 @@ pub(super) fn run_share(
     make_renderer: &mut MakeRenderer,
     options: &RunOptions,
     progress: &mut dyn Progress,
-) -> Result<(Vec<FailureRecord>, bool), RunError> {
+) -> Result<ShareOutcome, RunError> {
     let mut run = Run::load(plan, store, options)?;
     run.jobs.retain(|job| share.timings.contains(&job.id));
     run.share = Some(share);
@@ -161,7 +170,7 @@ pub(super) fn run_share(
     let result = run.work(renderer.as_mut(), progress);
     run.end_session(renderer.as_ref(), started)?;
     result?;
-    Ok((run.failures(), run.is_stopped() && run.steps_left() > 0))
+    Ok(ShareOutcome { failures: run.failures(), is_stopped: run.is_stopped() && run.steps_left() > 0 })
 }
 
 /// Writes tables and contact sheets from the records that stand in the run's folder.
@@ -291,9 +300,25 @@ impl<'p> Run<'p> {
     }
 
     fn work(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
-        let result = self.live_and_cells(renderer, progress).and_then(|()| self.time(renderer, progress));
+        let result = self.live(renderer, progress);
+        let result = result.and_then(|()| self.cells(renderer, progress)).and_then(|()| self.time(renderer, progress));
         renderer.take_warnings().iter().for_each(|warning| progress.note(&format!("warning: {warning}")));
         result
+    }
+
+    /// Leaves what the live view of the report needs, unless it is there. It is made first, since a run whose cells are all done has
+    /// nothing left to make. Without it the report has no such view.
+    fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let path = self.store.dir().join(LIVE_FILE);
+        let is_ours = self.share.is_none_or(|share| share.has_live);
+        if !is_ours || self.is_stopped() || path.exists() {
+            return Ok(());
+        }
+        match of_cell(live::record(self.plan, renderer).map_err(CellFault::from))? {
+            Ok(record) => self.store.write_json(&path, &record)?,
+            Err(reason) => progress.note(&format!("the report will have no live view: {reason}")),
+        }
+        Ok(())
     }
 
     fn remember(&mut self, record: CellRecord) {
@@ -384,12 +409,13 @@ impl<'p> Run<'p> {
     }
 }
 
-/// A lost device ends the run; any other fault is the cell's own.
-fn cell_result<T>(result: Result<T, RenderFault>) -> Result<Result<T, String>, RunError> {
+/// The outer error ends the run, the inner one is the cell's own.
+fn of_cell<T>(result: Result<T, CellFault>) -> Result<Result<T, String>, RunError> {
     match result {
         Ok(value) => Ok(Ok(value)),
-        Err(fault) if fault.device_lost => Err(RunError::DeviceLost(fault.message)),
-        Err(fault) => Ok(Err(fault.message)),
+        Err(CellFault::Cell(reason)) => Ok(Err(reason)),
+        Err(CellFault::Store(error)) => Err(error.into()),
+        Err(CellFault::Lost(reason)) => Err(RunError::DeviceLost(reason)),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::lock::LOCK_FILE;
 use super::{CHUNKS_FOLDER, PLAN_FILE, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part};
+use crate::files::names_in;
 use crate::metrics::METRICS;
 use crate::runner::axis::AXES;
 use crate::runner::plan::Plan;
@@ -11,7 +12,6 @@ use crate::spelling::short_number;
 use crate::table::csv::Table;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 /// A run of another plan of the same experiment, seen by a plan that has all of its cells.
 #[derive(Clone, Debug)]
@@ -54,16 +54,12 @@ impl Store {
 
     /// Fails when a folder without provenance holds files: a run that was stopped before its first file leaves empty folders only.
     fn check_empty(&self) -> Result<(), StoreError> {
-        let entries = std::fs::read_dir(&self.dir).into_iter().flatten().flatten();
         let is_own = |name: &str, is_dir: bool| match is_dir {
             true => name == CHUNKS_FOLDER || SUBFOLDERS.contains(&name),
             false => [LOCK_FILE, PLAN_FILE].contains(&name) || is_part(name),
         };
-        let mut strangers = entries.filter(|e| !is_own(&e.file_name().to_string_lossy(), e.path().is_dir()));
-        match strangers.next() {
-            Some(_) => Err(StoreError::NotARun { dir: self.dir.clone() }),
-            None => Ok(()),
-        }
+        let is_own = |name: &String| is_own(name, self.dir.join(name).is_dir());
+        if names_in(&self.dir).iter().all(is_own) { Ok(()) } else { Err(StoreError::NotARun { dir: self.dir.clone() }) }
     }
 
     fn extension_of(&self, found: Value, plan: &Plan) -> Result<Extension, StoreError> {
@@ -142,11 +138,8 @@ impl Store {
 
     /// Names of the records in a folder, in order; none where it does not exist.
     pub fn ids(&self, folder: &str) -> Vec<String> {
-        let entries = std::fs::read_dir(self.dir.join(folder)).into_iter().flatten().flatten();
-        let name = |path: &Path| Some(path.file_name()?.to_str()?.strip_suffix(".json")?.to_owned());
-        let mut ids: Vec<String> = entries.filter_map(|entry| name(&entry.path())).collect();
-        ids.sort();
-        ids
+        let names = names_in(&self.dir.join(folder));
+        names.iter().filter_map(|name| Some(name.strip_suffix(".json")?.to_owned())).collect()
     }
 }
 

@@ -12,7 +12,7 @@ pub use identity::Extension;
 
 use super::plan::Plan;
 use super::seal::{self, Seal};
-use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, content_hash, holds, open_regular, read_regular};
+use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, content_hash, holds, names_in, open_regular, read_regular};
 use crate::pixels::{PART_PREFIX, write_atomically};
 use crate::table::csv;
 use lock::{Lock, lock};
@@ -358,10 +358,5 @@ fn is_part(name: &str) -> bool {
 
 /// Removes what a killed run left half-written.
 fn remove_parts(folder: &Path) -> Result<(), StoreError> {
-    let parts = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    for part in parts.filter(|entry| is_part(&entry.file_name().to_string_lossy())) {
-        let path = part.path();
-        std::fs::remove_file(&path).map_err(|error| StoreError::Io { path, error })?;
-    }
-    Ok(())
+    names_in(folder).iter().filter(|name| is_part(name)).try_for_each(|name| remove(folder.join(name)))
 }
