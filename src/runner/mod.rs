@@ -43,6 +43,5 @@ pub use config::Config;
 pub use fault::{ConfigError, Fault};
 pub use images::{STANDARD_ERROR_LAYER, file_words, write_radiance};
 pub use plan::{Cell, Plan};
-pub use provenance::date_utc;
 pub use renderer::{RenderFault, Renderer};
 pub use run::{MakeRenderer, Outcome, Progress, RunError, RunOptions, Work, run, run_extended};

@@ -1,9 +1,10 @@
 //! `--set axis=v1,v2`: axes replaced from the command line.
 
 use super::axis::{AXES, INPUTS, Named};
-use super::config::{Config, Placed, Sweep, unknown_axis};
+use super::config::{Config, Placed, Sweep, axis_names};
 use super::fault::{Faults, Place};
 use super::sweeps::Values;
+use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
 use crate::environment::BUILTIN_PREFIX;
 use std::collections::HashSet;
@@ -23,7 +24,7 @@ impl Config {
             let name = name.trim();
             let place = Place::Set(name.to_owned());
             let Some(named) = Named::find(name) else {
-                unknown_axis(&place, "axes.", name, &[], faults);
+                unknown_key(&place, "axes.", name, &axis_names(), faults);
                 continue;
             };
             let axis = named.axis;

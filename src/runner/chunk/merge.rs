@@ -16,7 +16,9 @@ use crate::runner::live::LIVE_FILE;
 use crate::runner::plan::{Cell, Plan};
 use crate::runner::provenance;
 use crate::runner::run::{Outcome, RunOptions, tabulate};
-use crate::runner::store::{CellRecord, FailureRecord, ReferenceStop, Spent, Store, StoreError};
+use crate::runner::store::{
+    CELLS_FOLDER, CellRecord, FAILED_FOLDER, FailureRecord, ReferenceStop, Spent, Store, StoreError,
+};
 use crate::runner::timing::{self, TimingRecord};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -119,7 +121,7 @@ fn find_cells(
     let of_plan: HashSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
     let mut strangers = Vec::new();
     for attempt in attempts.iter().flatten() {
-        for id in attempt.store.ids("cells") {
+        for id in attempt.store.ids(CELLS_FOLDER) {
             match of_plan.contains(id.as_str()) {
                 true => add(&id, &attempt.store)?,
                 false => strangers.push(attempt.store.cell_path(&id)),
@@ -355,7 +357,7 @@ fn import_failures<'a>(
 ) -> Result<(), StoreError> {
     let mut failures: BTreeMap<String, FailureRecord> = BTreeMap::new();
     for attempt in attempts {
-        for id in attempt.store.ids("failed") {
+        for id in attempt.store.ids(FAILED_FOLDER) {
             if let Some(failure) = attempt.store.failure(&id)? {
                 failures.insert(id, failure);
             }

@@ -7,6 +7,7 @@ use super::store::{Attempt, ChunkStore};
 use crate::runner::live::LIVE_FILE;
 use crate::runner::plan::Plan;
 use crate::runner::run::{MakeRenderer, Progress, RunOptions, Share, ShareOutcome, run_share};
+use crate::runner::store::CELLS_FOLDER;
 use crate::runner::timing;
 use std::collections::BTreeSet;
 
@@ -51,7 +52,7 @@ fn left(chunk: &Chunk, plan: &Plan, attempts: &[Attempt]) -> Result<Share, Chunk
     let mut share = Share { cells: chunk.cells.iter().cloned().collect(), timings: BTreeSet::new(), has_live: false };
     let mut blocks = chunk.blocks(&timing::jobs(plan));
     for attempt in attempts {
-        for id in attempt.store.ids("cells") {
+        for id in attempt.store.ids(CELLS_FOLDER) {
             if attempt.store.cell(&id)?.is_some() {
                 share.cells.remove(&id);
             }

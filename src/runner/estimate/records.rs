@@ -1,5 +1,6 @@
 //! Speeds from the records of runs: what their cells and timings took, and how large their files are.
 
+use super::constants::constants;
 use super::items::{all_tables, amount, file_kind, kind_of};
 use super::speeds::{Amount, Speeds};
 use crate::files::names_in;
@@ -8,7 +9,7 @@ use crate::precompute::table_of;
 use crate::runner::axis::{AXES, ENVIRONMENT, Point, SIZE};
 use crate::runner::plan::{Cell, Plan};
 use crate::runner::statistics::median;
-use crate::runner::store::{CHUNKS_FOLDER, CellRecord, Store, TIMINGS_FOLDER};
+use crate::runner::store::{CELLS_FOLDER, CHUNKS_FOLDER, CellRecord, Store, TIMINGS_FOLDER};
 use crate::runner::timing::{FRAME, PassSamples, TimingRecord};
 use crate::runner::value::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -21,7 +22,7 @@ pub fn recorded(plan: &Plan, dirs: &[PathBuf], device: Option<&DeviceInfo>) -> (
     let mut found = Found { plan, measured: Vec::new(), count: 0 };
     let mut seen = BTreeSet::new();
     for store in dirs.iter().flat_map(|dir| folders(dir)).map(|dir| Store::at(&dir)) {
-        for id in store.ids("cells") {
+        for id in store.ids(CELLS_FOLDER) {
             let record = store.cell(&id).ok().flatten().filter(|record| is_ours(&record.device, &record.driver));
             if let Some(record) = record.filter(|_| seen.insert(id)) {
                 found.cell(&store, &record);
@@ -35,7 +36,7 @@ pub fn recorded(plan: &Plan, dirs: &[PathBuf], device: Option<&DeviceInfo>) -> (
             }
         }
     }
-    (Speeds::fit(&found.measured), found.count)
+    (constants().scaled_to(&found.measured), found.count)
 }
 
 struct Found<'p> {

@@ -1,6 +1,5 @@
 //! Seconds of a unit of work, by kind: the stated ones, and how measurements scale them.
 
-use super::constants::constants;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -37,13 +36,12 @@ impl Line {
 pub struct Speeds(pub BTreeMap<String, Line>);
 
 impl Speeds {
-    /// The stated lines times what measurements took over what they should have taken: one factor for each kind, and one for all kinds with
-    /// the same first two words.
-    pub fn fit(measured: &[(String, Amount, f64)]) -> Self {
-        let stated = constants();
+    /// These lines times what measurements took over what they should have taken: one factor for each kind, and one for all kinds with the
+    /// same first two words.
+    pub fn scaled_to(&self, measured: &[(String, Amount, f64)]) -> Self {
         let mut sums: BTreeMap<String, [f64; 2]> = BTreeMap::new();
         for (kind, amount, taken) in measured {
-            let expected = stated.line(kind).map_or(0.0, |line| line.at(*amount));
+            let expected = self.line(kind).map_or(0.0, |line| line.at(*amount));
             let words: Vec<&str> = kind.split(' ').collect();
             for length in words.len().min(2)..=words.len() {
                 let sum = sums.entry(words[..length].join(" ")).or_default();
@@ -51,7 +49,7 @@ impl Speeds {
             }
         }
         let scaled = |(kind, [taken, expected]): (String, [f64; 2])| {
-            let line = stated.line(&kind)?.times(taken / expected);
+            let line = self.line(&kind)?.times(taken / expected);
             Some((kind, line)).filter(|_| expected > 0.0)
         };
         Self(sums.into_iter().filter_map(scaled).collect())

@@ -7,24 +7,23 @@ mod session;
 mod timed;
 
 pub use extend::run_extended;
-pub use outcome::{Outcome, Work};
+pub use outcome::{Outcome, RunError, Share, ShareOutcome, Work};
 
 use crate::files::holds;
 use crate::runner::environments;
 use crate::runner::images;
 use crate::runner::live::{self, LIVE_FILE};
 use crate::runner::plan::{Cell, Plan};
-use crate::runner::provenance::ProvenanceError;
 use crate::runner::renderer::{RenderFault, Renderer};
 use crate::runner::scoring::CellFault;
 use crate::runner::sheets;
-use crate::runner::store::{CellRecord, FailureRecord, Store, StoreError};
+use crate::runner::store::{CellRecord, FailureRecord, Store};
 use crate::runner::tables::{self, CellResult, Results};
 use crate::runner::timing::{self, TimingJob, TimingRecord};
 use crate::runner::trace;
 use crate::slips;
 use crate::table::csv;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -52,37 +51,6 @@ pub trait Progress {
     fn step(&mut self, label: &str, failure: Option<&str>);
     /// A line for the user.
     fn note(&mut self, text: &str);
-}
-
-/// Why a run ended early.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    #[error(transparent)]
-    Store(#[from] StoreError),
-    #[error("the device was lost: {0}; what is done is kept, run the same command again to go on")]
-    DeviceLost(String),
-    /// The renderer could not be made.
-    #[error("{0}")]
-    NoRenderer(String),
-}
-
-/// The part of a plan that one process does.
-#[derive(Debug, Default)]
-pub struct Share {
-    /// Ids of cells.
-    pub cells: BTreeSet<String>,
-    /// Ids of timed configurations, whole blocks.
-    pub timings: BTreeSet<String>,
-    /// Whether it makes what the live view of the whole run needs.
-    pub has_live: bool,
-}
-
-/// The outcome of a share.
-#[derive(Debug, Default)]
-pub struct ShareOutcome {
-    /// Cells without a record, each with its reason.
-    pub failures: Vec<FailureRecord>,
-    pub is_stopped: bool,
 }
 
 /// Makes the renderer when the first step needs it, so that a finished run needs no device.
@@ -142,9 +110,9 @@ fn run_with(
 
 /// The renderer, if it can serve every cell: a run that cannot be finished is not begun.
 fn opened(plan: &Plan, make_renderer: &mut MakeRenderer) -> Result<Box<dyn Renderer>, RunError> {
-    let renderer = make_renderer().map_err(fault_error)?;
+    let renderer = make_renderer()?;
     for point in plan.points_by_size() {
-        renderer.check(&plan.request(&point)).map_err(fault_error)?;
+        renderer.check(&plan.request(&point))?;
     }
     Ok(renderer)
 }
@@ -178,16 +146,6 @@ pub(super) fn tabulate(plan: &Plan, store: Store, options: &RunOptions) -> Resul
     Run::load(plan, store, options)?.finish(true)
 }
 
-impl From<ProvenanceError> for RunError {
-    fn from(error: ProvenanceError) -> Self {
-        Self::Store(error.into())
-    }
-}
-
-fn fault_error(fault: RenderFault) -> RunError {
-    if fault.device_lost { RunError::DeviceLost(fault.message) } else { RunError::NoRenderer(fault.message) }
-}
-
 /// A run in progress.
 struct Run<'p> {
     plan: &'p Plan,
@@ -203,10 +161,6 @@ struct Run<'p> {
     is_halted: bool,
     /// References that an earlier invocation had rendered.
     references_read: usize,
-    /// Content hash of the linear images of the cell that is kept next, by name.
-    file_hashes: BTreeMap<String, String>,
-    /// Images that could not be written for a reason of their own place, by name, with the reason: their cells fail.
-    unwritten: BTreeMap<String, String>,
     /// Content hashes of the images of each cell that an earlier invocation finished, by its id. Gone when they are checked.
     recorded_hashes: BTreeMap<String, BTreeMap<String, String>>,
     /// Records of cells that are there but cannot be used.
@@ -244,8 +198,6 @@ impl<'p> Run<'p> {
             tables_written: Instant::now(),
             is_halted: false,
             references_read: 0,
-            file_hashes: BTreeMap::new(),
-            unwritten: BTreeMap::new(),
             recorded_hashes,
             unusable,
             work: None,

@@ -48,7 +48,6 @@ impl Run<'_> {
         let path = self.store.provenance_path();
         let Some(mut value) = provenance::read(self.store.dir())? else { return Ok(()) };
         if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {
-            session["state_after"] = provenance::state(&renderer.device());
             session["wall_s"] = json!(milliseconds(started) / 1e3);
             session["device_s"] = json!(work.waited_ms / 1e3);
             session["shared_work"] = json!(work.shared);

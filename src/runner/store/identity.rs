@@ -1,7 +1,9 @@
 //! Whose run a folder holds, and whether it may become the run of another plan.
 
 use super::lock::LOCK_FILE;
-use super::{CHUNKS_FOLDER, PLAN_FILE, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part};
+use super::{
+    CELLS_FOLDER, CHUNKS_FOLDER, FAILED_FOLDER, PLAN_FILE, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part,
+};
 use crate::files::names_in;
 use crate::metrics::METRICS;
 use crate::runner::axis::AXES;
@@ -112,12 +114,12 @@ impl Store {
     /// are known.
     fn tabulated(&self) -> Result<BTreeMap<String, BTreeMap<String, String>>, StoreError> {
         let mut found = BTreeMap::new();
-        for id in self.ids("failed") {
+        for id in self.ids(FAILED_FOLDER) {
             if self.failure(&id)?.is_some() {
                 found.insert(id, BTreeMap::new());
             }
         }
-        for id in self.ids("cells") {
+        for id in self.ids(CELLS_FOLDER) {
             if let Some(record) = self.cell(&id)? {
                 found.insert(id, record.axes);
             }

@@ -29,7 +29,7 @@ fn measurements_scale_the_kinds_that_they_are_of_and_their_likes_alone() {
         .zip(factors)
         .flat_map(|(kind, factor)| [small, large].map(|size| (kind.to_string(), size, factor * stated(kind, size))))
         .collect();
-    let speeds = Speeds::fit(&measured);
+    let speeds = constants().scaled_to(&measured);
     let factor = |kind: &str| speeds.line(kind).map(|line| line.at(large) / stated(kind, large));
     for (kind, expected) in kinds.iter().zip(factors) {
         assert!((factor(kind).unwrap() / expected - 1.0).abs() < F64, "{kind}");
@@ -160,7 +160,7 @@ fn scores_cost_beside_a_gpu_only_what_exceeds_it() {
             [("image sampled", image), ("image split-sum", image), ("score first", score), ("score again", score)];
         let amount_of = |kind: &str| of(576.0, if kind.starts_with("image") { 576.0 } else { 0.0 });
         let measured: Vec<_> = measured.iter().map(|(kind, s)| (kind.to_string(), amount_of(kind), *s)).collect();
-        vec![(Source::Probe, Speeds::fit(&measured)), (Source::Constants, constants())]
+        vec![(Source::Probe, constants().scaled_to(&measured)), (Source::Constants, constants())]
     };
     let seconds = |image: f64, score: f64, is_cpu_device: bool| {
         let got = of_open(&plan, &speeds(image, score), Host { threads: 4, is_cpu_device });

@@ -187,7 +187,7 @@ fn each_row_says_where_its_reference_stopped() {
 }
 
 #[test]
-fn the_provenance_says_what_a_session_shared_and_how_the_machine_was() {
+fn the_provenance_says_what_a_session_shared() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n")));
     let outcome = invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
     let line = outcome.work.unwrap().line(1000.0);
@@ -198,11 +198,6 @@ fn the_provenance_says_what_a_session_shared_and_how_the_machine_was() {
     assert_eq!(session["device_s"], 0.0);
     assert!(session["wall_s"].as_f64().unwrap() > 0.0);
     assert_eq!(session["program_hash"].as_str().unwrap().len(), 64);
-    for state in [&session["state_before"], &session["state_after"]] {
-        // The fake is no GPU: nobody tells its clocks.
-        assert_eq!(state["gpu"], "unknown");
-        assert!(state["load_average"].is_array() || state["load_average"] == "unknown");
-    }
     let timings = Table::read(&dir.path().join("timings.csv")).unwrap();
     let slowdown = timings.column("slowdown").unwrap();
     assert!(timings.rows.iter().all(|row| row[slowdown] == "unknown"));
