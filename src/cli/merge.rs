@@ -42,6 +42,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         dir: arguments.out.clone().unwrap_or_else(|| arguments.store.clone()),
         stop: &STOP,
         command_line: std::env::args().collect(),
+        extend: false,
         fail_fast: false,
         trace: arguments.trace,
     };

@@ -9,7 +9,7 @@ use clap::Args;
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::runner::chunk::{PlanFile, run_chunk};
 use splitsum::runner::store::{FailureRecord, Store};
-use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run, run_extended};
+use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::page::{PageOptions, Told, write};
 use splitsum::study::questions::answers;
@@ -86,9 +86,7 @@ fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure
     }
     let mut progress = begin(&plan)?;
     let options = options(arguments, subject.dir(&plan));
-    let mut open = opener(arguments);
-    let run = if arguments.extend { run_extended } else { run };
-    let outcome = run(&plan, &mut open, &options, &mut progress)?;
+    let outcome = run(&plan, &mut opener(arguments), &options, &mut progress)?;
     let failed = conclude(&plan, &outcome)?;
     if let Some(work) = &outcome.work {
         progress.note(&work.line(started.elapsed().as_secs_f64() * 1e3));
@@ -107,8 +105,14 @@ fn execute_chunk(arguments: &Arguments, plan_file: &Path, chunk: usize, store: &
 }
 
 fn options(arguments: &Arguments, dir: PathBuf) -> RunOptions<'static> {
-    let command_line = std::env::args().collect();
-    RunOptions { dir, stop: &STOP, command_line, fail_fast: arguments.fail_fast, trace: arguments.trace }
+    RunOptions {
+        dir,
+        stop: &STOP,
+        command_line: std::env::args().collect(),
+        extend: arguments.extend,
+        fail_fast: arguments.fail_fast,
+        trace: arguments.trace,
+    }
 }
 
 /// Says what is odd about the experiment and takes requests to stop.

@@ -66,7 +66,7 @@ pub struct Timing {
 }
 
 /// An experiment file, read and checked value by value.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Config {
     pub path: PathBuf,
     /// The file's text, for the frozen copy.
@@ -151,30 +151,11 @@ impl Config {
         let mut config = Self {
             path: path.to_owned(),
             text: text.to_owned(),
-            name: String::new(),
-            question: String::new(),
-            asks: Vec::new(),
             metric: HEADLINE,
-            metric_place: Place::Default,
             seed: 1,
-            camera: CameraKind::default(),
-            background: false,
-            reference: Reference::default(),
-            reference_samples_place: Place::Default,
-            base: Point::default(),
             base_places: vec![Place::Default; AXES.len()],
-            axes: Vec::new(),
-            set_aside: Vec::new(),
-            zips: Vec::new(),
-            exclusions: Vec::new(),
-            timing: None,
-            repeats: None,
-            lights: Vec::new(),
-            light_places: Vec::new(),
-            has_printed_slips: false,
             overrides: overrides.to_vec(),
-            file_dir: None,
-            set_dir: PathBuf::new(),
+            ..Self::default()
         };
         let root = root.get_ref();
         for (key, value, place) in entries(root) {

@@ -46,13 +46,14 @@ impl ConfigError {
 }
 
 /// Where a value was written.
-#[derive(Clone, Debug, Hash, PartialEq)]
+#[derive(Clone, Debug, Default, Hash, PartialEq)]
 pub enum Place {
     /// Byte offset in the experiment file.
     File(usize),
     /// `--set` with this axis.
     Set(String),
     /// The program's own default.
+    #[default]
     Default,
 }
 

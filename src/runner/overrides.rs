@@ -103,8 +103,7 @@ impl Config {
 
     /// Keeps the rows of zipped axes in which the axis of `wanted` has one of its values.
     fn narrow(&mut self, zip: &[usize], wanted: &Sweep, place: &Place, faults: &mut Faults) {
-        let members: Vec<&Sweep> = self.axes.iter().filter(|sweep| zip.contains(&sweep.axis)).collect();
-        let own = members.iter().find(|sweep| sweep.axis == wanted.axis);
+        let own = self.sweep(wanted.axis);
         // Values that could not be read have their own faults.
         let Some(own) = own.filter(|_| wanted.values.len() == wanted.written) else { return };
         let set = |values: &[Placed]| values.iter().map(|placed| placed.value.clone()).collect::<HashSet<Value>>();
@@ -116,16 +115,11 @@ impl Config {
             .map(|placed| placed.value.to_string())
             .collect();
         if !strangers.is_empty() {
-            let row = |i: usize| {
-                let values = members.iter().map(|sweep| format!("{}={}", AXES[sweep.axis].name, sweep.values[i].value));
-                values.collect::<Vec<_>>().join(" ")
-            };
-            let count = own.values.len();
-            let mut rows: Vec<String> = (0..count.min(ROWS_SHOWN)).map(row).collect();
-            rows.extend(count.checked_sub(ROWS_SHOWN).filter(|more| *more > 0).map(|more| format!("{more} more")));
             let (name, strangers) = (AXES[wanted.axis].name, strangers.join(", "));
-            let text = format!("axes.{name}: {strangers} is in no row of its zip; the rows are {}", rows.join("; "));
-            faults.add(place, text);
+            let rows: Vec<String> = own.values.iter().take(ROWS_SHOWN).map(|placed| placed.value.to_string()).collect();
+            let more = if own.values.len() > ROWS_SHOWN { " ..." } else { "" };
+            let rows = rows.join(", ");
+            faults.add(place, format!("axes.{name}: {strangers} is in no row of its zip; the rows have {rows}{more}"));
             return;
         }
         let kept: Vec<bool> = own.values.iter().map(|placed| asked.contains(&placed.value)).collect();

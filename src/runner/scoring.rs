@@ -205,11 +205,10 @@ impl Rendered<'_> {
         files.extend(linear.files);
         let display_metrics: Vec<&dyn Metric> =
             METRICS.iter().copied().filter(|metric| metric.description().space == Space::Display).collect();
-        let scores = linear.scores.with(&by_name(comparison.evaluate(&display_metrics)));
-        let mut bins = linear.bins;
-        bins.iter_mut()
-            .zip(bins_of(&display_metrics)?)
-            .for_each(|(bin, display)| bin.scores = bin.scores.with(&display.scores));
+        let (mut scores, mut bins) = (linear.scores, linear.bins);
+        scores.extend(by_name(comparison.evaluate(&display_metrics)));
+        let of_display = bins_of(&display_metrics)?.into_iter();
+        bins.iter_mut().zip(of_display).for_each(|(bin, display)| bin.scores.extend(display.scores));
         let noise_floors = reference.noise_floors().map_err(CellFault::Cell)?;
         let [test, of_reference] = &self.pictures;
         files.extend([keep(store, images::picture_name(plan, cell), |path| png::write_rgb8(path, test))?]);
@@ -255,7 +254,7 @@ fn keep(store: &Store, name: String, write: impl FnOnce(&Path) -> Result<(), Pix
 }
 
 fn by_name(values: Vec<(&'static str, f64)>) -> Scores {
-    values.into_iter().map(|(name, value)| (name, Exact(value))).collect()
+    values.into_iter().map(|(name, value)| (name.to_owned(), Exact(value))).collect()
 }
 
 /// The verdict of the headline metric; `no-noise-floor` when the reference does not know its own error.

@@ -8,7 +8,7 @@ use super::columns::{BINS, CELL, Column, ERRORS, RATIOS, TIMINGS};
 use super::host::UNKNOWN;
 use super::plan::{Cell, Plan};
 use super::statistics::median;
-use super::store::{BinRecord, CellOutcome, FailureRecord, ReferenceStop, Scores, Store, StoreError};
+use super::store::{BinRecord, CellRecord, FailureRecord, ReferenceStop, Scores, Store, StoreError};
 use super::timing::{Key, TimingRecord, summarize, swept_axes};
 use super::timing_ratios::{Ratio, TableCost, ratios};
 use crate::metrics::{BiasVariance, METRICS, linear_metrics};
@@ -18,7 +18,8 @@ use std::collections::BTreeMap;
 /// The result of a cell that was tried.
 #[derive(Clone, Debug)]
 pub enum CellResult {
-    Done(Box<CellOutcome>),
+    /// As [`CellRecord::in_memory`].
+    Done(Box<CellRecord>),
     Failed(FailureRecord),
 }
 
@@ -67,7 +68,7 @@ pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Ite
     let none = Scores::default();
     let row = move |cell: &Cell| {
         let (scores, parts, floors, stop, verdict) = match results.get(&cell.id)? {
-            CellResult::Done(r) => (&r.scores, &r.bias_variance, &r.noise_floors, r.reference.as_deref(), &*r.verdict),
+            CellResult::Done(r) => (&r.scores, &r.bias_variance, &r.noise_floors, r.reference.as_ref(), &*r.verdict),
             CellResult::Failed(_) => (&none, &none, &none, None, "failed"),
         };
         let mut row = cell_fields(plan, cell);
@@ -192,5 +193,5 @@ fn text_field(text: &str) -> Field {
 }
 
 fn score_fields(scores: &Scores, names: &[&str]) -> Vec<Field> {
-    names.iter().map(|name| scores.get(name).map(|score| score.0).into()).collect()
+    names.iter().map(|name| scores.get(*name).map(|score| score.0).into()).collect()
 }

@@ -1,6 +1,6 @@
 //! Bad input ends with one clear message, the promised exit code and no output. None of it needs a device.
 
-use super::{command, entries, splitsum, stderr, stdout};
+use super::{assert_ends, command, entries, splitsum, stderr, stdout};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
 use std::process::Command;
 
@@ -154,9 +154,11 @@ fn the_output_is_checked_before_work() {
     assert_refused(&["render", "--out", "/proc/x.png"], 2, &["--out", "no file can be made in the folder /proc"]);
     let dir = tempfile::tempdir().unwrap();
     std::fs::create_dir(dir.path().join("x.exr")).unwrap();
-    let output = splitsum(dir.path(), &["render", "--out", "x.exr"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("--out: x.exr is a folder; expected a file"), "{}", stderr(&output));
+    assert_ends(
+        &splitsum(dir.path(), &["render", "--out", "x.exr"]),
+        2,
+        &["--out: x.exr is a folder; expected a file"],
+    );
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Names, files and folders that are not what they seem. None of it needs a device.
 
-use super::{splitsum, stderr, stdout};
+use super::{assert_ends, splitsum, stderr, stdout};
 use std::path::{Path, PathBuf};
 
 /// A published run in a folder of that name.
@@ -92,9 +92,11 @@ fn a_folder_where_a_file_belongs_is_bad_input() {
 fn nothing_is_published_where_nothing_can_be_made() {
     let root = tempfile::tempdir().unwrap();
     published(root.path(), "run");
-    let output = splitsum(root.path(), &["answers", "run", "--publish", "/proc/splitsum"]);
-    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("where this user may write"), "{}", stderr(&output));
+    assert_ends(
+        &splitsum(root.path(), &["answers", "run", "--publish", "/proc/splitsum"]),
+        2,
+        &["where this user may write"],
+    );
 }
 
 #[cfg(unix)]

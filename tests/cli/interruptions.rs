@@ -2,7 +2,7 @@
 //! device there is; without one the tests skip with a line.
 
 use super::end_to_end::folder;
-use super::{command, splitsum, stderr};
+use super::{assert_ends, command, splitsum, stderr};
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
@@ -143,9 +143,7 @@ fn a_full_disk_ends_the_run_and_more_room_lets_it_go_on() {
         eprintln!("skipped: a small file system cannot be mounted (needs root)");
         return;
     };
-    let output = splitsum(dir.path(), &["run", "tiny.toml", "--out", "disk/run"]);
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    assert!(stderr(&output).contains("No space left"), "{}", stderr(&output));
+    assert_ends(&splitsum(dir.path(), &["run", "tiny.toml", "--out", "disk/run"]), 1, &["No space left"]);
     disk.enlarge(65536);
     run_to(dir.path(), "disk/run");
     run_to(dir.path(), "whole");

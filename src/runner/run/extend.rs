@@ -5,7 +5,7 @@
 //! killed extension is no run lost. Timings are kept block by block: a block is a set of configurations timed in the same rounds, and one that
 //! has a new member is timed anew as a whole ([`super::timed`]).
 
-use super::{MakeRenderer, Outcome, Progress, RunError, RunOptions, opened, run_with};
+use super::{Progress, RunOptions};
 use crate::files::names_in;
 use crate::runner::frozen::EXPERIMENT_FILE;
 use crate::runner::images;
@@ -16,24 +16,8 @@ use crate::runner::store::{Extension, Store, StoreError};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// As [`super::run`], but a folder that holds a run of another plan of the same experiment, each of whose cells is in this one, is made a run
-/// of this plan first.
-pub fn run_extended(
-    plan: &Plan,
-    make_renderer: &mut MakeRenderer,
-    options: &RunOptions,
-    progress: &mut dyn Progress,
-) -> Result<Outcome, RunError> {
-    if Store::at(&options.dir).extension(plan)?.is_none() {
-        return run_with(plan, None, make_renderer, options, progress);
-    }
-    // A run that cannot be finished is not begun.
-    let renderer = opened(plan, make_renderer)?;
-    extend(plan, options, progress)?;
-    run_with(plan, Some(renderer), make_renderer, options, progress)
-}
-
-fn extend(plan: &Plan, options: &RunOptions, progress: &mut dyn Progress) -> Result<(), StoreError> {
+/// Makes a folder that holds a run of another plan of the same experiment, each of whose cells is in this one, a run of this plan.
+pub(super) fn extend(plan: &Plan, options: &RunOptions, progress: &mut dyn Progress) -> Result<(), StoreError> {
     let store = Store::held(&options.dir)?;
     // Another run may have changed the folder between the check and the lock.
     let Some(extension) = store.extension(plan)? else { return Ok(()) };

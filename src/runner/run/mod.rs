@@ -6,7 +6,6 @@ mod outcome;
 mod session;
 mod timed;
 
-pub use extend::run_extended;
 pub use outcome::{Outcome, RunError, Share, ShareOutcome, Work};
 
 use crate::files::holds;
@@ -37,6 +36,8 @@ pub struct RunOptions<'a> {
     pub stop: &'a AtomicBool,
     /// The command line, for the provenance.
     pub command_line: Vec<String>,
+    /// Where the folder holds a run of another plan of the same experiment, each of whose cells is in this one, goes on from it.
+    pub extend: bool,
     /// Ends the run at the first cell that fails, instead of going on with the others.
     pub fail_fast: bool,
     /// Writes the timed passes as a Chrome trace, `trace.json`.
@@ -66,25 +67,18 @@ pub fn run(
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<Outcome, RunError> {
-    run_with(plan, None, make_renderer, options, progress)
-}
-
-/// As [`run`], with the renderer where there is one already.
-fn run_with(
-    plan: &Plan,
-    renderer: Option<Box<dyn Renderer>>,
-    make_renderer: &mut MakeRenderer,
-    options: &RunOptions,
-    progress: &mut dyn Progress,
-) -> Result<Outcome, RunError> {
     let started = Instant::now();
-    // A new run leaves nothing behind when there is no device.
     let folder = Store::at(&options.dir);
-    folder.check_identity(plan)?;
-    let mut renderer = match renderer {
-        None if !folder.provenance_path().exists() => Some(opened(plan, make_renderer)?),
-        renderer => renderer,
-    };
+    let is_extended = options.extend && folder.extension(plan)?.is_some();
+    if !is_extended {
+        folder.check_identity(plan)?;
+    }
+    // A new run leaves nothing behind when there is no device, and one that cannot be finished is not begun.
+    let is_new = is_extended || !folder.provenance_path().exists();
+    let mut renderer = if is_new { Some(opened(plan, make_renderer)?) } else { None };
+    if is_extended {
+        extend::extend(plan, options, progress)?;
+    }
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
     run.freeze_again(progress)?;
@@ -92,12 +86,11 @@ fn run_with(
     let steps_left = run.steps_left();
     progress.start(plan.cells.len() + run.jobs.len(), plan.cells.len() + run.jobs.len() - steps_left);
     if steps_left > 0 {
-        let renderer = match renderer.take() {
+        let mut renderer = match renderer.take() {
             Some(renderer) => renderer,
             None => opened(plan, make_renderer)?,
         };
         run.begin_session(&renderer.device())?;
-        let mut renderer = renderer;
         let result = run.work(renderer.as_mut(), progress);
         // What is done is kept also when the device was lost.
         run.write_tables()?;
@@ -176,10 +169,10 @@ impl<'p> Run<'p> {
         let mut unusable = Vec::new();
         for cell in &plan.cells {
             match store.whole_cell(&cell.id) {
-                Ok(Some(record)) if !record.scores.are_all() => unusable.push(store.cell_path(&cell.id)),
+                Ok(Some(record)) if !record.has_all_scores() => unusable.push(store.cell_path(&cell.id)),
                 Ok(Some(mut record)) => {
                     recorded_hashes.insert(cell.id.clone(), std::mem::take(&mut record.files));
-                    results.insert(cell.id.clone(), CellResult::Done(Box::new(record.into())));
+                    results.insert(cell.id.clone(), CellResult::Done(Box::new(record.in_memory())));
                 }
                 Ok(None) => {}
                 Err(error) if error.is_unusable_record() => unusable.push(store.cell_path(&cell.id)),
@@ -274,7 +267,7 @@ impl<'p> Run<'p> {
     }
 
     fn remember(&mut self, record: CellRecord) {
-        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(record.into())));
+        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(record.in_memory())));
     }
 
     fn fail(&mut self, cells: &[&Cell], reason: &str, progress: &mut dyn Progress) -> Result<(), RunError> {

@@ -106,10 +106,7 @@ impl<'p> Run<'p> {
 
 impl Timed<'_> {
     fn sample(&self, warmup: u32, rounds: u32, renderer: &mut dyn Renderer) -> Result<TimingSamples, RenderFault> {
-        match self.job.phase {
-            timing::PRECOMPUTE => renderer.time_precompute(&self.request, warmup, rounds),
-            _ => renderer.time(&self.request, warmup, rounds),
-        }
+        renderer.time(&self.request, self.job.phase == timing::PRECOMPUTE, warmup, rounds)
     }
 
     fn warm_up(&mut self, warmup: Warmup, renderer: &mut dyn Renderer) -> Result<(), RenderFault> {

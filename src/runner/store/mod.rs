@@ -4,9 +4,7 @@ mod fault;
 mod identity;
 mod lock;
 
-pub use super::record::{
-    BinRecord, CellOutcome, CellRecord, Exact, FailureRecord, ReferenceStop, Scores, Spent, StopReason,
-};
+pub use super::record::{BinRecord, CellRecord, Exact, FailureRecord, ReferenceStop, Scores, Spent, StopReason};
 pub use fault::StoreError;
 pub use identity::Extension;
 

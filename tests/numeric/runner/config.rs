@@ -94,15 +94,8 @@ fn columns_count_characters_not_bytes() {
 }
 
 #[test]
-fn broken_toml_and_missing_keys_are_faults_with_places() {
+fn a_parameter_is_fixed_or_swept_but_not_both_and_some_keys_must_be() {
     assert_faults(&faults("question = \"?\"\n", &[]), &["e.toml:1:1: axes is missing", "e.toml:1:1: name is missing"]);
-    let found = faults("name = \"x\"\nname = \"y\"\n[axes]\nalpha = [0.1\n", &[]);
-    assert!(found.iter().any(|f| f.starts_with("e.toml:2:1: not TOML: ")), "{found:#?}");
-    assert!(found.iter().any(|f| f.starts_with("e.toml:4:") || f.starts_with("e.toml:5:")), "{found:#?}");
-}
-
-#[test]
-fn a_parameter_is_fixed_or_swept_but_not_both() {
     let text =
         "name = \"x\"\nscene = \"sphere\"\n[precompute]\ndfg_size = 8\n[axes]\ndfg_size = [8]\nscene = [\"sphere\"]\n";
     assert_faults(
@@ -128,10 +121,11 @@ fn numbers_that_are_not_finite_are_outside_every_range() {
 fn overrides_replace_an_axis_and_are_checked_like_the_file() {
     let text = "name = \"x\"\n[axes]\nalpha = [0.1, 0.2]\n";
     assert_faults(
-        &faults(text, &["alpha=2", "alfa=1", "nonsense", "samples=4,4"]),
+        &faults(text, &["alpha=2", "alfa=1", "nonsense", "samples=4,4", "brdf=ggx", "brdf=phong"]),
         &[
             "--set alfa: axes.alfa is unknown; did you mean \"alpha\"?",
             "--set alpha: axes.alpha: 2 is outside (0, 1]",
+            "--set brdf: stands twice; give all values at once: --set brdf=v1,v2",
             "--set nonsense: is not axis=value",
             "--set samples: axes.samples: 4 stands twice",
         ],
@@ -140,15 +134,6 @@ fn overrides_replace_an_axis_and_are_checked_like_the_file() {
     let points: Vec<String> =
         plan.cells.iter().map(|c| format!("{} {}", c.point.get("alpha"), c.point.get("f0"))).collect();
     assert_eq!(points, ["0.5 0.04", "0.5 1:0.5:0"]);
-}
-
-#[test]
-fn an_axis_is_set_once_on_the_command_line() {
-    let text = "name = \"x\"\n[axes]\nalpha = [0.1, 0.2]\n";
-    assert_faults(
-        &faults(text, &["alpha=0.5", "brdf=ggx", "alpha=0.7"]),
-        &["--set alpha: stands twice; give all values at once: --set alpha=v1,v2"],
-    );
 }
 
 #[test]
@@ -204,19 +189,6 @@ fn a_reference_takes_whole_scrambles_only() {
     };
     assert_faults(&faults(&other(diffuse), &[]), &["e.toml:2:25: reference.samples: 100 samples"]);
     assert_faults(&faults(&other("diffuse = [\"none\"]\n"), &[]), &[]);
-}
-
-#[test]
-fn names_that_stand_twice_are_named() {
-    let text = "name = \"x\"\n[axes]\nalpha = [0.1]\nalpha = [0.2]\nbrdf = [\"ggx\", \"ggx\"]\nscene = [\"no.obj\"]\n";
-    let found = faults(text, &[]);
-    for expected in [
-        "e.toml:4:1: not TOML: the key alpha stands twice",
-        "e.toml:5:16: axes.brdf: ggx stands twice",
-        "e.toml:6:10: no.obj: ",
-    ] {
-        assert!(found.iter().any(|fault| fault.starts_with(expected)), "{expected:?}: {found:#?}");
-    }
 }
 
 #[test]
