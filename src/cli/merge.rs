@@ -64,8 +64,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     for hole in &merged.holes {
         let _ = writeln!(text, "to fill it: splitsum run --plan {plan} --chunk {} --store {store}", hole.chunk);
     }
-    text.extend(failed.map(|failure| failure.to_string()));
-    Err(Failure::CellsFailed(text.trim_end().to_owned()))
+    text.extend(failed.map(|failure| failure.text));
+    Err(Failure::cells_failed(text.trim_end().to_owned()))
 }
 
 fn words(hole: &Hole) -> String {

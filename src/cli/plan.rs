@@ -91,7 +91,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let stranger = stranger.display();
         let text =
             format!("--from: {stranger} holds no run; expected a folder with {CELLS_FOLDER}/ or {CHUNKS_FOLDER}/");
-        return Err(Failure::BadInput(text));
+        return Err(Failure::input(text));
     }
     let folders: Vec<PathBuf> = std::iter::once(dir.clone()).chain(arguments.from.iter().cloned()).collect();
     let (cache, device) = (&arguments.cache, arguments.device);
@@ -119,7 +119,7 @@ fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -
     }
     if arguments.subject.clamp_invalid {
         let text = "--clamp-invalid: a plan file does not keep it; expected environments without invalid texels";
-        return Err(Failure::BadInput(text.to_owned()));
+        return Err(Failure::input(text.to_owned()));
     }
     let prices = Prices::stated(arguments.samples_per_second.unwrap_or(SAMPLES_PER_SECOND));
     let file = PlanFile::new(plan, path.parent().unwrap_or(Path::new("")), seconds, prices);

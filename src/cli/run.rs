@@ -70,7 +70,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         (_, Some(plan), Some(chunk), Some(store)) => execute_chunk(arguments, plan, chunk, store),
         (Some(subject), ..) => execute_whole(arguments, subject),
         // The parser lets nothing else through.
-        _ => Err(Failure::BadInput("expected an experiment file, or --plan, --chunk and --store".to_owned())),
+        _ => Err(Failure::input("expected an experiment file, or --plan, --chunk and --store".to_owned())),
     }
 }
 
@@ -82,7 +82,7 @@ fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure
     }
     if arguments.trace && plan.config.timing.is_none() {
         let file = plan.config.path.display();
-        return Err(Failure::BadInput(format!("--trace: {file} times nothing; expected a [timing] section")));
+        return Err(Failure::input(format!("--trace: {file} times nothing; expected a [timing] section")));
     }
     let mut progress = begin(&plan)?;
     let options = options(arguments, subject.dir(&plan));
@@ -144,11 +144,11 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
 fn cells_failed(failures: &[FailureRecord], cell_count: usize) -> Option<Failure> {
     let lines: Vec<String> = failures.iter().map(|f| format!("  {} {}: {}", f.cell, f.label, f.reason)).collect();
     let text = format!("{} of {cell_count} cells failed:\n{}", failures.len(), lines.join("\n"));
-    (!failures.is_empty()).then_some(Failure::CellsFailed(text))
+    (!failures.is_empty()).then_some(Failure::cells_failed(text))
 }
 
 fn stopped() -> Failure {
-    Failure::Failed(format!("stopped; to go on: {}", std::env::args().collect::<Vec<_>>().join(" ")))
+    Failure::failed(format!("stopped; to go on: {}", std::env::args().collect::<Vec<_>>().join(" ")))
 }
 
 /// Opens the device, with the cache beside it.

@@ -274,23 +274,13 @@ fn a_run_without_a_device_leaves_nothing_behind() {
     let dir = tempfile::tempdir().unwrap();
     let text = "name = \"x\"\nquestion = \"?\"\nsize = [8, 8]\n[axes]\nenvironment = [\"builtin:constant\"]\nmethod = [\"split-sum\"]\n";
     std::fs::write(dir.path().join("x.toml"), text).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_splitsum"))
-        .current_dir(dir.path())
-        .args(["run", "x.toml", "--out", "out"])
-        .env("VK_DRIVER_FILES", "/nonexistent")
-        .env("VK_ICD_FILENAMES", "/nonexistent")
-        .output()
-        .unwrap();
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(message.contains("Vulkan"), "{message}");
+    let mut blind = command(dir.path(), &["run", "x.toml", "--out", "out"]);
+    blind.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
+    assert_ends(&blind.output().unwrap(), 2, &["Vulkan"]);
     assert!(!dir.path().join("out").exists());
 
     std::fs::write(dir.path().join("file"), "").unwrap();
-    let output = splitsum(dir.path(), &["run", "x.toml", "--out", "file"]);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(message.contains("file: is a file; expected a folder"), "{message}");
+    assert_ends(&splitsum(dir.path(), &["run", "x.toml", "--out", "file"]), 2, &["file: is a file; expected a folder"]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! device there is; without one the tests skip with a line.
 
 use super::end_to_end::{EXPERIMENT, folder};
-use super::{command, splitsum, stderr, stdout};
+use super::{command, ok, splitsum, stderr, stdout};
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
@@ -70,8 +70,7 @@ fn chunks_side_by_side_killed_and_repeated_make_the_run_of_one_machine() {
     for chunk in 2..count {
         let chunk = chunk.to_string();
         let arguments = ["run", "--plan", "../plan.json", "--chunk", &chunk, "--store", "../store"];
-        let output = splitsum(&dir.join("elsewhere"), &arguments);
-        assert!(output.status.success(), "{}", stderr(&output));
+        ok(&dir.join("elsewhere"), &arguments);
     }
     let (code, text) = merge(dir);
     assert_eq!(code, Some(0), "{text}");

@@ -1,6 +1,6 @@
 //! A tiny experiment through the binary on whatever Vulkan device there is; without one the tests skip with a line.
 
-use super::{assert_ends, command, entries, splitsum, stderr, stdout};
+use super::{assert_ends, command, entries, ok, splitsum, stderr, stdout};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
@@ -190,8 +190,7 @@ fn a_run_extended_ends_like_one_of_the_larger_plan() {
     // The experiment that the run keeps is run again from another folder, to the same bytes.
     let elsewhere = tempfile::tempdir().unwrap();
     let frozen = dir.path().join("runs/tiny/experiment.toml").display().to_string();
-    let output = splitsum(elsewhere.path(), &["run", &frozen, "--out", "again"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    ok(elsewhere.path(), &["run", &frozen, "--out", "again"]);
     assert!(std::fs::read(elsewhere.path().join("again/errors.csv")).unwrap() == errors(dir.path()));
 }
 
@@ -235,8 +234,7 @@ fn render_writes_what_compare_reads() {
     let render = |method: &str, out: &str| {
         let arguments =
             ["render", "--size", "32x32", "--environment", "builtin:gradient", "--alpha", "0.5", "--method", method];
-        let output = splitsum(dir.path(), &[arguments.as_slice(), &["--out", out]].concat());
-        assert!(output.status.success(), "{}", stderr(&output));
+        ok(dir.path(), &[arguments.as_slice(), &["--out", out]].concat());
     };
     render("sampled", "a.exr");
     render("split-sum", "b.exr");

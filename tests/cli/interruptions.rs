@@ -2,7 +2,7 @@
 //! device there is; without one the tests skip with a line.
 
 use super::end_to_end::folder;
-use super::{assert_ends, command, splitsum, stderr};
+use super::{assert_ends, command, ok, splitsum, stderr};
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
@@ -10,8 +10,7 @@ use std::time::{Duration, Instant};
 const KILLS: usize = 20;
 
 fn run_to(dir: &Path, out: &str) {
-    let output = splitsum(dir, &["run", "tiny.toml", "--out", out]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    ok(dir, &["run", "tiny.toml", "--out", out]);
 }
 
 fn table(dir: &Path, out: &str, name: &str) -> Vec<u8> {

@@ -35,6 +35,13 @@ fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
+/// What a command that must succeed prints.
+fn ok(dir: &std::path::Path, arguments: &[&str]) -> String {
+    let output = splitsum(dir, arguments);
+    assert!(output.status.success(), "{}", stderr(&output));
+    stdout(&output)
+}
+
 /// An exit code, parts of the message, and no panic.
 fn assert_ends(output: &Output, code: i32, parts: &[&str]) {
     let message = stderr(output);
