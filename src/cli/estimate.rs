@@ -33,12 +33,12 @@ pub struct Question<'a> {
 /// The cost of these cells and timings of a plan.
 pub fn estimated(plan: &Plan, asked: &Question) -> Result<Estimated, Failure> {
     let (info, cache) = device_and_cache(asked)?;
-    let is_there = |cell: &&&Cell| {
+    let is_there = |cell: &&Cell| {
         let request = plan.reference_request(&plan.reference_point(&cell.point));
         cache.as_ref().is_some_and(|cache| is_kept(cache, &request))
     };
     let first_of_each: BTreeMap<&str, &Cell> = asked.open.iter().map(|cell| (cell.reference.as_str(), *cell)).collect();
-    let kept = first_of_each.iter().filter(|(_, cell)| is_there(&cell)).map(|(id, _)| *id).collect::<BTreeSet<_>>();
+    let kept = first_of_each.iter().filter(|(_, cell)| is_there(cell)).map(|(id, _)| *id).collect::<BTreeSet<_>>();
     let work = items(plan, asked.open, asked.jobs, &kept);
     let mut notes = Vec::new();
     let speeds = sources(plan, asked, &work, info.as_ref(), &mut notes);

@@ -93,12 +93,10 @@ impl Config {
     /// its zip is faulty.
     fn zipped_with(&self, axis: usize) -> Vec<usize> {
         let Some(zip) = self.zips.iter().find(|zip| zip.axes.contains(&axis)) else { return Vec::new() };
-        let of = |axis: &usize| self.axes.iter().find(|sweep| sweep.axis == *axis);
-        let lengths: Vec<Option<[usize; 2]>> =
-            zip.axes.iter().map(|axis| of(axis).map(|sweep| [sweep.values.len(), sweep.written])).collect();
-        let whole = lengths.iter().all(|length| length.is_some_and(|[n, written]| n == written));
-        let equal = lengths.windows(2).all(|pair| pair[0] == pair[1]);
-        if whole && equal { zip.axes.clone() } else { Vec::new() }
+        let sweeps: Option<Vec<&Sweep>> = zip.axes.iter().map(|&axis| self.sweep(axis)).collect();
+        let is_whole =
+            |sweeps: Vec<&Sweep>| sweeps.iter().all(|s| [s.values.len(), s.written] == [sweeps[0].written; 2]);
+        if sweeps.is_some_and(is_whole) { zip.axes.clone() } else { Vec::new() }
     }
 
     /// Keeps the rows of zipped axes in which the axis of `wanted` has one of its values.

@@ -80,20 +80,17 @@ const OF_THE_FILE: [&str; 9] = [
     "environment_files",
 ];
 
-/// Whether the provenance in the folder `dir` tells the text of `plan`, and the folders of its files, as they are now.
-pub(super) fn names_experiment(value: &Value, plan: &Plan, dir: &Path) -> bool {
-    let new = provenance(plan, dir);
+/// The provenance in the folder `dir` with the text of `plan`, which has the same cells, and the folders of its files as they are now; `None`
+/// where it tells them already.
+pub(super) fn of_now(mut value: Value, plan: &Plan, dir: &Path) -> Option<Value> {
+    let mut new = provenance(plan, dir);
     let is_same = |key: &&str| value.get(*key) == new.get(*key) || value.get(*key).is_none() && new[*key].is_null();
     // The file may be named in another way, by another text of the command line.
-    OF_THE_FILE.iter().filter(|key| **key != "experiment_file" && **key != "overrides").all(is_same)
-}
-
-/// Puts the experiment's text of `plan`, which has the same cells, in the place of the one that the provenance in the folder `dir` names.
-pub(super) fn name_experiment(value: &mut Value, plan: &Plan, dir: &Path) {
-    let mut new = provenance(plan, dir);
-    for key in OF_THE_FILE {
-        value[key] = new[key].take();
+    if OF_THE_FILE.iter().filter(|key| **key != "experiment_file" && **key != "overrides").all(is_same) {
+        return None;
     }
+    OF_THE_FILE.iter().for_each(|key| value[*key] = new[*key].take());
+    Some(value)
 }
 
 /// The provenance of a new run in the folder `dir`; `sessions` stays empty until [`session`] is added.

@@ -127,11 +127,10 @@ impl PlanFile {
         let expected = "expected a file that `splitsum plan --chunk-seconds` wrote";
         let text =
             read_text(path, PLAN_BYTES_MAX).map_err(|error| fault(format!("cannot be read ({error}); {expected}")))?;
-        let head: Head =
-            serde_json::from_str(&text).map_err(|error| fault(format!("is not a plan file ({error}); {expected}")))?;
-        if head.format.as_deref() != Some(FORMAT) {
+        let head = serde_json::from_str::<Head>(&text).ok();
+        let Some(head) = head.filter(|head| head.format.as_deref() == Some(FORMAT)) else {
             return Err(fault(format!("is not a plan file; {expected}")));
-        }
+        };
         if head.format_version != Some(FORMAT_VERSION) {
             let found = head.format_version.map_or("none".to_owned(), |version| version.to_string());
             return Err(fault(format!("has format version {found}, this program reads {FORMAT_VERSION}; {again}")));

@@ -241,7 +241,9 @@ impl<'p> Run<'p> {
 impl<'p> Desk<'p> {
     /// Waits while the queue is full. Workers that are gone have panicked, and the scope passes that on.
     fn hand_in(&self, rendered: Rendered<'p>) {
-        let _ = self.jobs.as_ref().map(|jobs| jobs.send(rendered));
+        if let Some(jobs) = &self.jobs {
+            let _ = jobs.send(rendered);
+        }
     }
 }
 

@@ -53,6 +53,9 @@ impl Progress for Steps<'_> {
     }
 }
 
+/// Method and sample count of each render.
+type Renders = Vec<(String, u32)>;
+
 /// A folder for runs of a plan.
 pub struct Bench {
     pub dir: tempfile::TempDir,
@@ -77,7 +80,7 @@ impl Bench {
     }
 
     /// Runs what is not done: what was told, and the method and sample count of each render.
-    pub fn again(&self) -> Result<(Vec<String>, Vec<(String, u32)>), RunError> {
+    pub fn again(&self) -> Result<(Vec<String>, Renders), RunError> {
         let (stop, log) = (AtomicBool::new(false), log());
         let mut steps = Steps { stop: &stop, left: usize::MAX, notes: Vec::new() };
         run(&self.plan, &mut fakes(&log) as &mut MakeRenderer, &options(self.dir.path(), &stop), &mut steps)?;
