@@ -188,21 +188,6 @@ fn an_empty_plan_has_its_own_exit_code() {
 }
 
 #[test]
-fn the_docs_have_the_exit_codes_of_the_help() {
-    let dir = tempfile::tempdir().unwrap();
-    let help = stdout(&splitsum(dir.path(), &["--help"]));
-    let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
-    let codes = words.split("Exit codes: ").nth(1).unwrap().split(" Examples:").next().unwrap();
-    let of_help: Vec<&str> = codes.split("; ").map(|code| code.split(' ').next().unwrap()).collect();
-    let page = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/running.md");
-    let page = std::fs::read_to_string(page).unwrap();
-    let rows = page.split("## Exit codes").nth(1).unwrap().split("##").next().unwrap().lines();
-    let of_page: Vec<&str> = rows.filter_map(|row| row.split('|').nth(1)).map(str::trim).collect();
-    let of_page: Vec<&str> = of_page.into_iter().filter(|code| code.parse::<u8>().is_ok()).collect();
-    assert_eq!(of_help, of_page);
-}
-
-#[test]
 fn commands_that_are_not_built_say_so() {
     assert_refused(&["view", "x"], 1, &["splitsum view is not there yet"]);
 }

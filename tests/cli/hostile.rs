@@ -40,27 +40,6 @@ fn hostile_names_reach_neither_markdown_nor_terminal() {
 }
 
 #[test]
-fn a_provenance_that_is_none_has_one_exit_code() {
-    let root = tempfile::tempdir().unwrap();
-    let dir = published(root.path(), "run");
-    let experiment = dir.join("experiment.toml").display().to_string();
-    for text in ["[1, 2, 3]", "{\"schema_version\": \"2\", \"sessions\": []}"] {
-        std::fs::write(dir.join("provenance.json"), text).unwrap();
-        for arguments in [
-            &["answers", "run"][..],
-            &["report", "run"],
-            &["run", &experiment, "--out", "run"],
-            &["plan", &experiment, "--out", "run"],
-        ] {
-            let output = splitsum(root.path(), arguments);
-            let message = stderr(&output);
-            assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-            assert!(message.contains("is not a provenance file of splitsum"), "{arguments:?}: {message}");
-        }
-    }
-}
-
-#[test]
 fn a_damaged_frozen_experiment_is_told() {
     let root = tempfile::tempdir().unwrap();
     let dir = published(root.path(), "run");

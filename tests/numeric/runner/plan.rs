@@ -147,12 +147,6 @@ fn with_all_terms_a_cell_without_one_is_judged_against_the_complete_image() {
 }
 
 #[test]
-fn a_plan_may_be_empty() {
-    let plan = plan("name = \"x\"\n[axes]\nalpha = [0.1]\n[[exclude]]\nalpha = 0.1\nwhy = \"all\"\n");
-    assert_eq!((plan.cells.len(), plan.excluded[0]), (0, 1));
-}
-
-#[test]
 fn what_a_method_ignores_collapses() {
     let cells = |head: &str, axes: &str| plan(&format!("name = \"x\"\n{head}\n[axes]\n{axes}\n")).cells.len();
     let tables = "dfg_size = [8, 16]\nprefilter_sample_count = [1, 2, 3]\nirradiance_sample_count = [[4, 4], [8, 8]]";

@@ -95,18 +95,6 @@ fn a_sheet_that_would_be_too_wide_is_split_between_methods() {
 }
 
 #[test]
-fn a_method_that_ignores_an_axis_stands_beside_every_value_of_it() {
-    let text = "name = \"x\"\nsize = [16, 16]\nreference = { samples = 32 }\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
-                diffuse = [\"none\"]\nsamples = [1, 16]\ndfg_size = [16, 32, 64]\n";
-    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(text));
-    assert_eq!(plan.cells.len(), 2 + 3);
-    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
-    let summary = summary(dir.path());
-    let lead = summary.lines().find(|line| line.contains("split-sum")).unwrap();
-    assert!(lead.contains("16") && lead.contains("3 cases"), "{summary}");
-}
-
-#[test]
 fn repeats_part_bias_from_variance() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[bias_variance]\nrepeats = 8\n")));
     let log = log();
