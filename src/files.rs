@@ -52,6 +52,14 @@ fn read_at_most(file: File, most_bytes: u64) -> Result<Vec<u8>> {
     if bytes.len() as u64 > most_bytes { Err(too_large()) } else { Ok(bytes) }
 }
 
+/// The names in a folder, in order; none where it cannot be read.
+pub fn names_in(dir: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
 /// Whether `path` is a regular file of this content.
 pub fn holds(path: &Path, content: &[u8]) -> bool {
     let length = content.len() as u64;

@@ -42,8 +42,10 @@ fn known_metric(name: &str) -> Result<String, String> {
     }
 }
 
-fn publish_failure(error: PublishError) -> Failure {
-    if error.is_misuse() { Failure::input(error) } else { Failure::failed(error) }
+impl From<PublishError> for Failure {
+    fn from(error: PublishError) -> Self {
+        Self::of(error.is_misuse(), error)
+    }
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -53,8 +55,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             arguments.dirs.iter().filter_map(|dir| check(dir, into, arguments.replace).err()).collect();
         if !faults.is_empty() {
             let text = faults.iter().map(PublishError::to_string).collect::<Vec<_>>().join("\n");
-            let is_misuse = faults.iter().all(PublishError::is_misuse);
-            return Err(if is_misuse { Failure::BadInput(text) } else { Failure::Failed(text) });
+            return Err(Failure::of(faults.iter().all(PublishError::is_misuse), text));
         }
     }
     let mut published = BTreeMap::new();
@@ -66,7 +67,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let written = Written::new(&run, &answers(&run, arguments.metric.as_deref())).map_err(Failure::failed)?;
         if let Some(note) = run.under_way_note() {
             if arguments.publish.is_some() {
-                return Err(Failure::BadInput(format!("{note}; expected a finished run to publish")));
+                return Err(Failure::input(format!("{note}; expected a finished run to publish")));
             }
             print(&format!("{}\n{note}; nothing is written before the run's end\n", written.summary))?;
             continue;
@@ -78,8 +79,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let Some(into) = &arguments.publish else { return Ok(()) };
-    let page = write_page(into).map_err(publish_failure)?;
-    let readme = write_readme(into).map_err(publish_failure)?;
+    let page = write_page(into)?;
+    let readme = write_readme(into)?;
     let names = std::iter::once(page).chain(readme).map(|path| path.display().to_string());
     print(&format!("Written {}\n", names.collect::<Vec<_>>().join(", ")))
 }
@@ -93,9 +94,9 @@ fn publish_one<'a>(
 ) -> Result<(), Failure> {
     if let Some(other) = published.insert(name.to_owned(), dir) {
         let (dir, other) = (dir.display(), other.display());
-        return Err(Failure::BadInput(format!(
+        return Err(Failure::input(format!(
             "{dir}: {name} was just published from {other}; expected runs of different names, since the folder there is the name"
         )));
     }
-    publish(dir, into, replace).map_err(publish_failure)?.iter().try_for_each(|note| print(&format!("{note}\n")))
+    publish(dir, into, replace)?.iter().try_for_each(|note| print(&format!("{note}\n")))
 }

@@ -45,16 +45,16 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut point = Point::default();
     for (index, (axis, value)) in arguments.settings.iter().enumerate() {
         if arguments.settings[..index].iter().any(|(earlier, _)| earlier == axis) {
-            return Err(Failure::BadInput(format!("--set {}: stands twice; expected one value", AXES[*axis].name)));
+            return Err(Failure::input(format!("--set {}: stands twice; expected one value", AXES[*axis].name)));
         }
         point[*axis] = value.clone();
     }
     let has_model = arguments.settings.iter().any(|(axis, _)| *axis == BRDF);
     let settings = point.settings();
-    settings.precompute.validate().map_err(|error| Failure::BadInput(format!("--set: {error}")))?;
+    settings.precompute.validate().map_err(|error| Failure::input(format!("--set: {error}")))?;
     let mut pipeline = open_device(arguments.device).map_err(Failure::opening)?;
     std::fs::create_dir_all(&arguments.out)
-        .map_err(|error| Failure::BadInput(format!("--out: {} cannot be made: {error}", arguments.out.display())))?;
+        .map_err(|error| Failure::input(format!("--out: {} cannot be made: {error}", arguments.out.display())))?;
     let request = BakeRequest {
         environment: Arc::new(environment),
         precompute: settings.precompute,

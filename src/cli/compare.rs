@@ -47,7 +47,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let test = read(&arguments.test)?;
     let [width, height] = [test.rgb.width, test.rgb.height];
     if u64::from(width) * u64::from(height) > COMPARED_PIXELS_MAX {
-        return Err(Failure::BadInput(format!(
+        return Err(Failure::input(format!(
             "{}: {width}x{height} pixels, whose metrics take {} MiB of memory; expected at most {COMPARED_PIXELS_MAX} pixels, such as 3840x2160",
             arguments.test.display(),
             (u64::from(width) * u64::from(height) * 180) >> 20
@@ -62,7 +62,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let curve = ToneCurve { exposure: arguments.exposure as f32, contrast: arguments.contrast as f32 };
     let comparison = Comparison::new(&test.rgb, &reference.rgb, &mask, curve).map_err(|error| {
         let (test, reference) = (arguments.test.display(), arguments.reference.display());
-        Failure::BadInput(format!("{test} against {reference}, masked by {mask_source}: {error}"))
+        Failure::input(format!("{test} against {reference}, masked by {mask_source}: {error}"))
     })?;
     let scores = comparison.evaluate_all();
     if arguments.json {

@@ -9,7 +9,7 @@ use splitsum::runner::estimate::{
 };
 use splitsum::runner::timing::TimingJob;
 use splitsum::runner::{Cell, Plan, RenderFault};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -33,13 +33,12 @@ pub struct Question<'a> {
 /// The cost of these cells and timings of a plan.
 pub fn estimated(plan: &Plan, asked: &Question) -> Result<Estimated, Failure> {
     let (info, cache) = device_and_cache(asked)?;
-    let mut kept: BTreeSet<&str> = BTreeSet::new();
-    for cell in asked.open {
-        let is_there = |cache: &DiskCache| is_kept(cache, &plan.reference_request(&plan.reference_point(&cell.point)));
-        if !kept.contains(cell.reference.as_str()) && cache.as_ref().is_some_and(is_there) {
-            kept.insert(&cell.reference);
-        }
-    }
+    let is_there = |cell: &&Cell| {
+        let request = plan.reference_request(&plan.reference_point(&cell.point));
+        cache.as_ref().is_some_and(|cache| is_kept(cache, &request))
+    };
+    let first_of_each: BTreeMap<&str, &Cell> = asked.open.iter().map(|cell| (cell.reference.as_str(), *cell)).collect();
+    let kept = first_of_each.iter().filter(|(_, cell)| is_there(cell)).map(|(id, _)| *id).collect::<BTreeSet<_>>();
     let work = items(plan, asked.open, asked.jobs, &kept);
     let mut notes = Vec::new();
     let speeds = sources(plan, asked, &work, info.as_ref(), &mut notes);
@@ -52,9 +51,8 @@ pub fn estimated(plan: &Plan, asked: &Question) -> Result<Estimated, Failure> {
     }
     let estimate = estimate(plan, asked.open, &work, &speeds, host);
     if estimate.parts.iter().any(|(_, part)| part.sources.contains_key(&Source::Constants) && part.seconds > 0.5) {
-        notes.push(
-            "constants: a guess, the speed of a software driver on 2 cores; nothing of it was measured here".to_owned(),
-        );
+        let text = "constants: a guess, the speed of a software driver on 2 cores; nothing of it was measured here";
+        notes.push(text.to_owned());
     }
     Ok(Estimated { estimate, notes })
 }
@@ -82,30 +80,24 @@ fn sources(
     info: Option<&DeviceInfo>,
     notes: &mut Vec<String>,
 ) -> Vec<(Source, Speeds)> {
-    let found = recorded(plan, asked.folders, info);
-    if found.count > 0 {
-        notes.push(format!("records: {} cells and timings in {}", found.count, listed(asked.folders)));
+    let (recorded, count) = recorded(plan, asked.folders, info);
+    if count > 0 {
+        let folders: Vec<String> = asked.folders.iter().map(|folder| folder.display().to_string()).collect();
+        notes.push(format!("records: {count} cells and timings in {}", folders.join(", ")));
     }
-    let needs_more = lack(&found.speeds, work);
-    let mut speeds = vec![(Source::Records, found.speeds)];
-    match info.filter(|_| needs_more) {
-        Some(info) => match probed(plan, asked.device) {
-            Ok(Some((found, note))) => {
-                notes.push(format!("probe: {} ({}) draws {note}", info.name, info.driver));
-                speeds.push((Source::Probe, found));
-            }
-            Ok(None) => {}
-            Err(fault) => notes.push(format!("no probe: {fault}")),
-        },
+    let needs_more = lack(&recorded, work);
+    let mut speeds = vec![(Source::Records, recorded)];
+    match info.filter(|_| needs_more).map(|info| (info, probed(plan, asked.device))) {
+        Some((info, Ok(Some((found, note))))) => {
+            notes.push(format!("probe: {} ({}) draws {note}", info.name, info.driver));
+            speeds.push((Source::Probe, found));
+        }
+        Some((_, Err(fault))) => notes.push(format!("no probe: {fault}")),
         None if needs_more => notes.push("no device answers, so nothing was measured".to_owned()),
-        None => {}
+        Some((_, Ok(None))) | None => {}
     }
     speeds.push((Source::Constants, constants()));
     speeds
-}
-
-fn listed(folders: &[PathBuf]) -> String {
-    folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
 /// The speeds of the device by a probe, with a word on it; `None` for a plan without cells.

@@ -61,19 +61,19 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.seed0_literal && arguments.kind != Kind::Shading {
         let kind = arguments.kind.columns().name;
-        return Err(Failure::BadInput(format!("--seed0-literal: --kind is {kind}; expected shading")));
+        return Err(Failure::input(format!("--seed0-literal: --kind is {kind}; expected shading")));
     }
     if let Some(out) = &arguments.out {
         let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !folder.is_dir() {
-            return Err(Failure::BadInput(format!("--out: there is no folder {}", folder.display())));
+            return Err(Failure::input(format!("--out: there is no folder {}", folder.display())));
         }
     }
     let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
     let queries = Queries::read(&arguments.queries, arguments.kind, &options).map_err(Failure::input)?;
     queries.warnings().for_each(|(name, warning)| super::warn(name, warning));
     if queries.is_empty() {
-        return Err(Failure::NothingToDo(format!("{}: no query below the header", arguments.queries.display())));
+        return Err(Failure::nothing_to_do(format!("{}: no query below the header", arguments.queries.display())));
     }
     // Drawn on a terminal only.
     let bar = ProgressBar::new(queries.len() as u64).with_style(
@@ -85,7 +85,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     bar.finish_and_clear();
     if let Some(row) = answers.not_finite.first() {
         let (path, count) = (arguments.queries.display(), answers.not_finite.len());
-        return Err(Failure::Failed(format!(
+        return Err(Failure::failed(format!(
             "{path}: the answer to query {row} is not finite ({count} in all): a cosine or width too small for f64"
         )));
     }

@@ -11,5 +11,5 @@ pub struct Arguments {
 }
 
 pub fn execute(name: &str) -> Result<(), Failure> {
-    Err(Failure::Failed(format!("splitsum {name} is not there yet; `splitsum --help` lists the commands")))
+    Err(Failure::failed(format!("splitsum {name} is not there yet; `splitsum --help` lists the commands")))
 }

@@ -1,9 +1,11 @@
 //! `splitsum merge`.
 
 use super::run::conclude;
+use super::stop::STOP;
 use super::{Failure, tell};
 use clap::Args;
-use splitsum::runner::chunk::{Hole, MergeOptions, PlanFile, merge};
+use splitsum::runner::RunOptions;
+use splitsum::runner::chunk::{Hole, PlanFile, merge};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -36,13 +38,15 @@ const NAMED_CELLS: usize = 3;
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (file, plan) = PlanFile::load(&arguments.plan)?;
-    let options = MergeOptions {
-        store: arguments.store.clone(),
-        out: arguments.out.clone().unwrap_or_else(|| arguments.store.clone()),
+    let options = RunOptions {
+        dir: arguments.out.clone().unwrap_or_else(|| arguments.store.clone()),
+        stop: &STOP,
         command_line: std::env::args().collect(),
+        extend: false,
+        fail_fast: false,
         trace: arguments.trace,
     };
-    let merged = merge(&file, &plan, &options)?;
+    let merged = merge(&file, &plan, &arguments.store, &options)?;
     for note in &merged.notes {
         tell(&format!("warning: {note}"));
     }
@@ -60,8 +64,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     for hole in &merged.holes {
         let _ = writeln!(text, "to fill it: splitsum run --plan {plan} --chunk {} --store {store}", hole.chunk);
     }
-    text.extend(failed.map(|failure| failure.to_string()));
-    Err(Failure::CellsFailed(text.trim_end().to_owned()))
+    text.extend(failed.map(|failure| failure.text));
+    Err(Failure::cells_failed(text.trim_end().to_owned()))
 }
 
 fn words(hole: &Hole) -> String {

@@ -60,58 +60,53 @@ enum Command {
     View(later::Arguments),
 }
 
-/// Why a command did not end well; each kind has its exit code.
-#[derive(Debug, thiserror::Error)]
-enum Failure {
-    /// Exit code 1.
-    #[error("{0}")]
-    Failed(String),
-    /// Exit code 2.
-    #[error("{0}")]
-    BadInput(String),
-    /// Exit code 3.
-    #[error("{0}")]
-    NothingToDo(String),
-    /// Exit code 4.
-    #[error("{0}")]
-    CellsFailed(String),
-    /// Exit code 75.
-    #[error("{0}")]
-    Passing(String),
+/// Why a command did not end well, with its exit code.
+#[derive(Debug)]
+struct Failure {
+    code: u8,
+    text: String,
 }
 
 impl Failure {
-    fn exit_code(&self) -> u8 {
-        match self {
-            Self::Failed(_) => 1,
-            Self::BadInput(_) => 2,
-            Self::NothingToDo(_) => 3,
-            Self::CellsFailed(_) => 4,
-            Self::Passing(_) => 75,
-        }
+    /// A fault of the work itself.
+    fn failed(text: impl ToString) -> Self {
+        Self { code: 1, text: text.to_string() }
     }
 
     /// A fault of what the user wrote or gave.
-    fn input(error: impl std::fmt::Display) -> Self {
-        Self::BadInput(error.to_string())
+    fn input(text: impl ToString) -> Self {
+        Self { code: 2, text: text.to_string() }
     }
 
-    /// A fault of the work itself.
-    fn failed(error: impl std::fmt::Display) -> Self {
-        Self::Failed(error.to_string())
+    /// One of the two.
+    fn of(is_misuse: bool, text: impl ToString) -> Self {
+        if is_misuse { Self::input(text) } else { Self::failed(text) }
+    }
+
+    fn nothing_to_do(text: impl ToString) -> Self {
+        Self { code: 3, text: text.to_string() }
+    }
+
+    fn cells_failed(text: impl ToString) -> Self {
+        Self { code: 4, text: text.to_string() }
+    }
+
+    /// The same command may succeed later.
+    fn passing(text: impl ToString) -> Self {
+        Self { code: 75, text: text.to_string() }
     }
 
     /// A device that cannot be opened: the host lacks what is needed, unless it was lost.
     fn opening(fault: RenderFault) -> Self {
-        if fault.device_lost { Self::Passing(fault.message) } else { Self::BadInput(fault.message) }
+        if fault.device_lost { Self::passing(fault.message) } else { Self::input(fault.message) }
     }
 
     /// A frame that cannot be made.
     fn rendering(fault: RenderFault) -> Self {
         match fault {
-            RenderFault { device_lost: true, message, .. } => Self::Passing(message),
-            RenderFault { is_input: true, message, .. } => Self::BadInput(message),
-            RenderFault { message, .. } => Self::Failed(message),
+            RenderFault { device_lost: true, message, .. } => Self::passing(message),
+            RenderFault { is_input: true, message, .. } => Self::input(message),
+            RenderFault { message, .. } => Self::failed(message),
         }
     }
 }
@@ -120,11 +115,10 @@ impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         let text = error.to_string();
         match error {
-            RunError::DeviceLost(_) => Self::Passing(text),
-            RunError::NoRenderer(_) => Self::BadInput(text),
-            RunError::Store(error) if error.is_passing() => Self::Passing(text),
-            RunError::Store(error) if error.is_misuse() => Self::BadInput(text),
-            RunError::Store(_) => Self::Failed(text),
+            RunError::DeviceLost(_) => Self::passing(text),
+            RunError::NoRenderer(_) => Self::input(text),
+            RunError::Store(error) if error.is_passing() => Self::passing(text),
+            RunError::Store(error) => Self::of(error.is_misuse(), text),
         }
     }
 }
@@ -133,8 +127,7 @@ impl From<ChunkError> for Failure {
     fn from(error: ChunkError) -> Self {
         match error {
             ChunkError::Run(error) => error.into(),
-            error if error.is_misuse() => Self::input(error),
-            error => Self::failed(error),
+            error => Self::of(error.is_misuse(), error),
         }
     }
 }
@@ -159,8 +152,8 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             // Several faults are several lines.
-            tell(&failure.to_string());
-            ExitCode::from(failure.exit_code())
+            tell(&failure.text);
+            ExitCode::from(failure.code)
         }
     }
 }
@@ -182,7 +175,7 @@ fn print_data(text: &str) -> Result<(), Failure> {
     use std::io::Write;
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Failure::Failed(format!("standard output: {error}")))
+            Err(Failure::failed(format!("standard output: {error}")))
         }
         _ => Ok(()),
     }

@@ -7,12 +7,11 @@ use super::{Failure, print, print_data, tell};
 use clap::Args;
 use serde_json::json;
 use splitsum::runner::chunk::{PlanFile, Prices};
-use splitsum::runner::estimate::{Part, SAMPLES_PER_SECOND};
+use splitsum::runner::estimate::{Part, SAMPLES_PER_SECOND, Source};
 use splitsum::runner::fault::Lines;
-use splitsum::runner::store::{CHUNKS_FOLDER, Extension, Store};
+use splitsum::runner::store::{CELLS_FOLDER, CHUNKS_FOLDER, Extension, Store, StoreError};
 use splitsum::runner::timing;
 use splitsum::runner::{Cell, Plan, RunError};
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Shows the cells of an experiment, what is left out and why, what is done, and what the rest will cost; or cuts it into chunks for several machines.
@@ -55,22 +54,16 @@ fn positive(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a number above 0".to_owned())
 }
 
-/// How far a cell is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum State {
-    Done,
-    Failed,
-    Open,
-}
+const DONE: &str = "done";
 
-impl State {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Done => "done",
-            Self::Failed => "failed",
-            Self::Open => "open",
-        }
-    }
+/// How far a cell is.
+fn state(store: &Store, cell: &Cell) -> Result<&'static str, StoreError> {
+    let failure = store.failure(&cell.id)?;
+    Ok(match (store.cell(&cell.id)?, failure) {
+        (Some(_), _) => DONE,
+        (None, Some(_)) => "failed",
+        (None, None) => "open",
+    })
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -84,23 +77,22 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let dir = arguments.subject.dir(&plan);
     let store = Store::at(&dir);
     let extension = store.extension(&plan).map_err(Failure::input)?;
-    let mut states = Vec::new();
-    for cell in &plan.cells {
-        let fault = |error| Failure::from(RunError::Store(error));
-        let failure = store.failure(&cell.id).map_err(fault)?;
-        states.push(match (store.cell(&cell.id).map_err(fault)?, failure) {
-            (Some(_), _) => State::Done,
-            (None, Some(_)) => State::Failed,
-            (None, None) => State::Open,
-        });
-    }
-    let open: Vec<&Cell> = plan.cells.iter().zip(&states).filter(|(_, s)| **s != State::Done).map(|(c, _)| c).collect();
+    let states =
+        plan.cells.iter().map(|cell| state(&store, cell)).collect::<Result<Vec<_>, _>>().map_err(RunError::from)?;
+    let open: Vec<&Cell> =
+        plan.cells.iter().zip(&states).filter(|(_, state)| **state != DONE).map(|(c, _)| c).collect();
     let jobs = timing::jobs(&plan);
     // The samples of a block belong together: one that lacks a record is timed anew as a whole.
     let blocks = jobs.chunk_by(|a, b| a.block == b.block);
     let left: Vec<_> =
         blocks.filter(|block| !block.iter().all(|job| store.has_timing(&job.id))).flatten().cloned().collect();
-    check_from(&arguments.from)?;
+    let is_run = |dir: &&PathBuf| dir.join(CELLS_FOLDER).is_dir() || dir.join(CHUNKS_FOLDER).is_dir();
+    if let Some(stranger) = arguments.from.iter().find(|dir| !is_run(dir)) {
+        let stranger = stranger.display();
+        let text =
+            format!("--from: {stranger} holds no run; expected a folder with {CELLS_FOLDER}/ or {CHUNKS_FOLDER}/");
+        return Err(Failure::input(text));
+    }
     let folders: Vec<PathBuf> = std::iter::once(dir.clone()).chain(arguments.from.iter().cloned()).collect();
     let (cache, device) = (&arguments.cache, arguments.device);
     let cost = estimated(&plan, &Question { open: &open, jobs: &left, folders: &folders, cache, device })?;
@@ -121,27 +113,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn check_from(folders: &[PathBuf]) -> Result<(), Failure> {
-    match folders.iter().find(|from| !from.join("cells").is_dir() && !from.join(CHUNKS_FOLDER).is_dir()) {
-        Some(stranger) => {
-            let stranger = stranger.display();
-            Err(Failure::BadInput(format!(
-                "--from: {stranger} holds no run; expected a folder with cells/ or {CHUNKS_FOLDER}/"
-            )))
-        }
-        None => Ok(()),
-    }
-}
-
 fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -> Result<(), Failure> {
     if plan.cells.is_empty() {
         return Err(arguments.subject.nothing_to_do());
     }
     if arguments.subject.clamp_invalid {
         let text = "--clamp-invalid: a plan file does not keep it; expected environments without invalid texels";
-        return Err(Failure::BadInput(text.to_owned()));
+        return Err(Failure::input(text.to_owned()));
     }
-    let prices = Prices::stated(plan, arguments.samples_per_second.unwrap_or(SAMPLES_PER_SECOND));
+    let prices = Prices::stated(arguments.samples_per_second.unwrap_or(SAMPLES_PER_SECOND));
     let file = PlanFile::new(plan, path.parent().unwrap_or(Path::new("")), seconds, prices);
     file.write(path)?;
     let timed: usize = file.chunks.iter().map(|chunk| chunk.timings.len()).sum();
@@ -152,10 +132,7 @@ fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -
          all together {whole:.0} s; prices: {}\nWritten to {}\n",
         file.name,
         plan.cells.len(),
-        match file.chunks.len() {
-            1 => "1 chunk".to_owned(),
-            count => format!("{count} chunks"),
-        },
+        if file.chunks.len() == 1 { "1 chunk".to_owned() } else { format!("{} chunks", file.chunks.len()) },
         file.prices.basis,
         path.display()
     ))
@@ -164,7 +141,7 @@ fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -
 /// The printed plan.
 struct Shown<'a> {
     plan: &'a Plan,
-    states: &'a [State],
+    states: &'a [&'static str],
     /// Timed configurations, and how many are done.
     timings: [usize; 2],
     /// The run of another plan in the folder, where there is one.
@@ -173,62 +150,51 @@ struct Shown<'a> {
 }
 
 impl Shown<'_> {
-    fn as_text(&self, dir: &Path) -> String {
-        let plan = self.plan;
-        let mut text = format!("{}: {}\n", plan.config.name, plan.config.question);
-        let groups = plan.groups();
-        let radiances: usize = groups.iter().map(|group| group.radiances.len()).sum();
-        let count = |state: State| self.states.iter().filter(|s| **s == state).count();
-        let _ = writeln!(
-            text,
-            "{} cells from {radiances} images and {} references; {} done, {} failed, {} open in {}",
-            plan.cells.len(),
-            groups.len(),
-            count(State::Done),
-            count(State::Failed),
-            count(State::Open),
-            dir.display()
-        );
-        if let Some(extension) = self.extension {
-            let _ = writeln!(
-                text,
-                "{} holds a run of another plan, {}; `splitsum run` with --extend keeps the {} cells that it has done",
-                dir.display(),
-                extension.from["plan_hash"].as_str().unwrap_or_default(),
-                extension.kept.len()
-            );
-        }
-        let lines = Lines::new(&plan.config.text);
-        for (exclusion, count) in plan.config.exclusions.iter().zip(&plan.excluded) {
-            let place = exclusion.place.words(&plan.config.path, &lines);
-            let _ = writeln!(text, "excluded {count} by {place}: {}", exclusion.why);
-        }
-        if plan.collapsed > 0 {
-            let _ = writeln!(
-                text,
-                "collapsed {}: they differ only in parameters that their method does not use",
-                plan.collapsed
-            );
-        }
-        if self.timings[0] > 0 {
-            let _ = writeln!(text, "{} configurations are timed; {} done", self.timings[0], self.timings[1]);
-        }
-        text += &self.cost_text();
-        for (cell, state) in plan.cells.iter().zip(self.states) {
-            let _ = writeln!(text, "{} {:6} {}", cell.id, state.name(), plan.label(cell));
-        }
-        text
+    /// Count, reason and place of each exclusion.
+    fn excluded(&self) -> impl Iterator<Item = (usize, &str, String)> {
+        let lines = Lines::new(&self.plan.config.text);
+        let exclusions = self.plan.config.exclusions.iter().zip(&self.plan.excluded);
+        exclusions.map(move |(e, count)| (*count, e.why.as_str(), e.place.words(&self.plan.config.path, &lines)))
     }
 
-    fn cost_text(&self) -> String {
-        let (estimate, mut text) = (&self.cost.estimate, String::new());
-        let _ = writeln!(
-            text,
+    fn as_text(&self, dir: &Path) -> String {
+        let (plan, dir) = (self.plan, dir.display());
+        let groups = plan.groups();
+        let radiances: usize = groups.iter().map(|group| group.radiances.len()).sum();
+        let count = |state: &str| self.states.iter().filter(|s| **s == state).count();
+        let states = [DONE, "failed", "open"].map(|state| format!("{} {state}", count(state))).join(", ");
+        let (cells, references) = (plan.cells.len(), groups.len());
+        let mut lines = vec![
+            format!("{}: {}", plan.config.name, plan.config.question),
+            format!("{cells} cells from {radiances} images and {references} references; {states} in {dir}"),
+        ];
+        lines.extend(self.extension.map(|extension| {
+            let (hash, kept) = (extension.from["plan_hash"].as_str().unwrap_or_default(), extension.kept.len());
+            format!("{dir} holds a run of another plan, {hash}; `splitsum run` with --extend keeps the {kept} cells that it has done")
+        }));
+        lines.extend(self.excluded().map(|(count, why, place)| format!("excluded {count} by {place}: {why}")));
+        let collapsed = plan.collapsed;
+        lines.extend(
+            (collapsed > 0).then(|| {
+                format!("collapsed {collapsed}: they differ only in parameters that their method does not use")
+            }),
+        );
+        let [timed, done] = self.timings;
+        lines.extend((timed > 0).then(|| format!("{timed} configurations are timed; {done} done")));
+        lines.extend(self.cost_lines());
+        let states = plan.cells.iter().zip(self.states);
+        lines.extend(states.map(|(cell, state)| format!("{} {state:6} {}", cell.id, plan.label(cell))));
+        lines.join("\n") + "\n"
+    }
+
+    fn cost_lines(&self) -> Vec<String> {
+        let estimate = &self.cost.estimate;
+        let mut lines = vec![format!(
             "at most {:.0} million samples left to draw: about {} and {} of disk",
             estimate.samples / 1e6,
             indicatif::HumanDuration(std::time::Duration::from_secs_f64(estimate.seconds)),
             indicatif::HumanBytes(estimate.bytes as u64),
-        );
+        )];
         for (part, found) in &estimate.parts {
             let sources: Vec<&str> = found.sources.keys().map(|source| source.name()).collect();
             let count = match part {
@@ -236,21 +202,13 @@ impl Shown<'_> {
                 Part::Ends => String::new(),
                 _ => format!("{:.0}", found.count),
             };
-            let _ = writeln!(
-                text,
-                "  {:16} {count:>24} {:>8.1} s  from {}",
-                part.name(),
-                found.seconds,
-                sources.join(", ")
-            );
+            let (name, seconds, sources) = (part.name(), found.seconds, sources.join(", "));
+            lines.push(format!("  {name:16} {count:>24} {seconds:>8.1} s  from {sources}"));
         }
-        if let Some(source) = estimate.bytes_source {
-            let _ = writeln!(text, "  {:16} {:>24} {:>10}  from {}", "disk", "", "", source.name());
-        }
-        for note in &self.cost.notes {
-            let _ = writeln!(text, "  {note}");
-        }
-        text
+        let disk = |source: Source| format!("  {:16} {:>24} {:>10}  from {}", "disk", "", "", source.name());
+        lines.extend(estimate.bytes_source.map(disk));
+        lines.extend(self.cost.notes.iter().map(|note| format!("  {note}")));
+        lines
     }
 
     fn as_json(&self) -> String {
@@ -258,13 +216,10 @@ impl Shown<'_> {
         let cells = plan.cells.iter().zip(self.states).map(|(cell, state)| {
             let axes: serde_json::Map<String, serde_json::Value> =
                 plan.columns_of(cell).iter().map(|(name, value)| (name.to_string(), json!(value.to_string()))).collect();
-            json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state.name(), "axes": axes })
+            json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state, "axes": axes })
         });
-        let lines = Lines::new(&plan.config.text);
-        let exclusions = plan.config.exclusions.iter().zip(&plan.excluded).map(|(exclusion, count)| {
-            let place = exclusion.place.words(&plan.config.path, &lines);
-            json!({ "why": exclusion.why, "count": count, "place": place })
-        });
+        let exclusions =
+            self.excluded().map(|(count, why, place)| json!({ "why": why, "count": count, "place": place }));
         let parts = estimate.parts.iter().map(|(part, found)| {
             let sources: serde_json::Map<String, serde_json::Value> =
                 found.sources.iter().map(|(source, seconds)| (source.name().to_owned(), json!(seconds))).collect();

@@ -74,13 +74,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         (Ok(environment), Ok(scene)) => (Arc::new(environment), scene),
         (environment, scene) => {
             let faults = [environment.err().map(|e| e.to_string()), scene.err().map(|e| e.to_string())];
-            return Err(Failure::BadInput(faults.into_iter().flatten().collect::<Vec<_>>().join("\n")));
+            return Err(Failure::input(faults.into_iter().flatten().collect::<Vec<_>>().join("\n")));
         }
     };
     let misplaced: Vec<String> =
         arguments.lights.iter().filter_map(|light| Some(format!("--light: {}", light.fault_in(&scene)?))).collect();
     if !misplaced.is_empty() {
-        return Err(Failure::BadInput(misplaced.join("\n")));
+        return Err(Failure::input(misplaced.join("\n")));
     }
     for (name, warnings) in [(&environment.name, &environment.warnings), (&scene.name, &scene.warnings)] {
         warnings.iter().for_each(|warning| super::warn(name, warning));
@@ -146,7 +146,7 @@ fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(
     if has_reference_term && let Err(error) = ScramblePlan::exact(reference_samples(arguments)) {
         faults.push(format!("--samples: {error}"));
     }
-    if faults.is_empty() { Ok(()) } else { Err(Failure::BadInput(faults.join("\n"))) }
+    if faults.is_empty() { Ok(()) } else { Err(Failure::input(faults.join("\n"))) }
 }
 
 /// Samples a pixel of the reference, wherever it is the method or the diffuse term.
@@ -158,19 +158,19 @@ fn reference_samples(arguments: &Arguments) -> u32 {
 fn output(path: &Path) -> Result<Output, Failure> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
-        return Err(Failure::BadInput(format!("--out: there is no folder {}", folder.display())));
+        return Err(Failure::input(format!("--out: there is no folder {}", folder.display())));
     }
     let output = match path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).as_deref() {
         Some("exr") => Output::LinearExr,
         Some("png") => Output::DisplayPng,
-        _ => return Err(Failure::BadInput(format!("--out: {} ends in neither .exr nor .png", path.display()))),
+        _ => return Err(Failure::input(format!("--out: {} ends in neither .exr nor .png", path.display()))),
     };
     if path.is_dir() {
-        return Err(Failure::BadInput(format!("--out: {} is a folder; expected a file", path.display())));
+        return Err(Failure::input(format!("--out: {} is a folder; expected a file", path.display())));
     }
     // Asking the permission bits would not see read-only file systems; the file made here is gone at once.
     tempfile::tempfile_in(folder).map_err(|error| {
-        Failure::BadInput(format!("--out: no file can be made in the folder {}: {error}", folder.display()))
+        Failure::input(format!("--out: no file can be made in the folder {}: {error}", folder.display()))
     })?;
     Ok(output)
 }

@@ -44,18 +44,20 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         (false, None) => Choice::Automatic,
     };
     let out = arguments.out.clone().unwrap_or_else(|| arguments.dirs[0].join(PAGE_FILE));
-    check_out(&out).map_err(failure)?;
+    check_out(&out)?;
     for note in arguments.dirs.iter().flat_map(|dir| notes(dir)) {
         tell(&format!("warning: {note}"));
     }
     let runs: Vec<(Finished, Vec<Answer>)> =
         arguments.dirs.iter().map(|dir| told(dir)).collect::<Result<_, _>>().map_err(Failure::input)?;
     let options = PageOptions { out, images, budget: BUDGET_BYTES };
-    print(&line(&write(&options, &Told::of_runs(&runs)).map_err(failure)?))
+    print(&line(&write(&options, &Told::of_runs(&runs))?))
 }
 
-fn failure(error: PageError) -> Failure {
-    if error.is_misuse() { Failure::input(error) } else { Failure::failed(error) }
+impl From<PageError> for Failure {
+    fn from(error: PageError) -> Self {
+        Self::of(error.is_misuse(), error)
+    }
 }
 
 /// A finished run with the answers to what it asks.

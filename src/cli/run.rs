@@ -7,9 +7,9 @@ use super::subject::Subject;
 use super::{Failure, print};
 use clap::Args;
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
-use splitsum::runner::chunk::{ChunkOptions, PlanFile, run_chunk};
+use splitsum::runner::chunk::{PlanFile, run_chunk};
 use splitsum::runner::store::{FailureRecord, Store};
-use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run, run_extended};
+use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::page::{PageOptions, Told, write};
 use splitsum::study::questions::answers;
@@ -70,7 +70,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         (_, Some(plan), Some(chunk), Some(store)) => execute_chunk(arguments, plan, chunk, store),
         (Some(subject), ..) => execute_whole(arguments, subject),
         // The parser lets nothing else through.
-        _ => Err(Failure::BadInput("expected an experiment file, or --plan, --chunk and --store".to_owned())),
+        _ => Err(Failure::input("expected an experiment file, or --plan, --chunk and --store".to_owned())),
     }
 }
 
@@ -82,58 +82,43 @@ fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure
     }
     if arguments.trace && plan.config.timing.is_none() {
         let file = plan.config.path.display();
-        return Err(Failure::BadInput(format!("--trace: {file} times nothing; expected a [timing] section")));
+        return Err(Failure::input(format!("--trace: {file} times nothing; expected a [timing] section")));
     }
     let mut progress = begin(&plan)?;
-    let options = RunOptions {
-        dir: subject.dir(&plan),
-        stop: &STOP,
-        command_line: std::env::args().collect(),
-        fail_fast: arguments.fail_fast,
-        trace: arguments.trace,
-    };
-    let mut open = opener(arguments);
-    let run = if arguments.extend { run_extended } else { run };
-    let outcome = run(&plan, &mut open, &options, &mut progress)?;
+    let options = options(arguments, subject.dir(&plan));
+    let outcome = run(&plan, &mut opener(arguments), &options, &mut progress)?;
     let failed = conclude(&plan, &outcome)?;
     if let Some(work) = &outcome.work {
         progress.note(&work.line(started.elapsed().as_secs_f64() * 1e3));
     }
-    if outcome.is_stopped && failed.is_none() {
-        return Err(stopped());
-    }
-    failed.map_or(Ok(()), Err)
+    failed.or_else(|| outcome.is_stopped.then(stopped)).map_or(Ok(()), Err)
 }
 
 fn execute_chunk(arguments: &Arguments, plan_file: &Path, chunk: usize, store: &Path) -> Result<(), Failure> {
     let (file, plan) = PlanFile::load(plan_file)?;
     let mut progress = begin(&plan)?;
-    let options = ChunkOptions {
-        plan_file: plan_file.to_owned(),
-        chunk,
-        store: store.to_owned(),
+    let options = options(arguments, store.to_owned());
+    let outcome = run_chunk(&file, &plan, chunk, &mut opener(arguments), &options, &mut progress)?;
+    let failed = cells_failed(&outcome.failures, file.chunks[chunk].cells.len());
+    failed.or_else(|| outcome.is_stopped.then(stopped)).map_or(Ok(()), Err)?;
+    print(&format!("Chunk {chunk} of 0 to {} is done, in {}\n", file.chunks.len() - 1, store.display()))
+}
+
+fn options(arguments: &Arguments, dir: PathBuf) -> RunOptions<'static> {
+    RunOptions {
+        dir,
         stop: &STOP,
         command_line: std::env::args().collect(),
+        extend: arguments.extend,
         fail_fast: arguments.fail_fast,
-    };
-    let mut open = opener(arguments);
-    let outcome = run_chunk(&file, &plan, &mut open, &options, &mut progress)?;
-    if let Some(failure) = cells_failed(&outcome.failures, outcome.cell_count) {
-        return Err(failure);
+        trace: arguments.trace,
     }
-    if outcome.is_stopped {
-        return Err(stopped());
-    }
-    print(&format!("Chunk {chunk} of 0 to {} is done, in {}\n", file.chunks.len() - 1, store.display()))
 }
 
 /// Says what is odd about the experiment and takes requests to stop.
 fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     let mut progress = Terminal::default();
-    for warning in plan.inputs.warnings() {
-        progress.note(&format!("warning: {warning}"));
-    }
-    for warning in plan.warnings() {
+    for warning in plan.inputs.warnings().into_iter().chain(plan.warnings()) {
         progress.note(&format!("warning: {warning}"));
     }
     stop::listen()?;
@@ -159,11 +144,11 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
 fn cells_failed(failures: &[FailureRecord], cell_count: usize) -> Option<Failure> {
     let lines: Vec<String> = failures.iter().map(|f| format!("  {} {}: {}", f.cell, f.label, f.reason)).collect();
     let text = format!("{} of {cell_count} cells failed:\n{}", failures.len(), lines.join("\n"));
-    (!failures.is_empty()).then_some(Failure::CellsFailed(text))
+    (!failures.is_empty()).then_some(Failure::cells_failed(text))
 }
 
 fn stopped() -> Failure {
-    Failure::Failed(format!("stopped; to go on: {}", std::env::args().collect::<Vec<_>>().join(" ")))
+    Failure::failed(format!("stopped; to go on: {}", std::env::args().collect::<Vec<_>>().join(" ")))
 }
 
 /// Opens the device, with the cache beside it.

@@ -25,7 +25,7 @@ pub fn listen() -> Result<(), Failure> {
 }
 
 fn failure(error: impl std::fmt::Display) -> Failure {
-    Failure::Failed(format!("Ctrl-C cannot be handled: {error}"))
+    Failure::failed(format!("Ctrl-C cannot be handled: {error}"))
 }
 
 fn requested(signal: i32) {

@@ -41,6 +41,6 @@ impl Subject {
 
     /// The failure of an experiment without cells.
     pub fn nothing_to_do(&self) -> Failure {
-        Failure::NothingToDo(format!("{}: no cell is left", self.experiment.display()))
+        Failure::nothing_to_do(format!("{}: no cell is left", self.experiment.display()))
     }
 }

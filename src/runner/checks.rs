@@ -1,16 +1,13 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
 
 use super::axis::{AXES, PREFILTER_SIZE, Point, REFERENCE, SAMPLES, SIZE, index_of};
-use super::config::{Config, Sweep};
+use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
-use super::value::{Kind, Value};
-use crate::environment::{Environment, LoadOptions};
+use super::value::Value;
 use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
-use crate::scene::Scene;
 use crate::shade::reference_pass::ScramblePlan;
 use crate::spelling::suggestion;
-use std::collections::HashMap;
 
 /// Values that are right one by one but not together.
 pub fn check_combinations(config: &Config, faults: &mut Faults) {
@@ -69,46 +66,34 @@ pub fn check_lights(config: &Config, inputs: &Inputs, faults: &mut Faults) {
     }
 }
 
-/// Values that exclusions name against those of their axes. One that the axis does not have is a slip where the condition has no other: its
-/// exclusion would leave nothing out. Beside values that the axis has it may be left from an earlier sweep ([`idle_values`]), unless it is the
-/// name of an input that is none. Values that only `--set` took away are those of the file.
-pub fn check_exclusions(config: &Config, options: &LoadOptions, faults: &mut Faults) {
-    let conditions = config.exclusions.iter().flat_map(|exclusion| &exclusion.conditions);
-    let mut found: HashMap<(usize, &str), bool> = HashMap::new();
+/// Values that exclusions name and their axis does not have. A condition without any other is a slip: its exclusion would leave nothing out.
+/// Beside values that the axis has one may be left from an earlier sweep ([`idle_values`]). Values that only `--set` took away are those of
+/// the file.
+pub fn check_exclusions(config: &Config, faults: &mut Faults) {
     // Values of an axis that could not be read have faults of their own.
     let is_read =
         |axis: usize| config.axes.iter().all(|s| s.axis != axis || s.values.len() == s.written && s.written > 0);
-    for (axis, values) in conditions.filter(|(axis, _)| is_read(*axis)) {
-        let known = values_of(config, *axis);
-        let is_idle = values.iter().all(|placed| !known.contains(&&placed.value));
-        let is_input = matches!(AXES[*axis].kind, Kind::Input);
-        for placed in values.iter().filter(|placed| !known.contains(&&placed.value)) {
-            // Each is loaded once, however many exclusions name it.
-            let is_slip = is_idle
-                || is_input && {
-                    let (value, dir) = (placed.value.text(), config.dir_of(&placed.place));
-                    let loads = || match AXES[*axis].name {
-                        "scene" => Scene::load(value, dir).is_ok(),
-                        _ => Environment::load(value, dir, options).is_ok(),
-                    };
-                    !*found.entry((*axis, value)).or_insert_with(loads)
-                };
-            if is_slip {
-                faults.add_with(&placed.place, |_| off_axis(*axis, &placed.value, &known));
-            }
-        }
-    }
+    let slips = idle(config).filter(|(axis, .., is_slip)| *is_slip && is_read(*axis));
+    slips.for_each(|(_, place, text, _)| faults.add(&place, text));
 }
 
 /// Values of exclusions that their axis does not have, each with its place and a sentence.
-pub fn idle_values(config: &Config) -> Vec<(Place, String)> {
+pub fn idle_values(config: &Config) -> impl Iterator<Item = (Place, String)> + '_ {
+    idle(config).map(|(_, place, text, _)| (place, text))
+}
+
+/// Axis, place and sentence of each value of an exclusion that its axis does not have, and whether no other one of its condition is there.
+fn idle(config: &Config) -> impl Iterator<Item = (usize, Place, String, bool)> + '_ {
     let conditions = config.exclusions.iter().flat_map(|exclusion| &exclusion.conditions);
-    let sentences = conditions.flat_map(|(axis, values)| {
+    conditions.flat_map(|(axis, values)| {
         let known = values_of(config, *axis);
-        let idle = values.iter().filter(|placed| !known.contains(&&placed.value));
-        idle.map(|placed| (placed.place.clone(), off_axis(*axis, &placed.value, &known))).collect::<Vec<_>>()
-    });
-    sentences.collect()
+        let idle: Vec<&Placed> = values.iter().filter(|placed| !known.contains(&&placed.value)).collect();
+        let is_slip = idle.len() == values.len();
+        let told = idle
+            .into_iter()
+            .map(|placed| (*axis, placed.place.clone(), off_axis(*axis, &placed.value, &known), is_slip));
+        told.collect::<Vec<_>>()
+    })
 }
 
 /// The values that an axis has in the file and by `--set`, or the one that all cells take where it is not swept.
@@ -131,23 +116,15 @@ fn values_of(config: &Config, axis: usize) -> Vec<&Value> {
 
 fn off_axis(axis: usize, value: &Value, known: &[&Value]) -> String {
     let names: Vec<String> = known.iter().map(|value| shown(value)).collect();
-    let near = match value {
-        Value::Number(_) | Value::Count(_) => nearest(value, known),
-        _ => suggestion(&value.to_string(), &names.iter().map(String::as_str).collect::<Vec<_>>()),
+    let (wrong, near) = match value {
+        Value::Text(text) => {
+            (format!("{text:?}"), suggestion(text, &names.iter().map(String::as_str).collect::<Vec<_>>()))
+        }
+        _ => (shown(value), String::new()),
     };
-    let wrong = if let Value::Text(text) = value { format!("{text:?}") } else { shown(value) };
     format!("exclude.{}: the axis has no value {wrong}{near}; it has {}", AXES[axis].name, names.join(", "))
 }
 
 fn shown(value: &Value) -> String {
     if *value == Value::Unset { "none".to_owned() } else { value.to_string() }
-}
-
-/// The number of `known` that is nearest to `value`, as the end of a clause; nothing where there is none.
-fn nearest(value: &Value, known: &[&Value]) -> String {
-    let number = |value: &Value| value.to_string().parse::<f64>().ok();
-    let distance = |other: &Value| Some((number(other)? - number(value)?).abs());
-    let near = known.iter().filter(|other| distance(other).is_some());
-    let near = near.min_by(|a, b| distance(a).unwrap_or(f64::NAN).total_cmp(&distance(b).unwrap_or(f64::NAN)));
-    near.map_or_else(String::new, |other| format!("; did you mean {other}?"))
 }

@@ -2,9 +2,9 @@
 //!
 //! Reading never stops at the first fault. Paths in the file are relative to the file.
 
-use super::axis::{AXES, METHOD, Named, Point, REFERENCE, Reference, SAMPLES, Terms, index_of, named};
+use super::axis::{AXES, METHOD, Named, Point, REFERENCE, Reference, SAMPLES, Terms, index_of};
 use super::fault::{Faults, Place};
-use super::toml_tree::{checked, entries, first_of_twice, raw, table, texts, unclosed, unknown_key};
+use super::toml_tree::{at, checked, entries, parsed, raw, section, texts, unknown_key};
 use super::value::{Kind, Range, Raw, Value};
 use crate::metrics::{HEADLINE, METRICS, metric};
 use crate::scene::{CameraKind, Light};
@@ -66,7 +66,7 @@ pub struct Timing {
 }
 
 /// An experiment file, read and checked value by value.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Config {
     pub path: PathBuf,
     /// The file's text, for the frozen copy.
@@ -112,21 +112,6 @@ pub struct Config {
     pub set_dir: PathBuf,
 }
 
-/// The tree of a text, and what the parser has against it. Where a bracket is not closed, that is the fault: the tree ends before its line, since
-/// a parser finds all sorts of things behind it.
-fn parsed<'t>(text: &'t str, faults: &mut Faults) -> (Spanned<DeTable<'t>>, Vec<toml::de::Error>) {
-    let (root, errors) = DeTable::parse_recoverable(text);
-    let unclosed = if errors.is_empty() { Vec::new() } else { unclosed(text) };
-    let Some(first) = unclosed.iter().map(|(at, _)| *at).min() else { return (root, errors) };
-    for (at, close) in &unclosed {
-        let opened = text[*at..].chars().next().filter(|_| close.len() == 1).map_or(close.to_string(), String::from);
-        faults.add(&Place::File(*at), format!("not TOML: {opened} is not closed; expected {close}"));
-    }
-    let line = text[..first].rfind('\n').map_or(0, |newline| newline + 1);
-    let (root, before) = DeTable::parse_recoverable(&text[..line]);
-    (root, before)
-}
-
 /// The camera names.
 pub const CAMERA: Kind =
     Kind::Name { what: "camera", names: || CameraKind::ALL.iter().map(|(name, _)| *name).collect() };
@@ -161,48 +146,18 @@ impl Config {
     /// Reads `text` as the experiment at `path`, with `--set axis=v1,v2` texts. Faults are noted, never raised: the
     /// result is only to be used further when `faults` stays empty (or to look for more faults).
     pub fn parse(path: &Path, text: &str, overrides: &[String], faults: &mut Faults) -> Self {
-        let (root, errors) = parsed(text, faults);
-        for error in &errors {
-            let span = error.span().unwrap_or_default();
-            faults.add_with(&Place::File(span.start), |lines| {
-                let first = first_of_twice(root.get_ref(), text, &span, error.message());
-                let twice = first.map(|(key, first)| {
-                    let (line, _) = lines.line_column(first);
-                    format!("not TOML: the key {key} stands twice, here and in line {line}")
-                });
-                twice.unwrap_or_else(|| format!("not TOML: {}", error.message()))
-            });
-        }
+        let root = parsed(text, faults);
+        let is_whole = faults.is_empty();
         let mut config = Self {
             path: path.to_owned(),
             text: text.to_owned(),
-            name: String::new(),
-            question: String::new(),
-            asks: Vec::new(),
             metric: HEADLINE,
-            metric_place: Place::Default,
             seed: 1,
-            camera: CameraKind::default(),
-            background: false,
-            reference: Reference::default(),
-            reference_samples_place: Place::Default,
-            base: Point::default(),
             base_places: vec![Place::Default; AXES.len()],
-            axes: Vec::new(),
-            set_aside: Vec::new(),
-            zips: Vec::new(),
-            exclusions: Vec::new(),
-            timing: None,
-            repeats: None,
-            lights: Vec::new(),
-            light_places: Vec::new(),
-            has_printed_slips: false,
             overrides: overrides.to_vec(),
-            file_dir: None,
-            set_dir: PathBuf::new(),
+            ..Self::default()
         };
         let root = root.get_ref();
-        let is_whole = errors.is_empty() && faults.is_empty();
         for (key, value, place) in entries(root) {
             config.read_key(key, value, &place, faults);
         }
@@ -267,14 +222,13 @@ impl Config {
     }
 
     fn read_key(&mut self, key: &str, value: &Spanned<DeValue>, place: &Place, faults: &mut Faults) {
-        let raw = raw(value.get_ref());
-        let at = Place::File(value.span().start);
-        let mut check = |kind: Kind| kind.parse(&raw).map_err(|fault| faults.add(&at, format!("{key}: {fault}"))).ok();
+        let raw = raw(value);
+        let mut check = |kind: Kind| checked(kind, key, value, faults);
         match key {
             "name" => match &raw {
-                Raw::Text(name) if is_file_name(name) => self.name = name.clone(),
+                Raw::String(name) if is_file_name(name) => self.name = name.clone(),
                 _ => faults.add(
-                    &at,
+                    &at(value),
                     format!(
                         "name: {raw} is not a name of 1 to {NAME_LENGTH_MAX} letters, digits, '-', '_' and '.' that begins with a \
                          letter, digit or '_'"
@@ -282,13 +236,13 @@ impl Config {
                 ),
             },
             "question" => match raw {
-                Raw::Text(question) => self.question = question,
-                _ => faults.add(&at, format!("question: {raw} is not text")),
+                Raw::String(question) => self.question = question,
+                _ => faults.add(&at(value), format!("question: {raw} is not text")),
             },
             "asks" => self.asks = texts(value, key, faults),
             "metric" => {
                 if let Some(found) = check(METRIC).and_then(|v| metric(v.text())) {
-                    (self.metric, self.metric_place) = (found.description().name, at.clone());
+                    (self.metric, self.metric_place) = (found.description().name, at(value));
                 }
             }
             "seed" => self.seed = check(SEED).map_or(self.seed, |v| v.count()),
@@ -296,10 +250,10 @@ impl Config {
                 let camera = check(CAMERA).and_then(|v| CameraKind::by_name(v.text()));
                 self.camera = camera.unwrap_or(self.camera);
             }
-            "background" | "printed_slips" => match (key, value.get_ref()) {
-                ("background", DeValue::Boolean(background)) => self.background = *background,
-                (_, DeValue::Boolean(printed_slips)) => self.has_printed_slips = *printed_slips,
-                _ => faults.add(&at, format!("{key}: {raw} is not true or false")),
+            "background" | "printed_slips" => match raw {
+                Raw::Boolean(is_set) if key == "background" => self.background = is_set,
+                Raw::Boolean(is_set) => self.has_printed_slips = is_set,
+                _ => faults.add(&at(value), format!("{key}: {raw} is not true or false")),
             },
             "reference" => self.read_reference(value, faults),
             "axes" => self.read_axes(value, faults),
@@ -311,55 +265,48 @@ impl Config {
             "lights" => self.read_lights(value, faults),
             _ => match index_of(key).filter(|&axis| AXES[axis].is_key) {
                 Some(axis) => {
-                    if let Some(value) = check(AXES[axis].kind) {
-                        self.set_base(axis, value, at.clone());
+                    if let Some(checked) = check(AXES[axis].kind) {
+                        self.set_base(axis, checked, at(value));
                     }
                 }
                 None => {
                     let axes = AXES.iter().filter(|axis| axis.is_key).map(|axis| axis.name);
-                    unknown_name(place, "", key, &KEYS.iter().copied().chain(axes).collect::<Vec<_>>(), faults);
+                    unknown_key(place, "", key, &KEYS.iter().copied().chain(axes).collect::<Vec<_>>(), faults);
                 }
             },
         }
     }
 
     fn read_reference(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let [method, samples] = [METHOD, SAMPLES].map(|axis| AXES[axis].kind);
-        for (key, value, place) in table(value, "reference", faults) {
+        let terms = Kind::Name { what: "choice", names: || Terms::ALL.iter().map(|(name, _)| *name).collect() };
+        for (key, value, _) in section(value, "reference", &["method", "samples", "relative_error", "terms"], faults) {
+            let kind = match key {
+                "method" => AXES[METHOD].kind,
+                "samples" => AXES[SAMPLES].kind,
+                "relative_error" => Kind::Number(Range::above(0.0, 1.0)),
+                _ => terms,
+            };
+            let Some(found) = checked(kind, &format!("reference.{key}"), value, faults) else { continue };
             match key {
                 "method" => {
-                    if let Some(v) = checked(method, "reference.method", value, faults) {
-                        self.reference.method = v.text().to_owned();
-                        if ![REFERENCE, NONE].contains(&v.text()) {
-                            let text = format!(
-                                "reference.method: {v} is itself off, so that a difference from it is no error; expected {REFERENCE}, or \
-                                 {NONE} to hold cells against the image without a specular term"
-                            );
-                            faults.add(&Place::File(value.span().start), text);
-                        }
+                    self.reference.method = found.text().to_owned();
+                    if ![REFERENCE, NONE].contains(&found.text()) {
+                        let text = format!(
+                            "reference.method: {found} is itself off, so that a difference from it is no error; expected {REFERENCE}, or \
+                             {NONE} to hold cells against the image without a specular term"
+                        );
+                        faults.add(&at(value), text);
                     }
                 }
                 "samples" => {
-                    if let Some(v) = checked(samples, "reference.samples", value, faults) {
-                        self.reference.samples = v.count();
-                        self.reference_samples_place = Place::File(value.span().start);
-                    }
+                    self.reference.samples = found.count();
+                    self.reference_samples_place = at(value);
                 }
-                "relative_error" => {
-                    let kind = Kind::Number(Range::above(0.0, 1.0));
-                    if let Some(v) = checked(kind, "reference.relative_error", value, faults) {
-                        self.reference.relative_error = Some(v.number());
-                    }
+                "relative_error" => self.reference.relative_error = Some(found.number()),
+                _ => {
+                    let named = Terms::ALL.iter().find(|(name, _)| *name == found.text());
+                    self.reference.terms = named.map_or(self.reference.terms, |(_, terms)| *terms);
                 }
-                "terms" => {
-                    let names =
-                        Kind::Name { what: "choice", names: || Terms::ALL.iter().map(|(name, _)| *name).collect() };
-                    if let Some(v) = checked(names, "reference.terms", value, faults) {
-                        let named = Terms::ALL.iter().find(|(name, _)| *name == v.text());
-                        self.reference.terms = named.map_or(self.reference.terms, |(_, terms)| *terms);
-                    }
-                }
-                _ => unknown_key(&place, "reference.", key, &["method", "samples", "relative_error", "terms"], faults),
             }
         }
     }
@@ -367,24 +314,6 @@ impl Config {
 
 pub(super) fn axis_names() -> Vec<&'static str> {
     Named::all().map(Named::name).collect()
-}
-
-/// Notes a key that names no axis, and none of `others` beside them.
-pub(super) fn unknown_axis(place: &Place, prefix: &str, key: &str, others: &[&'static str], faults: &mut Faults) {
-    unknown_name(
-        place,
-        prefix,
-        key,
-        &axis_names().into_iter().chain(others.iter().copied()).collect::<Vec<_>>(),
-        faults,
-    );
-}
-
-/// As `unknown_key`, with a hint for a name that could be of two axes.
-fn unknown_name(place: &Place, prefix: &str, key: &str, known: &[&str], faults: &mut Faults) {
-    faults.add_with(place, |_| {
-        format!("{prefix}{key} is unknown{}; expected one of {}", named::hint(key, known), known.join(", "))
-    });
 }
 
 /// Characters of an experiment's name: with what is put before and after it, it stays a file's name.

@@ -46,13 +46,14 @@ impl ConfigError {
 }
 
 /// Where a value was written.
-#[derive(Clone, Debug, Hash, PartialEq)]
+#[derive(Clone, Debug, Default, Hash, PartialEq)]
 pub enum Place {
     /// Byte offset in the experiment file.
     File(usize),
     /// `--set` with this axis.
     Set(String),
     /// The program's own default.
+    #[default]
     Default,
 }
 
@@ -134,11 +135,11 @@ impl<'a> Faults<'a> {
     }
 
     /// As [`Faults::add`], of the only fault at its place, whose text takes long to make: where it would not be shown it is not made.
-    pub fn add_with(&mut self, place: &Place, text: impl FnOnce(&Lines) -> String) {
+    pub fn add_with(&mut self, place: &Place, text: impl FnOnce() -> String) {
         if self.found.len() == FAULTS_SHOWN {
             self.more += 1;
         } else {
-            self.add(place, text(&self.lines));
+            self.add(place, text());
         }
     }
 

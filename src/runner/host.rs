@@ -1,4 +1,4 @@
-//! The state of the machine that can disturb times: load, clocks, temperature, throttling. It is read, never set.
+//! The state of the machine that can disturb times: load, clocks, throttling. It is read, never set.
 
 use crate::pipeline::DeviceInfo;
 use serde::{Deserialize, Serialize};
@@ -23,10 +23,6 @@ pub struct HostState {
 pub struct GpuState {
     pub name: String,
     pub sm_mhz: Option<f64>,
-    pub memory_mhz: Option<f64>,
-    pub sm_max_mhz: Option<f64>,
-    pub temperature_c: Option<f64>,
-    pub power_w: Option<f64>,
     /// Reasons for a clock below its maximum, by name; empty for none.
     pub throttle: Option<Vec<String>>,
 }
@@ -96,7 +92,7 @@ pub fn cpu_mhz(root: &Path) -> Option<f64> {
 /// The state of the GPU of that name by NVIDIA's own tool, where it is installed.
 fn nvidia(name: &str) -> Option<GpuState> {
     QUERIES.iter().find_map(|reasons| {
-        let fields = format!("name,clocks.sm,clocks.mem,clocks.max.sm,temperature.gpu,power.draw,{reasons}");
+        let fields = format!("name,clocks.sm,{reasons}");
         let mut command = Command::new("nvidia-smi");
         command.arg(format!("--query-gpu={fields}")).arg("--format=csv,noheader,nounits").stderr(Stdio::null());
         let output = command.output().ok().filter(|output| output.status.success())?;
@@ -104,22 +100,20 @@ fn nvidia(name: &str) -> Option<GpuState> {
     })
 }
 
-/// The GPU `name` in the lines of `nvidia-smi --format=csv,noheader,nounits`: name, SM clock, memory clock, largest SM clock (MHz),
-/// temperature (°C), power (W), reasons (hexadecimal). `None` when no line fits, or more than one: which is meant is not known then.
+/// The GPU `name` in the lines of `nvidia-smi --format=csv,noheader,nounits`: name, SM clock (MHz), reasons (hexadecimal). `None` when no
+/// line fits, or more than one: which is meant is not known then.
 pub fn parse_nvidia(text: &str, name: &str) -> Option<GpuState> {
     let gpus = text.lines().filter_map(|line| {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-        let [found, numbers @ .., reasons] = &fields[..] else { return None };
+        let [found, sm_mhz, reasons] = fields[..] else { return None };
         // A field that the device does not tell reads [N/A] or [Not Supported].
-        let [sm_mhz, memory_mhz, sm_max_mhz, temperature_c, power_w] =
-            <[&str; 5]>::try_from(numbers).ok()?.map(|field| field.parse::<f64>().ok());
+        let sm_mhz = sm_mhz.parse().ok();
         let bits = reasons.strip_prefix("0x").and_then(|digits| u64::from_str_radix(digits, 16).ok());
         let words = |bits: u64| {
             let set = REASONS.iter().filter(|(bit, _)| bits & bit != 0);
             set.map(|(_, reason)| (*reason).to_owned()).collect()
         };
-        let throttle = bits.map(words);
-        Some(GpuState { name: (*found).to_owned(), sm_mhz, memory_mhz, sm_max_mhz, temperature_c, power_w, throttle })
+        Some(GpuState { name: found.to_owned(), sm_mhz, throttle: bits.map(words) })
     });
     let mut named = gpus.filter(|gpu| gpu.name == name);
     named.next().filter(|_| named.next().is_none())

@@ -2,15 +2,13 @@
 
 use super::axis::{AXES, Axis, Point};
 use super::plan::{Cell, Plan};
-use super::store::{Store, StoreError};
+use super::store::Store;
 use super::tables::{CellResult, Results, Rows};
 use crate::environment::BUILTIN_PREFIX;
 use crate::files::content_hash;
-use crate::metrics::Comparison;
 use crate::pipeline::Frame;
-use crate::pixels::{GrayImage, PixelsError, Rgb8Image, exr, png};
+use crate::pixels::{PixelsError, exr};
 use crate::spelling::short_number;
-use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::csv::Cell as Field;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -91,51 +89,15 @@ pub fn write_radiance(path: &Path, frame: &Frame) -> Result<(), PixelsError> {
     exr::write_rgba(path, &frame.radiance, &frame.mask, &layers)
 }
 
-/// Writes the relative error in fixed colours.
-pub(super) fn write_error(
-    store: &Store,
-    plan: &Plan,
-    cell: &Cell,
-    comparison: &Comparison,
-    mask: &GrayImage,
-) -> Result<(), PixelsError> {
-    let picture = RELATIVE_ERROR.image(&comparison.relative_error_map(), mask);
-    png::write_rgb8(&store.image_path(&error_name(plan, cell)), &picture)
-}
-
-/// FLIP error of the display images in fixed colours.
-pub fn flip_picture(comparison: &Comparison, mask: &GrayImage) -> Rgb8Image {
-    FLIP_ERROR.image(&comparison.flip_map(), mask)
-}
-
 /// Whether cells differ in the tone curve only: then each has its own map of visible differences.
 pub(super) fn sweeps_display(plan: &Plan) -> bool {
     plan.swept().any(|axis| !AXES[axis].changes_radiance())
 }
 
-/// The display images of one cell.
-pub struct CellPictures<'a> {
-    pub test: &'a Rgb8Image,
-    pub reference: &'a Rgb8Image,
-    /// There when the tone curve is swept.
-    pub flip: Option<&'a Rgb8Image>,
-}
-
-impl CellPictures<'_> {
-    /// Writes them; the reference's picture is shared by cells and written once.
-    pub fn write(&self, store: &Store, plan: &Plan, cell: &Cell) -> Result<(), PixelsError> {
-        png::write_rgb8(&store.image_path(&picture_name(plan, cell)), self.test)?;
-        if let Some(flip) = self.flip {
-            png::write_rgb8(&store.image_path(&flip_name(plan, cell)), flip)?;
-        }
-        let reference = store.image_path(&reference_picture_name(plan, cell));
-        if reference.exists() { Ok(()) } else { png::write_rgb8(&reference, self.reference) }
-    }
-}
-
 /// Every file of `images/` that belongs to a finished cell.
 pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
-    linear_files(plan, cell).into_iter().chain(pictures(plan, cell)).collect()
+    let flip = sweeps_display(plan).then(|| flip_name(plan, cell));
+    index_names(plan, cell).into_iter().chain(flip).collect()
 }
 
 /// The linear images of a cell and its reference.
@@ -158,28 +120,6 @@ pub(super) fn renames<'o>(
         Some((old.clone().find(|old| old.ends_with(&end))?, name))
     });
     known.collect()
-}
-
-/// Display images and error maps of a cell and its reference.
-pub(super) fn pictures(plan: &Plan, cell: &Cell) -> Vec<String> {
-    let mut names = vec![picture_name(plan, cell), reference_picture_name(plan, cell), error_name(plan, cell)];
-    names.extend(sweeps_display(plan).then(|| flip_name(plan, cell)));
-    names
-}
-
-/// Content hash of each of these files of `images/`.
-pub(super) fn hashes(
-    store: &Store,
-    names: impl IntoIterator<Item = String>,
-) -> Result<BTreeMap<String, String>, StoreError> {
-    let hash = |name: String| {
-        let path = store.image_path(&name);
-        match content_hash(&path) {
-            Ok(hash) => Ok((name, hash)),
-            Err(error) => Err(StoreError::Io { path, error }),
-        }
-    };
-    names.into_iter().map(hash).collect()
 }
 
 /// Whether a file of `images/` is whole, as far as the file itself tells.

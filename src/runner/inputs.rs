@@ -1,9 +1,12 @@
 //! Environments and scenes of an experiment, each loaded once.
 
-use super::fault::{Faults, Place};
+use super::axis::{ENVIRONMENT, SCENE};
+use super::config::Config;
+use super::fault::Faults;
 use crate::environment::{BUILTIN_PREFIX, Environment, LoadOptions};
 use crate::scene::Scene;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -13,7 +16,6 @@ pub struct Inputs {
     environments: BTreeMap<String, Arc<Environment>>,
     scenes: BTreeMap<String, Arc<Scene>>,
     clipped: Arc<Mutex<Vec<Clipped>>>,
-    options: LoadOptions,
 }
 
 /// An environment cut off at 2 to a power: name, power, result.
@@ -49,36 +51,28 @@ fn shortenings(name: &str) -> Vec<String> {
     stem.into_iter().chain(with_folders).map(|form| form + &layer).collect()
 }
 
+/// What stands behind each value of an axis.
+fn each<T, E: Display>(
+    config: &Config,
+    axis: usize,
+    faults: &mut Faults,
+    load: impl Fn(&str, &Path) -> Result<T, E>,
+) -> BTreeMap<String, Arc<T>> {
+    let mut loaded = BTreeMap::new();
+    for (value, place) in config.values(axis) {
+        match load(value.text(), config.dir_of(place)) {
+            Ok(input) => drop(loaded.insert(value.text().to_owned(), Arc::new(input))),
+            Err(fault) => faults.add(place, fault.to_string()),
+        }
+    }
+    loaded
+}
+
 impl Inputs {
-    /// Nothing yet; environments will be loaded so.
-    pub fn new(options: LoadOptions) -> Self {
-        Self { options, ..Self::default() }
-    }
-
-    /// Loads an environment unless it is there; a failure becomes a fault at `place`.
-    pub fn add_environment(&mut self, name: &str, dir: &Path, place: &Place, faults: &mut Faults) {
-        if self.environments.contains_key(name) {
-            return;
-        }
-        match Environment::load(name, dir, &self.options) {
-            Ok(environment) => {
-                self.environments.insert(name.to_owned(), Arc::new(environment));
-            }
-            Err(fault) => faults.add(place, fault.to_string()),
-        }
-    }
-
-    /// Loads a scene unless it is there; a failure becomes a fault at `place`.
-    pub fn add_scene(&mut self, name: &str, dir: &Path, place: &Place, faults: &mut Faults) {
-        if self.scenes.contains_key(name) {
-            return;
-        }
-        match Scene::load(name, dir) {
-            Ok(scene) => {
-                self.scenes.insert(name.to_owned(), Arc::new(scene));
-            }
-            Err(fault) => faults.add(place, fault.to_string()),
-        }
+    /// Loads what an experiment names; failures become faults.
+    pub fn load(config: &Config, options: &LoadOptions, faults: &mut Faults) -> Self {
+        let environments = each(config, ENVIRONMENT, faults, |name, dir| Environment::load(name, dir, options));
+        Self { environments, scenes: each(config, SCENE, faults, Scene::load), clipped: Arc::default() }
     }
 
     /// Whether an environment of that name is loaded.

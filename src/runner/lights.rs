@@ -1,8 +1,8 @@
 //! Analytic lights of an experiment, as written in a file or after a flag.
 
 use super::config::Config;
-use super::fault::{Faults, Place};
-use super::toml_tree::{checked, list, table, unknown_key};
+use super::fault::Faults;
+use super::toml_tree::{at, checked, list, section};
 use super::value::{Kind, Range};
 use crate::scene::{Light, LightKind};
 use glam::DVec3;
@@ -16,22 +16,16 @@ const COORDINATE: Range = Range::closed(-1e9, 1e9);
 impl Config {
     pub(super) fn read_lights(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         for item in list(value, "lights", faults) {
-            let at = Place::File(item.span().start);
             let (mut kind, mut vector, mut color) = (None, None, None);
-            for (key, value, place) in table(item, "lights", faults) {
+            let names = Kind::Name { what: "kind of light", names: || vec!["directional", "point"] };
+            for (key, value, _) in section(item, "lights", &["kind", "direction", "position", "color"], faults) {
+                let range = if key == "color" { LIGHT_COLOR } else { COORDINATE };
+                let of = if key == "kind" { names } else { Kind::Color(range) };
+                let found = checked(of, &format!("lights.{key}"), value, faults);
                 match key {
-                    "kind" => {
-                        let names = Kind::Name { what: "kind of light", names: || vec!["directional", "point"] };
-                        kind = checked(names, "lights.kind", value, faults).map(|v| v.text().to_owned());
-                    }
-                    "direction" | "position" => {
-                        let name = format!("lights.{key}");
-                        vector = checked(Kind::Color(COORDINATE), &name, value, faults).map(|v| (key, v.color()));
-                    }
-                    "color" => {
-                        color = checked(Kind::Color(LIGHT_COLOR), "lights.color", value, faults).map(|v| v.color());
-                    }
-                    _ => unknown_key(&place, "lights.", key, &["kind", "direction", "position", "color"], faults),
+                    "kind" => kind = found.map(|v| v.text().to_owned()),
+                    "color" => color = found.map(|v| v.color()),
+                    _ => vector = found.map(|v| (key, v.color())),
                 }
             }
             let light = match (kind.as_deref(), vector) {
@@ -42,9 +36,9 @@ impl Config {
             match light {
                 Ok(light) => {
                     self.lights.push(light);
-                    self.light_places.push(at);
+                    self.light_places.push(at(item));
                 }
-                Err(fault) => faults.add(&at, format!("lights: {fault}")),
+                Err(fault) => faults.add(&at(item), format!("lights: {fault}")),
             }
         }
     }

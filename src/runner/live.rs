@@ -20,11 +20,11 @@ const ENVIRONMENT_COUNT: usize = 4;
 /// Wider levels of an environment are left out: a background of this width is as sharp as a screen.
 const ENVIRONMENT_WIDTH: u32 = 1024;
 
-/// The content of [`LIVE_FILE`]; as [`RgbImage`]s, what it is made of.
+/// The content of [`LIVE_FILE`].
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct LiveRecord<Image = PackedImage> {
-    pub environments: Vec<LiveEnvironment<Image>>,
-    pub lobes: Vec<LiveLobe<Image>>,
+pub struct LiveRecord {
+    pub environments: Vec<LiveEnvironment>,
+    pub lobes: Vec<LiveLobe>,
     /// Environments of the run that are not here.
     pub left_out: usize,
     /// Older runs have none.
@@ -41,7 +41,7 @@ pub struct PackedImage {
 
 /// One environment with what was made of it. Packed radiance and `sh9` are divided by `scale`.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct LiveEnvironment<Image = PackedImage> {
+pub struct LiveEnvironment {
     /// For people.
     pub label: String,
     /// Power of two, 1 unless the radiance leaves the range of half floats.
@@ -50,34 +50,34 @@ pub struct LiveEnvironment<Image = PackedImage> {
     pub size: [u32; 2],
     /// Levels above the first one of `levels`.
     pub first_level: u32,
-    pub levels: Vec<Image>,
+    pub levels: Vec<PackedImage>,
     /// Radiance coefficients in the order of `shaders/lib/sh.glsl`.
     pub sh9: Vec<[f32; 3]>,
-    pub prefiltered: Vec<LivePrefiltered<Image>>,
+    pub prefiltered: Vec<LivePrefiltered>,
 }
 
 /// The prefiltered levels of one model.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct LivePrefiltered<Image = PackedImage> {
+pub struct LivePrefiltered {
     pub brdf: String,
-    pub levels: Vec<Image>,
+    pub levels: Vec<PackedImage>,
 }
 
 /// The DFG table of one model and masking: what scales f0 in R, what is added in G.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct LiveLobe<Image = PackedImage> {
+pub struct LiveLobe {
     pub brdf: String,
     pub masking: String,
-    pub dfg: Image,
+    pub dfg: PackedImage,
 }
 
 /// Makes the tables of every model in the first environments of a plan.
-pub fn tables(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord<RgbImage>, RenderFault> {
+pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, RenderFault> {
     let mut record = LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan) };
     let environments = distinct(plan, &[], |request| request.environment.hash.clone());
     let lobes = distinct(plan, &[BRDF], |request| (request.brdf.name(), request.masking_shadowing));
     for (point, request) in environments.iter().take(ENVIRONMENT_COUNT) {
-        let mut environment: Option<LiveEnvironment<RgbImage>> = None;
+        let mut environment: Option<LiveEnvironment> = None;
         for (_, of_lobe) in &lobes {
             let (brdf, masking) = (of_lobe.brdf.name().to_owned(), masking_name(of_lobe.masking_shadowing));
             let has_lobe = record.lobes.iter().any(|lobe| lobe.brdf == brdf && lobe.masking == masking);
@@ -89,46 +89,19 @@ pub fn tables(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord<Rgb
             let wanted = RenderRequest { brdf: brdf_of, masking_shadowing, ..request.clone() };
             let tables = renderer.light_tables(&wanted, ENVIRONMENT_WIDTH)?;
             if !has_lobe {
-                let dfg = tables.dfg.map(|[a, b]| [a, b, 0.0]);
+                let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);
                 record.lobes.push(LiveLobe { brdf: brdf.clone(), masking: masking.to_owned(), dfg });
             }
             let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
             if !is_kept {
-                environment.prefiltered.push(LivePrefiltered { brdf, levels: tables.prefiltered });
+                let levels = pack_all(&tables.prefiltered, environment.scale);
+                environment.prefiltered.push(LivePrefiltered { brdf, levels });
             }
         }
         record.environments.extend(environment);
     }
     record.left_out = environments.len() - record.environments.len();
     Ok(record)
-}
-
-impl LiveRecord<RgbImage> {
-    /// The packed form. Takes some tenths of a second, on all cores and without the device.
-    pub fn packed(self) -> LiveRecord {
-        let pack_all = |levels: Vec<RgbImage>, scale: f32| levels.par_iter().map(|level| pack(level, scale)).collect();
-        let of_model = |map: LivePrefiltered<RgbImage>, scale| LivePrefiltered {
-            brdf: map.brdf,
-            levels: pack_all(map.levels, scale),
-        };
-        let of_environment = |environment: LiveEnvironment<RgbImage>| LiveEnvironment {
-            label: environment.label,
-            scale: environment.scale,
-            size: environment.size,
-            first_level: environment.first_level,
-            levels: pack_all(environment.levels, environment.scale),
-            sh9: environment.sh9,
-            prefiltered: environment.prefiltered.into_iter().map(|map| of_model(map, environment.scale)).collect(),
-        };
-        let of_lobe =
-            |lobe: LiveLobe<RgbImage>| LiveLobe { brdf: lobe.brdf, masking: lobe.masking, dfg: pack(&lobe.dfg, 1.0) };
-        LiveRecord {
-            environments: self.environments.into_iter().map(of_environment).collect(),
-            lobes: self.lobes.into_iter().map(of_lobe).collect(),
-            left_out: self.left_out,
-            models: self.models,
-        }
-    }
 }
 
 /// The first cell's point and request for every value of `key`, of the cells that use all of `axes`.
@@ -154,7 +127,7 @@ fn masking_name(masking: MaskingShadowing) -> &'static str {
     found.map(|(name, _)| *name).expect("a listed masking")
 }
 
-fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) -> LiveEnvironment<RgbImage> {
+fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) -> LiveEnvironment {
     let largest = tables.environment.iter().chain(&tables.prefiltered).flat_map(|level| level.data.iter().flatten());
     let scale = half_scale(largest.fold(0.0, |a: f32, b| a.max(*b)));
     let clip = point[ENVIRONMENT_CLIP].to_string();
@@ -164,7 +137,7 @@ fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) 
         scale,
         size: [request.environment.image.width, request.environment.image.height],
         first_level: tables.first_level,
-        levels: tables.environment.clone(),
+        levels: pack_all(&tables.environment, scale),
         sh9: tables.sh9.iter().map(|c| c.map(|x| x / scale)).collect(),
         prefiltered: Vec::new(),
     }
@@ -173,6 +146,10 @@ fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) 
 /// The smallest power of two, at least 1, that brings `largest` into the range of half floats.
 pub fn half_scale(largest: f32) -> f32 {
     (largest / HALF_MAX).max(1.0).log2().ceil().exp2()
+}
+
+fn pack_all(levels: &[RgbImage], scale: f32) -> Vec<PackedImage> {
+    levels.par_iter().map(|level| pack(level, scale)).collect()
 }
 
 fn pack(image: &RgbImage, scale: f32) -> PackedImage {

@@ -1,9 +1,10 @@
 //! `--set axis=v1,v2`: axes replaced from the command line.
 
 use super::axis::{AXES, INPUTS, Named};
-use super::config::{Config, Placed, Sweep, unknown_axis};
+use super::config::{Config, Placed, Sweep, axis_names};
 use super::fault::{Faults, Place};
 use super::sweeps::Values;
+use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
 use crate::environment::BUILTIN_PREFIX;
 use std::collections::HashSet;
@@ -23,7 +24,7 @@ impl Config {
             let name = name.trim();
             let place = Place::Set(name.to_owned());
             let Some(named) = Named::find(name) else {
-                unknown_axis(&place, "axes.", name, &[], faults);
+                unknown_key(&place, "axes.", name, &axis_names(), faults);
                 continue;
             };
             let axis = named.axis;
@@ -92,18 +93,15 @@ impl Config {
     /// its zip is faulty.
     fn zipped_with(&self, axis: usize) -> Vec<usize> {
         let Some(zip) = self.zips.iter().find(|zip| zip.axes.contains(&axis)) else { return Vec::new() };
-        let of = |axis: &usize| self.axes.iter().find(|sweep| sweep.axis == *axis);
-        let lengths: Vec<Option<[usize; 2]>> =
-            zip.axes.iter().map(|axis| of(axis).map(|sweep| [sweep.values.len(), sweep.written])).collect();
-        let whole = lengths.iter().all(|length| length.is_some_and(|[n, written]| n == written));
-        let equal = lengths.windows(2).all(|pair| pair[0] == pair[1]);
-        if whole && equal { zip.axes.clone() } else { Vec::new() }
+        let sweeps: Option<Vec<&Sweep>> = zip.axes.iter().map(|&axis| self.sweep(axis)).collect();
+        let is_whole =
+            |sweeps: Vec<&Sweep>| sweeps.iter().all(|s| [s.values.len(), s.written] == [sweeps[0].written; 2]);
+        if sweeps.is_some_and(is_whole) { zip.axes.clone() } else { Vec::new() }
     }
 
     /// Keeps the rows of zipped axes in which the axis of `wanted` has one of its values.
     fn narrow(&mut self, zip: &[usize], wanted: &Sweep, place: &Place, faults: &mut Faults) {
-        let members: Vec<&Sweep> = self.axes.iter().filter(|sweep| zip.contains(&sweep.axis)).collect();
-        let own = members.iter().find(|sweep| sweep.axis == wanted.axis);
+        let own = self.sweep(wanted.axis);
         // Values that could not be read have their own faults.
         let Some(own) = own.filter(|_| wanted.values.len() == wanted.written) else { return };
         let set = |values: &[Placed]| values.iter().map(|placed| placed.value.clone()).collect::<HashSet<Value>>();
@@ -115,16 +113,11 @@ impl Config {
             .map(|placed| placed.value.to_string())
             .collect();
         if !strangers.is_empty() {
-            let row = |i: usize| {
-                let values = members.iter().map(|sweep| format!("{}={}", AXES[sweep.axis].name, sweep.values[i].value));
-                values.collect::<Vec<_>>().join(" ")
-            };
-            let count = own.values.len();
-            let mut rows: Vec<String> = (0..count.min(ROWS_SHOWN)).map(row).collect();
-            rows.extend(count.checked_sub(ROWS_SHOWN).filter(|more| *more > 0).map(|more| format!("{more} more")));
             let (name, strangers) = (AXES[wanted.axis].name, strangers.join(", "));
-            let text = format!("axes.{name}: {strangers} is in no row of its zip; the rows are {}", rows.join("; "));
-            faults.add(place, text);
+            let rows: Vec<String> = own.values.iter().take(ROWS_SHOWN).map(|placed| placed.value.to_string()).collect();
+            let more = if own.values.len() > ROWS_SHOWN { " ..." } else { "" };
+            let rows = rows.join(", ");
+            faults.add(place, format!("axes.{name}: {strangers} is in no row of its zip; the rows have {rows}{more}"));
             return;
         }
         let kept: Vec<bool> = own.values.iter().map(|placed| asked.contains(&placed.value)).collect();

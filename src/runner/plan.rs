@@ -99,7 +99,7 @@ impl Plan {
         let mut faults = Faults::new(path, text);
         let mut config = Config::parse(path, text, overrides, &mut faults);
         (config.file_dir, config.set_dir) = (file_dir.map(PathBuf::from), set_dir.to_owned());
-        let inputs = load_inputs(&config, options, &mut faults);
+        let inputs = Inputs::load(&config, options, &mut faults);
         let combinations = config.combination_count();
         let excluding: usize =
             config.exclusions.iter().flat_map(|e| &e.conditions).map(|(_, values)| values.len()).sum();
@@ -115,7 +115,7 @@ impl Plan {
         }
         checks::check_sizes(&config, &mut faults);
         checks::check_lights(&config, &inputs, &mut faults);
-        checks::check_exclusions(&config, options, &mut faults);
+        checks::check_exclusions(&config, &mut faults);
         faults.into_result()?;
         Ok(expand(config, inputs))
     }
@@ -247,17 +247,6 @@ impl Plan {
         }
         warnings.into_result().err().map_or_else(Vec::new, |error| error.lines())
     }
-}
-
-fn load_inputs(config: &Config, options: &LoadOptions, faults: &mut Faults) -> Inputs {
-    let mut inputs = Inputs::new(options.clone());
-    for (value, place) in config.values(ENVIRONMENT) {
-        inputs.add_environment(value.text(), config.dir_of(place), place, faults);
-    }
-    for (value, place) in config.values(SCENE) {
-        inputs.add_scene(value.text(), config.dir_of(place), place, faults);
-    }
-    inputs
 }
 
 fn expand(config: Config, inputs: Inputs) -> Plan {

@@ -1,13 +1,13 @@
 //! Where a run comes from: enough to do it again.
 
-use super::host::{HostState, UNKNOWN};
+use super::host::UNKNOWN;
 use super::plan::{Plan, SCHEMA_VERSION};
 use crate::files::{read_regular, relative};
 use crate::pipeline::DeviceInfo;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::SystemTime;
 
 /// The file in the folder of a run.
 pub const PROVENANCE_FILE: &str = "provenance.json";
@@ -80,20 +80,17 @@ const OF_THE_FILE: [&str; 9] = [
     "environment_files",
 ];
 
-/// Whether the provenance in the folder `dir` tells the text of `plan`, and the folders of its files, as they are now.
-pub(super) fn names_experiment(value: &Value, plan: &Plan, dir: &Path) -> bool {
-    let new = provenance(plan, dir);
+/// The provenance in the folder `dir` with the text of `plan`, which has the same cells, and the folders of its files as they are now; `None`
+/// where it tells them already.
+pub(super) fn of_now(mut value: Value, plan: &Plan, dir: &Path) -> Option<Value> {
+    let mut new = provenance(plan, dir);
     let is_same = |key: &&str| value.get(*key) == new.get(*key) || value.get(*key).is_none() && new[*key].is_null();
     // The file may be named in another way, by another text of the command line.
-    OF_THE_FILE.iter().filter(|key| **key != "experiment_file" && **key != "overrides").all(is_same)
-}
-
-/// Puts the experiment's text of `plan`, which has the same cells, in the place of the one that the provenance in the folder `dir` names.
-pub(super) fn name_experiment(value: &mut Value, plan: &Plan, dir: &Path) {
-    let mut new = provenance(plan, dir);
-    for key in OF_THE_FILE {
-        value[key] = new[key].take();
+    if OF_THE_FILE.iter().filter(|key| **key != "experiment_file" && **key != "overrides").all(is_same) {
+        return None;
     }
+    OF_THE_FILE.iter().for_each(|key| value[*key] = new[*key].take());
+    Some(value)
 }
 
 /// The provenance of a new run in the folder `dir`; `sessions` stays empty until [`session`] is added.
@@ -153,31 +150,12 @@ pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
         },
         "host": {
             "os": std::env::consts::OS,
-            "kernel": read_line("/proc/sys/kernel/osrelease"),
-            "arch": std::env::consts::ARCH,
             "cpu": host_cpu(),
             "cpu_count": std::thread::available_parallelism().map_or(0, usize::from),
-            "memory_bytes": host_memory(),
         },
-        "state_before": state(device),
-        // Written at the end; a run that was killed leaves them so.
-        "state_after": UNKNOWN,
+        // Written at the end; a run that was killed leaves it so.
         "wall_s": UNKNOWN,
     })
-}
-
-/// Load, clocks and throttling; what nobody tells reads "unknown".
-pub(super) fn state(device: &DeviceInfo) -> Value {
-    fn name_unknown(value: &mut Value) {
-        match value {
-            Value::Null => *value = json!(UNKNOWN),
-            Value::Object(fields) => fields.values_mut().for_each(name_unknown),
-            _ => {}
-        }
-    }
-    let mut value = json!(HostState::observe(device));
-    name_unknown(&mut value);
-    value
 }
 
 /// Commit and state of the working tree that the program stands in, or null when it stands in none.
@@ -202,17 +180,6 @@ fn host_cpu() -> Option<String> {
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// Size of the host's memory.
-fn host_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let kib = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?.trim().strip_suffix(" kB")?;
-    kib.parse::<u64>().ok().map(|kib| kib << 10)
-}
-
-fn read_line(path: &str) -> Option<String> {
-    Some(std::fs::read_to_string(path).ok()?.trim().to_owned())
-}
-
 /// The machine's name, for people; `host` where it has none.
 pub fn host_name() -> String {
     let text = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
@@ -220,29 +187,7 @@ pub fn host_name() -> String {
     name.map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).unwrap_or_else(|| "host".to_owned())
 }
 
-/// The time now as [`date_utc`] writes it.
+/// The time now: `2026-01-31T23:59:59Z`.
 pub fn now_utc() -> String {
-    date_utc(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs()))
-}
-
-/// `2026-01-31T23:59:59Z` of seconds since 1970-01-01, Gregorian calendar.
-pub fn date_utc(seconds: u64) -> String {
-    let (days, time) = (seconds / 86_400, seconds % 86_400);
-    let is_leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
-    let mut year = 1970;
-    let mut day = days;
-    while day >= 365 + u64::from(is_leap(year)) {
-        day -= 365 + u64::from(is_leap(year));
-        year += 1;
-    }
-    let february = 28 + u64::from(is_leap(year));
-    let mut month = 1;
-    for length in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30] {
-        if day < length {
-            break;
-        }
-        day -= length;
-        month += 1;
-    }
-    format!("{year:04}-{month:02}-{:02}T{:02}:{:02}:{:02}Z", day + 1, time / 3600, time / 60 % 60, time % 60)
+    humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
 }

@@ -1,12 +1,33 @@
 //! Records of cells and references.
 
-pub use super::scores::{Exact, Scores};
-
+use crate::metrics::METRICS;
 use crate::pipeline::{FrameTimings, PassTime};
 use crate::precompute::table_of;
 use crate::shade::reference_pass::Convergence;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+/// A number that a JSON file gives back bit for bit: it is written as text, which may also be `inf`.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct Exact(pub f64);
+
+impl From<Exact> for String {
+    fn from(number: Exact) -> Self {
+        format!("{:e}", number.0)
+    }
+}
+
+impl TryFrom<String> for Exact {
+    type Error = std::num::ParseFloatError;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse().map(Self)
+    }
+}
+
+/// Numbers by the name of their column.
+pub type Scores = BTreeMap<String, Exact>;
 
 /// Where a reference stopped: the least certain of its terms.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -114,25 +135,15 @@ pub struct BinRecord {
     pub scores: Scores,
 }
 
-/// The part of a record that a run keeps in memory, for its tables and sheets. The plan knows the axes, the disk the rest.
-#[derive(Clone, Debug)]
-pub struct CellOutcome {
-    pub scores: Scores,
-    pub bias_variance: Scores,
-    pub noise_floors: Scores,
-    pub reference: Option<Box<ReferenceStop>>,
-    pub verdict: Box<str>,
-}
+impl CellRecord {
+    /// The part that a run keeps in memory, for its tables and sheets. The plan knows the axes, the disk the rest.
+    pub fn in_memory(self) -> Self {
+        Self { axes: BTreeMap::new(), bins: Vec::new(), files: BTreeMap::new(), ..self }
+    }
 
-impl From<CellRecord> for CellOutcome {
-    fn from(record: CellRecord) -> Self {
-        Self {
-            scores: record.scores,
-            bias_variance: record.bias_variance,
-            noise_floors: record.noise_floors,
-            reference: record.reference.map(Box::new),
-            verdict: record.verdict.into(),
-        }
+    /// Whether every metric has a score. A record of another program may lack some.
+    pub fn has_all_scores(&self) -> bool {
+        METRICS.iter().all(|metric| self.scores.contains_key(metric.description().name))
     }
 }
 

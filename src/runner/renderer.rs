@@ -29,12 +29,11 @@ pub trait Renderer {
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault>;
     /// The tables that light a surface, without the levels of the environment that are wider than `width_max` texels.
     fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, RenderFault>;
-    /// Times of the passes that run for every frame; `warmup` executions come first and do not count.
-    fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, RenderFault>;
-    /// Times of the passes that run once per environment or model.
-    fn time_precompute(
+    /// Times of the passes that run for every frame, or of those that make its tables; `warmup` executions come first and do not count.
+    fn time(
         &mut self,
         request: &RenderRequest,
+        of_tables: bool,
         warmup: u32,
         rounds: u32,
     ) -> Result<TimingSamples, RenderFault>;
@@ -73,17 +72,17 @@ impl Renderer for Pipeline {
         Ok(Pipeline::light_tables(self, request, width_max)?)
     }
 
-    fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, RenderFault> {
-        Ok(Pipeline::time(self, request, warmup, rounds)?)
-    }
-
-    fn time_precompute(
+    fn time(
         &mut self,
         request: &RenderRequest,
+        of_tables: bool,
         warmup: u32,
         rounds: u32,
     ) -> Result<TimingSamples, RenderFault> {
-        Ok(Pipeline::time_precompute(self, request, warmup, rounds)?)
+        Ok(match of_tables {
+            true => Pipeline::time_precompute(self, request, warmup, rounds)?,
+            false => Pipeline::time(self, request, warmup, rounds)?,
+        })
     }
 
     fn waited_ms(&self) -> f64 {

@@ -9,29 +9,18 @@ const AFTER: &str = "\"\n}\n";
 /// The end of an indented object.
 const END: &str = "\n}\n";
 
-/// The state of a record's checksum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seal {
-    /// Every byte is as it was written.
-    Whole,
-    /// It was written without one.
-    None,
-    Broken,
-}
-
 /// An indented JSON object that is not empty, with its checksum as the last member.
 pub fn sealed(object: &str) -> String {
     let body = object.strip_suffix(END).expect("an indented object ends so");
     format!("{body}{BEFORE}{}{AFTER}", hash(body))
 }
 
-/// Whether the text is as [`sealed`] made it.
-pub fn check(text: &str) -> Seal {
+/// Whether the text has a checksum and is not as [`sealed`] made it. Records of older programs have none.
+pub fn is_broken(text: &str) -> bool {
     match text.rsplit_once(BEFORE) {
-        Some((body, rest)) if rest.strip_suffix(AFTER) == Some(hash(body).as_str()) => Seal::Whole,
+        Some((body, rest)) if rest.strip_suffix(AFTER) == Some(hash(body).as_str()) => false,
         // Another program may have written the same object with other spaces: whether its figures are those is not known.
-        _ if text.contains("\"checksum\"") => Seal::Broken,
-        _ => Seal::None,
+        _ => text.contains("\"checksum\""),
     }
 }
 

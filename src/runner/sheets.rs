@@ -7,8 +7,9 @@ use super::axis::{AXES, METHOD, POINT_SET, SAMPLES, Sheet};
 use super::images::{error_name, flip_name, picture_name, reference_picture_name, short_text, sweeps_display};
 use super::plan::{Cell, Plan};
 use super::rows;
-use super::store::{CellOutcome, Store, StoreError};
+use super::store::{CellRecord, Store, StoreError};
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
+use crate::files::names_in;
 use crate::pixels::png;
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::contact_sheet::{ContactSheet, Legend, Tile};
@@ -81,9 +82,9 @@ fn page_height(width: u32) -> u32 {
 
 /// Contact sheets of the run in a folder: by name, pages by number.
 pub fn sheet_files(dir: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(Store::at(dir).table_path("")).into_iter().flatten().flatten();
-    let mut found: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-    found.retain(|path| path.extension().is_some_and(|extension| extension == "png"));
+    let folder = Store::at(dir).table_path("");
+    let names = names_in(&folder).into_iter().filter(|name| name.ends_with(".png"));
+    let mut found: Vec<PathBuf> = names.map(|name| folder.join(name)).collect();
     let key = |path: &PathBuf| {
         let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         match stem.rsplit_once('_').and_then(|(name, page)| Some((name.to_owned(), page.parse::<u32>().ok()?))) {
@@ -164,19 +165,21 @@ enum Kind {
     RelativeError,
 }
 
-/// A kind of picture, and the metric below it.
-#[derive(Clone, Copy)]
-struct Shown {
-    kind: Kind,
-    metric: Option<&'static str>,
-}
-
-impl Shown {
+impl Kind {
     fn file(self, plan: &Plan, cell: &Cell) -> String {
-        match self.kind {
-            Kind::Display => picture_name(plan, cell),
-            Kind::Flip => flip_name(plan, cell),
-            Kind::RelativeError => error_name(plan, cell),
+        match self {
+            Self::Display => picture_name(plan, cell),
+            Self::Flip => flip_name(plan, cell),
+            Self::RelativeError => error_name(plan, cell),
+        }
+    }
+
+    /// The metric below it.
+    fn metric(self, with_flip: bool) -> Option<&'static str> {
+        match self {
+            Self::Display => Some(if with_flip { DISPLAY_HEADLINE } else { HEADLINE }),
+            Self::RelativeError if with_flip => Some(HEADLINE),
+            Self::Flip | Self::RelativeError => None,
         }
     }
 }
@@ -218,17 +221,15 @@ impl Page<'_> {
             let displays = in_rows(&shared, &row_axes);
             for row in &displays {
                 sheet.row_group_starts.push(sheet.rows.len());
-                let metric = if with_flip { DISPLAY_HEADLINE } else { HEADLINE };
-                self.row(&mut sheet, label(row), row, Shown { kind: Kind::Display, metric: Some(metric) });
+                self.row(&mut sheet, label(row), row, Kind::Display);
                 if with_flip {
-                    self.row(&mut sheet, "FLIP".to_owned(), row, Shown { kind: Kind::Flip, metric: None });
+                    self.row(&mut sheet, "FLIP".to_owned(), row, Kind::Flip);
                 }
             }
-            let metric = with_flip.then_some(HEADLINE);
             if displays.len() > 1 {
                 sheet.row_group_starts.push(sheet.rows.len());
             }
-            self.row(&mut sheet, "relative error".to_owned(), &shared, Shown { kind: Kind::RelativeError, metric });
+            self.row(&mut sheet, "relative error".to_owned(), &shared, Kind::RelativeError);
         }
         sheet
     }
@@ -246,33 +247,33 @@ impl Page<'_> {
     }
 
     /// Adds a row: of all `cells` of a column, the first that was done stands for it.
-    fn row(&self, sheet: &mut ContactSheet, label: String, cells: &[&Cell], shown: Shown) {
-        let mut tiles = vec![self.reference_tile(cells, shown)];
+    fn row(&self, sheet: &mut ContactSheet, label: String, cells: &[&Cell], kind: Kind) {
+        let mut tiles = vec![self.reference_tile(cells, kind)];
         // Pictures are read and shrunk side by side: a large sheet has hundreds.
         tiles.par_extend(self.columns.par_iter().map(|column| {
             let of_column = cells.iter().copied().filter(|cell| same(cell, column[0], self.column_axes));
-            self.tile(&of_column.collect::<Vec<_>>(), shown)
+            self.tile(&of_column.collect::<Vec<_>>(), kind)
         }));
         sheet.row_labels.push(label);
         sheet.rows.push(tiles);
     }
 
-    fn done(&self, cell: &Cell) -> Option<&CellOutcome> {
+    fn done(&self, cell: &Cell) -> Option<&CellRecord> {
         match self.results.get(&cell.id) {
             Some(CellResult::Done(record)) => Some(record),
             _ => None,
         }
     }
 
-    fn reference_tile(&self, row: &[&Cell], shown: Shown) -> Tile {
+    fn reference_tile(&self, row: &[&Cell], kind: Kind) -> Tile {
         let Some((cell, record)) = row.iter().find_map(|cell| Some((*cell, self.done(cell)?))) else {
             return Tile::Missing("not done".to_owned());
         };
-        if shown.kind == Kind::Display {
+        if kind == Kind::Display {
             return self.picture(&reference_picture_name(self.plan, cell), String::new());
         }
         match record.noise_floors.get(HEADLINE) {
-            Some(floor) if shown.kind == Kind::RelativeError => Tile::Missing(format!(
+            Some(floor) if kind == Kind::RelativeError => Tile::Missing(format!(
                 "an exact image would have {HEADLINE} {} by the reference's noise",
                 significant(floor.0, 2)
             )),
@@ -280,12 +281,12 @@ impl Page<'_> {
         }
     }
 
-    fn tile(&self, cells: &[&Cell], shown: Shown) -> Tile {
+    fn tile(&self, cells: &[&Cell], kind: Kind) -> Tile {
         let Some(first) = cells.first() else { return Tile::Missing("excluded".to_owned()) };
         if let Some((cell, record)) = cells.iter().find_map(|cell| Some((*cell, self.done(cell)?))) {
-            let score = shown.metric.and_then(|metric| record.scores.get(metric));
+            let score = kind.metric(sweeps_display(self.plan)).and_then(|metric| record.scores.get(metric));
             let note = score.map_or_else(String::new, |score| significant(score.0, 3));
-            return self.picture(&shown.file(self.plan, cell), note);
+            return self.picture(&kind.file(self.plan, cell), note);
         }
         Tile::Missing(match self.results.get(&first.id) {
             Some(CellResult::Failed(record)) => format!("failed: {}", record.reason),

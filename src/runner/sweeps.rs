@@ -1,11 +1,11 @@
 //! `[axes]` and `[[zip]]`: lists, ranges, and axes that vary together.
 
 use super::axis::{AXES, ENVIRONMENT, Named, Point};
-use super::config::{Config, Placed, Sweep, Zip, axis_names, unknown_axis};
-use super::fault::{Faults, Place};
+use super::config::{Config, Placed, Sweep, Zip, axis_names};
+use super::fault::Faults;
 use super::inputs::short_names;
-use super::toml_tree::{checked, checked_as, entries, list, raw, table, unknown_key};
-use super::value::{Kind, Raw, Value, decimal};
+use super::toml_tree::{at, checked, checked_as, entries, list, raw, section, table, unknown_key};
+use super::value::{Kind, Raw, Value, decimal, number};
 use std::collections::{BTreeMap, HashSet};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -26,7 +26,7 @@ impl Config {
     pub(super) fn read_axes(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         for (key, value, place) in table(value, "axes", faults) {
             let Some(named) = Named::find(key) else {
-                unknown_axis(&place, "axes.", key, &[], faults);
+                unknown_key(&place, "axes.", key, &axis_names(), faults);
                 continue;
             };
             let (name, kind, axis) = (format!("axes.{key}"), named.kind(), named.axis);
@@ -36,19 +36,17 @@ impl Config {
                     .add(&place, format!("{name}: {one} and {other} are two names of one axis; expected one of them"));
                 continue;
             }
-            let at = Place::File(value.span().start);
             let mut values = Values::default();
             let mut written = 0;
             match value.get_ref() {
                 DeValue::Array(items) => {
                     written = items.len();
                     if items.is_empty() {
-                        faults.add(&at, format!("{name}: an axis needs at least one value"));
+                        faults.add(&at(value), format!("{name}: an axis needs at least one value"));
                     }
                     for item in items.iter() {
-                        let place = Place::File(item.span().start);
                         if let Some(value) = checked_as(|raw| named.parse(raw), &name, item, faults) {
-                            values.push(Placed { value, place }, &name, faults);
+                            values.push(Placed { value, place: at(item) }, &name, faults);
                         }
                     }
                 }
@@ -60,18 +58,18 @@ impl Config {
                     }
                     let items = if unknown.is_empty() { range_values(kind, range) } else { Ok(Vec::new()) };
                     let items = items.unwrap_or_else(|fault| {
-                        faults.add(&at, format!("{name}: {fault}"));
+                        faults.add(&at(value), format!("{name}: {fault}"));
                         Vec::new()
                     });
                     written = items.len();
                     for item in items {
                         match named.parse(&item) {
-                            Ok(value) => values.push(Placed { value, place: at.clone() }, &name, faults),
-                            Err(fault) => faults.add(&at, format!("{name}: {fault}")),
+                            Ok(one) => values.push(Placed { value: one, place: at(value) }, &name, faults),
+                            Err(fault) => faults.add(&at(value), format!("{name}: {fault}")),
                         }
                     }
                 }
-                other => faults.add(&at, format!("{name}: {} is not a list of values", raw(other))),
+                _ => faults.add(&at(value), format!("{name}: {} is not a list of values", raw(value))),
             }
             self.axes.push(Sweep { axis, values: values.into_placed(), written });
         }
@@ -80,13 +78,9 @@ impl Config {
     pub(super) fn read_zips(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         let kind = Kind::Name { what: "axis", names: axis_names };
         for item in list(value, "zip", faults) {
-            let mut zip = Zip { axes: Vec::new(), place: Place::File(item.span().start) };
+            let mut zip = Zip { axes: Vec::new(), place: at(item) };
             let mut written = 0;
-            for (key, value, place) in table(item, "zip", faults) {
-                if key != "axes" {
-                    unknown_key(&place, "zip.", key, &["axes"], faults);
-                    continue;
-                }
+            for (_, value, place) in section(item, "zip", &["axes"], faults) {
                 zip.place = place;
                 for name in value.get_ref().as_array().into_iter().flatten() {
                     written += 1;
@@ -210,12 +204,12 @@ fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
         return Err("a range needs an axis of numbers; expected a list of values".to_owned());
     }
     let [(name, value, _)] = &entries(range)[..] else { return Err(expected()) };
-    let Raw::Array(items) = raw(value.get_ref()) else { return Err(expected()) };
+    let Raw::Array(items) = raw(value) else { return Err(expected()) };
     let is_whole = matches!(kind, Kind::Count { .. });
-    let number = |x: f64| if is_whole { Raw::Integer(x.round() as i64) } else { Raw::Float(x) };
+    let rounded = |x: f64| if is_whole { Raw::Integer(x.round() as i64) } else { Raw::Float(x) };
     match (*name, &items[..]) {
         ("linspace" | "logspace", [first, last, Raw::Integer(count)]) => {
-            let (Some(first), Some(last)) = (first.number(), last.number()) else { return Err(expected()) };
+            let (Some(first), Some(last)) = (number(first), number(last)) else { return Err(expected()) };
             if !(2..=RANGE_LENGTH_MAX).contains(count) {
                 return Err(format!("a range of {count} values; expected 2 to {RANGE_LENGTH_MAX}"));
             }
@@ -232,14 +226,14 @@ fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
                     _ => (first.ln() + t * (last / first).ln()).exp(),
                 }
             };
-            Ok((0..*count).map(|i| number(value(i))).collect())
+            Ok((0..*count).map(|i| rounded(value(i))).collect())
         }
         ("pow2", [Raw::Integer(from), Raw::Integer(to)]) => {
             if from > to || *from < -POWER_MAX || *to > POWER_MAX {
                 let range = format!("from -{POWER_MAX} to {POWER_MAX}");
                 return Err(format!("pow2 = [{from}, {to}]; expected two powers, ascending, {range}"));
             }
-            Ok((*from..=*to).map(|power| number((power as f64).exp2())).collect())
+            Ok((*from..=*to).map(|power| rounded((power as f64).exp2())).collect())
         }
         _ => Err(expected()),
     }

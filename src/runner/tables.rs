@@ -4,10 +4,11 @@ pub use crate::metrics::{DISPLAY_HEADLINE, HEADLINE};
 
 use super::axis::named::{columns, fields};
 use super::axis::{AXES, METHOD, SAMPLES, SIZE};
+use super::columns::{BINS, CELL, Column, ERRORS, RATIOS, TIMINGS};
 use super::host::UNKNOWN;
 use super::plan::{Cell, Plan};
 use super::statistics::median;
-use super::store::{BinRecord, CellOutcome, FailureRecord, ReferenceStop, Scores, Store, StoreError};
+use super::store::{BinRecord, CellRecord, FailureRecord, ReferenceStop, Scores, Store, StoreError};
 use super::timing::{Key, TimingRecord, summarize, swept_axes};
 use super::timing_ratios::{Ratio, TableCost, ratios};
 use crate::metrics::{BiasVariance, METRICS, linear_metrics};
@@ -17,7 +18,8 @@ use std::collections::BTreeMap;
 /// The result of a cell that was tried.
 #[derive(Clone, Debug)]
 pub enum CellResult {
-    Done(Box<CellOutcome>),
+    /// As [`CellRecord::in_memory`].
+    Done(Box<CellRecord>),
     Failed(FailureRecord),
 }
 
@@ -42,6 +44,10 @@ fn stop_fields(stop: Option<&ReferenceStop>) -> [Field; 3] {
     })
 }
 
+fn names_of(columns: &[Column]) -> impl Iterator<Item = String> + '_ {
+    columns.iter().map(|column| column.name.to_owned())
+}
+
 /// Names of all metrics in column order.
 fn metric_names() -> Vec<&'static str> {
     METRICS.iter().map(|metric| metric.description().name).collect()
@@ -58,12 +64,11 @@ pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Ite
     let floored = floored_names();
     columns.extend(BiasVariance::NAMES.map(str::to_owned));
     columns.extend(floored.iter().map(|name| format!("{name}_noise_floor")));
-    columns.extend(REFERENCE_COLUMNS.map(str::to_owned));
-    columns.extend(["verdict", "diffuse_weight"].map(str::to_owned));
+    columns.extend(names_of(&ERRORS[BiasVariance::NAMES.len()..]));
     let none = Scores::default();
     let row = move |cell: &Cell| {
         let (scores, parts, floors, stop, verdict) = match results.get(&cell.id)? {
-            CellResult::Done(r) => (&r.scores, &r.bias_variance, &r.noise_floors, r.reference.as_deref(), &*r.verdict),
+            CellResult::Done(r) => (&r.scores, &r.bias_variance, &r.noise_floors, r.reference.as_ref(), &*r.verdict),
             CellResult::Failed(_) => (&none, &none, &none, None, "failed"),
         };
         let mut row = cell_fields(plan, cell);
@@ -85,7 +90,7 @@ pub fn errors_by_n_dot_v(
 ) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
     let names = metric_names();
     let mut columns = cell_columns(plan);
-    columns.extend(["n_dot_v_from", "n_dot_v_to", "pixel_count"].map(str::to_owned));
+    columns.extend(names_of(BINS));
     columns.extend(names.iter().map(|name| name.to_string()));
     let done = plan.cells.iter().filter(|cell| matches!(results.get(&cell.id), Some(CellResult::Done(_))));
     let rows = move |cell: &Cell| {
@@ -107,13 +112,10 @@ pub fn errors_by_n_dot_v(
 /// `timings.csv`: one row a timed configuration and pass.
 pub fn timings(records: &[TimingRecord]) -> Rows {
     let axes: Vec<&String> = records.first().map(|record| record.axes.keys().collect()).unwrap_or_default();
-    let mut columns = ["cell", "phase", "environment_size", AXES[SIZE].name].map(str::to_owned).to_vec();
-    columns.extend(axes.iter().map(|name| name.to_string()));
-    let statistics = ["pass", "n", "median_ms", "mad_ms", "p05_ms", "p95_ms", "min_ms", "wall_median_ms"];
-    let judgement = ["passes_over_wall", "wall_check", "device", "device_type"];
-    let spread = ["median_lo_ms", "median_hi_ms", "drift_percent_per_min", "flags"];
-    let machine = ["clock_before_mhz", "clock_after_mhz", "slowdown", "load_before"];
-    columns.extend(statistics.iter().chain(&judgement).chain(&spread).chain(&machine).map(|name| name.to_string()));
+    let (before, after) = TIMINGS.split_at(2);
+    let mut columns: Vec<String> = std::iter::once(CELL.name.to_owned()).chain(names_of(before)).collect();
+    columns.extend(std::iter::once(AXES[SIZE].name.to_owned()).chain(axes.iter().map(|name| name.to_string())));
+    columns.extend(names_of(after));
     let mut rows = Vec::new();
     for record in records {
         let wall_ms = median(&record.wall_ms);
@@ -146,10 +148,8 @@ pub fn timing_ratios(records: &[TimingRecord]) -> Rows {
     let frames = AXES.iter().filter(|axis| axis.frames_cost && !axis.is_compared);
     let axes =
         ratio_axes(&pairs, &std::iter::once(&AXES[SIZE]).chain(frames).map(|axis| axis.name).collect::<Vec<_>>());
-    let mut columns = vec!["environment_size"];
-    columns.extend(&axes);
-    columns.extend(["sampled", "samples", "fixed", "sampled_over_fixed", "ratio_lo", "ratio_hi", "rounds", "verdict"]);
-    columns.extend(["fixed_tables_ms", "payback_frames", "device", "device_type"]);
+    let (before, after) = RATIOS.split_at(1);
+    let columns = names_of(before).chain(axes.iter().map(|name| name.to_string())).chain(names_of(after)).collect();
     let row = |pair: &Ratio, tables: &TableCost| {
         let text = |key: &Key, axis: &str| text_field(key.get(axis).map_or("", String::as_str));
         let [width, height] = pair.sampled.environment_size;
@@ -164,7 +164,7 @@ pub fn timing_ratios(records: &[TimingRecord]) -> Rows {
         row
     };
     let rows = pairs.iter().flat_map(|pair| pair.tables.iter().map(|tables| row(pair, tables)).collect::<Vec<_>>());
-    (columns.into_iter().map(str::to_owned).collect(), rows.collect())
+    (columns, rows.collect())
 }
 
 /// The axes that tell rows of ratios apart: the `named` ones, and all others that are swept.
@@ -179,7 +179,7 @@ fn finite(number: f64) -> Field {
 }
 
 fn cell_columns(plan: &Plan) -> Vec<String> {
-    std::iter::once("cell").chain(plan.columns.iter().flat_map(|&axis| columns(axis))).map(str::to_owned).collect()
+    std::iter::once(CELL.name).chain(plan.columns.iter().flat_map(|&axis| columns(axis))).map(str::to_owned).collect()
 }
 
 fn cell_fields(plan: &Plan, cell: &Cell) -> Vec<Field> {
@@ -193,5 +193,5 @@ fn text_field(text: &str) -> Field {
 }
 
 fn score_fields(scores: &Scores, names: &[&str]) -> Vec<Field> {
-    names.iter().map(|name| scores.get(name).map(|score| score.0).into()).collect()
+    names.iter().map(|name| scores.get(*name).map(|score| score.0).into()).collect()
 }

@@ -1,19 +1,49 @@
 //! TOML with places: walking the parsed tree without stopping at the first fault.
 
+use super::axis::named::hint;
 use super::fault::{Faults, Place};
 use super::value::{Kind, Raw, Value};
-use crate::spelling::suggestion;
-use std::ops::Range;
+use serde::Deserialize;
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeTable, DeValue, ValueDeserializer};
+use toml_parser::parser::{Event, parse_document};
 
 /// A key, its value and the place of the key.
 pub type Entry<'t, 'i> = (&'t str, &'t Spanned<DeValue<'i>>, Place);
 
-/// Notes a key that is none of `known`, with the nearest of them.
+/// The tree of a text; what the parser has against it are faults. Where a bracket is not closed, that is the fault: the tree ends before its
+/// line, since a parser finds all sorts of things behind it.
+pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
+    let mut errors = Vec::new();
+    parse_document(&toml_parser::Source::new(text).lex().into_vec(), &mut |_: Event| {}, &mut errors);
+    let unclosed = errors.iter().find(|error| error.description().starts_with("unclosed"));
+    let mut end = text.len();
+    if let Some(open) = unclosed.and_then(|error| error.context()) {
+        let [open_with, close] = if text[open.start()..].starts_with('{') { ["{", "}"] } else { ["[", "]"] };
+        let fault = format!("not TOML: {open_with} is not closed; expected {close}");
+        faults.add(&Place::File(open.start()), fault);
+        end = text[..open.start()].rfind('\n').map_or(0, |newline| newline + 1);
+    }
+    let (root, errors) = DeTable::parse_recoverable(&text[..end]);
+    for error in &errors {
+        let span = error.span().unwrap_or_default();
+        faults.add_with(&Place::File(span.start), || match (error.message(), text.get(span.clone())) {
+            ("duplicate key", Some(key)) => format!("not TOML: the key {key} stands twice"),
+            (message, _) => format!("not TOML: {message}"),
+        });
+    }
+    root
+}
+
+/// Where a value was written.
+pub fn at(value: &Spanned<DeValue>) -> Place {
+    Place::File(value.span().start)
+}
+
+/// Notes a key that is none of `known`, with the likely one of them.
 pub fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], faults: &mut Faults) {
-    faults.add_with(place, |_| {
-        format!("{prefix}{key} is unknown{}; expected one of {}", suggestion(key, known), known.join(", "))
+    faults.add_with(place, || {
+        format!("{prefix}{key} is unknown{}; expected one of {}", hint(key, known), known.join(", "))
     });
 }
 
@@ -23,15 +53,13 @@ pub fn checked(kind: Kind, name: &str, value: &Spanned<DeValue>, faults: &mut Fa
 }
 
 /// As [`checked`], with any way to read the value.
-pub fn checked_as(
-    parse: impl Fn(&Raw) -> Result<Value, String>,
+pub fn checked_as<T>(
+    parse: impl Fn(&Raw) -> Result<T, String>,
     name: &str,
     value: &Spanned<DeValue>,
     faults: &mut Faults,
-) -> Option<Value> {
-    parse(&raw(value.get_ref()))
-        .map_err(|fault| faults.add(&Place::File(value.span().start), format!("{name}: {fault}")))
-        .ok()
+) -> Option<T> {
+    parse(&raw(value)).map_err(|fault| faults.add(&at(value), format!("{name}: {fault}"))).ok()
 }
 
 /// The entries of a table in the order of the file, with the place of each key.
@@ -42,105 +70,33 @@ pub fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<Entry<'t, 'i>> {
     entries.into_iter().map(|(offset, key, value)| (key, value, Place::File(offset))).collect()
 }
 
-/// The parser's message for a key that stands twice in one table.
-const TWICE: &str = "duplicate key";
-
-/// For the parser's fault of a second key, that key and where the first one is: the nearest before it of that name, and for a table's header
-/// the nearest header.
-pub fn first_of_twice<'t>(
-    root: &DeTable,
-    text: &'t str,
-    second: &Range<usize>,
-    message: &str,
-) -> Option<(&'t str, usize)> {
-    let key = text.get(second.clone()).filter(|_| message == TWICE)?;
-    let line_start = text[..second.start].rfind('\n').map_or(0, |i| i + 1);
-    if text[line_start..second.start].trim_start().starts_with('[') {
-        let header =
-            |line: &str| line.trim_start().trim_start_matches('[').split(']').next().map(|name| name.trim() == key);
-        let starts = text[..line_start].match_indices('\n').map(|(i, _)| i + 1);
-        let is_header = |start: &usize| {
-            let line = text[*start..].lines().next().unwrap_or_default();
-            line.trim_start().starts_with('[') && header(line) == Some(true)
-        };
-        return Some((key, std::iter::once(0).chain(starts).filter(|start| *start < line_start).rfind(is_header)?));
-    }
-    let mut places = Vec::new();
-    places_of(root, key.trim_matches(['"', '\'']), &mut places);
-    Some((key, places.into_iter().filter(|place| *place < second.start).max()?))
-}
-
-/// Where keys of that name are, in all tables.
-fn places_of(table: &DeTable, name: &str, places: &mut Vec<usize>) {
-    for (key, value) in table.iter() {
-        if key.get_ref() == name {
-            places.push(key.span().start);
-        }
-        let items = value.get_ref().as_array().into_iter().flatten().filter_map(|item| item.get_ref().as_table());
-        value.get_ref().as_table().into_iter().chain(items).for_each(|inner| places_of(inner, name, places));
-    }
-}
-
-/// Where brackets, and texts of several lines, open that nothing closes: the place of each, and what closes it.
-pub fn unclosed(text: &str) -> Vec<(usize, &'static str)> {
-    let mut open: Vec<(usize, &str)> = Vec::new();
-    let mut found: Vec<(usize, &str)> = Vec::new();
-    let mut at = 0;
-    while let Some(c) = text[at..].chars().next() {
-        let rest = &text[at..];
-        let quotes = ["\"\"\"", "'''", "\"", "'"].into_iter().find(|quotes| rest.starts_with(quotes));
-        match (c, quotes) {
-            ('#', _) => at += rest.find('\n').unwrap_or(rest.len()),
-            (_, Some(quotes)) => match text_length(rest, quotes) {
-                Some(length) => at += length,
-                None => {
-                    open.push((at, quotes));
-                    break;
-                }
-            },
-            _ => {
-                match c {
-                    '[' => open.push((at, "]")),
-                    '{' => open.push((at, "}")),
-                    ']' | '}' => {
-                        // What opened after the partner of this one is not closed.
-                        if let Some(partner) = open.iter().rposition(|(_, close)| close.starts_with(c)) {
-                            found.extend(open.drain(partner..).skip(1));
-                        }
-                    }
-                    _ => {}
-                }
-                at += c.len_utf8();
-            }
-        }
-    }
-    found.extend(open);
-    found
-}
-
-/// Bytes of the text that `rest` begins with, its quotes included. One of a single line ends with the line; `None` for a longer one without end.
-fn text_length(rest: &str, quotes: &str) -> Option<usize> {
-    let mut at = quotes.len();
-    while let Some(c) = rest[at..].chars().next() {
-        match c {
-            '\\' if quotes.starts_with('"') => at += 1 + rest[at + 1..].chars().next().map_or(0, char::len_utf8),
-            '\n' if quotes.len() == 1 => return Some(at),
-            _ if rest[at..].starts_with(quotes) => return Some(at + quotes.len()),
-            _ => at += c.len_utf8(),
-        }
-    }
-    (quotes.len() == 1).then_some(rest.len())
-}
-
 /// The entries of a value that must be a table.
 pub fn table<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Faults) -> Vec<Entry<'t, 'i>> {
     match value.get_ref() {
         DeValue::Table(table) => entries(table),
-        other => {
-            faults.add(&Place::File(value.span().start), format!("{name}: {} is not a table", raw(other)));
+        _ => {
+            faults.add(&at(value), format!("{name}: {} is not a table", raw(value)));
             Vec::new()
         }
     }
+}
+
+/// As [`table`], of one that knows these keys only.
+pub fn section<'t, 'i>(
+    value: &'t Spanned<DeValue<'i>>,
+    name: &str,
+    keys: &[&str],
+    faults: &mut Faults,
+) -> Vec<Entry<'t, 'i>> {
+    let mut entries = table(value, name, faults);
+    entries.retain(|(key, _, place)| {
+        let is_known = keys.contains(key);
+        if !is_known {
+            unknown_key(place, &format!("{name}."), key, keys, faults);
+        }
+        is_known
+    });
+    entries
 }
 
 /// The items of a value that must be a list, written `[[name]]`.
@@ -148,7 +104,7 @@ pub fn list<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Fa
     match value.get_ref() {
         DeValue::Array(items) => items.iter().collect(),
         _ => {
-            faults.add(&Place::File(value.span().start), format!("{name}: write [[{name}]] for each one"));
+            faults.add(&at(value), format!("{name}: write [[{name}]] for each one"));
             Vec::new()
         }
     }
@@ -157,42 +113,23 @@ pub fn list<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Fa
 /// The texts of a list of distinct ones, each with its place; an empty list is a fault.
 pub fn texts(value: &Spanned<DeValue>, name: &str, faults: &mut Faults) -> Vec<(String, Place)> {
     let mut texts: Vec<(String, Place)> = Vec::new();
-    match value.get_ref().as_array().filter(|items| !items.is_empty()) {
-        None => faults.add(
-            &Place::File(value.span().start),
-            format!("{name}: {} is not a list of at least one name", raw(value.get_ref())),
-        ),
-        Some(items) => {
-            for item in items.iter() {
-                let place = Place::File(item.span().start);
-                match raw(item.get_ref()) {
-                    Raw::Text(text) if texts.iter().any(|(known, _)| *known == text) => {
-                        faults.add(&place, format!("{name}: {text} stands twice"));
-                    }
-                    Raw::Text(text) => texts.push((text, place)),
-                    other => faults.add(&place, format!("{name}: {other} is not text")),
-                }
+    let Some(items) = value.get_ref().as_array().filter(|items| !items.is_empty()) else {
+        faults.add(&at(value), format!("{name}: {} is not a list of at least one name", raw(value)));
+        return texts;
+    };
+    for item in items.iter() {
+        match raw(item) {
+            Raw::String(text) if texts.iter().any(|(known, _)| *known == text) => {
+                faults.add(&at(item), format!("{name}: {text} stands twice"));
             }
+            Raw::String(text) => texts.push((text, at(item))),
+            other => faults.add(&at(item), format!("{name}: {other} is not text")),
         }
     }
     texts
 }
 
-/// The value as written, before it is checked.
-pub fn raw(value: &DeValue) -> Raw {
-    match value {
-        DeValue::String(text) => Raw::Text(text.to_string()),
-        DeValue::Integer(n) => match i64::from_str_radix(n.as_str(), n.radix()) {
-            Ok(n) => Raw::Integer(n),
-            Err(_) => Raw::Text(n.as_str().to_owned()),
-        },
-        DeValue::Float(x) => match x.as_str().parse() {
-            Ok(x) => Raw::Float(x),
-            Err(_) => Raw::Text(x.as_str().to_owned()),
-        },
-        DeValue::Array(items) => Raw::Array(items.iter().map(|item| raw(item.get_ref())).collect()),
-        DeValue::Boolean(_) => Raw::Other("boolean"),
-        DeValue::Datetime(_) => Raw::Other("date"),
-        DeValue::Table(_) => Raw::Other("table"),
-    }
+/// The value as written, before it is checked. A whole number of more than 64 bits is infinite.
+pub fn raw(value: &Spanned<DeValue>) -> Raw {
+    Raw::deserialize(ValueDeserializer::from(value.clone())).unwrap_or(Raw::Float(f64::INFINITY))
 }

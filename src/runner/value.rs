@@ -126,52 +126,20 @@ impl fmt::Display for Range {
 }
 
 /// A value before it is checked, from TOML or from text.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Raw {
-    Text(String),
-    Integer(i64),
-    Float(f64),
-    Array(Vec<Raw>),
-    /// Anything else, by the name of its type.
-    Other(&'static str),
-}
+pub use toml::Value as Raw;
 
-impl fmt::Display for Raw {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::Text(text) => write!(f, "{text:?}"),
-            Self::Integer(n) => write!(f, "{n}"),
-            Self::Float(x) => write!(f, "{x}"),
-            Self::Array(items) => {
-                f.write_str("[")?;
-                for (i, item) in items.iter().enumerate() {
-                    write!(f, "{}{item}", if i == 0 { "" } else { ", " })?;
-                }
-                f.write_str("]")
-            }
-            Self::Other(kind) => write!(f, "a {kind}"),
-        }
+/// Text as it comes from the command line, read as a number where it is one.
+fn from_text(text: &str) -> Raw {
+    match (text.parse::<i64>(), text.parse::<f64>()) {
+        (Ok(n), _) => Raw::Integer(n),
+        (_, Ok(x)) => Raw::Float(x),
+        _ => Raw::String(text.to_owned()),
     }
 }
 
-impl Raw {
-    /// Text as it comes from the command line, read as a number where it is one.
-    fn from_text(text: &str) -> Self {
-        match (text.parse::<i64>(), text.parse::<f64>()) {
-            (Ok(n), _) => Self::Integer(n),
-            (_, Ok(x)) => Self::Float(x),
-            _ => Self::Text(text.to_owned()),
-        }
-    }
-
-    /// The number, where it is one.
-    pub(super) fn number(&self) -> Option<f64> {
-        match self {
-            Self::Integer(n) => Some(*n as f64),
-            Self::Float(x) => Some(*x),
-            _ => None,
-        }
-    }
+/// The number, where it is one.
+pub(super) fn number(raw: &Raw) -> Option<f64> {
+    raw.as_float().or(raw.as_integer().map(|n| n as f64))
 }
 
 /// The values that a parameter accepts.
@@ -235,7 +203,7 @@ impl Kind {
     pub fn parse(&self, raw: &Raw) -> Result<Value, String> {
         let expected = |what: &str| Err(format!("{raw} is not {what}"));
         match self {
-            Self::Number(range) => match raw.number() {
+            Self::Number(range) => match number(raw) {
                 Some(x) if range.holds(x) => Ok(Value::Number(x)),
                 Some(_) => Err(format!("{raw} is outside {range}")),
                 None => expected(&format!("a number in {range}")),
@@ -256,10 +224,10 @@ impl Kind {
                     let channels = parse_all(&Self::Number(*range), items)?;
                     Ok(Value::Color(std::array::from_fn(|channel| channels[channel].number() as f32)))
                 }
-                Raw::Array(_) | Raw::Text(_) | Raw::Other(_) => {
-                    expected(&format!("a colour: one number in {range} or [r, g, b]"))
+                Raw::Integer(_) | Raw::Float(_) => {
+                    Ok(Value::Color([Self::Number(*range).parse(raw)?.number() as f32; 3]))
                 }
-                _ => Ok(Value::Color([Self::Number(*range).parse(raw)?.number() as f32; 3])),
+                _ => expected(&format!("a colour: one number in {range} or [r, g, b]")),
             },
             Self::Pair { min, max } => match raw {
                 Raw::Array(items) if matches!(items[..], [Raw::Integer(_), Raw::Integer(_)]) => {
@@ -269,39 +237,28 @@ impl Kind {
                 _ => expected(&format!("a pair of whole numbers in [{min}, {max}], such as [256, 128]")),
             },
             Self::Name { what, names } => match raw {
-                Raw::Text(text) => {
+                Raw::String(text) => {
                     let names = names();
-                    if names.contains(&text.as_str()) {
-                        Ok(Value::Text(text.clone()))
-                    } else {
-                        Err(format!(
-                            "{text:?} is not {}{}; expected {}",
-                            with_article(what),
-                            suggestion(text, &names),
-                            names.join(", ")
-                        ))
+                    match names.contains(&text.as_str()) {
+                        true => Ok(Value::Text(text.clone())),
+                        false => Err(not_one_of(what, text, &names, "")),
                     }
                 }
                 _ => expected(&format!("the name of {} in quotes", with_article(what))),
             },
             Self::NumberOrName { range, what, named } => match raw {
-                Raw::Text(text) => {
+                Raw::String(text) => {
                     let named = named();
                     let number = named.iter().find(|(name, _)| name == text).map(|(_, number)| Value::Number(*number));
                     number.ok_or_else(|| {
                         let names: Vec<&str> = named.iter().map(|(name, _)| *name).collect();
-                        format!(
-                            "{text:?} is not {}{}; expected a number in {range}, or {}",
-                            with_article(what),
-                            suggestion(text, &names),
-                            names.join(", ")
-                        )
+                        not_one_of(what, text, &names, &format!("a number in {range}, or "))
                     })
                 }
                 _ => Self::Number(*range).parse(raw),
             },
             Self::Input => match raw {
-                Raw::Text(text) if !text.is_empty() => Ok(Value::Text(text.clone())),
+                Raw::String(text) if !text.is_empty() => Ok(Value::Text(text.clone())),
                 _ => expected("a builtin's name or a file's path in quotes"),
             },
         }
@@ -311,12 +268,12 @@ impl Kind {
     pub fn parse_text(&self, text: &str) -> Result<Value, String> {
         let text = text.trim();
         let raw = match self {
-            Self::Name { .. } | Self::Input => Raw::Text(text.to_owned()),
+            Self::Name { .. } | Self::Input => Raw::String(text.to_owned()),
             Self::Color(_) if text.contains([':', ',']) => {
-                Raw::Array(text.split([':', ',']).map(|part| Raw::from_text(part.trim())).collect())
+                Raw::Array(text.split([':', ',']).map(|part| from_text(part.trim())).collect())
             }
-            Self::Pair { .. } => Raw::Array(text.split(['x', 'X']).map(|part| Raw::from_text(part.trim())).collect()),
-            _ => Raw::from_text(text),
+            Self::Pair { .. } => Raw::Array(text.split(['x', 'X']).map(|part| from_text(part.trim())).collect()),
+            _ => from_text(text),
         };
         self.parse(&raw).map_err(|fault| match self {
             Self::Pair { min, max } => format!("{text:?} is not WxH with whole numbers in [{min}, {max}]"),
@@ -373,6 +330,10 @@ impl Kind {
 /// "a camera", "an axis".
 fn with_article(what: &str) -> String {
     format!("{} {what}", if what.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" })
+}
+
+fn not_one_of(what: &str, text: &str, names: &[&str], or: &str) -> String {
+    format!("{text:?} is not {}{}; expected {or}{}", with_article(what), suggestion(text, names), names.join(", "))
 }
 
 /// The values of all items, or everything that is wrong with any of them.

@@ -1,7 +1,7 @@
 //! Tables and references kept for later runs change nothing but the time.
 
 use super::end_to_end::folder;
-use super::{splitsum, stderr};
+use super::{assert_ends, ok, splitsum, stderr};
 use std::path::{Path, PathBuf};
 
 /// One run into `out`; what it said, and its errors.
@@ -68,9 +68,7 @@ fn a_warm_cache_gives_the_same_bytes_and_a_damaged_entry_is_made_anew() {
 fn a_cache_that_cannot_be_used_is_a_fault_when_it_was_asked_for() {
     let Some(dir) = folder() else { return };
     std::fs::write(dir.path().join("file"), "").unwrap();
-    let output = splitsum(dir.path(), &["run", "tiny.toml", "--cache", "file"]);
-    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("--cache: file: "), "{}", stderr(&output));
+    assert_ends(&splitsum(dir.path(), &["run", "tiny.toml", "--cache", "file"]), 2, &["--cache: file: "]);
     assert!(!dir.path().join("runs").exists());
 }
 
@@ -82,8 +80,7 @@ fn a_bake_into_an_old_folder_leaves_no_stale_level() {
         let levels = format!("prefilter_level_count={levels}");
         let small = ["--set", "prefilter_size=32x16", "--set", "dfg_size=8", "--set", "prefilter_sample_count=4"];
         let arguments = [&["bake", "builtin:constant", "--out", "baked", "--set", &levels], &small[..]].concat();
-        let output = splitsum(dir.path(), &arguments);
-        assert!(output.status.success(), "{}", stderr(&output));
+        ok(dir.path(), &arguments);
     };
     // A level that no bake of 32 x 16 texels makes stands for one of a larger map.
     bake("2");
@@ -91,8 +88,12 @@ fn a_bake_into_an_old_folder_leaves_no_stale_level() {
     std::fs::copy(level(1), level(2)).unwrap();
     bake("2");
     assert!(level(1).exists() && !level(2).exists());
-    let output =
-        splitsum(dir.path(), &["bake", "builtin:constant", "--out", "b", "--set", "dfg_size=8", "--set", "dfg_size=9"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("--set dfg_size: stands twice"), "{}", stderr(&output));
+    assert_ends(
+        &splitsum(
+            dir.path(),
+            &["bake", "builtin:constant", "--out", "b", "--set", "dfg_size=8", "--set", "dfg_size=9"],
+        ),
+        2,
+        &["--set dfg_size: stands twice"],
+    );
 }

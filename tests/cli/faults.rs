@@ -3,7 +3,7 @@
 //! `SPLITSUM_TEST_FAULTS` (see `src/gpu/inject.rs`) makes a call fail as a driver would let it.
 
 use super::end_to_end::folder;
-use super::{command, splitsum, stderr};
+use super::{assert_ends, command, splitsum, stderr};
 use std::path::Path;
 use std::process::Output;
 
@@ -11,15 +11,6 @@ const FAULTS: &str = "SPLITSUM_TEST_FAULTS";
 
 fn with_fault(dir: &Path, arguments: &[&str], fault: &str) -> Output {
     command(dir, arguments).env(FAULTS, fault).output().unwrap()
-}
-
-fn assert_ends(output: &Output, code: i32, parts: &[&str]) {
-    let message = stderr(output);
-    assert_eq!(output.status.code(), Some(code), "{message}");
-    for part in parts {
-        assert!(message.contains(part), "no {part:?} in {message}");
-    }
-    assert!(!message.contains("panicked"), "{message}");
 }
 
 fn errors(dir: &Path, out: &str) -> Vec<u8> {
@@ -173,23 +164,6 @@ fn a_driver_below_the_floor_is_named_with_what_it_lacks() {
     }
     // The layer alone takes nothing away.
     assert!(run("", &RENDER).status.success());
-}
-
-#[test]
-fn a_run_of_a_newer_program_is_left_alone() {
-    let Some(dir) = folder() else { return };
-    let arguments = ["run", "tiny.toml", "--out", "out", "--set", "brdf=ggx", "--set", "samples=4"];
-    assert!(splitsum(dir.path(), &arguments).status.success());
-    let path = dir.path().join("out/provenance.json");
-    let mut provenance: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
-    provenance["schema_version"] = 999.into();
-    let newer = provenance.to_string();
-    std::fs::write(&path, &newer).unwrap();
-    let before = errors(dir.path(), "out");
-    for arguments in [&arguments[..], &["report", "out"]] {
-        assert_ends(&splitsum(dir.path(), arguments), 2, &["out: ", "format 999", "up to 1"]);
-    }
-    assert!(errors(dir.path(), "out") == before && std::fs::read_to_string(&path).unwrap() == newer);
 }
 
 /// A folder that takes no files even from root.

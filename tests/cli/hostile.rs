@@ -1,6 +1,6 @@
 //! Names, files and folders that are not what they seem. None of it needs a device.
 
-use super::{splitsum, stderr, stdout};
+use super::{assert_ends, ok, splitsum, stderr, stdout};
 use std::path::{Path, PathBuf};
 
 /// A published run in a folder of that name.
@@ -40,27 +40,6 @@ fn hostile_names_reach_neither_markdown_nor_terminal() {
 }
 
 #[test]
-fn a_provenance_that_is_none_has_one_exit_code() {
-    let root = tempfile::tempdir().unwrap();
-    let dir = published(root.path(), "run");
-    let experiment = dir.join("experiment.toml").display().to_string();
-    for text in ["[1, 2, 3]", "{\"schema_version\": \"2\", \"sessions\": []}"] {
-        std::fs::write(dir.join("provenance.json"), text).unwrap();
-        for arguments in [
-            &["answers", "run"][..],
-            &["report", "run"],
-            &["run", &experiment, "--out", "run"],
-            &["plan", &experiment, "--out", "run"],
-        ] {
-            let output = splitsum(root.path(), arguments);
-            let message = stderr(&output);
-            assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-            assert!(message.contains("is not a provenance file of splitsum"), "{arguments:?}: {message}");
-        }
-    }
-}
-
-#[test]
 fn a_damaged_frozen_experiment_is_told() {
     let root = tempfile::tempdir().unwrap();
     let dir = published(root.path(), "run");
@@ -92,9 +71,11 @@ fn a_folder_where_a_file_belongs_is_bad_input() {
 fn nothing_is_published_where_nothing_can_be_made() {
     let root = tempfile::tempdir().unwrap();
     published(root.path(), "run");
-    let output = splitsum(root.path(), &["answers", "run", "--publish", "/proc/splitsum"]);
-    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("where this user may write"), "{}", stderr(&output));
+    assert_ends(
+        &splitsum(root.path(), &["answers", "run", "--publish", "/proc/splitsum"]),
+        2,
+        &["where this user may write"],
+    );
 }
 
 #[cfg(unix)]
@@ -106,8 +87,7 @@ fn an_output_is_written_through_a_link_and_never_over_a_device() {
     let old = std::fs::read_to_string(root.path().join("real.html")).unwrap();
     std::fs::write(root.path().join("real.html"), old.replace("<html", "<HTML")).unwrap();
     std::os::unix::fs::symlink("real.html", root.path().join("link.html")).unwrap();
-    let output = splitsum(root.path(), &["report", "run", "--out", "link.html"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    ok(root.path(), &["report", "run", "--out", "link.html"]);
     assert!(root.path().join("link.html").is_symlink());
     assert!(std::fs::read_to_string(root.path().join("real.html")).unwrap().contains("<html"));
 

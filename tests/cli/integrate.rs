@@ -175,25 +175,12 @@ fn irradiance_and_coefficients_agree() {
     assert!(numbers(&found, "irradiance_error_g").iter().zip(&irradiance).all(|(e, x)| *e <= 1e-7 * x));
 }
 
-#[test]
-fn answers_go_to_standard_output_without_out() {
-    let dir = folder("brdf,alpha,n_dot_v\nggx,1,1\n");
-    let output = splitsum(dir.path(), &["integrate", "q.csv", "--kind", "dfg"]);
-    let text = stdout(&output);
-    let mut lines = text.lines();
-    assert_eq!(lines.next(), Some("brdf,alpha,n_dot_v,f0_scale,f90_scale,albedo,error"));
-    let albedo: f64 = lines.next().unwrap().split(',').nth(5).unwrap().parse().unwrap();
-    // 1 - ln 2.
-    assert!((albedo - (1.0 - std::f64::consts::LN_2)).abs() < 1e-6, "{text}");
-    assert_eq!(lines.next(), None);
-}
-
-/// Runs a table that must be refused: exit code, every expected line of the message and no other, and the old output untouched.
 /// The names of all models, as a message lists them.
 fn models() -> String {
     MODELS.iter().map(|model| model.name()).collect::<Vec<_>>().join(", ")
 }
 
+/// Runs a table that must be refused: exit code, every expected line of the message and no other, and the old output untouched.
 fn assert_refused(queries: &str, arguments: &[&str], code: i32, lines: &[&str]) {
     let dir = folder(queries);
     std::fs::write(dir.path().join("a.csv"), "old").unwrap();

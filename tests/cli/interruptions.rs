@@ -2,7 +2,7 @@
 //! device there is; without one the tests skip with a line.
 
 use super::end_to_end::folder;
-use super::{command, splitsum, stderr};
+use super::{assert_ends, command, ok, splitsum, stderr};
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
@@ -10,8 +10,7 @@ use std::time::{Duration, Instant};
 const KILLS: usize = 20;
 
 fn run_to(dir: &Path, out: &str) {
-    let output = splitsum(dir, &["run", "tiny.toml", "--out", out]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    ok(dir, &["run", "tiny.toml", "--out", out]);
 }
 
 fn table(dir: &Path, out: &str, name: &str) -> Vec<u8> {
@@ -143,9 +142,7 @@ fn a_full_disk_ends_the_run_and_more_room_lets_it_go_on() {
         eprintln!("skipped: a small file system cannot be mounted (needs root)");
         return;
     };
-    let output = splitsum(dir.path(), &["run", "tiny.toml", "--out", "disk/run"]);
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    assert!(stderr(&output).contains("No space left"), "{}", stderr(&output));
+    assert_ends(&splitsum(dir.path(), &["run", "tiny.toml", "--out", "disk/run"]), 1, &["No space left"]);
     disk.enlarge(65536);
     run_to(dir.path(), "disk/run");
     run_to(dir.path(), "whole");

@@ -10,7 +10,6 @@ mod hostile;
 mod integrate;
 #[cfg(unix)]
 mod interruptions;
-mod odd_inputs;
 mod soak;
 
 use std::process::{Command, Output};
@@ -34,6 +33,23 @@ fn stdout(output: &Output) -> String {
 
 fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// What a command that must succeed prints.
+fn ok(dir: &std::path::Path, arguments: &[&str]) -> String {
+    let output = splitsum(dir, arguments);
+    assert!(output.status.success(), "{}", stderr(&output));
+    stdout(&output)
+}
+
+/// An exit code, parts of the message, and no panic.
+fn assert_ends(output: &Output, code: i32, parts: &[&str]) {
+    let message = stderr(output);
+    assert_eq!(output.status.code(), Some(code), "{message}");
+    for part in parts {
+        assert!(message.contains(part), "no {part:?} in {message}");
+    }
+    assert!(!message.contains("panicked"), "{message}");
 }
 
 /// Files and folders directly in `dir`.

@@ -2,7 +2,7 @@
 //!
 //! It takes minutes, so it runs only when asked for: `scripts/soak.sh`.
 
-use super::{command, splitsum, stderr, stdout};
+use super::{command, ok, splitsum, stdout};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -117,8 +117,7 @@ fn a_sweep_of_thousands_of_cells_stays_flat() {
     {
         let out = format!("part-{part}");
         let sets = [format!("brdf={brdf}"), format!("environment={environment}")];
-        let output = splitsum(dir.path(), &["run", "soak.toml", "--out", &out, "--set", &sets[0], "--set", &sets[1]]);
-        assert!(output.status.success(), "{}", stderr(&output));
+        ok(dir.path(), &["run", "soak.toml", "--out", &out, "--set", &sets[0], "--set", &sets[1]]);
         for (cell, row) in rows(dir.path(), &out) {
             assert_eq!(whole.get(&cell), Some(&row));
             compared += 1;

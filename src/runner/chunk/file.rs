@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// The file's own word for its format.
 const FORMAT: &str = "splitsum-plan";
 /// Counts up when the file or the way of cutting changes.
-const FORMAT_VERSION: u32 = 2;
+const FORMAT_VERSION: u32 = 3;
 /// Hex digits of [`PlanFile::id`].
 const ID_LENGTH: usize = 16;
 
@@ -127,38 +127,37 @@ impl PlanFile {
         let expected = "expected a file that `splitsum plan --chunk-seconds` wrote";
         let text =
             read_text(path, PLAN_BYTES_MAX).map_err(|error| fault(format!("cannot be read ({error}); {expected}")))?;
-        let head: Head =
-            serde_json::from_str(&text).map_err(|error| fault(format!("is not a plan file ({error}); {expected}")))?;
-        if head.format.as_deref() != Some(FORMAT) {
+        let head = serde_json::from_str::<Head>(&text).ok();
+        let Some(head) = head.filter(|head| head.format.as_deref() == Some(FORMAT)) else {
             return Err(fault(format!("is not a plan file; {expected}")));
-        }
+        };
         if head.format_version != Some(FORMAT_VERSION) {
             let found = head.format_version.map_or("none".to_owned(), |version| version.to_string());
             return Err(fault(format!("has format version {found}, this program reads {FORMAT_VERSION}; {again}")));
         }
         let file: Self = serde_json::from_str(&text).map_err(|error| fault(format!("{error}; {expected}")))?;
-        let changed = |what: String| fault(format!("{what}; {again}"));
-        if file.program_version != env!("CARGO_PKG_VERSION") || file.schema_version != SCHEMA_VERSION {
-            let (planned, here) = (&file.program_version, env!("CARGO_PKG_VERSION"));
-            return Err(changed(format!(
-                "was made by splitsum {planned} (schema {}), this is {here} (schema {SCHEMA_VERSION})",
-                file.schema_version
+        let stale = |what: String| fault(format!("{what}; {again}"));
+        if (&*file.program_version, file.schema_version) != (env!("CARGO_PKG_VERSION"), SCHEMA_VERSION) {
+            return Err(stale(format!(
+                "was made by splitsum {}, this is {}",
+                file.program_version,
+                env!("CARGO_PKG_VERSION")
             )));
         }
         if file.shader_hash != crate::gpu::build_hash() {
-            return Err(changed("was made by a build with other shaders, whose images may differ".to_owned()));
+            return Err(stale("was made by a build with other shaders, whose images may differ".to_owned()));
         }
         let dir = path.parent().unwrap_or(Path::new(""));
         let experiment = &dir.join(&file.experiment_file);
+        let name = experiment.display();
         let written = read_text(experiment, TEXT_BYTES_MAX).map_err(|error| {
-            let name = experiment.display();
             fault(format!(
                 "its experiment {name} cannot be read ({error}); expected it there, since paths in a plan file start at its own folder: use the \
                  file where it was made, or {again}"
             ))
         })?;
         if experiment_hash(&written) != file.experiment_hash {
-            return Err(changed(format!("{} has changed since the plan was made", experiment.display())));
+            return Err(stale(format!("{name} has changed since the plan was made")));
         }
         let set_dir = file.set_folder.as_ref().map_or_else(PathBuf::new, |folder| dir.join(folder));
         let file_dir = frozen::file_dir(experiment, &written);
@@ -170,16 +169,18 @@ impl PlanFile {
         .map_err(|error| fault(format!("its experiment is no longer valid: {error}")))?;
         let (experiment_file, set_folder) = (file.experiment_file.clone(), file.set_folder.clone());
         let here = Self::with_paths(&plan, experiment_file, set_folder, file.chunk_seconds, file.prices.clone());
-        if let Some(name) = differing(&file.inputs, &here.inputs) {
-            return Err(changed(format!("the input {name} has changed since the plan was made")));
-        }
-        if let Some(name) = differing(&file.metrics, &here.metrics) {
-            return Err(changed(format!("was made by a build with another version of the metric {name}")));
-        }
-        if here != file {
-            return Err(changed(
-                "its cells or chunks are not those that this program makes of its experiment".to_owned(),
-            ));
+        let input = differing(&file.inputs, &here.inputs)
+            .map(|name| format!("the input {name} has changed since the plan was made"));
+        let metric = || {
+            differing(&file.metrics, &here.metrics)
+                .map(|name| format!("was made by a build with another version of the metric {name}"))
+        };
+        let other = || {
+            (here != file)
+                .then(|| "its cells or chunks are not those that this program makes of its experiment".to_owned())
+        };
+        if let Some(what) = input.or_else(metric).or_else(other) {
+            return Err(stale(what));
         }
         Ok((file, plan))
     }

@@ -7,7 +7,6 @@
 //! Long because finding, checking, choosing and writing are steps of one operation, which has no use apart.
 
 use super::ChunkError;
-use super::agreement::differing_columns;
 use super::file::PlanFile;
 use super::store::{Attempt, ChunkStore};
 use crate::files::content_hash;
@@ -17,24 +16,14 @@ use crate::runner::live::LIVE_FILE;
 use crate::runner::plan::{Cell, Plan};
 use crate::runner::provenance;
 use crate::runner::run::{Outcome, RunOptions, tabulate};
-use crate::runner::store::{CellRecord, FailureRecord, ReferenceStop, Store, StoreError};
+use crate::runner::store::{
+    CELLS_FOLDER, CellRecord, FAILED_FOLDER, FailureRecord, ReferenceStop, Spent, Store, StoreError,
+};
 use crate::runner::timing::{self, TimingRecord};
 use rayon::prelude::*;
+use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
-use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
-
-/// How to merge.
-#[derive(Debug)]
-pub struct MergeOptions {
-    /// The folder that the chunks share.
-    pub store: PathBuf,
-    /// The folder of the run to make; it may be the same.
-    pub out: PathBuf,
-    pub command_line: Vec<String>,
-    /// Writes the timed passes as a Chrome trace.
-    pub trace: bool,
-}
+use std::path::{Path, PathBuf};
 
 /// The outcome of a merge.
 #[derive(Debug)]
@@ -63,6 +52,9 @@ type Device = (String, String);
 /// The timings of a block, each with its id.
 type Block = Vec<(String, TimingRecord)>;
 
+/// The record that was chosen for each cell or block.
+type Chosen<'f, T> = BTreeMap<&'f str, &'f Found<T>>;
+
 /// A record and where it stands.
 struct Found<T> {
     record: T,
@@ -72,87 +64,247 @@ struct Found<T> {
 
 /// Merges what there is. All of it is read and checked before the first byte is written: nothing is when a record or an image is damaged
 /// or missing, or when records contradict each other.
-pub fn merge(file: &PlanFile, plan: &Plan, options: &MergeOptions) -> Result<Merged, ChunkError> {
-    let chunks = ChunkStore::existing(&options.store, file)?;
+///
+/// `store` is the folder that the chunks share; that of the options, where the run is made, may be the same.
+pub fn merge(file: &PlanFile, plan: &Plan, store: &Path, options: &RunOptions) -> Result<Merged, ChunkError> {
+    let chunks = ChunkStore::existing(store, file)?;
     let attempts: Vec<Vec<Attempt>> =
         file.chunks.iter().map(|chunk| chunks.attempts(chunk.index)).collect::<Result<_, _>>()?;
     if attempts.iter().all(Vec::is_empty) {
-        return Err(ChunkError::NoStore { dir: options.store.clone() });
+        return Err(ChunkError::NoStore { dir: store.to_owned() });
     }
-    let before = Store::at(&options.out);
-    before.check_identity(plan)?;
-    let (mut damage, mut notes) = (Vec::new(), Vec::new());
-    let cells = find_cells(&before, plan, &attempts, &mut damage, &mut notes)?;
-    let blocks = find_blocks(file, plan, &attempts, &mut damage)?;
-    let chosen = choose(&cells, "cells", &mut notes);
-    let chosen_blocks = choose(&blocks, "blocks of timings", &mut notes);
-    let belongings = belongings(&before, plan, &chosen, &attempts, &mut damage)?;
-    if !damage.is_empty() {
-        return Err(ChunkError::Damaged(damage));
+    let out = Store::at(&options.dir);
+    out.check_identity(plan)?;
+    let mut merge = Merge { file, plan, out, attempts, damage: Vec::new(), notes: Vec::new() };
+    let cells = merge.find_cells()?;
+    let blocks = merge.find_blocks()?;
+    let chosen = choose(&cells, "cells", &mut merge.notes);
+    let chosen_blocks = choose(&blocks, "blocks of timings", &mut merge.notes);
+    let belongings = merge.belongings(&chosen)?;
+    if !merge.damage.is_empty() {
+        return Err(ChunkError::Damaged(merge.damage));
     }
     let disagreements = disagreements(plan, &cells);
     if !disagreements.is_empty() {
         return Err(ChunkError::Disagreement(disagreements));
     }
 
-    let out = Store::open(&options.out, plan)?;
-    import_cells(&out, plan, &chosen, &belongings, attempts.iter().flatten())?;
-    import_failures(&out, plan, &chosen, attempts.iter().flatten())?;
-    for block in chosen_blocks.values() {
-        for (id, record) in &block.record {
-            out.write_timing(id, record)?;
-        }
+    merge.out = Store::open(&options.dir, plan)?;
+    merge.import_cells(&chosen, &belongings)?;
+    merge.import_failures(&chosen)?;
+    for (id, record) in chosen_blocks.values().flat_map(|block| &block.record) {
+        merge.out.write_timing(id, record)?;
     }
-    write_provenance(&out, plan, attempts.iter().flatten(), options)?;
-    let holes = holes(file, plan, &out, &attempts)?;
-    let stop = AtomicBool::new(false);
-    let run_options = RunOptions {
-        dir: options.out.clone(),
-        stop: &stop,
-        command_line: options.command_line.clone(),
-        fail_fast: false,
-        trace: options.trace,
-    };
-    Ok(Merged { outcome: tabulate(plan, out, &run_options)?, holes, notes })
+    merge.write_provenance(options)?;
+    let holes = merge.holes()?;
+    Ok(Merged { outcome: tabulate(plan, merge.out, options)?, holes, notes: merge.notes })
 }
 
-/// Every record of every cell of the plan, that of the run's folder first, then in the order of the attempts.
-fn find_cells(
-    out: &Store,
-    plan: &Plan,
-    attempts: &[Vec<Attempt>],
-    damage: &mut Vec<String>,
-    notes: &mut Vec<String>,
-) -> Result<BTreeMap<String, Vec<Found<CellRecord>>>, StoreError> {
-    let mut found: BTreeMap<String, Vec<Found<CellRecord>>> = BTreeMap::new();
-    let mut add = |id: &str, store: &Store| -> Result<(), StoreError> {
-        if let Some(record) = whole(store.whole_cell(id), damage)? {
-            let device = (record.device.clone(), record.driver.clone());
-            found.entry(id.to_owned()).or_default().push(Found { record, store: store.clone(), device });
+/// A merge at work.
+struct Merge<'a> {
+    file: &'a PlanFile,
+    plan: &'a Plan,
+    /// The folder of the run to make.
+    out: Store,
+    /// At each chunk.
+    attempts: Vec<Vec<Attempt>>,
+    /// A sentence for each record and image that cannot be used.
+    damage: Vec<String>,
+    notes: Vec<String>,
+}
+
+impl Merge<'_> {
+    /// Every record of every cell of the plan, that of the run's folder first, then in the order of the attempts.
+    fn find_cells(&mut self) -> Result<BTreeMap<String, Vec<Found<CellRecord>>>, StoreError> {
+        let mut found: BTreeMap<String, Vec<Found<CellRecord>>> = BTreeMap::new();
+        let mut add = |id: &str, store: &Store| -> Result<(), StoreError> {
+            if let Some(record) = whole(store.whole_cell(id), &mut self.damage)? {
+                let device = (record.device.clone(), record.driver.clone());
+                found.entry(id.to_owned()).or_default().push(Found { record, store: store.clone(), device });
+            }
+            Ok(())
+        };
+        for cell in &self.plan.cells {
+            add(&cell.id, &self.out)?;
         }
-        Ok(())
-    };
-    for cell in &plan.cells {
-        add(&cell.id, out)?;
-    }
-    let of_plan: HashSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
-    let mut strangers = Vec::new();
-    for attempt in attempts.iter().flatten() {
-        for id in attempt.ids("cells")? {
-            match of_plan.contains(id.as_str()) {
-                true => add(&id, &attempt.store)?,
-                false => strangers.push(attempt.store.cell_path(&id)),
+        let of_plan: HashSet<&str> = self.plan.cells.iter().map(|cell| cell.id.as_str()).collect();
+        let mut strangers = Vec::new();
+        for attempt in self.attempts.iter().flatten() {
+            for id in attempt.store.ids(CELLS_FOLDER) {
+                match of_plan.contains(id.as_str()) {
+                    true => add(&id, &attempt.store)?,
+                    false => strangers.push(attempt.store.cell_path(&id)),
+                }
             }
         }
+        self.notes.extend(strangers.first().map(|first| {
+            format!(
+                "records of cells that the plan does not have, left out: {}, the first {}",
+                strangers.len(),
+                first.display()
+            )
+        }));
+        Ok(found)
     }
-    notes.extend(strangers.first().map(|first| {
-        format!(
-            "records of cells that the plan does not have, left out: {}, the first {}",
-            strangers.len(),
-            first.display()
-        )
-    }));
-    Ok(found)
+
+    /// The timings of every block, by the id of its first configuration, once for each attempt that finished it.
+    fn find_blocks(&mut self) -> Result<BTreeMap<String, Vec<Found<Block>>>, StoreError> {
+        let jobs = timing::jobs(self.plan);
+        let mut found: BTreeMap<String, Vec<Found<Block>>> = BTreeMap::new();
+        for (chunk, attempts) in self.file.chunks.iter().zip(&self.attempts) {
+            for attempt in attempts {
+                for block in chunk.blocks(&jobs) {
+                    let mut record = Block::new();
+                    for id in &block {
+                        record.extend(
+                            whole(attempt.store.whole_timing(id), &mut self.damage)?.map(|timing| (id.clone(), timing)),
+                        );
+                    }
+                    if record.len() < block.len() {
+                        continue;
+                    }
+                    let device = (record[0].1.device.clone(), record[0].1.driver.clone());
+                    let block = Found { record, store: attempt.store.clone(), device };
+                    found.entry(block.record[0].0.clone()).or_default().push(block);
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    /// Finds a whole copy of every file that a chosen record stands for; each that has none is a sentence for `damage`.
+    fn belongings(&mut self, chosen: &Chosen<CellRecord>) -> Result<Belongings, StoreError> {
+        let (plan, out) = (self.plan, &self.out);
+        let others: Vec<&Store> = self.attempts.iter().flatten().map(|attempt| &attempt.store).chain([out]).collect();
+        let mut stops = BTreeMap::new();
+        // Cells of two devices may share a file's name, and each must find the bytes that its record was made from.
+        let mut wanted: BTreeMap<(String, Option<&String>), (&Cell, &Store)> = BTreeMap::new();
+        for cell in &plan.cells {
+            let Some(found) = chosen.get(cell.id.as_str()) else { continue };
+            for name in images::files(plan, cell) {
+                let hash = found.record.files.get(&name);
+                wanted.entry((name, hash)).or_insert((cell, &found.store));
+            }
+            if found.record.reference.is_some() && !stops.contains_key(&cell.reference) {
+                for store in std::iter::once(&found.store).chain(others.iter().copied()) {
+                    if let Some(stop) = whole(store.whole_reference(&cell.reference), &mut self.damage)? {
+                        stops.insert(cell.reference.clone(), stop);
+                        break;
+                    }
+                }
+            }
+        }
+        let find = |((name, hash), (cell, own)): (&(String, Option<&String>), &(&Cell, &Store))| {
+            // What cells share may stand with another attempt.
+            let mut copies = std::iter::once(*own).chain(others.iter().copied()).map(|store| store.image_path(name));
+            let is_whole = |path: &PathBuf| match hash {
+                Some(hash) => content_hash(path).is_ok_and(|found| found == **hash),
+                None => images::is_whole(path),
+            };
+            copies.find(is_whole).ok_or_else(|| {
+                let path = own.image_path(name);
+                let what = if path.exists() { "is not the file that its record was made from" } else { "is missing" };
+                let (label, record) = (plan.label(cell), own.cell_path(&cell.id));
+                format!(
+                    "{}: {what}; it belongs to {} {label}; to make it anew remove {}",
+                    path.display(),
+                    cell.id,
+                    record.display()
+                )
+            })
+        };
+        let list: Vec<_> = wanted.iter().collect();
+        let copies: Vec<Result<PathBuf, String>> = list.par_iter().map(|&entry| find(entry)).collect();
+        let mut files = BTreeMap::new();
+        for (((name, hash), _), copy) in list.into_iter().zip(copies) {
+            match copy {
+                Ok(path) => drop(files.entry(name.clone()).or_insert((path, hash.cloned()))),
+                Err(sentence) => self.damage.push(sentence),
+            }
+        }
+        Ok(Belongings { files, stops })
+    }
+
+    /// Brings the chosen records, with the files that belong to them, into the run's folder: the records last.
+    fn import_cells(&self, chosen: &Chosen<CellRecord>, belongings: &Belongings) -> Result<(), StoreError> {
+        let out = &self.out;
+        for (name, (from, hash)) in &belongings.files {
+            out.place(from, &out.image_path(name), hash.as_deref())?;
+        }
+        for (id, stop) in &belongings.stops {
+            out.write_reference(id, stop)?;
+        }
+        for cell in &self.plan.cells {
+            if let Some(found) = chosen.get(cell.id.as_str()).filter(|found| found.store.dir() != out.dir()) {
+                out.write_cell(&found.record)?;
+            }
+        }
+        let live = out.dir().join(LIVE_FILE);
+        let made = self
+            .attempts
+            .iter()
+            .flatten()
+            .find_map(|attempt| Some(attempt.store.dir().join(LIVE_FILE)).filter(|path| path.exists()));
+        made.filter(|_| !live.exists()).map_or(Ok(()), |from| out.place(&from, &live, None))
+    }
+
+    /// Keeps the last reason of every cell that failed and was not done by another attempt.
+    fn import_failures(&self, chosen: &Chosen<CellRecord>) -> Result<(), StoreError> {
+        let mut failures: BTreeMap<String, FailureRecord> = BTreeMap::new();
+        for attempt in self.attempts.iter().flatten() {
+            for id in attempt.store.ids(FAILED_FOLDER) {
+                if let Some(failure) = attempt.store.failure(&id)? {
+                    failures.insert(id, failure);
+                }
+            }
+        }
+        let open = self.plan.cells.iter().filter(|cell| !chosen.contains_key(cell.id.as_str()));
+        open.filter_map(|cell| failures.get(&cell.id)).try_for_each(|failure| self.out.write_failure(failure))
+    }
+
+    /// The sessions of all attempts, each with its chunk, after those of an ordinary run in the same folder.
+    fn write_provenance(&self, options: &RunOptions) -> Result<(), StoreError> {
+        let (plan, out) = (self.plan, &self.out);
+        let path = out.provenance_path();
+        let mut value = provenance::read(out.dir())?.unwrap_or_else(|| provenance::provenance(plan, out.dir()));
+        let kept = value["sessions"].as_array().cloned().unwrap_or_default();
+        let mut sessions: Vec<Value> = kept.into_iter().filter(|session| session["chunk"].is_null()).collect();
+        for attempt in self.attempts.iter().flatten() {
+            let own = provenance::read(attempt.store.dir())?;
+            for mut session in own.and_then(|value| value["sessions"].as_array().cloned()).unwrap_or_default() {
+                session["chunk"] = attempt.record.chunk.into();
+                session["attempt"] = attempt.name.as_str().into();
+                session["host"]["name"] = attempt.record.host.as_str().into();
+                sessions.push(session);
+            }
+        }
+        value["sessions"] = sessions.into();
+        value["merge_command_line"] = options.command_line.clone().into();
+        out.write_json(&path, &value)?;
+        out.write_text(&out.dir().join(EXPERIMENT_FILE), &plan.config.text)
+    }
+
+    /// The missing parts of the run, by chunk.
+    fn holes(&self) -> Result<Vec<Hole>, StoreError> {
+        let (plan, out) = (self.plan, &self.out);
+        let by_id: BTreeMap<&str, &Cell> = plan.cells.iter().map(|cell| (cell.id.as_str(), cell)).collect();
+        let jobs = timing::jobs(plan);
+        let mut holes = Vec::new();
+        for (chunk, attempts) in self.file.chunks.iter().zip(&self.attempts) {
+            let mut cells = Vec::new();
+            for id in &chunk.cells {
+                if out.cell(id)?.is_none() && out.failure(id)?.is_none() {
+                    cells.push((id.clone(), plan.label(by_id[id.as_str()])));
+                }
+            }
+            let is_open = |block: &&Vec<String>| !block.iter().all(|id| out.has_timing(id));
+            let block_count = chunk.blocks(&jobs).iter().filter(is_open).count();
+            if !cells.is_empty() || block_count > 0 {
+                holes.push(Hole { chunk: chunk.index, cells, block_count, last: last_words(attempts.last()) });
+            }
+        }
+        Ok(holes)
+    }
 }
 
 /// The value that was read, where it is whole; else a sentence for `damage`.
@@ -166,40 +318,8 @@ fn whole<T>(read: Result<Option<T>, StoreError>, damage: &mut Vec<String>) -> Re
     }
 }
 
-/// The timings of every block, by the id of its first configuration, once for each attempt that finished it.
-fn find_blocks(
-    file: &PlanFile,
-    plan: &Plan,
-    attempts: &[Vec<Attempt>],
-    damage: &mut Vec<String>,
-) -> Result<BTreeMap<String, Vec<Found<Block>>>, ChunkError> {
-    let jobs = timing::jobs(plan);
-    let mut found: BTreeMap<String, Vec<Found<Block>>> = BTreeMap::new();
-    for (chunk, attempts) in file.chunks.iter().zip(attempts) {
-        for attempt in attempts {
-            for block in chunk.blocks(&jobs) {
-                let mut record = Block::new();
-                for id in &block {
-                    record.extend(whole(attempt.store.whole_timing(id), damage)?.map(|timing| (id.clone(), timing)));
-                }
-                if record.len() < block.len() {
-                    continue;
-                }
-                let device = (record[0].1.device.clone(), record[0].1.driver.clone());
-                let block = Found { record, store: attempt.store.clone(), device };
-                found.entry(block.record[0].0.clone()).or_default().push(block);
-            }
-        }
-    }
-    Ok(found)
-}
-
 /// One record each: of the device that has most of them, so that as few devices as possible meet in a table, else the first.
-fn choose<'f, T>(
-    found: &'f BTreeMap<String, Vec<Found<T>>>,
-    what: &str,
-    notes: &mut Vec<String>,
-) -> BTreeMap<&'f str, &'f Found<T>> {
+fn choose<'f, T>(found: &'f BTreeMap<String, Vec<Found<T>>>, what: &str, notes: &mut Vec<String>) -> Chosen<'f, T> {
     let mut counts: BTreeMap<&Device, usize> = BTreeMap::new();
     for records in found.values() {
         for device in records.iter().map(|record| &record.device).collect::<BTreeSet<_>>() {
@@ -233,20 +353,46 @@ fn disagreements(plan: &Plan, found: &BTreeMap<String, Vec<Found<CellRecord>>>) 
         let mut first_of: BTreeMap<&Device, &Found<CellRecord>> = BTreeMap::new();
         for record in records {
             let first = *first_of.entry(&record.device).or_insert(record);
-            let columns = differing_columns(&first.record, &record.record);
-            if !columns.is_empty() {
+            let facts = differing(&first.record, &record.record);
+            if !facts.is_empty() {
                 sentences.push(format!(
                     "{} {}: {} and {} differ in {}",
                     cell.id,
                     plan.label(cell),
                     first.store.cell_path(&cell.id).display(),
                     record.store.cell_path(&cell.id).display(),
-                    columns.join(", ")
+                    facts.join(", ")
                 ));
             }
         }
     }
     sentences
+}
+
+/// The facts in which two records differ, with both values. The time that a cell took is none.
+fn differing(a: &CellRecord, b: &CellRecord) -> Vec<String> {
+    let [a, b] = [a, b].map(|record| {
+        let mut facts = BTreeMap::new();
+        flatten("", &json!(CellRecord { spent: Spent::default(), ..record.clone() }), &mut facts);
+        facts
+    });
+    let value = |facts: &BTreeMap<String, String>, name| facts.get(name).map_or("none", String::as_str).to_owned();
+    let names = a.keys().chain(b.keys()).collect::<BTreeSet<_>>();
+    let differ = names.into_iter().filter(|name| a.get(*name) != b.get(*name));
+    differ.map(|name| format!("{name} ({} and {})", value(&a, name), value(&b, name))).collect()
+}
+
+/// Every number and text of a value by its place: `scores.mae`.
+fn flatten(place: &str, value: &Value, facts: &mut BTreeMap<String, String>) {
+    let below = |key: &str| if place.is_empty() { key.to_owned() } else { format!("{place}.{key}") };
+    match value {
+        Value::Object(fields) => fields.iter().for_each(|(key, value)| flatten(&below(key), value, facts)),
+        Value::Array(items) => {
+            items.iter().enumerate().for_each(|(i, value)| flatten(&below(&i.to_string()), value, facts));
+        }
+        Value::String(text) => drop(facts.insert(place.to_owned(), text.clone())),
+        other => drop(facts.insert(place.to_owned(), other.to_string())),
+    }
 }
 
 /// Files and references of the chosen records.
@@ -255,154 +401,6 @@ struct Belongings {
     files: BTreeMap<String, (PathBuf, Option<String>)>,
     /// Where each reference stopped.
     stops: BTreeMap<String, ReferenceStop>,
-}
-
-/// Finds a whole copy of every file that a chosen record stands for; each that has none is a sentence for `damage`.
-fn belongings(
-    out: &Store,
-    plan: &Plan,
-    chosen: &BTreeMap<&str, &Found<CellRecord>>,
-    attempts: &[Vec<Attempt>],
-    damage: &mut Vec<String>,
-) -> Result<Belongings, StoreError> {
-    let others: Vec<&Store> = attempts.iter().flatten().map(|attempt| &attempt.store).chain([out]).collect();
-    let mut stops = BTreeMap::new();
-    // Cells of two devices may share a file's name, and each must find the bytes that its record was made from.
-    let mut wanted: BTreeMap<(String, Option<&String>), (&Cell, &Store)> = BTreeMap::new();
-    for cell in &plan.cells {
-        let Some(found) = chosen.get(cell.id.as_str()) else { continue };
-        for name in images::files(plan, cell) {
-            let hash = found.record.files.get(&name);
-            wanted.entry((name, hash)).or_insert((cell, &found.store));
-        }
-        if found.record.reference.is_some() && !stops.contains_key(&cell.reference) {
-            for store in std::iter::once(&found.store).chain(others.iter().copied()) {
-                if let Some(stop) = whole(store.whole_reference(&cell.reference), damage)? {
-                    stops.insert(cell.reference.clone(), stop);
-                    break;
-                }
-            }
-        }
-    }
-    let find = |((name, hash), (cell, own)): (&(String, Option<&String>), &(&Cell, &Store))| {
-        // What cells share may stand with another attempt.
-        let mut copies = std::iter::once(*own).chain(others.iter().copied()).map(|store| store.image_path(name));
-        let is_whole = |path: &PathBuf| match hash {
-            Some(hash) => content_hash(path).is_ok_and(|found| found == **hash),
-            None => images::is_whole(path),
-        };
-        copies.find(is_whole).ok_or_else(|| {
-            let path = own.image_path(name);
-            let what = if path.exists() { "is not the file that its record was made from" } else { "is missing" };
-            let (label, record) = (plan.label(cell), own.cell_path(&cell.id));
-            format!(
-                "{}: {what}; it belongs to {} {label}; to make it anew remove {}",
-                path.display(),
-                cell.id,
-                record.display()
-            )
-        })
-    };
-    let list: Vec<_> = wanted.iter().collect();
-    let copies: Vec<Result<PathBuf, String>> = list.par_iter().map(|&entry| find(entry)).collect();
-    let mut files = BTreeMap::new();
-    for (((name, hash), _), copy) in list.into_iter().zip(copies) {
-        match copy {
-            Ok(path) => drop(files.entry(name.clone()).or_insert((path, hash.cloned()))),
-            Err(sentence) => damage.push(sentence),
-        }
-    }
-    Ok(Belongings { files, stops })
-}
-
-/// Brings the chosen records, with the files that belong to them, into the run's folder: the records last.
-fn import_cells<'a>(
-    out: &Store,
-    plan: &Plan,
-    chosen: &BTreeMap<&str, &Found<CellRecord>>,
-    belongings: &Belongings,
-    mut attempts: impl Iterator<Item = &'a Attempt>,
-) -> Result<(), StoreError> {
-    for (name, (from, hash)) in &belongings.files {
-        out.place(from, &out.image_path(name), hash.as_deref())?;
-    }
-    for (id, stop) in &belongings.stops {
-        out.write_reference(id, stop)?;
-    }
-    for cell in &plan.cells {
-        if let Some(found) = chosen.get(cell.id.as_str()).filter(|found| found.store.dir() != out.dir()) {
-            out.write_cell(&found.record)?;
-        }
-    }
-    let live = out.dir().join(LIVE_FILE);
-    let made = attempts.find_map(|attempt| Some(attempt.store.dir().join(LIVE_FILE)).filter(|path| path.exists()));
-    made.filter(|_| !live.exists()).map_or(Ok(()), |from| out.place(&from, &live, None))
-}
-
-/// Keeps the last reason of every cell that failed and was not done by another attempt.
-fn import_failures<'a>(
-    out: &Store,
-    plan: &Plan,
-    chosen: &BTreeMap<&str, &Found<CellRecord>>,
-    attempts: impl Iterator<Item = &'a Attempt>,
-) -> Result<(), StoreError> {
-    let mut failures: BTreeMap<String, FailureRecord> = BTreeMap::new();
-    for attempt in attempts {
-        for id in attempt.ids("failed")? {
-            if let Some(failure) = attempt.store.failure(&id)? {
-                failures.insert(id, failure);
-            }
-        }
-    }
-    let open = plan.cells.iter().filter(|cell| !chosen.contains_key(cell.id.as_str()));
-    open.filter_map(|cell| failures.get(&cell.id)).try_for_each(|failure| out.write_failure(failure))
-}
-
-/// The sessions of all attempts, each with its chunk, after those of an ordinary run in the same folder.
-fn write_provenance<'a>(
-    out: &Store,
-    plan: &Plan,
-    attempts: impl Iterator<Item = &'a Attempt>,
-    options: &MergeOptions,
-) -> Result<(), StoreError> {
-    let path = out.provenance_path();
-    let mut value = provenance::read(out.dir())?.unwrap_or_else(|| provenance::provenance(plan, out.dir()));
-    let kept = value["sessions"].as_array().cloned().unwrap_or_default();
-    let mut sessions: Vec<serde_json::Value> = kept.into_iter().filter(|session| session["chunk"].is_null()).collect();
-    for attempt in attempts {
-        let own = provenance::read(attempt.store.dir())?;
-        for mut session in own.and_then(|value| value["sessions"].as_array().cloned()).unwrap_or_default() {
-            session["chunk"] = attempt.record.chunk.into();
-            session["attempt"] = attempt.name.as_str().into();
-            session["host"]["name"] = attempt.record.host.as_str().into();
-            sessions.push(session);
-        }
-    }
-    value["sessions"] = sessions.into();
-    value["merge_command_line"] = options.command_line.clone().into();
-    out.write_json(&path, &value)?;
-    out.write_text(&out.dir().join(EXPERIMENT_FILE), &plan.config.text)
-}
-
-/// The missing parts of the run, by chunk.
-fn holes(file: &PlanFile, plan: &Plan, out: &Store, attempts: &[Vec<Attempt>]) -> Result<Vec<Hole>, StoreError> {
-    let by_id: BTreeMap<&str, &Cell> = plan.cells.iter().map(|cell| (cell.id.as_str(), cell)).collect();
-    let jobs = timing::jobs(plan);
-    let mut holes = Vec::new();
-    for (chunk, attempts) in file.chunks.iter().zip(attempts) {
-        let mut cells = Vec::new();
-        for id in &chunk.cells {
-            if out.cell(id)?.is_none() && out.failure(id)?.is_none() {
-                cells.push((id.clone(), plan.label(by_id[id.as_str()])));
-            }
-        }
-        let is_open = |block: &&Vec<String>| !block.iter().all(|id| out.has_timing(id));
-        let block_count = chunk.blocks(&jobs).iter().filter(is_open).count();
-        if !cells.is_empty() || block_count > 0 {
-            holes.push(Hole { chunk: chunk.index, cells, block_count, last: last_words(attempts.last()) });
-        }
-    }
-    Ok(holes)
 }
 
 /// How the last attempt at a chunk ended.

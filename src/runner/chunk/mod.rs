@@ -4,7 +4,6 @@
 //! chunks write to, `work` one chunk, `merge` the end. Nothing relies on locks between machines: every process writes into a folder of
 //! its own and only reads those of others. Scheduling is left to an engine that exists.
 
-mod agreement;
 pub mod file;
 pub mod merge;
 pub mod prices;
@@ -17,10 +16,10 @@ use super::store::StoreError;
 use std::path::PathBuf;
 
 pub use file::PlanFile;
-pub use merge::{Hole, MergeOptions, Merged, merge};
+pub use merge::{Hole, Merged, merge};
 pub use prices::Prices;
 pub use split::Chunk;
-pub use work::{ChunkOptions, ChunkOutcome, run_chunk};
+pub use work::run_chunk;
 
 /// Why a chunk or a merge ended early.
 #[derive(Debug, thiserror::Error)]
@@ -28,8 +27,8 @@ pub enum ChunkError {
     /// The plan file cannot be used here: what is wrong and what to do.
     #[error("{}: {what}", path.display())]
     PlanFile { path: PathBuf, what: String },
-    #[error("{}: has no chunk {chunk}; expected 0 to {last}", path.display())]
-    NoSuchChunk { path: PathBuf, chunk: usize, last: usize },
+    #[error("--chunk: the plan file has no chunk {chunk}; expected 0 to {last}")]
+    NoSuchChunk { chunk: usize, last: usize },
     #[error("{}: holds chunks of another plan file; give another --store, or remove it", dir.display())]
     OtherPlan { dir: PathBuf },
     #[error("{}: holds no chunk of this plan; expected the --store that `splitsum run --plan` was given", dir.display())]

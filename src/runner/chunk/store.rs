@@ -5,7 +5,7 @@
 
 use super::ChunkError;
 use super::file::PlanFile;
-use crate::files::{PLAN_BYTES_MAX, read_text};
+use crate::files::{PLAN_BYTES_MAX, names_in, read_text};
 use crate::runner::plan::Plan;
 use crate::runner::provenance::{host_name, now_utc};
 use crate::runner::store::{CHUNKS_FOLDER, PLAN_FILE, Store, StoreError};
@@ -45,12 +45,6 @@ pub struct Attempt {
 }
 
 impl Attempt {
-    /// Ids of the records in one of its folders, in order.
-    pub fn ids(&self, folder: &str) -> Result<Vec<String>, StoreError> {
-        let names = names(&self.store.dir().join(folder))?;
-        Ok(names.iter().filter_map(|name| name.strip_suffix(".json")).map(str::to_owned).collect())
-    }
-
     /// Notes how the attempt ended.
     pub fn end(&mut self, fault: Option<String>, failed: Vec<(String, String)>) -> Result<(), StoreError> {
         self.record.ended = Some(End { date_utc: now_utc(), fault, failed });
@@ -121,7 +115,7 @@ impl ChunkStore {
     pub fn attempts(&self, chunk: usize) -> Result<Vec<Attempt>, ChunkError> {
         let parent = self.chunk_dir(chunk);
         let mut attempts = Vec::new();
-        for name in names(&parent)?.into_iter().filter(|name| parent.join(name).is_dir()) {
+        for name in names_in(&parent).into_iter().filter(|name| parent.join(name).is_dir()) {
             let store = Store::at(&parent.join(&name));
             let Some(record) = store.read::<AttemptRecord>(&store.dir().join(ATTEMPT_FILE))? else { continue };
             if record.plan != self.plan {
@@ -136,18 +130,4 @@ impl ChunkStore {
     fn chunk_dir(&self, chunk: usize) -> PathBuf {
         self.dir.join(CHUNKS_FOLDER).join(format!("{chunk:05}"))
     }
-}
-
-/// The names in a folder in order; none when there is no folder.
-fn names(dir: &Path) -> Result<Vec<String>, StoreError> {
-    let io = |error| StoreError::Io { path: dir.to_owned(), error };
-    let entries = match std::fs::read_dir(dir) {
-        Ok(entries) => entries,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(error) => return Err(io(error)),
-    };
-    let name = |entry: std::io::Result<std::fs::DirEntry>| Ok(entry?.file_name().to_string_lossy().into_owned());
-    let mut names = entries.map(name).collect::<std::io::Result<Vec<String>>>().map_err(io)?;
-    names.sort();
-    Ok(names)
 }

@@ -22,29 +22,26 @@ const DEVICE_NS: [(&str, f64, f64); 11] = [
     ("table dfg", 0.0, 9.0),
     ("table irradiance", 0.0, 11.0),
 ];
-/// Submission of a timed frame, seconds.
-const FRAME_SECONDS: f64 = 0.002;
-/// The tone curve, for each pixel, seconds.
-const DISPLAY_SECONDS_PER_PIXEL: f64 = 50.0 * NS;
-/// Scores and pictures of a cell on one thread, for each pixel, seconds.
-const SCORE_SECONDS_PER_PIXEL: f64 = 500.0 * NS;
-/// Start of a process and its device, seconds.
-const START_SECONDS: f64 = 1.0;
-/// Tables, contact sheets, answers and report, for each pixel of each cell, seconds.
-const END_SECONDS_PER_PIXEL: f64 = 150.0 * NS;
-
-/// f32 R, G, B and A.
-const LINEAR_BYTES_PER_PIXEL: f64 = 16.0;
-/// The same with the three channels of the standard error.
-const REFERENCE_BYTES_PER_PIXEL: f64 = 28.0;
-/// A PNG of a rendered image or an error map.
-const PICTURE_BYTES_PER_PIXEL: f64 = 1.3;
-/// All metrics in ten bins.
-const RECORD_BYTES: f64 = 12_000.0;
-/// A pixel of a cell in a contact sheet.
-const SHEET_BYTES_PER_PIXEL: f64 = 1.5;
-/// A cell in the tables and answers.
-const ROWS_BYTES: f64 = 6000.0;
+/// The host's work in seconds, and files in bytes: kind, for each item, for each pixel.
+const HOST: [(&str, f64, f64); 10] = [
+    ("display", 0.0, 50.0 * NS),
+    // Scores and pictures of a cell on one thread.
+    ("score", 0.0, 500.0 * NS),
+    // A process and its device.
+    ("start", 1.0, 0.0),
+    // Tables, contact sheets, answers and report, for each cell.
+    ("end", 0.0, 150.0 * NS),
+    // f32 R, G, B and A; with the three channels of the standard error.
+    ("bytes linear", 0.0, 16.0),
+    ("bytes reference", 0.0, 28.0),
+    // A PNG of a rendered image or an error map.
+    ("bytes picture", 0.0, 1.3),
+    // All metrics in ten bins.
+    ("bytes record", 12_000.0, 0.0),
+    // A cell in a contact sheet; in the tables and answers.
+    ("bytes sheet", 0.0, 1.5),
+    ("bytes rows", 6000.0, 0.0),
+];
 
 /// The speeds as they are.
 pub fn constants() -> Speeds {
@@ -53,34 +50,17 @@ pub fn constants() -> Speeds {
 
 /// The speeds of a device that draws this many samples of the method `sampled` in a second, and does all its other work as much faster.
 pub fn constants_at(samples_per_second: f64) -> Speeds {
-    let fixed = |fixed: f64| Line { fixed, ..Line::default() };
-    let per_pixel = |per_pixel: f64| Line { per_pixel, ..Line::default() };
-    let mut speeds = Speeds::of(&[
-        ("display", per_pixel(DISPLAY_SECONDS_PER_PIXEL)),
-        ("score", per_pixel(SCORE_SECONDS_PER_PIXEL)),
-        ("start", fixed(START_SECONDS)),
-        ("end", per_pixel(END_SECONDS_PER_PIXEL)),
-        ("bytes linear", per_pixel(LINEAR_BYTES_PER_PIXEL)),
-        ("bytes reference", per_pixel(REFERENCE_BYTES_PER_PIXEL)),
-        ("bytes picture", per_pixel(PICTURE_BYTES_PER_PIXEL)),
-        ("bytes record", fixed(RECORD_BYTES)),
-        ("bytes sheet", per_pixel(SHEET_BYTES_PER_PIXEL)),
-        ("bytes rows", fixed(ROWS_BYTES)),
-    ]);
-    speeds.extend(device_speeds(samples_per_second));
+    let host = HOST.map(|(kind, fixed, per_pixel)| (kind.to_owned(), Line { fixed, per_pixel, per_sample: 0.0 }));
+    let mut speeds = device_speeds(samples_per_second);
+    speeds.0.extend(host);
     speeds
 }
 
 /// Of these, the work of the device alone.
 pub fn device_speeds(samples_per_second: f64) -> Speeds {
-    let slowness = SAMPLES_PER_SECOND / samples_per_second;
-    let mut speeds = Speeds::default();
-    for (kind, pixel_ns, sample_ns) in DEVICE_NS {
-        let line = Line { fixed: 0.0, per_pixel: pixel_ns * NS, per_sample: sample_ns * NS }.times(slowness);
-        speeds.set(kind, line);
-        if kind.starts_with("image") {
-            speeds.set(&kind.replacen("image", "frame", 1), Line { fixed: FRAME_SECONDS, ..line });
-        }
-    }
-    speeds
+    let slowness = NS * SAMPLES_PER_SECOND / samples_per_second;
+    let line = |(kind, per_pixel, per_sample): (&str, f64, f64)| {
+        (kind.to_owned(), Line { fixed: 0.0, per_pixel, per_sample }.times(slowness))
+    };
+    Speeds(DEVICE_NS.map(line).into())
 }

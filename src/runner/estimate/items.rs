@@ -64,13 +64,13 @@ impl Item {
     /// The image of a point, with its repeats.
     pub fn image(plan: &Plan, point: &Point) -> Self {
         let times = f64::from(1 + plan.repeats_of(point).unwrap_or(0));
-        Self { times, ..Self::new(Part::Images, image_kind(point), amount(plan, point)) }
+        Self { times, ..Self::new(Part::Images, kind_of("image", point), amount(plan, point)) }
     }
 
     /// The reference of a cell: at most, where a relative error may end it earlier.
     pub fn reference(plan: &Plan, cell: &Cell) -> Self {
         let point = plan.reference_point(&cell.point);
-        Self::new(Part::References, reference_kind(&point), amount(plan, &point))
+        Self::new(Part::References, kind_of("reference", &point), amount(plan, &point))
     }
 
     /// Every table that the image of a point reads, after what tells it from others.
@@ -94,7 +94,7 @@ impl Item {
         let point = &job.cell.point;
         let work = match job.phase {
             FRAME => {
-                let kind = image_kind(point).replacen("image", "frame", 1);
+                let kind = kind_of("frame", point);
                 vec![Self::new(Part::Timing, kind, amount(plan, point))]
             }
             _ => all_tables(plan, point)
@@ -102,10 +102,15 @@ impl Item {
                 .map(|(_, kind, samples)| Self::new(Part::Timing, kind, Amount { pixels: 0.0, samples }))
                 .collect(),
         };
-        let (warmup, seconds_max) = warmup_frames(timing);
+        let (warmup, seconds_max) = match timing.warmup {
+            Warmup::Frames(frames) => (frames, f64::INFINITY),
+            Warmup::Stable => (STABLE_WARMUP_FRAMES, WARMUP_TIME_MAX.as_secs_f64()),
+        };
+        // A frame that does not count follows each change of configuration.
+        let counted = timing.rounds * if members > 1 { 2 } else { 1 };
         let both = |item: Self| {
-            let counted = Self { times: timing_frames(timing, members), ..item.clone() };
-            [Self { times: warmup, seconds_max, ..item }, counted]
+            let counted = Self { times: counted.into(), ..item.clone() };
+            [Self { times: warmup.into(), seconds_max, ..item }, counted]
         };
         work.into_iter().flat_map(both).collect()
     }
@@ -130,36 +135,10 @@ pub fn amount(plan: &Plan, point: &Point) -> Amount {
 /// Frames that a warm-up until the times settle is taken to need: twice the window that is compared.
 const STABLE_WARMUP_FRAMES: u32 = 64;
 
-/// Frames of a warm-up, and the seconds after which it ends in any case.
-fn warmup_frames(timing: Timing) -> (f64, f64) {
-    match timing.warmup {
-        Warmup::Frames(frames) => (f64::from(frames), f64::INFINITY),
-        Warmup::Stable => (f64::from(STABLE_WARMUP_FRAMES), WARMUP_TIME_MAX.as_secs_f64()),
-    }
-}
-
-/// Frames of one configuration after its warm-up, in a block with `members` of them.
-fn timing_frames(timing: Timing, members: usize) -> f64 {
-    // A frame that does not count follows each change of configuration.
-    let changes = if members > 1 { timing.rounds } else { 0 };
-    f64::from(timing.rounds + changes)
-}
-
-/// Kind of an image's work.
-pub fn image_kind(point: &Point) -> String {
+/// Kind of the work on the image, the reference or the timed frame of a point.
+pub fn kind_of(what: &str, point: &Point) -> String {
     let settings = point.settings();
-    format!("image {} {} {}", settings.method.name, settings.diffuse.name, settings.brdf.name())
-}
-
-/// Kind of a reference's work; `point` is that of the reference.
-pub fn reference_kind(point: &Point) -> String {
-    let settings = point.settings();
-    format!("reference {} {} {}", settings.method.name, settings.diffuse.name, settings.brdf.name())
-}
-
-/// Kind of a table's work.
-pub fn table_kind(table: &str, brdf: &str) -> String {
-    format!("table {table} {brdf}")
+    format!("{what} {} {} {}", settings.method.name, settings.diffuse.name, settings.brdf.name())
 }
 
 /// Every table that an image reads: what tells it from others, its kind, the samples it takes. Where it takes none, texels.
@@ -177,7 +156,11 @@ pub fn all_tables(plan: &Plan, point: &Point) -> Vec<(String, String, f64)> {
     let table = |(table, _): (&str, bool)| {
         let axes = AXES.iter().zip(&point.0).filter(|(axis, _)| axis.feeds.contains(&table));
         let key = axes.fold(table.to_owned(), |key, (axis, value)| format!("{key} {}={value}", axis.name));
-        (key, table_kind(table, settings.brdf.name()), settings.precompute.samples_of(table).unwrap_or(texels))
+        (
+            key,
+            format!("table {table} {}", settings.brdf.name()),
+            settings.precompute.samples_of(table).unwrap_or(texels),
+        )
     };
     reads.into_iter().filter(|(_, is_read)| *is_read).map(table).collect()
 }

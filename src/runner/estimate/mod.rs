@@ -12,7 +12,7 @@ mod speeds;
 pub use constants::{SAMPLES_PER_SECOND, constants, constants_at, device_speeds};
 pub use items::{Item, Part, amount, items};
 pub use probe::samples_per_second;
-pub use records::{Recorded, recorded};
+pub use records::recorded;
 pub use speeds::{Amount, Line, Speeds};
 
 use super::plan::{Cell, Plan};
@@ -82,28 +82,22 @@ pub const REPORT_BYTES_MAX: usize = 40_000_000;
 /// Parts that only constants tell: they are small.
 const STATED: [&str; 2] = ["start", "end"];
 
-/// Whether these speeds lack an item: then a further source is worth its time. Frames may be reckoned as images.
+/// Whether these speeds lack an item: then a further source is worth its time.
 pub fn lack(speeds: &Speeds, items: &[Item]) -> bool {
-    items.iter().any(|item| !STATED.contains(&item.kind.as_str()) && line(speeds, &item.kind).is_none())
-}
-
-fn line(speeds: &Speeds, kind: &str) -> Option<Line> {
-    let as_image = || speeds.line(&kind.strip_prefix("frame ").map(|rest| format!("image {rest}"))?);
-    speeds.line(kind).or_else(as_image).copied()
+    items.iter().any(|item| !STATED.contains(&item.kind.as_str()) && speeds.line(&item.kind).is_none())
 }
 
 /// The price of a kind of work by the first source that knows it.
 pub fn line_of(sources: &[(Source, Speeds)], kind: &str) -> (Source, Line) {
-    let of = |(source, speeds): &(Source, Speeds)| Some((*source, line(speeds, kind)?));
+    let of = |(source, speeds): &(Source, Speeds)| Some((*source, *speeds.line(kind)?));
     sources.iter().find_map(of).unwrap_or((Source::Constants, Line::default()))
 }
 
 /// The cost of items and of the files of these cells; `sources` are asked in their order, and the last one knows all kinds.
 pub fn estimate(plan: &Plan, cells: &[&Cell], items: &[Item], sources: &[(Source, Speeds)], host: Host) -> Estimate {
-    let find = |kind: &str| line_of(sources, kind);
     let mut found = Estimate::default();
     for item in items {
-        let (source, line) = find(&item.kind);
+        let (source, line) = line_of(sources, &item.kind);
         let mut seconds = item.seconds(&line);
         if item.part == Part::Scores {
             seconds /= host.threads as f64;
@@ -118,7 +112,7 @@ pub fn estimate(plan: &Plan, cells: &[&Cell], items: &[Item], sources: &[(Source
     }
     let mut report_bytes = 0.0;
     for (kind, amount) in items::files(plan, cells) {
-        let (source, line) = find(kind);
+        let (source, line) = line_of(sources, kind);
         found.bytes += line.at(amount);
         // Sheets and rows are stated, and small beside the images.
         if !["bytes sheet", "bytes rows"].contains(&kind) {

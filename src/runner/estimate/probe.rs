@@ -1,7 +1,7 @@
 //! How fast a device is beside the one that the constants stand for: one small image of the plan, timed.
 
 use super::constants::{SAMPLES_PER_SECOND, constants};
-use super::items::{amount, image_kind};
+use super::items::{amount, kind_of};
 use crate::pipeline::RenderRequest;
 use crate::precompute::PrecomputeSettings;
 use crate::runner::axis::{DIFFUSE_METHOD, METHOD, SAMPLES, SIZE};
@@ -36,6 +36,6 @@ pub fn samples_per_second(plan: &Plan, renderer: &mut dyn Renderer) -> Result<Op
             fastest_s = fastest_s.min(started.elapsed().as_secs_f64());
         }
     }
-    let stated_s = constants().line(&image_kind(&point)).map_or(0.0, |line| line.at(amount(plan, &point)));
+    let stated_s = constants().line(&kind_of("image", &point)).map_or(0.0, |line| line.at(amount(plan, &point)));
     Ok(Some(SAMPLES_PER_SECOND * stated_s / fastest_s.max(f64::MIN_POSITIVE)))
 }

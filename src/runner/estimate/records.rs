@@ -1,39 +1,34 @@
 //! Speeds from the records of runs: what their cells and timings took, and how large their files are.
 
-use super::items::{all_tables, amount, file_kind, image_kind, reference_kind};
-use super::speeds::{Amount, Line, Speeds};
+use super::constants::constants;
+use super::items::{all_tables, amount, file_kind, kind_of};
+use super::speeds::{Amount, Speeds};
+use crate::files::names_in;
 use crate::pipeline::DeviceInfo;
 use crate::precompute::table_of;
 use crate::runner::axis::{AXES, ENVIRONMENT, Point, SIZE};
 use crate::runner::plan::{Cell, Plan};
 use crate::runner::statistics::median;
-use crate::runner::store::{CHUNKS_FOLDER, CellRecord, Store};
+use crate::runner::store::{CELLS_FOLDER, CHUNKS_FOLDER, CellRecord, Store, TIMINGS_FOLDER};
 use crate::runner::timing::{FRAME, PassSamples, TimingRecord};
 use crate::runner::value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Speeds from the records of some folders.
-#[derive(Clone, Debug, Default)]
-pub struct Recorded {
-    pub speeds: Speeds,
-    /// Cells and timings that took part.
-    pub count: usize,
-}
-
-/// Reads the records below these folders, each a run's or one that chunks share. Records of another device than `device` say nothing.
-pub fn recorded(plan: &Plan, dirs: &[PathBuf], device: Option<&DeviceInfo>) -> Recorded {
+/// Speeds from the records below these folders, each a run's or one that chunks share, and how many cells and timings took part. Records of
+/// another device than `device` say nothing.
+pub fn recorded(plan: &Plan, dirs: &[PathBuf], device: Option<&DeviceInfo>) -> (Speeds, usize) {
     let is_ours = |name: &str, driver: &str| device.is_none_or(|device| device.name == name && device.driver == driver);
-    let mut found = Found { plan, measured: Vec::new(), bytes: Vec::new(), count: 0 };
+    let mut found = Found { plan, measured: Vec::new(), count: 0 };
     let mut seen = BTreeSet::new();
     for store in dirs.iter().flat_map(|dir| folders(dir)).map(|dir| Store::at(&dir)) {
-        for id in ids(&store.dir().join("cells")) {
+        for id in store.ids(CELLS_FOLDER) {
             let record = store.cell(&id).ok().flatten().filter(|record| is_ours(&record.device, &record.driver));
             if let Some(record) = record.filter(|_| seen.insert(id)) {
                 found.cell(&store, &record);
             }
         }
-        for id in ids(&store.dir().join("timings")) {
+        for id in store.ids(TIMINGS_FOLDER) {
             let record = store.timing::<TimingRecord>(&id).ok().flatten();
             let record = record.filter(|record| is_ours(&record.device, &record.driver));
             if let Some(record) = record.filter(|_| seen.insert(id)) {
@@ -41,18 +36,13 @@ pub fn recorded(plan: &Plan, dirs: &[PathBuf], device: Option<&DeviceInfo>) -> R
             }
         }
     }
-    let mut speeds = Speeds::fit(&found.measured);
-    for (kind, line) in mean_bytes(&found.bytes) {
-        speeds.set(kind, line);
-    }
-    Recorded { speeds, count: found.count }
+    (constants().scaled_to(&found.measured), found.count)
 }
 
 struct Found<'p> {
     plan: &'p Plan,
+    /// Kind, amount, and the seconds or bytes that it took.
     measured: Vec<(String, Amount, f64)>,
-    /// Kind, pixels and bytes of each file.
-    bytes: Vec<(&'static str, f64, f64)>,
     count: usize,
 }
 
@@ -67,10 +57,10 @@ impl Found<'_> {
         let mut add = |kind: String, amount, ms: f64| self.measured.push((kind, amount, ms / 1e3));
         if let Some(ms) = spent.image_ms {
             let times = f64::from(1 + plan.repeats_of(&point).unwrap_or(0));
-            add(image_kind(&point), size, ms / times);
+            add(kind_of("image", &point), size, ms / times);
         }
         if let Some(ms) = spent.reference_ms {
-            add(reference_kind(&reference), amount(plan, &reference), ms);
+            add(kind_of("reference", &reference), amount(plan, &reference), ms);
         }
         // An environment or scene of another experiment is not loaded: its tables say nothing.
         let known = plan.inputs.has_environment(point[ENVIRONMENT].text());
@@ -84,12 +74,12 @@ impl Found<'_> {
         let score = if spent.image_ms.is_some() { "score first" } else { "score again" };
         add(score.to_owned(), pixels, spent.score_ms);
         let length = |path: &Path| std::fs::metadata(path).map_or(0.0, |metadata| metadata.len() as f64);
-        self.bytes.push(("bytes record", 0.0, length(&store.cell_path(&record.cell))));
+        self.measured.push(("bytes record".to_owned(), pixels, length(&store.cell_path(&record.cell))));
         for name in record.files.keys() {
             // NAME.ID.exr
             let id = name.rsplit('.').nth(1).unwrap_or_default();
             let is_reference = store.reference(id).ok().flatten().is_some();
-            self.bytes.push((file_kind(name, is_reference), size.pixels, length(&store.image_path(name))));
+            self.measured.push((file_kind(name, is_reference).to_owned(), pixels, length(&store.image_path(name))));
         }
     }
 
@@ -98,7 +88,7 @@ impl Found<'_> {
         self.count += 1;
         if record.phase == FRAME {
             point[SIZE] = Value::Pair(record.size);
-            let kind = image_kind(&point).replacen("image", "frame", 1);
+            let kind = kind_of("frame", &point);
             self.measured.push((kind, amount(self.plan, &point), median(&record.wall_ms) / 1e3));
             return;
         }
@@ -119,17 +109,9 @@ impl Found<'_> {
 
 /// The folder itself and those of the attempts at chunks below it.
 fn folders(dir: &Path) -> Vec<PathBuf> {
-    let below = |dir: &Path| -> Vec<PathBuf> {
-        let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
-        entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect()
-    };
-    let attempts = below(&dir.join(CHUNKS_FOLDER)).into_iter().flat_map(|chunk| below(&chunk));
+    let below = |dir: PathBuf| names_in(&dir).into_iter().map(move |name| dir.join(name));
+    let attempts = below(dir.join(CHUNKS_FOLDER)).flat_map(below);
     std::iter::once(dir.to_owned()).chain(attempts).collect()
-}
-
-fn ids(folder: &Path) -> Vec<String> {
-    let names = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name());
-    names.filter_map(|name| Some(name.to_str()?.strip_suffix(".json")?.to_owned())).collect()
 }
 
 /// The point whose values are written so; what is missing has its default.
@@ -141,18 +123,4 @@ fn point_of(axes: &BTreeMap<String, String>) -> Option<Point> {
         }
     }
     Some(point)
-}
-
-/// Bytes a pixel, or a file, of each kind.
-pub fn mean_bytes(files: &[(&'static str, f64, f64)]) -> Vec<(&'static str, Line)> {
-    let mut sums: BTreeMap<&'static str, [f64; 3]> = BTreeMap::new();
-    for (kind, pixels, bytes) in files {
-        let sum = sums.entry(kind).or_default();
-        *sum = [sum[0] + 1.0, sum[1] + pixels, sum[2] + bytes];
-    }
-    let line = |[count, pixels, bytes]: [f64; 3]| match pixels > 0.0 {
-        true => Line { per_pixel: bytes / pixels, ..Line::default() },
-        false => Line { fixed: bytes / count, ..Line::default() },
-    };
-    sums.into_iter().map(|(kind, sums)| (kind, line(sums))).collect()
 }

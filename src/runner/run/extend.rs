@@ -5,7 +5,8 @@
 //! killed extension is no run lost. Timings are kept block by block: a block is a set of configurations timed in the same rounds, and one that
 //! has a new member is timed anew as a whole ([`super::timed`]).
 
-use super::{MakeRenderer, Outcome, Progress, RunError, RunOptions, opened, run_with};
+use super::{Progress, RunOptions};
+use crate::files::names_in;
 use crate::runner::frozen::EXPERIMENT_FILE;
 use crate::runner::images;
 use crate::runner::live::LIVE_FILE;
@@ -15,24 +16,8 @@ use crate::runner::store::{Extension, Store, StoreError};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// As [`super::run`], but a folder that holds a run of another plan of the same experiment, each of whose cells is in this one, is made a run
-/// of this plan first.
-pub fn run_extended(
-    plan: &Plan,
-    make_renderer: &mut MakeRenderer,
-    options: &RunOptions,
-    progress: &mut dyn Progress,
-) -> Result<Outcome, RunError> {
-    if Store::at(&options.dir).extension(plan)?.is_none() {
-        return run_with(plan, None, make_renderer, options, progress);
-    }
-    // A run that cannot be finished is not begun.
-    let renderer = opened(plan, make_renderer)?;
-    extend(plan, options, progress)?;
-    run_with(plan, Some(renderer), make_renderer, options, progress)
-}
-
-fn extend(plan: &Plan, options: &RunOptions, progress: &mut dyn Progress) -> Result<(), StoreError> {
+/// Makes a folder that holds a run of another plan of the same experiment, each of whose cells is in this one, a run of this plan.
+pub(super) fn extend(plan: &Plan, options: &RunOptions, progress: &mut dyn Progress) -> Result<(), StoreError> {
     let store = Store::held(&options.dir)?;
     // Another run may have changed the folder between the check and the lock.
     let Some(extension) = store.extension(plan)? else { return Ok(()) };
@@ -85,10 +70,10 @@ fn rename_images(plan: &Plan, store: &Store, extension: &Extension) -> Result<()
 fn remove_old_names(plan: &Plan, store: &Store) -> Result<(), StoreError> {
     let ids: BTreeSet<&str> = plan.cells.iter().flat_map(|cell| [&*cell.id, &cell.radiance, &cell.reference]).collect();
     let names: BTreeSet<String> = plan.cells.iter().flat_map(|cell| images::files(plan, cell)).collect();
-    let entries = std::fs::read_dir(store.image_path("")).into_iter().flatten().flatten();
-    let found = entries.filter(|entry| entry.path().is_file()).filter_map(|entry| entry.file_name().into_string().ok());
-    let is_old = |name: &String| !names.contains(name) && name.split('.').any(|part| ids.contains(part));
-    found.filter(is_old).try_for_each(|name| store.remove_image(&name))
+    let is_old = |name: &&String| {
+        !names.contains(*name) && name.split('.').any(|part| ids.contains(part)) && store.image_path(name).is_file()
+    };
+    names_in(&store.image_path("")).iter().filter(is_old).try_for_each(|name| store.remove_image(name))
 }
 
 /// Makes the plan that of the folder, and tells from where it came.

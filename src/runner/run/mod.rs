@@ -2,28 +2,27 @@
 
 mod cells;
 mod extend;
-mod live;
 mod outcome;
 mod session;
 mod timed;
 
-pub use extend::run_extended;
-pub use outcome::{Outcome, Work};
+pub use outcome::{Outcome, RunError, Share, ShareOutcome, Work};
 
 use crate::files::holds;
 use crate::runner::environments;
 use crate::runner::images;
+use crate::runner::live::{self, LIVE_FILE};
 use crate::runner::plan::{Cell, Plan};
-use crate::runner::provenance::ProvenanceError;
 use crate::runner::renderer::{RenderFault, Renderer};
+use crate::runner::scoring::CellFault;
 use crate::runner::sheets;
-use crate::runner::store::{CellRecord, FailureRecord, Store, StoreError};
+use crate::runner::store::{CellRecord, FailureRecord, Store};
 use crate::runner::tables::{self, CellResult, Results};
 use crate::runner::timing::{self, TimingJob, TimingRecord};
 use crate::runner::trace;
 use crate::slips;
 use crate::table::csv;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -37,6 +36,8 @@ pub struct RunOptions<'a> {
     pub stop: &'a AtomicBool,
     /// The command line, for the provenance.
     pub command_line: Vec<String>,
+    /// Where the folder holds a run of another plan of the same experiment, each of whose cells is in this one, goes on from it.
+    pub extend: bool,
     /// Ends the run at the first cell that fails, instead of going on with the others.
     pub fail_fast: bool,
     /// Writes the timed passes as a Chrome trace, `trace.json`.
@@ -53,29 +54,6 @@ pub trait Progress {
     fn note(&mut self, text: &str);
 }
 
-/// Why a run ended early.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    #[error(transparent)]
-    Store(#[from] StoreError),
-    #[error("the device was lost: {0}; what is done is kept, run the same command again to go on")]
-    DeviceLost(String),
-    /// The renderer could not be made.
-    #[error("{0}")]
-    NoRenderer(String),
-}
-
-/// The part of a plan that one process does.
-#[derive(Debug, Default)]
-pub struct Share {
-    /// Ids of cells.
-    pub cells: BTreeSet<String>,
-    /// Ids of timed configurations, whole blocks.
-    pub timings: BTreeSet<String>,
-    /// Whether it makes what the live view of the whole run needs.
-    pub has_live: bool,
-}
-
 /// Makes the renderer when the first step needs it, so that a finished run needs no device.
 pub type MakeRenderer<'a> = dyn FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'a;
 
@@ -89,25 +67,18 @@ pub fn run(
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<Outcome, RunError> {
-    run_with(plan, None, make_renderer, options, progress)
-}
-
-/// As [`run`], with the renderer where there is one already.
-fn run_with(
-    plan: &Plan,
-    renderer: Option<Box<dyn Renderer>>,
-    make_renderer: &mut MakeRenderer,
-    options: &RunOptions,
-    progress: &mut dyn Progress,
-) -> Result<Outcome, RunError> {
     let started = Instant::now();
-    // A new run leaves nothing behind when there is no device.
     let folder = Store::at(&options.dir);
-    folder.check_identity(plan)?;
-    let mut renderer = match renderer {
-        None if !folder.provenance_path().exists() => Some(opened(plan, make_renderer)?),
-        renderer => renderer,
-    };
+    let is_extended = options.extend && folder.extension(plan)?.is_some();
+    if !is_extended {
+        folder.check_identity(plan)?;
+    }
+    // A new run leaves nothing behind when there is no device, and one that cannot be finished is not begun.
+    let is_new = is_extended || !folder.provenance_path().exists();
+    let mut renderer = if is_new { Some(opened(plan, make_renderer)?) } else { None };
+    if is_extended {
+        extend::extend(plan, options, progress)?;
+    }
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
     run.freeze_again(progress)?;
@@ -115,12 +86,11 @@ fn run_with(
     let steps_left = run.steps_left();
     progress.start(plan.cells.len() + run.jobs.len(), plan.cells.len() + run.jobs.len() - steps_left);
     if steps_left > 0 {
-        let renderer = match renderer.take() {
+        let mut renderer = match renderer.take() {
             Some(renderer) => renderer,
             None => opened(plan, make_renderer)?,
         };
         run.begin_session(&renderer.device())?;
-        let mut renderer = renderer;
         let result = run.work(renderer.as_mut(), progress);
         // What is done is kept also when the device was lost.
         run.write_tables()?;
@@ -133,15 +103,15 @@ fn run_with(
 
 /// The renderer, if it can serve every cell: a run that cannot be finished is not begun.
 fn opened(plan: &Plan, make_renderer: &mut MakeRenderer) -> Result<Box<dyn Renderer>, RunError> {
-    let renderer = make_renderer().map_err(fault_error)?;
+    let renderer = make_renderer()?;
     for point in plan.points_by_size() {
-        renderer.check(&plan.request(&point)).map_err(fault_error)?;
+        renderer.check(&plan.request(&point))?;
     }
     Ok(renderer)
 }
 
 /// Does a share of `plan` in the folder `store`, which must be this process's own. Writes records and images, no tables: those are made
-/// of all shares together. Returns the failed cells and whether it was stopped.
+/// of all shares together.
 pub(super) fn run_share(
     plan: &Plan,
     share: &Share,
@@ -149,7 +119,7 @@ pub(super) fn run_share(
     make_renderer: &mut MakeRenderer,
     options: &RunOptions,
     progress: &mut dyn Progress,
-) -> Result<(Vec<FailureRecord>, bool), RunError> {
+) -> Result<ShareOutcome, RunError> {
     let mut run = Run::load(plan, store, options)?;
     run.jobs.retain(|job| share.timings.contains(&job.id));
     run.share = Some(share);
@@ -161,22 +131,12 @@ pub(super) fn run_share(
     let result = run.work(renderer.as_mut(), progress);
     run.end_session(renderer.as_ref(), started)?;
     result?;
-    Ok((run.failures(), run.is_stopped() && run.steps_left() > 0))
+    Ok(ShareOutcome { failures: run.failures(), is_stopped: run.is_stopped() && run.steps_left() > 0 })
 }
 
 /// Writes tables and contact sheets from the records that stand in the run's folder.
 pub(super) fn tabulate(plan: &Plan, store: Store, options: &RunOptions) -> Result<Outcome, RunError> {
     Run::load(plan, store, options)?.finish(true)
-}
-
-impl From<ProvenanceError> for RunError {
-    fn from(error: ProvenanceError) -> Self {
-        Self::Store(error.into())
-    }
-}
-
-fn fault_error(fault: RenderFault) -> RunError {
-    if fault.device_lost { RunError::DeviceLost(fault.message) } else { RunError::NoRenderer(fault.message) }
 }
 
 /// A run in progress.
@@ -194,10 +154,6 @@ struct Run<'p> {
     is_halted: bool,
     /// References that an earlier invocation had rendered.
     references_read: usize,
-    /// Content hash of the linear images of the cell that is kept next, by name.
-    file_hashes: BTreeMap<String, String>,
-    /// Images that could not be written for a reason of their own place, by name, with the reason: their cells fail.
-    unwritten: BTreeMap<String, String>,
     /// Content hashes of the images of each cell that an earlier invocation finished, by its id. Gone when they are checked.
     recorded_hashes: BTreeMap<String, BTreeMap<String, String>>,
     /// Records of cells that are there but cannot be used.
@@ -213,10 +169,10 @@ impl<'p> Run<'p> {
         let mut unusable = Vec::new();
         for cell in &plan.cells {
             match store.whole_cell(&cell.id) {
-                Ok(Some(record)) if !record.scores.are_all() => unusable.push(store.cell_path(&cell.id)),
+                Ok(Some(record)) if !record.has_all_scores() => unusable.push(store.cell_path(&cell.id)),
                 Ok(Some(mut record)) => {
                     recorded_hashes.insert(cell.id.clone(), std::mem::take(&mut record.files));
-                    results.insert(cell.id.clone(), CellResult::Done(Box::new(record.into())));
+                    results.insert(cell.id.clone(), CellResult::Done(Box::new(record.in_memory())));
                 }
                 Ok(None) => {}
                 Err(error) if error.is_unusable_record() => unusable.push(store.cell_path(&cell.id)),
@@ -235,8 +191,6 @@ impl<'p> Run<'p> {
             tables_written: Instant::now(),
             is_halted: false,
             references_read: 0,
-            file_hashes: BTreeMap::new(),
-            unwritten: BTreeMap::new(),
             recorded_hashes,
             unusable,
             work: None,
@@ -291,13 +245,29 @@ impl<'p> Run<'p> {
     }
 
     fn work(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
-        let result = self.live_and_cells(renderer, progress).and_then(|()| self.time(renderer, progress));
+        let result = self.live(renderer, progress);
+        let result = result.and_then(|()| self.cells(renderer, progress)).and_then(|()| self.time(renderer, progress));
         renderer.take_warnings().iter().for_each(|warning| progress.note(&format!("warning: {warning}")));
         result
     }
 
+    /// Leaves what the live view of the report needs, unless it is there. It is made first, since a run whose cells are all done has
+    /// nothing left to make. Without it the report has no such view.
+    fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let path = self.store.dir().join(LIVE_FILE);
+        let is_ours = self.share.is_none_or(|share| share.has_live);
+        if !is_ours || self.is_stopped() || path.exists() {
+            return Ok(());
+        }
+        match of_cell(live::record(self.plan, renderer).map_err(CellFault::from))? {
+            Ok(record) => self.store.write_json(&path, &record)?,
+            Err(reason) => progress.note(&format!("the report will have no live view: {reason}")),
+        }
+        Ok(())
+    }
+
     fn remember(&mut self, record: CellRecord) {
-        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(record.into())));
+        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(record.in_memory())));
     }
 
     fn fail(&mut self, cells: &[&Cell], reason: &str, progress: &mut dyn Progress) -> Result<(), RunError> {
@@ -384,12 +354,13 @@ impl<'p> Run<'p> {
     }
 }
 
-/// A lost device ends the run; any other fault is the cell's own.
-fn cell_result<T>(result: Result<T, RenderFault>) -> Result<Result<T, String>, RunError> {
+/// The outer error ends the run, the inner one is the cell's own.
+fn of_cell<T>(result: Result<T, CellFault>) -> Result<Result<T, String>, RunError> {
     match result {
         Ok(value) => Ok(Ok(value)),
-        Err(fault) if fault.device_lost => Err(RunError::DeviceLost(fault.message)),
-        Err(fault) => Ok(Err(fault.message)),
+        Err(CellFault::Cell(reason)) => Ok(Err(reason)),
+        Err(CellFault::Store(error)) => Err(error.into()),
+        Err(CellFault::Lost(reason)) => Err(RunError::DeviceLost(reason)),
     }
 }
 

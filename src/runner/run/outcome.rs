@@ -1,10 +1,56 @@
-//! The outcome of a run.
+//! What a run is to do and what comes of it.
 
 use crate::pipeline::{SharedWork, Tally};
-use crate::runner::store::FailureRecord;
+use crate::runner::provenance::ProvenanceError;
+use crate::runner::renderer::RenderFault;
+use crate::runner::store::{FailureRecord, StoreError};
 use crate::runner::tables::Results;
 use crate::runner::timing::TimingRecord;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
+
+/// Why a run ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    #[error("the device was lost: {0}; what is done is kept, run the same command again to go on")]
+    DeviceLost(String),
+    /// The renderer could not be made.
+    #[error("{0}")]
+    NoRenderer(String),
+}
+
+impl From<ProvenanceError> for RunError {
+    fn from(error: ProvenanceError) -> Self {
+        Self::Store(error.into())
+    }
+}
+
+impl From<RenderFault> for RunError {
+    fn from(fault: RenderFault) -> Self {
+        if fault.device_lost { Self::DeviceLost(fault.message) } else { Self::NoRenderer(fault.message) }
+    }
+}
+
+/// The part of a plan that one process does.
+#[derive(Debug, Default)]
+pub struct Share {
+    /// Ids of cells.
+    pub cells: BTreeSet<String>,
+    /// Ids of timed configurations, whole blocks.
+    pub timings: BTreeSet<String>,
+    /// Whether it makes what the live view of the whole run needs.
+    pub has_live: bool,
+}
+
+/// The outcome of a share.
+#[derive(Debug, Default)]
+pub struct ShareOutcome {
+    /// Cells without a record, each with its reason.
+    pub failures: Vec<FailureRecord>,
+    pub is_stopped: bool,
+}
 
 /// The outcome of a run.
 #[derive(Debug)]

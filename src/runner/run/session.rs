@@ -11,18 +11,17 @@ use std::time::Instant;
 impl Run<'_> {
     /// Writes the frozen experiment of a run that was begun, where it is missing or not the text of the plan.
     pub(super) fn freeze_again(&self, progress: &mut dyn Progress) -> Result<(), RunError> {
-        let Some(mut value) = provenance::read(self.store.dir())? else { return Ok(()) };
+        let Some(value) = provenance::read(self.store.dir())? else { return Ok(()) };
         let (path, text) = (self.store.dir().join(EXPERIMENT_FILE), &self.plan.config.text);
         if !std::fs::read(&path).is_ok_and(|found| found == text.as_bytes()) {
             progress.note(&format!("{EXPERIMENT_FILE} was not the experiment of this run; it is written anew"));
             self.store.write_text(&path, text)?;
         }
         // A comment may have changed, or the question, or the place of the files: what makes no other cells.
-        if !provenance::names_experiment(&value, self.plan, self.store.dir()) {
-            provenance::name_experiment(&mut value, self.plan, self.store.dir());
-            self.store.write_json(&self.store.provenance_path(), &value)?;
+        match provenance::of_now(value, self.plan, self.store.dir()) {
+            Some(value) => Ok(self.store.write_json(&self.store.provenance_path(), &value)?),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Writes the frozen experiment and adds this invocation to the provenance.
@@ -48,7 +47,6 @@ impl Run<'_> {
         let path = self.store.provenance_path();
         let Some(mut value) = provenance::read(self.store.dir())? else { return Ok(()) };
         if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {
-            session["state_after"] = provenance::state(&renderer.device());
             session["wall_s"] = json!(milliseconds(started) / 1e3);
             session["device_s"] = json!(work.waited_ms / 1e3);
             session["shared_work"] = json!(work.shared);

@@ -3,11 +3,12 @@
 //! Configurations that are compared form a block. A block is timed in rounds; each round times every configuration once, in a new random
 //! order, so that drift and disturbances of the machine meet all of them alike (a randomised complete block design).
 
-use super::{Progress, Run, RunError, cell_result};
+use super::{Progress, Run, RunError, of_cell};
 use crate::pipeline::{DeviceInfo, RenderRequest, TimingSamples};
 use crate::runner::config::{Timing, Warmup};
 use crate::runner::host::HostState;
 use crate::runner::renderer::{RenderFault, Renderer};
+use crate::runner::scoring::CellFault;
 use crate::runner::statistics::{Random, median};
 use crate::runner::timing::{self, PassSamples, Place, TimingJob, TimingRecord, WARMUP_TIME_MAX};
 use crate::spelling::short_number;
@@ -42,7 +43,7 @@ impl<'p> Run<'p> {
                 continue;
             }
             let timed = self.time_block(block, timing, renderer);
-            match cell_result(timed)? {
+            match of_cell(timed.map_err(CellFault::from))? {
                 Ok(timed) => {
                     let device = renderer.device();
                     // Killed among the new records, an old one would stand beside them as if it were of the same rounds.
@@ -105,10 +106,7 @@ impl<'p> Run<'p> {
 
 impl Timed<'_> {
     fn sample(&self, warmup: u32, rounds: u32, renderer: &mut dyn Renderer) -> Result<TimingSamples, RenderFault> {
-        match self.job.phase {
-            timing::PRECOMPUTE => renderer.time_precompute(&self.request, warmup, rounds),
-            _ => renderer.time(&self.request, warmup, rounds),
-        }
+        renderer.time(&self.request, self.job.phase == timing::PRECOMPUTE, warmup, rounds)
     }
 
     fn warm_up(&mut self, warmup: Warmup, renderer: &mut dyn Renderer) -> Result<(), RenderFault> {

@@ -1,7 +1,10 @@
 //! Whose run a folder holds, and whether it may become the run of another plan.
 
 use super::lock::LOCK_FILE;
-use super::{CHUNKS_FOLDER, PLAN_FILE, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part};
+use super::{
+    CELLS_FOLDER, CHUNKS_FOLDER, FAILED_FOLDER, PLAN_FILE, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part,
+};
+use crate::files::names_in;
 use crate::metrics::METRICS;
 use crate::runner::axis::AXES;
 use crate::runner::plan::Plan;
@@ -11,7 +14,9 @@ use crate::spelling::short_number;
 use crate::table::csv::Table;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+
+/// Names that a message lists.
+const LISTED: usize = 3;
 
 /// A run of another plan of the same experiment, seen by a plan that has all of its cells.
 #[derive(Clone, Debug)]
@@ -30,20 +35,26 @@ impl Store {
     pub fn check_identity(&self, plan: &Plan) -> Result<(), StoreError> {
         match self.extension(plan)? {
             None => Ok(()),
-            Some(extension) => Err(StoreError::Extensible {
-                dir: self.dir.clone(),
-                name: plan.config.name.clone(),
-                found: extension.from["plan_hash"].as_str().unwrap_or_default().to_owned(),
-                count: self.tabulated()?.len(),
-            }),
+            Some(extension) => {
+                let (name, found) = (&plan.config.name, extension.from["plan_hash"].as_str().unwrap_or_default());
+                let count = self.tabulated()?.len();
+                Err(self.refused(format!(
+                    "holds a run of another plan of {name} ({found}), and each of its {count} cells is in this one; `splitsum run --extend` \
+                     keeps them and does the others, else give another --out"
+                )))
+            }
         }
+    }
+
+    fn refused(&self, why: impl Into<String>) -> StoreError {
+        StoreError::Refused { dir: self.dir.clone(), why: why.into() }
     }
 
     /// The [`Extension`] of the run in the folder, where it is one of another plan that the plan extends; `None` where it is one of this
     /// plan, or none at all. Fails when the folder holds something else.
     pub fn extension(&self, plan: &Plan) -> Result<Option<Extension>, StoreError> {
         if self.dir.is_file() {
-            return Err(StoreError::NotAFolder { dir: self.dir.clone() });
+            return Err(self.refused("is a file; expected a folder, or the name of one to make"));
         }
         match provenance::read(&self.dir)? {
             None => self.check_empty().map(|()| None),
@@ -54,50 +65,67 @@ impl Store {
 
     /// Fails when a folder without provenance holds files: a run that was stopped before its first file leaves empty folders only.
     fn check_empty(&self) -> Result<(), StoreError> {
-        let entries = std::fs::read_dir(&self.dir).into_iter().flatten().flatten();
         let is_own = |name: &str, is_dir: bool| match is_dir {
             true => name == CHUNKS_FOLDER || SUBFOLDERS.contains(&name),
             false => [LOCK_FILE, PLAN_FILE].contains(&name) || is_part(name),
         };
-        let mut strangers = entries.filter(|e| !is_own(&e.file_name().to_string_lossy(), e.path().is_dir()));
-        match strangers.next() {
-            Some(_) => Err(StoreError::NotARun { dir: self.dir.clone() }),
-            None => Ok(()),
+        let is_own = |name: &String| is_own(name, self.dir.join(name).is_dir());
+        match names_in(&self.dir).iter().all(is_own) {
+            true => Ok(()),
+            false => Err(self.refused("is not empty and not a run (it has no provenance.json); give another --out")),
         }
     }
 
     fn extension_of(&self, found: Value, plan: &Plan) -> Result<Extension, StoreError> {
-        let (dir, name) = (self.dir.clone(), plan.config.name.clone());
+        let name = &plan.config.name;
         if found["shader_hash"] != crate::gpu::build_hash() {
-            return Err(StoreError::OtherShaders { dir });
+            let why = "holds a run made with other shaders, whose images may differ; give another --out, or remove it";
+            return Err(self.refused(why));
         }
-        if found["name"] != plan.config.name {
+        if found["name"] != *name {
             let overrides: String = plan.config.overrides.iter().map(|o| format!(" --set {o}")).collect();
-            let file = plan.config.path.display();
-            let found = format!("{}: its cells are not those of {file}{overrides}", found["name"]);
-            return Err(StoreError::OtherExperiment { dir, found });
+            return Err(self.refused(format!(
+                "holds a run of another experiment ({}: its cells are not those of {}{overrides}); give another --out, or remove it",
+                found["name"],
+                plan.config.path.display()
+            )));
         }
         if let Some(metric) = other_metric(&found) {
-            return Err(StoreError::OtherMetric { dir, metric });
+            return Err(self.refused(format!(
+                "holds a run scored by another version of the metric {metric}, whose numbers do not belong beside those of this one; give \
+                 another --out"
+            )));
         }
+        let would_lose = |what: &str, count: usize, lost: &[String]| {
+            let more = lost.len().saturating_sub(LISTED);
+            let listed =
+                lost[..lost.len() - more].join("; ") + &if more > 0 { format!("; {more} more") } else { String::new() };
+            self.refused(format!(
+                "holds a run of another plan of {name}, and of its {count} {what} {} would not be in the tables of this one: {listed}; give \
+                 another --out, or extend it (`splitsum run --extend`) by a plan with all of them",
+                lost.len()
+            ))
+        };
         let planned: BTreeSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
         let tabulated = self.tabulated()?;
         let count = self.in_tables_alone(&tabulated)?;
         if count > 0 {
-            return Err(StoreError::TablesAlone { dir, count });
+            return Err(self.refused(format!(
+                "holds the tables of a run of another plan, but no records of {count} of its cells, as a published run does; give another \
+                 --out, or extend the run that it was published from"
+            )));
         }
         let lost: Vec<&String> = tabulated.keys().filter(|id| !planned.contains(id.as_str())).collect();
         if !lost.is_empty() {
-            let lost = lost.into_iter().map(|id| words(id, &tabulated)).collect();
-            return Err(StoreError::WouldLose { dir, name, what: "cells", count: tabulated.len(), lost });
+            let lost: Vec<String> = lost.into_iter().map(|id| words(id, &tabulated)).collect();
+            return Err(would_lose("cells", tabulated.len(), &lost));
         }
         let jobs = timing::jobs(plan);
         let timed: Vec<String> = self.ids(TIMINGS_FOLDER).into_iter().filter(|id| self.has_timing(id)).collect();
         let to_time: BTreeSet<&str> = jobs.iter().map(|job| job.id.as_str()).collect();
         let lost: Vec<String> = timed.iter().filter(|id| !to_time.contains(id.as_str())).cloned().collect();
         if !lost.is_empty() {
-            let what = "timed configurations (their [timing] counts)";
-            return Err(StoreError::WouldLose { dir, name, what, count: timed.len(), lost });
+            return Err(would_lose("timed configurations (their [timing] counts)", timed.len(), &lost));
         }
         let is_timed = |id: &String| timed.contains(id);
         let blocks = jobs.chunk_by(|a, b| a.block == b.block);
@@ -116,12 +144,12 @@ impl Store {
     /// are known.
     fn tabulated(&self) -> Result<BTreeMap<String, BTreeMap<String, String>>, StoreError> {
         let mut found = BTreeMap::new();
-        for id in self.ids("failed") {
+        for id in self.ids(FAILED_FOLDER) {
             if self.failure(&id)?.is_some() {
                 found.insert(id, BTreeMap::new());
             }
         }
-        for id in self.ids("cells") {
+        for id in self.ids(CELLS_FOLDER) {
             if let Some(record) = self.cell(&id)? {
                 found.insert(id, record.axes);
             }
@@ -142,11 +170,8 @@ impl Store {
 
     /// Names of the records in a folder, in order; none where it does not exist.
     pub fn ids(&self, folder: &str) -> Vec<String> {
-        let entries = std::fs::read_dir(self.dir.join(folder)).into_iter().flatten().flatten();
-        let name = |path: &Path| Some(path.file_name()?.to_str()?.strip_suffix(".json")?.to_owned());
-        let mut ids: Vec<String> = entries.filter_map(|entry| name(&entry.path())).collect();
-        ids.sort();
-        ids
+        let names = names_in(&self.dir.join(folder));
+        names.iter().filter_map(|name| Some(name.strip_suffix(".json")?.to_owned())).collect()
     }
 }
 

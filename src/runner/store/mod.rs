@@ -4,15 +4,13 @@ mod fault;
 mod identity;
 mod lock;
 
-pub use super::record::{
-    BinRecord, CellOutcome, CellRecord, Exact, FailureRecord, ReferenceStop, Scores, Spent, StopReason,
-};
+pub use super::record::{BinRecord, CellRecord, Exact, FailureRecord, ReferenceStop, Scores, Spent, StopReason};
 pub use fault::StoreError;
 pub use identity::Extension;
 
 use super::plan::Plan;
-use super::seal::{self, Seal};
-use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, content_hash, holds, open_regular, read_regular};
+use super::seal;
+use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, content_hash, holds, names_in, open_regular, read_regular};
 use crate::pixels::{PART_PREFIX, write_atomically};
 use crate::table::csv;
 use lock::{Lock, lock};
@@ -41,8 +39,14 @@ pub const ANSWERS_FOLDER: &str = "answers";
 
 /// Raw samples of timed configurations.
 pub const TIMINGS_FOLDER: &str = "timings";
+/// Records of finished cells.
+pub const CELLS_FOLDER: &str = "cells";
+/// Reasons of cells that failed.
+pub const FAILED_FOLDER: &str = "failed";
+/// Where references stopped.
+const REFERENCES_FOLDER: &str = "references";
 
-const SUBFOLDERS: &[&str] = &["cells", "failed", "images", "references", "tables", TIMINGS_FOLDER];
+const SUBFOLDERS: &[&str] = &[CELLS_FOLDER, FAILED_FOLDER, "images", REFERENCES_FOLDER, "tables", TIMINGS_FOLDER];
 
 impl Store {
     /// The run's folder as it is, for reading.
@@ -134,7 +138,7 @@ impl Store {
 
     /// Where the record of a finished cell stands.
     pub fn cell_path(&self, id: &str) -> PathBuf {
-        self.record_path("cells", id)
+        self.record_path(CELLS_FOLDER, id)
     }
 
     /// The record of a finished cell. One that is not whole, as a power cut may leave it, or that is another's is none: the cell is done
@@ -145,8 +149,7 @@ impl Store {
 
     /// As [`Store::cell`], but a record that cannot be used is a fault.
     pub fn whole_cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
-        let path = self.cell_path(id);
-        named(&path, id, self.read_record(&path)?, |record: &CellRecord| Some(record.cell.as_str()))
+        self.record(CELLS_FOLDER, id)
     }
 
     /// Keeps a finished cell and forgets its earlier failure.
@@ -154,21 +157,17 @@ impl Store {
         // Not waited for on the disk, which takes longer than a small cell: a power cut costs the cells of its last seconds, since the
         // seal tells a record that was cut off.
         self.write_sealed(&self.cell_path(&record.cell), record)?;
-        remove(self.record_path("failed", &record.cell))
+        remove(self.record_path(FAILED_FOLDER, &record.cell))
     }
 
     /// Why a cell failed the last time it was tried. A record that cannot be used is none.
     pub fn failure(&self, id: &str) -> Result<Option<FailureRecord>, StoreError> {
-        let path = self.record_path("failed", id);
-        usable(
-            self.read(&path)
-                .and_then(|record| named(&path, id, record, |record: &FailureRecord| Some(record.cell.as_str()))),
-        )
+        usable(self.record(FAILED_FOLDER, id))
     }
 
     /// Keeps the reason of a failure.
     pub fn write_failure(&self, record: &FailureRecord) -> Result<(), StoreError> {
-        self.write_json(&self.record_path("failed", &record.cell), record)
+        self.write_sealed(&self.record_path(FAILED_FOLDER, &record.cell), record)
     }
 
     /// Where the reference image of this id stopped, as an earlier invocation left it. A record that cannot be used is none: the reference
@@ -179,12 +178,12 @@ impl Store {
 
     /// As [`Store::reference`], but a record that cannot be used is a fault.
     pub fn whole_reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
-        self.read_named(&self.record_path("references", id), id)
+        self.record(REFERENCES_FOLDER, id)
     }
 
     /// Keeps where a reference stopped.
     pub fn write_reference(&self, id: &str, stop: &ReferenceStop) -> Result<(), StoreError> {
-        self.write_named(&self.record_path("references", id), id, stop)
+        self.write_named(REFERENCES_FOLDER, id, stop)
     }
 
     /// A timing record. One that cannot be used is none: the configuration is timed again.
@@ -194,7 +193,7 @@ impl Store {
 
     /// As [`Store::timing`], but a record that cannot be used is a fault.
     pub fn whole_timing<T: DeserializeOwned>(&self, id: &str) -> Result<Option<T>, StoreError> {
-        self.read_named(&self.record_path(TIMINGS_FOLDER, id), id)
+        self.record(TIMINGS_FOLDER, id)
     }
 
     /// Whether a configuration is timed already, and its record whole.
@@ -209,7 +208,7 @@ impl Store {
 
     /// Keeps a timing record.
     pub fn write_timing<T: Serialize>(&self, id: &str, record: &T) -> Result<(), StoreError> {
-        self.write_named(&self.record_path(TIMINGS_FOLDER, id), id, record)
+        self.write_named(TIMINGS_FOLDER, id, record)
     }
 
     /// A table of the run, replaced in one step. Rows are made one at a time: all together they would take far more memory than
@@ -247,10 +246,11 @@ impl Store {
 
     /// As [`Store::write_sealed`], with the record's name in it, and on return the record is on the disk: what it holds cannot be had again
     /// the same, or costs much.
-    fn write_named<T: Serialize>(&self, path: &Path, id: &str, record: &T) -> Result<(), StoreError> {
-        self.write_sealed(path, &Named { record: id.to_owned(), content: record })?;
-        let sync = File::open(path).and_then(|file| file.sync_all());
-        sync.map_err(|error| StoreError::Io { path: path.to_owned(), error })
+    fn write_named<T: Serialize>(&self, folder: &str, id: &str, record: &T) -> Result<(), StoreError> {
+        let path = self.record_path(folder, id);
+        self.write_sealed(&path, &Named { record: id.to_owned(), content: record })?;
+        let sync = File::open(&path).and_then(|file| file.sync_all());
+        sync.map_err(|error| StoreError::Io { path, error })
     }
 
     fn record_path(&self, folder: &str, id: &str) -> PathBuf {
@@ -262,20 +262,18 @@ impl Store {
         read_bytes(path, PLAN_BYTES_MAX)?.map(|bytes| parsed(path, &bytes)).transpose()
     }
 
-    /// As [`Store::read_record`], of one that holds its name. Records of older programs do not.
-    fn read_named<T: DeserializeOwned>(&self, path: &Path, id: &str) -> Result<Option<T>, StoreError> {
-        let record = self.read_record(path)?;
-        named(path, id, self.read::<NameOnly>(path)?, |name| name.record.as_deref())?;
-        Ok(record)
-    }
-
-    /// As [`Store::read`], of a record: its checksum must hold. Records of older programs have none.
-    fn read_record<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
-        let Some(bytes) = read_bytes(path, RECORD_BYTES_MAX)? else { return Ok(None) };
-        let record = parsed(path, &bytes)?;
-        match seal::check(&String::from_utf8_lossy(&bytes)) {
-            Seal::Broken => Err(StoreError::Damaged { path: path.to_owned() }),
-            Seal::Whole | Seal::None => Ok(Some(record)),
+    /// A record: its checksum must hold, and the name in it be its own. Records of older programs may have neither.
+    fn record<T: DeserializeOwned>(&self, folder: &str, id: &str) -> Result<Option<T>, StoreError> {
+        let path = self.record_path(folder, id);
+        let Some(bytes) = read_bytes(&path, RECORD_BYTES_MAX)? else { return Ok(None) };
+        let (record, name) = (parsed(&path, &bytes)?, parsed::<Name>(&path, &bytes)?);
+        if seal::is_broken(&String::from_utf8_lossy(&bytes)) {
+            return Err(StoreError::Damaged { path });
+        }
+        // A timing names a cell that stands for its configuration.
+        match name.record.or(name.cell.filter(|_| folder != TIMINGS_FOLDER)).filter(|found| found != id) {
+            Some(found) => Err(StoreError::Stranger { path, found }),
+            None => Ok(Some(record)),
         }
     }
 }
@@ -291,22 +289,9 @@ struct Named<'r, T> {
 
 /// The name in a record.
 #[derive(Deserialize)]
-struct NameOnly {
-    #[serde(default)]
+struct Name {
     record: Option<String>,
-}
-
-/// The record that was read for `id`, unless the name in it is another one.
-fn named<T>(
-    path: &Path,
-    id: &str,
-    record: Option<T>,
-    name: impl Fn(&T) -> Option<&str>,
-) -> Result<Option<T>, StoreError> {
-    match record.as_ref().and_then(name).filter(|found| *found != id) {
-        Some(found) => Err(StoreError::Stranger { path: path.to_owned(), found: found.to_owned() }),
-        None => Ok(record),
-    }
+    cell: Option<String>,
 }
 
 /// A record, where it can be used.
@@ -358,10 +343,5 @@ fn is_part(name: &str) -> bool {
 
 /// Removes what a killed run left half-written.
 fn remove_parts(folder: &Path) -> Result<(), StoreError> {
-    let parts = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    for part in parts.filter(|entry| is_part(&entry.file_name().to_string_lossy())) {
-        let path = part.path();
-        std::fs::remove_file(&path).map_err(|error| StoreError::Io { path, error })?;
-    }
-    Ok(())
+    names_in(folder).iter().filter(|name| is_part(name)).try_for_each(|name| remove(folder.join(name)))
 }

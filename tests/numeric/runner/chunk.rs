@@ -7,13 +7,12 @@ mod devices;
 mod plan_file;
 
 use super::fake::Log;
-use super::runs::{Silent, fakes, finished};
+use super::runs::{Silent, fakes, finished, options};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
 use splitsum::runner::Plan;
-use splitsum::runner::chunk::{
-    ChunkError, ChunkOptions, ChunkOutcome, MergeOptions, Merged, PlanFile, Prices, merge, run_chunk,
-};
-use splitsum::runner::estimate::{Host, Line, Source, Speeds};
+use splitsum::runner::chunk::{ChunkError, Merged, PlanFile, Prices, merge, run_chunk};
+use splitsum::runner::estimate::{Line, Speeds};
+use splitsum::runner::run::ShareOutcome;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -54,7 +53,7 @@ impl Bench {
         std::fs::write(dir.path().join("tiny.toml"), EXPERIMENT).unwrap();
         write_environment(dir.path(), 1.0);
         let plan = load(dir.path());
-        PlanFile::new(&plan, dir.path(), seconds + 1.0, prices(&plan, 25e6, 1.0))
+        PlanFile::new(&plan, dir.path(), seconds + 1.0, prices(25e6, 1.0))
             .write(&dir.path().join("plan.json"))
             .unwrap();
         let (file, plan) = PlanFile::load(&dir.path().join("plan.json")).unwrap();
@@ -65,17 +64,10 @@ impl Bench {
         self.dir.path().join(name)
     }
 
-    fn chunk(&self, chunk: usize, log: &Rc<RefCell<Log>>) -> Result<ChunkOutcome, ChunkError> {
+    fn chunk(&self, chunk: usize, log: &Rc<RefCell<Log>>) -> Result<ShareOutcome, ChunkError> {
         let stop = AtomicBool::new(false);
-        let options = ChunkOptions {
-            plan_file: self.path("plan.json"),
-            chunk,
-            store: self.path("store"),
-            stop: &stop,
-            command_line: vec!["splitsum".to_owned()],
-            fail_fast: false,
-        };
-        run_chunk(&self.file, &self.plan, &mut fakes(log), &options, &mut Silent)
+        let options = options(&self.path("store"), &stop);
+        run_chunk(&self.file, &self.plan, chunk, &mut fakes(log), &options, &mut Silent)
     }
 
     /// Does a chunk on a device of that name and counts the renders.
@@ -86,8 +78,12 @@ impl Bench {
     }
 
     fn merge(&self) -> Result<Merged, ChunkError> {
-        let (store, out) = (self.path("store"), self.path("merged"));
-        merge(&self.file, &self.plan, &MergeOptions { store, out, command_line: Vec::new(), trace: true })
+        self.merge_of(&self.file, "store")
+    }
+
+    fn merge_of(&self, file: &PlanFile, store: &str) -> Result<Merged, ChunkError> {
+        let stop = AtomicBool::new(false);
+        merge(file, &self.plan, &self.path(store), &options(&self.path("merged"), &stop))
     }
 
     /// The folder that a run on one machine leaves.
@@ -126,14 +122,17 @@ fn log(device: &'static str) -> Rc<RefCell<Log>> {
 const CELL_SECONDS: f64 = 0.03;
 
 /// Prices of samples, cells, timed frames and starts, and of nothing else.
-fn prices(plan: &Plan, samples_per_second: f64, start_seconds: f64) -> Prices {
+fn prices(samples_per_second: f64, start_seconds: f64) -> Prices {
     let fixed = |fixed: f64| Line { fixed, ..Line::default() };
     let sample = Line { per_sample: 1.0 / samples_per_second, ..Line::default() };
-    let device = ["image", "reference", "table"].map(|kind| (kind, sample));
-    let frame = ("frame", Line { fixed: 0.002, ..sample });
-    let host =
-        [("score", fixed(CELL_SECONDS)), ("start", fixed(start_seconds)), ("display", fixed(0.0)), ("end", fixed(0.0))];
-    let lines: Vec<(&str, Line)> = device.into_iter().chain([frame]).chain(host).collect();
-    let sources = [(Source::Constants, Speeds::of(&lines))];
-    Prices::of_sources(plan, &sources, Host { threads: 1, is_cpu_device: true })
+    let lines = [
+        ("image", sample),
+        ("reference", sample),
+        ("table", sample),
+        ("frame", Line { fixed: 0.002, ..sample }),
+        ("score", fixed(CELL_SECONDS)),
+        ("start", fixed(start_seconds)),
+    ];
+    let lines = Speeds(lines.map(|(kind, line)| (kind.to_owned(), line)).into());
+    Prices { basis: String::new(), lines }
 }

@@ -18,34 +18,26 @@ fn of(pixels: f64, samples: f64) -> Amount {
 }
 
 #[test]
-fn a_line_goes_through_costs_that_are_one_and_is_never_negative() {
-    let cost = |pixels: f64, samples: f64| 3e-8 * pixels + 2e-9 * samples;
-    let images = [(1e4, 1e4), (1e4, 4e5), (4e4, 4e4), (4e4, 1e7)];
-    let measured: Vec<_> =
-        images.iter().map(|&(p, s)| ("image sampled ggx".to_owned(), of(p, s), cost(p, s))).collect();
-    let line = *Speeds::fit(&measured).line("image sampled ggx").unwrap();
-    assert!((line.per_pixel / 3e-8 - 1.0).abs() < F64 && (line.per_sample / 2e-9 - 1.0).abs() < F64, "{line:?}");
-    // One sample count alone tells one slope; a table has no pixels.
-    let one = Speeds::fit(&[("a".to_owned(), of(1e4, 1e6), 0.5), ("b".to_owned(), of(0.0, 1e6), 0.25)]);
-    assert!((one.line("a").unwrap().at(of(1e4, 2e6)) - 1.0).abs() < F64);
-    assert!((one.line("b").unwrap().at(of(0.0, 4e6)) - 1.0).abs() < F64);
-    // More samples in less time is noise, not a gain.
-    let noise = Speeds::fit(&[("a".to_owned(), of(1e4, 1e4), 0.2), ("a".to_owned(), of(1e4, 1e5), 0.1)]);
-    let line = noise.line("a").unwrap();
-    assert!(line.per_pixel >= 0.0 && line.per_sample >= 0.0 && line.at(of(1e4, 1e4)) > 0.0, "{line:?}");
-}
-
-#[test]
-fn a_kind_that_was_not_measured_is_taken_for_its_like_but_never_for_another_method() {
-    let measured = ["image sampled sh9 ggx", "image sampled sh9 phong", "image split-sum sh9 ggx"];
-    let seconds = [1.0, 3.0, 0.1];
-    let measured: Vec<_> = measured.iter().zip(seconds).map(|(kind, s)| (kind.to_string(), of(1.0, 1.0), s)).collect();
-    let speeds = Speeds::fit(&measured);
-    let at = |kind: &str| speeds.line(kind).map(|line| line.at(of(1.0, 1.0)));
-    assert!((at("image sampled sh9 phong").unwrap() - 3.0).abs() < F64);
-    let between = at("image sampled sh9 beckmann").unwrap();
-    assert!(between > 1.0 && between < 3.0, "{between}");
-    assert_eq!(at("image sampled-unfiltered sh9 ggx"), None);
+fn measurements_scale_the_kinds_that_they_are_of_and_their_likes_alone() {
+    let kinds = ["image sampled sh9 ggx", "image sampled sh9 phong", "image split-sum sh9 ggx"];
+    let (small, large) = (of(1e4, 4e5), of(4e4, 1e7));
+    let stated = |kind: &str, amount: Amount| constants().line(kind).unwrap().at(amount);
+    // Twice, four times and half of what is stated, at two sizes.
+    let factors = [2.0, 4.0, 0.5];
+    let measured: Vec<_> = kinds
+        .iter()
+        .zip(factors)
+        .flat_map(|(kind, factor)| [small, large].map(|size| (kind.to_string(), size, factor * stated(kind, size))))
+        .collect();
+    let speeds = constants().scaled_to(&measured);
+    let factor = |kind: &str| speeds.line(kind).map(|line| line.at(large) / stated(kind, large));
+    for (kind, expected) in kinds.iter().zip(factors) {
+        assert!((factor(kind).unwrap() / expected - 1.0).abs() < F64, "{kind}");
+    }
+    // A model that was not measured is between those that were; another method is unknown; a timed frame is reckoned as an image.
+    assert!((factor("image sampled sh9 beckmann").unwrap() / 3.0 - 1.0).abs() < F64);
+    assert_eq!(factor("image sampled-unfiltered sh9 ggx"), None);
+    assert!((factor("frame sampled sh9 phong").unwrap() / 4.0 - 1.0).abs() < F64);
     assert!(constants().line("image anything at all").is_some());
 }
 
@@ -98,10 +90,10 @@ fn records_of_an_earlier_run_price_other_cells_of_the_experiment() {
     let dir = tempfile::tempdir().unwrap();
     let run = made_up(dir.path());
     let plan = sweep("0.3, 0.6");
-    let found = recorded(&plan, std::slice::from_ref(&run), None);
-    assert_eq!(found.count, 16);
+    let (speeds, count) = recorded(&plan, std::slice::from_ref(&run), None);
+    assert_eq!(count, 16);
     let host = Host { threads: 2, is_cpu_device: true };
-    let got = of_open(&plan, &[(Source::Records, found.speeds), (Source::Constants, constants())], host);
+    let got = of_open(&plan, &[(Source::Records, speeds), (Source::Constants, constants())], host);
     let pixels = 24.0 * 24.0;
     // Two models and two alphas: 1, 4 and 16 samples and one of split-sum; a reference of 64 samples for each term.
     let expected = [
@@ -126,9 +118,9 @@ fn records_of_an_earlier_run_price_other_cells_of_the_experiment() {
 
     // Made on another device: they say nothing here.
     let mut other = splitsum::runner::Renderer::device(&*fakes(&log())().unwrap());
-    assert_eq!(recorded(&plan, std::slice::from_ref(&run), Some(&other)).count, 16);
+    assert_eq!(recorded(&plan, std::slice::from_ref(&run), Some(&other)).1, 16);
     other.driver = "another".to_owned();
-    assert_eq!(recorded(&plan, &[run], Some(&other)).count, 0);
+    assert_eq!(recorded(&plan, &[run], Some(&other)).1, 0);
 }
 
 #[test]
@@ -168,7 +160,7 @@ fn scores_cost_beside_a_gpu_only_what_exceeds_it() {
             [("image sampled", image), ("image split-sum", image), ("score first", score), ("score again", score)];
         let amount_of = |kind: &str| of(576.0, if kind.starts_with("image") { 576.0 } else { 0.0 });
         let measured: Vec<_> = measured.iter().map(|(kind, s)| (kind.to_string(), amount_of(kind), *s)).collect();
-        vec![(Source::Probe, Speeds::fit(&measured)), (Source::Constants, constants())]
+        vec![(Source::Probe, constants().scaled_to(&measured)), (Source::Constants, constants())]
     };
     let seconds = |image: f64, score: f64, is_cpu_device: bool| {
         let got = of_open(&plan, &speeds(image, score), Host { threads: 4, is_cpu_device });

@@ -1,7 +1,7 @@
 //! Runs that become the beginning of a larger plan.
 
 use super::run::EXPERIMENT;
-use super::runs::{contents, extend, fakes, finished, invoke, log, options, plan, read, snapshot};
+use super::runs::{Bench, contents, extend, fakes, finished, invoke, log, options, plan, read, snapshot, summary};
 use splitsum::runner::store::Store;
 use splitsum::runner::{MakeRenderer, Plan, Progress, RunError, run, timing};
 use std::collections::BTreeMap;
@@ -74,26 +74,18 @@ fn an_extended_run_keeps_what_is_done_and_ends_like_one_of_the_whole_plan() {
 
 #[test]
 fn the_folder_tells_that_it_was_extended_and_from_what() {
-    let (dir, first, second) = (tempfile::tempdir().unwrap(), EXPERIMENT.replace("[0.1, 0.5]", "[0.5]"), EXPERIMENT);
-    let (part, whole) = (plan(&first), plan(second));
-    finished(&part, dir.path());
-    extend(&whole, dir.path(), &log()).unwrap();
-    let provenance: serde_json::Value = serde_json::from_slice(&read(dir.path().join("provenance.json"))).unwrap();
-    assert_eq!(provenance["plan_hash"], whole.hash);
-    assert_eq!(provenance["sessions"].as_array().unwrap().len(), 2);
+    let first = EXPERIMENT.replace("[0.1, 0.5]", "[0.5]");
+    let (part, whole) = (Bench::finished(&first), plan(EXPERIMENT));
+    extend(&whole, part.dir.path(), &log()).unwrap();
+    let provenance = part.json("provenance.json");
+    assert_eq!((&provenance["plan_hash"], provenance["sessions"].as_array().unwrap().len()), (&whole.hash.into(), 2));
     let [extension] = &provenance["extensions"].as_array().unwrap()[..] else { panic!("{provenance:#}") };
-    assert_eq!(extension["from"]["plan_hash"], part.hash);
+    assert_eq!(extension["from"]["plan_hash"], part.plan.hash);
     assert_eq!([&extension["cells_kept"], &extension["cells_new"]], [16, 16]);
-    let frozen = dir.path().join(extension["from"]["frozen"].as_str().unwrap());
-    assert!(read(frozen) == first.as_bytes() && read(dir.path().join("experiment.toml")) == second.as_bytes());
-    let summary = String::from_utf8(read(dir.path().join("summary.md"))).unwrap();
-    assert!(
-        summary.contains(&format!(
-            "from plan {} (`experiment.{}.toml`): 16 of its 16 cells kept, 16 new.",
-            part.hash, part.hash
-        )),
-        "{summary}"
-    );
+    let frozen = part.read(extension["from"]["frozen"].as_str().unwrap());
+    assert!(frozen == first.as_bytes() && part.read("experiment.toml") == EXPERIMENT.as_bytes());
+    let told = format!("from plan {0} (`experiment.{0}.toml`): 16 of its 16 cells kept, 16 new.", part.plan.hash);
+    assert!(summary(part.dir.path()).contains(&told), "{}", summary(part.dir.path()));
 }
 
 #[test]
@@ -127,36 +119,25 @@ fn a_plan_that_would_lose_cells_extends_nothing() {
 }
 
 #[test]
-fn tables_without_their_records_are_not_extended() {
-    let dir = tempfile::tempdir().unwrap();
-    finished(&plan(&EXPERIMENT.replace("[0.1, 0.5]", "[0.5]")), dir.path());
+fn tables_without_their_records_and_scores_of_another_metric_are_not_extended() {
+    let part = Bench::finished(&EXPERIMENT.replace("[0.1, 0.5]", "[0.5]"));
+    let refused = |words: &str| {
+        let before = snapshot(part.dir.path());
+        let RunError::Store(fault) = extend(&plan(EXPERIMENT), part.dir.path(), &log()).unwrap_err() else {
+            panic!("no fault of the folder")
+        };
+        assert!(fault.is_misuse() && fault.to_string().contains(words), "{fault}");
+        assert_eq!(before, snapshot(part.dir.path()));
+    };
+    let whole = part.json("provenance.json");
+    let mut other = whole.clone();
+    other["metrics"][1]["version"] = 99.into();
+    std::fs::write(part.path("provenance.json"), other.to_string()).unwrap();
+    refused(&format!("another version of the metric {}", whole["metrics"][1]["name"].as_str().unwrap()));
+    std::fs::write(part.path("provenance.json"), whole.to_string()).unwrap();
     // As `answers --publish` leaves it.
-    std::fs::remove_dir_all(dir.path().join("cells")).unwrap();
-    let before = snapshot(dir.path());
-    for text in [EXPERIMENT.to_owned(), EXPERIMENT.replace("[0.1, 0.5]", "[0.25]")] {
-        for error in [
-            extend(&plan(&text), dir.path(), &log()).unwrap_err(),
-            invoke(&plan(&text), dir.path(), &log(), usize::MAX).unwrap_err(),
-        ] {
-            let RunError::Store(fault) = &error else { panic!("{error}") };
-            let is_told = fault.to_string().contains("but no records of 16 of its cells, as a published run does");
-            assert!(fault.is_misuse() && is_told, "{error}");
-        }
-    }
-    assert_eq!(before, snapshot(dir.path()));
-}
-
-#[test]
-fn scores_of_another_metric_are_not_extended() {
-    let (dir, part) = (tempfile::tempdir().unwrap(), plan(&EXPERIMENT.replace("[0.1, 0.5]", "[0.5]")));
-    finished(&part, dir.path());
-    let path = dir.path().join("provenance.json");
-    let mut provenance: serde_json::Value = serde_json::from_slice(&read(&path)).unwrap();
-    let name = provenance["metrics"][1]["name"].as_str().unwrap().to_owned();
-    provenance["metrics"][1]["version"] = 99.into();
-    std::fs::write(&path, provenance.to_string()).unwrap();
-    let error = extend(&plan(EXPERIMENT), dir.path(), &log()).unwrap_err().to_string();
-    assert!(error.contains(&format!("another version of the metric {name}")), "{error}");
+    std::fs::remove_dir_all(part.path("cells")).unwrap();
+    refused("but no records of 16 of its cells, as a published run does");
 }
 
 /// A kill after the provenance names the new plan leaves a run of it; one before leaves the old run. Both go on.

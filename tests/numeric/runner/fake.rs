@@ -138,9 +138,19 @@ impl Renderer for Fake {
     }
 
     /// The first frame of a configuration takes 4 ms more than its sample count, the next ones 0, 1, 2, 3, 4, 0 ... more.
-    fn time(&mut self, request: &RenderRequest, _: u32, rounds: u32) -> Result<TimingSamples, RenderFault> {
+    fn time(
+        &mut self,
+        request: &RenderRequest,
+        of_tables: bool,
+        _: u32,
+        rounds: u32,
+    ) -> Result<TimingSamples, RenderFault> {
         let mut log = self.0.borrow_mut();
         log.timings += 1;
+        if of_tables {
+            let rounds = rounds as usize;
+            return Ok(TimingSamples { passes: vec![("dfg", vec![3.0; rounds])], wall_ms: vec![10.0; rounds] });
+        }
         let frame = log.frames.entry((request.brdf.name(), request.method.name, request.samples)).or_default();
         let ms: Vec<f64> =
             (0..rounds as usize).map(|round| f64::from(request.samples) + ((*frame + round + 4) % 5) as f64).collect();
@@ -149,11 +159,6 @@ impl Renderer for Fake {
             passes: vec![("gbuffer", vec![1.0; ms.len()]), ("shade-specular", ms.clone())],
             wall_ms: ms.iter().map(|t| t + 1.5).collect(),
         })
-    }
-
-    fn time_precompute(&mut self, _: &RenderRequest, _: u32, rounds: u32) -> Result<TimingSamples, RenderFault> {
-        self.0.borrow_mut().timings += 1;
-        Ok(TimingSamples { passes: vec![("dfg", vec![3.0; rounds as usize])], wall_ms: vec![10.0; rounds as usize] })
     }
 
     fn waited_ms(&self) -> f64 {

@@ -73,18 +73,3 @@ fn the_name_is_that_of_a_folder() {
         found.err().into_iter().for_each(|e| assert!(e.to_string().starts_with("large.toml:2:8: name: "), "{e}"));
     }
 }
-
-#[test]
-fn names_of_images_begin_as_names_do() {
-    for (text, expected) in [
-        ("ggx_0.1", "ggx_0.1"),
-        // As ever: a swept number below 0.
-        ("-1_ggx", "-1_ggx"),
-        ("=1+1", "_1-1"),
-        ("-rf", "_rf"),
-        (".hidden", "_hidden"),
-        ("\u{202e}a b", "_a-b"),
-    ] {
-        assert_eq!(splitsum::runner::file_words(text), expected);
-    }
-}

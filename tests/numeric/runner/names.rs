@@ -4,11 +4,8 @@ use super::config::{assert_faults, faults};
 use splitsum::precompute::PrecomputeSettings;
 use splitsum::runner::Plan;
 use splitsum::runner::axis::{ALPHA, AXES, Named, Part};
-use splitsum::runner::store::FailureRecord;
-use splitsum::runner::tables::{self, CellResult};
 use splitsum::runner::value::ALPHA_MIN;
-use splitsum::table::csv::Cell as Field;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 fn plan(axes: &str, set: &[&str]) -> Plan {
@@ -61,23 +58,6 @@ fn a_bare_roughness_is_told_both_names() {
     let hinted =
         found.iter().filter(|fault| fault.contains("perceptual_roughness (") && fault.contains("alpha, which"));
     assert_eq!(hinted.count(), 4, "{found:#?}");
-}
-
-#[test]
-fn tables_hold_both_names_whichever_was_given() {
-    for axes in ["alpha = [0.25]", "perceptual_roughness = [0.5]", "samples = [4]"] {
-        let plan = plan(axes, &[]);
-        let cell = plan.cells[0].id.clone();
-        let failure = FailureRecord { cell: cell.clone(), label: String::new(), reason: String::new() };
-        let results = BTreeMap::from([(cell, CellResult::Failed(failure))]);
-        let (columns, mut rows) = tables::errors(&plan, &results);
-        let row = rows.next().unwrap().unwrap();
-        let at = columns.iter().position(|name| name == "alpha").unwrap();
-        assert_eq!(columns[at + 1], "perceptual_roughness");
-        let expected = if axes.starts_with("samples") { ["", ""] } else { ["0.25", "0.5"] };
-        let text = |field: &Field| if let Field::Text(text) = field { text.clone() } else { String::new() };
-        assert_eq!([&row[at], &row[at + 1]].map(text), expected);
-    }
 }
 
 #[test]

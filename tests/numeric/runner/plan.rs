@@ -116,21 +116,6 @@ fn ids_depend_on_everything_that_determines_pixels() {
 }
 
 #[test]
-fn the_tone_curve_shares_radiance_and_methods_share_references() {
-    let plan = plan(SWEEP);
-    let groups = plan.groups();
-    // One reference for each model and alpha.
-    assert_eq!(groups.len(), 4);
-    for group in &groups {
-        assert_eq!(group.radiances.len(), 4, "three sample counts and split-sum");
-        for (_, cells) in &group.radiances {
-            assert_eq!(cells.len(), 2, "two exposures");
-            assert_ne!(cells[0].id, cells[1].id);
-        }
-    }
-}
-
-#[test]
 fn settings_of_precompute_and_bias_share_the_reference() {
     let plan = plan(
         "name = \"x\"\n[precompute]\nprefilter_level_count = 2\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
@@ -159,12 +144,6 @@ fn with_all_terms_a_cell_without_one_is_judged_against_the_complete_image() {
     let plan = plan(text);
     assert_eq!(plan.groups().len(), 1);
     assert_eq!(plan.reference_point(&plan.cells[0].point).get("method").to_string(), "reference");
-}
-
-#[test]
-fn a_plan_may_be_empty() {
-    let plan = plan("name = \"x\"\n[axes]\nalpha = [0.1]\n[[exclude]]\nalpha = 0.1\nwhy = \"all\"\n");
-    assert_eq!((plan.cells.len(), plan.excluded[0]), (0, 1));
 }
 
 #[test]
@@ -273,38 +252,6 @@ fn a_reference_under_test_shares_no_points_with_the_one_that_judges_it() {
     assert_ne!(judge.seed, request.seed);
     assert_ne!(under_test.radiance, under_test.reference, "one image must not stand for both");
     assert_eq!((judge.seed, plan.request(&sampled.point).seed), (7, 7));
-}
-
-#[test]
-fn a_label_rounds_what_the_tables_keep_whole() {
-    let plan = plan("name = \"x\"\n[axes]\nalpha = { logspace = [0.05, 1, 5] }\nexposure = [1, 10000]\n");
-    let labels: Vec<String> = plan.cells.iter().map(|cell| plan.label(cell)).collect();
-    let rounded = ["0.05", "0.1057", "0.2236", "0.4729", "1"]
-        .map(|alpha| [1, 10000].map(|e| format!("alpha={alpha} exposure={e}")));
-    assert_eq!(labels, rounded.concat());
-    assert_eq!(plan.cells[4].point.get("alpha").to_string(), "0.223606797749979");
-    for (text, short) in [
-        ("0.223606797749979", "0.2236"),
-        ("-0.000123456", "-0.0001235"),
-        ("16384", "16384"),
-        ("123456789", "123456789"),
-        ("sky-0.123456", "sky-0.123456"),
-        ("0.5", "0.5"),
-        ("99.99999", "100"),
-    ] {
-        assert_eq!(splitsum::spelling::short_number(text), short);
-    }
-}
-
-#[test]
-fn an_exclusion_says_where_it_was_written() {
-    let plan = plan(
-        "name = \"x\"\n[axes]\nalpha = [0.1, 0.5]\n[[exclude]]\nalpha = 0.1\nwhy = \"narrow\"\n[[exclude]]\nalpha = [0.1]\nwhy = \"none\"\n",
-    );
-    let lines = splitsum::runner::fault::Lines::new(&plan.config.text);
-    let places = plan.config.exclusions.iter().map(|e| e.place.words(&plan.config.path, &lines));
-    assert_eq!(places.collect::<Vec<_>>(), ["e.toml:4:1", "e.toml:7:1"]);
-    assert_eq!(plan.excluded, [1, 0]);
 }
 
 /// A row of method `reference` names the samples that it draws; the reference that judges it may stop earlier.

@@ -1,7 +1,7 @@
 //! Runs with a renderer made of formulas: what is rendered, scored and written.
 
 use super::fake::{ERROR_AT_ONE, NOISE, SET_ERROR, SPLIT_SUM_ERROR};
-use super::runs::{invoke, log, plan, read, snapshot, summary};
+use super::runs::{Bench, invoke, log, plan, read, snapshot, summary};
 use splitsum::table::csv::Table;
 
 pub const EXPERIMENT: &str = r#"
@@ -51,7 +51,10 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
         assert!((bias[i].unwrap() - f64::from(expected)).abs() < 1e-5, "{row:?}");
         assert_eq!(row[verdict], "resolved");
     }
-    assert!(table.numbers("rmse_noise_floor").unwrap().iter().all(|floor| floor.is_some_and(|f| f > 0.0)));
+    for metric in splitsum::metrics::linear_metrics() {
+        let floors = table.numbers(&format!("{}_noise_floor", metric.description().name)).unwrap();
+        assert!(floors.iter().all(|floor| floor.is_some_and(|f| f > 0.0)), "{}", metric.description().name);
+    }
 
     let bins = Table::read(&dir.path().join("errors_by_n_dot_v.csv")).unwrap();
     let counts = bins.numbers("pixel_count").unwrap();
@@ -92,28 +95,6 @@ fn a_sheet_that_would_be_too_wide_is_split_between_methods() {
 }
 
 #[test]
-fn the_summary_stands_in_the_folder_with_the_break_even_of_the_error_model() {
-    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
-    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
-    let summary = summary(dir.path());
-    // 0.4 / sqrt(4) = 0.2 is above the fixed 0.15, 0.4 / sqrt(16) = 0.1 below it.
-    let lead = summary.lines().find(|line| line.contains("split-sum")).unwrap();
-    assert!(lead.contains("16") && lead.contains("4 cases"), "{summary}");
-}
-
-#[test]
-fn a_method_that_ignores_an_axis_stands_beside_every_value_of_it() {
-    let text = "name = \"x\"\nsize = [16, 16]\nreference = { samples = 32 }\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
-                diffuse = [\"none\"]\nsamples = [1, 16]\ndfg_size = [16, 32, 64]\n";
-    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(text));
-    assert_eq!(plan.cells.len(), 2 + 3);
-    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
-    let summary = summary(dir.path());
-    let lead = summary.lines().find(|line| line.contains("split-sum")).unwrap();
-    assert!(lead.contains("16") && lead.contains("3 cases"), "{summary}");
-}
-
-#[test]
 fn repeats_part_bias_from_variance() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[bias_variance]\nrepeats = 8\n")));
     let log = log();
@@ -141,17 +122,6 @@ fn repeats_part_bias_from_variance() {
             assert!((var.unwrap() / (variance * mean_square) - 1.0).abs() < 1e-4, "{var:?}");
             assert!((bias2.unwrap() / (bias2_factor * mean_square) - 1.0).abs() < 1e-4, "{bias2:?}");
         }
-    }
-}
-
-#[test]
-fn every_linear_metric_has_its_noise_floor() {
-    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
-    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
-    let table = Table::read(&dir.path().join("errors.csv")).unwrap();
-    for metric in splitsum::metrics::linear_metrics() {
-        let floors = table.numbers(&format!("{}_noise_floor", metric.description().name)).unwrap();
-        assert!(floors.iter().all(|floor| floor.is_some_and(|f| f > 0.0)), "{}", metric.description().name);
     }
 }
 
@@ -187,36 +157,25 @@ fn each_row_says_where_its_reference_stopped() {
 }
 
 #[test]
-fn the_provenance_says_what_a_session_shared_and_how_the_machine_was() {
-    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n")));
-    let outcome = invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+fn the_provenance_names_inputs_sessions_and_what_they_shared() {
+    let bench = Bench::new(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n"));
+    bench.invoke(&log(), 3).unwrap();
+    let outcome = bench.invoke(&log(), usize::MAX).unwrap();
     let line = outcome.work.unwrap().line(1000.0);
-    assert_eq!(line, "1.0 s, 100 % of it without the device. Made once and shared: dfg 2, reference 4");
-    let value: serde_json::Value = serde_json::from_slice(&read(dir.path().join("provenance.json"))).unwrap();
-    let session = &value["sessions"][0];
-    assert_eq!(session["shared_work"]["reference"], serde_json::json!({ "made": 4, "read": 0 }));
-    assert_eq!(session["device_s"], 0.0);
-    assert!(session["wall_s"].as_f64().unwrap() > 0.0);
-    assert_eq!(session["program_hash"].as_str().unwrap().len(), 64);
-    for state in [&session["state_before"], &session["state_after"]] {
-        // The fake is no GPU: nobody tells its clocks.
-        assert_eq!(state["gpu"], "unknown");
-        assert!(state["load_average"].is_array() || state["load_average"] == "unknown");
-    }
-    let timings = Table::read(&dir.path().join("timings.csv")).unwrap();
-    let slowdown = timings.column("slowdown").unwrap();
-    assert!(timings.rows.iter().all(|row| row[slowdown] == "unknown"));
-}
-
-#[test]
-fn the_provenance_names_inputs_sessions_and_metrics() {
-    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(EXPERIMENT));
-    invoke(&plan, dir.path(), &log(), 3).unwrap();
-    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
-    let value: serde_json::Value = serde_json::from_slice(&read(dir.path().join("provenance.json"))).unwrap();
-    assert_eq!(value["plan_hash"], plan.hash);
-    assert_eq!(value["sessions"].as_array().unwrap().len(), 2);
-    assert_eq!(value["sessions"][0]["device"]["name"], "fake");
+    assert_eq!(
+        line,
+        "1.0 s, 100 % of it without the device. Made once and shared: dfg 2, reference 3, references of the run read back 1"
+    );
+    let value = bench.json("provenance.json");
+    assert_eq!(value["plan_hash"], bench.plan.hash);
     assert_eq!(value["inputs"]["builtin:constant"].as_str().unwrap().len(), 64);
     assert_eq!(value["metrics"].as_array().unwrap().len(), splitsum::metrics::METRICS.len());
+    let [first, second] = &value["sessions"].as_array().unwrap()[..] else { panic!("{value:#}") };
+    assert_eq!((&first["device"]["name"], first["program_hash"].as_str().unwrap().len()), (&"fake".into(), 64));
+    assert_eq!(second["shared_work"]["reference"], serde_json::json!({ "made": 3, "read": 0 }));
+    assert!(second["device_s"] == 0.0 && second["wall_s"].as_f64().unwrap() > 0.0);
+    // The fake is no GPU: nobody tells why its clock is low.
+    let timings = bench.table("timings.csv");
+    let slowdown = timings.column("slowdown").unwrap();
+    assert!(timings.rows.iter().all(|row| row[slowdown] == "unknown"));
 }

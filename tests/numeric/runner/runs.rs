@@ -1,12 +1,11 @@
 //! Runs with the renderer made of formulas: how they are started, and what of their folders tests look at.
 
 use super::fake::{Fake, Log};
-use splitsum::runner::{
-    MakeRenderer, Outcome, Plan, Progress, RenderFault, Renderer, RunError, RunOptions, run, run_extended,
-};
+use splitsum::runner::{MakeRenderer, Outcome, Plan, Progress, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::answers;
 use splitsum::study::write::Written;
+use splitsum::table::csv::Table;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -32,31 +31,88 @@ impl Progress for Silent {
     fn note(&mut self, _: &str) {}
 }
 
-/// Stops the run after a number of steps.
+/// Stops the run after a number of steps, and keeps what is noted.
 pub struct Steps<'a> {
     pub stop: &'a AtomicBool,
     pub left: usize,
-    pub failures: Vec<String>,
+    pub notes: Vec<String>,
 }
 
 impl Progress for Steps<'_> {
     fn start(&mut self, _: usize, _: usize) {}
 
-    fn step(&mut self, label: &str, failure: Option<&str>) {
-        self.failures.extend(failure.map(|reason| format!("{label}: {reason}")));
+    fn step(&mut self, _: &str, _: Option<&str>) {
         self.left = self.left.saturating_sub(1);
         if self.left == 0 {
             self.stop.store(true, Ordering::Relaxed);
         }
     }
 
-    fn note(&mut self, _: &str) {}
+    fn note(&mut self, text: &str) {
+        self.notes.push(text.to_owned());
+    }
+}
+
+/// Method and sample count of each render.
+type Renders = Vec<(String, u32)>;
+
+/// A folder for runs of a plan.
+pub struct Bench {
+    pub dir: tempfile::TempDir,
+    pub plan: Plan,
+}
+
+impl Bench {
+    pub fn new(text: &str) -> Self {
+        Self { dir: tempfile::tempdir().unwrap(), plan: plan(text) }
+    }
+
+    /// With a finished run.
+    pub fn finished(text: &str) -> Self {
+        let bench = Self::new(text);
+        finished(&bench.plan, bench.dir.path());
+        bench
+    }
+
+    /// One invocation that is stopped after `steps` steps.
+    pub fn invoke(&self, log: &Rc<RefCell<Log>>, steps: usize) -> Result<Outcome, RunError> {
+        invoke(&self.plan, self.dir.path(), log, steps)
+    }
+
+    /// Runs what is not done: what was told, and the method and sample count of each render.
+    pub fn again(&self) -> Result<(Vec<String>, Renders), RunError> {
+        let (stop, log) = (AtomicBool::new(false), log());
+        let mut steps = Steps { stop: &stop, left: usize::MAX, notes: Vec::new() };
+        run(&self.plan, &mut fakes(&log) as &mut MakeRenderer, &options(self.dir.path(), &stop), &mut steps)?;
+        let renders = log.borrow().renders.clone();
+        Ok((steps.notes, renders))
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.dir.path().join(name)
+    }
+
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        read(self.path(name))
+    }
+
+    pub fn table(&self, name: &str) -> Table {
+        Table::read(&self.path(name)).unwrap()
+    }
+
+    pub fn json(&self, name: &str) -> serde_json::Value {
+        serde_json::from_slice(&self.read(name)).unwrap()
+    }
+
+    pub fn images(&self) -> BTreeMap<String, Vec<u8>> {
+        contents(&self.path("images"))
+    }
 }
 
 /// Options of a run in `dir` that traces its timings.
 pub fn options<'a>(dir: &Path, stop: &'a AtomicBool) -> RunOptions<'a> {
     let command_line = vec!["splitsum".to_owned(), "run".to_owned(), "tiny.toml".to_owned()];
-    RunOptions { dir: dir.to_owned(), stop, command_line, fail_fast: false, trace: true }
+    RunOptions { dir: dir.to_owned(), stop, command_line, extend: false, fail_fast: false, trace: true }
 }
 
 /// Makes fakes that write to one log.
@@ -68,7 +124,7 @@ pub fn fakes(log: &Rc<RefCell<Log>>) -> impl FnMut() -> Result<Box<dyn Renderer>
 /// One invocation that is stopped after `steps` steps.
 pub fn invoke(plan: &Plan, dir: &Path, log: &Rc<RefCell<Log>>, steps: usize) -> Result<Outcome, RunError> {
     let stop = AtomicBool::new(false);
-    let mut progress = Steps { stop: &stop, left: steps, failures: Vec::new() };
+    let mut progress = Steps { stop: &stop, left: steps, notes: Vec::new() };
     answered(run(plan, &mut fakes(log) as &mut MakeRenderer, &options(dir, &stop), &mut progress))
 }
 
@@ -93,7 +149,8 @@ pub fn summary(dir: &Path) -> String {
 /// One invocation that extends the run of another plan in `dir`, and what it noted.
 pub fn extend(plan: &Plan, dir: &Path, log: &Rc<RefCell<Log>>) -> Result<Outcome, RunError> {
     let stop = AtomicBool::new(false);
-    answered(run_extended(plan, &mut fakes(log) as &mut MakeRenderer, &options(dir, &stop), &mut Silent))
+    let options = RunOptions { extend: true, ..options(dir, &stop) };
+    answered(run(plan, &mut fakes(log) as &mut MakeRenderer, &options, &mut Silent))
 }
 
 /// A finished run in `dir`.

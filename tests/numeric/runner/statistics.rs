@@ -1,6 +1,5 @@
-//! Order statistics and dates against values worked out by hand.
+//! Order statistics against values worked out by hand.
 
-use splitsum::runner::date_utc;
 use splitsum::runner::statistics::{INTERVAL_SAMPLES_MIN, Random, drift, median_interval, median_order};
 use splitsum::runner::timing::summarize;
 use splitsum::runner::timing_ratios::{Verdict, verdict};
@@ -13,17 +12,6 @@ fn order_statistics_of_five_and_of_no_samples() {
     assert!((s.p05 - 1.2).abs() < 1e-12 && (s.p95 - 83.4).abs() < 1e-12, "{s:?}");
     assert_eq!(summarize(&[7.0]).p95, 7.0);
     assert!(summarize(&[]).median.is_nan());
-}
-
-#[test]
-fn dates_around_leap_days_and_centuries() {
-    // From `date -u -d @SECONDS`.
-    assert_eq!(date_utc(0), "1970-01-01T00:00:00Z");
-    assert_eq!(date_utc(951_782_400), "2000-02-29T00:00:00Z");
-    assert_eq!(date_utc(1_709_251_199), "2024-02-29T23:59:59Z");
-    assert_eq!(date_utc(1_709_251_200), "2024-03-01T00:00:00Z");
-    assert_eq!(date_utc(1_798_761_599), "2026-12-31T23:59:59Z");
-    assert_eq!(date_utc(4_107_542_400), "2100-03-01T00:00:00Z");
 }
 
 /// A number of the exponential distribution, whose median is ln 2: skewed, as times are.

@@ -2,7 +2,6 @@
 
 use super::run::EXPERIMENT;
 use super::runs::{invoke, log, plan, read, snapshot};
-use splitsum::runner::timing_ratios::{Payback, Verdict, verdict};
 use splitsum::table::csv::Table;
 use std::collections::BTreeMap;
 
@@ -95,21 +94,4 @@ fn compared_configurations_are_timed_in_the_same_rounds_in_changing_order() {
             assert!((0..4).all(|place| of_one.contains(&place)), "in every place at some time: {of_one:?}");
         }
     }
-}
-
-#[test]
-fn tables_are_paid_only_where_the_ratio_is_decided() {
-    // A frame of 2 ms, tables of 30 ms.
-    let of = |ratio, interval, rounds| Payback::new(ratio, interval, rounds, 2.0, 30.0);
-    assert_eq!(of(2.0, [1.75, 2.5], 15), Payback::Frames { count: 15.0, interval: [10.0, 20.0] });
-    assert_eq!(of(2.0, [1.75, 2.5], 15).to_string(), "15 (10 to 20)");
-    assert_eq!(of(0.5, [0.4, 0.6], 15), Payback::Never);
-    for (ratio, interval, rounds, said) in [
-        (1.2, [0.9, 1.5], 15, Verdict::Ambiguous),
-        (2.0, [1.75, 2.5], 5, Verdict::Ambiguous),
-        (1.005, [1.0, 1.01], 15, Verdict::Same),
-    ] {
-        assert_eq!((verdict(interval, rounds), of(ratio, interval, rounds).frames()), (said, None));
-    }
-    assert_eq!(Payback::new(2.0, [1.75, 2.5], 15, 2.0, f64::NAN), Payback::NotTimed);
 }

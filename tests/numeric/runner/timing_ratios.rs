@@ -1,15 +1,12 @@
 //! Two methods timed together, and when tables have paid for themselves, of times that are known.
 
-use super::runs::{fakes, invoke, log, options, plan};
 use splitsum::runner::store::Store;
 use splitsum::runner::tables::timing_ratios;
 use splitsum::runner::timing::TimingRecord;
 use splitsum::runner::timing_ratios::{Payback, Verdict, ratios, verdict};
-use splitsum::runner::{MakeRenderer, Progress, run};
 use splitsum::study::finished::Finished;
 use splitsum::table::csv::Table;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 const AXES: [&str; 7] = ["brdf", "method", "diffuse", "samples", "masking", "storage_format", "prefilter_sample_count"];
 
@@ -126,36 +123,6 @@ fn the_published_ratios_are_those_of_their_records() {
         rows.sort();
         assert_eq!((made.columns, made.rows), (published.columns, rows), "{name}");
     }
-}
-
-/// Counts steps beside those announced.
-#[derive(Default)]
-struct Counter {
-    total: usize,
-    done: usize,
-}
-
-impl Progress for Counter {
-    fn start(&mut self, total: usize, done: usize) {
-        (self.total, self.done) = (total, done);
-    }
-    fn step(&mut self, _: &str, _: Option<&str>) {
-        self.done += 1;
-    }
-    fn note(&mut self, _: &str) {}
-}
-
-#[test]
-fn progress_ends_at_its_end_when_a_block_is_timed_anew() {
-    let (dir, log) = (tempfile::tempdir().unwrap(), log());
-    let plan = plan(&format!("{}[timing]\nwarmup = 1\nrounds = 3\n", super::run::EXPERIMENT));
-    invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
-    let frames = splitsum::runner::timing::jobs(&plan);
-    let one = frames.iter().find(|job| job.phase == "frame").unwrap();
-    std::fs::remove_file(dir.path().join(format!("timings/{}.json", one.id))).unwrap();
-    let (stop, mut counter) = (AtomicBool::new(false), Counter::default());
-    run(&plan, &mut fakes(&log) as &mut MakeRenderer, &options(dir.path(), &stop), &mut counter).unwrap();
-    assert_eq!(counter.done, counter.total);
 }
 
 #[test]

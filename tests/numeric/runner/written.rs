@@ -1,9 +1,7 @@
 //! What a person wrote is answered at the place where it stands: brackets where they open, files as files.
 
 use super::config::{assert_faults, faults};
-use splitsum::runner::Plan;
 use splitsum::runner::inputs::short_names;
-use std::path::Path;
 
 #[test]
 fn a_bracket_that_is_not_closed_is_told_where_it_opens() {
@@ -13,7 +11,6 @@ fn a_bracket_that_is_not_closed_is_told_where_it_opens() {
         ("name = \"x\"\n[axes]\nsize = [[1, 2], [3, 4]\nalpha = [1]\n", "3:8", "[ is not closed; expected ]"),
         ("name = \"x\"\n[axes]\nsamples = { pow2 = [0, 3 }\nalpha = [1]\n", "3:20", "[ is not closed; expected ]"),
         ("name = \"x\"\n[axes\nalpha = [0.5]\n", "2:1", "[ is not closed; expected ]"),
-        ("name = \"x\"\nquestion = \"\"\"?\n[axes]\nalpha = [0.5]\n", "2:12", "\"\"\" is not closed; expected \"\"\""),
     ] {
         assert_faults(&faults(text, &[]), &[&format!("e.toml:{place}: not TOML: {closing}")]);
     }
@@ -53,11 +50,4 @@ fn names_of_environments_are_short_and_none_is_like_another() {
     assert_eq!(names(&["one/a.hdr", "two/a.hdr", "b.hdr"]), ["one/a.hdr", "two/a.hdr", "b"]);
     assert_eq!(names(&["a.hdr", "a.exr", "a.exr#sun"]), ["a.hdr", "a.exr", "a#sun"]);
     assert_eq!(names(&["x/y/a.hdr", "z/y/a.hdr"]), ["x/y/a.hdr", "z/y/a.hdr"]);
-}
-
-#[test]
-fn no_column_has_a_hyphen() {
-    let plan = Plan::from_text(Path::new("e.toml"), "name = \"x\"\n[axes]\nalpha = [0.5]\n", &[]).unwrap();
-    let (columns, _) = splitsum::runner::tables::errors(&plan, &Default::default());
-    assert!(columns.iter().all(|name| !name.contains('-')), "{columns:?}");
 }

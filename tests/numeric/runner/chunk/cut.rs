@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 fn every_cell_and_timing_is_in_one_chunk_whatever_the_length() {
     let bench = Bench::new(1.0);
     let plan = &bench.plan;
-    let costs = prices(plan, 25e6, 0.0);
+    let costs = prices(25e6, 0.0);
     let jobs = timing::jobs(plan);
     let block_of: BTreeMap<&str, &str> = jobs.iter().map(|job| (job.id.as_str(), job.block.as_str())).collect();
     let single = split(plan, 1e9, &costs);
@@ -57,7 +57,7 @@ fn every_cell_and_timing_is_in_one_chunk_whatever_the_length() {
 #[test]
 fn cells_of_one_reference_and_environment_share_a_chunk() {
     let bench = Bench::new(1.0);
-    let costs = prices(&bench.plan, 1e12, 0.0);
+    let costs = prices(1e12, 0.0);
     let group_of: BTreeMap<&str, &str> =
         bench.plan.cells.iter().map(|cell| (cell.id.as_str(), cell.reference.as_str())).collect();
     let brdf_of: BTreeMap<&str, String> = bench
@@ -91,7 +91,7 @@ fn cells_of_one_reference_and_environment_share_a_chunk() {
     assert_eq!(halves.len(), 2 * CELLS / GROUP_CELLS);
     assert!(halves.iter().all(|cells| cells.len() == GROUP_CELLS / 2));
     // With a reference that outweighs the images it is never rendered twice.
-    let slow = prices(&bench.plan, 1e2, 0.0);
+    let slow = prices(1e2, 0.0);
     assert_eq!(
         split(&bench.plan, 1e-3, &slow).iter().filter(|chunk| !chunk.cells.is_empty()).count(),
         CELLS / GROUP_CELLS
@@ -107,11 +107,11 @@ fn a_chunk_is_as_long_as_the_estimate_says() {
     let work = items(plan, &cells, &timing::jobs(plan), &BTreeSet::new());
     let sources = [(Source::Constants, constants())];
     let estimated = estimate(plan, &cells, &work, &sources, Host::STATED).seconds;
-    let seconds = |rate: f64| split(plan, 1e9, &Prices::stated(plan, rate))[0].seconds;
+    let seconds = |rate: f64| split(plan, 1e9, &Prices::stated(rate))[0].seconds;
     let stated = seconds(SAMPLES_PER_SECOND);
     // Chunks are told to the millisecond.
     assert!((stated - estimated).abs() <= 5.1e-4, "{stated} s and {estimated} s");
     assert!(seconds(0.1 * SAMPLES_PER_SECOND) > 2.0 * stated && seconds(1e12) < stated);
-    let prices = Prices::stated(plan, SAMPLES_PER_SECOND);
+    let prices = Prices::stated(SAMPLES_PER_SECOND);
     assert!(prices.basis.starts_with("stated, for 6e7 samples a second"), "{}", prices.basis);
 }

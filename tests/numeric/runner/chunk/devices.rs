@@ -37,10 +37,7 @@ fn records_of_one_device_must_agree() {
     let own = splitsum::files::content_hash(&attempts[1].join("images").join(&image)).unwrap();
     hash(&"0".repeat(64));
     let text = bench.merge().unwrap_err().to_string();
-    assert!(
-        text.contains(&format!("{id} ")) && text.contains(&format!("differ in the bytes of images/{image}")),
-        "{text}"
-    );
+    assert!(text.contains(&format!("{id} ")) && text.contains(&format!("differ in files.{image}")), "{text}");
     hash(&own);
     rewrite(&path, |record| record["scores"]["mae"] = "1.25e-1".into());
     let before = read(bench.path("merged/errors.csv"));
@@ -48,7 +45,10 @@ fn records_of_one_device_must_agree() {
     assert!(!error.is_misuse());
     let text = error.to_string();
     assert!(text.contains(&format!("{id} ")) && text.contains(&path.display().to_string()), "{text}");
-    assert!(text.contains("merged/cells") && text.contains("differ in mae (") && text.contains("1.25e-1"), "{text}");
+    assert!(
+        text.contains("merged/cells") && text.contains("differ in scores.mae (") && text.contains("1.25e-1"),
+        "{text}"
+    );
     assert!(!text.contains("rmse") && !text.contains("wall_ms"), "{text}");
     assert!(read(bench.path("merged/errors.csv")) == before);
     // On another device the same difference is none.

@@ -3,7 +3,7 @@
 use super::{Bench, EXPERIMENT, load, log, write_environment};
 use crate::runner::runs::read;
 use splitsum::runner::Plan;
-use splitsum::runner::chunk::{ChunkError, MergeOptions, PlanFile, Prices, merge};
+use splitsum::runner::chunk::{ChunkError, PlanFile, Prices};
 use std::path::Path;
 
 #[test]
@@ -26,7 +26,7 @@ fn a_plan_file_has_the_same_bytes_each_time_and_refuses_what_changed() {
         std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
         refused(part);
     };
-    edited("\"format_version\": 2", "\"format_version\": 9, \"colour\": 1", "format version 9, this program reads 2");
+    edited("\"format_version\": 3", "\"format_version\": 9, \"colour\": 1", "format version 9, this program reads 3");
     edited("splitsum-plan", "shopping-list", "is not a plan file");
     edited("{", "", "expected a file that `splitsum plan --chunk-seconds` wrote");
     edited(
@@ -62,7 +62,7 @@ fn a_plan_file_knows_its_files_from_its_own_folder() {
         let (toml, set) = (dir.join("sweeps/tiny.toml"), ["environment=sky.exr".to_owned()]);
         let text = String::from_utf8(read(&toml)).unwrap();
         let plan = Plan::from_text_set_in(&toml, &text, &set, &dir.join("maps")).unwrap();
-        let file = PlanFile::new(&plan, &dir.join("plans"), 9.0, Prices::stated(&plan, 1e6));
+        let file = PlanFile::new(&plan, &dir.join("plans"), 9.0, Prices::stated(1e6));
         file.write(&dir.join("plans/plan.json")).unwrap();
         file.text()
     };
@@ -93,15 +93,9 @@ fn a_store_belongs_to_one_plan_file() {
     assert!(error.is_misuse() && error.to_string().contains("holds another plan"), "{error}");
     bench.file.write(&path).unwrap();
     assert!(read(&path) == before);
-    let options = |store: &str| MergeOptions {
-        store: bench.path(store),
-        out: bench.path("merged"),
-        command_line: Vec::new(),
-        trace: false,
-    };
-    let error = merge(&other, &bench.plan, &options("store")).unwrap_err();
+    let error = bench.merge_of(&other, "store").unwrap_err();
     assert!(matches!(error, ChunkError::OtherPlan { .. }) && error.is_misuse(), "{error}");
-    let error = merge(&bench.file, &bench.plan, &options("nowhere")).unwrap_err();
+    let error = bench.merge_of(&bench.file, "nowhere").unwrap_err();
     assert!(matches!(error, ChunkError::NoStore { .. }) && !bench.path("merged").exists(), "{error}");
     let error = bench.chunk(99, &log("fake")).unwrap_err();
     let last = bench.file.chunks.len() - 1;
