@@ -68,15 +68,15 @@ impl Pipeline {
         for diffuse in ["sh9", "irradiance-map"] {
             view.0.diffuse = diffuse_by_name(diffuse).expect("a listed diffuse method");
             let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view.0)?;
-            let tables = prepared.tables();
+            let tables = &prepared.tables;
             if diffuse == "sh9" {
-                let texels: Vec<[f32; 4]> = self.gpu.read_buffer(tables.sh9)?;
+                let texels: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
                 let path = out.join("sh9.json");
                 write_json(&path, &sh9_file(environment, &texels))?;
                 files.push(path);
             } else {
                 let path = out.join("irradiance_over_pi.exr");
-                write_image(&self.gpu, tables.irradiance_map, 0, &path)?;
+                write_image(&self.gpu, &tables.irradiance_map, 0, &path)?;
                 files.push(path);
             }
         }
@@ -85,14 +85,14 @@ impl Pipeline {
         for brdf in &request.brdfs {
             view.0.brdf = *brdf;
             let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view.0)?;
-            let tables = prepared.tables();
+            let tables = &prepared.tables;
             for mip in 0..tables.prefiltered.mip_count() {
                 let path = out.join(level_name(*brdf, mip));
-                write_image(&self.gpu, tables.prefiltered, mip, &path)?;
+                write_image(&self.gpu, &tables.prefiltered, mip, &path)?;
                 files.push(path);
             }
             let path = out.join(format!("dfg_{}.exr", brdf.name()));
-            write_dfg(&self.gpu, tables.dfg, &path)?;
+            write_dfg(&self.gpu, &tables.dfg, &path)?;
             files.push(path);
         }
         let names = files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()));

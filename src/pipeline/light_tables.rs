@@ -35,7 +35,7 @@ impl Pipeline {
             ..request.clone()
         };
         let prepared = self.prepare(&request)?;
-        let tables = prepared.tables();
+        let tables = &prepared.tables;
         let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
         let level = |image: &Image, mip: u32| -> Result<RgbImage, PipelineError> {
             let [width, height] = image.mip_size(mip);
@@ -45,14 +45,14 @@ impl Pipeline {
         let first_level =
             (0..levels).find(|&mip| tables.environment.mip_size(mip)[0] <= width_max).unwrap_or(levels - 1);
         let [width, height] = tables.dfg.mip_size(0);
-        let dfg = Pixels::new(width, height, self.gpu.read_image(tables.dfg, 0)?);
-        let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(tables.sh9)?;
+        let dfg = Pixels::new(width, height, self.gpu.read_image(&tables.dfg, 0)?);
+        let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
         Ok(LightTables {
-            environment: (first_level..levels).map(|mip| level(tables.environment, mip)).collect::<Result<_, _>>()?,
+            environment: (first_level..levels).map(|mip| level(&tables.environment, mip)).collect::<Result<_, _>>()?,
             first_level,
             sh9: sh9.into_iter().map(rgb).collect(),
             prefiltered: (0..tables.prefiltered.mip_count())
-                .map(|mip| level(tables.prefiltered, mip))
+                .map(|mip| level(&tables.prefiltered, mip))
                 .collect::<Result<_, _>>()?,
             dfg: dfg.map(|[a, b, ..]: [f32; 4]| [a, b]),
         })

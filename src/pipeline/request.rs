@@ -50,7 +50,7 @@ impl RenderRequest {
     /// The terms that are taken from the reference, specular first.
     pub(super) fn reference_lobes(&self) -> Vec<Lobe> {
         let specular = Lobe::Specular(self.brdf, self.masking_shadowing);
-        let terms = [(self.method.name == "reference", specular), (self.diffuse.name == "reference", Lobe::Diffuse)];
+        let terms = [(self.method.is_reference(), specular), (self.diffuse.is_reference(), Lobe::Diffuse)];
         terms.into_iter().filter_map(|(wanted, lobe)| wanted.then_some(lobe)).collect()
     }
 
@@ -58,12 +58,10 @@ impl RenderRequest {
     pub(super) fn reference_stop(&self) -> Stop {
         Stop { sample_count: self.reference_samples, relative_error: self.reference_error }
     }
-}
 
-impl RenderRequest {
     /// Whether a term comes from the reference: then the frame has a standard error.
     pub fn has_reference_term(&self) -> bool {
-        self.method.name == "reference" || self.diffuse.name == "reference"
+        self.method.is_reference() || self.diffuse.is_reference()
     }
 }
 

@@ -5,7 +5,7 @@ use splitsum::brdf::{Ggx, MaskingShadowing};
 use splitsum::environment::Environment;
 use splitsum::glsl::constants::GROUP_LINEAR;
 use splitsum::glsl::layout::{ProbeParams, SharedStruct};
-use splitsum::gpu::{Bind, Buffer, Gpu, GpuError, Image, Options, Slot};
+use splitsum::gpu::{Bind, Buffer, Gpu, GpuError, Image, Options};
 use splitsum::pipeline::{Pipeline, PipelineError, RenderRequest};
 use splitsum::pixels::{Pixels, RgbImage, exr};
 use splitsum::precompute::PrecomputeSettings;
@@ -98,12 +98,11 @@ pub struct Probe<'a> {
     pub outputs: usize,
     /// Bindings after inputs and outputs.
     pub rest: &'a [Bind<'a>],
-    pub rest_slots: &'a [Slot],
 }
 
 impl Default for Probe<'_> {
     fn default() -> Self {
-        Self { shader: "", constants: &[], inputs: 1, outputs: 1, rest: &[], rest_slots: &[] }
+        Self { shader: "", constants: &[], inputs: 1, outputs: 1, rest: &[] }
     }
 }
 
@@ -112,15 +111,14 @@ impl Probe<'_> {
     pub fn run(&self, gpu: &Gpu, inputs: &[[f32; 4]]) -> Vec<Vec<[f64; 4]>> {
         assert_eq!(inputs.len() % self.inputs, 0, "{}: inputs an item", self.shader);
         let count = inputs.len() / self.inputs;
-        let slots = [&[Slot::Buffer; 2], self.rest_slots].concat();
-        let pipeline = gpu.compute_pipeline(self.shader, &slots, ProbeParams::SIZE, self.constants).unwrap();
         let input = gpu.buffer_from("probe inputs", inputs).unwrap();
         let output = gpu.buffer("probe outputs", (16 * count * self.outputs) as u64).unwrap();
         let push = ProbeParams { count: count as u32, ..Default::default() }.to_bytes();
         let binds = [&[Bind::Read(&input), Bind::Write(&output)], self.rest].concat();
         let mut recorder = gpu.record(self.shader).unwrap();
         recorder.fill(&output, POISON);
-        recorder.dispatch(&pipeline, &binds, &push, [(count as u32).div_ceil(GROUP_LINEAR), 1, 1]).unwrap();
+        let groups = [(count as u32).div_ceil(GROUP_LINEAR), 1, 1];
+        recorder.dispatch(self.shader, self.constants, &binds, &push, groups).unwrap();
         recorder.submit().unwrap();
         let texels: Vec<[f32; 4]> = gpu.read_buffer(&output).unwrap();
         let wide = |texel: &[f32; 4]| texel.map(f64::from);
