@@ -27,6 +27,11 @@ pub struct Parameter {
     pub max: f64,
 }
 
+/// A parameter in one line.
+const fn parameter(name: &'static str, about: &'static str, default: f64, [min, max]: [f64; 2]) -> Parameter {
+    Parameter { name, about, default, min, max }
+}
+
 /// An environment made by a formula.
 #[derive(Debug)]
 pub struct Builtin {
