@@ -2,7 +2,7 @@
 
 use super::Environment;
 use super::builtin::{self, BUILTIN_PREFIX};
-use super::error::{EnvironmentError, MAX_RADIANCE};
+use super::error::{EnvironmentError, MAX_RADIANCE, unusable};
 use crate::color::luminance;
 use crate::pixels::{Decoded, PixelsError, RgbImage, exr, radiance, read_bounded};
 use std::path::{Path, PathBuf};
@@ -67,8 +67,9 @@ pub(super) fn load(spec: &str, base_dir: &Path, options: &LoadOptions) -> Result
             Some(name) => format!("; did you mean {BUILTIN_PREFIX}{name}?"),
             None => format!("; expected a file, FILE.exr#LAYER or {BUILTIN_PREFIX}NAME"),
         };
-        let path = (path.as_os_str() != spec && !spec.is_empty()).then_some(path);
-        return Err(EnvironmentError::Missing { spec: spec.to_owned(), path, hint });
+        let is_elsewhere = path.as_os_str() != spec && !spec.is_empty();
+        let place = if is_elsewhere { format!(" {}", path.display()) } else { String::new() };
+        return Err(unusable(spec, format!("no such file{place}{hint}")));
     }
     let format = format_of(spec, &path)?;
     let decoded = (format.read)(&path, &read_bounded(&path)?, layer)?;
@@ -99,7 +100,7 @@ fn format_of(spec: &str, path: &Path) -> Result<&'static Format, EnvironmentErro
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
         let expected = FORMATS.iter().map(|format| format!(".{}", format.extension)).collect::<Vec<_>>().join(", ");
-        EnvironmentError::UnknownFormat { spec: spec.to_owned(), extension, expected }
+        unusable(spec, format!("the extension is {extension:?}; expected one of {expected}"))
     })
 }
 
@@ -119,8 +120,12 @@ fn checked(spec: &str, decoded: Decoded, options: &LoadOptions) -> Result<Enviro
         .enumerate()
         .fold((0, 0.0), |most, (i, &value)| if value > most.1 { (i / 3, value) } else { most });
     if peak > MAX_RADIANCE {
-        let width = image.width as usize;
-        return Err(EnvironmentError::TooBright { spec: spec.to_owned(), peak, x: index % width, y: index / width });
+        let (x, y) = (index % image.width as usize, index / image.width as usize);
+        let what = format!(
+            "the largest value is {peak:e}, at column {x}, row {y}; expected at most {MAX_RADIANCE:e}, above which sums of squares \
+             overflow (scale the file)"
+        );
+        return Err(unusable(spec, what));
     }
     warnings.extend(oddities(&image));
     Ok(Environment { warnings, ..Environment::from_image(spec, image) })

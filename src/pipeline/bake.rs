@@ -4,10 +4,9 @@ use super::{Pipeline, PipelineError, RenderRequest};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::gpu::{Gpu, Image};
-use crate::math::sequence::SEQUENCES;
 use crate::pixels::{GrayImage, Pixels, RgbImage, exr, write_atomically};
 use crate::precompute::{PrecomputeSettings, prefilter};
-use crate::scene::{Camera, CameraKind, SCENES};
+use crate::scene::{CameraKind, Scene};
 use crate::shade::{diffuse_by_name, method_by_name};
 use serde::Serialize;
 use std::io::Write;
@@ -63,11 +62,17 @@ impl Pipeline {
         let settings = &request.precompute;
         remove_stale(request, out)?;
         let mut files = Vec::new();
-        let mut view = RequestView::new(request);
+        // The smallest request that makes the tables: nothing of it is ever shaded.
+        let mut view = RenderRequest {
+            method: method_by_name("none").expect("a listed method"),
+            masking_shadowing: request.masking_shadowing,
+            precompute: *settings,
+            ..RenderRequest::plain(environment.clone(), Scene::sphere(), CameraKind::Ortho, [8, 8])
+        };
 
         for diffuse in ["sh9", "irradiance-map"] {
-            view.0.diffuse = diffuse_by_name(diffuse).expect("a listed diffuse method");
-            let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view.0)?;
+            view.diffuse = diffuse_by_name(diffuse).expect("a listed diffuse method");
+            let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view)?;
             let tables = &prepared.tables;
             if diffuse == "sh9" {
                 let texels: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
@@ -80,11 +85,11 @@ impl Pipeline {
                 files.push(path);
             }
         }
-        view.0.diffuse = diffuse_by_name("none").expect("a listed diffuse method");
-        view.0.method = method_by_name("split-sum").expect("a listed method");
+        view.diffuse = diffuse_by_name("none").expect("a listed diffuse method");
+        view.method = method_by_name("split-sum").expect("a listed method");
         for brdf in &request.brdfs {
-            view.0.brdf = *brdf;
-            let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view.0)?;
+            view.brdf = *brdf;
+            let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view)?;
             let tables = &prepared.tables;
             for mip in 0..tables.prefiltered.mip_count() {
                 let path = out.join(level_name(*brdf, mip));
@@ -141,38 +146,6 @@ fn remove_stale(request: &BakeRequest, out: &Path) -> Result<(), PipelineError> 
 
 fn level_name(brdf: &dyn Brdf, mip: u32) -> String {
     format!("prefiltered_{}_{mip}.exr", brdf.name())
-}
-
-/// The smallest request that makes the tables: nothing of it is ever shaded.
-struct RequestView(RenderRequest);
-
-impl RequestView {
-    fn new(request: &BakeRequest) -> Self {
-        let scene = (SCENES[0].build)();
-        let size = [8, 8];
-        Self(RenderRequest {
-            environment: request.environment.clone(),
-            environment_rotation_deg: 0.0,
-            environment_scale: 1.0,
-            camera: Camera::for_scene(CameraKind::Ortho, &scene, size),
-            scene: Arc::new(scene),
-            size,
-            method: method_by_name("none").expect("a listed method"),
-            diffuse: diffuse_by_name("none").expect("a listed diffuse method"),
-            brdf: &crate::brdf::Ggx,
-            masking_shadowing: request.masking_shadowing,
-            samples: 1,
-            sequence: &SEQUENCES[0],
-            point_set: 0,
-            reference_error: None,
-            reference_samples: 1,
-            lod_bias: 0.0,
-            lights: Vec::new(),
-            background: false,
-            precompute: request.precompute,
-            seed: 0,
-        })
-    }
 }
 
 fn sh9_file<'a>(environment: &'a Environment, texels: &[[f32; 4]]) -> Sh9File<'a> {

@@ -1,14 +1,14 @@
 //! What is asked of the pipeline and what it answers.
 
-use crate::brdf::{Brdf, MaskingShadowing};
+use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::environment::Environment;
 use crate::gpu::PassTime;
-use crate::math::sequence::Sequence;
+use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pixels::{GrayImage, RgbImage};
 use crate::precompute::PrecomputeSettings;
-use crate::scene::{Camera, Light, Scene};
+use crate::scene::{Camera, CameraKind, Light, Scene};
 use crate::shade::reference_pass::{Convergence, Lobe, Stop};
-use crate::shade::{Diffuse, Method};
+use crate::shade::{Diffuse, Method, NONE, diffuse_by_name, method_by_name};
 use std::sync::Arc;
 
 /// Everything that determines one radiance image.
@@ -47,6 +47,32 @@ pub struct RenderRequest {
 }
 
 impl RenderRequest {
+    /// A view of `scene` under `environment` as they are: GGX, split sum, no diffuse term, default tables.
+    pub fn plain(environment: Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> Self {
+        Self {
+            environment,
+            environment_rotation_deg: 0.0,
+            environment_scale: 1.0,
+            camera: Camera::for_scene(kind, &scene, size),
+            scene: Arc::new(scene),
+            size,
+            method: method_by_name("split-sum").expect("a listed method"),
+            diffuse: diffuse_by_name(NONE).expect("a listed diffuse method"),
+            brdf: &Ggx,
+            masking_shadowing: MaskingShadowing::default(),
+            samples: 64,
+            sequence: &SEQUENCES[0],
+            point_set: 0,
+            reference_samples: 1024,
+            reference_error: None,
+            lod_bias: 0.0,
+            lights: Vec::new(),
+            background: false,
+            precompute: PrecomputeSettings::default(),
+            seed: 1,
+        }
+    }
+
     /// The terms that are taken from the reference, specular first.
     pub(super) fn reference_lobes(&self) -> Vec<Lobe> {
         let specular = Lobe::Specular(self.brdf, self.masking_shadowing);

@@ -1,16 +1,13 @@
 //! Devices for tests, probes, and the requests and images that several tests share.
 
 use glam::DVec3;
-use splitsum::brdf::{Ggx, MaskingShadowing};
 use splitsum::environment::Environment;
 use splitsum::glsl::constants::GROUP_LINEAR;
 use splitsum::glsl::layout::{ProbeParams, SharedStruct};
 use splitsum::gpu::{Bind, Buffer, Gpu, GpuError, Image, Options};
 use splitsum::pipeline::{Pipeline, PipelineError, RenderRequest};
 use splitsum::pixels::{Pixels, RgbImage, exr};
-use splitsum::precompute::PrecomputeSettings;
-use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::scene::{CameraKind, MaterialOverride, Scene};
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -185,28 +182,7 @@ pub fn lobe_sphere(alpha: f64) -> Scene {
 
 /// A request for `scene` under `environment`: GGX, split sum, no diffuse term.
 pub fn request(environment: &Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> RenderRequest {
-    RenderRequest {
-        environment: environment.clone(),
-        environment_rotation_deg: 0.0,
-        environment_scale: 1.0,
-        camera: Camera::for_scene(kind, &scene, size),
-        scene: Arc::new(scene),
-        size,
-        method: method_by_name("split-sum").unwrap(),
-        diffuse: diffuse_by_name("none").unwrap(),
-        brdf: &Ggx,
-        masking_shadowing: MaskingShadowing::Separable,
-        samples: 64,
-        sequence: &splitsum::math::sequence::SEQUENCES[0],
-        point_set: 0,
-        reference_error: None,
-        reference_samples: 1024,
-        lod_bias: 0.0,
-        lights: Vec::new(),
-        background: false,
-        precompute: PrecomputeSettings::default(),
-        seed: 1,
-    }
+    RenderRequest::plain(environment.clone(), scene, kind, size)
 }
 
 /// Level `mip` of a device image, in f64.
