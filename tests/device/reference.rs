@@ -8,16 +8,8 @@ use splitsum::environment::distribution::{EnvironmentDistribution, weighted_texe
 use splitsum::gpu::{Bind, Format, Sampler};
 use splitsum::math::equirect::direction_from_uv;
 use splitsum::math::sampling::hammersley;
+use splitsum::math::sequence::hash;
 use splitsum::pixels::RgbImage;
-
-/// The finaliser "lowbias32".
-fn hash(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7feb_352d);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846c_a68b);
-    x ^ (x >> 16)
-}
 
 #[test]
 fn points_are_the_published_sequence_under_its_scramble() {

@@ -10,50 +10,27 @@ use splitsum::glsl::constants::{GUIDE_ALPHA_MIN, GUIDE_FLOOR, LUMINANCE_BLUE, LU
 use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
 use splitsum::math::frame::Frame;
 use splitsum::math::quadrature::GaussLegendre;
+use splitsum::math::sequence::{hash, scramble_reversed, sobol_second_reversed};
 use splitsum::pixels::RgbImage;
 use splitsum::shade::reference_pass::ScramblePlan;
 use std::f64::consts::PI;
 
 // ---- Points: shaders/lib/sobol.glsl, line by line ----
 
-fn sobol_hash(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7feb_352d);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846c_a68b);
-    x ^ (x >> 16)
-}
-
 fn sobol_key(pixel: [u32; 2], scramble: u32, seed: u32, stream: u32) -> u32 {
-    let chain = |key: u32, value: u32| sobol_hash(value.wrapping_add(key));
-    let seeded = chain(sobol_hash(stream + 1), seed);
+    let chain = |key: u32, value: u32| hash(value.wrapping_add(key));
+    let seeded = chain(hash(stream + 1), seed);
     chain(chain(chain(seeded, scramble), pixel[1]), pixel[0])
-}
-
-fn sobol_second_reversed(mut index: u32) -> u32 {
-    index ^= index >> 16;
-    index ^= (index & 0xff00_ff00) >> 8;
-    index ^= (index & 0xf0f0_f0f0) >> 4;
-    index ^= (index & 0xcccc_cccc) >> 2;
-    index ^ ((index & 0xaaaa_aaaa) >> 1)
-}
-
-fn sobol_scramble_reversed(mut x: u32, key: u32) -> u32 {
-    x ^= x.wrapping_mul(0x3d20_adea);
-    x = x.wrapping_add(key);
-    x = x.wrapping_mul((key >> 16) | 1);
-    x ^= x.wrapping_mul(0x0552_6c56);
-    x ^ x.wrapping_mul(0x53a2_2864)
 }
 
 fn sobol_point(index: u32, key: [u32; 2]) -> [u32; 2] {
     let reversed = [index, sobol_second_reversed(index)];
-    [0, 1].map(|d| sobol_scramble_reversed(reversed[d], key[d]).reverse_bits())
+    [0, 1].map(|d| scramble_reversed(reversed[d], key[d]).reverse_bits())
 }
 
 fn sobol_next_pair_key(key: &mut u32) -> [u32; 2] {
-    let first = sobol_hash(key.wrapping_add(1));
-    *key = sobol_hash(first.wrapping_add(1));
+    let first = hash(key.wrapping_add(1));
+    *key = hash(first.wrapping_add(1));
     [first, *key]
 }
 
@@ -80,7 +57,7 @@ fn sobol_dimensions_equal_a_published_generator() {
     let mut random = Random(11);
     for _ in 0..1000 {
         let [x, key] = [0, 1].map(|_| (random.next() * 2f64.powi(32)) as u32);
-        assert_eq!(sobol_scramble_reversed(x, key), owen_scramble_rev(x, key), "scramble of {x:#x} by {key:#x}");
+        assert_eq!(scramble_reversed(x, key), owen_scramble_rev(x, key), "scramble of {x:#x} by {key:#x}");
     }
 }
 

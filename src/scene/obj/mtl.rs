@@ -103,11 +103,7 @@ impl Libraries {
                 }
                 _ => Ok(()),
             };
-            result.map_err(|message| SceneError::Line {
-                path: path.to_owned(),
-                line,
-                message: format!("{keyword}: {message}"),
-            })?;
+            result.map_err(|message| SceneError::of_line(path, line, format!("{keyword}: {message}")))?;
         }
         add_first(warnings, odd);
         if !unread.is_empty() {
