@@ -136,12 +136,7 @@ impl GbufferImages {
     pub fn read(&self, gpu: &Gpu) -> Result<Gbuffer<f32>, GpuError> {
         let [width, height] = self.size;
         let read = |image| Ok(Pixels::new(width, height, gpu.read_image(image, 0)?));
-        let [position_mask, normal_alpha, albedo_metallic, f0_material] = &self.attachments;
-        Ok(Gbuffer {
-            position_mask: read(position_mask)?,
-            normal_alpha: read(normal_alpha)?,
-            albedo_metallic: read(albedo_metallic)?,
-            f0_material: read(f0_material)?,
-        })
+        let [a, b, c, d] = &self.attachments;
+        Ok([read(a)?, read(b)?, read(c)?, read(d)?].into())
     }
 }

@@ -34,12 +34,7 @@ pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
         })
         .collect();
     let attachment = |k: usize| Pixels::new(width, height, texels.iter().map(|texel| texel[k]).collect());
-    Gbuffer {
-        position_mask: attachment(0),
-        normal_alpha: attachment(1),
-        albedo_metallic: attachment(2),
-        f0_material: attachment(3),
-    }
+    [0, 1, 2, 3].map(attachment).into()
 }
 
 fn texels(scene: &Scene, hit: &Hit) -> [[f64; 4]; 4] {

@@ -1,7 +1,7 @@
 //! Every other function of shaders/lib against its f64 twin: elementary functions, mappings, frames, harmonics, cameras, lights.
 
 use crate::compare::{Tolerance, Worst, absolute, relative};
-use crate::harness::{Probe, rounded, rounded3, vec4, with_gpu, xyz};
+use crate::harness::{Probe, incident, rounded, rounded3, vec4, with_gpu, xyz};
 use glam::{DVec2, DVec3};
 use splitsum::brdf::{alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
 use splitsum::glsl::constants::ALPHA_MIN;
@@ -254,12 +254,7 @@ fn lights_at_a_point() {
         let out = Probe { shader: "probe/light.comp", inputs: 3, outputs: 2, ..Probe::default() }.run(gpu, &inputs);
         let mut worst = Worst::new("light_at", F32);
         for (light, out) in lights.iter().zip(out) {
-            let color = DVec3::from_array(light.color.map(f64::from));
-            let to_light = light.position_or_direction - position;
-            let (l, irradiance) = match light.kind {
-                LightKind::Directional => (light.position_or_direction, color),
-                LightKind::Point => (to_light.normalize(), color / to_light.length_squared()),
-            };
+            let (l, irradiance) = incident(light, position);
             worst.add_vector(xyz(out[0]), l, || format!("{light:?}"));
             worst.add_rgb(xyz(out[1]), irradiance, || format!("{light:?}"));
         }
