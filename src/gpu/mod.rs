@@ -28,7 +28,4 @@ pub use image::{Filter, Format, Image, Sampler};
 pub use instance::{DeviceChoice, DeviceInfo, Options, chosen_device, devices};
 pub use pipeline::GraphicsDescription;
 pub use recorder::{Bind, DrawCall, PassTime, Recorder, Report, Targets};
-pub use shader::{
-    BRDF_STEMS, DIFFUSE_STEMS, HOST_FILES, HOST_HASH, METHOD_STEMS, build_hash, code_hash, has_shader, shader_code,
-    shader_names,
-};
+pub use shader::{HOST_FILES, HOST_HASH, build_hash, code_hash, has_shader, shader_code, shader_names};

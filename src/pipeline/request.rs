@@ -141,12 +141,7 @@ impl TimingSamples {
 
     /// Adds one round.
     pub(super) fn push(&mut self, round: &[PassTime], wall_ms: f64) {
-        for time in round {
-            match self.passes.iter_mut().find(|(pass, _)| *pass == time.pass) {
-                Some((_, samples)) => samples.push(time.ms),
-                None => self.passes.push((time.pass, vec![time.ms])),
-            }
-        }
-        self.wall_ms.push(wall_ms);
+        let passes = round.iter().map(|time| (time.pass, vec![time.ms])).collect();
+        self.append(Self { passes, wall_ms: vec![wall_ms] });
     }
 }
