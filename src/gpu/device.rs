@@ -2,7 +2,7 @@
 
 use super::inject::{Injector, Site};
 use super::instance::Instance;
-use super::pipeline::Pipelines;
+use super::kept_pipeline::Pipelines;
 use super::{DeviceInfo, GpuError, Options, Sampler};
 use ash::{ext, vk};
 use gpu_allocator::MemoryLocation;

@@ -14,6 +14,7 @@ mod error;
 mod image;
 mod inject;
 mod instance;
+mod kept_pipeline;
 mod pipeline;
 mod recorder;
 mod shader;

@@ -1,11 +1,11 @@
 //! Compute and graphics pipelines: made when they are first recorded, kept until the device closes.
 
 use super::device::{Shared, lock};
+use super::kept_pipeline::{Interface, Pipeline};
 use super::shader::spirv;
 use super::{Format, GpuError};
 use ash::vk;
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 /// What a draw runs: opaque triangles, counter-clockwise in front, depth test (less), no culling, viewport and scissor of the targets.
 #[derive(Clone, Copy, Debug)]
@@ -17,26 +17,6 @@ pub struct GraphicsDescription<'a> {
     /// Triangle strip instead of a list.
     pub strip: bool,
 }
-
-/// What a shader is given: the kinds of descriptor set 0, where the index is the binding's number, and bytes of push constants.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Interface {
-    pub(super) kinds: Vec<vk::DescriptorType>,
-    pub(super) push_size: usize,
-}
-
-/// A pipeline with its layout.
-pub(super) struct Pipeline {
-    pub(super) raw: vk::Pipeline,
-    pub(super) layout: vk::PipelineLayout,
-    pub(super) set_layout: vk::DescriptorSetLayout,
-    pub(super) stages: vk::ShaderStageFlags,
-    interface: Interface,
-    device: ash::Device,
-}
-
-/// The pipelines of a device by their shaders and specialization constants.
-pub(super) type Pipelines = Mutex<HashMap<(Vec<String>, Vec<u32>), Arc<Pipeline>>>;
 
 impl Pipeline {
     fn new(shared: &Shared, name: &str, interface: Interface, stages: vk::ShaderStageFlags) -> Result<Self, GpuError> {
@@ -80,17 +60,6 @@ impl Pipeline {
         self.raw = made.map_err(|(_, result)| GpuError::call(call, name)(result))?[0];
         shared.set_name(self.raw, name);
         Ok(self)
-    }
-}
-
-impl Drop for Pipeline {
-    fn drop(&mut self) {
-        // SAFETY: no pending command uses these (or they are null), because `submit` waits and the device's close is the last use.
-        unsafe { self.device.destroy_pipeline(self.raw, None) };
-        // SAFETY: likewise.
-        unsafe { self.device.destroy_pipeline_layout(self.layout, None) };
-        // SAFETY: likewise.
-        unsafe { self.device.destroy_descriptor_set_layout(self.set_layout, None) };
     }
 }
 

@@ -1,6 +1,7 @@
 //! The reference integrator: its points, its environment distribution, and the estimator that they make.
 
 use crate::brdf::{Random, chi_square_tail};
+use crate::oracle::lookup;
 use glam::{DVec2, DVec3};
 use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
 use splitsum::brdf::{Brdf, Ggx, MaskingShadowing, eval_without_fresnel, reflect};
@@ -151,20 +152,6 @@ fn one_hot(width: u32, height: u32, texel: [u32; 2]) -> RgbImage {
     RgbImage::from_fn(width, height, |x, y| if [x, y] == texel { [3.0, 2.0, 1.0] } else { [0.0; 3] })
 }
 
-/// Bilinear radiance, straight from the definition of the lookup.
-fn radiance(image: &RgbImage, d: DVec3) -> DVec3 {
-    let uv = uv_from_direction(d);
-    let (x, y) = (uv.x * f64::from(image.width) - 0.5, uv.y * f64::from(image.height) - 0.5);
-    let (fx, fy) = (x - x.floor(), y - y.floor());
-    let texel = |dx: f64, dy: f64| {
-        let column = (x.floor() + dx).rem_euclid(f64::from(image.width)) as u32;
-        let row = (y.floor() + dy).clamp(0.0, f64::from(image.height - 1)) as u32;
-        DVec3::from_array(image.get(column, row).map(f64::from))
-    };
-    (texel(0.0, 0.0) * (1.0 - fx) + texel(1.0, 0.0) * fx) * (1.0 - fy)
-        + (texel(0.0, 1.0) * (1.0 - fx) + texel(1.0, 1.0) * fx) * fy
-}
-
 /// `∫ f dω` over the rectangles of half a texel, inside which bilinear radiance is smooth, poles and seam included.
 fn integrate_cells(width: u32, height: u32, f: impl Fn(DVec3) -> f64) -> f64 {
     let rule = GaussLegendre::<8>::new();
@@ -217,14 +204,14 @@ fn the_density_is_the_weight_over_a_band_constant() {
     let image = lively(64, 32);
     for compensation in [0.0, COMPENSATION] {
         let distribution = EnvironmentDistribution::with_compensation(&image, compensation);
-        let mean = integrate_cells(64, 32, |d| luminance(radiance(&image, d).as_vec3().to_array())) / (4.0 * PI);
+        let mean = integrate_cells(64, 32, |d| luminance(lookup(&image, d).as_vec3().to_array())) / (4.0 * PI);
         // The weights of the texels as an image: their bilinear interpolation is the ideal density.
         let weights = image.map(|texel| [(luminance(texel) - compensation * mean).max(0.0) as f32; 3]);
-        let total = integrate_cells(64, 32, |d| radiance(&weights, d).x);
+        let total = integrate_cells(64, 32, |d| lookup(&weights, d).x);
         let mut random = Random(3);
         for _ in 0..2000 {
             let d = direction_from_uv(DVec2::new(random.next(), 0.1 + 0.8 * random.next()));
-            let ideal = radiance(&weights, d).x / total;
+            let ideal = lookup(&weights, d).x / total;
             // The mean sine of a band against the sine: half a band times the cotangent, at v = 0.1. Then the mean of the texels
             // against that of the interpolation, in the threshold.
             let tolerance = (0.5 / 32.0 * PI * 3.1 + 0.01) * ideal + 0.01 / (4.0 * PI);
@@ -364,7 +351,7 @@ fn scramble_estimate(
         let value = eval_without_fresnel(&Ggx, v_local, l_local, alpha, MaskingShadowing::Separable) * l_local.z;
         let pdf_lobe = Ggx.pdf_visible_l(v_local, (v_local + l_local).normalize(), alpha);
         let density = pdf_lobe + pdf_environment;
-        if density > 0.0 { value * radiance(image, l).x / density } else { 0.0 }
+        if density > 0.0 { value * lookup(image, l).x / density } else { 0.0 }
     };
     let sum: f64 = (0..pair_count)
         .map(|i| {
@@ -395,7 +382,7 @@ fn the_estimator_is_unbiased_and_knows_its_error() {
             let exact = integrate_cells(16, 8, |l| {
                 let l_local = frame.to_local(l);
                 let f = eval_without_fresnel(&Ggx, v_local, l_local, alpha, MaskingShadowing::Separable);
-                f * l_local.z.max(0.0) * radiance(&image, l).x
+                f * l_local.z.max(0.0) * lookup(&image, l).x
             });
             let (mut mean, mut squared) = (0.0, 0.0);
             for k in 0..SCRAMBLES {

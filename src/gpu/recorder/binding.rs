@@ -2,7 +2,7 @@
 
 use super::Recorder;
 use crate::gpu::device::lock;
-use crate::gpu::pipeline::{Interface, Pipeline};
+use crate::gpu::kept_pipeline::{Interface, Pipeline};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, GpuError, Image, Sampler};
 use ash::vk::{self, DescriptorType as Kind};
