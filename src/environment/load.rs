@@ -55,25 +55,34 @@ impl Default for LoadOptions {
 /// Relative departure from 2:1 that rounding of a size can explain.
 const ASPECT_TOLERANCE: f64 = 0.01;
 
-pub(super) fn load(spec: &str, base_dir: &Path, options: &LoadOptions) -> Result<Environment, EnvironmentError> {
-    if let Some(formula) = spec.strip_prefix(BUILTIN_PREFIX) {
-        return Ok(Environment::from_image(spec, builtin::make(spec, formula, options.builtin_size)?));
+impl Environment {
+    /// Loads `builtin:NAME`, `builtin:NAME:PARAMETER=VALUE,...`, an image file or `FILE.exr#LAYER`; a relative path starts at `base_dir`.
+    pub fn load(spec: &str, base_dir: &Path, options: &LoadOptions) -> Result<Self, EnvironmentError> {
+        if let Some(formula) = spec.strip_prefix(BUILTIN_PREFIX) {
+            return Ok(Environment::from_image(spec, builtin::make(spec, formula, options.builtin_size)?));
+        }
+        let (path, layer) = file_and_layer(spec, base_dir);
+        if spec.is_empty() || !path.exists() {
+            // What has a folder or an extension is meant as a file: a formula is no answer to a file that is not there.
+            let is_word = !spec.contains(['/', '\\']) && Path::new(spec).extension().is_none();
+            let hint = match builtin::nearest(spec).filter(|_| is_word) {
+                Some(name) => format!("; did you mean {BUILTIN_PREFIX}{name}?"),
+                None => format!("; expected a file, FILE.exr#LAYER or {BUILTIN_PREFIX}NAME"),
+            };
+            let is_elsewhere = path.as_os_str() != spec && !spec.is_empty();
+            let place = if is_elsewhere { format!(" {}", path.display()) } else { String::new() };
+            return Err(unusable(spec, format!("no such file{place}{hint}")));
+        }
+        let format = format_of(spec, &path)?;
+        let decoded = (format.read)(&path, &read_bounded(&path)?, layer)?;
+        checked(spec, decoded, options)
     }
-    let (path, layer) = file_and_layer(spec, base_dir);
-    if spec.is_empty() || !path.exists() {
-        // What has a folder or an extension is meant as a file: a formula is no answer to a file that is not there.
-        let is_word = !spec.contains(['/', '\\']) && Path::new(spec).extension().is_none();
-        let hint = match builtin::nearest(spec).filter(|_| is_word) {
-            Some(name) => format!("; did you mean {BUILTIN_PREFIX}{name}?"),
-            None => format!("; expected a file, FILE.exr#LAYER or {BUILTIN_PREFIX}NAME"),
-        };
-        let is_elsewhere = path.as_os_str() != spec && !spec.is_empty();
-        let place = if is_elsewhere { format!(" {}", path.display()) } else { String::new() };
-        return Err(unusable(spec, format!("no such file{place}{hint}")));
+
+    /// The environment in the bytes of the image file at `path`, whose extension names the format. Nothing is read from disk.
+    pub fn from_bytes(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Self, EnvironmentError> {
+        let spec = path.to_string_lossy();
+        checked(&spec, (format_of(&spec, path)?.read)(path, bytes, None)?, options)
     }
-    let format = format_of(spec, &path)?;
-    let decoded = (format.read)(&path, &read_bounded(&path)?, layer)?;
-    checked(spec, decoded, options)
 }
 
 /// The path of `NAME` or `FILE#LAYER`, and the layer. A file whose own name holds a number sign goes before.
@@ -88,12 +97,6 @@ fn file_and_layer<'a>(spec: &'a str, base_dir: &Path) -> (PathBuf, Option<&'a st
         }
     }
     (whole, None)
-}
-
-/// As [`load`] of the file at `path`, whose bytes are given.
-pub(super) fn from_bytes(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Environment, EnvironmentError> {
-    let spec = path.to_string_lossy();
-    checked(&spec, (format_of(&spec, path)?.read)(path, bytes, None)?, options)
 }
 
 fn format_of(spec: &str, path: &Path) -> Result<&'static Format, EnvironmentError> {

@@ -1,10 +1,11 @@
 //! What precompute makes, as files for people and other programs.
 
+use super::light_tables::read_level;
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::gpu::{Gpu, Image};
-use crate::pixels::{GrayImage, Pixels, RgbImage, exr, write_atomically};
+use crate::pixels::{GrayImage, Pixels, exr, write_atomically};
 use crate::precompute::{PrecomputeSettings, prefilter};
 use crate::scene::{CameraKind, Scene};
 use crate::shade::{diffuse_by_name, method_by_name};
@@ -61,7 +62,6 @@ impl Pipeline {
         let environment = &request.environment;
         let settings = &request.precompute;
         remove_stale(request, out)?;
-        let mut files = Vec::new();
         // The smallest request that makes the tables: nothing of it is ever shaded.
         let mut view = RenderRequest {
             method: method_by_name("none").expect("a listed method"),
@@ -70,27 +70,19 @@ impl Pipeline {
             ..RenderRequest::plain(environment.clone(), Scene::sphere(), CameraKind::Ortho, [8, 8])
         };
 
-        for diffuse in ["sh9", "irradiance-map"] {
-            view.diffuse = diffuse_by_name(diffuse).expect("a listed diffuse method");
-            let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view)?;
-            let tables = &prepared.tables;
-            if diffuse == "sh9" {
-                let texels: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
-                let path = out.join("sh9.json");
-                write_json(&path, &sh9_file(environment, &texels))?;
-                files.push(path);
-            } else {
-                let path = out.join("irradiance_over_pi.exr");
-                write_image(&self.gpu, &tables.irradiance_map, 0, &path)?;
-                files.push(path);
-            }
-        }
+        let mut files = ["sh9.json", "irradiance_over_pi.exr"].map(|name| out.join(name)).to_vec();
+        view.diffuse = diffuse_by_name("sh9").expect("a listed diffuse method");
+        let prepared = self.prepare(&view)?;
+        let texels: Vec<[f32; 4]> = self.gpu.read_buffer(&prepared.tables.sh9)?;
+        write_json(&files[0], &sh9_file(environment, &texels))?;
+        view.diffuse = diffuse_by_name("irradiance-map").expect("a listed diffuse method");
+        let prepared = self.prepare(&view)?;
+        write_image(&self.gpu, &prepared.tables.irradiance_map, 0, &files[1])?;
         view.diffuse = diffuse_by_name("none").expect("a listed diffuse method");
         view.method = method_by_name("split-sum").expect("a listed method");
         for brdf in &request.brdfs {
             view.brdf = *brdf;
-            let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view)?;
-            let tables = &prepared.tables;
+            let tables = self.prepare(&view)?.tables;
             for mip in 0..tables.prefiltered.mip_count() {
                 let path = out.join(level_name(*brdf, mip));
                 write_image(&self.gpu, &tables.prefiltered, mip, &path)?;
@@ -177,10 +169,8 @@ fn write_json(path: &Path, value: &impl Serialize) -> Result<(), PipelineError> 
 }
 
 fn write_image(gpu: &Gpu, image: &Image, mip: u32, path: &Path) -> Result<(), PipelineError> {
-    let [width, height] = image.mip_size(mip);
-    let texels = gpu.read_image(image, mip)?;
-    let rgb = RgbImage::new(width, height, texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect());
-    Ok(exr::write_rgba(path, &rgb, &GrayImage::filled(width, height, 1.0), &[])?)
+    let rgb = read_level(gpu, image, mip)?;
+    Ok(exr::write_rgba(path, &rgb, &GrayImage::filled(rgb.width, rgb.height, 1.0), &[])?)
 }
 
 fn write_dfg(gpu: &Gpu, table: &Image, path: &Path) -> Result<(), PipelineError> {

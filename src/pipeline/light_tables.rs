@@ -1,7 +1,7 @@
 //! What lights a surface, read back from the device: the tables of one environment, model and masking.
 
 use super::{Pipeline, PipelineError, RenderRequest};
-use crate::gpu::Image;
+use crate::gpu::{Gpu, Image};
 use crate::pixels::{Pixels, RgbImage};
 use crate::shade::{diffuse_by_name, method_by_name};
 
@@ -37,10 +37,7 @@ impl Pipeline {
         let prepared = self.prepare(&request)?;
         let tables = &prepared.tables;
         let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
-        let level = |image: &Image, mip: u32| -> Result<RgbImage, PipelineError> {
-            let [width, height] = image.mip_size(mip);
-            Ok(Pixels::new(width, height, self.gpu.read_image(image, mip)?).map(rgb))
-        };
+        let level = |image: &Image, mip: u32| read_level(&self.gpu, image, mip);
         let levels = tables.environment.mip_count();
         let first_level =
             (0..levels).find(|&mip| tables.environment.mip_size(mip)[0] <= width_max).unwrap_or(levels - 1);
@@ -57,4 +54,10 @@ impl Pipeline {
             dfg: dfg.map(|[a, b, ..]: [f32; 4]| [a, b]),
         })
     }
+}
+
+/// A level of an image on the device, without its alpha.
+pub(super) fn read_level(gpu: &Gpu, image: &Image, mip: u32) -> Result<RgbImage, PipelineError> {
+    let [width, height] = image.mip_size(mip);
+    Ok(Pixels::new(width, height, gpu.read_image(image, mip)?).map(|[r, g, b, _]| [r, g, b]))
 }
