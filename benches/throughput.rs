@@ -7,9 +7,8 @@ use splitsum::brdf::{Brdf, MODELS};
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pipeline::{Frame, Options, Pipeline, RenderRequest};
 use splitsum::pixels::RgbImage;
-use splitsum::precompute::PrecomputeSettings;
-use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::scene::{CameraKind, MaterialOverride, Scene};
+use splitsum::shade::method_by_name;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -46,29 +45,12 @@ fn request(
     let environment = Environment::load(environment, Path::new("."), &options).expect("a builtin environment");
     let sphere = Scene::load("sphere", Path::new(".")).expect("a builtin scene");
     let lobe = MaterialOverride { alpha: Some(alpha), f0: Some([1.0; 3]), albedo: Some([0.0; 3]), metallic: None };
-    let scene = sphere.apply(&lobe);
-    let size = [size; 2];
     RenderRequest {
-        environment: Arc::new(environment),
-        environment_rotation_deg: 0.0,
-        environment_scale: 1.0,
-        camera: Camera::for_scene(CameraKind::Ortho, &scene, size),
-        scene: Arc::new(scene),
-        size,
         method: method_by_name(method).expect("a listed method"),
-        diffuse: diffuse_by_name("none").expect("a listed method"),
         brdf,
-        masking_shadowing: Default::default(),
         samples: 40,
-        sequence: &splitsum::math::sequence::SEQUENCES[0],
-        point_set: 0,
         reference_samples: 4096,
-        reference_error: None,
-        lod_bias: 0.0,
-        lights: Vec::new(),
-        background: false,
-        precompute: PrecomputeSettings::default(),
-        seed: 1,
+        ..RenderRequest::plain(Arc::new(environment), sphere.apply(&lobe), CameraKind::Ortho, [size; 2])
     }
 }
 

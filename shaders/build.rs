@@ -95,12 +95,6 @@ fn build() -> Result<(), String> {
         }
     }
     table.push_str("];\n");
-    for (list, folder) in [("BRDF_STEMS", "brdf"), ("METHOD_STEMS", "shade/method"), ("DIFFUSE_STEMS", "shade/diffuse")]
-    {
-        let names: Vec<String> = stems(&root.join(folder))?.iter().map(|stem| stem.replace('_', "-")).collect();
-        writeln!(table, "/// Names of the files of shaders/{folder}.\npub static {list}: &[&str] = &{names:?};")
-            .expect("a String takes all");
-    }
     table.push_str(&host_text()?);
     fs::write(out.join("shaders.rs"), table).map_err(|e| format!("shaders.rs: {e}"))
 }

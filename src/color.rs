@@ -77,6 +77,16 @@ impl Chromaticities {
         Some(rec709_to_xyz.inverse() * bradford.inverse() * adapt * bradford * to_xyz)
     }
 
+    /// As [`Self::to_rec709`] for what a file's header calls `name`; a warning says what became of the colours.
+    pub fn to_rec709_with_warning(&self, name: &str, warnings: &mut Vec<String>) -> Option<DMat3> {
+        let matrix = self.to_rec709();
+        warnings.push(match matrix {
+            Some(_) => format!("The colours were converted from the header's {name} to Rec.709."),
+            None => format!("The header's {name} span no colour space; the colours were taken as Rec.709."),
+        });
+        matrix
+    }
+
     /// Whether no coordinate differs by more than 0.001, the rounding that files use.
     pub fn is_close_to(&self, other: &Self) -> bool {
         [(self.red, other.red), (self.green, other.green), (self.blue, other.blue), (self.white, other.white)]

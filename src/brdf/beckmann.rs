@@ -10,7 +10,7 @@
 //! left 0.48 to 0.89 of the variance at 1.2 to 1.6 times the cost. As the variance falls with the power 1.5 of the count, both take the
 //! same time to an error mostly within 20 %, either way; the closed form is kept.
 
-use super::{Brdf, Ggx, g1_rational, sin2_cos2};
+use super::{Brdf, g1_rational, sin2_cos2};
 use crate::math::erf::erfc;
 use crate::math::sampling::direction_from_polar;
 use glam::{DVec2, DVec3};
@@ -69,14 +69,5 @@ impl Brdf for Beckmann {
         let tan2 = -alpha * alpha * (-xi.x).ln_1p();
         let cos_theta = 1.0 / (1.0 + tan2).sqrt();
         direction_from_polar(tan2.sqrt() * cos_theta, cos_theta, xi.y)
-    }
-
-    /// Visible normals of GGX of the same alpha; see the module's text.
-    fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
-        Ggx.sample_visible(xi, v_local, alpha)
-    }
-
-    fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
-        Ggx.pdf_visible_l(v_local, h_local, alpha)
     }
 }

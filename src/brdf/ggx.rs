@@ -54,22 +54,22 @@ impl Brdf for Ggx {
         let denominator = (1.0 - xi.x) + alpha2 * xi.x;
         direction_from_polar((alpha2 * xi.x / denominator).sqrt(), ((1.0 - xi.x) / denominator).sqrt(), xi.y)
     }
+}
 
-    /// Visible normals by spherical caps: the visible half sphere's normals are the half vectors of the cap that `v` reflects into
-    /// [Dupuy23]. `xi.x = 0` is the cap's centre.
-    fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
-        let v_hemisphere = DVec3::new(alpha * v_local.x, alpha * v_local.y, v_local.z).normalize();
-        let z = (1.0 - xi.x) * (1.0 + v_hemisphere.z) - v_hemisphere.z;
-        let cap = direction_from_polar((1.0 - z * z).max(0.0).sqrt(), z, xi.y);
-        let h = cap + v_hemisphere;
-        DVec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0)).normalize()
-    }
+/// Visible normals by spherical caps: the visible half sphere's normals are the half vectors of the cap that `v` reflects into
+/// [Dupuy23]. `xi.x = 0` is the cap's centre.
+pub(super) fn sample_visible(xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
+    let v_hemisphere = DVec3::new(alpha * v_local.x, alpha * v_local.y, v_local.z).normalize();
+    let z = (1.0 - xi.x) * (1.0 + v_hemisphere.z) - v_hemisphere.z;
+    let cap = direction_from_polar((1.0 - z * z).max(0.0).sqrt(), z, xi.y);
+    let h = cap + v_hemisphere;
+    DVec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0)).normalize()
+}
 
-    /// `G1(v) D / (4 n_dot_v)`.
-    fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
-        if v_local.dot(h_local) <= 0.0 {
-            return 0.0;
-        }
-        self.d(h_local, alpha) / (4.0 * projected_area(v_local, alpha))
+/// `G1(v) D / (4 n_dot_v)`.
+pub(super) fn pdf_visible_l(v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
+    if v_local.dot(h_local) <= 0.0 {
+        return 0.0;
     }
+    Ggx.d(h_local, alpha) / (4.0 * projected_area(v_local, alpha))
 }

@@ -34,12 +34,17 @@ pub trait Brdf: Sync + std::fmt::Debug {
     fn g1_exact(&self, n_dot_w: f64, alpha: f64) -> f64;
     /// Half vector with density `pdf_h = D(h) n_dot_h`. `xi.x` in [0, 1) is 0 at the normal, `φ = 2π xi.y`.
     fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3;
-    /// Half vector by the best known sampler for the model given `v_local` (`v_local.z >= 0`); its density over `l` is [`Brdf::pdf_visible_l`].
-    fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3;
+    /// Half vector by the best known sampler for the model given `v_local` (`v_local.z >= 0`); its density over `l` is
+    /// [`Brdf::pdf_visible_l`]. By default the visible normals of GGX of the same alpha: each model that keeps them says how well they serve.
+    fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
+        ggx::sample_visible(xi, v_local, alpha)
+    }
     /// Density of `l = reflect(-v, h)` per solid angle of `l` under [`Brdf::sample_visible`], with `h = normalize(v + l)`.
     ///
     /// It holds for `l` above and below the horizon and integrates to 1 over the whole sphere of `l`.
-    fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64;
+    fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
+        ggx::pdf_visible_l(v_local, h_local, alpha)
+    }
 }
 
 /// Every model. Adding one: its file here, `shaders/brdf/<stem>.glsl`, one line here. A stem is the name with `_` for `-`.

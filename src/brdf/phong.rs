@@ -22,7 +22,7 @@
 //! `k = 1/alpha² - 1` and `s = sin² θ_h`, `D / D_ggx = (1 - s)^k (1 + k s)²`, at most `4/e` (near `k s = 1`), so that weights are
 //! bounded. Points of D itself would see only a few of the facets that a grazing view sees.
 
-use super::{Brdf, Ggx, g1_rational, sin2_cos2};
+use super::{Brdf, g1_rational, sin2_cos2};
 use crate::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
 use crate::math::sampling::direction_from_polar;
 use glam::{DVec2, DVec3};
@@ -84,14 +84,5 @@ impl Brdf for Phong {
         // 1/(exponent + 2) = alpha²/2
         let ln_cos2 = alpha * alpha * (-xi.x).ln_1p();
         direction_from_polar((-ln_cos2.exp_m1()).sqrt(), (0.5 * ln_cos2).exp(), xi.y)
-    }
-
-    /// Visible normals of GGX of the same alpha.
-    fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
-        Ggx.sample_visible(xi, v_local, alpha)
-    }
-
-    fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
-        Ggx.pdf_visible_l(v_local, h_local, alpha)
     }
 }

@@ -111,25 +111,13 @@ pub struct Guide {
     ends: Vec<f64>,
 }
 
-/// One interval of a distribution and the place inside it.
-struct Place {
-    interval: usize,
-    /// In [0, 1].
-    fraction: f64,
-}
-
 /// Four texels between whose centres a place lies: the weight at (s, t) = (0, 0), (1, 0), (0, 1), (1, 1).
 struct Quad {
     corners: [f64; 4],
 }
 
-/// Weight of each texel, `max(luminance - threshold, 0)` with a threshold of `compensation` times the mean luminance. The device holds
-/// them in the alpha channel of the environment.
-fn sampling_weights(image: &RgbImage, compensation: f64) -> Pixels<f32> {
-    image.map(sampling_weight(image, compensation))
-}
-
-/// Weight of a texel of `image` by its radiance; see [`sampling_weights`].
+/// Weight of a texel of `image` by its radiance, `max(luminance - threshold, 0)` with a threshold of `compensation` times the mean
+/// luminance. The device holds them in the alpha channel of the environment.
 fn sampling_weight(image: &RgbImage, compensation: f64) -> impl Fn([f32; 3]) -> f32 {
     let threshold = compensation * mean_luminance(image);
     move |texel| (color::luminance(texel) - threshold).max(0.0) as f32
@@ -153,7 +141,7 @@ impl EnvironmentDistribution {
         assert!((1..=SIDE_MAX).contains(&width), "width {width} of an environment, 1 to {SIDE_MAX} expected");
         assert!((1..SIDE_MAX).contains(&height), "height {height} of an environment, 1 to {SIDE_MAX} - 1 expected");
         // Rounded as the device holds them, so that both sample the same map.
-        let weights = sampling_weights(image, compensation);
+        let weights = image.map(sampling_weight(image, compensation));
         let band_count = height as usize + 1;
         // Light of the place right of each column in each band, from the texels that bound it.
         let light = |band: usize, column: u32| {
@@ -272,14 +260,14 @@ impl EnvironmentDistribution {
         let block_len = (cell_height + 1) + cell_height * (cell_width + 1);
         let blocks = &self.words[self.band_weights.len() + 2 * CELL_COUNT as usize..];
         let (bands, columns) = blocks[slot * block_len..][..block_len].split_at(cell_height + 1);
-        let row = invert(bands, fraction);
-        let place = invert(&columns[row.interval * (cell_width + 1)..][..=cell_width], xi.x);
+        let (row, down) = invert(bands, fraction);
+        let (column, right) = invert(&columns[row * (cell_width + 1)..][..=cell_width], xi.x);
         let cell = self.slots[slot].cell as usize;
-        let band = cell / CELL_COLUMNS as usize * cell_height + row.interval;
-        let column = cell % CELL_COLUMNS as usize * cell_width + place.interval;
+        let band = cell / CELL_COLUMNS as usize * cell_height + row;
+        let column = cell % CELL_COLUMNS as usize * cell_width + column;
 
         let quad = self.quad(band, column as u32);
-        let inner = quad.invert(DVec2::new(place.fraction, row.fraction));
+        let inner = quad.invert(DVec2::new(right, down));
         let [top, bottom] = band_limits(band, height);
         let u = (column as f64 + 0.5 + inner.x) / f64::from(width);
         let v = top + (bottom - top) * inner.y;
@@ -393,14 +381,14 @@ fn write_distribution(masses: &[f64], count: u32, words: &mut Vec<u32>) {
     words.extend(iter::repeat_n(FIXED_ONE, count as usize + 1 - masses.len()));
 }
 
-/// The interval of a distribution that holds `xi` in [0, 1].
-fn invert(starts: &[u32], xi: f64) -> Place {
+/// The interval of a distribution that holds `xi` in [0, 1], and the place inside it, in [0, 1].
+fn invert(starts: &[u32], xi: f64) -> (usize, f64) {
     let position = xi * f64::from(FIXED_ONE);
     // The end of the last interval belongs to none.
     let fixed = (position as u32).min(FIXED_ONE - 1);
     let interval = starts.partition_point(|start| *start <= fixed) - 1;
     let (start, end) = (f64::from(starts[interval]), f64::from(starts[interval + 1]));
-    Place { interval, fraction: ((position - start) / (end - start)).clamp(0.0, 1.0) }
+    (interval, ((position - start) / (end - start)).clamp(0.0, 1.0))
 }
 
 /// Inverse of the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each ≥ 0, any scale).

@@ -2,7 +2,7 @@
 
 use super::Environment;
 use super::builtin::{self, BUILTIN_PREFIX};
-use super::error::{EnvironmentError, MAX_RADIANCE};
+use super::error::{EnvironmentError, MAX_RADIANCE, unusable};
 use crate::color::luminance;
 use crate::pixels::{Decoded, PixelsError, RgbImage, exr, radiance, read_bounded};
 use std::path::{Path, PathBuf};
@@ -55,24 +55,34 @@ impl Default for LoadOptions {
 /// Relative departure from 2:1 that rounding of a size can explain.
 const ASPECT_TOLERANCE: f64 = 0.01;
 
-pub(super) fn load(spec: &str, base_dir: &Path, options: &LoadOptions) -> Result<Environment, EnvironmentError> {
-    if let Some(formula) = spec.strip_prefix(BUILTIN_PREFIX) {
-        return Ok(Environment::from_image(spec, builtin::make(spec, formula, options.builtin_size)?));
+impl Environment {
+    /// Loads `builtin:NAME`, `builtin:NAME:PARAMETER=VALUE,...`, an image file or `FILE.exr#LAYER`; a relative path starts at `base_dir`.
+    pub fn load(spec: &str, base_dir: &Path, options: &LoadOptions) -> Result<Self, EnvironmentError> {
+        if let Some(formula) = spec.strip_prefix(BUILTIN_PREFIX) {
+            return Ok(Environment::from_image(spec, builtin::make(spec, formula, options.builtin_size)?));
+        }
+        let (path, layer) = file_and_layer(spec, base_dir);
+        if spec.is_empty() || !path.exists() {
+            // What has a folder or an extension is meant as a file: a formula is no answer to a file that is not there.
+            let is_word = !spec.contains(['/', '\\']) && Path::new(spec).extension().is_none();
+            let hint = match builtin::nearest(spec).filter(|_| is_word) {
+                Some(name) => format!("; did you mean {BUILTIN_PREFIX}{name}?"),
+                None => format!("; expected a file, FILE.exr#LAYER or {BUILTIN_PREFIX}NAME"),
+            };
+            let is_elsewhere = path.as_os_str() != spec && !spec.is_empty();
+            let place = if is_elsewhere { format!(" {}", path.display()) } else { String::new() };
+            return Err(unusable(spec, format!("no such file{place}{hint}")));
+        }
+        let format = format_of(spec, &path)?;
+        let decoded = (format.read)(&path, &read_bounded(&path)?, layer)?;
+        checked(spec, decoded, options)
     }
-    let (path, layer) = file_and_layer(spec, base_dir);
-    if spec.is_empty() || !path.exists() {
-        // What has a folder or an extension is meant as a file: a formula is no answer to a file that is not there.
-        let is_word = !spec.contains(['/', '\\']) && Path::new(spec).extension().is_none();
-        let hint = match builtin::nearest(spec).filter(|_| is_word) {
-            Some(name) => format!("; did you mean {BUILTIN_PREFIX}{name}?"),
-            None => format!("; expected a file, FILE.exr#LAYER or {BUILTIN_PREFIX}NAME"),
-        };
-        let path = (path.as_os_str() != spec && !spec.is_empty()).then_some(path);
-        return Err(EnvironmentError::Missing { spec: spec.to_owned(), path, hint });
+
+    /// The environment in the bytes of the image file at `path`, whose extension names the format. Nothing is read from disk.
+    pub fn from_bytes(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Self, EnvironmentError> {
+        let spec = path.to_string_lossy();
+        checked(&spec, (format_of(&spec, path)?.read)(path, bytes, None)?, options)
     }
-    let format = format_of(spec, &path)?;
-    let decoded = (format.read)(&path, &read_bounded(&path)?, layer)?;
-    checked(spec, decoded, options)
 }
 
 /// The path of `NAME` or `FILE#LAYER`, and the layer. A file whose own name holds a number sign goes before.
@@ -89,17 +99,11 @@ fn file_and_layer<'a>(spec: &'a str, base_dir: &Path) -> (PathBuf, Option<&'a st
     (whole, None)
 }
 
-/// As [`load`] of the file at `path`, whose bytes are given.
-pub(super) fn from_bytes(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Environment, EnvironmentError> {
-    let spec = path.to_string_lossy();
-    checked(&spec, (format_of(&spec, path)?.read)(path, bytes, None)?, options)
-}
-
 fn format_of(spec: &str, path: &Path) -> Result<&'static Format, EnvironmentError> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
         let expected = FORMATS.iter().map(|format| format!(".{}", format.extension)).collect::<Vec<_>>().join(", ");
-        EnvironmentError::UnknownFormat { spec: spec.to_owned(), extension, expected }
+        unusable(spec, format!("the extension is {extension:?}; expected one of {expected}"))
     })
 }
 
@@ -119,8 +123,12 @@ fn checked(spec: &str, decoded: Decoded, options: &LoadOptions) -> Result<Enviro
         .enumerate()
         .fold((0, 0.0), |most, (i, &value)| if value > most.1 { (i / 3, value) } else { most });
     if peak > MAX_RADIANCE {
-        let width = image.width as usize;
-        return Err(EnvironmentError::TooBright { spec: spec.to_owned(), peak, x: index % width, y: index / width });
+        let (x, y) = (index % image.width as usize, index / image.width as usize);
+        let what = format!(
+            "the largest value is {peak:e}, at column {x}, row {y}; expected at most {MAX_RADIANCE:e}, above which sums of squares \
+             overflow (scale the file)"
+        );
+        return Err(unusable(spec, what));
     }
     warnings.extend(oddities(&image));
     Ok(Environment { warnings, ..Environment::from_image(spec, image) })

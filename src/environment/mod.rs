@@ -42,16 +42,6 @@ impl Environment {
         Self::from_image(self.name.clone(), self.image.map(|texel| texel.map(|x| x.min(limit))))
     }
 
-    /// Loads `builtin:NAME`, `builtin:NAME:PARAMETER=VALUE,...`, an image file or `FILE.exr#LAYER`; a relative path starts at `base_dir`.
-    pub fn load(spec: &str, base_dir: &std::path::Path, options: &LoadOptions) -> Result<Self, EnvironmentError> {
-        load::load(spec, base_dir, options)
-    }
-
-    /// The environment in the bytes of the image file at `path`, whose extension names the format. Nothing is read from disk.
-    pub fn from_bytes(path: &std::path::Path, bytes: &[u8], options: &LoadOptions) -> Result<Self, EnvironmentError> {
-        load::from_bytes(path, bytes, options)
-    }
-
     /// Radiance from `direction` (any length but 0): bilinear between texel centres; u wraps, v clamps at the poles.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         let value = |texel: [f32; 3]| DVec3::from_array(texel.map(f64::from));

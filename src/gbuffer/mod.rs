@@ -41,6 +41,12 @@ pub struct Gbuffer<T> {
     pub f0_material: Pixels<[T; 4]>,
 }
 
+impl<T> From<[Pixels<[T; 4]>; 4]> for Gbuffer<T> {
+    fn from([position_mask, normal_alpha, albedo_metallic, f0_material]: [Pixels<[T; 4]>; 4]) -> Self {
+        Self { position_mask, normal_alpha, albedo_metallic, f0_material }
+    }
+}
+
 impl<T: Copy + Into<f64>> Gbuffer<T> {
     /// 1 where a surface is hit.
     pub fn mask(&self) -> GrayImage {

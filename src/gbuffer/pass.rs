@@ -1,19 +1,23 @@
 //! The device pass: draws a scene into the four attachments.
 
 use super::{ATTACHMENT_NAMES, Gbuffer, material_data, params, sphere_data};
-use crate::glsl::layout::{GbufferParams, SharedStruct};
+use crate::glsl::layout::SharedStruct;
 use crate::gpu::{
-    Bind, Buffer, DrawCall, Filter, Format, Gpu, GpuError, GraphicsDescription, GraphicsPipeline, Image, Recorder,
-    Sampler, Slot, Targets, Wrap,
+    Bind, Buffer, DrawCall, Filter, Format, Gpu, GpuError, GraphicsDescription, Image, Recorder, Sampler, Targets, Wrap,
 };
 use crate::pixels::{Pixels, RgbImage};
 use crate::scene::{Camera, Mesh, Scene};
 
-/// The pipelines of the pass.
-pub struct GbufferPass {
-    spheres: GraphicsPipeline,
-    meshes: GraphicsPipeline,
-    texture_sampler: Sampler,
+/// A strip of four vertices, one instance a sphere.
+const SPHERES: GraphicsDescription =
+    GraphicsDescription { shaders: ["gbuffer/sphere.vert", "gbuffer/sphere.frag"], attributes: &[], strip: true };
+/// Position, normal and uv.
+const MESHES: GraphicsDescription =
+    GraphicsDescription { shaders: ["gbuffer/mesh.vert", "gbuffer/mesh.frag"], attributes: &[3, 3, 2], strip: false };
+
+/// Every shader of the pass.
+pub fn shaders() -> impl Iterator<Item = &'static str> {
+    [SPHERES, MESHES].into_iter().flat_map(|description| description.shaders)
 }
 
 /// A scene on the device.
@@ -44,86 +48,34 @@ pub struct GbufferImages {
     pub size: [u32; 2],
 }
 
-impl GbufferPass {
-    /// The vertex and the fragment shader of spheres.
-    const SPHERE_SHADERS: [&str; 2] = ["gbuffer/sphere.vert", "gbuffer/sphere.frag"];
-    /// Those of meshes.
-    const MESH_SHADERS: [&str; 2] = ["gbuffer/mesh.vert", "gbuffer/mesh.frag"];
-
-    /// Every shader of the pass.
-    pub fn shaders() -> [&'static str; 4] {
-        let ([a, b], [c, d]) = (Self::SPHERE_SHADERS, Self::MESH_SHADERS);
-        [a, b, c, d]
+/// Draws `scene` as `camera` sees it.
+pub fn record(
+    recorder: &mut Recorder,
+    scene: &SceneData,
+    camera: &Camera,
+    target: &GbufferImages,
+) -> Result<(), GpuError> {
+    assert!(scene.sphere_count > 0 || !scene.meshes.is_empty(), "a scene has at least one sphere or mesh");
+    let colors: Vec<&Image> = target.attachments.iter().collect();
+    let mut targets = Targets { colors: &colors, depth: &target.depth, clear: true };
+    let push = |material: usize| params(camera, target.size, material).to_bytes();
+    if scene.sphere_count > 0 {
+        let call = DrawCall { vertex_buffers: &[], index_buffer: None, count: 4, instance_count: scene.sphere_count };
+        recorder.draw(SPHERES, &scene.binds(None), &push(0), targets, call)?;
+        targets.clear = false;
     }
-
-    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        let slots = [Slot::Buffer, Slot::Buffer, Slot::Sampled];
-        let push_size = GbufferParams::SIZE;
-        let spheres = gpu.graphics_pipeline(GraphicsDescription {
-            shaders: Self::SPHERE_SHADERS,
-            slots: &slots,
-            push_size,
-            attributes: &[],
-            color_count: ATTACHMENT_NAMES.len(),
-            strip: true,
-        })?;
-        let meshes = gpu.graphics_pipeline(GraphicsDescription {
-            shaders: Self::MESH_SHADERS,
-            slots: &slots,
-            push_size,
-            attributes: &[3, 3, 2],
-            color_count: ATTACHMENT_NAMES.len(),
-            strip: false,
-        })?;
-        Ok(Self { spheres, meshes, texture_sampler: gpu.sampler(Filter::Linear, Wrap::RepeatBoth)? })
+    for mesh in &scene.meshes {
+        let [positions, normals, uvs] = &mesh.attributes;
+        let call = DrawCall {
+            vertex_buffers: &[positions, normals, uvs],
+            index_buffer: Some(&mesh.indices),
+            count: mesh.index_count,
+            instance_count: 1,
+        };
+        recorder.draw(MESHES, &scene.binds(mesh.texture), &push(mesh.material), targets, call)?;
+        targets.clear = false;
     }
-
-    /// Draws `scene` as `camera` sees it.
-    pub fn record(
-        &self,
-        recorder: &mut Recorder,
-        scene: &SceneData,
-        camera: &Camera,
-        target: &GbufferImages,
-    ) -> Result<(), GpuError> {
-        let colors: Vec<&Image> = target.attachments.iter().collect();
-        let mut clear = true;
-        if scene.sphere_count > 0 {
-            let push = params(camera, target.size, 0).to_bytes();
-            let binds = scene.binds(&self.texture_sampler, None);
-            let call =
-                DrawCall { vertex_buffers: &[], index_buffer: None, count: 4, instance_count: scene.sphere_count };
-            recorder.draw(
-                &self.spheres,
-                &binds,
-                &push,
-                Targets { colors: &colors, depth: &target.depth, clear },
-                call,
-            )?;
-            clear = false;
-        }
-        for mesh in &scene.meshes {
-            let push = params(camera, target.size, mesh.material).to_bytes();
-            let binds = scene.binds(&self.texture_sampler, mesh.texture);
-            let [positions, normals, uvs] = &mesh.attributes;
-            let call = DrawCall {
-                vertex_buffers: &[positions, normals, uvs],
-                index_buffer: Some(&mesh.indices),
-                count: mesh.index_count,
-                instance_count: 1,
-            };
-            recorder.draw(
-                &self.meshes,
-                &binds,
-                &push,
-                Targets { colors: &colors, depth: &target.depth, clear },
-                call,
-            )?;
-            clear = false;
-        }
-        assert!(!clear, "a scene has at least one sphere or mesh");
-        Ok(())
-    }
+    Ok(())
 }
 
 impl SceneData {
@@ -155,8 +107,9 @@ impl SceneData {
         })
     }
 
-    fn binds<'a>(&'a self, sampler: &'a Sampler, map: Option<usize>) -> [Bind<'a>; 3] {
+    fn binds(&self, map: Option<usize>) -> [Bind<'_>; 3] {
         let map = map.map_or(&self.white, |index| &self.textures[index]);
+        let sampler = Sampler(Filter::Linear, Wrap::RepeatBoth);
         [Bind::Read(&self.spheres), Bind::Read(&self.materials), Bind::Sample(map, sampler)]
     }
 }
@@ -183,12 +136,7 @@ impl GbufferImages {
     pub fn read(&self, gpu: &Gpu) -> Result<Gbuffer<f32>, GpuError> {
         let [width, height] = self.size;
         let read = |image| Ok(Pixels::new(width, height, gpu.read_image(image, 0)?));
-        let [position_mask, normal_alpha, albedo_metallic, f0_material] = &self.attachments;
-        Ok(Gbuffer {
-            position_mask: read(position_mask)?,
-            normal_alpha: read(normal_alpha)?,
-            albedo_metallic: read(albedo_metallic)?,
-            f0_material: read(f0_material)?,
-        })
+        let [a, b, c, d] = &self.attachments;
+        Ok([read(a)?, read(b)?, read(c)?, read(d)?].into())
     }
 }

@@ -1,6 +1,6 @@
 //! The f64 twin: one ray through each pixel's centre against exact spheres and every triangle of every mesh.
 //!
-//! Triangles are tried one after another within the bounds of their mesh; that is meant for the small meshes of tests.
+//! Triangles are tried one after another; that is meant for the small meshes of tests.
 
 use super::Gbuffer;
 use crate::pixels::lookup::{Wrap, bilinear};
@@ -23,25 +23,18 @@ struct Hit {
 /// The g-buffer of `scene` in f64.
 pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
     let [width, height] = size;
-    let boxes: Vec<Box3> = scene.meshes.iter().map(Box3::around).collect();
     let texels: Vec<[[f64; 4]; 4]> = (0..width * height)
         .into_par_iter()
         .map(|i| {
             let (origin, direction) = camera.ray(i % width, i / width, size);
             let spheres = scene.spheres.iter().filter_map(|sphere| hit_sphere(sphere, origin, direction));
-            let meshes =
-                scene.meshes.iter().zip(&boxes).filter_map(|(mesh, bounds)| hit_mesh(mesh, bounds, origin, direction));
+            let meshes = scene.meshes.iter().filter_map(|mesh| hit_mesh(mesh, origin, direction));
             let nearest = spheres.chain(meshes).min_by(|a, b| a.t.total_cmp(&b.t));
             nearest.map_or([[0.0; 4]; 4], |hit| texels(scene, &hit))
         })
         .collect();
     let attachment = |k: usize| Pixels::new(width, height, texels.iter().map(|texel| texel[k]).collect());
-    Gbuffer {
-        position_mask: attachment(0),
-        normal_alpha: attachment(1),
-        albedo_metallic: attachment(2),
-        f0_material: attachment(3),
-    }
+    [0, 1, 2, 3].map(attachment).into()
 }
 
 fn texels(scene: &Scene, hit: &Hit) -> [[f64; 4]; 4] {
@@ -79,10 +72,7 @@ fn hit_sphere(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<Hit> {
     Some(Hit { t, position, n, uv: DVec2::ZERO, material: sphere.material })
 }
 
-fn hit_mesh(mesh: &Mesh, bounds: &Box3, origin: DVec3, direction: DVec3) -> Option<Hit> {
-    if !bounds.is_crossed(origin, direction) {
-        return None;
-    }
+fn hit_mesh(mesh: &Mesh, origin: DVec3, direction: DVec3) -> Option<Hit> {
     mesh.triangles()
         .filter_map(|triangle| hit_triangle(mesh, triangle, origin, direction))
         .min_by(|a, b| a.t.total_cmp(&b.t))
@@ -111,38 +101,4 @@ fn hit_triangle(mesh: &Mesh, triangle: [u32; 3], origin: DVec3, direction: DVec3
     let uv: DVec2 = corners.map(|(i, w)| Vec2::from_array(mesh.uvs[i]).as_dvec2() * w).sum();
     let n = normal.normalize() * determinant.signum();
     Some(Hit { t, position: origin + direction * t, n, uv, material: mesh.material })
-}
-
-/// An axis-aligned box around a mesh.
-struct Box3 {
-    low: DVec3,
-    high: DVec3,
-}
-
-impl Box3 {
-    /// A little larger than the mesh, so that rounding in [`Box3::is_crossed`] never loses a ray that grazes a face.
-    fn around(mesh: &Mesh) -> Self {
-        let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (low, high) = mesh.corners().fold(empty, |(low, high), p| (low.min(p), high.max(p)));
-        let margin = DVec3::splat(1e-9 * (high.abs().max(low.abs())).max_element());
-        Self { low: low - margin, high: high + margin }
-    }
-
-    /// Whether the line through `origin` crosses the box: the intervals between each pair of faces overlap.
-    fn is_crossed(&self, origin: DVec3, direction: DVec3) -> bool {
-        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-        for axis in 0..3 {
-            if direction[axis] == 0.0 {
-                if origin[axis] < self.low[axis] || origin[axis] > self.high[axis] {
-                    return false;
-                }
-                continue;
-            }
-            let (a, b) =
-                ((self.low[axis] - origin[axis]) / direction[axis], (self.high[axis] - origin[axis]) / direction[axis]);
-            enter = enter.max(a.min(b));
-            leave = leave.min(a.max(b));
-        }
-        enter <= leave
-    }
 }

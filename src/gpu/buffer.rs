@@ -1,12 +1,11 @@
 //! Buffers on the device and in host-visible memory.
 
-use super::device::Shared;
+use super::device::{Memory, Shared};
 use super::sync::State;
 use super::{Gpu, GpuError};
 use ash::vk;
 use bytemuck::Pod;
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::Allocation;
 use std::sync::{Arc, Mutex};
 
 /// A storage or uniform buffer. Clones share it.
@@ -20,7 +19,8 @@ pub(super) struct Inner {
     pub(super) size: u64,
     pub(super) state: Mutex<State>,
     name: String,
-    allocation: Mutex<Option<Allocation>>,
+    /// Freed after the buffer. `None` only while it is made.
+    memory: Option<Memory>,
     device: Arc<Shared>,
 }
 
@@ -39,7 +39,7 @@ impl Gpu {
             | vk::BufferUsageFlags::INDEX_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
-        self.create_buffer(name, size, usage, MemoryLocation::GpuOnly)
+        Ok(Buffer { inner: Arc::new(self.create_buffer(name, size, usage, MemoryLocation::GpuOnly)?) })
     }
 
     /// A storage buffer that holds `data`.
@@ -54,7 +54,8 @@ impl Gpu {
     pub fn uniform_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
-        let buffer = self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::GpuOnly)?;
+        let inner = self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::GpuOnly)?;
+        let buffer = Buffer { inner: Arc::new(inner) };
         self.write_buffer(&buffer, bytes)?;
         Ok(buffer)
     }
@@ -80,17 +81,16 @@ impl Gpu {
     /// A host-visible buffer to copy from.
     pub(super) fn staging_from(&self, name: &str, bytes: &[u8]) -> Result<Buffer, GpuError> {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
-        let buffer = self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::CpuToGpu)?;
-        let mut allocation = buffer.inner.allocation.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        let mapped = allocation.as_mut().and_then(|allocation| allocation.mapped_slice_mut());
+        let mut inner = self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::CpuToGpu)?;
+        let mapped = inner.memory.as_mut().and_then(|memory| memory.allocation.mapped_slice_mut());
         mapped.expect("CpuToGpu memory is mapped")[..bytes.len()].copy_from_slice(bytes);
-        drop(allocation);
-        Ok(buffer)
+        Ok(Buffer { inner: Arc::new(inner) })
     }
 
     /// A host-visible buffer to copy to.
     pub(super) fn readback(&self, name: &str, size: u64) -> Result<Buffer, GpuError> {
-        self.create_buffer(name, size, vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu)
+        let inner = self.create_buffer(name, size, vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu)?;
+        Ok(Buffer { inner: Arc::new(inner) })
     }
 
     fn create_buffer(
@@ -99,7 +99,7 @@ impl Gpu {
         size: u64,
         usage: vk::BufferUsageFlags,
         location: MemoryLocation,
-    ) -> Result<Buffer, GpuError> {
+    ) -> Result<Inner, GpuError> {
         let device = &self.shared;
         // Vulkan has no empty buffers; four bytes keep callers free of a special case.
         let size = size.max(4);
@@ -111,32 +111,25 @@ impl Gpu {
         // SAFETY: the device is alive and the description is complete.
         let raw = unsafe { device.raw.create_buffer(&info, None) }.map_err(GpuError::call("vkCreateBuffer", name))?;
         device.set_name(raw, name);
-        let inner = Inner {
-            raw,
-            size,
-            state: Mutex::new(State::NEW),
-            name: name.into(),
-            allocation: Mutex::new(None),
-            device: device.clone(),
-        };
+        let (name, device) = (name.to_owned(), device.clone());
+        let mut inner = Inner { raw, size, state: Mutex::new(State::NEW), name, memory: None, device };
         // SAFETY: the buffer was just made.
-        let requirements = unsafe { device.raw.get_buffer_memory_requirements(raw) };
-        let allocation = device.allocate(name, requirements, location, true)?;
+        let requirements = unsafe { inner.device.raw.get_buffer_memory_requirements(raw) };
+        let memory = inner.device.allocate(&inner.name, requirements, location, true)?;
         // SAFETY: the memory is not freed before its last resource.
-        let memory = unsafe { allocation.memory() };
+        let raw_memory = unsafe { memory.allocation.memory() };
         // SAFETY: the allocation fits the requirements and nothing else uses its range.
-        let bound = unsafe { device.raw.bind_buffer_memory(raw, memory, allocation.offset()) };
-        *inner.allocation.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(allocation);
-        bound.map_err(GpuError::call("vkBindBufferMemory", name))?;
-        Ok(Buffer { inner: Arc::new(inner) })
+        unsafe { inner.device.raw.bind_buffer_memory(raw, raw_memory, memory.allocation.offset()) }
+            .map_err(GpuError::call("vkBindBufferMemory", &inner.name))?;
+        inner.memory = Some(memory);
+        Ok(inner)
     }
 }
 
 impl Buffer {
     /// A copy of host-visible contents.
     pub(super) fn host_copy<T: Pod>(&self) -> Vec<T> {
-        let allocation = self.inner.allocation.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        let mapped = allocation.as_ref().and_then(|allocation| allocation.mapped_slice());
+        let mapped = self.inner.memory.as_ref().and_then(|memory| memory.allocation.mapped_slice());
         let bytes = &mapped.expect("GpuToCpu memory is mapped")[..self.inner.size as usize];
         bytemuck::pod_collect_to_vec(bytes)
     }
@@ -146,9 +139,5 @@ impl Drop for Inner {
     fn drop(&mut self) {
         // SAFETY: no pending command uses the buffer, because `submit` waits and recorders hold what they record.
         unsafe { self.device.raw.destroy_buffer(self.raw, None) };
-        let allocation = self.allocation.get_mut().unwrap_or_else(|poisoned| poisoned.into_inner()).take();
-        if let Some(allocation) = allocation {
-            self.device.free(allocation);
-        }
     }
 }

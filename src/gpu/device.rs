@@ -2,13 +2,20 @@
 
 use super::inject::{Injector, Site};
 use super::instance::Instance;
-use super::{DeviceInfo, GpuError, Options};
+use super::kept_pipeline::Pipelines;
+use super::{DeviceInfo, GpuError, Options, Sampler};
 use ash::{ext, vk};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
+use std::collections::HashMap;
 use std::ffi::CString;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// The contents of a mutex. Another thread's panic cannot leave them half-way: no call into Vulkan or the allocator panics.
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// An open device. Clones share it.
 #[derive(Clone)]
@@ -28,6 +35,8 @@ pub(super) struct Shared {
     pub(super) timestamp_mask: u64,
     pub(super) info: DeviceInfo,
     pub(super) injector: Injector,
+    pub(super) pipelines: Pipelines,
+    pub(super) samplers: Mutex<HashMap<Sampler, vk::Sampler>>,
     allocator: Mutex<Option<Allocator>>,
     debug: Option<ext::debug_utils::Device>,
     /// Dropped last.
@@ -40,10 +49,10 @@ impl Gpu {
         let injector = Injector::from_environment()?;
         let instance = Instance::new(options.validation)?;
         let (physical, info) = instance.choose(options.device)?;
-        let family = queue_family(&instance, physical, &info)?;
-        let raw = create_device(&instance, physical, &info, family.index)?;
+        let (queue_family, timestamp_mask) = queue_family(&instance, physical, &info)?;
+        let raw = create_device(&instance, physical, &info, queue_family)?;
         // SAFETY: the queue was asked for in `create_device`.
-        let queue = unsafe { raw.get_device_queue(family.index, 0) };
+        let queue = unsafe { raw.get_device_queue(queue_family, 0) };
         let debug = instance.has_debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &raw));
         // SAFETY: the physical device belongs to the instance.
         let limits = unsafe { instance.raw.get_physical_device_properties(physical) }.limits;
@@ -52,13 +61,15 @@ impl Gpu {
         let mut shared = Shared {
             raw,
             queue,
-            queue_family: family.index,
+            queue_family,
             submission: Mutex::new(()),
             waited_ns: AtomicU64::new(0),
             limits,
-            timestamp_mask: family.timestamp_mask,
+            timestamp_mask,
             info,
             injector,
+            pipelines: Mutex::default(),
+            samplers: Mutex::default(),
             allocator: Mutex::new(None),
             debug,
             instance,
@@ -120,24 +131,19 @@ impl Shared {
         self.debug.as_ref()
     }
 
-    fn allocator(&self) -> MutexGuard<'_, Option<Allocator>> {
-        // A panic elsewhere cannot leave the allocator half-way through a call into it.
-        self.allocator.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
-    }
-
-    /// Memory for one resource, freed by [`Shared::free`].
+    /// Memory for one resource.
     pub(super) fn allocate(
-        &self,
+        self: &Arc<Self>,
         name: &str,
         requirements: vk::MemoryRequirements,
         location: MemoryLocation,
         linear: bool,
-    ) -> Result<Allocation, GpuError> {
+    ) -> Result<Memory, GpuError> {
         if requirements.size > self.info.memory_bytes {
             return Err(GpuError::OutOfMemory { name: name.into(), bytes: Some(requirements.size) });
         }
         self.injector.reach(Site::Allocate).map_err(GpuError::call("vkAllocateMemory", name))?;
-        let mut allocator = self.allocator();
+        let mut allocator = lock(&self.allocator);
         let allocator = allocator.as_mut().expect("the allocator lives as long as the device");
         let description = AllocationCreateDesc {
             name,
@@ -146,18 +152,27 @@ impl Shared {
             linear,
             allocation_scheme: AllocationScheme::GpuAllocatorManaged,
         };
-        allocator.allocate(&description).map_err(|source| match source {
+        let allocation = allocator.allocate(&description).map_err(|source| match source {
             gpu_allocator::AllocationError::OutOfMemory => {
                 GpuError::OutOfMemory { name: name.into(), bytes: Some(requirements.size) }
             }
             source => GpuError::Memory { name: name.into(), source },
-        })
+        })?;
+        Ok(Memory { allocation, device: self.clone() })
     }
+}
 
-    pub(super) fn free(&self, allocation: Allocation) {
-        if let Some(allocator) = self.allocator().as_mut() {
+/// Memory of one resource, which must be gone before it.
+pub(super) struct Memory {
+    pub(super) allocation: Allocation,
+    device: Arc<Shared>,
+}
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        if let Some(allocator) = lock(&self.device.allocator).as_mut() {
             // An error here would mean a foreign allocation, which `allocate` rules out.
-            let _ = allocator.free(allocation);
+            let _ = allocator.free(std::mem::take(&mut self.allocation));
         }
     }
 }
@@ -166,19 +181,19 @@ impl Drop for Shared {
     fn drop(&mut self) {
         // SAFETY: every submission has been waited for; waiting again covers a submission that failed half-way.
         let _ = unsafe { self.raw.device_wait_idle() };
-        drop(self.allocator().take());
+        lock(&self.pipelines).clear();
+        for (_, sampler) in lock(&self.samplers).drain() {
+            // SAFETY: no command is left that could use it.
+            unsafe { self.raw.destroy_sampler(sampler, None) };
+        }
+        drop(lock(&self.allocator).take());
         // SAFETY: every resource holds this struct, so none is left.
         unsafe { self.raw.destroy_device(None) };
     }
 }
 
-struct Family {
-    index: u32,
-    timestamp_mask: u64,
-}
-
-/// The first family that can rasterise and compute and write timestamps.
-fn queue_family(instance: &Instance, physical: vk::PhysicalDevice, info: &DeviceInfo) -> Result<Family, GpuError> {
+/// The first family that can rasterise and compute and write timestamps, and the bits of a timestamp that count.
+fn queue_family(instance: &Instance, physical: vk::PhysicalDevice, info: &DeviceInfo) -> Result<(u32, u64), GpuError> {
     // SAFETY: the physical device belongs to the instance.
     let families = unsafe { instance.raw.get_physical_device_queue_family_properties(physical) };
     let wanted = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
@@ -190,8 +205,7 @@ fn queue_family(instance: &Instance, physical: vk::PhysicalDevice, info: &Device
             device: info.name.clone(),
             feature: "a queue with graphics, compute and timestamps".into(),
         })?;
-    let timestamp_mask = u64::MAX >> (64 - family.timestamp_valid_bits);
-    Ok(Family { index: index as u32, timestamp_mask })
+    Ok((index as u32, u64::MAX >> (64 - family.timestamp_valid_bits)))
 }
 
 fn create_device(

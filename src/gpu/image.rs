@@ -1,11 +1,10 @@
 //! Images with mip levels, and samplers.
 
-use super::device::Shared;
+use super::device::{Memory, Shared, lock};
 use super::sync::State;
-use super::{Gpu, GpuError};
+use super::{Gpu, GpuError, Wrap};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::Allocation;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
@@ -70,7 +69,8 @@ pub(super) struct Inner {
     pub(super) states: Mutex<Vec<State>>,
     name: String,
     views: Mutex<HashMap<(u32, u32), vk::ImageView>>,
-    allocation: Mutex<Option<Allocation>>,
+    /// Freed after the image. `None` only while it is made.
+    memory: Option<Memory>,
     device: Arc<Shared>,
 }
 
@@ -82,14 +82,14 @@ impl Image {
 
     /// Number of levels.
     pub fn mip_count(&self) -> u32 {
-        self.inner.states.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).len() as u32
+        lock(&self.inner.states).len() as u32
     }
 }
 
 impl Inner {
     /// A view of the levels `mips`, made once.
     pub(super) fn view(&self, mips: Range<u32>) -> Result<vk::ImageView, GpuError> {
-        let mut views = self.views.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut views = lock(&self.views);
         if let Some(&view) = views.get(&(mips.start, mips.end)) {
             return Ok(view);
         }
@@ -115,16 +115,12 @@ impl Inner {
 
 impl Drop for Inner {
     fn drop(&mut self) {
-        for view in self.views.get_mut().unwrap_or_else(|poisoned| poisoned.into_inner()).values() {
+        for view in lock(&self.views).values() {
             // SAFETY: no pending command uses the view, as for buffers.
             unsafe { self.device.raw.destroy_image_view(*view, None) };
         }
         // SAFETY: likewise.
         unsafe { self.device.raw.destroy_image(self.raw, None) };
-        let allocation = self.allocation.get_mut().unwrap_or_else(|poisoned| poisoned.into_inner()).take();
-        if let Some(allocation) = allocation {
-            self.device.free(allocation);
-        }
     }
 }
 
@@ -152,25 +148,25 @@ impl Gpu {
         // SAFETY: the device is alive and the description is complete.
         let raw = unsafe { device.raw.create_image(&info, None) }.map_err(GpuError::call("vkCreateImage", name))?;
         device.set_name(raw, name);
-        let inner = Inner {
+        let mut inner = Inner {
             raw,
             format,
             size,
             states: Mutex::new(vec![State::NEW; mip_count as usize]),
             name: name.into(),
             views: Mutex::new(HashMap::new()),
-            allocation: Mutex::new(None),
+            memory: None,
             device: device.clone(),
         };
         // SAFETY: the image was just made.
         let requirements = unsafe { device.raw.get_image_memory_requirements(raw) };
-        let allocation = device.allocate(name, requirements, MemoryLocation::GpuOnly, false)?;
+        let memory = device.allocate(name, requirements, MemoryLocation::GpuOnly, false)?;
         // SAFETY: the memory is not freed before its last resource.
-        let memory = unsafe { allocation.memory() };
+        let raw_memory = unsafe { memory.allocation.memory() };
         // SAFETY: the allocation fits the requirements and nothing else uses its range.
-        let bound = unsafe { device.raw.bind_image_memory(raw, memory, allocation.offset()) };
-        *inner.allocation.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(allocation);
-        bound.map_err(GpuError::call("vkBindImageMemory", name))?;
+        unsafe { device.raw.bind_image_memory(raw, raw_memory, memory.allocation.offset()) }
+            .map_err(GpuError::call("vkBindImageMemory", name))?;
+        inner.memory = Some(memory);
         Ok(Image { inner: Arc::new(inner) })
     }
 
@@ -217,49 +213,36 @@ impl Gpu {
 }
 
 /// Interpolation within and between levels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Filter {
     Nearest,
     Linear,
 }
 
-/// What lies beyond the edges.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wrap {
-    /// An equirectangular map: u repeats, v clamps.
-    Equirect,
-    /// A tiling texture.
-    RepeatBoth,
-    Clamp,
+/// How an image is looked up, over every level. Anisotropy stays off: it breaks `textureLod` on Mesa 22.3.6.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Sampler(pub Filter, pub Wrap);
+
+impl Sampler {
+    /// Equirectangular maps: trilinear.
+    pub const EQUIRECT: Self = Self(Filter::Linear, Wrap::Equirect);
+    /// For shaders that fetch texels.
+    pub const TEXELS: Self = Self(Filter::Nearest, Wrap::Clamp);
 }
 
-/// A sampler. Anisotropy stays off: it breaks `textureLod` on Mesa 22.3.6.
-#[derive(Clone)]
-pub struct Sampler {
-    pub(super) inner: Arc<SamplerInner>,
-}
-
-pub(super) struct SamplerInner {
-    pub(super) raw: vk::Sampler,
-    device: Arc<Shared>,
-}
-
-impl Drop for SamplerInner {
-    fn drop(&mut self) {
-        // SAFETY: no pending command uses the sampler, as for buffers.
-        unsafe { self.device.raw.destroy_sampler(self.raw, None) };
-    }
-}
-
-impl Gpu {
-    /// A sampler over every level, `filter` within and between levels.
-    pub fn sampler(&self, filter: Filter, wrap: Wrap) -> Result<Sampler, GpuError> {
-        let (within, between) = match filter {
+impl Shared {
+    /// The Vulkan object of a sampler, made once.
+    pub(super) fn sampler(&self, sampler: Sampler) -> Result<vk::Sampler, GpuError> {
+        let mut known = lock(&self.samplers);
+        if let Some(&raw) = known.get(&sampler) {
+            return Ok(raw);
+        }
+        let (within, between) = match sampler.0 {
             Filter::Nearest => (vk::Filter::NEAREST, vk::SamplerMipmapMode::NEAREST),
             Filter::Linear => (vk::Filter::LINEAR, vk::SamplerMipmapMode::LINEAR),
         };
         let (repeat, clamp) = (vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE);
-        let (u, v) = match wrap {
+        let (u, v) = match sampler.1 {
             Wrap::Equirect => (repeat, clamp),
             Wrap::RepeatBoth => (repeat, repeat),
             Wrap::Clamp => (clamp, clamp),
@@ -270,11 +253,12 @@ impl Gpu {
             .mipmap_mode(between)
             .address_mode_u(u)
             .address_mode_v(v)
-            .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+            .address_mode_w(clamp)
             .max_lod(vk::LOD_CLAMP_NONE);
         // SAFETY: the device is alive and the description is complete.
-        let raw = unsafe { self.shared.raw.create_sampler(&info, None) }
-            .map_err(GpuError::call("vkCreateSampler", "sampler"))?;
-        Ok(Sampler { inner: Arc::new(SamplerInner { raw, device: self.shared.clone() }) })
+        let raw =
+            unsafe { self.raw.create_sampler(&info, None) }.map_err(GpuError::call("vkCreateSampler", "sampler"))?;
+        known.insert(sampler, raw);
+        Ok(raw)
     }
 }

@@ -1,7 +1,8 @@
 //! Vulkan: device, memory, pipelines, recording, timestamps. The only unsafe code; knows nothing of light.
 //!
-//! Every resource is a cheap handle that shares its Vulkan object and frees it with the last clone. A [`Recorder`] keeps what it
-//! records alive, derives each barrier and layout from the tracked access of each buffer and each mip level, and `submit` waits.
+//! Every buffer and image is a cheap handle that shares its Vulkan object and frees it with the last clone; pipelines and samplers are
+//! made when they are first named and live as long as the device. A [`Recorder`] keeps what it records alive, derives each barrier and
+//! layout from the tracked access of each buffer and each mip level, and `submit` waits.
 #![allow(unsafe_code)] // Vulkan is a C interface; each block says why its call is sound
 #![deny(clippy::undocumented_unsafe_blocks, clippy::multiple_unsafe_ops_per_block)]
 
@@ -13,19 +14,19 @@ mod error;
 mod image;
 mod inject;
 mod instance;
+mod kept_pipeline;
 mod pipeline;
 mod recorder;
 mod shader;
 mod sync;
 
+pub use crate::pixels::lookup::Wrap;
+pub use bounded::image_groups;
 pub use buffer::Buffer;
 pub use device::Gpu;
 pub use error::GpuError;
-pub use image::{Filter, Format, Image, Sampler, Wrap};
+pub use image::{Filter, Format, Image, Sampler};
 pub use instance::{DeviceChoice, DeviceInfo, Options, chosen_device, devices};
-pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline, Slot};
+pub use pipeline::GraphicsDescription;
 pub use recorder::{Bind, DrawCall, PassTime, Recorder, Report, Targets};
-pub use shader::{
-    BRDF_STEMS, DIFFUSE_STEMS, HOST_FILES, HOST_HASH, METHOD_STEMS, build_hash, code_hash, has_shader, shader_code,
-    shader_names,
-};
+pub use shader::{HOST_FILES, HOST_HASH, build_hash, code_hash, has_shader, shader_code, shader_names};

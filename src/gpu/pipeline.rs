@@ -1,134 +1,65 @@
-//! Compute and graphics pipelines.
+//! Compute and graphics pipelines: made when they are first recorded, kept until the device closes.
 
-use super::device::Shared;
+use super::device::{Shared, lock};
+use super::kept_pipeline::{Interface, Pipeline};
 use super::shader::spirv;
-use super::{Format, Gpu, GpuError};
+use super::{Format, GpuError};
 use ash::vk;
 use std::sync::Arc;
 
-/// Kind of one binding of descriptor set 0; the index in the list is the binding's number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Slot {
-    /// `sampler2D`.
-    Sampled,
-    /// `image2D`.
-    StorageImage,
-    /// `buffer`.
-    Buffer,
-    /// `uniform` block.
-    Uniform,
-}
-
-impl Slot {
-    pub(super) fn raw(self) -> vk::DescriptorType {
-        match self {
-            Self::Sampled => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
-            Self::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
-            Self::Buffer => vk::DescriptorType::STORAGE_BUFFER,
-            Self::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
-        }
-    }
-}
-
-/// Layout, pipeline and what they need to be freed.
-pub(super) struct Inner {
-    pub(super) raw: vk::Pipeline,
-    pub(super) layout: vk::PipelineLayout,
-    pub(super) set_layout: vk::DescriptorSetLayout,
-    pub(super) slots: Vec<Slot>,
-    pub(super) push_size: u32,
-    pub(super) stages: vk::ShaderStageFlags,
-    /// The last shader's.
-    pub(super) name: String,
-    pub(super) shaders: Vec<String>,
-    device: Arc<Shared>,
-}
-
-/// A compute pipeline. Clones share it.
-#[derive(Clone)]
-pub struct ComputePipeline {
-    pub(super) inner: Arc<Inner>,
-}
-
-/// A graphics pipeline with dynamic rendering. Clones share it.
-#[derive(Clone)]
-pub struct GraphicsPipeline {
-    pub(super) inner: Arc<Inner>,
-}
-
-/// What a graphics pipeline draws: opaque triangles, counter-clockwise in front, depth test (less), no culling, viewport and scissor of
-/// the targets.
+/// What a draw runs: opaque triangles, counter-clockwise in front, depth test (less), no culling, viewport and scissor of the targets.
 #[derive(Clone, Copy, Debug)]
 pub struct GraphicsDescription<'a> {
     /// The vertex and the fragment shader.
     pub shaders: [&'a str; 2],
-    pub slots: &'a [Slot],
-    pub push_size: usize,
     /// Floats of each vertex attribute, one tightly packed buffer an attribute.
     pub attributes: &'a [u32],
-    pub color_count: usize,
     /// Triangle strip instead of a list.
     pub strip: bool,
 }
 
-impl Inner {
-    fn new(
-        gpu: &Gpu,
-        shaders: &[&str],
-        slots: &[Slot],
-        push_size: usize,
-        stages: vk::ShaderStageFlags,
-    ) -> Result<Self, GpuError> {
-        let name = shaders.last().copied().unwrap_or_default();
-        let device = &gpu.shared;
-        let limit = device.limits.max_push_constants_size;
-        assert!(push_size <= 128 && push_size as u32 <= limit, "'{name}': {push_size} bytes of push constants");
-        let mut inner = Self {
-            raw: vk::Pipeline::null(),
-            layout: vk::PipelineLayout::null(),
-            set_layout: vk::DescriptorSetLayout::null(),
-            slots: slots.to_vec(),
-            push_size: push_size as u32,
-            stages,
-            name: name.into(),
-            shaders: shaders.iter().map(|shader| shader.to_string()).collect(),
-            device: device.clone(),
-        };
-        let bindings: Vec<_> = slots
-            .iter()
-            .zip(0..)
-            .map(|(slot, binding)| {
+impl Pipeline {
+    fn new(shared: &Shared, name: &str, interface: Interface, stages: vk::ShaderStageFlags) -> Result<Self, GpuError> {
+        let (device, push_size) = (shared.raw.clone(), interface.push_size as u32);
+        let limit = shared.limits.max_push_constants_size;
+        assert!(push_size <= 128 && push_size <= limit, "'{name}': {push_size} bytes of push constants");
+        let bindings: Vec<_> = (0..)
+            .zip(&interface.kinds)
+            .map(|(binding, kind)| {
                 vk::DescriptorSetLayoutBinding::default()
                     .binding(binding)
-                    .descriptor_type(slot.raw())
+                    .descriptor_type(*kind)
                     .descriptor_count(1)
                     .stage_flags(stages)
             })
             .collect();
+        let (raw, layout, set_layout) = Default::default();
+        let mut pipeline = Self { raw, layout, set_layout, stages, interface, device };
         let set_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: the device is alive and the description is complete.
-        inner.set_layout = unsafe { device.raw.create_descriptor_set_layout(&set_info, None) }
+        pipeline.set_layout = unsafe { pipeline.device.create_descriptor_set_layout(&set_info, None) }
             .map_err(GpuError::call("vkCreateDescriptorSetLayout", name))?;
-        let ranges = [vk::PushConstantRange { stage_flags: stages, offset: 0, size: push_size as u32 }];
-        let set_layouts = [inner.set_layout];
+        let ranges = [vk::PushConstantRange { stage_flags: stages, offset: 0, size: push_size }];
+        let set_layouts = [pipeline.set_layout];
         let info = vk::PipelineLayoutCreateInfo::default()
             .set_layouts(&set_layouts)
             .push_constant_ranges(if push_size > 0 { &ranges } else { &[] });
         // SAFETY: likewise.
-        inner.layout = unsafe { device.raw.create_pipeline_layout(&info, None) }
+        pipeline.layout = unsafe { pipeline.device.create_pipeline_layout(&info, None) }
             .map_err(GpuError::call("vkCreatePipelineLayout", name))?;
-        Ok(inner)
+        Ok(pipeline)
     }
-}
 
-impl Drop for Inner {
-    fn drop(&mut self) {
-        // SAFETY: no pending command uses these (or they are null), because `submit` waits and recorders hold what they record.
-        unsafe { self.device.raw.destroy_pipeline(self.raw, None) };
-        // SAFETY: likewise.
-        unsafe { self.device.raw.destroy_pipeline_layout(self.layout, None) };
-        // SAFETY: likewise.
-        unsafe { self.device.raw.destroy_descriptor_set_layout(self.set_layout, None) };
+    /// Takes what a call made; its error names the last shader.
+    fn finish(
+        mut self,
+        shared: &Shared,
+        (call, name): (&'static str, &str),
+        made: Result<Vec<vk::Pipeline>, (Vec<vk::Pipeline>, vk::Result)>,
+    ) -> Result<Self, GpuError> {
+        self.raw = made.map_err(|(_, result)| GpuError::call(call, name)(result))?[0];
+        shared.set_name(self.raw, name);
+        Ok(self)
     }
 }
 
@@ -147,6 +78,10 @@ impl<'a> Module<'a> {
             .map_err(GpuError::call("vkCreateShaderModule", name))?;
         Ok(Self { raw, device })
     }
+
+    fn stage(&self, stage: vk::ShaderStageFlags) -> vk::PipelineShaderStageCreateInfo<'static> {
+        vk::PipelineShaderStageCreateInfo::default().stage(stage).module(self.raw).name(c"main")
+    }
 }
 
 impl Drop for Module<'_> {
@@ -156,80 +91,87 @@ impl Drop for Module<'_> {
     }
 }
 
-impl Gpu {
+impl Shared {
     /// The compute pipeline of the shader permutation `shader`, with specialization constants 0, 1, ... set to `constants`.
-    pub fn compute_pipeline(
+    pub(super) fn compute_pipeline(
         &self,
         shader: &str,
-        slots: &[Slot],
-        push_size: usize,
         constants: &[u32],
-    ) -> Result<ComputePipeline, GpuError> {
-        let device = &self.shared;
-        let mut inner = Inner::new(self, &[shader], slots, push_size, vk::ShaderStageFlags::COMPUTE)?;
-        let module = Module::new(device, shader)?;
-        let entries: Vec<_> = (0..constants.len() as u32)
-            .map(|id| vk::SpecializationMapEntry { constant_id: id, offset: 4 * id, size: 4 })
-            .collect();
-        let specialization =
-            vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
-        let stage = vk::PipelineShaderStageCreateInfo::default()
-            .stage(vk::ShaderStageFlags::COMPUTE)
-            .module(module.raw)
-            .name(c"main")
-            .specialization_info(&specialization);
-        let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(inner.layout);
-        // SAFETY: module and layout are alive; the description is complete.
-        let made = unsafe { device.raw.create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
-        let pipelines = made.map_err(|(_, result)| GpuError::call("vkCreateComputePipelines", shader)(result))?;
-        inner.raw = pipelines[0];
-        device.set_name(inner.raw, shader);
-        Ok(ComputePipeline { inner: Arc::new(inner) })
+        interface: Interface,
+    ) -> Result<Arc<Pipeline>, GpuError> {
+        self.pipeline(&[shader], constants, interface, |interface| {
+            let pipeline = Pipeline::new(self, shader, interface, vk::ShaderStageFlags::COMPUTE)?;
+            let module = Module::new(self, shader)?;
+            let entries: Vec<_> = (0..constants.len() as u32)
+                .map(|id| vk::SpecializationMapEntry { constant_id: id, offset: 4 * id, size: 4 })
+                .collect();
+            let specialization =
+                vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
+            let stage = module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&specialization);
+            let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(pipeline.layout)];
+            // SAFETY: module and layout are alive; the description is complete.
+            let made = unsafe { self.raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
+            pipeline.finish(self, ("vkCreateComputePipelines", shader), made)
+        })
     }
 
-    /// The graphics pipeline of a description.
-    pub fn graphics_pipeline(&self, description: GraphicsDescription<'_>) -> Result<GraphicsPipeline, GpuError> {
-        let device = &self.shared;
-        let [vertex_shader, fragment_shader] = description.shaders;
-        let name = fragment_shader;
-        let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let mut inner = Inner::new(self, &description.shaders, description.slots, description.push_size, stages)?;
-        let vertex = Module::new(device, vertex_shader)?;
-        let fragment = Module::new(device, fragment_shader)?;
-        let shader_stages = [(vk::ShaderStageFlags::VERTEX, &vertex), (vk::ShaderStageFlags::FRAGMENT, &fragment)].map(
-            |(stage, module)| {
-                vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw).name(c"main")
-            },
-        );
+    /// The graphics pipeline of a description for `color_count` colour targets.
+    pub(super) fn graphics_pipeline(
+        &self,
+        description: GraphicsDescription<'_>,
+        color_count: usize,
+        interface: Interface,
+    ) -> Result<Arc<Pipeline>, GpuError> {
+        self.pipeline(&description.shaders, &[], interface, |interface| {
+            self.make_graphics_pipeline(description, color_count, interface)
+        })
+    }
+
+    /// The pipeline of these shaders and constants, made once.
+    fn pipeline(
+        &self,
+        shaders: &[&str],
+        constants: &[u32],
+        interface: Interface,
+        make: impl FnOnce(Interface) -> Result<Pipeline, GpuError>,
+    ) -> Result<Arc<Pipeline>, GpuError> {
+        let key = (shaders.iter().map(|shader| shader.to_string()).collect(), constants.to_vec());
+        let mut known = lock(&self.pipelines);
+        if let Some(pipeline) = known.get(&key) {
+            assert_eq!(pipeline.interface, interface, "{shaders:?}: what an earlier call bound");
+            return Ok(pipeline.clone());
+        }
+        let pipeline = Arc::new(make(interface)?);
+        known.insert(key, pipeline.clone());
+        Ok(pipeline)
+    }
+
+    fn make_graphics_pipeline(
+        &self,
+        description: GraphicsDescription<'_>,
+        color_count: usize,
+        interface: Interface,
+    ) -> Result<Pipeline, GpuError> {
+        const STAGES: [vk::ShaderStageFlags; 2] = [vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT];
+        let GraphicsDescription { shaders: [vertex_shader, name], attributes, strip } = description;
+        let pipeline = Pipeline::new(self, name, interface, STAGES[0] | STAGES[1])?;
+        let modules = [Module::new(self, vertex_shader)?, Module::new(self, name)?];
+        let stages = [modules[0].stage(STAGES[0]), modules[1].stage(STAGES[1])];
         let attribute_format = |floats: u32| match floats {
             2 => vk::Format::R32G32_SFLOAT,
             3 => vk::Format::R32G32B32_SFLOAT,
             _ => vk::Format::R32G32B32A32_SFLOAT,
         };
-        let bindings: Vec<_> = (0..)
-            .zip(description.attributes)
-            .map(|(binding, floats)| vk::VertexInputBindingDescription {
-                binding,
-                stride: 4 * floats,
-                input_rate: vk::VertexInputRate::VERTEX,
-            })
-            .collect();
-        let attributes: Vec<_> = (0..)
-            .zip(description.attributes)
-            .map(|(location, &floats)| vk::VertexInputAttributeDescription {
-                location,
-                binding: location,
-                format: attribute_format(floats),
-                offset: 0,
-            })
-            .collect();
+        let (mut bindings, mut locations) = (Vec::new(), Vec::new());
+        for (binding, &floats) in (0..).zip(attributes) {
+            let (input_rate, format) = (vk::VertexInputRate::VERTEX, attribute_format(floats));
+            bindings.push(vk::VertexInputBindingDescription { binding, stride: 4 * floats, input_rate });
+            locations.push(vk::VertexInputAttributeDescription { location: binding, binding, format, offset: 0 });
+        }
         let vertex_input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(&bindings)
-            .vertex_attribute_descriptions(&attributes);
-        let topology = match description.strip {
-            true => vk::PrimitiveTopology::TRIANGLE_STRIP,
-            false => vk::PrimitiveTopology::TRIANGLE_LIST,
-        };
+            .vertex_attribute_descriptions(&locations);
+        let topology = if strip { vk::PrimitiveTopology::TRIANGLE_STRIP } else { vk::PrimitiveTopology::TRIANGLE_LIST };
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(topology);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
@@ -241,20 +183,18 @@ impl Gpu {
             .depth_test_enable(true)
             .depth_write_enable(true)
             .depth_compare_op(vk::CompareOp::LESS);
-        let blends = vec![
-            vk::PipelineColorBlendAttachmentState::default()
-                .color_write_mask(vk::ColorComponentFlags::RGBA);
-            description.color_count
-        ];
+        let every_channel =
+            vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
+        let blends = vec![every_channel; color_count];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
         let dynamic_states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
         let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic_states);
-        let formats = vec![Format::Rgba32Float.raw(); description.color_count];
+        let formats = vec![Format::Rgba32Float.raw(); color_count];
         let mut rendering = vk::PipelineRenderingCreateInfo::default()
             .color_attachment_formats(&formats)
             .depth_attachment_format(Format::Depth32Float.raw());
-        let info = vk::GraphicsPipelineCreateInfo::default()
-            .stages(&shader_stages)
+        let info = [vk::GraphicsPipelineCreateInfo::default()
+            .stages(&stages)
             .vertex_input_state(&vertex_input)
             .input_assembly_state(&assembly)
             .viewport_state(&viewport)
@@ -263,13 +203,10 @@ impl Gpu {
             .depth_stencil_state(&depth)
             .color_blend_state(&blend)
             .dynamic_state(&dynamic)
-            .layout(inner.layout)
-            .push_next(&mut rendering);
+            .layout(pipeline.layout)
+            .push_next(&mut rendering)];
         // SAFETY: modules and layout are alive; the description is complete.
-        let made = unsafe { device.raw.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
-        let pipelines = made.map_err(|(_, result)| GpuError::call("vkCreateGraphicsPipelines", name)(result))?;
-        inner.raw = pipelines[0];
-        device.set_name(inner.raw, name);
-        Ok(GraphicsPipeline { inner: Arc::new(inner) })
+        let made = unsafe { self.raw.create_graphics_pipelines(vk::PipelineCache::null(), &info, None) };
+        pipeline.finish(self, ("vkCreateGraphicsPipelines", name), made)
     }
 }

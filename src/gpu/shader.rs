@@ -7,13 +7,17 @@ include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
 /// SPIR-V words of the permutation `name` (see `shaders/build.rs`).
 pub(super) fn spirv(name: &str) -> Result<Vec<u32>, GpuError> {
-    let (_, bytes) = SHADERS.iter().find(|(known, _)| *known == name).ok_or_else(|| GpuError::NoShader(name.into()))?;
-    Ok(bytes.chunks_exact(4).map(|word| u32::from_ne_bytes([word[0], word[1], word[2], word[3]])).collect())
+    let code = code_of(name).ok_or_else(|| GpuError::NoShader(name.into()))?;
+    Ok(bytemuck::pod_collect_to_vec(code))
+}
+
+fn code_of(name: &str) -> Option<&'static [u8]> {
+    SHADERS.iter().find(|(known, _)| *known == name).map(|(_, code)| *code)
 }
 
 /// Whether the build made this permutation; a method that does not use the BRDF has none for each model.
 pub fn has_shader(name: &str) -> bool {
-    SHADERS.iter().any(|(known, _)| *known == name)
+    code_of(name).is_some()
 }
 
 /// Hash of what these permutations run; `spirv` gives the code of each.
@@ -30,8 +34,7 @@ pub fn code_hash<'a>(shaders: &[String], spirv: impl Fn(&str) -> &'a [u8]) -> St
 
 /// SPIR-V of the permutation `name`, which the build made.
 pub fn shader_code(name: &str) -> &'static [u8] {
-    let known = SHADERS.iter().find(|(known, _)| *known == name);
-    known.unwrap_or_else(|| panic!("there is no shader {name}")).1
+    code_of(name).unwrap_or_else(|| panic!("there is no shader {name}"))
 }
 
 /// Names of all permutations.

@@ -1,189 +1,104 @@
 //! Tracked access of a buffer or a mip level, and the barrier that the next access needs.
 
-use ash::vk;
+use ash::vk::{AccessFlags2 as Kind, ImageLayout as Layout, PipelineStageFlags2 as Stage};
 
-/// What a command does with a resource: where and how, and in which layout an image must be.
+/// What a command does with a resource: where and how, and in which layout an image must be; a buffer has none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Access {
-    pub(super) stage: vk::PipelineStageFlags2,
-    pub(super) access: vk::AccessFlags2,
-    pub(super) layout: vk::ImageLayout,
+    pub(super) stage: Stage,
+    pub(super) access: Kind,
+    pub(super) layout: Layout,
     pub(super) writes: bool,
 }
 
+const STORAGE_READ_WRITE: Kind =
+    Kind::from_raw(Kind::SHADER_STORAGE_READ.as_raw() | Kind::SHADER_STORAGE_WRITE.as_raw());
+const COLOR_READ_WRITE: Kind =
+    Kind::from_raw(Kind::COLOR_ATTACHMENT_READ.as_raw() | Kind::COLOR_ATTACHMENT_WRITE.as_raw());
+const DEPTH_READ_WRITE: Kind =
+    Kind::from_raw(Kind::DEPTH_STENCIL_ATTACHMENT_READ.as_raw() | Kind::DEPTH_STENCIL_ATTACHMENT_WRITE.as_raw());
+const SHADERS: Stage =
+    Stage::from_raw(Stage::COMPUTE_SHADER.as_raw() | Stage::VERTEX_SHADER.as_raw() | Stage::FRAGMENT_SHADER.as_raw());
+const DEPTH_TESTS: Stage = Stage::from_raw(Stage::EARLY_FRAGMENT_TESTS.as_raw() | Stage::LATE_FRAGMENT_TESTS.as_raw());
+
 impl Access {
-    const fn new(
-        stage: vk::PipelineStageFlags2,
-        access: vk::AccessFlags2,
-        layout: vk::ImageLayout,
-        writes: bool,
-    ) -> Self {
-        Self { stage, access, layout, writes }
+    const fn read(stage: Stage, access: Kind, layout: Layout) -> Self {
+        Self { stage, access, layout, writes: false }
     }
 
-    const SHADERS: vk::PipelineStageFlags2 = vk::PipelineStageFlags2::from_raw(
-        vk::PipelineStageFlags2::COMPUTE_SHADER.as_raw()
-            | vk::PipelineStageFlags2::VERTEX_SHADER.as_raw()
-            | vk::PipelineStageFlags2::FRAGMENT_SHADER.as_raw(),
-    );
+    const fn write(stage: Stage, access: Kind, layout: Layout) -> Self {
+        Self { stage, access, layout, writes: true }
+    }
 
-    pub(super) const SAMPLE: Self = Self::new(
-        Self::SHADERS,
-        vk::AccessFlags2::SHADER_SAMPLED_READ,
-        vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
-        false,
-    );
-    pub(super) const IMAGE_WRITE: Self = Self::new(
-        vk::PipelineStageFlags2::COMPUTE_SHADER,
-        vk::AccessFlags2::SHADER_STORAGE_WRITE,
-        vk::ImageLayout::GENERAL,
-        true,
-    );
-    pub(super) const IMAGE_READ_WRITE: Self = Self::new(
-        vk::PipelineStageFlags2::COMPUTE_SHADER,
-        vk::AccessFlags2::from_raw(
-            vk::AccessFlags2::SHADER_STORAGE_READ.as_raw() | vk::AccessFlags2::SHADER_STORAGE_WRITE.as_raw(),
-        ),
-        vk::ImageLayout::GENERAL,
-        true,
-    );
-    pub(super) const UNIFORM_READ: Self =
-        Self::new(Self::SHADERS, vk::AccessFlags2::UNIFORM_READ, vk::ImageLayout::UNDEFINED, false);
-    pub(super) const BUFFER_READ: Self =
-        Self::new(Self::SHADERS, vk::AccessFlags2::SHADER_STORAGE_READ, vk::ImageLayout::UNDEFINED, false);
-    pub(super) const BUFFER_WRITE: Self = Self::new(
-        vk::PipelineStageFlags2::COMPUTE_SHADER,
-        vk::AccessFlags2::SHADER_STORAGE_WRITE,
-        vk::ImageLayout::UNDEFINED,
-        true,
-    );
-    pub(super) const BUFFER_READ_WRITE: Self = Self::new(
-        vk::PipelineStageFlags2::COMPUTE_SHADER,
-        vk::AccessFlags2::from_raw(
-            vk::AccessFlags2::SHADER_STORAGE_READ.as_raw() | vk::AccessFlags2::SHADER_STORAGE_WRITE.as_raw(),
-        ),
-        vk::ImageLayout::UNDEFINED,
-        true,
-    );
-    pub(super) const VERTEX: Self = Self::new(
-        vk::PipelineStageFlags2::VERTEX_ATTRIBUTE_INPUT,
-        vk::AccessFlags2::VERTEX_ATTRIBUTE_READ,
-        vk::ImageLayout::UNDEFINED,
-        false,
-    );
-    pub(super) const INDEX: Self = Self::new(
-        vk::PipelineStageFlags2::INDEX_INPUT,
-        vk::AccessFlags2::INDEX_READ,
-        vk::ImageLayout::UNDEFINED,
-        false,
-    );
-    pub(super) const COPY_READ: Self = Self::new(
-        vk::PipelineStageFlags2::COPY,
-        vk::AccessFlags2::TRANSFER_READ,
-        vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-        false,
-    );
-    pub(super) const COPY_WRITE: Self = Self::new(
-        vk::PipelineStageFlags2::COPY,
-        vk::AccessFlags2::TRANSFER_WRITE,
-        vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-        true,
-    );
+    pub(super) const SAMPLE: Self = Self::read(SHADERS, Kind::SHADER_SAMPLED_READ, Layout::SHADER_READ_ONLY_OPTIMAL);
+    pub(super) const UNIFORM: Self = Self::read(SHADERS, Kind::UNIFORM_READ, Layout::UNDEFINED);
+    pub(super) const LOAD: Self = Self::read(SHADERS, Kind::SHADER_STORAGE_READ, Layout::GENERAL);
+    pub(super) const STORE: Self = Self::write(Stage::COMPUTE_SHADER, Kind::SHADER_STORAGE_WRITE, Layout::GENERAL);
+    pub(super) const UPDATE: Self = Self::write(Stage::COMPUTE_SHADER, STORAGE_READ_WRITE, Layout::GENERAL);
+    pub(super) const VERTEX: Self =
+        Self::read(Stage::VERTEX_ATTRIBUTE_INPUT, Kind::VERTEX_ATTRIBUTE_READ, Layout::UNDEFINED);
+    pub(super) const INDEX: Self = Self::read(Stage::INDEX_INPUT, Kind::INDEX_READ, Layout::UNDEFINED);
+    pub(super) const COPY_READ: Self = Self::read(Stage::COPY, Kind::TRANSFER_READ, Layout::TRANSFER_SRC_OPTIMAL);
+    pub(super) const COPY_WRITE: Self = Self::write(Stage::COPY, Kind::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL);
     /// vkCmdFillBuffer. The stage of a fill is COPY to some readers of the specification (validation layer 1.3.239 among them) and
     /// CLEAR to others: ALL_TRANSFER holds both.
-    pub(super) const FILL: Self = Self::new(
-        vk::PipelineStageFlags2::ALL_TRANSFER,
-        vk::AccessFlags2::TRANSFER_WRITE,
-        vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-        true,
-    );
-    pub(super) const COLOR: Self = Self::new(
-        vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT,
-        vk::AccessFlags2::from_raw(
-            vk::AccessFlags2::COLOR_ATTACHMENT_READ.as_raw() | vk::AccessFlags2::COLOR_ATTACHMENT_WRITE.as_raw(),
-        ),
-        vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
-        true,
-    );
-    pub(super) const DEPTH: Self = Self::new(
-        vk::PipelineStageFlags2::from_raw(
-            vk::PipelineStageFlags2::EARLY_FRAGMENT_TESTS.as_raw()
-                | vk::PipelineStageFlags2::LATE_FRAGMENT_TESTS.as_raw(),
-        ),
-        vk::AccessFlags2::from_raw(
-            vk::AccessFlags2::DEPTH_STENCIL_ATTACHMENT_READ.as_raw()
-                | vk::AccessFlags2::DEPTH_STENCIL_ATTACHMENT_WRITE.as_raw(),
-        ),
-        vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL,
-        true,
-    );
+    pub(super) const FILL: Self = Self::write(Stage::ALL_TRANSFER, Kind::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL);
+    pub(super) const COLOR: Self =
+        Self::write(Stage::COLOR_ATTACHMENT_OUTPUT, COLOR_READ_WRITE, Layout::COLOR_ATTACHMENT_OPTIMAL);
+    pub(super) const DEPTH: Self = Self::write(DEPTH_TESTS, DEPTH_READ_WRITE, Layout::DEPTH_ATTACHMENT_OPTIMAL);
     /// The host reads mapped memory after the submission.
-    pub(super) const HOST_READ: Self =
-        Self::new(vk::PipelineStageFlags2::HOST, vk::AccessFlags2::HOST_READ, vk::ImageLayout::UNDEFINED, false);
+    pub(super) const HOST_READ: Self = Self::read(Stage::HOST, Kind::HOST_READ, Layout::UNDEFINED);
 }
 
 /// What happened to one resource (a buffer, a mip level) so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct State {
-    layout: vk::ImageLayout,
-    write_stage: vk::PipelineStageFlags2,
-    write_access: vk::AccessFlags2,
+    layout: Layout,
+    write_stage: Stage,
+    write_access: Kind,
     /// Readers since that write: a later write waits for them, and they need no second barrier.
-    read_stages: vk::PipelineStageFlags2,
-    read_accesses: vk::AccessFlags2,
+    read_stages: Stage,
+    read_accesses: Kind,
 }
 
 /// Source and destination of one barrier.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Barrier {
-    pub(super) src_stage: vk::PipelineStageFlags2,
-    pub(super) src_access: vk::AccessFlags2,
+    pub(super) src_stage: Stage,
+    pub(super) src_access: Kind,
     pub(super) dst: Access,
-    pub(super) old_layout: vk::ImageLayout,
+    pub(super) old_layout: Layout,
 }
 
 impl State {
     pub(super) const NEW: Self = Self {
-        layout: vk::ImageLayout::UNDEFINED,
-        write_stage: vk::PipelineStageFlags2::NONE,
-        write_access: vk::AccessFlags2::NONE,
-        read_stages: vk::PipelineStageFlags2::NONE,
-        read_accesses: vk::AccessFlags2::NONE,
+        layout: Layout::UNDEFINED,
+        write_stage: Stage::NONE,
+        write_access: Kind::NONE,
+        read_stages: Stage::NONE,
+        read_accesses: Kind::NONE,
     };
 
     /// Moves to `next` and returns the barrier that must come before it, if any.
     pub(super) fn advance(&mut self, next: Access, is_image: bool) -> Option<Barrier> {
-        let old_layout = self.layout;
-        let relayout = is_image && old_layout != next.layout;
-        let barrier = if next.writes || relayout {
-            // After a write and all reads of it. A layout transition writes, too.
-            let src_stage = self.write_stage | self.read_stages;
-            let src_access = if self.read_stages.is_empty() { self.write_access } else { vk::AccessFlags2::NONE };
-            let needed = relayout || !src_stage.is_empty();
-            self.read_stages = vk::PipelineStageFlags2::NONE;
-            self.read_accesses = vk::AccessFlags2::NONE;
-            self.write_stage = next.stage;
-            self.write_access = if next.writes { next.access } else { vk::AccessFlags2::NONE };
-            if !next.writes {
-                self.read_stages = next.stage;
-                self.read_accesses = next.access;
-            }
-            needed.then_some(Barrier { src_stage, src_access, dst: next, old_layout })
-        } else {
-            let known = self.read_stages.contains(next.stage) && self.read_accesses.contains(next.access);
-            let needed = !known && !self.write_stage.is_empty();
-            self.read_stages |= next.stage;
-            self.read_accesses |= next.access;
-            needed.then_some(Barrier {
-                src_stage: self.write_stage,
-                src_access: self.write_access,
-                dst: next,
-                old_layout,
-            })
-        };
+        let relayout = is_image && self.layout != next.layout;
+        let after_write =
+            Barrier { src_stage: self.write_stage, src_access: self.write_access, dst: next, old_layout: self.layout };
         if is_image {
             self.layout = next.layout;
         }
-        barrier
+        if !next.writes && !relayout {
+            let known = self.read_stages.contains(next.stage) && self.read_accesses.contains(next.access);
+            self.read_stages |= next.stage;
+            self.read_accesses |= next.access;
+            return (!known && !self.write_stage.is_empty()).then_some(after_write);
+        }
+        // After a write and all reads of it. A layout transition writes, too.
+        let src_stage = self.write_stage | self.read_stages;
+        let src_access = if self.read_stages.is_empty() { self.write_access } else { Kind::NONE };
+        self.write_stage = next.stage;
+        (self.write_access, self.read_stages, self.read_accesses) =
+            if next.writes { (next.access, Stage::NONE, Kind::NONE) } else { (Kind::NONE, next.stage, next.access) };
+        (relayout || !src_stage.is_empty()).then_some(Barrier { src_stage, src_access, ..after_write })
     }
 }

@@ -74,7 +74,7 @@ fn random(stream: u32, i: u32) -> DVec2 {
 }
 
 /// As `sobol_hash` of `shaders/lib/sobol.glsl` [Wellons18].
-fn hash(mut x: u32) -> u32 {
+pub fn hash(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x7feb_352d);
     x ^= x >> 15;
@@ -83,7 +83,7 @@ fn hash(mut x: u32) -> u32 {
 }
 
 /// As in `shaders/lib/sobol.glsl`: the second Sobol dimension with its bits reversed; that of the first is the index itself.
-fn sobol_second_reversed(mut index: u32) -> u32 {
+pub fn sobol_second_reversed(mut index: u32) -> u32 {
     index ^= index >> 16;
     index ^= (index & 0xff00_ff00) >> 8;
     index ^= (index & 0xf0f0_f0f0) >> 4;
@@ -92,7 +92,7 @@ fn sobol_second_reversed(mut index: u32) -> u32 {
 }
 
 /// As `sobol_scramble_reversed` of `shaders/lib/sobol.glsl` [Burley20, Vegdahl21]: bit k is flipped by a function of the lower bits.
-fn scramble_reversed(mut x: u32, key: u32) -> u32 {
+pub fn scramble_reversed(mut x: u32, key: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(key);
     x = x.wrapping_mul((key >> 16) | 1);

@@ -1,21 +1,17 @@
 //! Relative energy bias: how much light the test adds or loses in total.
 
-use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
+use super::{Better, Comparison, Description, Metric, ReferenceNoise};
 
 /// `sum d / sum r`; positive when the test is too bright. A black reference gives 0 for a black test, else infinity.
 pub struct RelativeBias;
 
 impl Metric for RelativeBias {
     fn description(&self) -> &'static Description {
-        &Description {
-            name: "bias_rel",
-            space: Space::Linear,
+        const DESCRIPTION: Description = Description {
             better: Better::NearerZero,
-            version: 1,
-            parameters: &[],
-            formula: "sum d / sum r: energy gained (+) or lost (-)",
-            power: 1.0,
-        }
+            ..Description::linear("bias_rel", "sum d / sum r: energy gained (+) or lost (-)")
+        };
+        &DESCRIPTION
     }
 
     fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {

@@ -135,32 +135,31 @@ impl<'a> Comparison<'a> {
     /// Relative error per pixel, ≥ 0: the root of the RGB mean of `d² / (r² + ε)`; 0 off the mask. Its percentiles are
     /// `err_p95`, `err_p99` and `err_max`; the mean of its square is `relmse`.
     pub fn relative_error_map(&self) -> GrayImage {
-        let [width, height] = self.size();
-        let mut map = GrayImage::filled(width, height, 0.0);
-        for &pixel in &self.pixels {
-            map.data[pixel] = self.relative_squares()[pixel].sqrt() as f32;
-        }
-        map
+        let squares = self.relative_squares();
+        self.map(|pixel| squares[pixel].sqrt() as f32)
     }
 
     /// Signed relative error per pixel: the RGB mean of `d / sqrt(r² + ε)`, positive where the test is too bright; 0 off the
     /// mask.
     pub fn signed_error_map(&self) -> GrayImage {
-        let [width, height] = self.size();
-        let mut map = GrayImage::filled(width, height, 0.0);
-        for &pixel in &self.pixels {
+        self.map(|pixel| {
             let [t, r] = self.radiance(pixel);
-            map.data[pixel] = rgb_mean(|c| (t[c] - r[c]) / (r[c] * r[c] + EPSILON).sqrt()) as f32;
-        }
-        map
+            rgb_mean(|c| (t[c] - r[c]) / (r[c] * r[c] + EPSILON).sqrt()) as f32
+        })
     }
 
     /// The FLIP error map in [0, 1]; 0 off the mask.
     pub fn flip_map(&self) -> GrayImage {
-        let mut map = GrayImage::filled(self.size()[0], self.size()[1], 0.0);
         let flip = self.flip();
+        self.map(|pixel| flip.data[pixel])
+    }
+
+    /// A value of each masked pixel; 0 off the mask.
+    fn map(&self, value: impl Fn(usize) -> f32) -> GrayImage {
+        let [width, height] = self.size();
+        let mut map = GrayImage::filled(width, height, 0.0);
         for &pixel in &self.pixels {
-            map.data[pixel] = flip.data[pixel];
+            map.data[pixel] = value(pixel);
         }
         map
     }

@@ -2,22 +2,15 @@
 
 use super::mean::{pixel_mean, rgb_mean};
 use super::noise::MEAN_ABS_NORMAL;
-use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
+use super::{Comparison, Description, Metric, ReferenceNoise};
 
 /// `mean |d|`, in radiance.
 pub struct Mae;
 
 impl Metric for Mae {
     fn description(&self) -> &'static Description {
-        &Description {
-            name: "mae",
-            space: Space::Linear,
-            better: Better::Lower,
-            version: 1,
-            parameters: &[],
-            formula: "mean |d|, in units of radiance",
-            power: 1.0,
-        }
+        const DESCRIPTION: Description = Description::linear("mae", "mean |d|, in units of radiance");
+        &DESCRIPTION
     }
 
     fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {

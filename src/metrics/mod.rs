@@ -89,6 +89,14 @@ pub struct Description {
     pub power: f64,
 }
 
+impl Description {
+    /// Of an error of linear radiance, whose score grows with the difference. Each metric sets beside it what is different.
+    const fn linear(name: &'static str, formula: &'static str) -> Self {
+        let (space, better) = (Space::Linear, Better::Lower);
+        Self { name, space, better, version: 1, parameters: &[], formula, power: 1.0 }
+    }
+}
+
 /// A score of a test image against a reference.
 pub trait Metric: Sync {
     /// Name, space, direction, parameters and formula.
@@ -104,7 +112,9 @@ pub trait Metric: Sync {
 
     /// The score to expect over the masked pixels if the test were exact and only the reference were off, by its standard
     /// error. `None` where that needs more than the standard error (display metrics).
-    fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64>;
+    fn noise_floor(&self, _noise: &ReferenceNoise) -> Option<f64> {
+        None
+    }
 }
 
 /// Every metric, in the order of the columns.

@@ -31,11 +31,6 @@ impl ReferenceNoise {
         Ok(Self { samples: pixels.into_iter().map(sample).collect() })
     }
 
-    /// The noise floor of one metric.
-    pub fn floor(&self, metric: &dyn Metric) -> Option<f64> {
-        metric.noise_floor(self)
-    }
-
     /// `[r, se]` of each masked pixel.
     pub(super) fn samples(&self) -> &[[[f64; 3]; 2]] {
         &self.samples
@@ -62,7 +57,7 @@ pub fn noise_floor(
     mask: &GrayImage,
 ) -> Result<Vec<(&'static str, Option<f64>)>, MetricsError> {
     let noise = ReferenceNoise::new(reference, standard_error, mask)?;
-    Ok(METRICS.iter().map(|metric| (metric.description().name, noise.floor(*metric))).collect())
+    Ok(METRICS.iter().map(|metric| (metric.description().name, metric.noise_floor(&noise))).collect())
 }
 
 /// What a score means beside its noise floor.

@@ -1,7 +1,7 @@
 //! Peak signal-to-noise ratio of the 8-bit display images.
 
 use super::mean::{pixel_mean, rgb_mean};
-use super::{Better, Comparison, Description, Displayed, Metric, ReferenceNoise, Space};
+use super::{Better, Comparison, Description, Displayed, Metric, Space};
 
 /// Largest 8-bit code value: the peak.
 const PEAK: f64 = 255.0;
@@ -11,15 +11,16 @@ pub struct Psnr;
 
 impl Metric for Psnr {
     fn description(&self) -> &'static Description {
-        &Description {
-            name: "psnr",
+        const DESCRIPTION: Description = Description {
             space: Space::Display,
             better: Better::Higher,
-            version: 1,
             parameters: &[("peak", PEAK)],
-            formula: "10 log10(255^2 / mean d^2) in dB of the 8-bit display values; inf when equal",
-            power: 1.0,
-        }
+            ..Description::linear(
+                "psnr",
+                "10 log10(255^2 / mean d^2) in dB of the 8-bit display values; inf when equal",
+            )
+        };
+        &DESCRIPTION
     }
 
     fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
@@ -34,9 +35,5 @@ impl Metric for Psnr {
     /// Root mean square difference over the peak.
     fn error(&self, score: f64) -> f64 {
         10f64.powf(-score / 20.0)
-    }
-
-    fn noise_floor(&self, _: &ReferenceNoise) -> Option<f64> {
-        None
     }
 }

@@ -4,7 +4,7 @@
 //! moved it from 0.018 to 428. The trimmed form drops the largest errors and so hides rare, true ones. Report both.
 
 use super::mean::pixel_mean;
-use super::{Better, Comparison, Description, EPSILON, Metric, ReferenceNoise, Space};
+use super::{Comparison, Description, EPSILON, Metric, ReferenceNoise};
 
 /// One pixel in this many is dropped by the trimmed form; a selection of fewer pixels loses none.
 const TRIM_ONE_IN: usize = 1000;
@@ -17,15 +17,12 @@ pub struct TrimmedRelMse;
 
 impl Metric for RelMse {
     fn description(&self) -> &'static Description {
-        &Description {
-            name: "relmse",
-            space: Space::Linear,
-            better: Better::Lower,
-            version: 1,
+        const DESCRIPTION: Description = Description {
             parameters: &[("epsilon", EPSILON)],
-            formula: "mean d^2 / (r^2 + 1e-2)",
             power: 2.0,
-        }
+            ..Description::linear("relmse", "mean d^2 / (r^2 + 1e-2)")
+        };
+        &DESCRIPTION
     }
 
     fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
@@ -41,15 +38,15 @@ impl Metric for RelMse {
 
 impl Metric for TrimmedRelMse {
     fn description(&self) -> &'static Description {
-        &Description {
-            name: "relmse_trimmed",
-            space: Space::Linear,
-            better: Better::Lower,
-            version: 1,
+        const DESCRIPTION: Description = Description {
             parameters: &[("epsilon", EPSILON), ("trimmed_fraction", 1e-3)],
-            formula: "relmse without the floor(pixels/1000) pixels of largest RGB-mean error, over the remaining count",
             power: 2.0,
-        }
+            ..Description::linear(
+                "relmse_trimmed",
+                "relmse without the floor(pixels/1000) pixels of largest RGB-mean error, over the remaining count",
+            )
+        };
+        &DESCRIPTION
     }
 
     fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {

@@ -1,22 +1,15 @@
 //! Root mean square error.
 
 use super::mean::{pixel_mean, rgb_mean};
-use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
+use super::{Comparison, Description, Metric, ReferenceNoise};
 
 /// `sqrt(mean d²)`, in radiance.
 pub struct Rmse;
 
 impl Metric for Rmse {
     fn description(&self) -> &'static Description {
-        &Description {
-            name: "rmse",
-            space: Space::Linear,
-            better: Better::Lower,
-            version: 1,
-            parameters: &[],
-            formula: "sqrt(mean d^2), in units of radiance",
-            power: 1.0,
-        }
+        const DESCRIPTION: Description = Description::linear("rmse", "sqrt(mean d^2), in units of radiance");
+        &DESCRIPTION
     }
 
     fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {

@@ -2,22 +2,18 @@
 
 use super::mean::{pixel_mean, rgb_mean};
 use super::noise::MEAN_ABS_NORMAL;
-use super::{Better, Comparison, Description, EPSILON, Metric, ReferenceNoise, Space};
+use super::{Comparison, Description, EPSILON, Metric, ReferenceNoise};
 
 /// `mean |d| / (|t| + |r| + ε)`, below 1. Bounded, so a firefly moves it by at most one pixel's worth.
 pub struct Smape;
 
 impl Metric for Smape {
     fn description(&self) -> &'static Description {
-        &Description {
-            name: "smape",
-            space: Space::Linear,
-            better: Better::Lower,
-            version: 1,
+        const DESCRIPTION: Description = Description {
             parameters: &[("epsilon", EPSILON)],
-            formula: "mean |d| / (|t| + |r| + 1e-2), below 1",
-            power: 1.0,
-        }
+            ..Description::linear("smape", "mean |d| / (|t| + |r| + 1e-2), below 1")
+        };
+        &DESCRIPTION
     }
 
     fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {

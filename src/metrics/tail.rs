@@ -4,7 +4,7 @@
 //! always the error of a real pixel.
 
 use super::noise::half_normal_tail;
-use super::{Better, Comparison, Description, EPSILON, Metric, ReferenceNoise, Space};
+use super::{Comparison, Description, EPSILON, Metric, ReferenceNoise};
 
 /// A percentile of the per-pixel relative error.
 pub struct Percentile {
@@ -20,29 +20,31 @@ pub const P99: Percentile = Percentile { description: &P99_DESCRIPTION, thousand
 /// The largest error.
 pub const MAXIMUM: Percentile = Percentile { description: &MAXIMUM_DESCRIPTION, thousandths: 1000 };
 
-const P95_DESCRIPTION: Description = Description {
-    name: "err_p95",
-    space: Space::Linear,
-    better: Better::Lower,
-    version: 1,
-    parameters: &[("epsilon", EPSILON), ("fraction", 0.95)],
-    formula: "95th percentile (nearest rank) of the per-pixel error sqrt(RGB mean of d^2 / (r^2 + 1e-2))",
-    power: 1.0,
-};
+const fn description(
+    name: &'static str,
+    parameters: &'static [(&'static str, f64)],
+    formula: &'static str,
+) -> Description {
+    Description { parameters, ..Description::linear(name, formula) }
+}
 
-const P99_DESCRIPTION: Description = Description {
-    name: "err_p99",
-    parameters: &[("epsilon", EPSILON), ("fraction", 0.99)],
-    formula: "99th percentile (nearest rank) of the per-pixel error sqrt(RGB mean of d^2 / (r^2 + 1e-2))",
-    ..P95_DESCRIPTION
-};
+const P95_DESCRIPTION: Description = description(
+    "err_p95",
+    &[("epsilon", EPSILON), ("fraction", 0.95)],
+    "95th percentile (nearest rank) of the per-pixel error sqrt(RGB mean of d^2 / (r^2 + 1e-2))",
+);
 
-const MAXIMUM_DESCRIPTION: Description = Description {
-    name: "err_max",
-    parameters: &[("epsilon", EPSILON), ("fraction", 1.0)],
-    formula: "largest per-pixel error sqrt(RGB mean of d^2 / (r^2 + 1e-2))",
-    ..P95_DESCRIPTION
-};
+const P99_DESCRIPTION: Description = description(
+    "err_p99",
+    &[("epsilon", EPSILON), ("fraction", 0.99)],
+    "99th percentile (nearest rank) of the per-pixel error sqrt(RGB mean of d^2 / (r^2 + 1e-2))",
+);
+
+const MAXIMUM_DESCRIPTION: Description = description(
+    "err_max",
+    &[("epsilon", EPSILON), ("fraction", 1.0)],
+    "largest per-pixel error sqrt(RGB mean of d^2 / (r^2 + 1e-2))",
+);
 
 /// Halvings of the bracket when a quantile is solved for: 2^-20 of the largest scale is far below what a floor needs.
 const BISECTION_STEPS: usize = 20;

@@ -58,7 +58,7 @@ impl Queries {
     /// Reads a CSV file with a header. Environments are loaded once each; relative paths start at the folder of the file.
     pub fn read(path: &Path, kind: Kind, options: &LoadOptions) -> Result<Self, QueryFaults> {
         let bytes = read_given(path, TEXT_BYTES_MAX)
-            .map_err(|error| whole(path, format!("cannot be read ({error}); expected a CSV file of queries")))?;
+            .map_err(|error| one_fault(path, 1, format!("cannot be read ({error}); expected a CSV file of queries")))?;
         Self::from_bytes(path, &bytes, kind, options)
     }
 
@@ -66,8 +66,7 @@ impl Queries {
     pub fn from_bytes(path: &Path, bytes: &[u8], kind: Kind, options: &LoadOptions) -> Result<Self, QueryFaults> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
             let line = 1 + bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count() as u64;
-            let what = "the line is not UTF-8 text".to_owned();
-            QueryFaults { path: path.to_owned(), faults: vec![Fault { line, column: String::new(), what }] }
+            one_fault(path, line, "the line is not UTF-8 text".to_owned())
         })?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         Reader::new(path, kind, options).read(text).map_err(|faults| QueryFaults { path: path.to_owned(), faults })
@@ -89,9 +88,9 @@ impl Queries {
     }
 }
 
-/// A fault of the file as a whole.
-fn whole(path: &Path, what: String) -> QueryFaults {
-    QueryFaults { path: path.to_owned(), faults: vec![Fault { line: 1, column: String::new(), what }] }
+/// One fault, of a line as a whole.
+fn one_fault(path: &Path, line: u64, what: String) -> QueryFaults {
+    QueryFaults { path: path.to_owned(), faults: vec![Fault { line, column: String::new(), what }] }
 }
 
 /// An environment by what the rows call it.

@@ -1,13 +1,13 @@
 //! What precompute makes, as files for people and other programs.
 
+use super::light_tables::read_level;
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::gpu::{Gpu, Image};
-use crate::math::sequence::SEQUENCES;
-use crate::pixels::{GrayImage, Pixels, RgbImage, exr, write_atomically};
+use crate::pixels::{GrayImage, Pixels, exr, write_atomically};
 use crate::precompute::{PrecomputeSettings, prefilter};
-use crate::scene::{Camera, CameraKind, SCENES};
+use crate::scene::{CameraKind, Scene};
 use crate::shade::{diffuse_by_name, method_by_name};
 use serde::Serialize;
 use std::io::Write;
@@ -62,37 +62,34 @@ impl Pipeline {
         let environment = &request.environment;
         let settings = &request.precompute;
         remove_stale(request, out)?;
-        let mut files = Vec::new();
-        let mut view = RequestView::new(request);
+        // The smallest request that makes the tables: nothing of it is ever shaded.
+        let mut view = RenderRequest {
+            method: method_by_name("none").expect("a listed method"),
+            masking_shadowing: request.masking_shadowing,
+            precompute: *settings,
+            ..RenderRequest::plain(environment.clone(), Scene::sphere(), CameraKind::Ortho, [8, 8])
+        };
 
-        for diffuse in ["sh9", "irradiance-map"] {
-            view.0.diffuse = diffuse_by_name(diffuse).expect("a listed diffuse method");
-            let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view.0)?;
-            let tables = prepared.tables();
-            if diffuse == "sh9" {
-                let texels: Vec<[f32; 4]> = self.gpu.read_buffer(tables.sh9)?;
-                let path = out.join("sh9.json");
-                write_json(&path, &sh9_file(environment, &texels))?;
-                files.push(path);
-            } else {
-                let path = out.join("irradiance_over_pi.exr");
-                write_image(&self.gpu, tables.irradiance_map, 0, &path)?;
-                files.push(path);
-            }
-        }
-        view.0.diffuse = diffuse_by_name("none").expect("a listed diffuse method");
-        view.0.method = method_by_name("split-sum").expect("a listed method");
+        let mut files = ["sh9.json", "irradiance_over_pi.exr"].map(|name| out.join(name)).to_vec();
+        view.diffuse = diffuse_by_name("sh9").expect("a listed diffuse method");
+        let prepared = self.prepare(&view)?;
+        let texels: Vec<[f32; 4]> = self.gpu.read_buffer(&prepared.tables.sh9)?;
+        write_json(&files[0], &sh9_file(environment, &texels))?;
+        view.diffuse = diffuse_by_name("irradiance-map").expect("a listed diffuse method");
+        let prepared = self.prepare(&view)?;
+        write_image(&self.gpu, &prepared.tables.irradiance_map, 0, &files[1])?;
+        view.diffuse = diffuse_by_name("none").expect("a listed diffuse method");
+        view.method = method_by_name("split-sum").expect("a listed method");
         for brdf in &request.brdfs {
-            view.0.brdf = *brdf;
-            let prepared = self.resources.prepare(&self.gpu, &mut self.kept, &view.0)?;
-            let tables = prepared.tables();
+            view.brdf = *brdf;
+            let tables = self.prepare(&view)?.tables;
             for mip in 0..tables.prefiltered.mip_count() {
                 let path = out.join(level_name(*brdf, mip));
-                write_image(&self.gpu, tables.prefiltered, mip, &path)?;
+                write_image(&self.gpu, &tables.prefiltered, mip, &path)?;
                 files.push(path);
             }
             let path = out.join(format!("dfg_{}.exr", brdf.name()));
-            write_dfg(&self.gpu, tables.dfg, &path)?;
+            write_dfg(&self.gpu, &tables.dfg, &path)?;
             files.push(path);
         }
         let names = files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
@@ -143,38 +140,6 @@ fn level_name(brdf: &dyn Brdf, mip: u32) -> String {
     format!("prefiltered_{}_{mip}.exr", brdf.name())
 }
 
-/// The smallest request that makes the tables: nothing of it is ever shaded.
-struct RequestView(RenderRequest);
-
-impl RequestView {
-    fn new(request: &BakeRequest) -> Self {
-        let scene = (SCENES[0].build)();
-        let size = [8, 8];
-        Self(RenderRequest {
-            environment: request.environment.clone(),
-            environment_rotation_deg: 0.0,
-            environment_scale: 1.0,
-            camera: Camera::for_scene(CameraKind::Ortho, &scene, size),
-            scene: Arc::new(scene),
-            size,
-            method: method_by_name("none").expect("a listed method"),
-            diffuse: diffuse_by_name("none").expect("a listed diffuse method"),
-            brdf: &crate::brdf::Ggx,
-            masking_shadowing: request.masking_shadowing,
-            samples: 1,
-            sequence: &SEQUENCES[0],
-            point_set: 0,
-            reference_error: None,
-            reference_samples: 1,
-            lod_bias: 0.0,
-            lights: Vec::new(),
-            background: false,
-            precompute: request.precompute,
-            seed: 0,
-        })
-    }
-}
-
 fn sh9_file<'a>(environment: &'a Environment, texels: &[[f32; 4]]) -> Sh9File<'a> {
     Sh9File {
         environment: &environment.name,
@@ -204,10 +169,8 @@ fn write_json(path: &Path, value: &impl Serialize) -> Result<(), PipelineError> 
 }
 
 fn write_image(gpu: &Gpu, image: &Image, mip: u32, path: &Path) -> Result<(), PipelineError> {
-    let [width, height] = image.mip_size(mip);
-    let texels = gpu.read_image(image, mip)?;
-    let rgb = RgbImage::new(width, height, texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect());
-    Ok(exr::write_rgba(path, &rgb, &GrayImage::filled(width, height, 1.0), &[])?)
+    let rgb = read_level(gpu, image, mip)?;
+    Ok(exr::write_rgba(path, &rgb, &GrayImage::filled(rgb.width, rgb.height, 1.0), &[])?)
 }
 
 fn write_dfg(gpu: &Gpu, table: &Image, path: &Path) -> Result<(), PipelineError> {

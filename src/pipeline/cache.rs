@@ -12,6 +12,10 @@ impl<K: PartialEq, V: Clone> Recent<K, V> {
         Self { capacity, entries: Vec::new() }
     }
 
+    pub(super) fn clear(&mut self) {
+        self.entries.clear();
+    }
+
     /// The value of `key`, made by `make` if it is not there.
     pub(super) fn get_or_make<E>(&mut self, key: K, make: impl FnOnce() -> Result<V, E>) -> Result<V, E> {
         if let Some(index) = self.entries.iter().position(|(known, _)| *known == key) {

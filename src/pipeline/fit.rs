@@ -73,20 +73,20 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
 /// Refuses a request that no allocation could serve, with the figure that is too large.
 pub(super) fn check(gpu: &Gpu, request: &RenderRequest) -> Result<(), PipelineError> {
     let needs = needs(request);
-    for Need { what, size, .. } in needs.iter().filter(|need| need.has_images) {
-        let limit = gpu.max_image_side();
-        if size[0].max(size[1]) > limit {
-            let part = format!("the {what} of {}x{}", size[0], size[1]);
-            let needed = format!("{} texels on a side", size[0].max(size[1]));
-            return Err(PipelineError::TooLarge { part, needed, limit: format!("{limit} texels") });
+    let refused = |need: &Need, needed: String, limit: String| {
+        let part = format!("the {} of {}x{}", need.what, need.size[0], need.size[1]);
+        Err(PipelineError::TooLarge { part, needed, limit })
+    };
+    let (side_limit, buffer_limit) = (gpu.max_image_side(), gpu.max_buffer_bytes());
+    for need in needs.iter().filter(|need| need.has_images) {
+        let side = need.size[0].max(need.size[1]);
+        if side > side_limit {
+            return refused(need, format!("{side} texels on a side"), format!("{side_limit} texels"));
         }
     }
-    for Need { what, size, buffer_bytes, .. } in &needs {
-        if *buffer_bytes > gpu.max_buffer_bytes() {
-            let part = format!("the {what} of {}x{}", size[0], size[1]);
-            let needed = format!("a buffer of {}", mebibytes(*buffer_bytes));
-            return Err(PipelineError::TooLarge { part, needed, limit: mebibytes(gpu.max_buffer_bytes()) });
-        }
+    if let Some(need) = needs.iter().find(|need| need.buffer_bytes > buffer_limit) {
+        let needed = format!("a buffer of {}", mebibytes(need.buffer_bytes));
+        return refused(need, needed, mebibytes(buffer_limit));
     }
     let total = needs.iter().map(|need| need.bytes).sum::<u64>();
     if total > gpu.info().memory_bytes {

@@ -1,4 +1,4 @@
-//! What each precomputed table is made of, and by which shaders.
+//! What each shared result is made of, and by which shaders.
 //!
 //! A pass is given these inputs and the environment's image and nothing else of the request, so nothing else can change its table. A key
 //! takes the inputs apart by name: a new field does not compile until the key has it.
@@ -6,80 +6,50 @@
 use super::RenderRequest;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
-use crate::precompute::dfg::pass::DfgPass;
-use crate::precompute::irradiance::pass::IrradiancePass;
-use crate::precompute::mips::pass::MipsPass;
-use crate::precompute::prefilter::pass::PrefilterPass;
-use crate::precompute::sh9::pass::Sh9Pass;
+use crate::precompute::{dfg, irradiance, mips, prefilter, sh9};
+use std::collections::BTreeSet;
 
-/// The inputs of a kind of table.
-pub(super) trait Inputs {
+/// What names a shared result.
+#[derive(Clone, Debug)]
+pub(super) struct SharedKey {
     /// What tallies, passes and the disk call the kind.
-    const KIND: &'static str;
+    pub(super) kind: &'static str,
     /// Every input, one line each. An environment is named by its content: a map and its clip have one name.
-    fn key(&self) -> String;
-    /// Every shader between the inputs and the table.
-    fn shaders(&self) -> Vec<String>;
+    pub(super) inputs: String,
+    /// Every shader between the inputs and the result.
+    pub(super) shaders: Vec<String>,
+}
+
+impl SharedKey {
+    /// The lines that name it on the disk, beside its code.
+    pub(super) fn text(&self) -> String {
+        format!("kind={}\n{}", self.kind, self.inputs)
+    }
+
+    /// Fails when a shader ran that the key does not name: a change of it would go unseen.
+    pub(super) fn assert_names(&self, ran: &BTreeSet<String>) {
+        let unnamed: Vec<&String> = ran.iter().filter(|shader| !self.shaders.contains(shader)).collect();
+        assert!(unnamed.is_empty(), "the key of {} leaves out {unnamed:?}", self.kind);
+    }
 }
 
 /// The environment's mip chain.
-pub(super) struct MipsInputs<'a> {
-    pub(super) environment: &'a Environment,
+pub(super) fn mips_key(environment: &Environment) -> SharedKey {
+    let inputs = format!("environment={}\n", environment.hash);
+    SharedKey { kind: "mips", inputs, shaders: vec![mips::pass::SHADER.to_owned()] }
 }
 
 /// Nine coefficients of the environment's finest level.
-pub(super) struct Sh9Inputs<'a> {
-    pub(super) environment: &'a Environment,
+pub(super) fn sh9_key(environment: &Environment) -> SharedKey {
+    let inputs = format!("environment={}\n", environment.hash);
+    SharedKey { kind: "sh9", inputs, shaders: sh9::pass::SHADERS.map(str::to_owned).to_vec() }
 }
 
 /// The map of irradiance, from the environment's levels.
 pub(super) struct IrradianceInputs<'a> {
-    pub(super) environment: &'a Environment,
+    environment: &'a Environment,
     pub(super) size: [u32; 2],
     pub(super) sample_count: [u32; 2],
-}
-
-/// The prefiltered map, from the environment's levels.
-pub(super) struct PrefilterInputs<'a> {
-    pub(super) environment: &'a Environment,
-    pub(super) brdf: &'static dyn Brdf,
-    pub(super) size: [u32; 2],
-    pub(super) level_count: u32,
-    pub(super) sample_count: u32,
-}
-
-/// The DFG table.
-pub(super) struct DfgInputs {
-    pub(super) brdf: &'static dyn Brdf,
-    pub(super) masking: MaskingShadowing,
-    pub(super) side: u32,
-    pub(super) sample_count: u32,
-}
-
-impl Inputs for MipsInputs<'_> {
-    const KIND: &'static str = "mips";
-
-    fn key(&self) -> String {
-        let Self { environment } = self;
-        format!("environment={}\n", environment.hash)
-    }
-
-    fn shaders(&self) -> Vec<String> {
-        vec![MipsPass::SHADER.to_owned()]
-    }
-}
-
-impl Inputs for Sh9Inputs<'_> {
-    const KIND: &'static str = "sh9";
-
-    fn key(&self) -> String {
-        let Self { environment } = self;
-        format!("environment={}\n", environment.hash)
-    }
-
-    fn shaders(&self) -> Vec<String> {
-        Sh9Pass::SHADERS.map(str::to_owned).to_vec()
-    }
 }
 
 impl<'a> IrradianceInputs<'a> {
@@ -88,19 +58,22 @@ impl<'a> IrradianceInputs<'a> {
         let (size, sample_count) = (settings.irradiance_size, settings.irradiance_sample_count);
         Self { environment: &request.environment, size, sample_count }
     }
+
+    pub(super) fn key(&self) -> SharedKey {
+        let Self { environment, size, sample_count } = self;
+        let inputs = format!("environment={}\nsize={size:?}\nsamples={sample_count:?}\n", environment.hash);
+        let shaders = [mips::pass::SHADER, irradiance::pass::INTEGRATE_SHADER].map(str::to_owned).to_vec();
+        SharedKey { kind: "irradiance", inputs, shaders }
+    }
 }
 
-impl Inputs for IrradianceInputs<'_> {
-    const KIND: &'static str = "irradiance";
-
-    fn key(&self) -> String {
-        let Self { environment, size, sample_count } = self;
-        format!("environment={}\nsize={size:?}\nsamples={sample_count:?}\n", environment.hash)
-    }
-
-    fn shaders(&self) -> Vec<String> {
-        [MipsPass::SHADER, IrradiancePass::INTEGRATE_SHADER].map(str::to_owned).to_vec()
-    }
+/// The prefiltered map, from the environment's levels.
+pub(super) struct PrefilterInputs<'a> {
+    environment: &'a Environment,
+    pub(super) brdf: &'static dyn Brdf,
+    pub(super) size: [u32; 2],
+    pub(super) level_count: u32,
+    pub(super) sample_count: u32,
 }
 
 impl<'a> PrefilterInputs<'a> {
@@ -114,43 +87,34 @@ impl<'a> PrefilterInputs<'a> {
             sample_count: settings.prefilter_sample_count,
         }
     }
+
+    pub(super) fn key(&self) -> SharedKey {
+        let Self { environment, brdf, size, level_count, sample_count } = self;
+        let (map, model) = (&environment.hash, brdf.name());
+        let inputs =
+            format!("environment={map}\nbrdf={model}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n");
+        let shaders = vec![mips::pass::SHADER.to_owned(), prefilter::pass::shader(*brdf)];
+        SharedKey { kind: "prefilter", inputs, shaders }
+    }
 }
 
-impl Inputs for PrefilterInputs<'_> {
-    const KIND: &'static str = "prefilter";
-
-    fn key(&self) -> String {
-        let Self { environment, brdf, size, level_count, sample_count } = self;
-        let (environment, brdf) = (&environment.hash, brdf.name());
-        format!("environment={environment}\nbrdf={brdf}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n")
-    }
-
-    fn shaders(&self) -> Vec<String> {
-        vec![MipsPass::SHADER.to_owned(), PrefilterPass::shader(self.brdf)]
-    }
+/// The DFG table.
+pub(super) struct DfgInputs {
+    pub(super) brdf: &'static dyn Brdf,
+    pub(super) masking: MaskingShadowing,
+    pub(super) side: u32,
+    pub(super) sample_count: u32,
 }
 
 impl DfgInputs {
     pub(super) fn of(request: &RenderRequest) -> Self {
-        let settings = &request.precompute;
-        Self {
-            brdf: request.brdf,
-            masking: request.masking_shadowing,
-            side: settings.dfg_size,
-            sample_count: settings.dfg_sample_count,
-        }
+        let RenderRequest { brdf, masking_shadowing: masking, precompute, .. } = *request;
+        Self { brdf, masking, side: precompute.dfg_size, sample_count: precompute.dfg_sample_count }
     }
-}
 
-impl Inputs for DfgInputs {
-    const KIND: &'static str = "dfg";
-
-    fn key(&self) -> String {
+    pub(super) fn key(&self) -> SharedKey {
         let Self { brdf, masking, side, sample_count } = self;
-        format!("brdf={}\nmasking={masking:?}\nsize={side}\nsamples={sample_count}\n", brdf.name())
-    }
-
-    fn shaders(&self) -> Vec<String> {
-        vec![DfgPass::shader(self.brdf)]
+        let inputs = format!("brdf={}\nmasking={masking:?}\nsize={side}\nsamples={sample_count}\n", brdf.name());
+        SharedKey { kind: "dfg", inputs, shaders: vec![dfg::pass::shader(*brdf)] }
     }
 }

@@ -1,11 +1,10 @@
 //! References on the disk: what one is determined by, and its bytes.
 
 use super::RenderRequest;
-use super::inputs::{DfgInputs, Inputs, MipsInputs};
-use super::shared_work::SharedKey;
-use crate::gbuffer::pass::GbufferPass;
+use super::inputs::{DfgInputs, SharedKey, mips_key};
+use crate::gbuffer;
 use crate::pixels::RgbImage;
-use crate::shade::pass::ShadePass;
+use crate::shade::pass::{BACKGROUND_SHADER, lights_shader};
 use crate::shade::reference_pass::{Convergence, Lobe};
 
 /// The parts of a reference frame that take long to make.
@@ -43,12 +42,11 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         point_set: _,
         lod_bias: _,
     } = request;
-    let is_exact = |name: &str| ["reference", "none"].contains(&name);
-    if !request.has_reference_term() || !is_exact(method.name) || !is_exact(diffuse.name) {
+    if !request.has_reference_term() || method.has_pass() || diffuse.has_pass() {
         return None;
     }
-    let dfg = method.needs_dfg(diffuse, !lights.is_empty()).then(|| (DfgInputs::of(request), precompute.storage));
-    let table = dfg.as_ref().map_or("none\n".to_owned(), |(inputs, storage)| format!("{storage:?}\n{}", inputs.key()));
+    let dfg = method.needs_dfg(diffuse, !lights.is_empty()).then(|| DfgInputs::of(request).key());
+    let table = dfg.as_ref().map_or("none\n".to_owned(), |key| format!("{:?}\n{}", precompute.storage, key.inputs));
     let inputs = format!(
         "environment={}\nrotation={environment_rotation_deg}\nscale={environment_scale}\nscene={}\ncamera={camera:?}\n\
          size={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\nsamples={samples}\n\
@@ -61,13 +59,13 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         brdf.name(),
     );
     let lobes = request.reference_lobes().into_iter().flat_map(Lobe::shaders);
-    // A background reads the levels of the environment.
-    let levels = MipsInputs { environment }.shaders();
-    let shaders = GbufferPass::shaders().map(str::to_owned).into_iter().chain(lobes).chain(levels);
+    let shaders = gbuffer::pass::shaders().map(str::to_owned).chain(lobes);
     let shaders = shaders
-        .chain(dfg.iter().flat_map(|(inputs, _)| inputs.shaders()))
-        .chain((!lights.is_empty()).then(|| ShadePass::lights_shader(*brdf)))
-        .chain(background.then(|| ShadePass::BACKGROUND_SHADER.to_owned()))
+        // A background reads the levels of the environment.
+        .chain(mips_key(environment).shaders)
+        .chain(dfg.into_iter().flat_map(|key| key.shaders))
+        .chain((!lights.is_empty()).then(|| lights_shader(*brdf)))
+        .chain(background.then(|| BACKGROUND_SHADER.to_owned()))
         .collect();
     Some(SharedKey { kind: "reference", inputs, shaders })
 }

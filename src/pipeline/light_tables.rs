@@ -1,7 +1,7 @@
 //! What lights a surface, read back from the device: the tables of one environment, model and masking.
 
 use super::{Pipeline, PipelineError, RenderRequest};
-use crate::gpu::Image;
+use crate::gpu::{Gpu, Image};
 use crate::pixels::{Pixels, RgbImage};
 use crate::shade::{diffuse_by_name, method_by_name};
 
@@ -35,26 +35,29 @@ impl Pipeline {
             ..request.clone()
         };
         let prepared = self.prepare(&request)?;
-        let tables = prepared.tables();
+        let tables = &prepared.tables;
         let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
-        let level = |image: &Image, mip: u32| -> Result<RgbImage, PipelineError> {
-            let [width, height] = image.mip_size(mip);
-            Ok(Pixels::new(width, height, self.gpu.read_image(image, mip)?).map(rgb))
-        };
+        let level = |image: &Image, mip: u32| read_level(&self.gpu, image, mip);
         let levels = tables.environment.mip_count();
         let first_level =
             (0..levels).find(|&mip| tables.environment.mip_size(mip)[0] <= width_max).unwrap_or(levels - 1);
         let [width, height] = tables.dfg.mip_size(0);
-        let dfg = Pixels::new(width, height, self.gpu.read_image(tables.dfg, 0)?);
-        let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(tables.sh9)?;
+        let dfg = Pixels::new(width, height, self.gpu.read_image(&tables.dfg, 0)?);
+        let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
         Ok(LightTables {
-            environment: (first_level..levels).map(|mip| level(tables.environment, mip)).collect::<Result<_, _>>()?,
+            environment: (first_level..levels).map(|mip| level(&tables.environment, mip)).collect::<Result<_, _>>()?,
             first_level,
             sh9: sh9.into_iter().map(rgb).collect(),
             prefiltered: (0..tables.prefiltered.mip_count())
-                .map(|mip| level(tables.prefiltered, mip))
+                .map(|mip| level(&tables.prefiltered, mip))
                 .collect::<Result<_, _>>()?,
             dfg: dfg.map(|[a, b, ..]: [f32; 4]| [a, b]),
         })
     }
+}
+
+/// A level of an image on the device, without its alpha.
+pub(super) fn read_level(gpu: &Gpu, image: &Image, mip: u32) -> Result<RgbImage, PipelineError> {
+    let [width, height] = image.mip_size(mip);
+    Ok(Pixels::new(width, height, gpu.read_image(image, mip)?).map(|[r, g, b, _]| [r, g, b]))
 }

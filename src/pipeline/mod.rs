@@ -22,17 +22,17 @@ pub use light_tables::LightTables;
 pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
 pub use shared_work::{SharedWork, Tally};
 
-use crate::glsl::constants::{GROUP_SIDE, POINTS_PER_DISPATCH};
+use crate::gbuffer;
+use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::gpu::{Buffer, Gpu, GpuError, Report};
 use crate::pixels::{Pixels, PixelsError, Rgb8Image, RgbImage};
 use crate::precompute::SettingsError;
-use crate::shade::pass::{ShadeSettings, light_data};
+use crate::shade::pass::{ShadeSettings, Shading};
 use crate::shade::reference_pass::{Convergence, PartScramble, ReferenceRun};
-use crate::tonemap::ToneCurve;
-use crate::tonemap::pass::TonemapPass;
+use crate::tonemap::{self, ToneCurve};
 use disk_cache::Code;
 use kept_reference::Reference;
-use prepare::{Prepared, Resources};
+use prepare::{Prepared, ReferenceData, Resources};
 use shared_work::Kept;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -84,11 +84,10 @@ pub fn shaders_of_kept(request: &RenderRequest) -> Option<Vec<String>> {
     Some(kept_reference::key(request)?.shaders)
 }
 
-/// An open device with every pass and what was made so far.
+/// An open device and what was made so far.
 pub struct Pipeline {
     gpu: Gpu,
     resources: Resources,
-    tonemap: TonemapPass,
     kept: Kept,
 }
 
@@ -96,7 +95,7 @@ impl Pipeline {
     /// Opens a device.
     pub fn new(options: Options) -> Result<Self, PipelineError> {
         let gpu = Gpu::new(options)?;
-        Ok(Self { resources: Resources::new(&gpu)?, tonemap: TonemapPass::new(&gpu)?, kept: Kept::default(), gpu })
+        Ok(Self { resources: Resources::new(&gpu)?, kept: Kept::default(), gpu })
     }
 
     /// What is known of the device.
@@ -211,26 +210,21 @@ impl Pipeline {
         let size = [radiance.width, radiance.height];
         let texels: Vec<[f32; 4]> = radiance.data.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
         let radiance = self.gpu.buffer_from("radiance", &texels)?;
-        let packed = TonemapPass::packed(&self.gpu, size)?;
-        let mut recorder = self.gpu.record("tonemap")?;
-        recorder.pass("tonemap", |r| self.tonemap.record(r, curve, &radiance, &packed, size))?;
-        let report = recorder.submit()?;
+        let packed = tonemap::pass::packed(&self.gpu, size)?;
+        let report = tonemap::pass::run(&self.gpu, curve, &radiance, &packed, size)?;
         let time = report.passes.into_iter().next().unwrap_or(PassTime { pass: "tonemap", ms: 0.0 });
-        Ok((TonemapPass::read(&self.gpu, &packed, size)?, time))
+        Ok((tonemap::pass::read(&self.gpu, &packed, size)?, time))
     }
 
     /// Times the per-frame passes, tone curve included: `warmup` rounds that do not count, then `rounds`.
     pub fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, PipelineError> {
         let prepared = self.prepare(request)?;
-        let packed = TonemapPass::packed(&self.gpu, request.size)?;
+        let packed = tonemap::pass::packed(&self.gpu, request.size)?;
+        let (curve, radiance) = (ToneCurve::default(), &prepared.target.radiance);
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
             let (mut report, _) = self.shade(request, &prepared)?;
-            let mut recorder = self.gpu.record("tonemap")?;
-            let curve = ToneCurve::default();
-            recorder
-                .pass("tonemap", |r| self.tonemap.record(r, curve, &prepared.target.radiance, &packed, request.size))?;
-            report.add(recorder.submit()?);
+            report.add(tonemap::pass::run(&self.gpu, curve, radiance, &packed, request.size)?);
             if round >= warmup {
                 samples.push(&report.passes, report.wall_ms);
             }
@@ -263,79 +257,48 @@ impl Pipeline {
         request: &RenderRequest,
         prepared: &Prepared,
     ) -> Result<(Report, Vec<Convergence>), PipelineError> {
-        let (resources, target) = (&self.resources, &prepared.target);
-        let settings = settings(request, prepared);
-        let mut recorder = self.gpu.record("gbuffer")?;
-        recorder.pass("gbuffer", |r| resources.gbuffer.record(r, &prepared.scene, &request.camera, &target.gbuffer))?;
-        recorder.fill(&target.radiance, 0);
+        let (Prepared { tables, target, .. }, gpu) = (prepared, &self.gpu);
+        let (gbuffer, radiance) = (&target.gbuffer, &target.radiance);
+        let shading = Shading { settings: &settings(request, prepared), tables, gbuffer, radiance };
+        let (brdf, masking) = (request.brdf, request.masking_shadowing);
+        let mut recorder = gpu.record("gbuffer")?;
+        recorder.pass("gbuffer", |r| gbuffer::pass::record(r, &prepared.scene, &request.camera, gbuffer))?;
+        recorder.fill(radiance, 0);
         let mut report = recorder.submit()?;
 
-        let shade = &resources.shade;
-        let tables = prepared.tables();
-        if prepared.has_specular_pass(request) {
+        if request.method.has_pass() {
             let points_per_dispatch = prepared.samples_per_pixel.min(POINTS_PER_DISPATCH);
             let samples_per_row = u64::from(request.size[0]) * u64::from(points_per_dispatch);
-            for rows in self.gpu.row_bands(request.size[1], samples_per_row, GROUP_SIDE) {
+            for rows in gpu.row_bands(request.size[1], samples_per_row) {
                 for points in tables.points.ranges() {
-                    let mut recorder = self.gpu.record("shade-specular")?;
-                    recorder.pass("shade-specular", |r| {
-                        let (brdf, masking) = (request.brdf, request.masking_shadowing);
-                        shade.record_specular(
-                            r,
-                            request.method,
-                            brdf,
-                            masking,
-                            &settings,
-                            tables,
-                            &target.gbuffer,
-                            &target.radiance,
-                            points,
-                            rows.clone(),
-                        )
-                    })?;
-                    report.add(recorder.submit()?);
+                    report.add(gpu.submit_pass("shade-specular", |r| {
+                        shading.specular(r, request.method, brdf, masking, points, rows.clone())
+                    })?);
                 }
             }
         }
         let mut convergences = Vec::new();
-        if let Some(reference) = &prepared.reference {
-            let mut recorder = self.gpu.record("reference")?;
-            recorder.fill(&reference.squared_error, 0);
+        if let Some(ReferenceData { distribution, sums, squared_error }) = &prepared.reference {
+            let mut recorder = gpu.record("reference")?;
+            recorder.fill(squared_error, 0);
             report.add(recorder.submit()?);
+            let (stop, seed, mask) = (request.reference_stop(), request.seed, &*target.mask);
+            let run = ReferenceRun { shading, stop, seed, mask, distribution, sums, squared_error };
             for lobe in &prepared.lobes {
-                let run = ReferenceRun {
-                    settings: &settings,
-                    stop: request.reference_stop(),
-                    mask: &target.mask,
-                    seed: request.seed,
-                    environment: tables.environment,
-                    distribution: &reference.distribution,
-                    dfg: tables.dfg,
-                    gbuffer: &target.gbuffer,
-                    radiance: &target.radiance,
-                    squared_error: &reference.squared_error,
-                };
-                let (times, convergence) = resources.reference.run(&self.gpu, *lobe, &reference.sums, &run)?;
+                let (times, convergence) = run.run(gpu, *lobe)?;
                 report.add(times);
                 convergences.push(convergence);
             }
         }
-        let mut recorder = self.gpu.record("shade")?;
-        if prepared.has_diffuse_pass(request) {
-            recorder.pass("shade-diffuse", |r| {
-                shade.record_diffuse(r, request.diffuse, &settings, tables, &target.gbuffer, &target.radiance)
-            })?;
+        let mut recorder = gpu.record("shade")?;
+        if request.diffuse.has_pass() {
+            recorder.pass("shade-diffuse", |r| shading.diffuse(r, request.diffuse))?;
         }
         if let Some(lights) = &prepared.lights {
-            recorder.pass("shade-lights", |r| {
-                let (brdf, masking) = (request.brdf, request.masking_shadowing);
-                shade.record_lights(r, brdf, masking, &settings, tables.dfg, lights, &target.gbuffer, &target.radiance)
-            })?;
+            recorder.pass("shade-lights", |r| shading.lights(r, brdf, masking, lights))?;
         }
         if request.background {
-            recorder.pass("background", |r| {
-                shade.record_background(r, &settings, tables.environment, &target.gbuffer, &target.radiance)
-            })?;
+            recorder.pass("background", |r| shading.background(r))?;
         }
         report.add(recorder.submit()?);
         Ok((report, convergences))
@@ -347,11 +310,11 @@ fn settings(request: &RenderRequest, prepared: &Prepared) -> ShadeSettings {
         camera: request.camera,
         environment_rotation_deg: request.environment_rotation_deg,
         environment_scale: request.environment_scale,
-        environment_size: prepared.environment.mip_size(0),
+        environment_size: prepared.tables.environment.mip_size(0),
         sample_count: request.samples,
         lod_bias: request.lod_bias,
-        prefilter_level_count: prepared.prefiltered.mip_count(),
-        has_specular: request.method.name != "none",
+        prefilter_level_count: prepared.tables.prefiltered.mip_count(),
+        has_specular: !request.method.is_none(),
         light_count: request.lights.len() as u32,
     }
 }
@@ -380,9 +343,4 @@ fn read_radiance(
     let root = |image: RgbImage| image.map(|texel| texel.map(f32::sqrt));
     let squared_error = prepared.reference.as_ref().map(|reference| read(&reference.squared_error)).transpose()?;
     Ok((radiance, squared_error.map(root)))
-}
-
-/// The lights' bytes; a light-free scene binds no such pass.
-fn light_bytes(request: &RenderRequest) -> Option<Vec<u8>> {
-    (!request.lights.is_empty()).then(|| light_data(&request.lights))
 }

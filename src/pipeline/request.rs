@@ -1,14 +1,14 @@
 //! What is asked of the pipeline and what it answers.
 
-use crate::brdf::{Brdf, MaskingShadowing};
+use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::environment::Environment;
 use crate::gpu::PassTime;
-use crate::math::sequence::Sequence;
+use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pixels::{GrayImage, RgbImage};
 use crate::precompute::PrecomputeSettings;
-use crate::scene::{Camera, Light, Scene};
+use crate::scene::{Camera, CameraKind, Light, Scene};
 use crate::shade::reference_pass::{Convergence, Lobe, Stop};
-use crate::shade::{Diffuse, Method};
+use crate::shade::{Diffuse, Method, NONE, diffuse_by_name, method_by_name};
 use std::sync::Arc;
 
 /// Everything that determines one radiance image.
@@ -47,10 +47,36 @@ pub struct RenderRequest {
 }
 
 impl RenderRequest {
+    /// A view of `scene` under `environment` as they are: GGX, split sum, no diffuse term, default tables.
+    pub fn plain(environment: Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> Self {
+        Self {
+            environment,
+            environment_rotation_deg: 0.0,
+            environment_scale: 1.0,
+            camera: Camera::for_scene(kind, &scene, size),
+            scene: Arc::new(scene),
+            size,
+            method: method_by_name("split-sum").expect("a listed method"),
+            diffuse: diffuse_by_name(NONE).expect("a listed diffuse method"),
+            brdf: &Ggx,
+            masking_shadowing: MaskingShadowing::default(),
+            samples: 64,
+            sequence: &SEQUENCES[0],
+            point_set: 0,
+            reference_samples: 1024,
+            reference_error: None,
+            lod_bias: 0.0,
+            lights: Vec::new(),
+            background: false,
+            precompute: PrecomputeSettings::default(),
+            seed: 1,
+        }
+    }
+
     /// The terms that are taken from the reference, specular first.
     pub(super) fn reference_lobes(&self) -> Vec<Lobe> {
         let specular = Lobe::Specular(self.brdf, self.masking_shadowing);
-        let terms = [(self.method.name == "reference", specular), (self.diffuse.name == "reference", Lobe::Diffuse)];
+        let terms = [(self.method.is_reference(), specular), (self.diffuse.is_reference(), Lobe::Diffuse)];
         terms.into_iter().filter_map(|(wanted, lobe)| wanted.then_some(lobe)).collect()
     }
 
@@ -58,12 +84,10 @@ impl RenderRequest {
     pub(super) fn reference_stop(&self) -> Stop {
         Stop { sample_count: self.reference_samples, relative_error: self.reference_error }
     }
-}
 
-impl RenderRequest {
     /// Whether a term comes from the reference: then the frame has a standard error.
     pub fn has_reference_term(&self) -> bool {
-        self.method.name == "reference" || self.diffuse.name == "reference"
+        self.method.is_reference() || self.diffuse.is_reference()
     }
 }
 
@@ -117,12 +141,7 @@ impl TimingSamples {
 
     /// Adds one round.
     pub(super) fn push(&mut self, round: &[PassTime], wall_ms: f64) {
-        for time in round {
-            match self.passes.iter_mut().find(|(pass, _)| *pass == time.pass) {
-                Some((_, samples)) => samples.push(time.ms),
-                None => self.passes.push((time.pass, vec![time.ms])),
-            }
-        }
-        self.wall_ms.push(wall_ms);
+        let passes = round.iter().map(|time| (time.pass, vec![time.ms])).collect();
+        self.append(Self { passes, wall_ms: vec![wall_ms] });
     }
 }

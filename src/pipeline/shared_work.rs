@@ -3,10 +3,10 @@
 use super::PipelineError;
 use super::cache::Recent;
 use super::disk_cache::{Code, DiskCache};
-use super::inputs::Inputs;
-use crate::gpu::{Buffer, Gpu, GpuError, Image, Recorder, Report};
+use super::inputs::SharedKey;
+use crate::gpu::{Buffer, Gpu, GpuError, Image, Report};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// How often a kind of table was made, and how often it was taken from the disk.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
@@ -17,33 +17,6 @@ pub struct Tally {
 
 /// A tally for each kind: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `reference`.
 pub type SharedWork = BTreeMap<String, Tally>;
-
-/// What names a shared result.
-#[derive(Clone, Debug)]
-pub(super) struct SharedKey {
-    pub(super) kind: &'static str,
-    /// Every input, one line each.
-    pub(super) inputs: String,
-    /// Every shader that the result hangs on.
-    pub(super) shaders: Vec<String>,
-}
-
-impl SharedKey {
-    pub(super) fn of<I: Inputs>(inputs: &I) -> Self {
-        Self { kind: I::KIND, inputs: inputs.key(), shaders: inputs.shaders() }
-    }
-
-    /// The lines that name it on the disk, beside its code.
-    pub(super) fn text(&self) -> String {
-        format!("kind={}\n{}", self.kind, self.inputs)
-    }
-
-    /// Fails when a shader ran that the key does not name: a change of it would go unseen.
-    pub(super) fn assert_names(&self, ran: &BTreeSet<String>) {
-        let unnamed: Vec<&String> = ran.iter().filter(|shader| !self.shaders.contains(shader)).collect();
-        assert!(unnamed.is_empty(), "the key of {} leaves out {unnamed:?}", self.kind);
-    }
-}
 
 /// The disk, if there is a cache, and what was shared so far.
 #[derive(Debug, Default)]
@@ -143,17 +116,17 @@ pub(super) struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// The table of these inputs: from the shelf, from the disk, or filled by its passes.
-    pub(super) fn table<T: Table, I: Inputs>(
+    /// The table of this key: from the shelf, from the disk, or filled by its passes.
+    pub(super) fn table<T: Table>(
         &mut self,
         shelf: &mut Recent<String, T>,
-        inputs: &I,
+        key: &SharedKey,
         empty: impl FnOnce() -> Result<T, GpuError>,
         fill: impl FnOnce(&T) -> Result<Report, GpuError>,
     ) -> Result<T, PipelineError> {
-        shelf.get_or_make(inputs.key(), || {
-            let (table, key) = (empty()?, SharedKey::of(inputs));
-            if let Some(bytes) = self.kept.load(&key)
+        shelf.get_or_make(key.inputs.clone(), || {
+            let table = empty()?;
+            if let Some(bytes) = self.kept.load(key)
                 && table.upload(self.gpu, &bytes)?
             {
                 return Ok(table);
@@ -161,19 +134,8 @@ impl Maker<'_> {
             let report = fill(&table)?;
             key.assert_names(&report.shaders);
             self.total.add(report);
-            self.kept.store(&key, || table.download(self.gpu))?;
+            self.kept.store(key, || table.download(self.gpu))?;
             Ok(table)
         })
     }
-}
-
-/// Records and submits one timed pass.
-pub(super) fn submit_pass(
-    gpu: &Gpu,
-    name: &'static str,
-    record: impl FnOnce(&mut Recorder) -> Result<(), GpuError>,
-) -> Result<Report, GpuError> {
-    let mut recorder = gpu.record(name)?;
-    recorder.pass(name, record)?;
-    recorder.submit()
 }

@@ -6,7 +6,7 @@ use super::Pixels;
 use glam::{DVec2, DVec3};
 
 /// How a lookup goes on beyond the edges of an image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The outermost texels go on in both directions.
     Clamp,

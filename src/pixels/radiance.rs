@@ -106,13 +106,8 @@ fn conversion(header: &Header, warnings: &mut Vec<String>) -> Option<DMat3> {
             .push("XYZE holds photometric values: they are 179 times those of an RGBE file of the same scene.".into());
         return RADIANCE.to_xyz().map(|to_xyz| to_xyz.inverse());
     }
-    let primaries = header.primaries.filter(|p| !p.is_close_to(&REC709) && !p.is_close_to(&RADIANCE))?;
-    let matrix = primaries.to_rec709();
-    warnings.push(match matrix {
-        Some(_) => "The colours were converted from the header's PRIMARIES to Rec.709.".into(),
-        None => "The header's PRIMARIES span no colour space; the colours were taken as Rec.709.".into(),
-    });
-    matrix
+    let is_foreign = |p: &Chromaticities| !p.is_close_to(&REC709) && !p.is_close_to(&RADIANCE);
+    header.primaries.filter(is_foreign)?.to_rec709_with_warning("PRIMARIES", warnings)
 }
 
 fn read_header(input: &mut Input) -> Result<Header, Fault> {

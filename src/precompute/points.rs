@@ -47,6 +47,11 @@ impl Points {
         Ok(Self { count, buffer: gpu.uniform_from("sample points", &texels)? })
     }
 
+    /// Number of points.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
     /// The points in the order of their dispatches.
     pub fn ranges(&self) -> impl Iterator<Item = PointRange<'_>> {
         (0..self.count).step_by(POINTS_PER_DISPATCH as usize).map(|first| PointRange {

@@ -112,20 +112,13 @@ impl Camera {
         let [back, front] = [-reach(-backward), reach(backward)];
         // 0 only for a scene without geometry, which loading refuses; the floor keeps the frame finite all the same.
         let size = (right_most - left_most).max(top - bottom).max(front - back).max(f64::MIN_POSITIVE);
-        match kind {
+        // Where the eye is, in the camera's axes, and what it sees.
+        let ([x, y, distance], projection, near) = match kind {
             CameraKind::Ortho => {
                 let half_width = 0.5 * FRAME_MARGIN * (right_most - left_most);
                 let half_height = (0.5 * FRAME_MARGIN * (top - bottom)).max(half_width / aspect);
-                let distance = front + size;
-                Self {
-                    eye: right * (0.5 * (left_most + right_most)) + up * (0.5 * (bottom + top)) + backward * distance,
-                    right,
-                    up,
-                    forward: -backward,
-                    projection: Projection::Ortho { half_height },
-                    near: 0.5 * size,
-                    far: distance - back + 0.5 * size,
-                }
+                let eye = [0.5 * (left_most + right_most), 0.5 * (bottom + top), front + size];
+                (eye, Projection::Ortho { half_height }, 0.5 * size)
             }
             CameraKind::Perspective => {
                 let extent_y = perspective_extent() * (1.0 / aspect).max(1.0);
@@ -137,16 +130,18 @@ impl Camera {
                 let distance = ((to_right + to_left) / (2.0 * slope_x)).max((to_top + to_bottom) / (2.0 * slope_y));
                 // A long scene seen end on may reach up to the eye itself: half of the gap stays free in front of the near plane.
                 let near = (0.5 * (distance - front)).max(1e-4 * size);
-                Self {
-                    eye: right * (0.5 * (to_right - to_left)) + up * (0.5 * (to_top - to_bottom)) + backward * distance,
-                    right,
-                    up,
-                    forward: -backward,
-                    projection: perspective(extent_y),
-                    near,
-                    far: distance - back + 0.5 * size,
-                }
+                let eye = [0.5 * (to_right - to_left), 0.5 * (to_top - to_bottom), distance];
+                (eye, perspective(extent_y), near)
             }
+        };
+        Self {
+            eye: right * x + up * y + backward * distance,
+            right,
+            up,
+            forward: -backward,
+            projection,
+            near,
+            far: distance - back + 0.5 * size,
         }
     }
 

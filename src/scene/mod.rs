@@ -17,7 +17,7 @@ pub use obj::SceneFiles;
 use crate::pixels::RgbImage;
 use crate::spelling::suggestion;
 use glam::DVec3;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// An exact (never tessellated) sphere.
 #[derive(Clone, Copy, Debug)]
@@ -46,28 +46,21 @@ pub struct Scene {
     pub warnings: Vec<String>,
 }
 
-/// Why a scene could not be loaded.
+/// Why a scene could not be loaded: the place, what is wrong and what was expected.
 #[derive(Debug, thiserror::Error)]
-pub enum SceneError {
-    /// Neither a built-in name nor an OBJ path.
-    #[error("scene \"{name}\": neither a built-in scene ({known}) nor the path of an .obj file{suggestion}", known = known_names())]
-    Unknown { name: String, suggestion: String },
-    /// A file that is no OBJ file by its name.
-    #[error("{}: scene files must be Wavefront OBJ (.obj)", path.display())]
-    Format { path: PathBuf },
-    /// The file cannot be read.
-    #[error("{}: cannot read the scene: {source}", path.display())]
-    Read { path: PathBuf, source: std::io::Error },
-    /// One line of the file is wrong.
-    #[error("{}:{line}: {message}", path.display())]
-    Line { path: PathBuf, line: usize, message: String },
-    /// The file as a whole is wrong.
-    #[error("{}: {message}", path.display())]
-    File { path: PathBuf, message: String },
-}
+#[error("{0}")]
+pub struct SceneError(String);
 
-fn known_names() -> String {
-    SCENES.iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ")
+impl SceneError {
+    /// The file as a whole is wrong.
+    fn of_file(path: &Path, what: impl std::fmt::Display) -> Self {
+        Self(format!("{}: {what}", path.display()))
+    }
+
+    /// One line of the file is wrong.
+    fn of_line(path: &Path, line: usize, what: impl std::fmt::Display) -> Self {
+        Self(format!("{}:{line}: {what}", path.display()))
+    }
 }
 
 impl Scene {
@@ -80,10 +73,12 @@ impl Scene {
         let extension = Path::new(spec).extension().map(|extension| extension.to_string_lossy().to_lowercase());
         match extension.as_deref() {
             Some("obj") => obj::load(spec, &path, &obj::Disk),
-            Some(_) if path.exists() => Err(SceneError::Format { path }),
+            Some(_) if path.exists() => Err(SceneError::of_file(&path, "scene files must be Wavefront OBJ (.obj)")),
             _ => {
                 let names: Vec<&str> = SCENES.iter().map(|entry| entry.name).collect();
-                Err(SceneError::Unknown { name: spec.to_owned(), suggestion: suggestion(spec, &names) })
+                let (known, near) = (names.join(", "), suggestion(spec, &names));
+                let what = format!("neither a built-in scene ({known}) nor the path of an .obj file{near}");
+                Err(SceneError(format!("scene \"{spec}\": {what}")))
             }
         }
     }

@@ -14,30 +14,18 @@ pub struct LevelBias {
     pub levels: f64,
 }
 
+const fn bias(name: &'static str, levels: f64, about: &'static str) -> LevelBias {
+    LevelBias { name, about, levels }
+}
+
 /// Every bias, by value.
 pub static LEVEL_BIASES: &[LevelBias] = &[
-    LevelBias { name: "unbiased", about: "the texel covers the sample's solid angle", levels: 0.0 },
-    LevelBias {
-        name: "filament",
-        about: "K = 4 times the solid angle: 1/2 log2 4; Babylon.js has the same",
-        levels: 1.0,
-    },
+    bias("unbiased", 0.0, "the texel covers the sample's solid angle"),
+    bias("filament", 1.0, "K = 4 times the solid angle: 1/2 log2 4; Babylon.js has the same"),
     // log2(2 pi) - 3/2: its largest level less 1.5 stands for log2(W / 2 pi) of a W x W/2 map.
-    LevelBias {
-        name: "materialx",
-        about: "lat-long with the largest level less 1.5: log2(2 pi) - 1.5",
-        levels: 1.151_496_129_472_318_8,
-    },
+    bias("materialx", 1.151_496_129_472_318_8, "lat-long with the largest level less 1.5: log2(2 pi) - 1.5"),
     // 1/2 log2 6: the texel of a cube's face where that of one square over the sphere is meant.
-    LevelBias {
-        name: "godot",
-        about: "the constant of a cube map on an octahedral map: 1/2 log2 6",
-        levels: 1.292_481_250_360_578,
-    },
+    bias("godot", 1.292_481_250_360_578, "the constant of a cube map on an octahedral map: 1/2 log2 6"),
     // 1/2 log2(4 pi).
-    LevelBias {
-        name: "khronos-sampler",
-        about: "glTF-IBL-Sampler: a factor 4 pi is missing, 1/2 log2(4 pi)",
-        levels: 1.825_748_064_736_159_3,
-    },
+    bias("khronos-sampler", 1.825_748_064_736_159_3, "glTF-IBL-Sampler: a factor 4 pi is missing, 1/2 log2(4 pi)"),
 ];

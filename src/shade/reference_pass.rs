@@ -1,15 +1,11 @@
 //! The device passes of the reference: dispatches over scrambles and bands of rows, then one that adds the term to the image.
 
-use super::pass::{GBUFFER_SLOTS, ShadeSettings, groups, with_gbuffer};
+use super::pass::{Shading, TABLE, with_gbuffer};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::distribution::EnvironmentDistribution;
-use crate::gbuffer::pass::GbufferImages;
-use crate::glsl::constants::GROUP_SIDE;
 use crate::glsl::layout::{ShadeParams, SharedStruct};
-use crate::gpu::{Bind, Buffer, ComputePipeline, Filter, Gpu, GpuError, Image, Report, Sampler, Slot, Wrap};
+use crate::gpu::{Bind, Buffer, Gpu, GpuError, Report, Sampler, image_groups};
 use crate::pixels::GrayImage;
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 
 /// Fewest independent scrambles: with 16, the standard error is itself known to about 18 %.
 pub const SCRAMBLE_COUNT_MIN: u32 = 16;
@@ -24,10 +20,11 @@ pub enum Lobe {
 }
 
 impl Lobe {
-    fn key(self) -> (&'static str, MaskingShadowing) {
+    /// The specialization constant of the masking.
+    fn masking(self) -> u32 {
         match self {
-            Self::Specular(brdf, masking_shadowing) => (brdf.name(), masking_shadowing),
-            Self::Diffuse => ("lambert", MaskingShadowing::default()),
+            Self::Specular(_, masking_shadowing) => masking_shadowing as u32,
+            Self::Diffuse => MaskingShadowing::default() as u32,
         }
     }
 
@@ -142,15 +139,6 @@ pub struct Convergence {
     pub is_met: bool,
 }
 
-/// The pipelines, made when they are first needed.
-pub struct ReferencePass {
-    integrate: HashMap<(&'static str, MaskingShadowing), ComputePipeline>,
-    resolve: HashMap<&'static str, ComputePipeline>,
-    nearest: Sampler,
-    linear: Sampler,
-    clamp: Sampler,
-}
-
 /// Mean and squared deviations over scrambles of the term at work: a vec4 a pixel each.
 pub struct Sums {
     mean: Buffer,
@@ -203,140 +191,95 @@ impl DistributionBuffers {
 
 /// What one term of the reference reads and writes.
 pub struct ReferenceRun<'a> {
-    pub settings: &'a ShadeSettings,
+    pub shading: Shading<'a>,
     pub stop: Stop,
     pub seed: u32,
     /// 1 where a surface is hit.
     pub mask: &'a GrayImage,
-    pub environment: &'a Image,
     pub distribution: &'a DistributionBuffers,
-    pub dfg: &'a Image,
-    pub gbuffer: &'a GbufferImages,
-    pub radiance: &'a Buffer,
-    /// Sum of the squared standard errors of the terms.
+    pub sums: &'a Sums,
+    /// Sum of the squared standard errors of the terms: a vec4 a pixel.
     pub squared_error: &'a Buffer,
 }
 
-impl ReferencePass {
-    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        Ok(Self {
-            integrate: HashMap::new(),
-            resolve: HashMap::new(),
-            nearest: gpu.sampler(Filter::Nearest, Wrap::Equirect)?,
-            linear: gpu.sampler(Filter::Linear, Wrap::Equirect)?,
-            clamp: gpu.sampler(Filter::Linear, Wrap::Clamp)?,
-        })
-    }
-
-    /// Makes the pipelines of a term, if they are not made yet.
-    pub fn prepare(&mut self, gpu: &Gpu, lobe: Lobe) -> Result<(), GpuError> {
-        let key = lobe.key();
-        let [integrate, resolve] = lobe.shaders();
-        let constants = [key.1 as u32, u32::from(gpu.info().has_exact_filter)];
-        if let Entry::Vacant(entry) = self.integrate.entry(key) {
-            let slots =
-                [&GBUFFER_SLOTS[..], &[Slot::Sampled], &[Slot::Buffer; 3], &[Slot::Sampled, Slot::Uniform]].concat();
-            let pipeline = gpu.compute_pipeline(&integrate, &slots, ShadeParams::SIZE, &constants)?;
-            entry.insert(pipeline);
-        }
-        if let Entry::Vacant(entry) = self.resolve.entry(key.0) {
-            let slots = [&GBUFFER_SLOTS[..], &[Slot::Sampled], &[Slot::Buffer; 4]].concat();
-            let pipeline = gpu.compute_pipeline(&resolve, &slots, ShadeParams::SIZE, &[key.1 as u32])?;
-            entry.insert(pipeline);
-        }
-        Ok(())
-    }
-
-    /// Adds one term to `radiance` and its squared standard error to `squared_error`; the pipelines must be prepared.
-    pub fn run(
-        &self,
-        gpu: &Gpu,
-        lobe: Lobe,
-        sums: &Sums,
-        run: &ReferenceRun<'_>,
-    ) -> Result<(Report, Convergence), GpuError> {
+impl ReferenceRun<'_> {
+    /// Adds one term to the radiance and its squared standard error to `squared_error`.
+    pub fn run(&self, gpu: &Gpu, lobe: Lobe) -> Result<(Report, Convergence), GpuError> {
         let mut total = Report::default();
-        let mut samples = run.stop.first();
+        let mut samples = self.stop.first();
         let (plan, relative_error) = loop {
             let plan = ScramblePlan::new(samples);
-            total.add(self.integrate(gpu, lobe, sums, run, plan)?);
-            let error = sums.relative_error(gpu, run.mask)?;
-            match run.stop.next(samples, error) {
+            total.add(self.integrate(gpu, lobe, plan)?);
+            let error = self.sums.relative_error(gpu, self.mask)?;
+            match self.stop.next(samples, error) {
                 Some(more) => samples = more,
                 None => break (plan, error),
             }
         };
-        total.add(self.resolve(gpu, lobe, sums, run)?);
+        total.add(self.resolve(gpu, lobe)?);
         let convergence = Convergence {
             term: lobe.pass_name(),
             sample_count: plan.sample_count(),
             relative_error,
-            is_met: run.stop.relative_error.is_none_or(|wanted| relative_error <= wanted),
+            is_met: self.stop.relative_error.is_none_or(|wanted| relative_error <= wanted),
         };
         Ok((total, convergence))
     }
 
     /// Takes every scramble of `plan` into the sums, which start afresh.
-    fn integrate(
-        &self,
-        gpu: &Gpu,
-        lobe: Lobe,
-        sums: &Sums,
-        run: &ReferenceRun<'_>,
-        plan: ScramblePlan,
-    ) -> Result<Report, GpuError> {
+    fn integrate(&self, gpu: &Gpu, lobe: Lobe, plan: ScramblePlan) -> Result<Report, GpuError> {
         let ScramblePlan { scramble_count, samples_per_scramble } = plan;
-        let [width, height] = run.gbuffer.size;
+        let Shading { settings, tables, gbuffer, .. } = self.shading;
+        let [width, height] = gbuffer.size;
         // Setting up a pixel costs as much as a few samples, so that a dispatch takes as many scrambles as it may.
         let scrambles_per_dispatch = (SCRAMBLE_SAMPLES_MAX / samples_per_scramble.max(1)).clamp(1, scramble_count);
         let samples_per_row = u64::from(width) * u64::from(samples_per_scramble) * u64::from(scrambles_per_dispatch);
+        let [shader, _] = lobe.shaders();
+        let constants = [lobe.masking(), u32::from(gpu.info().has_exact_filter)];
+        let rest = [
+            Bind::Sample(&tables.environment, Sampler::TEXELS),
+            Bind::Read(&self.distribution.words),
+            Bind::ReadWrite(&self.sums.mean),
+            Bind::ReadWrite(&self.sums.squared_deviations),
+            Bind::SampleMip(&tables.environment, Sampler::EQUIRECT, 0),
+            Bind::Uniform(&self.distribution.slots, 0..self.distribution.slots.size()),
+        ];
+        let binds = with_gbuffer(gbuffer, &rest);
         let mut total = Report::default();
         for scramble in (0..scramble_count).step_by(scrambles_per_dispatch as usize) {
-            for rows in gpu.row_bands(height, samples_per_row, GROUP_SIDE) {
+            for rows in gpu.row_bands(height, samples_per_row) {
                 let params = ShadeParams {
                     sample_count: samples_per_scramble,
                     scramble,
                     scramble_count: scrambles_per_dispatch.min(scramble_count - scramble),
-                    seed: run.seed,
-                    slot_count: run.distribution.slot_count,
-                    ..run.settings.params(run.gbuffer.size, rows.start)
+                    seed: self.seed,
+                    slot_count: self.distribution.slot_count,
+                    ..settings.params(gbuffer.size, rows.start)
                 };
-                let rest = [
-                    Bind::Sample(run.environment, &self.nearest),
-                    Bind::Read(&run.distribution.words),
-                    Bind::ReadWrite(&sums.mean),
-                    Bind::ReadWrite(&sums.squared_deviations),
-                    Bind::SampleMip(run.environment, &self.linear, 0),
-                    Bind::Uniform(&run.distribution.slots, 0..run.distribution.slots.size()),
-                ];
-                let binds = with_gbuffer(run.gbuffer, &self.nearest, &rest);
-                let groups = groups(width, rows.end - rows.start);
-                let mut recorder = gpu.record("reference")?;
-                recorder.pass(lobe.pass_name(), |r| {
-                    r.dispatch(&self.integrate[&lobe.key()], &binds, &params.to_bytes(), groups)
-                })?;
-                total.add(recorder.submit()?);
+                let groups = image_groups(width, rows.end - rows.start);
+                total.add(gpu.submit_pass(lobe.pass_name(), |r| {
+                    r.dispatch(&shader, &constants, &binds, &params.to_bytes(), groups)
+                })?);
             }
         }
         Ok(total)
     }
 
     /// Adds the term that the sums hold to the image.
-    fn resolve(&self, gpu: &Gpu, lobe: Lobe, sums: &Sums, run: &ReferenceRun<'_>) -> Result<Report, GpuError> {
-        let [width, height] = run.gbuffer.size;
+    fn resolve(&self, gpu: &Gpu, lobe: Lobe) -> Result<Report, GpuError> {
+        let Shading { settings, tables, gbuffer, radiance } = self.shading;
+        let [width, height] = gbuffer.size;
         let rest = [
-            Bind::Sample(run.dfg, &self.clamp),
-            Bind::Read(&sums.mean),
-            Bind::Read(&sums.squared_deviations),
-            Bind::ReadWrite(run.radiance),
-            Bind::ReadWrite(run.squared_error),
+            Bind::Sample(&tables.dfg, TABLE),
+            Bind::Read(&self.sums.mean),
+            Bind::Read(&self.sums.squared_deviations),
+            Bind::ReadWrite(radiance),
+            Bind::ReadWrite(self.squared_error),
         ];
-        let binds = with_gbuffer(run.gbuffer, &self.nearest, &rest);
-        let params = run.settings.params(run.gbuffer.size, 0);
-        let mut recorder = gpu.record("reference resolve")?;
-        recorder.pass(lobe.pass_name(), |r| {
-            r.dispatch(&self.resolve[lobe.key().0], &binds, &params.to_bytes(), groups(width, height))
-        })?;
-        recorder.submit()
+        let (binds, push) = (with_gbuffer(gbuffer, &rest), settings.params(gbuffer.size, 0).to_bytes());
+        let [_, shader] = lobe.shaders();
+        gpu.submit_pass(lobe.pass_name(), |r| {
+            r.dispatch(&shader, &[lobe.masking()], &binds, &push, image_groups(width, height))
+        })
     }
 }

@@ -16,7 +16,6 @@ use std::f64::consts::PI;
 
 pub const SLIPS: &[Slip] = &[
     Slip {
-        document: 0,
         printed: "`a_p = -2 + 2/a_g²`, a_g \"the roughness value\"",
         right: "right for alpha; wrong for a perceptual roughness r, alpha = r²",
         figures: || {
@@ -26,7 +25,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 0,
         printed: "`G_p` is Walter's fit, made for Beckmann",
         right: "exact Smith masking of Phong's own D (`smith-exact`)",
         figures: || {
@@ -38,7 +36,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 0,
         printed: "`G_g = 2/(1 + √(1 + a² + tan²))`",
         right: "`2/(1 + √(1 + a² tan²))`",
         figures: || {
@@ -59,13 +56,11 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 0,
         printed: "`(1 - F) f_lambert + F f_cook-torrance`",
         right: "`(1 - F) f_lambert + f_cook-torrance`, which holds F",
         figures: fresnel_twice,
     },
     Slip {
-        document: 0,
         printed: "`Kd`, not defined; often read as `1 - F(n·v)`",
         right: "`(1 - metallic)(1 - (f0 A + B))`",
         figures: || {
@@ -75,7 +70,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 0,
         printed: "mean of `G F / (4 w·N V·N) L cos θ`, half vectors from D",
         right: "`G F v·m / (n·v n·m) L`",
         figures: || {
@@ -85,7 +79,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 0,
         printed: "the same sum, directions w about the mirror direction (`seed0-literal`)",
         right: "`F G D(h) / (4 n·v p_l)`, p_l the true density of w",
         figures: || {
@@ -98,7 +91,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 0,
         printed: "the same sum, cos θ literally the sampled angle, that of m",
         right: "cos θ is n·l and cancels",
         figures: || {
@@ -110,7 +102,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 0,
         printed: "Phong: `θ = acos(ξ^(1/(a + 1)))`",
         right: "`acos(ξ^(1/(a + 2)))`, whose density is D cos",
         figures: || {
@@ -131,7 +122,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 0,
         printed: "`level = ½ (log2(W H/N) - log2 D(H))`",
         right: "`½ (log2(W H/N) - log2(p_l 2π² sin θ))`, p_l the density of l",
         figures: || {
@@ -148,7 +138,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 0,
         printed: "texel to direction: `(cos φ sin θ, sin φ sin θ, cos θ)`",
         right: "`(sin φ sin θ, cos θ, cos φ sin θ)`",
         figures: || {
@@ -163,7 +152,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 0,
         printed: "`pixel = Σ E Y`, stored as it is",
         right: "floored at 0: nine coefficients ring",
         figures: || {
@@ -178,7 +166,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 0,
         printed: "`C_linear = C_sRGB^2.2`",
         right: "the sRGB curve, which 2.2 approximates",
         figures: || {
@@ -190,7 +177,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 0,
         printed: "\"tone mapped the output color and converts it to linear color space\"",
         right: "to sRGB: the exponent is `c/2.2`",
         figures: || vec![light("display value of 0.5, contrast 1", 0.5f64.powf(2.2), 0.5f64.powf(1.0 / 2.2))],

@@ -10,19 +10,16 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 pub const SLIPS: &[Slip] = &[
     Slip {
-        document: 1,
         printed: "`k_s DFG/(4 n·l n·v)`, k_s = F beside k_d = 1 - k_s",
         right: "`k_s = 1`: F is in DFG",
         figures: fresnel_twice,
     },
     Slip {
-        document: 1,
         printed: "mean as `1/N Σ` from 0 to N",
         right: "N terms: from 1 to N",
         figures: || vec![light("mean of 1, N = 40", 41.0 / 40.0, 1.0)],
     },
     Slip {
-        document: 1,
         printed: "`k_d c π/(n1 n2) Σ Σ L cos θ sin θ dφ dθ`",
         right: "without `dφ dθ` (the code is right)",
         figures: || {
@@ -34,7 +31,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 1,
         printed: "`front = up.z < 0.999 ? z : -y`",
         right: "`abs(up.z) < 0.999`",
         figures: || {
@@ -48,7 +44,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 1,
         printed: "texel (i, j) at `i/(w - 1) 2π`, `j/(h - 1) π`",
         right: "texel centres, `(i + 0.5)/w`, `(j + 0.5)/h`",
         figures: || {
@@ -60,7 +55,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 1,
         printed: "after (2): `F_0/N Σ G ... (1 - (1 - ω_o·n)^5)`",
         right: "`(1 - (1 - ω_o·h)^5)` (the code is right)",
         figures: || {
@@ -72,7 +66,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 1,
         printed: "table: `NdotV = i/(width - 1)`",
         right: "`(i + 0.5)/width`",
         figures: || {
@@ -82,7 +75,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 1,
         printed: "`SetPixel(i, height - 1 - j)`, read at `(NdotV, roughness)`",
         right: "row j where row 0 is v = 0, as in Vulkan",
         figures: || {
@@ -91,7 +83,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 1,
         printed: "`prefilteredColor (F A + B)`, F at n·v",
         right: "`f0 A + B`",
         figures: || {
@@ -105,7 +96,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 1,
         printed: "`MAX_REFLECTION_LOD = 10`",
         right: "level count - 1",
         figures: || {
@@ -117,7 +107,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 1,
         printed: "`G_Smith(roughness, ...)`, not defined; `k = (r + 1)²/8` in many copies, `k = alpha/2` at best",
         right: "exact Smith, or the same G on both sides",
         figures: || {

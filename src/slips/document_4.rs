@@ -9,7 +9,6 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 pub const SLIPS: &[Slip] = &[
     Slip {
-        document: 4,
         printed: "`L_o = ∫ (c/π + D V G) L n·l dΩ`",
         right: "`D V F`: V holds G",
         figures: || {
@@ -23,7 +22,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 4,
         printed: "`c/π` beside the specular term, without k_D",
         right: "`(1 - (f0 A + B)) c/π`",
         figures: || {
@@ -33,7 +31,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 4,
         printed: "`V F ≈ n·l` in the prefilter, V = G/(4 n·l n·v)",
         right: "`F G ≈ n·l`",
         figures: || {
@@ -43,7 +40,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 4,
         printed: "table: mean of `V (1 - Fc)`, of `V Fc`: the density of h divided out as that of l",
         right: "`4 V n·l v·h / n·h`: `p_l = p_h / (4 v·h)`",
         figures: || {
@@ -61,7 +57,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 4,
         printed: "table's axes (roughness, angle), where document 1 has (n·v, roughness)",
         right: "one order: x is n·v, y is perceptual roughness",
         figures: || {
@@ -70,13 +65,11 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 4,
         printed: "`V/N Σ f/p`",
         right: "`1/N Σ f/p`: p is normalised",
         figures: || vec![light("∫ cos/π over the hemisphere, V = 2π", TAU, 1.0)],
     },
     Slip {
-        document: 4,
         printed: "`p(θ, φ) = 2α² cos sin/((α² - 1) cos² + 1)²`",
         right: "that is p(θ); `α²/π` in place of `2α²` for (θ, φ)",
         figures: || {
@@ -91,7 +84,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 4,
         printed: "`C(θ) = α²/(cos²(α² - 1)² + (α² - 1)) - 1/(α² - 1)`",
         right: "the same as `sin²/(sin² + α² cos²)`, regular at alpha 1",
         figures: || {
@@ -102,7 +94,6 @@ pub const SLIPS: &[Slip] = &[
         },
     },
     Slip {
-        document: 4,
         printed: "`k_D L_d`, k_D \"calculated as before\"; often read as `1 - F(n·v)`",
         right: "`(1 - metallic)(1 - (f0 A + B))`",
         figures: || {

@@ -16,8 +16,6 @@ use crate::table::markdown::{Align, MarkdownTable, significant};
 /// A printed formula that was corrected.
 #[derive(Clone, Copy, Debug)]
 pub struct Slip {
-    /// Digit of the source document: 0, 1 or 4.
-    pub document: u32,
     /// The formula as printed, or the place in words.
     pub printed: &'static str,
     pub right: &'static str,
@@ -53,9 +51,10 @@ impl Figure {
     }
 }
 
-/// Every slip, by document, in the order in which the documents print them.
-pub fn slips() -> impl Iterator<Item = &'static Slip> {
-    [document_0::SLIPS, document_1::SLIPS, document_4::SLIPS].into_iter().flatten()
+/// Every slip with the digit of its document (0, 1 or 4), in the order in which the documents print them.
+pub fn slips() -> impl Iterator<Item = (u32, &'static Slip)> {
+    let documents = [(0, document_0::SLIPS), (1, document_1::SLIPS), (4, document_4::SLIPS)];
+    documents.into_iter().flat_map(|(document, slips)| slips.iter().map(move |slip| (document, slip)))
 }
 
 /// What [`table`] is called in the folder of a run.
@@ -70,19 +69,20 @@ pub const COLUMNS: [&str; 6] = ["document", "printed", "right", "quantity", "pri
 
 /// One row a figure.
 pub fn table() -> (Vec<String>, Vec<Vec<Cell>>) {
-    let row = |slip: &Slip, figure: Figure| {
-        let mut row = vec![Cell::Integer(slip.document.into())];
+    let row = |(document, slip): (u32, &Slip), figure: Figure| {
+        let mut row = vec![Cell::Integer(document.into())];
         row.extend([slip.printed, slip.right, figure.quantity].map(Cell::from));
         row.extend([figure.printed, figure.right].map(Cell::from));
         row
     };
-    let rows = slips().flat_map(|slip| (slip.figures)().into_iter().map(move |figure| row(slip, figure)));
+    let rows = slips().flat_map(|slip| (slip.1.figures)().into_iter().map(move |figure| row(slip, figure)));
     (COLUMNS.map(str::to_owned).to_vec(), rows.collect())
 }
 
 /// A slip by its worst figure.
 #[derive(Clone, Debug)]
 pub struct Cost {
+    pub document: u32,
     pub slip: &'static Slip,
     pub figure: Figure,
     /// [`Figure::light_ratio`]; `None` where no figure of the slip is an amount of light.
@@ -94,11 +94,11 @@ pub const VISIBLE_RATIO: f64 = 1.02;
 
 /// Every slip once, in the order of [`slips`].
 pub fn costs() -> Vec<Cost> {
-    let cost = |slip: &'static Slip| {
+    let cost = |(document, slip): (u32, &'static Slip)| {
         // Of equals the first.
         let worse = |a: Figure, b: Figure| if b.light_ratio() > a.light_ratio() { b } else { a };
         let figure = (slip.figures)().into_iter().reduce(worse)?;
-        Some(Cost { slip, light_ratio: figure.light_ratio(), figure })
+        Some(Cost { document, slip, light_ratio: figure.light_ratio(), figure })
     };
     slips().filter_map(cost).collect()
 }

@@ -5,12 +5,13 @@ use crate::harness::{golden_environment, lobe_sphere, poison, request, scene, wi
 use crate::tables::environment_image;
 use splitsum::brdf::{Ggx, MODELS, MaskingShadowing};
 use splitsum::environment::distribution::EnvironmentDistribution;
-use splitsum::gbuffer::pass::{GbufferImages, GbufferPass, SceneData};
+use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::gpu::{Format, Gpu};
 use splitsum::pipeline::{Pipeline, RenderRequest};
+use splitsum::precompute::points::Points;
 use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::pass::ShadeSettings;
-use splitsum::shade::reference_pass::{DistributionBuffers, Lobe, ReferencePass, ReferenceRun, Stop, Sums};
+use splitsum::shade::pass::{ShadeSettings, Shading, Tables};
+use splitsum::shade::reference_pass::{DistributionBuffers, Lobe, ReferenceRun, Stop, Sums};
 use splitsum::shade::{DIFFUSE, METHODS};
 
 /// Every method and diffuse method on the grid of spheres.
@@ -93,11 +94,19 @@ fn the_reference_reads_nothing_it_has_not_written() {
         let request = request(&environment, lobe_sphere(0.3), CameraKind::Ortho, size);
         let image = environment_image(gpu, &environment.image);
         let distribution = DistributionBuffers::new(gpu, &EnvironmentDistribution::new(&environment.image)).unwrap();
-        let dfg = gpu.image("blank", [1, 1], 1, Format::Rgba32Float).unwrap();
+        let blank = gpu.image("blank", [1, 1], 1, Format::Rgba32Float).unwrap();
+        let tables = Tables {
+            environment: image,
+            prefiltered: blank.clone(),
+            dfg: blank.clone(),
+            irradiance_map: blank,
+            sh9: gpu.buffer("blank", 256).unwrap(),
+            points: Points::upload(gpu, 1, request.sequence, 0).unwrap(),
+        };
         let gbuffer = GbufferImages::new(gpu, size).unwrap();
         let scene = SceneData::new(gpu, &request.scene).unwrap();
         let mut recorder = gpu.record("gbuffer").unwrap();
-        GbufferPass::new(gpu).unwrap().record(&mut recorder, &scene, &request.camera, &gbuffer).unwrap();
+        pass::record(&mut recorder, &scene, &request.camera, &gbuffer).unwrap();
         recorder.submit().unwrap();
         let settings = ShadeSettings {
             camera: request.camera,
@@ -112,8 +121,6 @@ fn the_reference_reads_nothing_it_has_not_written() {
         };
         let mask = gbuffer.read(gpu).unwrap().mask();
         let lobe = Lobe::Specular(&Ggx, MaskingShadowing::Separable);
-        let mut pass = ReferencePass::new(gpu).unwrap();
-        pass.prepare(gpu, lobe).unwrap();
         let results = [false, true].map(|is_poisoned| {
             if is_poisoned {
                 poison_free_memory(gpu, bytes);
@@ -128,18 +135,15 @@ fn the_reference_reads_nothing_it_has_not_written() {
                 buffer
             });
             let run = ReferenceRun {
-                settings: &settings,
+                shading: Shading { settings: &settings, tables: &tables, gbuffer: &gbuffer, radiance: &radiance },
                 stop: Stop { sample_count: 64, relative_error: None },
                 seed: 1,
                 mask: &mask,
-                environment: &image,
                 distribution: &distribution,
-                dfg: &dfg,
-                gbuffer: &gbuffer,
-                radiance: &radiance,
+                sums: &sums,
                 squared_error: &squared_error,
             };
-            pass.run(gpu, lobe, &sums, &run).unwrap();
+            run.run(gpu, lobe).unwrap();
             [&radiance, &squared_error].map(|buffer| gpu.read_buffer::<u32>(buffer).unwrap())
         });
         assert!(results[0] == results[1], "the contents of fresh memory change the result");

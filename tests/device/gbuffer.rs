@@ -2,7 +2,7 @@
 
 use crate::compare::{Tolerance, Worst, absolute, relative};
 use crate::harness::{poison_image, with_gpu};
-use splitsum::gbuffer::pass::{GbufferImages, GbufferPass, SceneData};
+use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::gbuffer::{Gbuffer, reference};
 use splitsum::gpu::Gpu;
 use splitsum::pixels::Pixels;
@@ -13,10 +13,9 @@ use std::path::Path;
 pub fn draw(gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f32> {
     let target = GbufferImages::new(gpu, size).unwrap();
     target.attachments.iter().for_each(|image| poison_image(gpu, image));
-    let pass = GbufferPass::new(gpu).unwrap();
     let data = SceneData::new(gpu, scene).unwrap();
     let mut recorder = gpu.record("gbuffer").unwrap();
-    pass.record(&mut recorder, &data, camera, &target).unwrap();
+    pass::record(&mut recorder, &data, camera, &target).unwrap();
     recorder.submit().unwrap();
     target.read(gpu).unwrap()
 }

@@ -1,16 +1,13 @@
 //! Devices for tests, probes, and the requests and images that several tests share.
 
 use glam::DVec3;
-use splitsum::brdf::{Ggx, MaskingShadowing};
 use splitsum::environment::Environment;
 use splitsum::glsl::constants::GROUP_LINEAR;
 use splitsum::glsl::layout::{ProbeParams, SharedStruct};
-use splitsum::gpu::{Bind, Buffer, Gpu, GpuError, Image, Options, Slot};
+use splitsum::gpu::{Bind, Buffer, Gpu, GpuError, Image, Options};
 use splitsum::pipeline::{Pipeline, PipelineError, RenderRequest};
 use splitsum::pixels::{Pixels, RgbImage, exr};
-use splitsum::precompute::PrecomputeSettings;
-use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::scene::{CameraKind, Light, LightKind, MaterialOverride, Scene};
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -98,12 +95,11 @@ pub struct Probe<'a> {
     pub outputs: usize,
     /// Bindings after inputs and outputs.
     pub rest: &'a [Bind<'a>],
-    pub rest_slots: &'a [Slot],
 }
 
 impl Default for Probe<'_> {
     fn default() -> Self {
-        Self { shader: "", constants: &[], inputs: 1, outputs: 1, rest: &[], rest_slots: &[] }
+        Self { shader: "", constants: &[], inputs: 1, outputs: 1, rest: &[] }
     }
 }
 
@@ -112,15 +108,14 @@ impl Probe<'_> {
     pub fn run(&self, gpu: &Gpu, inputs: &[[f32; 4]]) -> Vec<Vec<[f64; 4]>> {
         assert_eq!(inputs.len() % self.inputs, 0, "{}: inputs an item", self.shader);
         let count = inputs.len() / self.inputs;
-        let slots = [&[Slot::Buffer; 2], self.rest_slots].concat();
-        let pipeline = gpu.compute_pipeline(self.shader, &slots, ProbeParams::SIZE, self.constants).unwrap();
         let input = gpu.buffer_from("probe inputs", inputs).unwrap();
         let output = gpu.buffer("probe outputs", (16 * count * self.outputs) as u64).unwrap();
         let push = ProbeParams { count: count as u32, ..Default::default() }.to_bytes();
         let binds = [&[Bind::Read(&input), Bind::Write(&output)], self.rest].concat();
         let mut recorder = gpu.record(self.shader).unwrap();
         recorder.fill(&output, POISON);
-        recorder.dispatch(&pipeline, &binds, &push, [(count as u32).div_ceil(GROUP_LINEAR), 1, 1]).unwrap();
+        let groups = [(count as u32).div_ceil(GROUP_LINEAR), 1, 1];
+        recorder.dispatch(self.shader, self.constants, &binds, &push, groups).unwrap();
         recorder.submit().unwrap();
         let texels: Vec<[f32; 4]> = gpu.read_buffer(&output).unwrap();
         let wide = |texel: &[f32; 4]| texel.map(f64::from);
@@ -187,27 +182,16 @@ pub fn lobe_sphere(alpha: f64) -> Scene {
 
 /// A request for `scene` under `environment`: GGX, split sum, no diffuse term.
 pub fn request(environment: &Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> RenderRequest {
-    RenderRequest {
-        environment: environment.clone(),
-        environment_rotation_deg: 0.0,
-        environment_scale: 1.0,
-        camera: Camera::for_scene(kind, &scene, size),
-        scene: Arc::new(scene),
-        size,
-        method: method_by_name("split-sum").unwrap(),
-        diffuse: diffuse_by_name("none").unwrap(),
-        brdf: &Ggx,
-        masking_shadowing: MaskingShadowing::Separable,
-        samples: 64,
-        sequence: &splitsum::math::sequence::SEQUENCES[0],
-        point_set: 0,
-        reference_error: None,
-        reference_samples: 1024,
-        lod_bias: 0.0,
-        lights: Vec::new(),
-        background: false,
-        precompute: PrecomputeSettings::default(),
-        seed: 1,
+    RenderRequest::plain(environment.clone(), scene, kind, size)
+}
+
+/// Direction to a light and its irradiance on a surface that faces it, at a position.
+pub fn incident(light: &Light, position: DVec3) -> (DVec3, DVec3) {
+    let color = DVec3::from_array(light.color.map(f64::from));
+    let to_light = light.position_or_direction - position;
+    match light.kind {
+        LightKind::Directional => (light.position_or_direction, color),
+        LightKind::Point => (to_light.normalize(), color / to_light.length_squared()),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Analytic lights against the f64 BRDF.
 
 use crate::compare::{Worst, relative};
-use crate::harness::{constant_environment, request, scene, with_pipeline};
+use crate::harness::{constant_environment, incident, request, scene, with_pipeline};
 use crate::methods::{radiance, sights};
 use glam::DVec3;
 use splitsum::brdf::{MODELS, MaskingShadowing, eval};
@@ -56,12 +56,7 @@ fn lights_meet_the_f64_brdf() {
                         let expected: DVec3 = lights()
                             .iter()
                             .map(|light| {
-                                let color = DVec3::from_array(light.color.map(f64::from));
-                                let to_light = light.position_or_direction - position;
-                                let (l, irradiance) = match light.kind {
-                                    LightKind::Directional => (light.position_or_direction, color),
-                                    LightKind::Point => (to_light.normalize(), color / to_light.length_squared()),
-                                };
+                                let (l, irradiance) = incident(light, position);
                                 let (v, l) = (frame_of_n.to_local(s.v), frame_of_n.to_local(l));
                                 eval(s.model, v, l, s.alpha, s.f0, s.masking) * l.z.max(0.0) * irradiance
                             })

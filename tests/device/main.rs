@@ -12,7 +12,6 @@ mod harness;
 mod kept;
 mod layer;
 mod lights;
-mod lists;
 mod methods;
 mod probe;
 mod reference;

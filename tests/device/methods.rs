@@ -5,8 +5,9 @@ use crate::harness::{golden_environment, request, scene, with_gpu, with_pipeline
 use crate::tables::dfg_table;
 use glam::{DVec2, DVec3};
 use splitsum::brdf::MODELS;
-use splitsum::gbuffer::reference::gbuffer;
+use splitsum::gbuffer::{Gbuffer, reference::gbuffer};
 use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
+use splitsum::pixels::Pixels;
 use splitsum::pixels::lookup::{Wrap, bilinear};
 use splitsum::precompute::exact_quadrature;
 use splitsum::scene::{CameraKind, MaterialOverride};
@@ -20,36 +21,41 @@ use splitsum::math::quadrature;
 /// Far below the error of every method here.
 pub const EXACT: quadrature::Tolerance = quadrature::Tolerance { relative: 1e-4, max_part_count: 100_000 };
 
-/// A pixel of a frame and the surface it shows, in the environment's frame.
+/// A pixel of a frame and the surface it shows, in the environment's frame, and its albedo.
 pub struct Sight {
     pub pixel: [u32; 2],
     pub surface: Surface,
+    pub albedo: DVec3,
 }
 
 /// Every `step`-th pixel that hits something.
 pub fn sights(request: &RenderRequest, step: usize) -> Vec<Sight> {
-    let turn = environment_from_world(request.environment_rotation_deg);
     let texels = gbuffer(&request.scene, &request.camera, request.size);
+    sights_in(request, &texels).into_iter().step_by(step).collect()
+}
+
+/// Every pixel of a g-buffer that hits something.
+pub fn sights_in<T: Copy + Into<f64>>(request: &RenderRequest, texels: &Gbuffer<T>) -> Vec<Sight> {
+    let turn = environment_from_world(request.environment_rotation_deg);
     let [width, height] = request.size;
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
-    let hit = pixels.filter(|&[x, y]| texels.position_mask.get(x, y)[3] == 1.0);
     let sight = |pixel: [u32; 2]| {
-        let at = |attachment: &splitsum::pixels::Pixels<[f64; 4]>| {
-            let texel = attachment.get(pixel[0], pixel[1]);
-            (DVec3::new(texel[0], texel[1], texel[2]), texel[3])
+        let at = |attachment: &Pixels<[T; 4]>| {
+            let [x, y, z, w] = attachment.get(pixel[0], pixel[1]).map(Into::into);
+            (DVec3::new(x, y, z), w)
         };
-        let ((position, _), (n, alpha)) = (at(&texels.position_mask), at(&texels.normal_alpha));
+        let ((position, mask), (n, alpha)) = (at(&texels.position_mask), at(&texels.normal_alpha));
         let surface = Surface {
             model: request.brdf,
             masking: request.masking_shadowing,
             alpha,
             f0: at(&texels.f0_material).0,
-            n: turn * n,
+            n: turn * n.normalize(),
             v: turn * request.camera.v_at(position),
         };
-        Sight { pixel, surface }
+        (mask == 1.0).then(|| Sight { pixel, surface, albedo: at(&texels.albedo_metallic).0 })
     };
-    hit.step_by(step).map(sight).collect()
+    pixels.filter_map(sight).collect()
 }
 
 /// The radiance of a pixel.
@@ -235,7 +241,7 @@ fn the_diffuse_term_takes_what_the_lobe_leaves() {
                 };
                 let both = pipeline.render(&with("irradiance-map")).unwrap();
                 let specular = pipeline.render(&with("none")).unwrap();
-                for Sight { pixel, surface } in sights(&base, 4) {
+                for Sight { pixel, surface, .. } in sights(&base, 4) {
                     let uv = DVec2::new(surface.n.dot(surface.v), surface.alpha.sqrt());
                     let pair = bilinear(&table, uv, Wrap::Clamp, |texel| texel);
                     let left = if name == "none" { DVec3::ONE } else { 1.0 - (surface.f0 * pair.x + pair.y) };

@@ -1,11 +1,11 @@
 //! Every other function of shaders/lib against its f64 twin: elementary functions, mappings, frames, harmonics, cameras, lights.
 
 use crate::compare::{Tolerance, Worst, absolute, relative};
-use crate::harness::{Probe, rounded, rounded3, vec4, with_gpu, xyz};
+use crate::harness::{Probe, incident, rounded, rounded3, vec4, with_gpu, xyz};
 use glam::{DVec2, DVec3};
 use splitsum::brdf::{alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
 use splitsum::glsl::constants::ALPHA_MIN;
-use splitsum::gpu::{Bind, Slot};
+use splitsum::gpu::Bind;
 use splitsum::math::equirect::{
     direction_from_uv, lod_from_solid_angles, texel_solid_angle, texel_solid_angle_at, uv_from_direction,
 };
@@ -189,8 +189,7 @@ fn spherical_harmonics() {
         let buffer = gpu.buffer_from("coefficients", &texels).unwrap();
         let inputs: Vec<[f32; 4]> = directions.iter().map(|&d| vec4(d, 0.0)).collect();
         let rest = [Bind::Read(&buffer)];
-        let probe =
-            Probe { shader: "probe/sh.comp", outputs: 3, rest: &rest, rest_slots: &[Slot::Buffer], ..Probe::default() };
+        let probe = Probe { shader: "probe/sh.comp", outputs: 3, rest: &rest, ..Probe::default() };
         let mut worst_basis = Worst::new("sh9_basis", absolute(3e-7));
         let mut worst_e = Worst::new("sh9_irradiance_over_pi", absolute(5e-6));
         for (d, out) in directions.iter().zip(probe.run(gpu, &inputs)) {
@@ -255,12 +254,7 @@ fn lights_at_a_point() {
         let out = Probe { shader: "probe/light.comp", inputs: 3, outputs: 2, ..Probe::default() }.run(gpu, &inputs);
         let mut worst = Worst::new("light_at", F32);
         for (light, out) in lights.iter().zip(out) {
-            let color = DVec3::from_array(light.color.map(f64::from));
-            let to_light = light.position_or_direction - position;
-            let (l, irradiance) = match light.kind {
-                LightKind::Directional => (light.position_or_direction, color),
-                LightKind::Point => (to_light.normalize(), color / to_light.length_squared()),
-            };
+            let (l, irradiance) = incident(light, position);
             worst.add_vector(xyz(out[0]), l, || format!("{light:?}"));
             worst.add_rgb(xyz(out[1]), irradiance, || format!("{light:?}"));
         }

@@ -5,19 +5,11 @@ use glam::{DVec2, DVec3};
 use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
 use splitsum::environment::Environment;
 use splitsum::environment::distribution::{EnvironmentDistribution, weighted_texels};
-use splitsum::gpu::{Bind, Filter, Format, Slot, Wrap};
+use splitsum::gpu::{Bind, Format, Sampler};
 use splitsum::math::equirect::direction_from_uv;
 use splitsum::math::sampling::hammersley;
+use splitsum::math::sequence::hash;
 use splitsum::pixels::RgbImage;
-
-/// The finaliser "lowbias32".
-fn hash(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7feb_352d);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846c_a68b);
-    x ^ (x >> 16)
-}
 
 #[test]
 fn points_are_the_published_sequence_under_its_scramble() {
@@ -82,19 +74,16 @@ fn environment_sampling_meets_its_twin() {
             let slots = gpu.uniform_from("slots", &distribution.slot_texels()).unwrap();
             // As shaders/probe/environment_sampling.comp.
             let guide = distribution.guide(|d| 0.1 + d.x.max(0.0));
-            let sampler = gpu.sampler(Filter::Nearest, Wrap::Clamp).unwrap();
-            let linear = gpu.sampler(Filter::Linear, Wrap::Equirect).unwrap();
             let probe = Probe {
                 shader: "probe/environment_sampling.comp",
                 inputs: 2,
                 outputs: 3,
                 rest: &[
-                    Bind::Sample(&image, &sampler),
+                    Bind::Sample(&image, Sampler::TEXELS),
                     Bind::Read(&words),
-                    Bind::Sample(&image, &linear),
+                    Bind::Sample(&image, Sampler::EQUIRECT),
                     Bind::Uniform(&slots, 0..slots.size()),
                 ],
-                rest_slots: &[Slot::Sampled, Slot::Buffer, Slot::Sampled, Slot::Uniform],
                 constants: &[0, u32::from(exact_filter)],
             };
             let slot_count = f64::from(distribution.slot_count());

@@ -5,21 +5,18 @@
 use crate::compare::{Tolerance, Worst};
 use crate::gbuffer::draw;
 use crate::harness::{read_level, request, scene, with_gpu, with_pipeline};
-use crate::tables::{coefficients, dfg_table, environment_image, equirect_sampler, prefiltered};
+use crate::methods::{EXACT, Sight, radiance, sights_in};
+use crate::tables::{coefficients, dfg_table, environment_image, prefiltered};
 use glam::DVec3;
 use rayon::prelude::*;
 use splitsum::brdf::{Brdf, MODELS, MaskingShadowing};
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::glsl::constants::POINTS_PER_DISPATCH;
 use splitsum::gpu::Gpu;
-use splitsum::math::quadrature;
 use splitsum::math::sequence::SEQUENCES;
 use splitsum::pipeline::{Frame, RenderRequest};
-use splitsum::precompute::irradiance::pass::IrradiancePass;
-use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
+use splitsum::precompute::{PrecomputeSettings, exact_quadrature, irradiance};
 use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::pass::environment_from_world;
-use splitsum::shade::reference::Surface;
 use splitsum::shade::twin::{Light, Samples, Twin};
 use splitsum::shade::{DIFFUSE, Diffuse, METHODS, Method, diffuse_by_name, method_by_name};
 use std::path::Path;
@@ -37,8 +34,6 @@ const SIGMAS: f64 = 6.0;
 const SIGMA_MAX: f64 = 0.2;
 /// What f32 adds to that, relative.
 const F32_SUM: f64 = 1e-5;
-/// Far below the standard error of the frames here.
-const EXACT: quadrature::Tolerance = quadrature::Tolerance { relative: 1e-4, max_part_count: 100_000 };
 /// Only every so many pixels are integrated.
 const MEAN_STEP: usize = 23;
 /// Some pixel's n_dot_v is below this.
@@ -128,12 +123,8 @@ impl Case {
 fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
     let settings = &request.precompute;
     let image = environment_image(gpu, &request.environment.image);
-    let map = IrradiancePass::map(gpu, settings.irradiance_size).unwrap();
-    let mut recorder = gpu.record("irradiance").unwrap();
-    let pass = IrradiancePass::new(gpu).unwrap();
-    pass.record_integrate(&mut recorder, &image, &equirect_sampler(gpu), settings.irradiance_sample_count, &map)
-        .unwrap();
-    recorder.submit().unwrap();
+    let map = irradiance::pass::map(gpu, settings.irradiance_size).unwrap();
+    irradiance::pass::integrate(gpu, &image, settings.irradiance_sample_count, &map).unwrap();
     let (size, level_count) = (settings.prefilter_size, settings.prefilter_level_count);
     let (model, masking) = (request.brdf, request.masking_shadowing);
     Light {
@@ -145,45 +136,13 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
     }
 }
 
-/// A pixel and the surface that the device's g-buffer holds there, in the environment's frame, and its albedo.
-struct Sight {
-    pixel: [u32; 2],
-    surface: Surface,
-    albedo: DVec3,
-}
-
-impl Sight {
-    fn n_dot_v(&self) -> f64 {
-        self.surface.n.dot(self.surface.v)
-    }
-}
-
+/// What the device's g-buffer holds.
 fn sights(gpu: &Gpu, request: &RenderRequest) -> Vec<Sight> {
-    let turn = environment_from_world(request.environment_rotation_deg);
-    let texels = draw(gpu, &request.scene, &request.camera, request.size);
-    let [width, height] = request.size;
-    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
-    let hit = pixels.filter(|&[x, y]| texels.position_mask.get(x, y)[3] == 1.0);
-    let sight = |pixel: [u32; 2]| {
-        let xyz = |attachment: &splitsum::pixels::Pixels<[f32; 4]>| {
-            let [x, y, z, _] = attachment.get(pixel[0], pixel[1]);
-            DVec3::new(x.into(), y.into(), z.into())
-        };
-        let surface = Surface {
-            model: request.brdf,
-            masking: request.masking_shadowing,
-            alpha: texels.normal_alpha.get(pixel[0], pixel[1])[3].into(),
-            f0: xyz(&texels.f0_material),
-            n: turn * xyz(&texels.normal_alpha).normalize(),
-            v: turn * request.camera.v_at(xyz(&texels.position_mask)),
-        };
-        Sight { pixel, surface, albedo: xyz(&texels.albedo_metallic) }
-    };
-    hit.map(sight).collect()
+    sights_in(request, &draw(gpu, &request.scene, &request.camera, request.size))
 }
 
-fn radiance(frame: &Frame, [x, y]: [u32; 2]) -> DVec3 {
-    DVec3::from_array(frame.radiance.get(x, y).map(f64::from))
+fn n_dot_v(sight: &Sight) -> f64 {
+    sight.surface.n.dot(sight.surface.v)
 }
 
 /// Holds a frame to a twin of the radiance of each sight.
@@ -205,7 +164,7 @@ fn check<E: Copy + Sync>(
             let mean = expected.iter().map(|rgb| rgb.element_sum()).sum::<f64>() / (3 * expected.len()) as f64;
             let mut worst = Worst::new(name, Tolerance { floor: lookup.floor * mean + f64::MIN_POSITIVE, ..lookup });
             for (sight, expected) in sights.iter().zip(expected) {
-                let place = || format!("{:?} n_dot_v {}", sight.pixel, sight.n_dot_v());
+                let place = || format!("{:?} n_dot_v {}", sight.pixel, n_dot_v(sight));
                 worst.add_rgb(radiance(frame, sight.pixel), expected, place);
             }
             worst.check();
@@ -252,7 +211,7 @@ fn every_method_meets_its_twin() {
                 for &model in MODELS {
                     let base = case.request(environment, model);
                     let (light, sights) = (light(gpu, &base), sights(gpu, &base));
-                    smallest = sights.iter().map(Sight::n_dot_v).fold(smallest, f64::min);
+                    smallest = sights.iter().map(n_dot_v).fold(smallest, f64::min);
                     for method in METHODS.iter().filter(|method| concerns(method, case)) {
                         let request = RenderRequest { method, diffuse: none, ..base.clone() };
                         let frame = pipeline.render(&request).unwrap();

@@ -3,11 +3,9 @@
 use splitsum::brdf::{Beckmann, Brdf, Ggx};
 use splitsum::environment::Environment;
 use splitsum::gpu::{HOST_FILES, code_hash, shader_code, shader_names};
-use splitsum::math::sequence::SEQUENCES;
 use splitsum::pipeline::{DiskCache, RenderRequest, shaders_of_kept};
 use splitsum::pixels::RgbImage;
-use splitsum::precompute::PrecomputeSettings;
-use splitsum::scene::{Camera, CameraKind, Scene};
+use splitsum::scene::{CameraKind, Scene};
 use splitsum::shade::{diffuse_by_name, method_by_name};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -109,29 +107,12 @@ fn a_folder_that_takes_no_files_is_one_warning() {
 }
 
 fn request(brdf: &'static dyn Brdf, method: &str, diffuse: &str) -> RenderRequest {
-    let scene = Scene::load("sphere", Path::new("")).unwrap();
-    let size = [8, 8];
+    let white = Arc::new(Environment::from_image("white", RgbImage::filled(4, 2, [1.0; 3])));
     RenderRequest {
-        environment: Arc::new(Environment::from_image("white", RgbImage::filled(4, 2, [1.0; 3]))),
-        environment_rotation_deg: 0.0,
-        environment_scale: 1.0,
-        camera: Camera::for_scene(CameraKind::Ortho, &scene, size),
-        scene: Arc::new(scene),
-        size,
         method: method_by_name(method).unwrap(),
         diffuse: diffuse_by_name(diffuse).unwrap(),
         brdf,
-        masking_shadowing: Default::default(),
-        samples: 1,
-        sequence: &SEQUENCES[0],
-        point_set: 0,
-        reference_samples: 64,
-        reference_error: None,
-        lod_bias: 0.0,
-        lights: Vec::new(),
-        background: false,
-        precompute: PrecomputeSettings::default(),
-        seed: 0,
+        ..RenderRequest::plain(white, Scene::sphere(), CameraKind::Ortho, [8, 8])
     }
 }
 

@@ -8,24 +8,18 @@ use splitsum::math::equirect_quadrature::Focus;
 use splitsum::math::frame::Frame;
 use splitsum::math::quadrature::Tolerance;
 use splitsum::math::sampling::direction_from_polar;
-use splitsum::pixels::{Pixels, RgbImage};
+use splitsum::pixels::{RgbImage, exr};
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::exact_quadrature;
 use splitsum::precompute::irradiance::reference::irradiance;
 use splitsum::shade::method::seed0_literal;
 use splitsum::shade::reference::{self, Surface, TOLERANCE};
 use std::f64::consts::{PI, TAU};
+use std::path::Path;
 
 /// `tests/golden/env_analytic.exr`: a smooth sky with a Gaussian sun, 512 x 256.
 pub fn golden_environment() -> RgbImage {
-    let image = exr::prelude::read_first_rgba_layer_from_file(
-        "tests/golden/env_analytic.exr",
-        |resolution, _| RgbImage::filled(resolution.width() as u32, resolution.height() as u32, [0.0; 3]),
-        |image: &mut Pixels<[f32; 3]>, position, (r, g, b, _): (f32, f32, f32, f32)| {
-            image.data[position.y() * image.width as usize + position.x()] = [r, g, b];
-        },
-    );
-    image.expect("tests/golden/env_analytic.exr").layer_data.channel_data.pixels
+    exr::read(Path::new("tests/golden/env_analytic.exr")).unwrap().rgb
 }
 
 /// A row of `tests/golden/queries.csv`.

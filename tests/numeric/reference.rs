@@ -1,6 +1,7 @@
 //! The reference integrator: its points, its environment distribution, and the estimator that they make.
 
 use crate::brdf::{Random, chi_square_tail};
+use crate::oracle::lookup;
 use glam::{DVec2, DVec3};
 use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
 use splitsum::brdf::{Brdf, Ggx, MaskingShadowing, eval_without_fresnel, reflect};
@@ -10,50 +11,27 @@ use splitsum::glsl::constants::{GUIDE_ALPHA_MIN, GUIDE_FLOOR, LUMINANCE_BLUE, LU
 use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
 use splitsum::math::frame::Frame;
 use splitsum::math::quadrature::GaussLegendre;
+use splitsum::math::sequence::{hash, scramble_reversed, sobol_second_reversed};
 use splitsum::pixels::RgbImage;
 use splitsum::shade::reference_pass::ScramblePlan;
 use std::f64::consts::PI;
 
 // ---- Points: shaders/lib/sobol.glsl, line by line ----
 
-fn sobol_hash(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7feb_352d);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846c_a68b);
-    x ^ (x >> 16)
-}
-
 fn sobol_key(pixel: [u32; 2], scramble: u32, seed: u32, stream: u32) -> u32 {
-    let chain = |key: u32, value: u32| sobol_hash(value.wrapping_add(key));
-    let seeded = chain(sobol_hash(stream + 1), seed);
+    let chain = |key: u32, value: u32| hash(value.wrapping_add(key));
+    let seeded = chain(hash(stream + 1), seed);
     chain(chain(chain(seeded, scramble), pixel[1]), pixel[0])
-}
-
-fn sobol_second_reversed(mut index: u32) -> u32 {
-    index ^= index >> 16;
-    index ^= (index & 0xff00_ff00) >> 8;
-    index ^= (index & 0xf0f0_f0f0) >> 4;
-    index ^= (index & 0xcccc_cccc) >> 2;
-    index ^ ((index & 0xaaaa_aaaa) >> 1)
-}
-
-fn sobol_scramble_reversed(mut x: u32, key: u32) -> u32 {
-    x ^= x.wrapping_mul(0x3d20_adea);
-    x = x.wrapping_add(key);
-    x = x.wrapping_mul((key >> 16) | 1);
-    x ^= x.wrapping_mul(0x0552_6c56);
-    x ^ x.wrapping_mul(0x53a2_2864)
 }
 
 fn sobol_point(index: u32, key: [u32; 2]) -> [u32; 2] {
     let reversed = [index, sobol_second_reversed(index)];
-    [0, 1].map(|d| sobol_scramble_reversed(reversed[d], key[d]).reverse_bits())
+    [0, 1].map(|d| scramble_reversed(reversed[d], key[d]).reverse_bits())
 }
 
 fn sobol_next_pair_key(key: &mut u32) -> [u32; 2] {
-    let first = sobol_hash(key.wrapping_add(1));
-    *key = sobol_hash(first.wrapping_add(1));
+    let first = hash(key.wrapping_add(1));
+    *key = hash(first.wrapping_add(1));
     [first, *key]
 }
 
@@ -80,7 +58,7 @@ fn sobol_dimensions_equal_a_published_generator() {
     let mut random = Random(11);
     for _ in 0..1000 {
         let [x, key] = [0, 1].map(|_| (random.next() * 2f64.powi(32)) as u32);
-        assert_eq!(sobol_scramble_reversed(x, key), owen_scramble_rev(x, key), "scramble of {x:#x} by {key:#x}");
+        assert_eq!(scramble_reversed(x, key), owen_scramble_rev(x, key), "scramble of {x:#x} by {key:#x}");
     }
 }
 
@@ -174,20 +152,6 @@ fn one_hot(width: u32, height: u32, texel: [u32; 2]) -> RgbImage {
     RgbImage::from_fn(width, height, |x, y| if [x, y] == texel { [3.0, 2.0, 1.0] } else { [0.0; 3] })
 }
 
-/// Bilinear radiance, straight from the definition of the lookup.
-fn radiance(image: &RgbImage, d: DVec3) -> DVec3 {
-    let uv = uv_from_direction(d);
-    let (x, y) = (uv.x * f64::from(image.width) - 0.5, uv.y * f64::from(image.height) - 0.5);
-    let (fx, fy) = (x - x.floor(), y - y.floor());
-    let texel = |dx: f64, dy: f64| {
-        let column = (x.floor() + dx).rem_euclid(f64::from(image.width)) as u32;
-        let row = (y.floor() + dy).clamp(0.0, f64::from(image.height - 1)) as u32;
-        DVec3::from_array(image.get(column, row).map(f64::from))
-    };
-    (texel(0.0, 0.0) * (1.0 - fx) + texel(1.0, 0.0) * fx) * (1.0 - fy)
-        + (texel(0.0, 1.0) * (1.0 - fx) + texel(1.0, 1.0) * fx) * fy
-}
-
 /// `∫ f dω` over the rectangles of half a texel, inside which bilinear radiance is smooth, poles and seam included.
 fn integrate_cells(width: u32, height: u32, f: impl Fn(DVec3) -> f64) -> f64 {
     let rule = GaussLegendre::<8>::new();
@@ -240,14 +204,14 @@ fn the_density_is_the_weight_over_a_band_constant() {
     let image = lively(64, 32);
     for compensation in [0.0, COMPENSATION] {
         let distribution = EnvironmentDistribution::with_compensation(&image, compensation);
-        let mean = integrate_cells(64, 32, |d| luminance(radiance(&image, d).as_vec3().to_array())) / (4.0 * PI);
+        let mean = integrate_cells(64, 32, |d| luminance(lookup(&image, d).as_vec3().to_array())) / (4.0 * PI);
         // The weights of the texels as an image: their bilinear interpolation is the ideal density.
         let weights = image.map(|texel| [(luminance(texel) - compensation * mean).max(0.0) as f32; 3]);
-        let total = integrate_cells(64, 32, |d| radiance(&weights, d).x);
+        let total = integrate_cells(64, 32, |d| lookup(&weights, d).x);
         let mut random = Random(3);
         for _ in 0..2000 {
             let d = direction_from_uv(DVec2::new(random.next(), 0.1 + 0.8 * random.next()));
-            let ideal = radiance(&weights, d).x / total;
+            let ideal = lookup(&weights, d).x / total;
             // The mean sine of a band against the sine: half a band times the cotangent, at v = 0.1. Then the mean of the texels
             // against that of the interpolation, in the threshold.
             let tolerance = (0.5 / 32.0 * PI * 3.1 + 0.01) * ideal + 0.01 / (4.0 * PI);
@@ -387,7 +351,7 @@ fn scramble_estimate(
         let value = eval_without_fresnel(&Ggx, v_local, l_local, alpha, MaskingShadowing::Separable) * l_local.z;
         let pdf_lobe = Ggx.pdf_visible_l(v_local, (v_local + l_local).normalize(), alpha);
         let density = pdf_lobe + pdf_environment;
-        if density > 0.0 { value * radiance(image, l).x / density } else { 0.0 }
+        if density > 0.0 { value * lookup(image, l).x / density } else { 0.0 }
     };
     let sum: f64 = (0..pair_count)
         .map(|i| {
@@ -418,7 +382,7 @@ fn the_estimator_is_unbiased_and_knows_its_error() {
             let exact = integrate_cells(16, 8, |l| {
                 let l_local = frame.to_local(l);
                 let f = eval_without_fresnel(&Ggx, v_local, l_local, alpha, MaskingShadowing::Separable);
-                f * l_local.z.max(0.0) * radiance(&image, l).x
+                f * l_local.z.max(0.0) * lookup(&image, l).x
             });
             let (mut mean, mut squared) = (0.0, 0.0);
             for k in 0..SCRAMBLES {

@@ -2,7 +2,7 @@
 //!
 //! The disc holds the solid angle `2π (1 - cos(half_angle))`.
 
-use super::{Builtin, Parameter, raster};
+use super::{Builtin, parameter, raster};
 use crate::pixels::RgbImage;
 use glam::DVec3;
 
@@ -10,29 +10,11 @@ pub static CAP: Builtin = Builtin {
     name: "cap",
     about: "A uniform spherical cap over an even ambient radiance",
     parameters: &[
-        Parameter {
-            name: "half_angle_deg",
-            about: "angle from the cap's centre to its edge",
-            default: 10.0,
-            min: 0.01,
-            max: 180.0,
-        },
-        Parameter { name: "radiance", about: "radiance within the cap", default: 100.0, min: 0.0, max: 1e9 },
-        Parameter { name: "ambient", about: "radiance elsewhere", default: 0.1, min: 0.0, max: 1e6 },
-        Parameter {
-            name: "azimuth_deg",
-            about: "azimuth of the centre, from +z towards +x",
-            default: 0.0,
-            min: -360.0,
-            max: 360.0,
-        },
-        Parameter {
-            name: "elevation_deg",
-            about: "elevation of the centre above the horizon",
-            default: 30.0,
-            min: -90.0,
-            max: 90.0,
-        },
+        parameter("half_angle_deg", "angle from the cap's centre to its edge", 10.0, [0.01, 180.0]),
+        parameter("radiance", "radiance within the cap", 100.0, [0.0, 1e9]),
+        parameter("ambient", "radiance elsewhere", 0.1, [0.0, 1e6]),
+        parameter("azimuth_deg", "azimuth of the centre, from +z towards +x", 0.0, [-360.0, 360.0]),
+        parameter("elevation_deg", "elevation of the centre above the horizon", 30.0, [-90.0, 90.0]),
     ],
     make: |values, size| {
         let (radiance, ambient) = (values.get("radiance"), values.get("ambient"));

@@ -1,6 +1,6 @@
 //! Cells of equal size in (u, v): `L = high` where `floor(columns u) + floor(rows v)` is even, else `low`.
 
-use super::{Builtin, Parameter, raster};
+use super::{Builtin, parameter, raster};
 use glam::DVec3;
 
 /// An edge that crosses a texel is placed to 1/8 of it.
@@ -10,22 +10,10 @@ pub static CHECKER: Builtin = Builtin {
     name: "checker",
     about: "Longitude-latitude checkerboard: hard edges in every direction",
     parameters: &[
-        Parameter {
-            name: "columns",
-            about: "cells around; a whole, even count closes the pattern",
-            default: 8.0,
-            min: 2.0,
-            max: 512.0,
-        },
-        Parameter { name: "rows", about: "cells from pole to pole", default: 4.0, min: 1.0, max: 256.0 },
-        Parameter {
-            name: "high",
-            about: "radiance of the cell at the left of the top row",
-            default: 1.0,
-            min: 0.0,
-            max: 1e6,
-        },
-        Parameter { name: "low", about: "radiance of the others", default: 0.0, min: 0.0, max: 1e6 },
+        parameter("columns", "cells around; a whole, even count closes the pattern", 8.0, [2.0, 512.0]),
+        parameter("rows", "cells from pole to pole", 4.0, [1.0, 256.0]),
+        parameter("high", "radiance of the cell at the left of the top row", 1.0, [0.0, 1e6]),
+        parameter("low", "radiance of the others", 0.0, [0.0, 1e6]),
     ],
     make: |values, size| {
         let (columns, rows) = (values.get("columns"), values.get("rows"));

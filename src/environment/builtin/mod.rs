@@ -8,7 +8,7 @@ mod raster;
 mod sky;
 mod studio;
 
-use super::error::EnvironmentError;
+use super::error::{EnvironmentError, unusable};
 use crate::pixels::{ENVIRONMENT_TEXELS_MAX, RgbImage};
 use crate::spelling;
 
@@ -25,6 +25,11 @@ pub struct Parameter {
     /// Inclusive range.
     pub min: f64,
     pub max: f64,
+}
+
+/// A parameter in one line.
+const fn parameter(name: &'static str, about: &'static str, default: f64, [min, max]: [f64; 2]) -> Parameter {
+    Parameter { name, about, default, min, max }
 }
 
 /// An environment made by a formula.
@@ -66,30 +71,22 @@ fn hint(word: &str, names: &[&'static str]) -> String {
 
 /// Makes the map of `formula` (`NAME` or `NAME:PARAMETER=VALUE,...`), which is `spec` without its prefix.
 pub(super) fn make(spec: &str, formula: &str, size: [u32; 2]) -> Result<RgbImage, EnvironmentError> {
-    let spec = || spec.to_owned();
+    let bad = |parameter: &str, value: &str, expected: String| {
+        unusable(spec, format!("{parameter} is {value:?}; expected {expected}"))
+    };
     let (name, assignments) = formula.split_once(':').unwrap_or((formula, ""));
     let builtin = BUILTINS.iter().find(|builtin| builtin.name == name).ok_or_else(|| {
         let names: Vec<_> = BUILTINS.iter().map(|builtin| builtin.name).collect();
-        EnvironmentError::UnknownBuiltin { spec: spec(), name: name.to_owned(), hint: hint(name, &names) }
+        unusable(spec, format!("there is no builtin {name:?}; {}", hint(name, &names)))
     })?;
     let texels = u64::from(size[0]) * u64::from(size[1]);
     if texels == 0 || texels > ENVIRONMENT_TEXELS_MAX {
-        return Err(EnvironmentError::BadValue {
-            spec: spec(),
-            parameter: "the size of a builtin's map".to_owned(),
-            value: format!("{}x{}", size[0], size[1]),
-            expected: format!("1 to {ENVIRONMENT_TEXELS_MAX} texels"),
-        });
+        let size = format!("{}x{}", size[0], size[1]);
+        return Err(bad("the size of a builtin's map", &size, format!("1 to {ENVIRONMENT_TEXELS_MAX} texels")));
     }
     let mut values = Values(builtin.parameters.iter().map(|p| (p.name, p.default)).collect());
     let mut given = Vec::new();
     for assignment in assignments.split(',').filter(|text| !text.trim().is_empty()) {
-        let bad = |parameter: &str, value: &str, expected: String| EnvironmentError::BadValue {
-            spec: spec(),
-            parameter: parameter.to_owned(),
-            value: value.to_owned(),
-            expected,
-        };
         let (key, text) = assignment.split_once('=').ok_or_else(|| {
             let form = format!("PARAMETER=VALUE, as in {BUILTIN_PREFIX}cap:half_angle_deg=10,radiance=100");
             bad("an assignment", assignment, form)
@@ -97,8 +94,7 @@ pub(super) fn make(spec: &str, formula: &str, size: [u32; 2]) -> Result<RgbImage
         let (key, text) = (key.trim(), text.trim());
         let parameter = builtin.parameters.iter().find(|p| p.name == key).ok_or_else(|| {
             let names: Vec<_> = builtin.parameters.iter().map(|p| p.name).collect();
-            let hint = hint(key, &names);
-            EnvironmentError::UnknownParameter { spec: spec(), builtin: builtin.name, name: key.to_owned(), hint }
+            unusable(spec, format!("builtin {name} has no parameter {key:?}; {}", hint(key, &names)))
         })?;
         if given.contains(&key) {
             return Err(bad(key, text, "one value for each parameter".to_owned()));

@@ -14,7 +14,7 @@
 //!
 //! The whole map is scaled to a mean luminance of 1 over the sphere.
 
-use super::{Builtin, Parameter, Values, raster};
+use super::{Builtin, Values, parameter, raster};
 use crate::color::{REC709_LUMINANCE, luminance};
 use crate::math::equirect;
 use crate::pixels::RgbImage;
@@ -36,16 +36,10 @@ pub static SKY: Builtin = Builtin {
     about: "Hosek-Wilkie clear sky with a sun disc of exact energy over a Lambertian ground; mean luminance 1",
     parameters: &[
         // Below about a degree the balance that sets the sun's energy divides by sin h -> 0.
-        Parameter { name: "elevation_deg", about: "solar elevation", default: 35.0, min: 1.0, max: 90.0 },
-        Parameter {
-            name: "azimuth_deg",
-            about: "solar azimuth, from +z towards +x",
-            default: -45.0,
-            min: -360.0,
-            max: 360.0,
-        },
-        Parameter { name: "turbidity", about: "haze: 2 very clear, 10 hazy", default: 3.0, min: 1.5, max: 10.0 },
-        Parameter { name: "albedo", about: "reflectance of the ground", default: 0.3, min: 0.0, max: 1.0 },
+        parameter("elevation_deg", "solar elevation", 35.0, [1.0, 90.0]),
+        parameter("azimuth_deg", "solar azimuth, from +z towards +x", -45.0, [-360.0, 360.0]),
+        parameter("turbidity", "haze: 2 very clear, 10 hazy", 3.0, [1.5, 10.0]),
+        parameter("albedo", "reflectance of the ground", 0.3, [0.0, 1.0]),
     ],
     make,
 };

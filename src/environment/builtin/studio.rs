@@ -15,40 +15,25 @@ const EDGE: f64 = 0.06;
 /// The narrowest edge is about as wide as a texel of the default map.
 const SAMPLES_PER_SIDE: u32 = 3;
 
-/// Angles in degrees; azimuth from +z towards +x, elevation from the horizon.
 struct Softbox {
-    azimuth: f64,
-    elevation: f64,
-    half_width: f64,
-    half_height: f64,
+    /// Azimuth from +z towards +x and elevation above the horizon, degrees.
+    center: [f64; 2],
+    /// Half width and half height, degrees.
+    half_size: [f64; 2],
     radiance: DVec3,
+}
+
+const fn softbox(center: [f64; 2], half_size: [f64; 2], radiance: [f64; 3]) -> Softbox {
+    Softbox { center, half_size, radiance: DVec3::from_array(radiance) }
 }
 
 /// Key, fill, two rims and a top light, as around a subject that is photographed from +z.
 const SOFTBOXES: [Softbox; 5] = [
-    Softbox {
-        azimuth: -50.0,
-        elevation: 32.0,
-        half_width: 26.0,
-        half_height: 19.0,
-        radiance: DVec3::new(9.0, 8.6, 8.0),
-    },
-    Softbox { azimuth: 72.0, elevation: 8.0, half_width: 15.0, half_height: 24.0, radiance: DVec3::new(1.5, 1.7, 2.0) },
-    Softbox {
-        azimuth: 148.0,
-        elevation: 12.0,
-        half_width: 4.0,
-        half_height: 32.0,
-        radiance: DVec3::new(20.0, 21.0, 23.0),
-    },
-    Softbox {
-        azimuth: -142.0,
-        elevation: 8.0,
-        half_width: 3.0,
-        half_height: 28.0,
-        radiance: DVec3::new(11.0, 9.0, 7.0),
-    },
-    Softbox { azimuth: 0.0, elevation: 84.0, half_width: 22.0, half_height: 14.0, radiance: DVec3::new(2.4, 2.4, 2.4) },
+    softbox([-50.0, 32.0], [26.0, 19.0], [9.0, 8.6, 8.0]),
+    softbox([72.0, 8.0], [15.0, 24.0], [1.5, 1.7, 2.0]),
+    softbox([148.0, 12.0], [4.0, 32.0], [20.0, 21.0, 23.0]),
+    softbox([-142.0, 8.0], [3.0, 28.0], [11.0, 9.0, 7.0]),
+    softbox([0.0, 84.0], [22.0, 14.0], [2.4, 2.4, 2.4]),
 ];
 
 /// The lamp's azimuth, elevation and half angle, degrees.
@@ -66,9 +51,11 @@ fn make(_: &Values, size: [u32; 2]) -> RgbImage {
     let boxes: Vec<_> = SOFTBOXES
         .iter()
         .map(|softbox| {
-            let center = raster::direction(softbox.azimuth.to_radians(), softbox.elevation.to_radians());
-            let right = DVec3::Y.cross(center).normalize() / softbox.half_width.to_radians().tan();
-            let up = center.cross(right).normalize() / softbox.half_height.to_radians().tan();
+            let [azimuth, elevation] = softbox.center.map(f64::to_radians);
+            let [half_width, half_height] = softbox.half_size.map(f64::to_radians);
+            let center = raster::direction(azimuth, elevation);
+            let right = DVec3::Y.cross(center).normalize() / half_width.tan();
+            let up = center.cross(right).normalize() / half_height.tan();
             (center, right, up, softbox.radiance)
         })
         .collect();

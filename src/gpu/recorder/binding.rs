@@ -1,10 +1,11 @@
 //! Binding resources: descriptor sets, and the barriers that each use of a resource needs.
 
 use super::Recorder;
-use crate::gpu::pipeline::Inner as Pipeline;
+use crate::gpu::device::lock;
+use crate::gpu::kept_pipeline::{Interface, Pipeline};
 use crate::gpu::sync::Access;
-use crate::gpu::{Buffer, GpuError, Image, Sampler, Slot};
-use ash::vk;
+use crate::gpu::{Buffer, GpuError, Image, Sampler};
+use ash::vk::{self, DescriptorType as Kind};
 use std::ops::Range;
 
 /// Descriptor sets of one pool; a recorder adds pools as it needs them.
@@ -14,9 +15,9 @@ const SETS_PER_POOL: u32 = 32;
 #[derive(Clone)]
 pub enum Bind<'a> {
     /// All levels of an image through a sampler.
-    Sample(&'a Image, &'a Sampler),
+    Sample(&'a Image, Sampler),
     /// One level of an image through a sampler; the shader sees it as level 0.
-    SampleMip(&'a Image, &'a Sampler, u32),
+    SampleMip(&'a Image, Sampler, u32),
     /// One level of an image, written only.
     StoreMip(&'a Image, u32),
     /// One level of an image, read and written.
@@ -29,15 +30,41 @@ pub enum Bind<'a> {
     Uniform(&'a Buffer, Range<u64>),
 }
 
-impl Bind<'_> {
-    fn slot(&self) -> Slot {
-        match self {
-            Self::Sample(..) | Self::SampleMip(..) => Slot::Sampled,
-            Self::StoreMip(..) | Self::UpdateMip(..) => Slot::StorageImage,
-            Self::Read(_) | Self::Write(_) | Self::ReadWrite(_) => Slot::Buffer,
-            Self::Uniform(..) => Slot::Uniform,
+/// What a bind names.
+enum Resource<'a> {
+    Image(&'a Image, Range<u32>, Option<Sampler>),
+    Buffer(&'a Buffer, Range<u64>),
+}
+
+impl<'a> Bind<'a> {
+    /// What the bind is to the shader, what the shader does with it, and what it names.
+    fn parts(&self) -> (Kind, Access, Resource<'a>) {
+        let stored = |image, mip| Resource::Image(image, mip..mip + 1, None);
+        let whole = |buffer| Resource::Buffer(buffer, 0..vk::WHOLE_SIZE);
+        match *self {
+            Self::Sample(image, sampler) => (
+                Kind::COMBINED_IMAGE_SAMPLER,
+                Access::SAMPLE,
+                Resource::Image(image, 0..image.mip_count(), Some(sampler)),
+            ),
+            Self::SampleMip(image, sampler, mip) => {
+                (Kind::COMBINED_IMAGE_SAMPLER, Access::SAMPLE, Resource::Image(image, mip..mip + 1, Some(sampler)))
+            }
+            Self::StoreMip(image, mip) => (Kind::STORAGE_IMAGE, Access::STORE, stored(image, mip)),
+            Self::UpdateMip(image, mip) => (Kind::STORAGE_IMAGE, Access::UPDATE, stored(image, mip)),
+            Self::Read(buffer) => (Kind::STORAGE_BUFFER, Access::LOAD, whole(buffer)),
+            Self::Write(buffer) => (Kind::STORAGE_BUFFER, Access::STORE, whole(buffer)),
+            Self::ReadWrite(buffer) => (Kind::STORAGE_BUFFER, Access::UPDATE, whole(buffer)),
+            Self::Uniform(buffer, ref bytes) => {
+                (Kind::UNIFORM_BUFFER, Access::UNIFORM, Resource::Buffer(buffer, bytes.clone()))
+            }
         }
     }
+}
+
+/// What a shader is given by these binds and push constants.
+pub(super) fn interface(binds: &[Bind<'_>], push: &[u8]) -> Interface {
+    Interface { kinds: binds.iter().map(|bind| bind.parts().0).collect(), push_size: push.len() }
 }
 
 #[derive(Default)]
@@ -47,15 +74,6 @@ pub(super) struct Barriers {
 }
 
 impl Recorder {
-    pub(super) fn check(&self, pipeline: &Pipeline, binds: &[Bind<'_>], push: &[u8]) {
-        let name = &pipeline.name;
-        assert!(
-            binds.iter().map(Bind::slot).eq(pipeline.slots.iter().copied()),
-            "'{name}': bindings differ from its slots"
-        );
-        assert_eq!(push.len(), pipeline.push_size as usize, "'{name}': push constants");
-    }
-
     pub(super) fn bind(
         &mut self,
         pipeline: &Pipeline,
@@ -65,12 +83,10 @@ impl Recorder {
     ) -> Result<(), GpuError> {
         let set = self.descriptor_set(pipeline, binds)?;
         let device = self.device();
-        // SAFETY: recording; the pipeline is kept alive by the caller.
+        // SAFETY: recording; the pipeline lives as long as the device.
         unsafe { device.cmd_bind_pipeline(self.commands, point, pipeline.raw) };
-        if let Some(set) = set {
-            // SAFETY: the set was made for this layout.
-            unsafe { device.cmd_bind_descriptor_sets(self.commands, point, pipeline.layout, 0, &[set], &[]) };
-        }
+        // SAFETY: the set was made for this layout.
+        unsafe { device.cmd_bind_descriptor_sets(self.commands, point, pipeline.layout, 0, &[set], &[]) };
         if !push.is_empty() {
             // SAFETY: the layout has a range of this size at offset 0.
             unsafe { device.cmd_push_constants(self.commands, pipeline.layout, pipeline.stages, 0, push) };
@@ -78,23 +94,15 @@ impl Recorder {
         Ok(())
     }
 
-    fn descriptor_set(
-        &mut self,
-        pipeline: &Pipeline,
-        binds: &[Bind<'_>],
-    ) -> Result<Option<vk::DescriptorSet>, GpuError> {
-        if binds.is_empty() {
-            return Ok(None);
-        }
-        let name = self.name.clone();
+    fn descriptor_set(&mut self, pipeline: &Pipeline, binds: &[Bind<'_>]) -> Result<vk::DescriptorSet, GpuError> {
         if self.sets_left == 0 {
             // Room for sets of 16 bindings of each kind, more than any pass has.
-            let sizes = [Slot::Sampled, Slot::StorageImage, Slot::Buffer, Slot::Uniform]
-                .map(|slot| vk::DescriptorPoolSize { ty: slot.raw(), descriptor_count: 16 * SETS_PER_POOL });
+            let kinds = [Kind::COMBINED_IMAGE_SAMPLER, Kind::STORAGE_IMAGE, Kind::STORAGE_BUFFER, Kind::UNIFORM_BUFFER];
+            let sizes = kinds.map(|ty| vk::DescriptorPoolSize { ty, descriptor_count: 16 * SETS_PER_POOL });
             let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS_PER_POOL).pool_sizes(&sizes);
             // SAFETY: the device is alive.
             let pool = unsafe { self.device().create_descriptor_pool(&info, None) }
-                .map_err(GpuError::call("vkCreateDescriptorPool", &name))?;
+                .map_err(GpuError::call("vkCreateDescriptorPool", &self.name))?;
             self.descriptor_pools.push(pool);
             self.sets_left = SETS_PER_POOL;
         }
@@ -104,83 +112,54 @@ impl Recorder {
         let allocate = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
         // SAFETY: the pool has room for this set.
         let set = unsafe { self.device().allocate_descriptor_sets(&allocate) }
-            .map_err(GpuError::call("vkAllocateDescriptorSets", &name))?[0];
+            .map_err(GpuError::call("vkAllocateDescriptorSets", &self.name))?[0];
 
-        let mut images = Vec::with_capacity(binds.len());
-        let mut buffers = Vec::with_capacity(binds.len());
-        for bind in binds {
-            let (mut image, mut buffer) = (vk::DescriptorImageInfo::default(), vk::DescriptorBufferInfo::default());
-            match bind {
-                Bind::Sample(i, sampler) => {
-                    image = image.sampler(sampler.inner.raw).image_view(i.inner.view(0..i.mip_count())?);
-                    image.image_layout = Access::SAMPLE.layout;
+        // Of each bind the one that its kind reads.
+        let mut images = vec![[vk::DescriptorImageInfo::default()]; binds.len()];
+        let mut buffers = vec![[vk::DescriptorBufferInfo::default()]; binds.len()];
+        for ((bind, [image_info]), [buffer_info]) in binds.iter().zip(&mut images).zip(&mut buffers) {
+            match bind.parts() {
+                (_, access, Resource::Image(image, mips, sampler)) => {
+                    image_info.image_view = image.inner.view(mips)?;
+                    image_info.image_layout = access.layout;
+                    image_info.sampler =
+                        sampler.map(|sampler| self.gpu.shared.sampler(sampler)).transpose()?.unwrap_or_default();
                 }
-                Bind::SampleMip(i, sampler, mip) => {
-                    image = image.sampler(sampler.inner.raw).image_view(i.inner.view(*mip..*mip + 1)?);
-                    image.image_layout = Access::SAMPLE.layout;
-                }
-                Bind::StoreMip(i, mip) | Bind::UpdateMip(i, mip) => {
-                    image = image.image_view(i.inner.view(*mip..*mip + 1)?);
-                    image.image_layout = Access::IMAGE_WRITE.layout;
-                }
-                Bind::Read(b) | Bind::Write(b) | Bind::ReadWrite(b) => {
-                    buffer = buffer.buffer(b.inner.raw).range(vk::WHOLE_SIZE);
-                }
-                Bind::Uniform(b, bytes) => {
-                    buffer = buffer.buffer(b.inner.raw).offset(bytes.start).range(bytes.end - bytes.start);
+                (_, _, Resource::Buffer(buffer, bytes)) => {
+                    *buffer_info =
+                        buffer_info.buffer(buffer.inner.raw).offset(bytes.start).range(bytes.end - bytes.start);
                 }
             }
-            images.push([image]);
-            buffers.push([buffer]);
         }
-        let writes: Vec<_> = binds
-            .iter()
-            .zip(0..)
-            .map(|(bind, binding)| {
-                let write = vk::WriteDescriptorSet::default()
+        let infos = (0..).zip(binds).zip(images.iter().zip(&buffers));
+        let writes: Vec<_> = infos
+            .map(|((binding, bind), (image, buffer))| {
+                vk::WriteDescriptorSet::default()
                     .dst_set(set)
                     .dst_binding(binding)
-                    .descriptor_type(bind.slot().raw());
-                match bind.slot() {
-                    Slot::Buffer | Slot::Uniform => write.buffer_info(&buffers[binding as usize]),
-                    Slot::Sampled | Slot::StorageImage => write.image_info(&images[binding as usize]),
-                }
+                    .descriptor_type(bind.parts().0)
+                    .image_info(image)
+                    .buffer_info(buffer)
             })
             .collect();
         // SAFETY: the set is new and every handle is alive.
         unsafe { self.device().update_descriptor_sets(&writes, &[]) };
-        Ok(Some(set))
+        Ok(set)
     }
 
     pub(super) fn access_binds(&mut self, binds: &[Bind<'_>]) {
         let mut barriers = Barriers::default();
         for bind in binds {
-            match bind {
-                Bind::Sample(image, sampler) => {
-                    self.access_image(image, 0..image.mip_count(), Access::SAMPLE, &mut barriers);
-                    self.kept.push(sampler.inner.clone());
-                }
-                Bind::SampleMip(image, sampler, mip) => {
-                    self.access_image(image, *mip..*mip + 1, Access::SAMPLE, &mut barriers);
-                    self.kept.push(sampler.inner.clone());
-                }
-                Bind::StoreMip(image, mip) => {
-                    self.access_image(image, *mip..*mip + 1, Access::IMAGE_WRITE, &mut barriers);
-                }
-                Bind::UpdateMip(image, mip) => {
-                    self.access_image(image, *mip..*mip + 1, Access::IMAGE_READ_WRITE, &mut barriers);
-                }
-                Bind::Uniform(buffer, _) => self.access_buffer(buffer, Access::UNIFORM_READ, &mut barriers),
-                Bind::Read(buffer) => self.access_buffer(buffer, Access::BUFFER_READ, &mut barriers),
-                Bind::Write(buffer) => self.access_buffer(buffer, Access::BUFFER_WRITE, &mut barriers),
-                Bind::ReadWrite(buffer) => self.access_buffer(buffer, Access::BUFFER_READ_WRITE, &mut barriers),
+            match bind.parts() {
+                (_, access, Resource::Image(image, mips, _)) => self.access_image(image, mips, access, &mut barriers),
+                (_, access, Resource::Buffer(buffer, _)) => self.access_buffer(buffer, access, &mut barriers),
             }
         }
         self.emit(&barriers);
     }
 
     pub(super) fn access_image(&mut self, image: &Image, mips: Range<u32>, access: Access, barriers: &mut Barriers) {
-        let mut states = image.inner.states.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut states = lock(&image.inner.states);
         for mip in mips {
             let Some(barrier) = states[mip as usize].advance(access, true) else { continue };
             let range = vk::ImageSubresourceRange {
@@ -208,7 +187,7 @@ impl Recorder {
     }
 
     pub(super) fn access_buffer(&mut self, buffer: &Buffer, access: Access, barriers: &mut Barriers) {
-        let mut state = buffer.inner.state.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut state = lock(&buffer.inner.state);
         if let Some(barrier) = state.advance(access, false) {
             barriers.buffers.push(
                 vk::BufferMemoryBarrier2::default()

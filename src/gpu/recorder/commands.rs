@@ -1,9 +1,9 @@
 //! What can be recorded: dispatches, draws, fills, copies.
 
-use super::binding::Barriers;
+use super::binding::{Barriers, interface};
 use super::{Bind, Recorder};
 use crate::gpu::sync::Access;
-use crate::gpu::{Buffer, ComputePipeline, GpuError, GraphicsPipeline, Image};
+use crate::gpu::{Buffer, GpuError, GraphicsDescription, Image};
 use ash::vk;
 use std::ops::Range;
 
@@ -29,42 +29,41 @@ pub struct Targets<'a> {
 }
 
 impl Recorder {
-    /// Binds and dispatches; `push` are the push constants' bytes.
+    /// Dispatches the shader permutation `shader` with specialization constants 0, 1, ...; `push` are the push constants' bytes.
     pub fn dispatch(
         &mut self,
-        pipeline: &ComputePipeline,
+        shader: &str,
+        constants: &[u32],
         binds: &[Bind<'_>],
         push: &[u8],
         groups: [u32; 3],
     ) -> Result<(), GpuError> {
-        let inner = &pipeline.inner;
-        self.check(inner, binds, push);
-        let limits = self.gpu.shared.limits.max_compute_work_group_count;
+        let shared = &self.gpu.shared;
+        let pipeline = shared.compute_pipeline(shader, constants, interface(binds, push))?;
+        let limits = shared.limits.max_compute_work_group_count;
         if let Some((&needed, &limit)) = groups.iter().zip(&limits).find(|(group, limit)| group > limit) {
-            let name = inner.name.clone();
-            return Err(GpuError::Limit { what: "work groups of", name, needed: needed.into(), limit: limit.into() });
+            let (name, needed, limit) = (shader.to_owned(), needed.into(), limit.into());
+            return Err(GpuError::Limit { what: "work groups of", name, needed, limit });
         }
         self.access_binds(binds);
-        self.bind(inner, vk::PipelineBindPoint::COMPUTE, binds, push)?;
+        self.bind(&pipeline, vk::PipelineBindPoint::COMPUTE, binds, push)?;
         // SAFETY: recording, the pipeline with its set and constants is bound, and the counts are within the limits.
         unsafe { self.device().cmd_dispatch(self.commands, groups[0], groups[1], groups[2]) };
-        self.shaders.extend(inner.shaders.iter().cloned());
-        self.kept.push(inner.clone());
+        self.shaders.insert(shader.to_owned());
         Ok(())
     }
 
     /// Draws into `targets`.
     pub fn draw(
         &mut self,
-        pipeline: &GraphicsPipeline,
+        description: GraphicsDescription<'_>,
         binds: &[Bind<'_>],
         push: &[u8],
         targets: Targets<'_>,
         call: DrawCall<'_>,
     ) -> Result<(), GpuError> {
         let Targets { colors, depth, clear } = targets;
-        let inner = &pipeline.inner;
-        self.check(inner, binds, push);
+        let pipeline = self.gpu.shared.graphics_pipeline(description, colors.len(), interface(binds, push))?;
         self.access_binds(binds);
         let mut barriers = Barriers::default();
         for image in colors {
@@ -110,7 +109,7 @@ impl Recorder {
         unsafe { self.device().cmd_set_viewport(self.commands, 0, &[viewport]) };
         // SAFETY: likewise.
         unsafe { self.device().cmd_set_scissor(self.commands, 0, &[area]) };
-        self.bind(inner, vk::PipelineBindPoint::GRAPHICS, binds, push)?;
+        self.bind(&pipeline, vk::PipelineBindPoint::GRAPHICS, binds, push)?;
         let vertex_buffers: Vec<_> = call.vertex_buffers.iter().map(|buffer| buffer.inner.raw).collect();
         if !vertex_buffers.is_empty() {
             let offsets = vec![0; vertex_buffers.len()];
@@ -128,8 +127,7 @@ impl Recorder {
         }
         // SAFETY: rendering was begun above.
         unsafe { self.device().cmd_end_rendering(self.commands) };
-        self.shaders.extend(inner.shaders.iter().cloned());
-        self.kept.push(inner.clone());
+        self.shaders.extend(description.shaders.map(str::to_owned));
         Ok(())
     }
 

@@ -6,7 +6,7 @@ mod commands;
 pub use binding::Bind;
 pub use commands::{DrawCall, Targets};
 
-use super::device::Shared;
+use super::device::lock;
 use super::inject::Site;
 use super::{Gpu, GpuError};
 use ash::vk;
@@ -59,6 +59,7 @@ pub struct Recorder {
     command_pool: vk::CommandPool,
     commands: vk::CommandBuffer,
     queries: vk::QueryPool,
+    fence: vk::Fence,
     passes: Vec<&'static str>,
     shaders: BTreeSet<String>,
     descriptor_pools: Vec<vk::DescriptorPool>,
@@ -77,6 +78,7 @@ impl Gpu {
             command_pool: vk::CommandPool::null(),
             commands: vk::CommandBuffer::null(),
             queries: vk::QueryPool::null(),
+            fence: vk::Fence::null(),
             passes: Vec::new(),
             shaders: BTreeSet::new(),
             descriptor_pools: Vec::new(),
@@ -140,25 +142,27 @@ impl Recorder {
     }
 
     /// Ends the recording, submits it, waits, and reads the timestamps.
-    pub fn submit(self) -> Result<Report, GpuError> {
-        let shared = &self.gpu.shared;
+    pub fn submit(mut self) -> Result<Report, GpuError> {
         // SAFETY: recording.
         unsafe { self.device().end_command_buffer(self.commands) }
             .map_err(GpuError::call("vkEndCommandBuffer", &self.name))?;
-        let fence = Fence::new(shared, &self.name)?;
+        // SAFETY: the device is alive.
+        self.fence = unsafe { self.device().create_fence(&vk::FenceCreateInfo::default(), None) }
+            .map_err(GpuError::call("vkCreateFence", &self.name))?;
+        let shared = &self.gpu.shared;
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
         let submit = [vk::SubmitInfo2::default().command_buffer_infos(&commands)];
         let started;
         {
-            let _one_at_a_time = shared.submission.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+            let _one_at_a_time = lock(&shared.submission);
             started = Instant::now();
             let call = || GpuError::call("vkQueueSubmit2", &self.name);
             shared.injector.reach(Site::Submit).map_err(call())?;
             // SAFETY: the command buffer is complete and what it uses is kept alive until the fence is signalled.
-            unsafe { self.device().queue_submit2(shared.queue, &submit, fence.raw) }.map_err(call())?;
+            unsafe { self.device().queue_submit2(shared.queue, &submit, self.fence) }.map_err(call())?;
         }
         // SAFETY: the fence was just submitted.
-        unsafe { self.device().wait_for_fences(&[fence.raw], true, u64::MAX) }
+        unsafe { self.device().wait_for_fences(&[self.fence], true, u64::MAX) }
             .map_err(GpuError::call("vkWaitForFences", &self.name))?;
         let waited = started.elapsed();
         shared.waited_ns.fetch_add(waited.as_nanos() as u64, Ordering::Relaxed);
@@ -232,30 +236,11 @@ impl Drop for Recorder {
         unsafe { self.device().destroy_command_pool(self.command_pool, None) };
         // SAFETY: likewise.
         unsafe { self.device().destroy_query_pool(self.queries, None) };
+        // SAFETY: likewise.
+        unsafe { self.device().destroy_fence(self.fence, None) };
         for pool in &self.descriptor_pools {
             // SAFETY: likewise.
             unsafe { self.device().destroy_descriptor_pool(*pool, None) };
         }
-    }
-}
-
-struct Fence<'a> {
-    raw: vk::Fence,
-    device: &'a Shared,
-}
-
-impl<'a> Fence<'a> {
-    fn new(device: &'a Shared, name: &str) -> Result<Self, GpuError> {
-        // SAFETY: the device is alive.
-        let raw = unsafe { device.raw.create_fence(&vk::FenceCreateInfo::default(), None) }
-            .map_err(GpuError::call("vkCreateFence", name))?;
-        Ok(Self { raw, device })
-    }
-}
-
-impl Drop for Fence<'_> {
-    fn drop(&mut self) {
-        // SAFETY: the fence has been waited for, or was never submitted.
-        unsafe { self.device.raw.destroy_fence(self.raw, None) };
     }
 }

@@ -9,7 +9,7 @@ pub(super) mod map;
 pub(super) mod view;
 
 use super::mean::pixel_mean;
-use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
+use super::{Comparison, Description, Metric, Space};
 
 /// Pixels per degree of visual angle: distance · pixels / width · π / 180, here 3840 π / 180.
 pub const PIXELS_PER_DEGREE: f32 = 67.020_645;
@@ -19,23 +19,20 @@ pub struct Flip;
 
 impl Metric for Flip {
     fn description(&self) -> &'static Description {
-        &Description {
-            name: "flip",
+        const DESCRIPTION: Description = Description {
             space: Space::Display,
-            better: Better::Lower,
             version: 2,
             parameters: &[("pixels_per_degree", PIXELS_PER_DEGREE as f64)],
-            formula: "mean of the LDR-FLIP error map (Andersson et al. 2020) of the 8-bit display values at 67 pixels per degree, 0 to 1",
-            power: 1.0,
-        }
+            ..Description::linear(
+                "flip",
+                "mean of the LDR-FLIP error map (Andersson et al. 2020) of the 8-bit display values at 67 pixels per degree, 0 to 1",
+            )
+        };
+        &DESCRIPTION
     }
 
     fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
         let map = comparison.flip();
         pixel_mean(pixels, |pixel| f64::from(map.data[pixel]))
-    }
-
-    fn noise_floor(&self, _: &ReferenceNoise) -> Option<f64> {
-        None
     }
 }

@@ -3,7 +3,7 @@
 pub(super) mod map;
 
 use super::mean::pixel_mean;
-use super::{Better, Comparison, Description, Metric, ReferenceNoise, Space};
+use super::{Better, Comparison, Description, Metric, Space};
 use map::WINDOW_SIGMA;
 
 /// Mean of the SSIM map, in [-1, 1]; 1 for equal images.
@@ -11,15 +11,16 @@ pub struct Ssim;
 
 impl Metric for Ssim {
     fn description(&self) -> &'static Description {
-        &Description {
-            name: "ssim",
+        const DESCRIPTION: Description = Description {
             space: Space::Display,
             better: Better::Higher,
-            version: 1,
             parameters: &[("window", 11.0), ("sigma", WINDOW_SIGMA), ("k1", 0.01), ("k2", 0.03)],
-            formula: "mean structural similarity (Wang et al. 2004) of the 8-bit luma, 11x11 Gaussian window, sigma 1.5",
-            power: 1.0,
-        }
+            ..Description::linear(
+                "ssim",
+                "mean structural similarity (Wang et al. 2004) of the 8-bit luma, 11x11 Gaussian window, sigma 1.5",
+            )
+        };
+        &DESCRIPTION
     }
 
     fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
@@ -29,9 +30,5 @@ impl Metric for Ssim {
 
     fn error(&self, score: f64) -> f64 {
         1.0 - score
-    }
-
-    fn noise_floor(&self, _: &ReferenceNoise) -> Option<f64> {
-        None
     }
 }

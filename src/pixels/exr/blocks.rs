@@ -302,20 +302,16 @@ fn scatter(header: &Header, bounds: IntegerBounds, mut bytes: &[u8], wanted: &[u
                 let start = y / sy * plane.width + left / sx;
                 let target = &mut plane.samples[start..start + count];
                 match channel.sample_type {
-                    SampleType::F16 => {
-                        let halves = line.as_chunks().0.iter().map(|&bytes| f16::from_ne_bytes(bytes).to_f32());
-                        target.iter_mut().zip(halves).for_each(|(to, from)| *to = from);
-                    }
-                    SampleType::F32 => {
-                        let floats = line.as_chunks().0.iter().map(|&bytes| f32::from_ne_bytes(bytes));
-                        target.iter_mut().zip(floats).for_each(|(to, from)| *to = from);
-                    }
-                    SampleType::U32 => {
-                        let integers = line.as_chunks().0.iter().map(|&bytes| u32::from_ne_bytes(bytes) as f32);
-                        target.iter_mut().zip(integers).for_each(|(to, from)| *to = from);
-                    }
+                    SampleType::F16 => put(target, line, |bytes| f16::from_ne_bytes(bytes).to_f32()),
+                    SampleType::F32 => put(target, line, f32::from_ne_bytes),
+                    SampleType::U32 => put(target, line, |bytes| u32::from_ne_bytes(bytes) as f32),
                 }
             }
         }
     }
+}
+
+/// Fills `target` with the numbers in `bytes`, `N` each.
+fn put<const N: usize>(target: &mut [f32], bytes: &[u8], number: impl Fn([u8; N]) -> f32) {
+    target.iter_mut().zip(bytes.as_chunks().0).for_each(|(to, from)| *to = number(*from));
 }

@@ -6,7 +6,7 @@ use crate::pixels::RgbImage;
 use crate::pixels::file::{Fault, reserved};
 use ::exr::meta::header::Header;
 use ::exr::prelude::Vec2;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
 
 /// The colour channels of one layer of a part, as indices of the header's list.
@@ -131,7 +131,9 @@ pub(super) fn to_rgb(
             warnings.push("The channels X, Y and Z were taken as CIE XYZ, whose D65 is white in Rec.709.".to_owned());
             REC709.to_xyz().map(|to_xyz| to_xyz.inverse())
         }
-        _ => conversion(chromaticities, warnings),
+        _ => chromaticities
+            .filter(|c| !c.is_close_to(&REC709))
+            .and_then(|c| c.to_rec709_with_warning("chromaticities", warnings)),
     };
     let finish = |rgb: DVec3| convert.map_or(rgb, |matrix| matrix * rgb).as_vec3().to_array();
     match &layer.channels {
@@ -178,14 +180,4 @@ fn chromaticities(header: &Header) -> Option<Chromaticities> {
         blue: xy(c.blue),
         white: xy(c.white),
     })
-}
-
-fn conversion(chromaticities: Option<Chromaticities>, warnings: &mut Vec<String>) -> Option<DMat3> {
-    let foreign = chromaticities.filter(|c| !c.is_close_to(&REC709))?;
-    let matrix = foreign.to_rec709();
-    warnings.push(match matrix {
-        Some(_) => "The colours were converted from the header's chromaticities to Rec.709.".into(),
-        None => "The header's chromaticities span no colour space; the colours were taken as Rec.709.".into(),
-    });
-    matrix
 }

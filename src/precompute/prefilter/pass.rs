@@ -1,9 +1,9 @@
 //! The device pass: one dispatch a level and band of rows.
 
 use crate::brdf::Brdf;
-use crate::glsl::constants::{GROUP_SIDE, POINTS_PER_DISPATCH};
+use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::glsl::layout::{PrefilterParams, SharedStruct};
-use crate::gpu::{Bind, ComputePipeline, Format, Gpu, GpuError, Image, Report, Sampler, Slot};
+use crate::gpu::{Bind, Format, Gpu, GpuError, Image, Report, Sampler, image_groups};
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::alpha_from_mip;
 
@@ -23,67 +23,47 @@ const PASSES: [&str; 12] = [
     "prefilter mip 11",
 ];
 
-pub struct PrefilterPass {
-    pipeline: ComputePipeline,
+/// The shader that makes the levels.
+pub fn shader(brdf: &dyn Brdf) -> String {
+    format!("precompute/prefilter.comp:{}", brdf.name())
 }
 
-impl PrefilterPass {
-    /// The shader that makes the levels.
-    pub fn shader(brdf: &dyn Brdf) -> String {
-        format!("precompute/prefilter.comp:{}", brdf.name())
-    }
+/// A map to fill.
+pub fn map(gpu: &Gpu, size: [u32; 2], level_count: u32) -> Result<Image, GpuError> {
+    gpu.image("prefiltered map", size, level_count, Format::Rgba32Float)
+}
 
-    pub fn new(gpu: &Gpu, brdf: &dyn Brdf) -> Result<Self, GpuError> {
-        let slots = [Slot::Sampled, Slot::StorageImage, Slot::Uniform];
-        Ok(Self { pipeline: gpu.compute_pipeline(&Self::shader(brdf), &slots, PrefilterParams::SIZE, &[])? })
-    }
-
-    /// A map to fill.
-    pub fn map(gpu: &Gpu, size: [u32; 2], level_count: u32) -> Result<Image, GpuError> {
-        gpu.image("prefiltered map", size, level_count, Format::Rgba32Float)
-    }
-
-    /// Fills every level of `map`; `points` holds `sample_count` sample points. A level is made by one dispatch a range of points, each
-    /// of which adds to the sums in its texels.
-    pub fn run(
-        &self,
-        gpu: &Gpu,
-        environment: &Image,
-        sampler: &Sampler,
-        points: &Points,
-        sample_count: u32,
-        map: &Image,
-    ) -> Result<Report, GpuError> {
-        let [source_width, source_height] = environment.mip_size(0);
-        let mut total = Report::default();
-        for level in 0..map.mip_count() {
-            let [width, height] = map.mip_size(level);
-            let alpha = alpha_from_mip(f64::from(level), map.mip_count()) as f32;
-            let is_mirror = alpha == 0.0;
-            let points_per_texel = if is_mirror { 1 } else { sample_count.min(POINTS_PER_DISPATCH) };
-            for rows in gpu.row_bands(height, u64::from(width) * u64::from(points_per_texel), GROUP_SIDE) {
-                for range in points.ranges().take(if is_mirror { 1 } else { usize::MAX }) {
-                    let params = PrefilterParams {
-                        width,
-                        height,
-                        source_width,
-                        source_height,
-                        sample_count,
-                        alpha,
-                        lod_bias: 0.0,
-                        first_row: rows.start,
-                        first_point: range.first,
-                        point_count: range.count,
-                    };
-                    let binds = [Bind::Sample(environment, sampler), Bind::UpdateMip(map, level), range.bind()];
-                    let groups = [width.div_ceil(GROUP_SIDE), (rows.end - rows.start).div_ceil(GROUP_SIDE), 1];
-                    let mut recorder = gpu.record("prefilter")?;
-                    let name = PASSES[(level as usize).min(PASSES.len() - 1)];
-                    recorder.pass(name, |r| r.dispatch(&self.pipeline, &binds, &params.to_bytes(), groups))?;
-                    total.add(recorder.submit()?);
-                }
+/// Fills every level of `map` from `points`. A level is made by one dispatch a range of points, each of which adds to the sums in
+/// its texels.
+pub fn run(gpu: &Gpu, brdf: &dyn Brdf, environment: &Image, points: &Points, map: &Image) -> Result<Report, GpuError> {
+    let [source_width, source_height] = environment.mip_size(0);
+    let (shader, sample_count) = (shader(brdf), points.count());
+    let mut total = Report::default();
+    for level in 0..map.mip_count() {
+        let [width, height] = map.mip_size(level);
+        let alpha = alpha_from_mip(f64::from(level), map.mip_count()) as f32;
+        let is_mirror = alpha == 0.0;
+        let points_per_texel = if is_mirror { 1 } else { sample_count.min(POINTS_PER_DISPATCH) };
+        for rows in gpu.row_bands(height, u64::from(width) * u64::from(points_per_texel)) {
+            for range in points.ranges().take(if is_mirror { 1 } else { usize::MAX }) {
+                let params = PrefilterParams {
+                    width,
+                    height,
+                    source_width,
+                    source_height,
+                    sample_count,
+                    alpha,
+                    lod_bias: 0.0,
+                    first_row: rows.start,
+                    first_point: range.first,
+                    point_count: range.count,
+                };
+                let binds = [Bind::Sample(environment, Sampler::EQUIRECT), Bind::UpdateMip(map, level), range.bind()];
+                let groups = image_groups(width, rows.end - rows.start);
+                let name = PASSES[(level as usize).min(PASSES.len() - 1)];
+                total.add(gpu.submit_pass(name, |r| r.dispatch(&shader, &[], &binds, &params.to_bytes(), groups))?);
             }
         }
-        Ok(total)
     }
+    Ok(total)
 }

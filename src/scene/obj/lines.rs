@@ -120,7 +120,7 @@ pub fn read(text: &str) -> Result<ObjText, LineError> {
 }
 
 /// The first word of a statement and the rest.
-fn split_keyword(logical: &str) -> (&str, &str) {
+pub fn split_keyword(logical: &str) -> (&str, &str) {
     let (keyword, rest) = logical.split_once(char::is_whitespace).unwrap_or((logical, ""));
     (keyword, rest.trim())
 }

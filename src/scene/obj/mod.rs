@@ -28,14 +28,11 @@ const DEGENERATE_HEIGHT: f64 = 1e-12;
 
 /// Loads the file at `path` of `files`; `spec` is what the user wrote.
 pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
-    let bytes = files.read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
-    let file_error = |message: String| SceneError::File { path: path.to_owned(), message };
+    let file_error = |what: String| SceneError::of_file(path, what);
+    let bytes = files.read(path).map_err(|error| file_error(format!("cannot read the scene: {error}")))?;
     // Comments and names are the only places for other text; in Latin-1 they must not stop the geometry.
-    let obj = lines::read(&String::from_utf8_lossy(&bytes)).map_err(|error| SceneError::Line {
-        path: path.to_owned(),
-        line: error.line,
-        message: error.message,
-    })?;
+    let obj = lines::read(&String::from_utf8_lossy(&bytes))
+        .map_err(|error| SceneError::of_line(path, error.line, error.message))?;
     if obj.face_count == 0 {
         let what = if bytes.is_empty() {
             "the file is empty".to_owned()
@@ -118,7 +115,7 @@ fn assemble(
     path: &Path,
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<Mesh>, Vec<Option<usize>>), SceneError> {
-    let file_error = |message: String| SceneError::File { path: path.to_owned(), message };
+    let file_error = |what: String| SceneError::of_file(path, what);
     let mut slots: HashMap<Option<usize>, usize> = HashMap::new();
     let mut meshes: Vec<Mesh> = Vec::new();
     let mut used = Vec::new();

@@ -14,7 +14,7 @@
 //! is refused.
 
 use super::add_first;
-use super::lines::{logical_lines, number};
+use super::lines::{logical_lines, number, split_keyword};
 use super::source::{SceneFiles, existing};
 use crate::brdf;
 use crate::glsl::constants::ALPHA_MIN;
@@ -49,8 +49,7 @@ impl Libraries {
         };
         let (mut unread, mut odd) = (Vec::new(), Vec::new());
         for (line, logical) in logical_lines(&String::from_utf8_lossy(&bytes)) {
-            let (keyword, rest) = logical.split_once(char::is_whitespace).unwrap_or((&logical, ""));
-            let rest = rest.trim();
+            let (keyword, rest) = split_keyword(&logical);
             let warn_at_line = |message: String| format!("{}:{line}: {message}", path.display());
             let scalar = |range: [f32; 2]| match rest.split_whitespace().next() {
                 Some(word) => number(word).map(|value| (value.clamp(range[0], range[1]), value)),
@@ -62,7 +61,7 @@ impl Libraries {
                     let _ = writeln!(self.text, "newmtl {rest}");
                     Ok(())
                 }
-                "Kd" if ["spectral", "xyz"].contains(&take_word(rest).0) => {
+                "Kd" if ["spectral", "xyz"].contains(&split_keyword(rest).0) => {
                     odd.push(warn_at_line(format!("Kd {rest} is not RGB and is not read")));
                     Ok(())
                 }
@@ -103,11 +102,7 @@ impl Libraries {
                 }
                 _ => Ok(()),
             };
-            result.map_err(|message| SceneError::Line {
-                path: path.to_owned(),
-                line,
-                message: format!("{keyword}: {message}"),
-            })?;
+            result.map_err(|message| SceneError::of_line(path, line, format!("{keyword}: {message}")))?;
         }
         add_first(warnings, odd);
         if !unread.is_empty() {
@@ -131,7 +126,7 @@ fn color(values: &str) -> Result<[f32; 3], String> {
 fn map_file(rest: &str) -> Result<(&str, bool), String> {
     let mut left = rest;
     while left.starts_with('-') {
-        let (option, after) = take_word(left);
+        let (option, after) = split_keyword(left);
         let (least, most) = match option {
             "-mm" => (2, 2),
             // One to three numbers.
@@ -140,7 +135,7 @@ fn map_file(rest: &str) -> Result<(&str, bool), String> {
         };
         left = after;
         for i in 0..most {
-            let (word, after) = take_word(left);
+            let (word, after) = split_keyword(left);
             if i >= least && number(word).is_err() {
                 break;
             }
@@ -151,12 +146,6 @@ fn map_file(rest: &str) -> Result<(&str, bool), String> {
         return Err("expected a file name".to_owned());
     }
     Ok((left, left.len() != rest.len()))
-}
-
-/// The first word and what follows it.
-fn take_word(text: &str) -> (&str, &str) {
-    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-    (word, rest.trim_start())
 }
 
 /// The material of a checked library. `maps` gives the texture of each of [`Libraries::maps`], `None` for those that could not be read.

@@ -35,6 +35,11 @@ impl Diffuse {
     pub fn is_none(&self) -> bool {
         self.name == NONE
     }
+
+    /// Whether a shader of its own makes the term: the reference has other passes.
+    pub fn has_pass(&self) -> bool {
+        !self.is_none() && !self.is_reference()
+    }
 }
 
 /// The diffuse method of that name.

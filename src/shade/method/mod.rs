@@ -68,6 +68,11 @@ impl Method {
         self.name == NONE
     }
 
+    /// Whether a shader of its own makes the term: the reference has other passes.
+    pub fn has_pass(&self) -> bool {
+        !self.is_none() && !self.is_reference()
+    }
+
     /// Whether a frame reads the DFG table: for the specular term itself, or to weight what else the surface reflects beside it.
     pub fn needs_dfg(&self, diffuse: &Diffuse, has_lights: bool) -> bool {
         self.uses_dfg || (!self.is_none() && (!diffuse.is_none() || has_lights))

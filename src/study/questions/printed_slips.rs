@@ -59,7 +59,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let mut table = Table::new(&[], QUESTION.columns);
     for cost in &costs {
         let finite = |number: f64| Some(number).filter(|number| number.is_finite());
-        let mut row = vec![Cell::Integer(cost.slip.document.into())];
+        let mut row = vec![Cell::Integer(cost.document.into())];
         row.extend([cost.slip.printed, cost.slip.right, cost.figure.quantity].map(Cell::from));
         row.extend([finite(cost.figure.printed), finite(cost.figure.right), cost.light_ratio].map(Cell::from));
         row.push(Cell::Integer(is_seen(cost).into()));
@@ -87,7 +87,7 @@ fn digest(costs: &[Cost]) -> Table {
         };
         let texts = [cost.slip.printed, cost.slip.right, cost.figure.quantity].map(Cell::from);
         let values = [cost.figure.printed, cost.figure.right].map(|value| Cell::Text(number(value)));
-        let first = [Cell::Integer(cost.slip.document.into())];
+        let first = [Cell::Integer(cost.document.into())];
         table.row(first.into_iter().chain(texts).chain(values).chain([Cell::Text(light)]).collect());
     }
     table
@@ -101,7 +101,7 @@ fn sentence(costs: &[Cost]) -> Option<String> {
         "{seen} of {} printed slips change light by {SEEN}. The costliest, {} in document {}, makes {} {} instead of {}.",
         costs.len(),
         most.slip.printed.split(',').next().unwrap_or_default(),
-        most.slip.document,
+        most.document,
         most.figure.quantity,
         number(most.figure.printed),
         number(most.figure.right)
@@ -111,11 +111,11 @@ fn sentence(costs: &[Cost]) -> Option<String> {
 /// One bar a slip that changes light, from 1.
 fn figure(costs: &[Cost]) -> Option<Figure> {
     let seen: Vec<(&Cost, f64)> = costs.iter().filter_map(|cost| Some((cost, cost.light_ratio?))).collect();
-    let name = |cost: &Cost| format!("{}: {}", cost.slip.document, cost.figure.quantity);
+    let name = |cost: &Cost| format!("{}: {}", cost.document, cost.figure.quantity);
     let bar = |(y, (cost, ratio)): (usize, &(&Cost, f64))| {
         let tip = format!(
             "document {}, {} for {}: {} {} instead of {}",
-            cost.slip.document,
+            cost.document,
             cost.slip.printed,
             cost.slip.right,
             cost.figure.quantity,

@@ -1,9 +1,8 @@
 //! The f64 g-buffer.
 
-use exr::prelude::read_first_flat_layer_from_file;
 use glam::DVec3;
 use splitsum::gbuffer::reference::gbuffer;
-use splitsum::pixels::GrayImage;
+use splitsum::pixels::{GrayImage, exr};
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 
@@ -15,11 +14,7 @@ fn xyz(texel: [f64; 4]) -> DVec3 {
 }
 
 fn golden_mask(name: &str) -> GrayImage {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
-    let image = read_first_flat_layer_from_file(path).expect("the golden mask");
-    let size = image.layer_data.size;
-    let values = image.layer_data.channel_data.list[0].sample_data.values_as_f32().collect();
-    GrayImage::new(size.width() as u32, size.height() as u32, values)
+    exr::read(&Path::new("tests/golden").join(name)).unwrap().rgb.map(|[mask, ..]| mask)
 }
 
 /// Masks made by another renderer from the same contract.
