@@ -1,8 +1,9 @@
 //! Published runs: the small files of finished runs in a folder for git, and a page with the answers of all of them.
 
 use super::finished::{FinishedError, provenance};
-use super::summary::{sheet_link, sheet_title};
-use super::write::{ANSWER_FILE, AnswerRecord, SUMMARY_FILE, WriteError};
+use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
+use super::summary::{bold, sheet_link, sheet_title};
+use super::write::SUMMARY_FILE;
 use crate::files::{TEXT_BYTES_MAX, read_text, relative};
 use crate::pixels::{PixelsError, png, write_atomically};
 use crate::runner::frozen::EXPERIMENT_FILE;
@@ -273,8 +274,8 @@ fn page(runs: &[Published]) -> String {
         text += "**Times from a CPU driver say nothing about a GPU.** Errors do not depend on the device's speed.\n\n";
     }
     for Published { folder, remark, sheet, run } in runs {
-        let (name, sentence) = (inline(&run.name), paragraph(run.headline()));
-        text += &format!("## {name}\n\n{}\n\n**{sentence}**\n\n", paragraph(&run.question));
+        let (name, question) = (inline(&run.name), paragraph(&run.question));
+        text += &format!("## {name}\n\n{question}\n\n{}\n\n", bold(run.headline()));
         text.extend(run.answers.iter().skip(1).map(|answer| format!("- {}\n", paragraph(&answer.sentence))));
         if !remark.trim().is_empty() {
             text += &format!("\n{}\n", remark.trim());

@@ -14,15 +14,27 @@ pub struct Table {
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// A value of an axis as a cell.
-pub fn value_cell(value: &Value) -> Cell {
-    match value {
-        Value::Unset => Cell::Missing,
-        Value::Number(number) => Cell::Number(*number),
-        Value::Count(count) => Cell::Integer((*count).into()),
-        other => Cell::Text(other.to_string()),
+impl From<&Value> for Cell {
+    fn from(value: &Value) -> Self {
+        match value {
+            Value::Unset => Self::Missing,
+            Value::Number(number) => Self::Number(*number),
+            Value::Count(count) => (*count).into(),
+            other => other.to_string().into(),
+        }
     }
 }
+
+/// A column with its meaning.
+pub const fn column(name: &'static str, about: &'static str) -> Column {
+    Column { name, about }
+}
+
+/// Cells of a row from whatever makes one.
+macro_rules! cells {
+    ($($cell:expr),* $(,)?) => { vec![$(crate::table::csv::Cell::from($cell)),*] };
+}
+pub(super) use cells;
 
 /// Digits of a number that people read; files have all.
 const DIGITS: usize = 3;
@@ -38,8 +50,8 @@ impl Table {
     }
 
     /// With column names of its own, as digests have.
-    pub fn with_names(columns: Vec<String>) -> Self {
-        Self { columns, rows: Vec::new() }
+    pub fn with_names(columns: impl IntoIterator<Item: Into<String>>) -> Self {
+        Self { columns: columns.into_iter().map(Into::into).collect(), rows: Vec::new() }
     }
 
     /// Adds a row, as long as the columns.
