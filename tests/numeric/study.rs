@@ -6,7 +6,6 @@ mod figure;
 mod finished;
 mod frame;
 mod lights;
-mod made;
 pub mod page;
 mod page_live;
 mod paper;

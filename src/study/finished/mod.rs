@@ -90,7 +90,7 @@ pub struct Light {
 }
 
 /// A finished run.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Finished {
     pub dir: PathBuf,
     /// `provenance.json`.

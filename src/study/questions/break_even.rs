@@ -7,18 +7,9 @@
 //!
 //! Over cases: the median, with "above the largest tried count" last. Its interval resamples environments; infinity stands for "above".
 
-use super::chart::{Along, Chart, dot, step};
-use super::numbers::Numbers;
-use super::words::{interval_words, label};
-use super::{FIXED, Finding, Question, SAMPLED};
-use crate::runner::axis::{AXES, BRDF};
-use crate::runner::value::Value;
-use crate::study::figure::{Figure, Mark, Shape as Form};
+use super::prelude::*;
+use super::{FIXED, SAMPLED};
 use crate::study::frame::curve::{Beside, beside};
-use crate::study::frame::estimate::Estimate;
-use crate::study::frame::{Frame, Shape, distinct_in_order, grouped};
-use crate::study::table::{Table, cells, column};
-use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
     name: "break-even",

@@ -8,19 +8,10 @@
 //! An error *stops falling* at the smallest tried count from which on doubling the samples takes off less than [`GAIN_MIN`], up to the
 //! largest count that stands clear of the noise. Where bias and variance were parted, their share at the largest count says why.
 
-use super::chart::{Along, Chart, dot, joined};
-use super::numbers::{ALL, Numbers, ROUGHNESS, roughness};
-use super::words::{count, interval_words, label, number, percent, short, with_interval};
-use super::{BIAS_SHARE, ERROR, Finding, IS_RESOLVED, NOISE_FLOOR, Question};
-use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, METHOD, SAMPLES};
-use crate::runner::value::Value;
-use crate::study::figure::{Figure, Mark, Shape as Form};
+use super::prelude::*;
+use super::{BIAS_SHARE, ERROR, IS_RESOLVED, NOISE_FLOOR};
 use crate::study::frame::curve::{Curve, CurvePoint, curves, mean, without_samples};
-use crate::study::frame::estimate::median;
 use crate::study::frame::line::{Line, POINTS_MIN};
-use crate::study::frame::{Frame, Key, Row, Shape, distinct_in_order, fits, grouped, values};
-use crate::study::table::{Table, cells, column};
-use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
     name: "convergence",

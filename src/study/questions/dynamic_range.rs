@@ -8,16 +8,8 @@
 //! ln e over stops; it describes the path only where that is a line, and errors saturate: the range from which a series is level is
 //! the first from which on its errors lie within a factor of [`LEVEL`], over at least [`LEVEL_SHARE`] of the range.
 
-use super::chart::{Along, Chart, joined, only};
-use super::words::{label, number, short};
-use super::{Finding, Question};
-use crate::runner::axis::{ALPHA, ENVIRONMENT, ENVIRONMENT_CLIP};
-use crate::runner::value::Value;
-use crate::study::figure::{Figure, Mark, Shape as Form};
-use crate::study::frame::estimate::geometric_mean;
+use super::prelude::*;
 use crate::study::frame::line::Line;
-use crate::study::frame::{Frame, Key, Row, Shape, ascending, distinct_in_order, grouped};
-use crate::study::table::{Table, cells, column};
 
 pub const QUESTION: Question = Question {
     name: "dynamic-range",

@@ -6,16 +6,7 @@
 //! above 1 there, it is told along that axis and never averaged over it. A pair of which both errors are within the reference's noise
 //! tells nothing and is left out of the mean.
 
-use super::chart::{Along, Chart, dot, joined, step};
-use super::numbers::{ALL, Numbers, heading};
-use super::words::{listed, number, said, short, with_interval};
-use super::{Finding, Question};
-use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, METHOD, POINT_SET, Part, SAMPLES};
-use crate::runner::value::Value;
-use crate::study::figure::{Figure, Mark, Shape as Form};
-use crate::study::frame::estimate::{Estimate, geometric_mean};
-use crate::study::frame::{Frame, Row, Shape, distinct_in_order, grouped, pair, values};
-use crate::study::table::{Table, cells, column};
+use super::prelude::*;
 
 pub const QUESTION: Question = Question {
     name: "effect",

@@ -5,18 +5,9 @@
 //! Σ (t - r) / Σ r, the metric `bias_rel`: below 0 a single scattering loses energy, above 0 it creates some. Its 95 % interval is
 //! ± 1.96 standard errors of the noise in the image that judges (`bias_rel_noise_floor`). By n·v the extremes are those of the bins.
 
-use super::chart::{Along, Chart, dot, joined, step};
 use super::n_dot_v::ends;
-use super::words::{label, number, percent, short};
-use super::{Finding, Question};
-use crate::runner::axis::{ALBEDO, ALPHA, AXES, BRDF, ENVIRONMENT, ENVIRONMENT_SCALE, F0, METALLIC, Part};
-use crate::runner::value::Value;
-use crate::shade::NONE;
-use crate::study::figure::{Figure, Mark, Shape as Form};
+use super::prelude::*;
 use crate::study::frame::line::NORMAL_95;
-use crate::study::frame::{Frame, Key, Row, Shape, distinct_in_order, grouped, values};
-use crate::study::table::{Table, cells, column};
-use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
     name: "energy",

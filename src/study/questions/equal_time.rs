@@ -9,18 +9,13 @@
 //! The verdict holds for the device that was timed. Times of a driver that computes on the CPU say nothing about a GPU.
 
 use super::break_even::{self, Case, pairs};
-use super::chart::{Along, Chart, dot, step};
-use super::words::{count, label, number};
-use super::{FIXED, Finding, Question, SAMPLED};
+use super::prelude::*;
+use super::{FIXED, SAMPLED};
 use crate::runner::statistics::TOO_FEW_ROUNDS;
 use crate::runner::timing_ratios::Ratio;
-use crate::study::figure::{Figure, Mark, Shape as Form};
 use crate::study::frame::band::{Level, between, crossing_interval};
 use crate::study::frame::curve::beside;
 use crate::study::frame::times::{self, TimeLevel, TimeMatch, ratio_at, time_match};
-use crate::study::frame::{Frame, Shape, distinct_in_order, grouped};
-use crate::study::table::{Table, cells, column};
-use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
     name: "equal-time",

@@ -6,17 +6,8 @@
 //!
 //! The *leading* method is the first without samples, which is what a renderer ships, else the first that samples, at its largest count.
 
-use super::chart::{Along, Chart, dot, step};
-use super::numbers::{Numbers, by_light};
-use super::words::{interval_words, label, number, rms_percent, short, with_rms};
-use super::{ERROR, Finding, IS_RESOLVED, NOISE_FLOOR, Question};
-use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, METHOD, Part, SAMPLES, SCENE};
-use crate::runner::value::Value;
-use crate::shade::NONE;
-use crate::study::figure::{Figure, Mark};
-use crate::study::frame::estimate::{Estimate, geometric_mean};
-use crate::study::frame::{Frame, Row, Shape, by, distinct_in_order, grouped};
-use crate::study::table::{Table, cells, column};
+use super::prelude::*;
+use super::{ERROR, IS_RESOLVED, NOISE_FLOOR};
 
 pub const QUESTION: Question = Question {
     name: "error",

@@ -7,17 +7,10 @@
 //!
 //! Times hold for the device that was timed; those of a driver that computes on the CPU say nothing about a GPU.
 
-use super::chart::{Along, Chart};
-use super::words::{number, range};
-use super::{DEVICE, DEVICE_TYPE, Finding, Question};
-use crate::runner::axis::{AXES, DIFFUSE_METHOD, METHOD, SAMPLES, index_of};
+use super::prelude::*;
+use super::{DEVICE, DEVICE_TYPE};
 use crate::runner::timing::{FRAME, Key, Summary, TimingRecord, summarize, swept_axes};
 use crate::runner::timing_ratios::{Ratio, ratios};
-use crate::shade::NONE;
-use crate::study::figure::{Figure, Mark, Shape as Form};
-use crate::study::frame::{Frame, Shape, grouped};
-use crate::study::table::{Table, cells, column};
-use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
     name: "frame-time",

@@ -5,6 +5,7 @@
 
 mod chart;
 mod numbers;
+mod prelude;
 pub(super) mod words;
 
 use super::figure::Figure;

@@ -7,16 +7,7 @@
 //! the mirror direction lies 2 acos(n·v) from it, so that each bin sees one ring of the map. Turning the map by 60 degrees moves a bin by up
 //! to a factor of 440 (sky, alpha 0.1, n·v 0.3 to 0.4). From one view the figure shows where lamps are, not what grazing angles do.
 
-use super::chart::{Tile, only, tiles};
-use super::words::{count, number, short, with_interval};
-use super::{Finding, Question};
-use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, ENVIRONMENT_ROTATION, Part, SAMPLES, SCENE};
-use crate::runner::value::Value;
-use crate::study::figure::Figure;
-use crate::study::frame::estimate::{Estimate, estimate, median};
-use crate::study::frame::{Frame, Row, Shape, ascending, distinct_in_order, grouped, values};
-use crate::study::table::{Table, cells, column};
-use crate::table::csv::Cell;
+use super::prelude::*;
 
 pub const QUESTION: Question = Question {
     name: "n-dot-v",

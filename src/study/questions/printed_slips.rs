@@ -4,13 +4,8 @@
 //! quantity is one that light is proportional to, what is seen is wrong by max(p/q, q/p) of the printed value p and the right value q.
 //! A slip stands for its worst figure. No image is behind this: what a printed estimator does to images is asked of its method.
 
-use super::chart::{Along, Chart};
-use super::words::number;
-use super::{Finding, Question};
+use super::prelude::*;
 use crate::slips::{self, Cost, VISIBLE_RATIO};
-use crate::study::figure::{Figure, Mark, Shape as Form};
-use crate::study::frame::{Frame, Shape};
-use crate::study::table::{Table, cells, column};
 
 pub const QUESTION: Question = Question {
     name: "printed-slips",

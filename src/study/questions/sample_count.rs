@@ -9,18 +9,9 @@
 //! The sentence is about the count that a renderer takes by default, else the tried count nearest to it by ratio.
 
 use super::break_even::lacks_methods;
-use super::chart::{Along, Chart, dot, joined};
-use super::numbers::{ALL, Numbers, heading};
-use super::words::{count, label, listed, number, percent, range, short, with_interval};
-use super::{BIAS_SHARE, FIXED, Finding, Question};
-use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, METHOD, SAMPLES};
-use crate::runner::value::Value;
-use crate::study::figure::{Figure, Mark, Shape as Form};
+use super::prelude::*;
+use super::{BIAS_SHARE, FIXED};
 use crate::study::frame::curve::{Beside, CurvePoint, beside, mean};
-use crate::study::frame::estimate::{Estimate, geometric_mean};
-use crate::study::frame::{Frame, VISIBLE_FROM, grouped, values};
-use crate::study::table::{Table, cells, column};
-use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
     name: "sample-count",

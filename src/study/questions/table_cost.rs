@@ -6,18 +6,12 @@
 //! the interval of r does not say whose frames are faster there is no such number. Sets of tables made with other parameters are
 //! alternatives: their times are a range and never a sum.
 
-use super::chart::{Along, Chart};
 use super::frame_time::{ends, key_axes, key_cells, map_size, text, way};
-use super::words::range;
-use super::{DEVICE, DEVICE_TYPE, Finding, Question};
-use crate::runner::axis::{AXES, METHOD, SAMPLES};
+use super::prelude::*;
+use super::{DEVICE, DEVICE_TYPE};
 use crate::runner::timing::{Key, PRECOMPUTE, TimingRecord, summarize};
 use crate::runner::timing_ratios::{Payback, Ratio, TableCost, ratios};
 use crate::shade::METHODS;
-use crate::study::figure::{Figure, Mark, Shape as Form};
-use crate::study::frame::{Frame, Shape, grouped};
-use crate::study::table::{Table, cells, column};
-use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
     name: "table-cost",

@@ -8,16 +8,7 @@
 //!
 //! Shipped is the smallest combination that is enough, by the sum over its tables of texels times levels times samples.
 
-use super::chart::{Along, Chart, dot};
-use super::numbers::ALL;
-use super::words::{label, listed, number, percent, said, short};
-use super::{Finding, Question};
-use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, METHOD, Part, SAMPLES};
-use crate::runner::value::Value;
-use crate::study::figure::{Figure, Mark, Shape as Form};
-use crate::study::frame::{Frame, Key, Row, Shape, ascending, distinct_in_order, grouped, size_of};
-use crate::study::table::{Table, cells, column};
-use crate::table::csv::Cell;
+use super::prelude::*;
 
 pub const QUESTION: Question = Question {
     name: "table-size",

@@ -4,16 +4,7 @@
 //! the image, after the tone curve. From [`VISIBLE_FROM`] on a difference is called visible. Of each method and tone curve: the median
 //! over everything else that is swept, its extremes, and how many images show the difference.
 
-use super::chart::{Tile, only, tiles};
-use super::words::{count, label, listed, number};
-use super::{Finding, Question};
-use crate::runner::axis::{AXES, CONTRAST, EXPOSURE};
-use crate::runner::value::Value;
-use crate::study::figure::Figure;
-use crate::study::frame::estimate::median;
-use crate::study::frame::{Frame, Key, Row, Shape, VISIBLE_FROM, grouped, size_of, values};
-use crate::study::table::{Table, cells, column};
-use crate::table::csv::Cell;
+use super::prelude::*;
 
 pub const QUESTION: Question = Question {
     name: "visibility",

@@ -9,7 +9,8 @@ use std::f64::consts::TAU;
 const STUDIES: usize = 2000;
 const LIMITS: [f64; 2] = [0.93, 0.97];
 
-fn normal(random: &mut Random) -> f64 {
+/// A normal deviate (Box-Muller).
+pub fn normal(random: &mut Random) -> f64 {
     let mut uniform = || (random.below(1 << 53) as f64 + 0.5) / (1u64 << 53) as f64;
     let radius = (-2.0 * uniform().ln()).sqrt();
     radius * (TAU * uniform()).cos()

@@ -1,15 +1,12 @@
 //! Groups, pairs and distinct images of a frame, and lines, on runs that were made up.
 
-use super::made::{Made, finished};
+use super::paper::{F64, Made, finished};
 use splitsum::runner::axis::Point;
 use splitsum::runner::value::Value;
 use splitsum::study::finished::{Finished, Light};
 use splitsum::study::frame::curve::curves;
 use splitsum::study::frame::line::{Line, t_95};
 use splitsum::study::frame::{Frame, Row, axis, by, fits, pair};
-
-/// f64 arithmetic of a few logarithms.
-const F64: f64 = 1e-9;
 
 fn flat(axes: &str) -> Finished {
     finished(axes, |_| Some(Made::error(1.0)))

@@ -1,5 +1,6 @@
 //! Times and what they pay for, of runs whose times are known.
 
+use super::estimate::normal;
 use super::paper::{F64, Paper, column, numbers, only};
 use crate::runner::timing_ratios::{record, swept};
 use splitsum::runner::statistics::Random;
@@ -8,13 +9,6 @@ use splitsum::study::frame::Frame;
 use splitsum::study::frame::band::{Level, between, crossing_interval};
 use splitsum::study::frame::times::{TimeLevel, ratio_at, time_match};
 use splitsum::study::questions::question;
-use std::f64::consts::TAU;
-
-fn normal(random: &mut Random) -> f64 {
-    let mut uniform = || (random.below(1 << 53) as f64 + 0.5) / (1u64 << 53) as f64;
-    let radius = (-2.0 * uniform().ln()).sqrt();
-    radius * (TAU * uniform()).cos()
-}
 
 #[test]
 fn an_interval_of_a_crossing_covers_the_truth_as_often_as_it_says() {
