@@ -60,7 +60,7 @@ fn what_the_curve_hides_is_told_by_exposure_and_contrast() {
     let finding = paper.finding("visibility");
     let digest = finding.digest.as_ref().unwrap();
     let told = |name| column(digest, name).concat();
-    assert_eq!(["most at exposure", "contrast", "mean FLIP there"].map(told), ["1", "5", "2.00"]);
+    assert_eq!(["most at exposure", "contrast", "mean FLIP there"].map(told), ["1", "5", "2"]);
     assert_eq!(told("visible at contrast 1"), "exposure 1", "the median of the three is 0.04 at 0.1");
     assert_eq!(told("visible at contrast 5"), "every tried exposure");
     let dark = only(&finding.table, &[("exposure", "0.1"), ("contrast", "1")]);
