@@ -1,6 +1,6 @@
 //! Tables of answers: columns with their meaning, rows as CSV and as Markdown.
 
-pub use crate::runner::columns::Column;
+pub use crate::runner::columns::{Column, column};
 
 use crate::runner::axis::AXES;
 use crate::runner::value::Value;
@@ -23,11 +23,6 @@ impl From<&Value> for Cell {
             other => other.to_string().into(),
         }
     }
-}
-
-/// A column with its meaning.
-pub const fn column(name: &'static str, about: &'static str) -> Column {
-    Column { name, about }
 }
 
 /// Cells of a row from whatever makes one.

@@ -138,9 +138,9 @@ fn sentence(frame: &Frame, paths: &[&Path]) -> String {
 /// One row a method, environment and alpha.
 fn digest(paths: &[Path]) -> Table {
     let mut table = Table::with_names([
-        "method",
-        "environment",
-        "alpha",
+        AXES[METHOD].name,
+        AXES[ENVIRONMENT].name,
+        AXES[ALPHA].name,
         "from stops",
         "to stops",
         "error there",

@@ -15,7 +15,7 @@ use crate::runner::statistics::TOO_FEW_ROUNDS;
 use crate::runner::timing_ratios::Ratio;
 use crate::study::frame::band::{Level, between, crossing_interval};
 use crate::study::frame::curve::beside;
-use crate::study::frame::times::{self, TimeLevel, TimeMatch, ratio_at, time_match};
+use crate::study::frame::times::{self, TimeLevel, TimeMatch, time_match};
 
 pub const QUESTION: Question = Question {
     name: "equal-time",
@@ -31,12 +31,7 @@ pub const QUESTION: Question = Question {
         column("samples_at_equal_time_lo", "Lower end of its 95 % interval over rounds."),
         column("samples_at_equal_time_hi", "Upper end of that interval."),
         column("error_ratio", "Error at that count over that of the other; empty outside the tried counts."),
-        column("error_ratio_lo", "Lower end of its 95 % interval, by that of the count."),
-        column("error_ratio_hi", "Upper end of that interval."),
         column("samples_at_equal_error", "Count with the other's error, interpolated; empty outside the tried counts."),
-        column("time_ratio", "Frame time at that count over that of the other."),
-        column("time_ratio_lo", "Lower end of its 95 % interval over rounds."),
-        column("time_ratio_hi", "Upper end of that interval."),
     ],
     uses_times: true,
     lacks,
@@ -55,10 +50,8 @@ struct Timed<'r, 'f> {
     time: TimeMatch,
     /// The method that errs less, or why none is told.
     verdict: String,
-    /// Error ratio at equal time with its interval.
-    error_ratio: Option<(f64, Option<[f64; 2]>)>,
-    /// Count and time ratio at equal error.
-    at_equal_error: Option<(f64, (f64, [f64; 2]))>,
+    /// Error ratio at equal time.
+    error_ratio: Option<f64>,
 }
 
 /// 95 % interval of the sample count with equal errors; ends as in [`crossing_interval`].
@@ -93,31 +86,20 @@ fn timed<'r, 'f>(frame: &Frame, ratios: &[Ratio], case: Case<'r, 'f>) -> Option<
     let time = time_match(&levels)?;
     let curve: Vec<(f64, f64)> =
         points.iter().map(|point| (f64::from(point.samples), point.error / case.of.error)).collect();
-    let error_ratio = between(&curve, time.samples).map(|ratio| {
-        let ends = time.interval.and_then(|[lo, hi]| Some([between(&curve, lo)?, between(&curve, hi)?]));
-        (ratio, ends.map(|[a, b]| [a.min(b), a.max(b)]))
-    });
-    let at_equal_error = case.crossing().and_then(|samples| Some((samples, ratio_at(&levels, samples)?)));
     let verdict = verdict(case.of.names(), error_interval(frame, &case), time.interval);
-    Some(Timed { case, time, verdict, error_ratio, at_equal_error })
+    Some(Timed { error_ratio: between(&curve, time.samples), case, time, verdict })
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let (axes, images, ratios) = (frame.case_axes(), frame.images(), times::pairs(frame));
     let cases = pairs(beside(frame, &images, &axes)).into_iter().flat_map(|(_, cases)| cases);
     let all: Vec<Timed> = cases.filter_map(|case| timed(frame, &ratios, case)).collect();
-    let ends = |ends: Option<[f64; 2]>| ends.filter(|ends| !ends[0].is_nan()).map_or([None; 2], |ends| ends.map(Some));
     let mut table = Table::new(&axes, QUESTION.columns);
     for one in &all {
-        let mut row: Vec<Cell> = one.case.of.key.iter().map(Cell::from).collect();
-        row.extend(one.case.of.names().map(Cell::from));
-        row.extend(cells![one.verdict.as_str(), one.time.samples]);
-        row.extend(ends(one.time.interval).map(Cell::from));
-        row.push(one.error_ratio.map(|(ratio, _)| ratio).into());
-        row.extend(ends(one.error_ratio.and_then(|(_, ends)| ends)).map(Cell::from));
-        row.extend(cells![one.at_equal_error.map(|(n, _)| n), one.at_equal_error.map(|(_, (ratio, _))| ratio)]);
-        row.extend(ends(one.at_equal_error.map(|(_, (_, ends))| ends)).map(Cell::from));
-        table.row(row);
+        let key = one.case.of.key.iter().map(Cell::from);
+        let [lo, hi] = one.time.interval.filter(|ends| !ends[0].is_nan()).map_or([None; 2], |ends| ends.map(Some));
+        let own = cells![one.verdict.as_str(), one.time.samples, lo, hi, one.error_ratio, one.case.crossing()];
+        table.row(key.chain(one.case.of.names().map(Cell::from)).chain(own).collect());
     }
     let by_pair = grouped(&all, |one| one.case.of.names());
     let (names, lead) = by_pair.first()?;
@@ -160,7 +142,7 @@ fn figure(frame: &Frame, axes: &[usize], all: &[Timed]) -> Option<Figure> {
     let rows = distinct_in_order(all.iter().map(name));
     let panel = |([sampled, fixed], own): ([String; 2], Vec<&Timed>)| {
         let marks = own.into_iter().filter_map(|one| {
-            let (ratio, y) = (one.error_ratio?.0, step(&rows, &name(one)));
+            let (ratio, y) = (one.error_ratio?, step(&rows, &name(one)));
             let tip = format!("{}: {} times the error, {}", name(one), number(ratio), one.verdict);
             Some(dot([ratio, y], 0, tip, one.case.of.fixed))
         });

@@ -27,8 +27,6 @@ pub const QUESTION: Question = Question {
         column("ratio_hi", "Upper end of that interval."),
         column("verdict", "FAST, SLOW or SAME (within 2 %) where the interval says so, else AMBIGUOUS."),
         column("host_check", "`ok` where the passes sum to 50 to 105 % of the host's own time, else what is wrong."),
-        column("load", "Runnable tasks on the host over the minute before the first round."),
-        column("processors", "Processors of the host."),
         DEVICE,
         DEVICE_TYPE,
     ],
@@ -36,9 +34,6 @@ pub const QUESTION: Question = Question {
     lacks,
     answer,
 };
-
-/// Runnable tasks for each processor above which others were at work too: a run itself keeps each processor busy.
-const LOAD_MAX: f64 = 2.0;
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
     (!shape.has_timing).then_some("the experiment has no [timing]")
@@ -80,16 +75,12 @@ struct Timed<'f> {
     record: &'f TimingRecord,
     key: Key,
     summary: Summary,
-    load: Option<f64>,
 }
 
 /// Frames, those of methods without samples first.
 fn frames<'f>(frame: &Frame<'f>) -> Vec<Timed<'f>> {
     let records = frame.run.timings.iter().filter(|record| record.phase == FRAME);
-    let timed = |record: &'f TimingRecord| {
-        let load = record.host[0].load_average.as_ref().and_then(|load| load.first().copied());
-        Timed { record, key: record.key(), summary: summarize(&record.sums_ms()), load }
-    };
+    let timed = |record: &'f TimingRecord| Timed { record, key: record.key(), summary: summarize(&record.sums_ms()) };
     let mut found: Vec<Timed> = records.map(timed).filter(|one| one.summary.n > 0).collect();
     found.sort_by_key(|one| {
         let samples = text(&one.key, SAMPLES).parse::<u32>().unwrap_or(0);
@@ -100,8 +91,6 @@ fn frames<'f>(frame: &Frame<'f>) -> Vec<Timed<'f>> {
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let (frames, ratios) = (frames(frame), ratios(&frame.run.timings));
-    let processors = frame.run.provenance.pointer(&format!("{}/host/cpu_count", frame.run.last_session()));
-    let processors = processors.and_then(serde_json::Value::as_f64);
     let axes = key_axes(frames.iter().map(|one| &one.key));
     let mut table = Table::new(&axes, QUESTION.columns);
     for one in &frames {
@@ -113,22 +102,14 @@ fn answer(frame: &Frame) -> Option<Finding> {
             row.extend(ends(one.summary.interval));
             row.extend(cells![ratio.map(|ratio| way(&ratio.fixed.key())), ratio.map(|ratio| ratio.ratio)]);
             row.extend(ends(ratio.map_or([f64::NAN; 2], |ratio| ratio.interval)));
-            row.extend(cells![
-                ratio.map(|ratio| ratio.verdict.to_string()),
-                one.record.wall_check(),
-                one.load,
-                processors
-            ]);
+            row.extend(cells![ratio.map(|ratio| ratio.verdict.to_string()), one.record.wall_check()]);
             row.extend(cells![one.record.device.as_str(), one.record.device_type.as_str()]);
             table.row(row);
         }
     }
     let digest = digest(&frames, &ratios);
-    let least = frames.iter().filter_map(|one| one.load).reduce(f64::min);
-    let is_busy = least.zip(processors).is_some_and(|(least, n)| n > 0.0 && least > LOAD_MAX * n);
     Some(Finding {
-        sentence: sentence(frame, &digest)?
-            + if is_busy { " The host was busy: time again on a quiet one." } else { "" },
+        sentence: sentence(frame, &digest)?,
         table,
         figure: figure(frame, &frames, &axes),
         digest: Some(digest),
@@ -137,7 +118,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
 
 /// One row a way of making a frame and a way that it was timed beside.
 fn digest(frames: &[Timed], ratios: &[Ratio]) -> Table {
-    let mut table = Table::with_names(["method", "configurations", "ms a frame", "times as long", "as"]);
+    let mut table = Table::with_names([AXES[METHOD].name, "configurations", "ms a frame", "times as long", "as"]);
     for (name, own) in grouped(frames, |one| way(&one.key)) {
         let ms = range(own.iter().map(|one| one.summary.median));
         let beside = grouped(ratios.iter().filter(|ratio| way(&ratio.sampled.key()) == name), |r| way(&r.fixed.key()));

@@ -137,7 +137,7 @@ fn sentence(frame: &Frame, all: &[Place]) -> Option<String> {
 /// One row a method and alpha, one column a bin.
 fn digest(all: &[Place], bins: &[[f64; 2]]) -> Table {
     let heads = bins.iter().map(|bin| format!("n·v {}", ends(*bin)));
-    let mut table = Table::with_names(["method", "alpha"].map(str::to_owned).into_iter().chain(heads));
+    let mut table = Table::with_names([METHOD, ALPHA].map(|axis| AXES[axis].name.to_owned()).into_iter().chain(heads));
     for ((method, alpha), own) in grouped(all, |place| (place.method.clone(), place.alpha.clone())) {
         let place = |bin: &[f64; 2]| own.iter().find(|place| place.bin == *bin);
         let cells = bins.iter().map(|bin| Cell::from(place(bin).map(|place| with_interval(&place.error))));

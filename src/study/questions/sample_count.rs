@@ -182,7 +182,7 @@ fn digest(frame: &Frame, levels: &[Level], told: &Level) -> Table {
     let columns: Vec<(usize, Value)> =
         of.into_iter().flat_map(|of| values(rows(), of).into_iter().map(move |value| (of, value))).collect();
     let heads = columns.iter().map(|(of, value)| heading(*of, value));
-    let names = ["method", "beside", "samples"].map(str::to_owned).into_iter().chain(heads);
+    let names = [AXES[METHOD].name, "beside", AXES[SAMPLES].name].map(str::to_owned).into_iter().chain(heads);
     let last = [ALL, "wins", "cases", "mean FLIP", "visible", "bias share"].map(str::to_owned);
     let mut table = Table::with_names(names.chain(last));
     let words = |estimate: &Estimate| number(estimate.value);

@@ -183,7 +183,7 @@ fn sentence(
 
 /// One row an alpha, the last over all: what to ship, what larger tables gain, what the next smaller ones cost.
 fn digest(parameters: &[usize], scope: &[usize], methods: &[(String, Vec<Tried>)]) -> Table {
-    let heads = ["method", "alpha"].into_iter().chain(parameters.iter().map(|&axis| AXES[axis].name));
+    let heads = [METHOD, ALPHA].iter().chain(parameters).map(|&axis| AXES[axis].name);
     let mut table = Table::with_names(heads.chain(["larger gains at most", "next smaller", "costs up to", "where"]));
     for (method, own) in methods {
         let own: Vec<&Tried> = own.iter().collect();

@@ -135,7 +135,8 @@ fn tried(methods: &[Vec<Curve>], axis: usize) -> Vec<Value> {
 fn digest(methods: &[Vec<Curve>]) -> Table {
     let contrasts = tried(methods, CONTRAST);
     let heads = contrasts.iter().map(|contrast| format!("visible at contrast {contrast}"));
-    let names = ["method", "most at exposure", "contrast", "mean FLIP there", "visible from"].map(str::to_owned);
+    let names =
+        [AXES[METHOD].name, "most at exposure", "contrast", "mean FLIP there", "visible from"].map(str::to_owned);
     let mut table = Table::with_names(names.into_iter().chain(heads));
     for own in methods {
         let Some(peak) = peak(own) else { continue };

@@ -9,8 +9,7 @@ use splitsum::study::figure::svg::{WIDTHS, svg};
 use splitsum::study::figure::vega::vega;
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::{Frame, Shape};
-use splitsum::study::questions::{Finding, QUESTIONS, Question, SENTENCES_MAX, WORDS_MAX, answers_to, question};
-use splitsum::table::csv::{Cell, Table};
+use splitsum::study::questions::{Finding, QUESTIONS, Question, SENTENCES_MAX, WORDS_MAX};
 use std::sync::OnceLock;
 
 /// Experiments that together serve every question. Seven environments are enough for intervals.
@@ -224,43 +223,6 @@ fn every_figure_is_well_formed_and_its_cells_exist() {
 }
 
 #[test]
-fn the_csv_reads_back() {
-    let dir = tempfile::tempdir().unwrap();
-    each(|_, question, finding| {
-        let path = dir.path().join("table.csv");
-        std::fs::write(&path, finding.table.csv()).unwrap();
-        let read = Table::read(&path).unwrap();
-        assert_eq!(read.columns, finding.table.columns, "{}", question.name);
-        assert_eq!(read.rows.len(), finding.table.rows.len());
-        for (fields, cells) in read.rows.iter().zip(&finding.table.rows) {
-            for (field, cell) in fields.iter().zip(cells) {
-                match cell {
-                    Cell::Missing => assert_eq!(field, ""),
-                    Cell::Text(text) => assert_eq!(field, text),
-                    Cell::Integer(n) => assert_eq!(field.parse(), Ok(*n)),
-                    Cell::Number(x) => assert_eq!(field.parse::<f64>().map(f64::to_bits), Ok(x.to_bits())),
-                }
-            }
-        }
-    });
-}
-
-#[test]
-fn a_question_is_called_like_its_file() {
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir("src/study/questions").unwrap().map(Result::unwrap) {
-        if std::fs::read_to_string(entry.path()).unwrap().contains("pub const QUESTION: Question") {
-            names.push(entry.path().file_stem().unwrap().to_string_lossy().replace('_', "-"));
-        }
-    }
-    names.sort();
-    let mut listed: Vec<&str> = QUESTIONS.iter().map(|question| question.name).collect();
-    listed.sort_unstable();
-    assert_eq!(names, listed);
-    assert!(listed.iter().all(|name| question(name).unwrap().name == *name));
-}
-
-#[test]
 fn a_failed_cell_leaves_the_others_answer() {
     for run in runs().iter().step_by(2) {
         let whole = asked(run);
@@ -282,15 +244,4 @@ fn a_failed_cell_leaves_the_others_answer() {
             }
         }
     }
-}
-
-#[test]
-fn what_is_asked_is_answered_in_that_order() {
-    let run = &runs()[0];
-    let frame = Frame::new(run, None);
-    let names =
-        |asked: &[&str]| -> Vec<&str> { answers_to(&frame, asked).iter().map(|answer| answer.question.name).collect() };
-    assert_eq!(names(&["error", "break-even"]), ["error", "break-even"]);
-    let served = QUESTIONS.iter().filter(|question| (question.lacks)(&frame.shape).is_none());
-    assert_eq!(names(&[]), served.map(|question| question.name).collect::<Vec<_>>());
 }
