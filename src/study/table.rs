@@ -55,6 +55,16 @@ impl Table {
         self.rows.push(cells);
     }
 
+    /// Without the columns that are empty in every row, as digests are shown.
+    pub fn without_empty(mut self) -> Self {
+        let is_empty = |column: usize| self.rows.iter().all(|row| row[column] == Cell::Missing);
+        for column in (0..self.columns.len()).rev().filter(|&column| is_empty(column)).collect::<Vec<_>>() {
+            self.columns.remove(column);
+            self.rows.iter_mut().for_each(|row| drop(row.remove(column)));
+        }
+        self
+    }
+
     /// The text of the CSV file.
     pub fn csv(&self) -> String {
         String::from_utf8_lossy(&csv::to_text(&self.columns, self.rows.iter().map(Vec::as_slice))).into_owned()

@@ -12,7 +12,6 @@ mod paper;
 mod published;
 mod questions;
 mod sizes;
-mod sources;
 mod times;
 mod told;
 mod under_way;

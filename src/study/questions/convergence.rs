@@ -86,7 +86,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     Some(Finding {
         sentence: sentence(frame, &axes, &by_method.first()?.1)?,
         table,
-        digest: Some(digest(frame, &by_method)),
+        digest: Some(digest(frame, &by_method).without_empty()),
         figure: figure(frame, &axes, &falls, &fixed),
     })
 }
@@ -167,10 +167,14 @@ const FLOOR: &str = "noise floor";
 fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Option<Figure> {
     let of_panel: Vec<usize> = axes.iter().copied().filter(|of| [ALPHA, ENVIRONMENT].contains(of)).collect();
     let sampled = distinct_in_order(falls.iter().map(|fall| fall.curve.method.to_string()));
-    let dashed = distinct_in_order(fixed.iter().map(|row| row.text(METHOD)).chain([FLOOR.to_owned()]));
+    let errors = falls.iter().flat_map(|fall| &fall.curve.points).map(|point| point.error);
+    let least = errors.filter(|error| *error > 0.0).fold(f64::INFINITY, f64::min);
+    let floor = |fall: &Fall| frame.noise_floor(fall.curve.first()).filter(|floor| *floor > least / FLOOR_WITHIN);
+    let has_floor = falls.iter().any(|fall| floor(fall).is_some());
+    let dashed = fixed.iter().map(|row| row.text(METHOD)).chain(has_floor.then(|| FLOOR.to_owned()));
+    let dashed = distinct_in_order(dashed);
     let series = [&sampled[..], &dashed[..]].concat();
     let index = |name: &str| series.iter().position(|known| known == name).unwrap_or(0);
-    let least = falls.iter().flat_map(|fall| &fall.curve.points).map(|point| point.error).fold(f64::INFINITY, f64::min);
     let panel = |(key, own): (Key, Vec<&Fall>)| {
         let mut marks: Vec<Mark> = Vec::new();
         for fall in &own {
@@ -186,8 +190,7 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
             let rule = Mark::new(Form::HorizontalRule(error), index(&row.text(METHOD)));
             marks.push(rule.tip(format!("{}: {}", frame.way(row), number(error))).cell(&row.cell.id));
         }
-        let floor = own.first().and_then(|fall| frame.noise_floor(fall.curve.first()));
-        if let Some(floor) = floor.filter(|floor| *floor > least / FLOOR_WITHIN) {
+        if let Some(floor) = own.first().and_then(|fall| floor(fall)) {
             let rule = Mark::new(Form::HorizontalRule(floor), index(FLOOR));
             marks.push(rule.tip(format!("{FLOOR}: {}", number(floor))));
         }
@@ -196,7 +199,10 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
     let panels = grouped(falls, |fall| fall.curve.first().key(&of_panel)).into_iter().map(panel).collect();
     let figure = Chart {
         title: "Error over sample count",
-        note: format!("{}; dashed: methods without samples, and the reference's noise", frame.metric_name()),
+        note: match dashed.is_empty() {
+            true => frame.metric_name().to_owned(),
+            false => format!("{}; dashed: {}", frame.metric_name(), dashed.join(", ")),
+        },
         x: Along::Log("samples a pixel"),
         y: Along::Log(frame.metric_name()),
         panels,

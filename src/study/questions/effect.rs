@@ -107,11 +107,7 @@ fn sentence(frame: &Frame, of: &OfAxis) -> String {
     let [name, base] = [value, &of.base].map(|value| format!("`{}`", said(of.axis, value)));
     let metric = frame.metric_name();
     if let Some((along, groups)) = numbers.change_of_sign(frame) {
-        let (better, worse): (Vec<_>, Vec<_>) = groups.iter().partition(|(_, ratio)| *ratio < 1.0);
-        let words = |own: Vec<&(Value, f64)>| {
-            listed(&own.iter().map(|(at, x)| format!("{} ({})", short(along, at), number(*x))).collect::<Vec<_>>())
-        };
-        let (better, worse, along) = (words(better), words(worse), AXES[along].name);
+        let ([better, worse], along) = (sides(along, &groups), AXES[along].name);
         return format!("{name} has less `{metric}` than {base} at {along} {better}, and more at {worse}.");
     }
     let times = with_interval(&ratio);

@@ -40,8 +40,7 @@ struct Place<'r, 'f> {
 
 /// The images of each method at the tried count nearest to the default, by ratio; those without samples first.
 fn leading<'r, 'f>(frame: &'r Frame<'f>) -> Vec<(String, Vec<&'r Row<'f>>)> {
-    let usual = f64::from((AXES[SAMPLES].default)().count());
-    let distance = |row: &Row| row.samples().map_or(0.0, |n| (f64::from(n) / usual).ln().abs());
+    let distance = |row: &Row| row.samples().map_or(0.0, from_usual);
     let is_asked = |row: &&Row| !row.cell.bins.is_empty() && !frame.is_nothing(row);
     let rows = frame.images().into_iter().filter(is_asked);
     let nearest = |(_, ways): (Value, Vec<&'r Row<'f>>)| {

@@ -1,8 +1,8 @@
 //! A number of each image of a group, and how it hangs on alpha, on the environment and on other axes of cases: digests, extremes, changes
 //! of sign.
 
-use super::words::{cases_sentence, label, number, short};
-use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, Part};
+use super::words::{cases_sentence, label, listed, number, short};
+use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, Part, SAMPLES};
 use crate::runner::value::Value;
 use crate::study::frame::estimate::{Estimate, estimate};
 use crate::study::frame::{Frame, Row, values};
@@ -130,6 +130,13 @@ impl<'r, 'f> Numbers<'r, 'f> {
     }
 }
 
+/// "0.25 (0.50) and 0.5 (0.25)": the values with a ratio below 1, and those with one above.
+pub fn sides(of: usize, groups: &Along) -> [String; 2] {
+    let (less, more): (Vec<_>, Vec<_>) = groups.iter().partition(|(_, ratio)| *ratio < 1.0);
+    let words = |(at, ratio): &(Value, f64)| format!("{} ({})", short(of, at), number(*ratio));
+    [less, more].map(|own| listed(&own.into_iter().map(words).collect::<Vec<_>>()))
+}
+
 /// A digest with one column an environment and the last over all, whose rows are groups with their first cells.
 pub fn by_light(names: &[&str], rows: &[(Vec<Cell>, Numbers)], words: &dyn Fn(&Estimate) -> String) -> Table {
     let lights = values(rows.iter().flat_map(|(_, own)| own.rows()), ENVIRONMENT);
@@ -142,6 +149,11 @@ pub fn by_light(names: &[&str], rows: &[(Vec<Cell>, Numbers)], words: &dyn Fn(&E
         table.row(head.iter().cloned().chain(cells).chain(has_all.then(|| own.cell(words))).collect());
     }
     table
+}
+
+/// How far a sample count is from the default, by ratio.
+pub fn from_usual(samples: u32) -> f64 {
+    (f64::from(samples) / f64::from((AXES[SAMPLES].default)().count())).ln().abs()
 }
 
 /// The column beside alpha.

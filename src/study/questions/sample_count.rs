@@ -107,17 +107,15 @@ fn answer(frame: &Frame) -> Option<Finding> {
     Some(Finding {
         sentence: sentence(frame, &axes, told),
         table,
-        digest: Some(digest(frame, &levels, told)),
+        digest: Some(digest(frame, &levels, told).without_empty()),
         figure: figure(frame, &axes, &levels),
     })
 }
 
 /// The level that the sentence is about.
 fn told<'l, 'c, 'r, 'f>(levels: &'l [Level<'c, 'r, 'f>]) -> Option<&'l Level<'c, 'r, 'f>> {
-    let usual = f64::from((AXES[SAMPLES].default)().count());
-    let distance = |level: &Level| (f64::from(level.samples) / usual).ln().abs();
     let lead = levels.iter().filter(|level| level.names == levels[0].names);
-    lead.reduce(|a, b| if distance(b) < distance(a) { b } else { a })
+    lead.reduce(|a, b| if from_usual(b.samples) < from_usual(a.samples) { b } else { a })
 }
 
 fn sentence(frame: &Frame, axes: &[usize], told: &Level) -> String {
@@ -125,14 +123,10 @@ fn sentence(frame: &Frame, axes: &[usize], told: &Level) -> String {
     let at = format!("At **{} samples a pixel** `{sampled}`", told.samples);
     let mut parts = match told.ratios.change_of_sign(frame) {
         Some((of, groups)) => {
-            let (better, worse): (Vec<_>, Vec<_>) = groups.iter().partition(|(_, ratio)| *ratio < 1.0);
-            let [gain, loss] = [&better, &worse].map(|own| range(own.iter().map(|(_, ratio)| *ratio)));
-            let [better, worse] =
-                [better, worse].map(|own| own.into_iter().map(|(value, _)| value).collect::<Vec<_>>());
-            let all: Vec<&Value> = groups.iter().map(|(value, _)| value).collect();
+            let ([less, more], along) = (sides(of, &groups), AXES[of].name);
             vec![
-                format!("{at} beats `{fixed}` in `{metric}` {} ({gain} times the error).", place(of, &all, &better)),
-                format!("{} it loses ({loss} times).", capital(&place(of, &all, &worse))),
+                format!("{at} has less `{metric}` than `{fixed}` at {along} {less}."),
+                format!("It has more at {along} {more}."),
             ]
         }
         None => {
@@ -154,23 +148,6 @@ fn sentence(frame: &Frame, axes: &[usize], told: &Level) -> String {
     parts.retain(|part| !part.is_empty());
     parts.truncate(super::SENTENCES_MAX);
     parts.join(" ")
-}
-
-/// "at alpha 0.25 to 1", "for sky and studio": some of the values of an axis.
-fn place(of: usize, all: &[&Value], some: &[&Value]) -> String {
-    let words: Vec<String> = some.iter().map(|value| short(of, value)).collect();
-    let is_numeric = some.iter().all(|value| matches!(value, Value::Number(_) | Value::Count(_)));
-    let is_run = all.windows(some.len()).any(|run| run == some);
-    match words.as_slice() {
-        [least, .., most] if is_numeric && is_run => format!("at {} {least} to {most}", AXES[of].name),
-        _ if is_numeric => format!("at {} {}", AXES[of].name, listed(&words)),
-        _ => format!("for {}", listed(&words)),
-    }
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// By method and count: the ratio at each value of the axis along which it changes its sign, over all where it keeps it, then wins, FLIP and

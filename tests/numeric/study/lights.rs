@@ -121,6 +121,19 @@ fn an_error_that_saturates_is_level_from_there() {
 }
 
 #[test]
+fn models_of_one_light_are_told_by_their_geometric_mean() {
+    let mut paper = Paper::new(&["environment_clip_log2", "brdf", "method"]);
+    for clip in ["2", "4"] {
+        paper.clip(clip, clip.parse().unwrap());
+        for (brdf, error) in [("ggx", 1.0), ("phong", 4.0)] {
+            paper.add(&[clip, brdf, "split-sum"], error);
+        }
+    }
+    let errors = numbers(&paper.finding("dynamic-range").table, "error");
+    assert!(errors.len() == 2 && errors.iter().all(|error| (error - 2.0).abs() < F64), "{errors:?}");
+}
+
+#[test]
 fn different_environments_are_no_trend() {
     let mut paper = Paper::new(&["environment", "method"]);
     paper.add(&["builtin:sky", "split-sum"], 1.0);
