@@ -64,7 +64,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
 
     /// "The 30 cases: 2 environments ..."
     pub fn scope(&self, axes: &[usize]) -> String {
-        cases_sentence(&self.rows().collect::<Vec<_>>(), axes, self.len())
+        cases_sentence(&self.rows().collect::<Vec<_>>(), axes)
     }
 
     /// ", under sky" of one case, ", in the median case" or the like of several.

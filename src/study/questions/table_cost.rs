@@ -130,7 +130,9 @@ fn digest(methods: &[(String, Vec<&TimingRecord>)], ratios: &[Ratio]) -> Table {
                 none.clone()
             ]);
         }
-        let own = ratios.iter().filter(|pair| text(&pair.fixed.axes, METHOD) == method);
+        // Most samples first.
+        let mut own: Vec<&Ratio> = ratios.iter().filter(|pair| text(&pair.fixed.axes, METHOD) == method).collect();
+        own.sort_by_key(|pair| std::cmp::Reverse(text(&pair.sampled.axes, SAMPLES).parse::<u32>().ok()));
         for (over, pairs) in grouped(own, |pair| way(&pair.sampled.key())) {
             let paybacks = pairs.iter().flat_map(|pair| &pair.tables).map(|tables| tables.payback);
             // One that is not decided leaves the whole open.
@@ -150,7 +152,7 @@ fn sentence(frame: &Frame, digest: &Table, method: &str) -> String {
     let text = |row: &[Cell], column: usize| crate::study::table::shown(&row[column]);
     let mut own = digest.rows.iter().filter(|row| text(row, 0) == method);
     let ms = own.next().map_or_else(String::new, |row| text(row, 2));
-    let paid = own.rfind(|row| !text(row, 3).is_empty()).map(|row| (text(row, 3), text(row, 4)));
+    let paid = own.find(|row| !text(row, 3).is_empty()).map(|row| (text(row, 3), text(row, 4)));
     let end = paid.map_or_else(String::new, |(over, frames)| match frames.chars().next() {
         Some(digit) if digit.is_ascii_digit() => format!(" Against `{over}` they are paid back after {frames} frames."),
         _ => format!(" When they are paid back against `{over}`: {frames}."),

@@ -51,12 +51,11 @@ pub fn listed(words: &[String]) -> String {
 }
 
 /// " The 30 cases: 2 environments, 3 BRDF models, 5 alphas."; nothing for one case.
-pub fn cases_sentence(rows: &[&Row], axes: &[usize], n: usize) -> String {
-    let scope = scope(rows, axes);
-    match n {
-        0 | 1 => String::new(),
-        n if scope.is_empty() => format!(" The {} have one scene in common.", count(n, "case", "cases")),
-        n => format!(" The {}: {scope}.", count(n, "case", "cases")),
+pub fn cases_sentence(rows: &[&Row], axes: &[usize]) -> String {
+    match (rows.len(), scope(rows, axes)) {
+        (0 | 1, _) => String::new(),
+        (n, scope) if scope.is_empty() => format!(" The {n} cases have one scene in common."),
+        (n, scope) => format!(" The {n} cases: {scope}."),
     }
 }
 
