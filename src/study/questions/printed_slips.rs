@@ -46,7 +46,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     for cost in &costs {
         let [printed, right] =
             [cost.figure.printed, cost.figure.right].map(|number| Some(number).filter(|number| number.is_finite()));
-        let mut row = cells![u32::from(cost.slip.document), cost.slip.printed, cost.slip.right, cost.figure.quantity];
+        let mut row = cells![cost.slip.document, cost.slip.printed, cost.slip.right, cost.figure.quantity];
         row.extend(cells![printed, right, cost.light_ratio, is_seen(cost)]);
         table.row(row);
     }
@@ -70,7 +70,7 @@ fn digest(costs: &[Cost]) -> Table {
             Some(ratio) if is_seen(cost) => format!("a factor of {}, {SEEN}", number(ratio)),
             Some(ratio) => format!("a factor of {}, not {SEEN}", number(ratio)),
         };
-        let mut row = cells![u32::from(cost.slip.document), cost.slip.printed, cost.slip.right, cost.figure.quantity];
+        let mut row = cells![cost.slip.document, cost.slip.printed, cost.slip.right, cost.figure.quantity];
         row.extend(cells![number(cost.figure.printed), number(cost.figure.right), light]);
         table.row(row);
     }

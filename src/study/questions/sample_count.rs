@@ -186,21 +186,23 @@ fn figure(frame: &Frame, axes: &[usize], levels: &[Level]) -> Option<Figure> {
         let series = widths.iter().position(|width| *width == case.of.fixed.point[ALPHA]).unwrap_or(0);
         dot([f64::from(case.point.samples), case.ratio], series, tip, case.point.rows[0])
     };
-    let panel = |((names, light), own): (([String; 2], Value), Vec<(&Level, &Case)>)| {
-        let mut marks = vec![Mark::neutral(Form::HorizontalRule(1.0))];
+    let title = |(level, case): &(&Level, &Case)| {
+        let of = level.names.join(" over ");
+        let light = Some(&case.of.fixed.point[ENVIRONMENT]).filter(|_| frame.shape.is_swept(ENVIRONMENT));
+        light.map_or(of.clone(), |light| format!("{of}, {}", short(ENVIRONMENT, light)))
+    };
+    let panel = |(title, own): (String, Vec<(&Level, &Case)>)| {
         let lines = grouped(own, |(_, case)| case.of.key.clone());
-        marks.extend(lines.iter().flat_map(|(_, line)| joined(line.iter().map(mark).collect())));
-        let of = format!("{} over {}", names[0], names[1]);
-        (if frame.shape.is_swept(ENVIRONMENT) { format!("{of}, {}", short(ENVIRONMENT, &light)) } else { of }, marks)
+        let dots = lines.iter().flat_map(|(_, line)| joined(line.iter().map(mark).collect()));
+        (title, std::iter::once(Mark::neutral(Form::HorizontalRule(1.0))).chain(dots).collect())
     };
     let shown = cases().filter(|(_, case)| case.ratio > 0.0);
-    let by_panel = grouped(shown, |(level, case)| (level.names.clone(), case.of.fixed.point[ENVIRONMENT].clone()));
     Chart {
         title: "Error of sampling over that of the method without samples",
         note: format!("{}; below 1 sampling is closer to the reference", frame.metric_name()),
         x: Along::Log("samples a pixel"),
         y: Along::Log("ratio of errors"),
-        panels: by_panel.into_iter().map(panel).collect(),
+        panels: grouped(shown, title).into_iter().map(panel).collect(),
         series: match is_by_alpha {
             true => widths.iter().map(|width| heading(ALPHA, width)).collect(),
             false => vec!["ratio".to_owned()],
