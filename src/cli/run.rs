@@ -8,7 +8,7 @@ use super::{Failure, print};
 use clap::Args;
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::runner::chunk::{PlanFile, run_chunk};
-use splitsum::runner::store::{FailureRecord, Store};
+use splitsum::runner::store::FailureRecord;
 use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::page::{PageOptions, Told, write};
@@ -127,8 +127,7 @@ fn begin(plan: &Plan) -> Result<Terminal, Failure> {
 
 /// Answers the questions of a run that has ended, prints the summary and writes the report; the result says which of its cells failed.
 pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failure> {
-    let store = Store::at(&outcome.dir);
-    let run = Finished::of_run(plan, &store, &outcome.results, &outcome.timings).map_err(Failure::failed)?;
+    let run = Finished::read(&outcome.dir).map_err(Failure::failed)?;
     let answers = answers(&run, None);
     let written = Written::new(&run, &answers).map_err(Failure::failed)?;
     written.write().map_err(Failure::failed)?;

@@ -8,7 +8,8 @@ pub struct Column {
     pub about: &'static str,
 }
 
-const fn column(name: &'static str, about: &'static str) -> Column {
+/// A column with its meaning.
+pub const fn column(name: &'static str, about: &'static str) -> Column {
     Column { name, about }
 }
 

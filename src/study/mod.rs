@@ -7,6 +7,7 @@ pub mod frame;
 pub mod page;
 pub mod publish;
 pub mod questions;
+pub mod record;
 pub mod summary;
 pub mod table;
 pub mod write;

@@ -1,8 +1,9 @@
 //! Published runs: the small files of finished runs in a folder for git, and a page with the answers of all of them.
 
 use super::finished::{FinishedError, provenance};
-use super::summary::{sheet_link, sheet_title};
-use super::write::{ANSWER_FILE, AnswerRecord, SUMMARY_FILE, WriteError};
+use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
+use super::summary::{bold, sheet_link, sheet_title};
+use super::write::SUMMARY_FILE;
 use crate::files::{TEXT_BYTES_MAX, read_text, relative};
 use crate::pixels::{PixelsError, png, write_atomically};
 use crate::runner::frozen::EXPERIMENT_FILE;
@@ -65,12 +66,7 @@ pub enum PublishError {
 impl PublishError {
     /// Whether the user named a wrong folder, rather than a file failing.
     pub fn is_misuse(&self) -> bool {
-        match self {
-            Self::Itself { .. } | Self::NotAFolder { .. } | Self::NotPublished { .. } | Self::OtherPlan { .. } => true,
-            Self::Run(_) => true,
-            Self::Folder { .. } => true,
-            Self::Answers(_) | Self::Io { .. } | Self::Picture(_) => false,
-        }
+        !matches!(self, Self::Answers(_) | Self::Io { .. } | Self::Picture(_))
     }
 }
 
@@ -119,11 +115,15 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     let target = into.join(&record.name);
     std::fs::create_dir_all(target.join(ANSWERS_FOLDER))
         .map_err(|error| PublishError::Folder { path: target.clone(), error })?;
-    let mut names: Vec<PathBuf> = FILES.iter().map(PathBuf::from).collect();
-    names.extend(record.files.iter().map(|name| Path::new(ANSWERS_FOLDER).join(name)));
-    names.push(Path::new(ANSWERS_FOLDER).join(ANSWER_FILE));
+    let answers = record.files.iter().map(String::as_str).chain([ANSWER_FILE]);
+    let answers = answers.map(|name| Path::new(ANSWERS_FOLDER).join(name));
     let mut notes = Vec::new();
     let mut left_out: Vec<String> = Vec::new();
+    let mut leave_out = |name: &str, bytes: u64| {
+        let size = format!("{:.1} MB", bytes as f64 / 1e6);
+        notes.push(format!("{}: left out, {size}", dir.join(name).display()));
+        left_out.push(format!("{name} ({size})"));
+    };
     // What an earlier publication left and this one does not have must not stand beside it.
     let folders = FOLDERS.map(|name| target.join(name)).into_iter().filter(|folder| folder.is_dir());
     for folder in [target.clone(), target.join(ANSWERS_FOLDER)].into_iter().chain(folders) {
@@ -134,15 +134,11 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
             std::fs::remove_file(entry.path()).map_err(io(&folder))?;
         }
     }
-    for name in names {
+    for name in FILES.iter().map(PathBuf::from).chain(answers) {
         let from = dir.join(&name);
         match std::fs::metadata(&from) {
             Err(_) => {}
-            Ok(file) if file.len() > FILE_BYTES_MAX => {
-                let size = format!("{:.1} MB", file.len() as f64 / 1e6);
-                notes.push(format!("{}: left out, {size}", from.display()));
-                left_out.push(format!("{} ({size})", name.display()));
-            }
+            Ok(file) if file.len() > FILE_BYTES_MAX => leave_out(&name.to_string_lossy(), file.len()),
             Ok(_) => {
                 std::fs::copy(&from, target.join(&name)).map_err(io(&from))?;
             }
@@ -151,9 +147,7 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     write_provenance(dir, &target)?;
     for name in FOLDERS {
         if let Some(size) = copy_folder(&dir.join(name), &target.join(name))? {
-            let size = format!("{:.1} MB", size as f64 / 1e6);
-            notes.push(format!("{}: left out, {size}", dir.join(name).display()));
-            left_out.push(format!("{name}/ ({size})"));
+            leave_out(name, size);
         }
     }
     let sheets = sheet_files(dir);
@@ -273,8 +267,8 @@ fn page(runs: &[Published]) -> String {
         text += "**Times from a CPU driver say nothing about a GPU.** Errors do not depend on the device's speed.\n\n";
     }
     for Published { folder, remark, sheet, run } in runs {
-        let (name, sentence) = (inline(&run.name), paragraph(run.headline()));
-        text += &format!("## {name}\n\n{}\n\n**{sentence}**\n\n", paragraph(&run.question));
+        let (name, question) = (inline(&run.name), paragraph(&run.question));
+        text += &format!("## {name}\n\n{question}\n\n{}\n\n", bold(run.headline()));
         text.extend(run.answers.iter().skip(1).map(|answer| format!("- {}\n", paragraph(&answer.sentence))));
         if !remark.trim().is_empty() {
             text += &format!("\n{}\n", remark.trim());

@@ -3,8 +3,8 @@
 use super::finished::Finished;
 use super::frame::{distinct_in_order, estimate::median};
 use super::questions::Answer;
-use super::write::{AnswerRecord, told};
-use crate::runner::axis::AXES;
+use super::record::{AnswerRecord, told};
+use crate::runner::axis::{AXES, SIZE};
 use crate::runner::provenance::EXTENSIONS;
 use crate::runner::sheets::sheet_files;
 use crate::runner::store::{ANSWERS_FOLDER, StopReason};
@@ -21,7 +21,7 @@ pub fn markdown(run: &Finished, answers: &[Answer], record: &AnswerRecord) -> St
     if !record.question.is_empty() {
         let _ = writeln!(text, "{}\n", paragraph(&record.question));
     }
-    let _ = writeln!(text, "**{}**\n", paragraph(record.headline()));
+    let _ = writeln!(text, "{}\n", bold(record.headline()));
     for answer in answers.iter().skip(1) {
         let _ = writeln!(text, "- {}", paragraph(&answer.finding.sentence));
     }
@@ -34,6 +34,11 @@ pub fn markdown(run: &Finished, answers: &[Answer], record: &AnswerRecord) -> St
         text += &section(answer);
     }
     text + &failures(run)
+}
+
+/// A sentence as a bold paragraph: what is bold in it is so no longer.
+pub fn bold(sentence: &str) -> String {
+    format!("**{}**", inline(&sentence.replace("**", "")))
 }
 
 fn section(answer: &Answer) -> String {
@@ -50,8 +55,7 @@ fn section(answer: &Answer) -> String {
 }
 
 fn state(run: &Finished, record: &AnswerRecord) -> String {
-    let size = crate::study::frame::axis("size");
-    let sizes = distinct_in_order(run.cells.iter().map(|cell| cell.point.0[size].to_string())).join(", ");
+    let sizes = distinct_in_order(run.cells.iter().map(|cell| cell.point[SIZE].to_string())).join(", ");
     let planned = run.provenance["cell_count"].as_u64().unwrap_or(0);
     let mut text = format!("{} of {planned} cells done", record.cells);
     if record.failed > 0 {
@@ -60,7 +64,7 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
     let _ = writeln!(
         text,
         ". {} {sizes}. Reference: `{}`, {} samples a pixel{}. Device: {}.\n",
-        AXES[size].name,
+        AXES[SIZE].name,
         inline(&run.text("/reference/method")),
         inline(&run.text("/reference/samples")),
         reference_stops(run),

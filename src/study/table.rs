@@ -1,6 +1,6 @@
 //! Tables of answers: columns with their meaning, rows as CSV and as Markdown.
 
-pub use crate::runner::columns::Column;
+pub use crate::runner::columns::{Column, column};
 
 use crate::runner::axis::AXES;
 use crate::runner::value::Value;
@@ -14,15 +14,22 @@ pub struct Table {
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// A value of an axis as a cell.
-pub fn value_cell(value: &Value) -> Cell {
-    match value {
-        Value::Unset => Cell::Missing,
-        Value::Number(number) => Cell::Number(*number),
-        Value::Count(count) => Cell::Integer((*count).into()),
-        other => Cell::Text(other.to_string()),
+impl From<&Value> for Cell {
+    fn from(value: &Value) -> Self {
+        match value {
+            Value::Unset => Self::Missing,
+            Value::Number(number) => Self::Number(*number),
+            Value::Count(count) => (*count).into(),
+            other => other.to_string().into(),
+        }
     }
 }
+
+/// Cells of a row from whatever makes one.
+macro_rules! cells {
+    ($($cell:expr),* $(,)?) => { vec![$(crate::table::csv::Cell::from($cell)),*] };
+}
+pub(super) use cells;
 
 /// Digits of a number that people read; files have all.
 const DIGITS: usize = 3;
@@ -38,14 +45,24 @@ impl Table {
     }
 
     /// With column names of its own, as digests have.
-    pub fn with_names(columns: Vec<String>) -> Self {
-        Self { columns, rows: Vec::new() }
+    pub fn with_names(columns: impl IntoIterator<Item: Into<String>>) -> Self {
+        Self { columns: columns.into_iter().map(Into::into).collect(), rows: Vec::new() }
     }
 
     /// Adds a row, as long as the columns.
     pub fn row(&mut self, cells: Vec<Cell>) {
         assert_eq!(cells.len(), self.columns.len(), "a row has a cell for each column");
         self.rows.push(cells);
+    }
+
+    /// Without the columns that are empty in every row, as digests are shown.
+    pub fn without_empty(mut self) -> Self {
+        let is_empty = |column: usize| self.rows.iter().all(|row| row[column] == Cell::Missing);
+        for column in (0..self.columns.len()).rev().filter(|&column| is_empty(column)).collect::<Vec<_>>() {
+            self.columns.remove(column);
+            self.rows.iter_mut().for_each(|row| drop(row.remove(column)));
+        }
+        self
     }
 
     /// The text of the CSV file.

@@ -4,74 +4,15 @@ use super::figure::svg::{WIDTHS, svg};
 use super::figure::vega::vega;
 use super::finished::Finished;
 use super::questions::Answer;
+use super::record::{ANSWER_FILE, AnswerRecord, ToldAnswer, WriteError, told};
 use super::summary;
-use super::table::Table;
-use crate::files::{RECORD_BYTES_MAX, holds, read_text};
-use crate::pixels::{PixelsError, Staged};
+use crate::files::holds;
+use crate::pixels::Staged;
 use crate::runner::store::ANSWERS_FOLDER;
-use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The summary, beside the tables of the run.
 pub const SUMMARY_FILE: &str = "summary.md";
-/// The answers in words, for programs.
-pub const ANSWER_FILE: &str = "answer.json";
-
-/// Why answers cannot be written or read.
-#[derive(Debug, thiserror::Error)]
-pub enum WriteError {
-    #[error(transparent)]
-    File(#[from] PixelsError),
-    #[error("{}: {error}", path.display())]
-    Io { path: PathBuf, error: std::io::Error },
-    #[error("{}: {error}; expected a file that `splitsum answers` wrote", path.display())]
-    Json { path: PathBuf, error: serde_json::Error },
-}
-
-/// One answer in words.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct ToldAnswer {
-    /// Key of the question.
-    pub question: String,
-    pub asks: String,
-    pub sentence: String,
-    /// The digest, or the table where there is none, as Markdown.
-    pub digest: String,
-}
-
-/// The content of `answer.json`.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct AnswerRecord {
-    pub name: String,
-    pub question: String,
-    /// The leading one first.
-    pub answers: Vec<ToldAnswer>,
-    pub cells: usize,
-    pub failed: usize,
-    /// Names of the devices, each with its driver.
-    pub devices: Vec<String>,
-    /// Of the last invocation.
-    pub date_utc: String,
-    /// Of the last invocation; empty where it is not known.
-    pub commit: String,
-    pub is_cpu_timed: bool,
-    /// Files of the folder.
-    pub files: Vec<String>,
-}
-
-impl AnswerRecord {
-    /// The answers of a run, published or not.
-    pub fn read(dir: &Path) -> Result<Self, WriteError> {
-        let path = dir.join(ANSWERS_FOLDER).join(ANSWER_FILE);
-        let text = read_text(&path, RECORD_BYTES_MAX).map_err(|error| WriteError::Io { path: path.clone(), error })?;
-        serde_json::from_str(&text).map_err(|error| WriteError::Json { path, error })
-    }
-
-    /// The sentence of the leading answer.
-    pub fn headline(&self) -> &str {
-        self.answers.first().map_or("No cell that answers is done yet.", |answer| answer.sentence.as_str())
-    }
-}
 
 /// The answers of one run, ready to be written.
 #[derive(Debug)]
@@ -82,17 +23,6 @@ pub struct Written {
     pub record: AnswerRecord,
     /// Name and content of every file of `answers/`.
     pub files: Vec<(String, String)>,
-}
-
-/// Rows of a table that stand in for a digest.
-const ROWS_TOLD_MAX: usize = 40;
-
-/// What people are shown of an answer: its digest, else the first rows of its table.
-pub fn told(answer: &Answer) -> Table {
-    let finding = &answer.finding;
-    let mut table = finding.digest.clone().unwrap_or_else(|| finding.table.clone());
-    table.rows.truncate(ROWS_TOLD_MAX);
-    table
 }
 
 impl Written {

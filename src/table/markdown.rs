@@ -68,7 +68,9 @@ pub fn inline(text: &str) -> String {
 pub fn paragraph(text: &str) -> String {
     let line = inline(text.trim());
     let digits = line.len() - line.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-    match line[digits..].chars().next() {
+    // One backtick begins a name; three begin a block.
+    let is_name = line.starts_with('`') && !line.starts_with("``");
+    match line[digits..].chars().next().filter(|_| !is_name) {
         Some('.' | ')') if digits > 0 => format!("{}\\{}", &line[..digits], &line[digits..]),
         Some('#' | '>' | '-' | '+' | '*' | '=' | '~' | '`' | '|' | '[' | '_') if digits == 0 => format!("\\{line}"),
         _ => line,

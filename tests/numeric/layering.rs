@@ -33,9 +33,6 @@ const LINES_MAX: usize = 400;
 /// How the line of a module's head begins that gives the reason of a longer one.
 const REASON: &str = "Long because ";
 
-/// Modules that are being replaced, and may stand in circles until then.
-const BEING_REPLACED: &[&str] = &["study::figure", "study::summary", "study::write"];
-
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -129,22 +126,10 @@ fn modules_import_only_from_below() {
     }
 }
 
-fn is_being_replaced(module: &[String]) -> bool {
-    let name = module.join("::");
-    BEING_REPLACED.iter().any(|old| name == *old || name.starts_with(&format!("{old}::")))
-}
-
-/// As [`module_of`], empty for a file that is not below `src`.
-fn module_of_any(file: &Path) -> Vec<String> {
-    if file.starts_with("src") { module_of(file) } else { Vec::new() }
-}
-
 #[test]
 fn no_files_and_no_folders_form_a_circle() {
-    let files = library_imports();
-    let kept = files.into_iter().filter(|(file, _)| !is_being_replaced(&module_of(file)));
     let modules: BTreeMap<Vec<String>, (PathBuf, BTreeSet<Vec<String>>)> =
-        kept.map(|(file, paths)| (module_of(&file), (file, paths))).collect();
+        library_imports().into_iter().map(|(file, paths)| (module_of(&file), (file, paths))).collect();
     assert_eq!(first_circle(&modules), None);
 }
 
@@ -232,8 +217,7 @@ fn long_files_have_a_reason() {
         let head =
             text.lines().map_while(|line| line.strip_prefix("//")).map(|line| line.trim_start_matches(['!', ' ']));
         let has_reason = head.into_iter().any(|line| line.starts_with(REASON));
-        let is_replaced = is_being_replaced(&module_of_any(&file));
-        assert!(lines <= LINES_MAX || has_reason || is_replaced, "{}: {lines} lines, and no reason", file.display());
+        assert!(lines <= LINES_MAX || has_reason, "{}: {lines} lines, and no reason", file.display());
     }
 }
 

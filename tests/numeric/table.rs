@@ -17,7 +17,7 @@ fn rows() -> Vec<[Cell; 3]> {
         ["split-sum".into(), 0.1.into(), Cell::Integer(0)],
         ["a,b \"quoted\"\nsecond line".into(), (1.0 / 3.0).into(), Cell::Integer(u64::MAX)],
         ["=1+1".into(), f64::INFINITY.into(), Cell::Integer(4)],
-        ["".into(), None.into(), Cell::Missing],
+        ["".into(), Cell::Missing, Cell::Missing],
         ["ünïcödé α".into(), (-1.5e-300).into(), Cell::Integer(16)],
     ]
 }
@@ -152,9 +152,13 @@ fn hostile_names_stay_text_in_markdown() {
     ] {
         assert_eq!(inline(text), expected);
     }
-    for (text, expected) in
-        [("# head", "\\# head"), ("  - item", "\\- item"), ("12. item", "12\\. item"), ("How much?", "How much?")]
-    {
+    for (text, expected) in [
+        ("# head", "\\# head"),
+        ("  - item", "\\- item"),
+        ("12. item", "12\\. item"),
+        ("`a` b", "`a` b"),
+        ("```a", "\\```a"),
+    ] {
         assert_eq!(paragraph(text), expected);
     }
     assert_eq!(link("a]<b>[\n", "tables/a (b)\n[c.png"), "[a\\]\\<b>\\[\\\\n](tables/a%20%28b%29%0A%5Bc.png)");

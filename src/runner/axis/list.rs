@@ -436,6 +436,9 @@ indices! {
     EXPOSURE = "exposure";
     CONTRAST = "contrast";
     ENVIRONMENT_CLIP = "environment_clip_log2";
+    ENVIRONMENT_ROTATION = "environment_rotation_deg";
+    ENVIRONMENT_SCALE = "environment_scale";
+    F0 = "f0";
     PREFILTER_SIZE = "prefilter_size";
 }
 

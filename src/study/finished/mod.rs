@@ -1,10 +1,9 @@
 //! A finished run as typed data: what every question and the page are answered from.
 //!
-//! `read` takes it from the files of a folder, published or not; `run` from the memory of the run that has just ended. Both give the same.
+//! It is read from the files of a folder, published or not: those of a run that has just ended, too.
 
 mod notes;
 mod read;
-mod run;
 
 pub use notes::notes;
 pub use read::{FinishedError, provenance};
@@ -90,7 +89,7 @@ pub struct Light {
 }
 
 /// A finished run.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Finished {
     pub dir: PathBuf,
     /// `provenance.json`.

@@ -10,10 +10,8 @@ use crate::runner::frozen::EXPERIMENT_FILE;
 use crate::runner::provenance::{self, PROVENANCE_FILE, ProvenanceError};
 use crate::runner::store::{StopReason, Store, StoreError, TIMINGS_FOLDER};
 use crate::runner::tables::{HEADLINE, REFERENCE_COLUMNS};
-use crate::runner::timing::TimingRecord;
 use crate::spelling::printable;
 use crate::table::csv::{Table, TableError};
-use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -33,8 +31,6 @@ pub enum FinishedError {
     Provenance(#[from] ProvenanceError),
     #[error("{}: {error}", path.display())]
     Io { path: PathBuf, error: std::io::Error },
-    #[error("{}: {error}; expected a file that `splitsum run` wrote", path.display())]
-    Json { path: PathBuf, error: serde_json::Error },
     #[error(transparent)]
     Store(#[from] StoreError),
     #[error(transparent)]
@@ -66,8 +62,8 @@ impl Finished {
             config: config(&experiment, &provenance),
             cells: cells(&errors, bins.as_ref(), &images),
             lights: table("environments.csv")?.map(|table| lights(&table)).unwrap_or_default(),
-            timings: timings(dir)?,
-            failures: records(&dir.join("failed"))?,
+            timings: of_store(dir, TIMINGS_FOLDER, Store::timing)?,
+            failures: of_store(dir, "failed", Store::failure)?,
             provenance,
             experiment,
             is_under_way,
@@ -227,9 +223,9 @@ fn check_errors(
     if is_under_way {
         return Ok(());
     }
-    let records: BTreeSet<String> = ["cells", "failed"].iter().flat_map(|name| record_names(&dir.join(name))).collect();
     // Records that cannot be read are none, but are only looked at where there seem to be too many.
     let store = Store::at(dir);
+    let records: BTreeSet<String> = ["cells", "failed"].into_iter().flat_map(|folder| store.ids(folder)).collect();
     let is_record = |id: &&String| matches!(store.cell(id), Ok(Some(_))) || matches!(store.failure(id), Ok(Some(_)));
     let rows = errors.rows.len();
     let records = if rows < records.len() { records.iter().filter(is_record).count() } else { records.len() };
@@ -260,12 +256,6 @@ fn check_errors(
 /// Largest file of a run that is read, bytes.
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// Names of the records in a folder; none where it does not exist.
-fn record_names(dir: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
-    entries.filter_map(|entry| Some(entry.file_name().to_string_lossy().strip_suffix(".json")?.to_owned())).collect()
-}
-
 /// The text of a file, or `None` when it does not exist.
 pub(super) fn text(path: &Path) -> Result<Option<String>, FinishedError> {
     match read_regular(path, MAX_FILE_BYTES).and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other)) {
@@ -275,27 +265,12 @@ pub(super) fn text(path: &Path) -> Result<Option<String>, FinishedError> {
     }
 }
 
-fn json<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, FinishedError> {
-    let parse = |text: String| {
-        serde_json::from_str(&text).map_err(|error| FinishedError::Json { path: path.to_owned(), error })
-    };
-    text(path)?.map(parse).transpose()
-}
-
-/// The timing records of a run, by file name. One that is damaged or another's, under a name of its own, is none, as for the run itself.
-fn timings(dir: &Path) -> Result<Vec<TimingRecord>, FinishedError> {
+/// The records of a folder, by file name. One that is damaged or another's, under a name of its own, is none, as for the run itself.
+fn of_store<T>(
+    dir: &Path,
+    folder: &str,
+    read: fn(&Store, &str) -> Result<Option<T>, StoreError>,
+) -> Result<Vec<T>, FinishedError> {
     let store = Store::at(dir);
-    let read = |id: &String| store.timing(id).map_err(FinishedError::from).transpose();
-    store.ids(TIMINGS_FOLDER).iter().filter_map(read).collect()
-}
-
-/// Every JSON record of a folder, by file name.
-fn records<T: DeserializeOwned>(dir: &Path) -> Result<Vec<T>, FinishedError> {
-    let mut paths: Vec<PathBuf> = match std::fs::read_dir(dir) {
-        Ok(entries) => entries.flatten().map(|entry| entry.path()).collect(),
-        Err(_) => Vec::new(),
-    };
-    paths.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
-    paths.sort();
-    paths.iter().filter_map(|path| json(path).transpose()).collect()
+    store.ids(folder).iter().filter_map(|id| read(&store, id).map_err(FinishedError::from).transpose()).collect()
 }

@@ -2,7 +2,8 @@
 //! point set and tone curve.
 
 use super::estimate::geometric_mean;
-use super::{Frame, Key, Row, axis, by, distinct_in_order};
+use super::{Frame, Key, Row, by, distinct_in_order, fits};
+use crate::runner::axis::METHOD;
 use crate::runner::value::Value;
 
 /// A sampling method in one case.
@@ -38,11 +39,6 @@ impl<'r, 'f> Curve<'r, 'f> {
     pub fn tried(&self) -> [u32; 2] {
         [&self.points[0], &self.points[self.points.len() - 1]].map(|point| point.samples)
     }
-
-    /// The point of a count.
-    pub fn at(&self, samples: u32) -> Option<&CurvePoint<'r, 'f>> {
-        self.points.iter().find(|point| point.samples == samples)
-    }
 }
 
 impl CurvePoint<'_, '_> {
@@ -60,10 +56,10 @@ pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
 
 /// The curves of these images, in their order. The reference itself, rendered for its times, is no competitor.
 pub fn curves<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Curve<'r, 'f>> {
-    let is_tested = |row: &Row| row.text(axis("method")) != frame.shape.reference_method;
+    let is_tested = |row: &Row| row.text(METHOD) != frame.shape.reference_method;
     let sampled = images.iter().copied().filter(|row| row.samples().is_some() && is_tested(row));
     let sampled: Vec<&Row> = sampled.collect();
-    let with_method: Vec<usize> = axes.iter().copied().chain([axis("method")]).collect();
+    let with_method: Vec<usize> = axes.iter().copied().chain([METHOD]).collect();
     let groups = by(&sampled, &with_method).into_iter();
     let curve = |(mut key, own): (Key, Vec<&'r Row<'f>>)| {
         let method = key.pop()?;
@@ -89,4 +85,37 @@ fn points<'r, 'f>(frame: &Frame, rows: &[&'r Row<'f>]) -> Vec<CurvePoint<'r, 'f>
         (!rows.is_empty()).then(|| CurvePoint { samples, error: geometric_mean(&errors), is_resolved, rows })
     };
     counts.into_iter().filter_map(point).collect()
+}
+
+/// A sampling method beside one without samples in one case.
+#[derive(Clone, Debug)]
+pub struct Beside<'r, 'f> {
+    /// Values on the axes of cases; an axis that one of the two does not use is that of the other.
+    pub key: Key,
+    pub curve: Curve<'r, 'f>,
+    pub fixed: &'r Row<'f>,
+    /// Error of the method without samples.
+    pub error: f64,
+}
+
+impl Beside<'_, '_> {
+    /// The sampling method and the other.
+    pub fn names(&self) -> [String; 2] {
+        [self.curve.method.to_string(), self.fixed.text(METHOD)]
+    }
+}
+
+/// Each curve beside each image of a method without samples that agrees with it, in the order of the rows.
+pub fn beside<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Beside<'r, 'f>> {
+    let fixed = without_samples(images);
+    let mut found = Vec::new();
+    for curve in curves(frame, images, axes) {
+        for &row in &fixed {
+            let other = row.key(axes);
+            let Some(error) = frame.error(row).filter(|_| fits(&other, &curve.key)) else { continue };
+            let key = curve.key.iter().zip(&other).map(|(a, b)| if *a == Value::Unset { b } else { a }.clone());
+            found.push(Beside { key: key.collect(), curve: curve.clone(), fixed: row, error });
+        }
+    }
+    found
 }

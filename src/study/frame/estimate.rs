@@ -31,19 +31,12 @@ pub struct Estimate {
     pub interval: Option<[f64; 2]>,
     /// Rows behind it.
     pub n: usize,
-    /// Environments behind it.
-    pub clusters: usize,
 }
 
 impl Estimate {
     /// The interval, unless it is wider than a decade.
     pub fn told_interval(&self) -> Option<[f64; 2]> {
         self.interval.filter(|[lo, hi]| *lo > 0.0 && hi / lo <= WIDTH_MAX)
-    }
-
-    /// Whether the interval lies on one side of a number.
-    pub fn is_apart_from(&self, number: f64) -> bool {
-        self.interval.is_some_and(|[lo, hi]| lo > number || hi < number)
     }
 }
 
@@ -71,7 +64,6 @@ pub fn estimate(values: &[(Value, f64)], statistic: fn(&[f64]) -> f64) -> Option
         value,
         interval: (clusters.len() >= CLUSTERS_MIN).then(|| interval(&clusters, statistic)),
         n: all.len(),
-        clusters: clusters.len(),
     })
 }
 

@@ -6,10 +6,6 @@ pub struct Line {
     pub slope: f64,
     /// Standard error of the slope, from the residuals.
     pub standard_error: f64,
-    /// The value at 0.
-    pub intercept: f64,
-    /// Points behind it.
-    pub n: usize,
 }
 
 /// Fewer points than this have no residual to take a standard error from.
@@ -29,16 +25,9 @@ impl Line {
             return None;
         }
         let slope = sxy / sxx;
-        let intercept = mean_y - slope * mean_x;
-        let residual: f64 = points.iter().map(|[x, y]| (y - intercept - slope * x).powi(2)).sum();
+        let residual: f64 = points.iter().map(|[x, y]| (y - mean_y - slope * (x - mean_x)).powi(2)).sum();
         let standard_error = (residual / (n - 2.0) / sxx).sqrt();
-        Some(Self { slope, standard_error, intercept, n: points.len() })
-    }
-
-    /// 95 % interval of the slope (Student's t).
-    pub fn slope_interval(&self) -> [f64; 2] {
-        let half = t_95(self.n - 2) * self.standard_error;
-        [self.slope - half, self.slope + half]
+        Some(Self { slope, standard_error })
     }
 }
 

@@ -12,10 +12,13 @@ pub mod times;
 pub use shape::Shape;
 
 use super::finished::{Bin, Finished, FinishedCell};
-use crate::metrics::{BiasVariance, HEADLINE, Metric, Verdict, metric, verdict};
-use crate::runner::axis::{AXES, DIFFUSE_METHOD, METHOD, Part, Point, index_of};
+use crate::metrics::{HEADLINE, Metric, Verdict, metric, verdict};
+use crate::runner::axis::{
+    AXES, DIFFUSE_METHOD, ENVIRONMENT, ENVIRONMENT_CLIP, METHOD, Part, Point, SAMPLES, index_of,
+};
 use crate::runner::tables::DISPLAY_HEADLINE;
 use crate::runner::value::Value;
+use crate::shade::NONE;
 use crate::table::csv::Cell;
 use std::collections::HashMap;
 
@@ -72,12 +75,7 @@ impl<'f> Frame<'f> {
 
     /// The score of a row, as the metric defines it.
     pub fn score(&self, row: &Row) -> Option<f64> {
-        row.cell.scores.as_ref()?.get(self.metric_name())
-    }
-
-    /// The score of a row in another metric.
-    pub fn score_in(&self, row: &Row, metric: &str) -> Option<f64> {
-        row.cell.scores.as_ref()?.get(metric)
+        row.score(self.metric_name())
     }
 
     /// The score that an exact image would have against the row's reference.
@@ -105,9 +103,8 @@ impl<'f> Frame<'f> {
 
     /// Swept axes that tell cases apart for a comparison of methods: all but method, samples, point sets and the tone curve.
     pub fn case_axes(&self) -> Vec<usize> {
-        let methods = [axis("method")];
         let own = self.swept(&[Part::Case, Part::Parameter, Part::Table, Part::Method]);
-        own.into_iter().filter(|axis| !methods.contains(axis)).collect()
+        own.into_iter().filter(|axis| *axis != METHOD).collect()
     }
 
     /// Rows with scores, each linear image once: of rows that differ in the tone curve only, the one with the plain curve, else the first.
@@ -130,10 +127,19 @@ impl<'f> Frame<'f> {
         images
     }
 
+    /// What is said beside times of a driver that computes on the CPU; empty for others.
+    pub fn cpu_words(&self) -> &'static str {
+        if self.run.is_cpu_timed() { " on this CPU driver" } else { "" }
+    }
+
     /// The axes of [`Frame::way`]: method and sample count; where no row has a specular term, the diffuse method.
     pub fn way_axes(&self) -> Vec<usize> {
-        let has_specular = self.shape.values[axis("method")].iter().any(|value| value.to_string() != "none");
-        if has_specular { vec![axis("method"), axis("samples")] } else { vec![axis("diffuse")] }
+        if self.shape.methods().next().is_some() { vec![METHOD, SAMPLES] } else { vec![DIFFUSE_METHOD] }
+    }
+
+    /// Whether a row shows none of the terms that [`Frame::way`] tells of: it is there for scale.
+    pub fn is_nothing(&self, row: &Row) -> bool {
+        self.way(row) == NONE
     }
 
     /// How the image of a row is made: "sampled 16", "split-sum"; where no row has a specular term, the diffuse method.
@@ -146,23 +152,28 @@ impl<'f> Frame<'f> {
 impl Row<'_> {
     /// Its values on these axes.
     pub fn key(&self, axes: &[usize]) -> Key {
-        axes.iter().map(|&axis| self.point.0[axis].clone()).collect()
+        axes.iter().map(|&axis| self.point[axis].clone()).collect()
     }
 
     /// Its values on these axes, as cells of a table.
     pub fn cells(&self, axes: &[usize]) -> Vec<Cell> {
-        axes.iter().map(|&axis| Cell::Text(self.text(axis))).collect()
+        axes.iter().map(|&axis| (&self.point[axis]).into()).collect()
     }
 
     /// The value on an axis, as text for tables.
     pub fn text(&self, axis: usize) -> String {
-        self.point.0[axis].to_string()
+        self.point[axis].to_string()
+    }
+
+    /// The score in a metric; nothing for a failed cell.
+    pub fn score(&self, metric: &str) -> Option<f64> {
+        self.cell.scores.as_ref()?.get(metric)
     }
 
     /// Samples a pixel, for a method that draws some.
     pub fn samples(&self) -> Option<u32> {
-        match self.point.get("samples") {
-            Value::Count(count) => Some(*count),
+        match self.point[SAMPLES] {
+            Value::Count(count) => Some(count),
             _ => None,
         }
     }
@@ -175,12 +186,12 @@ impl Row<'_> {
 
     /// Mean FLIP of the image after its tone curve.
     pub fn flip(&self) -> Option<f64> {
-        self.cell.scores.as_ref()?.get(DISPLAY_HEADLINE)
+        self.score(DISPLAY_HEADLINE)
     }
 
     /// Whether the row has no specular term.
     pub fn has_no_method(&self) -> bool {
-        self.point.get("method").to_string() == "none"
+        self.text(METHOD) == NONE
     }
 
     /// Bias squared over bias squared plus variance, where both were estimated.
@@ -236,6 +247,29 @@ pub fn distinct_in_order<T: Clone + Eq + std::hash::Hash>(values: impl IntoItera
     values.into_iter().filter(|value| seen.insert(value.clone())).collect()
 }
 
+/// Items with equal keys together, in the order of their first appearance.
+pub fn grouped<T, K: Clone + Eq + std::hash::Hash>(
+    items: impl IntoIterator<Item = T>,
+    key: impl Fn(&T) -> K,
+) -> Vec<(K, Vec<T>)> {
+    let mut places: HashMap<K, usize> = HashMap::new();
+    let mut groups: Vec<(K, Vec<T>)> = Vec::new();
+    for item in items {
+        let key = key(&item);
+        let place = *places.entry(key.clone()).or_insert(groups.len());
+        if place == groups.len() {
+            groups.push((key, Vec::new()));
+        }
+        groups[place].1.push(item);
+    }
+    groups
+}
+
+/// The different values of some rows on an axis: numbers ascending, anything else in the order of the rows.
+pub fn values<'r, 'f: 'r>(rows: impl IntoIterator<Item = &'r Row<'f>>, axis: usize) -> Vec<Value> {
+    ascending(distinct_in_order(rows.into_iter().map(|row| row.point[axis].clone())))
+}
+
 /// Numbers ascending, anything else in the order given.
 pub fn ascending(mut values: Vec<Value>) -> Vec<Value> {
     values.sort_by(|a, b| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
@@ -255,9 +289,8 @@ pub fn size_of(value: &Value) -> Option<f64> {
 
 /// The cells with each distinct image once. Of equal images the first with a score stands for all.
 fn distinct(run: &Finished) -> Vec<Row<'_>> {
-    let (environment, clip) = (axis("environment"), axis("environment_clip_log2"));
     let light_of = |point: &Point| {
-        let texts = [environment, clip].map(|axis| point.0[axis].to_string());
+        let texts = [ENVIRONMENT, ENVIRONMENT_CLIP].map(|axis| point[axis].to_string());
         run.lights.iter().find(|light| [&light.environment, &light.clip_log2] == [&texts[0], &texts[1]])
     };
     // Two clips above the peak leave the same light: the first stands for both.
@@ -271,8 +304,8 @@ fn distinct(run: &Finished) -> Vec<Row<'_>> {
         let is_whole = [METHOD, DIFFUSE_METHOD].iter().all(|&axis| cell.point[axis] != Value::Unset);
         let mut point = if is_whole { cell.point.of_pixels(true) } else { cell.point.clone() };
         if let Some(light) = light {
-            let key = (point.0[environment].clone(), [light.mean.to_bits(), light.peak.to_bits()]);
-            point.0[clip] = clips.entry(key).or_insert_with(|| cell.point.0[clip].clone()).clone();
+            let key = (point[ENVIRONMENT].clone(), [light.mean.to_bits(), light.peak.to_bits()]);
+            point[ENVIRONMENT_CLIP] = clips.entry(key).or_insert_with(|| cell.point[ENVIRONMENT_CLIP].clone()).clone();
         }
         match places.get(&point.0) {
             Some(&place) => {
@@ -293,6 +326,3 @@ fn distinct(run: &Finished) -> Vec<Row<'_>> {
     }
     rows
 }
-
-/// Names of the columns with variance and squared bias, where an experiment asks for them.
-pub const BIAS_VARIANCE: [&str; 2] = BiasVariance::RELATIVE_NAMES;

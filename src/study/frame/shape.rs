@@ -1,9 +1,10 @@
 //! The shape of an experiment: which values each axis has. Says which questions it can serve, before anything is rendered.
 
 use super::Row;
-use crate::runner::axis::{AXES, Point, Terms};
+use crate::runner::axis::{AXES, METHOD, Terms};
 use crate::runner::config::Config;
 use crate::runner::value::Value;
+use crate::shade::{METHODS, Method};
 use crate::study::finished::Finished;
 
 /// The values of every axis, and which further parts an experiment has.
@@ -13,7 +14,6 @@ pub struct Shape {
     pub values: Vec<Vec<Value>>,
     pub has_timing: bool,
     pub has_printed_slips: bool,
-    pub has_bias_variance: bool,
     /// Name of the method that judges.
     pub reference_method: String,
     /// Whether the reference has all terms, whatever the cell has; taken for granted where the experiment is not known.
@@ -40,7 +40,6 @@ impl Shape {
                 values: set_only(values),
                 has_timing: !run.timings.is_empty(),
                 has_printed_slips: false,
-                has_bias_variance: run.cells.iter().any(|cell| cell.bias_variance.is_some()),
                 reference_method: run.text("/reference/method"),
                 judges_all_terms: true,
             },
@@ -52,7 +51,6 @@ impl Shape {
             values: set_only(values),
             has_timing: config.timing.is_some(),
             has_printed_slips: config.has_printed_slips,
-            has_bias_variance: config.repeats.is_some(),
             reference_method: config.reference.method.clone(),
             judges_all_terms: config.reference.terms == Terms::All,
         }
@@ -63,14 +61,10 @@ impl Shape {
         self.values[axis].len() > 1
     }
 
-    /// Whether an axis has one of these values.
-    pub fn has(&self, name: &str, wanted: &[&str]) -> bool {
-        self.values[super::axis(name)].iter().any(|value| wanted.contains(&value.to_string().as_str()))
-    }
-
-    /// A point with the first value of every axis.
-    pub fn first(&self) -> Point {
-        Point(self.values.iter().map(|values| values.first().cloned().unwrap_or(Value::Unset)).collect())
+    /// The methods with a specular term, in the order of their list.
+    pub fn methods(&self) -> impl Iterator<Item = &'static Method> {
+        let has = |name: &str| self.values[METHOD].iter().any(|value| value.text() == name);
+        METHODS.iter().filter(move |method| !method.is_none() && has(method.name))
     }
 }
 

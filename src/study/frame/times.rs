@@ -1,8 +1,8 @@
 //! Frame times beside the rows: how many samples fit into the frame time of a method without samples.
 
-use super::band::{Level, between, crossing_interval};
-use super::{Frame, Row, axis};
-use crate::runner::axis::index_of;
+use super::band::{Level, crossing_interval};
+use super::{Frame, Row};
+use crate::runner::axis::{ENVIRONMENT, index_of};
 use crate::runner::timing::Key;
 use crate::runner::timing_ratios::{Ratio, ratios};
 use crate::runner::value::Value;
@@ -29,14 +29,13 @@ pub struct TimeMatch {
 /// The times of a sampled row beside those of a row of a method without samples: those taken with the row's own environment where there are
 /// any, else those of one with the same shading. `pairs` are the run's [`ratios`].
 pub fn level(frame: &Frame, pairs: &[Ratio], sampled: &Row, fixed: &Row) -> Option<TimeLevel> {
-    let environment = axis("environment");
     let environment_of = |id: &str| {
         let row = frame.rows.iter().find(|row| row.cell.id == id || row.copies.contains(&id));
-        row.map(|row| &row.point.0[environment])
+        row.map(|row| &row.point[ENVIRONMENT])
     };
     let fits = |pair: &&Ratio| is_of(&pair.sampled.axes, sampled) && is_of(&pair.fixed.axes, fixed);
     let fitting: Vec<&Ratio> = pairs.iter().filter(fits).collect();
-    let own = Some(&sampled.point.0[environment]);
+    let own = Some(&sampled.point[ENVIRONMENT]);
     let pair = fitting.iter().find(|pair| environment_of(&pair.sampled.cell) == own).or(fitting.first())?;
     let samples = sampled.samples()?;
     pair.ratio.is_finite().then_some(TimeLevel { samples, ratio: pair.ratio, interval: pair.interval })
@@ -50,7 +49,7 @@ pub fn pairs<'f>(frame: &Frame<'f>) -> Vec<Ratio<'f>> {
 /// Whether a timed configuration stands for a row: every axis that its key names has the row's value, or does not reach the row's pixels.
 fn is_of(key: &Key, row: &Row) -> bool {
     let fits = |name: &str, value: &str| {
-        index_of(name).is_some_and(|axis| row.point.0[axis] == Value::Unset || row.text(axis) == value)
+        index_of(name).is_some_and(|axis| row.point[axis] == Value::Unset || row.text(axis) == value)
     };
     key.iter().filter(|(_, value)| !value.is_empty()).all(|(name, value)| fits(name, value))
 }
@@ -77,14 +76,4 @@ pub fn time_match(levels: &[TimeLevel]) -> Option<TimeMatch> {
         () => (lo * hi).sqrt(),
     };
     Some(TimeMatch { samples, interval: wide.and_then(|wide| crossing_interval(&wide)) })
-}
-
-/// Time ratio at a sample count with its 95 % interval, by log-log interpolation; `None` outside the tried counts.
-pub fn ratio_at(levels: &[TimeLevel], samples: f64) -> Option<(f64, [f64; 2])> {
-    let at = |of: &dyn Fn(&TimeLevel) -> f64| {
-        between(&levels.iter().map(|level| (f64::from(level.samples), of(level))).collect::<Vec<_>>(), samples)
-    };
-    // Interpolating the ends as if both levels erred together is wider than if each erred alone.
-    let ends = [at(&|level| level.interval[0])?, at(&|level| level.interval[1])?];
-    Some((at(&|level| level.ratio)?, ends))
 }

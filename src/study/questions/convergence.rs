@@ -8,38 +8,25 @@
 //! An error *stops falling* at the smallest tried count from which on doubling the samples takes off less than [`GAIN_MIN`], up to the
 //! largest count that stands clear of the noise. Where bias and variance were parted, their share at the largest count says why.
 
-use super::conditions::{ROUGHNESS, extremes, roughness};
-use super::words::{by_axis, cases_sentence, interval_words, label, number, percent, short, with_interval};
-use super::{Finding, Question};
-use crate::runner::axis::AXES;
-use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
+use super::prelude::*;
+use super::{BIAS_SHARE, ERROR, IS_RESOLVED, NOISE_FLOOR};
 use crate::study::frame::curve::{Curve, CurvePoint, curves, mean, without_samples};
-use crate::study::frame::estimate::{Estimate, estimate, median};
 use crate::study::frame::line::{Line, POINTS_MIN};
-use crate::study::frame::{Frame, Key, Row, Shape, ascending, axis, distinct_in_order, fits};
-use crate::study::table::{Column, Table, value_cell};
-use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
     name: "convergence",
     asks: "How does the error fall with the sample count, and where does it stop?",
     columns: &[
-        Column { name: "error", about: "Error in the metric of the question, geometric mean over point sets." },
-        Column { name: "noise_floor", about: "Error that an exact image would have, from the reference's own noise." },
-        Column { name: "is_resolved", about: "1 where the error stands clear of that noise, else 0." },
-        Column {
-            name: "bias_share",
-            about: "Squared bias over mean square error; as an unbiased estimate it may fall below 0. Empty without [bias_variance].",
-        },
-        Column {
-            name: "slope",
-            about: "Slope of ln error over ln samples of the row's curve, over its resolved counts; -1 is plain Monte Carlo in squared error.",
-        },
-        Column { name: "slope_standard_error", about: "Standard error of that slope, from the residuals." },
-        Column {
-            name: "stops_at",
-            about: "Tried count from which on twice the samples take off less than 10 % of the error; empty where it falls to the end.",
-        },
+        ERROR,
+        NOISE_FLOOR,
+        IS_RESOLVED,
+        BIAS_SHARE,
+        column("slope", "Slope of ln error over ln samples of the curve's resolved counts; -1 is plain Monte Carlo."),
+        column("slope_standard_error", "Standard error of that slope, from the residuals."),
+        column(
+            "stops_at",
+            "Count from which on twice the samples take off less than 10 %; empty where it falls to the end.",
+        ),
     ],
     uses_times: false,
     lacks,
@@ -50,10 +37,9 @@ pub const QUESTION: Question = Question {
 const GAIN_MIN: f64 = 0.1;
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    let mut methods = crate::shade::METHODS.iter().filter(|method| shape.has("method", &[method.name]));
     match () {
-        () if !methods.any(|method| method.uses_samples) => Some("axes.method has no method that samples"),
-        () if shape.values[axis("samples")].len() < POINTS_MIN => Some("axes.samples has fewer than three counts"),
+        () if !shape.methods().any(|method| method.uses_samples) => Some("axes.method has no method that samples"),
+        () if shape.values[SAMPLES].len() < POINTS_MIN => Some("axes.samples has fewer than three counts"),
         () => None,
     }
 }
@@ -76,208 +62,153 @@ impl Fall<'_, '_> {
         let stops_at = (flat > 0).then(|| resolved[resolved.len() - 1 - flat].samples);
         Fall { line: Line::of(&logs), stops_at, curve }
     }
-
-    /// The share of bias at the largest count.
-    fn bias_share(&self) -> Option<f64> {
-        self.curve.points.last()?.bias_share()
-    }
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let (axes, images) = (frame.case_axes(), frame.images());
     let fixed = without_samples(&images);
     let falls: Vec<Fall> = curves(frame, &images, &axes).into_iter().map(Fall::of).collect();
-    let lead: Vec<&Fall> = falls.iter().filter(|fall| fall.line.is_some()).collect();
-    let method = lead.first()?.curve.method.clone();
-    let lead: Vec<&Fall> = lead.into_iter().filter(|fall| fall.curve.method == method).collect();
+    let columns = [&axes[..], &[METHOD, SAMPLES]].concat();
+    let mut table = Table::new(&columns, QUESTION.columns);
+    for (fall, point) in falls.iter().flat_map(|fall| fall.curve.points.iter().map(move |point| (fall, point))) {
+        let mut row: Vec<Cell> = fall.curve.key.iter().chain([&fall.curve.method]).map(Cell::from).collect();
+        row.extend(cells![point.samples, point.error, frame.noise_floor(point.rows[0]), point.is_resolved]);
+        row.extend(cells![point.bias_share(), fall.line.map(|line| line.slope)]);
+        row.extend(cells![fall.line.map(|line| line.standard_error), fall.stops_at]);
+        table.row(row);
+    }
+    for row in &fixed {
+        let own = cells![frame.error(row), frame.noise_floor(row), frame.is_resolved(row)];
+        table.row([row.cells(&columns), own, vec![Cell::Missing; 4]].concat());
+    }
+    let fitted: Vec<&Fall> = falls.iter().filter(|fall| fall.line.is_some()).collect();
+    let by_method = grouped(fitted, |fall| fall.curve.method.clone());
     Some(Finding {
-        sentence: sentence(frame, &axes, &lead)?,
-        table: table(frame, &axes, &falls, &fixed),
-        digest: Some(digest(frame, &falls)),
+        sentence: sentence(frame, &axes, &by_method.first()?.1)?,
+        table,
+        digest: Some(digest(frame, &by_method).without_empty()),
         figure: figure(frame, &axes, &falls, &fixed),
     })
 }
 
-fn table(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Table {
-    let columns: Vec<usize> = axes.iter().copied().chain([axis("method"), axis("samples")]).collect();
-    let mut table = Table::new(&columns, QUESTION.columns);
-    for fall in falls {
-        for point in &fall.curve.points {
-            let mut row: Vec<Cell> = fall.curve.key.iter().chain([&fall.curve.method]).map(value_cell).collect();
-            row.extend([
-                Cell::Integer(point.samples.into()),
-                point.error.into(),
-                frame.noise_floor(point.rows[0]).into(),
-            ]);
-            row.extend([Cell::Integer(point.is_resolved.into()), point.bias_share().into()]);
-            row.extend([fall.line.map(|line| line.slope).into(), fall.line.map(|line| line.standard_error).into()]);
-            row.push(fall.stops_at.map_or(Cell::Missing, |n| Cell::Integer(n.into())));
-            table.row(row);
-        }
-    }
-    for row in fixed {
-        let mut cells: Vec<Cell> = row.key(&columns).iter().map(value_cell).collect();
-        cells.extend([frame.error(row).into(), frame.noise_floor(row).into()]);
-        cells.push(Cell::Integer(frame.is_resolved(row).into()));
-        cells.extend([Cell::Missing, Cell::Missing, Cell::Missing, Cell::Missing]);
-        table.row(cells);
-    }
-    table
-}
-
-/// By which factor twice the samples divide the error, at the median slope.
-fn doubling(falls: &[&Fall]) -> Option<Estimate> {
-    let environment = axis("environment");
-    let slope = |fall: &&Fall| Some((fall.curve.first().point.0[environment].clone(), fall.line?.slope));
-    estimate(&falls.iter().filter_map(slope).collect::<Vec<_>>(), |slopes| (-median(slopes)).exp2())
-}
-
-fn slope(falls: &[&Fall]) -> f64 {
-    median(&falls.iter().filter_map(|fall| Some(fall.line?.slope)).collect::<Vec<_>>())
+/// Slopes, told as the factor by which twice the samples divide the error, at the median slope.
+fn doublings<'r, 'f>(falls: &[&Fall<'r, 'f>]) -> Numbers<'r, 'f> {
+    let slopes = falls.iter().filter_map(|fall| Some((fall.curve.first(), fall.line?.slope)));
+    Numbers::new(slopes, |slopes| (-median(slopes)).exp2())
 }
 
 /// Factors that differ by less are told as one.
 const CHANGE_MIN: f64 = 1.1;
 
 fn sentence(frame: &Frame, axes: &[usize], falls: &[&Fall]) -> Option<String> {
-    let (middle, first) = (doubling(falls)?, falls.first()?);
-    let scope = match falls.len() {
-        1 => format!(", under {}", short(axis("environment"), &first.curve.first().point.0[axis("environment")])),
-        _ => ", in the median case".to_owned(),
-    };
-    let (factor, interval) = (number(middle.value), interval_words(&middle, number));
-    let mut text = format!(
-        "Twice the samples divide the `{}` of `{}` by **{factor}**{interval}{scope} (slope {}).",
+    let doublings = doublings(falls);
+    let middle = doublings.estimate()?;
+    let text = format!(
+        "Twice the samples divide the `{}` of `{}` by **{}**{}{} (slope {}).{}",
         frame.metric_name(),
-        first.curve.method,
-        number(slope(falls))
+        falls.first()?.curve.method,
+        number(middle.value),
+        interval_words(&middle, number),
+        doublings.place(", in the median case"),
+        number(-middle.value.log2()),
+        doublings.extremes("the factor", CHANGE_MIN, number)
     );
-    let of =
-        |own: &[&&Fall]| doubling(&own.iter().map(|fall| **fall).collect::<Vec<_>>()).map_or(f64::NAN, |one| one.value);
-    if let Some((of, ends)) = extremes(falls, |fall| fall.curve.first(), of, CHANGE_MIN) {
-        text += &by_axis("the factor", of, &ends, number);
-    }
     let stops: Vec<u32> = falls.iter().filter_map(|fall| fall.stops_at).collect();
-    text += &match (stops.iter().min(), falls.len()) {
-        (None, n) => cases_sentence(&falls.iter().map(|fall| fall.curve.first()).collect::<Vec<_>>(), axes, n),
-        (Some(least), 1) => format!(" It stops falling at {least} samples."),
+    let end = match (stops.iter().min(), falls.len()) {
+        (None, _) => doublings.scope(axes),
+        (Some(least), 1) => format!(" It stops falling at {}.", count(*least as usize, "sample", "samples")),
         (Some(least), n) => format!(" In {} of {n} cases it stops falling, from {least} samples on.", stops.len()),
     };
-    Some(text)
+    Some(text + &end)
 }
 
 /// By method and alpha: slope, factor of a doubling, where it stops, and bias at the largest count.
-fn digest(frame: &Frame, falls: &[Fall]) -> Table {
-    let alpha = axis("alpha");
-    let has_bias = falls.iter().any(|fall| fall.bias_share().is_some());
-    let mut names: Vec<&str> = vec![AXES[axis("method")].name];
-    let is_by_alpha = frame.shape.is_swept(alpha);
-    names.extend(if is_by_alpha { vec![AXES[alpha].name, ROUGHNESS] } else { Vec::new() });
-    names.extend(["slope", "a doubling divides by", "cases", "cases that stop", "stops at, median"]);
-    names.extend(has_bias.then_some("bias share at most samples"));
-    let mut table = Table::with_names(names.into_iter().map(str::to_owned).collect());
-    for method in distinct_in_order(falls.iter().map(|fall| fall.curve.method.clone())) {
-        let own: Vec<&Fall> = falls.iter().filter(|fall| fall.curve.method == method && fall.line.is_some()).collect();
-        let width = |fall: &Fall| fall.curve.first().point.0[alpha].clone();
-        let widths = ascending(distinct_in_order(own.iter().map(|fall| width(fall))));
-        let each = widths.iter().map(Some).filter(|_| is_by_alpha);
-        for value in each.chain([None]) {
-            let group: Vec<&Fall> =
-                own.iter().copied().filter(|fall| value.is_none_or(|value| width(fall) == *value)).collect();
-            let Some(factor) = doubling(&group) else { continue };
-            let stops: Vec<f64> = group.iter().filter_map(|fall| fall.stops_at.map(f64::from)).collect();
-            let mut row = vec![Cell::Text(method.to_string())];
+fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
+    let is_by_alpha = frame.shape.is_swept(ALPHA);
+    let widths = [AXES[ALPHA].name, ROUGHNESS].into_iter().filter(|_| is_by_alpha);
+    let names = [
+        "slope",
+        "a doubling divides by",
+        "cases",
+        "cases that stop",
+        "stops at, median",
+        "bias share at most samples",
+    ];
+    let mut table = Table::with_names([AXES[METHOD].name].into_iter().chain(widths).chain(names));
+    for (method, own) in by_method {
+        let widths = values(own.iter().map(|fall| fall.curve.first()), ALPHA);
+        for width in widths.iter().map(Some).filter(|_| is_by_alpha).chain([None]) {
+            let is_own = |fall: &&&Fall| width.is_none_or(|width| fall.curve.first().point[ALPHA] == *width);
+            let group: Vec<&Fall> = own.iter().filter(is_own).copied().collect();
+            let Some(factor) = doublings(&group).estimate() else { continue };
+            let mut row = cells![method];
             if is_by_alpha {
-                row.push(Cell::Text(value.map_or("all".to_owned(), |value| short(alpha, value))));
-                row.push(value.and_then(roughness).into());
+                row.extend(cells![
+                    width.map_or(ALL.to_owned(), |value| short(ALPHA, value)),
+                    width.and_then(roughness)
+                ]);
             }
-            row.extend([Cell::Text(number(slope(&group))), Cell::Text(with_interval(&factor))]);
-            row.extend([group.len(), stops.len()].map(|n| Cell::Integer(n as u64)));
-            row.push(Some(median(&stops)).filter(|n| !n.is_nan()).into());
-            if has_bias {
-                let share = mean(group.iter().filter_map(|fall| fall.bias_share()));
-                row.push(share.map_or(Cell::Missing, |share| Cell::Text(percent(share.max(0.0)))));
-            }
+            let stops: Vec<f64> = group.iter().filter_map(|fall| fall.stops_at.map(f64::from)).collect();
+            let share = mean(group.iter().filter_map(|fall| fall.curve.points.last()?.bias_share()));
+            row.extend(cells![number(-factor.value.log2()), with_interval(&factor), group.len(), stops.len()]);
+            let middle = Some(median(&stops)).filter(|n| !n.is_nan());
+            row.extend(cells![middle.map(|n| n.to_string()), share.map(|share| percent(share.max(0.0)))]);
             table.row(row);
         }
     }
     table
 }
 
-/// Panels of a figure; the table has the others.
-const PANELS_MAX: usize = 12;
 /// The noise floor is drawn where it is no further than this below the smallest error.
 const FLOOR_WITHIN: f64 = 100.0;
 const FLOOR: &str = "noise floor";
 
 /// Small multiples by alpha and environment; lines of one panel and method differ in the other axes of cases.
 fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Option<Figure> {
-    let mut series: Vec<Series> = Vec::new();
-    let mut index = |name: &str, is_dashed: bool| {
-        series.iter().position(|known| known.name == name).unwrap_or_else(|| {
-            series.push(Series { name: name.to_owned(), is_dashed });
-            series.len() - 1
-        })
-    };
-    let of_panel: Vec<usize> =
-        axes.iter().copied().filter(|of| [axis("alpha"), axis("environment")].contains(of)).collect();
-    let key = |row: &Row| row.key(&of_panel);
-    let mut keys = distinct_in_order(falls.iter().map(|fall| key(fall.curve.first())));
-    let panel_count = keys.len();
-    keys.truncate(PANELS_MAX);
-    let points = || falls.iter().flat_map(|fall| &fall.curve.points);
-    let errors: Vec<f64> = points()
-        .map(|point| point.error)
-        .chain(fixed.iter().filter_map(|row| frame.error(row)))
-        .filter(|x| *x > 0.0)
-        .collect();
-    let least = errors.iter().copied().reduce(f64::min)?;
-    let floor = |row: &Row| frame.noise_floor(row).filter(|floor| *floor > least / FLOOR_WITHIN);
-    let floors = falls.iter().filter_map(|fall| floor(fall.curve.first()));
-    let y = Scale::log(frame.metric_name(), errors.iter().copied().chain(floors))?;
-    let x = Scale::log("samples a pixel", points().map(|point| f64::from(point.samples)))?;
-    let mut panel = |wanted: &Key| {
-        let mut marks = Vec::new();
-        let own = || falls.iter().filter(|fall| key(fall.curve.first()) == *wanted);
-        for fall in own() {
-            let series = index(&fall.curve.method.to_string(), false);
-            let places = fall.curve.points.iter().map(|point| ([f64::from(point.samples), point.error], point));
-            let places: Vec<([f64; 2], &CurvePoint)> = places.filter(|(at, _)| at[1] > 0.0).collect();
-            marks.push(Mark::new(Form::Line(places.iter().map(|(at, _)| *at).collect()), series));
-            for (at, point) in places {
+    let of_panel: Vec<usize> = axes.iter().copied().filter(|of| [ALPHA, ENVIRONMENT].contains(of)).collect();
+    let sampled = distinct_in_order(falls.iter().map(|fall| fall.curve.method.to_string()));
+    let errors = falls.iter().flat_map(|fall| &fall.curve.points).map(|point| point.error);
+    let least = errors.filter(|error| *error > 0.0).fold(f64::INFINITY, f64::min);
+    let floor = |fall: &Fall| frame.noise_floor(fall.curve.first()).filter(|floor| *floor > least / FLOOR_WITHIN);
+    let has_floor = falls.iter().any(|fall| floor(fall).is_some());
+    let dashed = fixed.iter().map(|row| row.text(METHOD)).chain(has_floor.then(|| FLOOR.to_owned()));
+    let dashed = distinct_in_order(dashed);
+    let series = [&sampled[..], &dashed[..]].concat();
+    let index = |name: &str| series.iter().position(|known| known == name).unwrap_or(0);
+    let panel = |(key, own): (Key, Vec<&Fall>)| {
+        let mut marks: Vec<Mark> = Vec::new();
+        for fall in &own {
+            let dots = fall.curve.points.iter().filter(|point| point.error > 0.0).map(|point| {
                 let row = point.rows[0];
                 let tip = format!("{}: {} · {}", frame.way(row), number(point.error), label(axes, &fall.curve.key));
-                marks.push(Mark::new(Form::Dot(at), series).tip(tip).cell(&row.cell.id));
-            }
+                dot([f64::from(point.samples), point.error], index(&row.text(METHOD)), tip, row)
+            });
+            marks.extend(joined(dots.collect()));
         }
-        for row in fixed.iter().filter(|row| fits(&key(row), wanted)) {
+        for row in fixed.iter().filter(|row| fits(&row.key(&of_panel), &key)) {
             let Some(error) = frame.error(row).filter(|error| *error > 0.0) else { continue };
-            let tip = format!("{}: {}", frame.way(row), number(error));
-            let series = index(&row.text(axis("method")), true);
-            marks.push(Mark::new(Form::HorizontalRule(error), series).tip(tip).cell(&row.cell.id));
+            let rule = Mark::new(Form::HorizontalRule(error), index(&row.text(METHOD)));
+            marks.push(rule.tip(format!("{}: {}", frame.way(row), number(error))).cell(&row.cell.id));
         }
-        if let Some(floor) = own().next().and_then(|fall| floor(fall.curve.first())) {
-            marks.push(
-                Mark::new(Form::HorizontalRule(floor), index(FLOOR, true)).tip(format!("{FLOOR}: {}", number(floor))),
-            );
+        if let Some(floor) = own.first().and_then(|fall| floor(fall)) {
+            let rule = Mark::new(Form::HorizontalRule(floor), index(FLOOR));
+            marks.push(rule.tip(format!("{FLOOR}: {}", number(floor))));
         }
-        Panel { title: label(&of_panel, wanted), x: x.clone(), y: y.clone(), marks }
+        (label(&of_panel, &key), marks)
     };
-    let panels: Vec<Panel> = keys.iter().map(&mut panel).collect();
-    let cut = if panel_count > panels.len() {
-        format!("; the first {} of {panel_count} panels", panels.len())
-    } else {
-        String::new()
-    };
-    let dashed = match series.iter().any(|one| one.name == FLOOR) {
-        true => "dashed: methods without samples, and the reference's noise",
-        false => "dashed: methods without samples",
-    };
-    Some(Figure {
-        title: "Error over sample count".to_owned(),
-        note: format!("{}; {dashed}{cut}", frame.metric_name()),
+    let panels = grouped(falls, |fall| fall.curve.first().key(&of_panel)).into_iter().map(panel).collect();
+    let figure = Chart {
+        title: "Error over sample count",
+        note: match dashed.is_empty() {
+            true => frame.metric_name().to_owned(),
+            false => format!("{}; dashed: {}", frame.metric_name(), dashed.join(", ")),
+        },
+        x: Along::Log("samples a pixel"),
+        y: Along::Log(frame.metric_name()),
         panels,
-        series,
-        ramp: None,
-    })
+        series: series.clone(),
+    };
+    let mut figure = figure.figure()?;
+    figure.series.iter_mut().skip(sampled.len()).for_each(|series| series.is_dashed = true);
+    Some(figure)
 }

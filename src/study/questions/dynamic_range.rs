@@ -8,25 +8,16 @@
 //! ln e over stops; it describes the path only where that is a line, and errors saturate: the range from which a series is level is
 //! the first from which on its errors lie within a factor of [`LEVEL`], over at least [`LEVEL_SHARE`] of the range.
 
-use super::words::{label, number, short};
-use super::{Finding, Question};
-use crate::runner::value::Value;
-use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
-use crate::study::frame::estimate::geometric_mean;
-use crate::study::frame::{Frame, Row, Shape, ascending, axis, distinct_in_order};
-use crate::study::table::{Column, Table};
-use crate::table::csv::Cell;
+use super::prelude::*;
+use crate::study::frame::line::Line;
 
 pub const QUESTION: Question = Question {
     name: "dynamic-range",
     asks: "How does the error grow with the dynamic range of the environment?",
     columns: &[
-        Column {
-            name: "range_stops",
-            about: "Dynamic range of the clipped environment: log2 of peak over mean luminance.",
-        },
-        Column { name: "n", about: "Images behind the error." },
-        Column { name: "error", about: "Error in the metric of the question, geometric mean over the images." },
+        column("range_stops", "Dynamic range of the clipped environment: log2 of peak over mean luminance."),
+        column("n", "Images behind the error."),
+        column("error", "Error in the metric of the question, geometric mean over the images."),
     ],
     uses_times: false,
     lacks,
@@ -37,16 +28,18 @@ pub const QUESTION: Question = Question {
 const LEVEL: f64 = 1.5;
 /// Over this share of the range at least: two neighbours are always close.
 const LEVEL_SHARE: f64 = 1.0 / 3.0;
+/// What makes a light.
+const CONDITION: [usize; 2] = [ENVIRONMENT, ALPHA];
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    (!shape.is_swept(axis("environment_clip_log2"))).then_some("axes.environment_clip_log2 has fewer than two clips")
+    (!shape.is_swept(ENVIRONMENT_CLIP)).then_some("axes.environment_clip_log2 has fewer than two clips")
 }
 
 /// A method in one light at one alpha, with lower and lower peaks.
 struct Path<'r, 'f> {
     method: String,
     /// Environment and alpha.
-    condition: [Value; 2],
+    condition: Key,
     /// Ascending by range.
     points: Vec<Point<'r, 'f>>,
 }
@@ -57,33 +50,22 @@ struct Point<'r, 'f> {
     rows: Vec<&'r Row<'f>>,
 }
 
-fn condition_axes() -> [usize; 2] {
-    ["environment", "alpha"].map(axis)
-}
-
 /// Those of two ranges or more, methods without samples first.
 fn paths<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Path<'r, 'f>> {
-    let images = frame.images().into_iter().filter(|row| frame.way(row) != "none");
-    let rows: Vec<(&Row, f64)> = images.filter_map(|row| Some((row, row.range_stops?))).collect();
-    let key =
-        |row: &Row| (row.samples().is_some(), frame.way(row), condition_axes().map(|axis| row.point.0[axis].clone()));
-    let mut keys = distinct_in_order(rows.iter().map(|(row, _)| key(row)));
-    keys.sort_by_key(|(draws, ..)| *draws);
-    let path = |wanted: (bool, String, [Value; 2])| {
-        let own: Vec<&(&Row, f64)> = rows.iter().filter(|(row, _)| key(row) == wanted).collect();
-        let mut ranges: Vec<f64> = own.iter().map(|(_, range)| *range).collect();
-        ranges.sort_by(f64::total_cmp);
-        ranges.dedup();
-        let points = ranges.into_iter().filter_map(|range| {
-            let rows: Vec<&Row> = own.iter().filter(|(_, of)| *of == range).map(|(row, _)| *row).collect();
-            let errors: Vec<f64> = rows.iter().filter_map(|row| frame.error(row)).collect();
-            let error = Some(geometric_mean(&errors)).filter(|error| error.is_finite())?;
-            Some(Point { range, error, rows })
-        });
-        let (_, method, condition) = wanted;
-        Path { method, condition, points: points.collect() }
+    let rows = frame.images().into_iter().filter(|row| !frame.is_nothing(row) && row.range_stops.is_some());
+    let mut groups = grouped(rows, |row| (frame.way(row), row.key(&CONDITION)));
+    groups.sort_by_key(|(_, rows)| rows[0].samples().is_some());
+    let path = |((method, condition), rows): ((String, Key), Vec<&'r Row<'f>>)| {
+        let point = |(range, rows): (u64, Vec<&'r Row<'f>>)| {
+            let error = geometric_mean(&rows.iter().filter_map(|row| frame.error(row)).collect::<Vec<_>>());
+            error.is_finite().then_some(Point { range: f64::from_bits(range), error, rows })
+        };
+        let by_range = grouped(rows, |row| row.range_stops.unwrap_or(f64::NAN).to_bits());
+        let mut points: Vec<Point> = by_range.into_iter().filter_map(point).collect();
+        points.sort_by(|a, b| a.range.total_cmp(&b.range));
+        Path { method, condition, points }
     };
-    keys.into_iter().map(path).filter(|path| path.points.len() > 1).collect()
+    groups.into_iter().map(path).filter(|path| path.points.len() > 1).collect()
 }
 
 impl Path<'_, '_> {
@@ -96,15 +78,10 @@ impl Path<'_, '_> {
         last.error / first.error
     }
 
-    /// Factor of the error for each stop, by least squares in logarithms; `None` for fewer than three ranges.
+    /// Factor of the error for each stop; `None` for fewer than three ranges.
     fn factor_a_stop(&self) -> Option<f64> {
-        let n = self.points.len() as f64;
-        let logs = || self.points.iter().map(|point| (point.range, point.error.ln()));
-        let mean = |of: fn((f64, f64)) -> f64| logs().map(of).sum::<f64>() / n;
-        let (x0, y0) = (mean(|p| p.0), mean(|p| p.1));
-        let slope =
-            logs().map(|(x, y)| (x - x0) * (y - y0)).sum::<f64>() / logs().map(|(x, _)| (x - x0).powi(2)).sum::<f64>();
-        (self.points.len() > 2).then(|| slope.exp()).filter(|factor| factor.is_finite())
+        let logs: Vec<[f64; 2]> = self.points.iter().map(|point| [point.range, point.error.ln()]).collect();
+        Line::of(&logs).map(|line| line.slope.exp()).filter(|factor| factor.is_finite())
     }
 
     /// The range from which on the error is level.
@@ -115,29 +92,22 @@ impl Path<'_, '_> {
             errors().fold(0.0, f64::max) <= LEVEL * errors().fold(f64::INFINITY, f64::min)
         };
         let is_long = |point: &Point| last.range - point.range >= LEVEL_SHARE * (last.range - first.range);
-        (0..self.points.len())
-            .find(|&i| is_long(&self.points[i]) && is_level(&self.points[i..]))
-            .map(|i| self.points[i].range)
+        let from = (0..self.points.len()).find(|&i| is_long(&self.points[i]) && is_level(&self.points[i..]))?;
+        Some(self.points[from].range)
     }
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let paths = paths(frame);
     let lead = &paths.first()?.method;
-    let axes = [frame.way_axes(), ["environment", "environment_clip_log2", "alpha"].map(axis).to_vec()].concat();
+    let axes = [&frame.way_axes()[..], &[ENVIRONMENT, ENVIRONMENT_CLIP, ALPHA]].concat();
     let mut table = Table::new(&axes, QUESTION.columns);
     for point in paths.iter().flat_map(|path| &path.points) {
-        let mut row = point.rows.first()?.cells(&axes);
-        row.extend([point.range.into(), Cell::Integer(point.rows.len() as u64), point.error.into()]);
-        table.row(row);
+        table.row([point.rows[0].cells(&axes), cells![point.range, point.rows.len(), point.error]].concat());
     }
     let own: Vec<&Path> = paths.iter().filter(|path| path.method == *lead).collect();
-    Some(Finding {
-        sentence: sentence(frame, &own),
-        table,
-        digest: Some(digest(&paths)),
-        figure: figure(frame, &paths),
-    })
+    let sentence = sentence(frame, &own);
+    Some(Finding { sentence, table, digest: Some(digest(&paths)), figure: figure(frame, &paths) })
 }
 
 /// Environments of a sentence; the digest has all.
@@ -145,44 +115,45 @@ const TOLD: usize = 3;
 
 /// One sentence an environment, at the ends of the alphas.
 fn sentence(frame: &Frame, paths: &[&Path]) -> String {
-    let [environment, alpha] = condition_axes();
-    let say = |light: &Value| {
-        let alphas = ascending(distinct_in_order(
-            paths.iter().filter(|path| path.condition[0] == *light).map(|path| path.condition[1].clone()),
-        ));
-        let of = |width: &Value| paths.iter().find(|path| path.condition == [light.clone(), width.clone()]);
-        let told = match alphas.as_slice() {
-            [first, .., last] => vec![of(first)?, of(last)?],
-            [only] => vec![of(only)?],
-            [] => return None,
-        };
-        let way = |(i, path): (usize, &&&Path)| {
-            let metric = if i == 0 { format!("{} ", frame.metric_name()) } else { String::new() };
+    let say = |(light, own): (Value, Vec<&&Path>)| {
+        let alphas = ascending(own.iter().map(|path| path.condition[1].clone()).collect());
+        let ends = [alphas.first(), alphas.last().filter(|_| alphas.len() > 1)];
+        let told = ends.into_iter().flatten().filter_map(|alpha| own.iter().find(|path| path.condition[1] == *alpha));
+        let mut metric = format!("{} ", frame.metric_name());
+        let way = |path: &&&Path| {
             let [first, last] = path.ends().map(|point| number(point.error));
-            let at = label(&[alpha], &path.condition[1..]);
+            let at = label(&[ALPHA], &path.condition[1..]);
             let at = if at.is_empty() { at } else { format!(" at {at}") };
-            format!("from {metric}{first} to {last}{at}")
+            format!("from {}{first} to {last}{at}", std::mem::take(&mut metric))
         };
-        let ways: Vec<String> = told.iter().enumerate().map(way).collect();
-        let [from, to] = told[0].ends().map(|point| number(point.range));
-        let light = short(environment, light);
-        Some(format!("In {light}, {from} to {to} stops, `{}` goes {}.", told[0].method, ways.join(", ")))
+        let ways: Vec<String> = told.map(way).collect();
+        let [from, to] = own[0].ends().map(|point| number(point.range));
+        let (light, method) = (short(ENVIRONMENT, &light), &own[0].method);
+        format!("In {light}, {from} to {to} stops, `{method}` goes {}.", ways.join(", "))
     };
-    let lights = distinct_in_order(paths.iter().map(|path| path.condition[0].clone()));
-    lights.iter().filter_map(say).take(TOLD).collect::<Vec<_>>().join(" ")
+    let lights = grouped(paths, |path| path.condition[0].clone()).into_iter();
+    lights.take(TOLD).map(say).collect::<Vec<_>>().join(" ")
 }
 
 /// One row a method, environment and alpha.
 fn digest(paths: &[Path]) -> Table {
-    let names = ["method", "environment", "alpha", "from stops", "to stops", "error there", "error here"];
-    let names = names.into_iter().chain(["growth", "factor a stop", "level from stops"]);
-    let mut table = Table::with_names(names.map(str::to_owned).collect());
+    let mut table = Table::with_names([
+        AXES[METHOD].name,
+        AXES[ENVIRONMENT].name,
+        AXES[ALPHA].name,
+        "from stops",
+        "to stops",
+        "error there",
+        "error here",
+        "growth",
+        "factor a stop",
+        "level from stops",
+    ]);
     for path in paths {
+        let [light, alpha] = [0, 1].map(|i| short(CONDITION[i], &path.condition[i]));
         let [first, last] = path.ends();
-        let mut row = vec![Cell::Text(path.method.clone())];
-        row.extend(condition_axes().iter().zip(&path.condition).map(|(axis, value)| Cell::Text(short(*axis, value))));
-        row.extend([first.range, last.range, first.error, last.error, path.growth()].map(Cell::Number));
-        row.extend([path.factor_a_stop(), path.level_from()].map(Cell::from));
+        let mut row = cells![path.method.as_str(), light, alpha, first.range, last.range, first.error, last.error];
+        row.extend(cells![path.growth(), path.factor_a_stop(), path.level_from()]);
         table.row(row);
     }
     table
@@ -191,34 +162,23 @@ fn digest(paths: &[Path]) -> Table {
 /// One panel an environment and alpha, one line a method.
 fn figure(frame: &Frame, paths: &[Path]) -> Option<Figure> {
     let methods = distinct_in_order(paths.iter().map(|path| path.method.clone()));
-    let points = || paths.iter().flat_map(|path| &path.points);
-    let panel = |condition: [Value; 2]| {
-        let mut marks = Vec::new();
-        for path in paths.iter().filter(|path| path.condition == condition) {
-            let series = methods.iter().position(|method| *method == path.method)?;
-            marks.push(Mark::new(
-                Form::Line(path.points.iter().map(|point| [point.range, point.error]).collect()),
-                series,
-            ));
-            for point in &path.points {
-                let tip = format!("{} · {} stops: {}", path.method, number(point.range), number(point.error));
-                let mark = Mark::new(Form::Dot([point.range, point.error]), series).tip(tip);
-                marks.push(if point.rows.len() == 1 { mark.cell(&point.rows[0].cell.id) } else { mark });
-            }
-        }
-        Some(Panel {
-            title: label(&condition_axes(), &condition),
-            x: Scale::linear("dynamic range, stops", points().map(|point| point.range))?,
-            y: Scale::log(frame.metric_name(), points().map(|point| point.error))?,
-            marks,
-        })
+    let line = |path: &&Path| {
+        let series = methods.iter().position(|method| *method == path.method).unwrap_or(0);
+        let dots = path.points.iter().map(|point| {
+            let tip = format!("{} · {} stops: {}", path.method, number(point.range), number(point.error));
+            Mark { cell: only(&point.rows), ..Mark::new(Form::Dot([point.range, point.error]), series).tip(tip) }
+        });
+        joined(dots.collect())
     };
-    let conditions = distinct_in_order(paths.iter().map(|path| path.condition.clone()));
-    Some(Figure {
-        title: "Error over the dynamic range of the environment".to_owned(),
+    let panel =
+        |(condition, own): (Key, Vec<&Path>)| (label(&CONDITION, &condition), own.iter().flat_map(line).collect());
+    Chart {
+        title: "Error over the dynamic range of the environment",
         note: format!("{}; the same light with its peaks cut off", frame.metric_name()),
-        panels: conditions.into_iter().filter_map(panel).collect(),
-        series: methods.iter().map(|name| Series { name: name.clone(), is_dashed: false }).collect(),
-        ramp: None,
-    })
+        x: Along::Linear("dynamic range, stops"),
+        y: Along::Log(frame.metric_name()),
+        panels: grouped(paths, |path| path.condition.clone()).into_iter().map(panel).collect(),
+        series: methods.clone(),
+    }
+    .figure()
 }

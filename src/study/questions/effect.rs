@@ -6,30 +6,17 @@
 //! above 1 there, it is told along that axis and never averaged over it. A pair of which both errors are within the reference's noise
 //! tells nothing and is left out of the mean.
 
-use super::conditions::{along, by_width_and_light, change_of_sign, heading};
-use super::words::{cases_sentence, listed, number, said, short, with_interval};
-use super::{Finding, Question};
-use crate::runner::axis::{AXES, METHOD, Part};
-use crate::runner::value::Value;
-use crate::shade::METHODS;
-use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
-use crate::study::frame::estimate::{Estimate, estimate, geometric_mean};
-use crate::study::frame::{Frame, Row, Shape, ascending, axis, distinct_in_order, pair};
-use crate::study::table::{Column, Table, value_cell};
-use crate::table::csv::Cell;
+use super::prelude::*;
 
 pub const QUESTION: Question = Question {
     name: "effect",
     asks: "Is one way to make the image better than another, and where?",
     columns: &[
-        Column { name: "axis", about: "The axis whose value changes." },
-        Column { name: "value", about: "The value that is judged." },
-        Column { name: "base", about: "The value that it is judged against: the first one of the axis." },
-        Column { name: "ratio", about: "Error over that of the base; below 1 the value is closer to the reference." },
-        Column {
-            name: "is_resolved",
-            about: "1 where an error of the two stands clear of the reference's noise, else 0.",
-        },
+        column("axis", "The axis whose value changes."),
+        column("value", "The value that is judged."),
+        column("base", "The value that it is judged against: the first one of the axis."),
+        column("ratio", "Error over that of the base; below 1 the value is closer to the reference."),
+        column("is_resolved", "1 where an error of the two stands clear of the reference's noise, else 0."),
     ],
     uses_times: false,
     lacks,
@@ -43,223 +30,145 @@ const TOLD_MAX: usize = 2;
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
     // A method that samples has no partner among those that do not.
-    let of_methods = |draws: bool| {
-        let alike = METHODS.iter().filter(|method| method.uses_samples == draws && !method.is_none());
-        alike.filter(|method| shape.has("method", &[method.name])).count() > 1
-    };
+    let has_two = |draws: bool| shape.methods().filter(|method| method.uses_samples == draws).count() > 1;
     let is_way = |axis: usize| WAYS.contains(&AXES[axis].part) && axis != METHOD && shape.is_swept(axis);
-    (!(0..AXES.len()).any(is_way) && !of_methods(true) && !of_methods(false))
+    (!(0..AXES.len()).any(is_way) && !has_two(true) && !has_two(false))
         .then_some("no axis of methods, their parameters or their tables has two values")
 }
 
 /// An image beside the one with the base.
 struct Effect<'r, 'f> {
-    axis: usize,
+    value: Value,
     row: &'r Row<'f>,
-    base: &'r Row<'f>,
     ratio: f64,
     is_resolved: bool,
 }
 
-impl Effect<'_, '_> {
-    fn value(&self) -> &Value {
-        &self.row.point.0[self.axis]
-    }
+/// The effects of the values of one axis.
+struct OfAxis<'r, 'f> {
+    axis: usize,
+    base: Value,
+    effects: Vec<Effect<'r, 'f>>,
 }
 
-fn effects<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], of: usize) -> Vec<Effect<'r, 'f>> {
-    let Some(base) = frame.shape.values[of].first() else { return Vec::new() };
-    let effect = |(row, base): (&'r Row<'f>, &'r Row<'f>)| {
-        let ratio = frame.error(row)? / frame.error(base)?;
-        let is_resolved = frame.is_resolved(row) || frame.is_resolved(base);
-        ratio.is_finite().then_some(Effect { axis: of, row, base, ratio, is_resolved })
-    };
-    pair(images, of, base).into_iter().filter_map(effect).collect()
+impl<'r, 'f> OfAxis<'r, 'f> {
+    fn new(frame: &Frame, images: &[&'r Row<'f>], axis: usize) -> Option<Self> {
+        let base = frame.shape.values[axis].first()?.clone();
+        let effect = |(row, base): (&'r Row<'f>, &'r Row<'f>)| {
+            let ratio = frame.error(row)? / frame.error(base)?;
+            let is_resolved = frame.is_resolved(row) || frame.is_resolved(base);
+            ratio.is_finite().then_some(Effect { value: row.point[axis].clone(), row, ratio, is_resolved })
+        };
+        let effects: Vec<Effect> = pair(images, axis, &base).into_iter().filter_map(effect).collect();
+        (!effects.is_empty()).then_some(Self { axis, base, effects })
+    }
+
+    /// The resolved ratios, by value.
+    fn told(&self) -> Vec<(Value, Numbers<'r, 'f>)> {
+        let resolved = self.effects.iter().filter(|effect| effect.is_resolved);
+        let numbers = |(value, own): (Value, Vec<&Effect<'r, 'f>>)| {
+            (value, Numbers::new(own.iter().map(|effect| (effect.row, effect.ratio)), geometric_mean))
+        };
+        grouped(resolved, |effect| effect.value.clone()).into_iter().map(numbers).collect()
+    }
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let images = frame.images();
-    let by_axis: Vec<Vec<Effect>> = frame.swept(&WAYS).into_iter().map(|of| effects(frame, &images, of)).collect();
-    let by_axis: Vec<Vec<Effect>> = by_axis.into_iter().filter(|effects| !effects.is_empty()).collect();
-    let lead = by_axis.first()?;
-    let told: Vec<&Effect> = lead.iter().filter(|effect| effect.is_resolved).collect();
-    let sentence = by_axis.iter().take(TOLD_MAX).map(|effects| sentence(frame, effects)).collect::<Vec<_>>().join(" ");
-    let rows: Vec<&Row> = told.iter().map(|effect| effect.row).collect();
+    let all: Vec<OfAxis> =
+        frame.swept(&WAYS).into_iter().filter_map(|axis| OfAxis::new(frame, &images, axis)).collect();
+    let mut axes = frame.case_axes();
+    axes.extend([METHOD, SAMPLES, POINT_SET].iter().filter(|known| !axes.contains(known)).collect::<Vec<_>>());
+    let mut table = Table::new(&axes, QUESTION.columns);
+    for (of, effect) in all.iter().flat_map(|of| of.effects.iter().map(move |effect| (of, effect))) {
+        let own = cells![AXES[of.axis].name, &effect.value, &of.base, effect.ratio, effect.is_resolved];
+        table.row([effect.row.cells(&axes), own].concat());
+    }
+    let lead = all.first()?;
+    let told = lead.effects.iter().filter(|effect| effect.is_resolved).map(|effect| (effect.row, effect.ratio));
+    let scope = Numbers::new(told, geometric_mean).scope(&frame.case_axes());
+    let sentences: Vec<String> = all.iter().take(TOLD_MAX).map(|of| sentence(frame, of)).collect();
     Some(Finding {
-        sentence: sentence + &cases_sentence(&rows, &frame.case_axes(), told.len()),
-        table: table(frame, &by_axis),
-        digest: digest(frame, &by_axis),
+        sentence: sentences.join(" ") + &scope,
+        table,
+        digest: Some(digest(frame, &all)),
         figure: figure(frame, lead),
     })
 }
 
-fn table(frame: &Frame, by_axis: &[Vec<Effect>]) -> Table {
-    let mut axes = frame.case_axes();
-    axes.extend(
-        [axis("method"), axis("samples"), axis("point_set")]
-            .into_iter()
-            .filter(|known| !axes.contains(known))
-            .collect::<Vec<_>>(),
-    );
-    let mut table = Table::new(&axes, QUESTION.columns);
-    for effect in by_axis.iter().flatten() {
-        let mut row: Vec<Cell> = effect.row.key(&axes).iter().map(value_cell).collect();
-        row.push(Cell::from(AXES[effect.axis].name));
-        row.extend([effect.value(), &effect.base.point.0[effect.axis]].map(value_cell));
-        row.extend([effect.ratio.into(), Cell::Integer(effect.is_resolved.into())]);
+/// Of the values of an axis the one that errs least, base included, and its closest rival.
+fn sentence(frame: &Frame, of: &OfAxis) -> String {
+    let told = of.told();
+    let rivals = told.iter().filter_map(|(value, numbers)| Some((value, numbers, numbers.estimate()?)));
+    let best = rivals.reduce(|a, b| if b.2.value < a.2.value { b } else { a });
+    let Some((value, numbers, ratio)) = best else {
+        return format!("`{}` changes nothing that stands clear of the reference's noise.", AXES[of.axis].name);
+    };
+    let [name, base] = [value, &of.base].map(|value| format!("`{}`", said(of.axis, value)));
+    let metric = frame.metric_name();
+    if let Some((along, groups)) = numbers.change_of_sign(frame) {
+        let ([better, worse], along) = (sides(along, &groups), AXES[along].name);
+        return format!("{name} has less `{metric}` than {base} at {along} {better}, and more at {worse}.");
+    }
+    let times = with_interval(&ratio);
+    let cases = format!("less in {} of {} cases", numbers.count(|ratio| ratio < 1.0), numbers.len());
+    let among = format!("Of {} {}", told.len() + 1, AXES[of.axis].plural);
+    match told.len() {
+        1 => format!("{name} has **{times} times** the `{metric}` of {base}: {cases}."),
+        _ if ratio.value < 1.0 => {
+            format!("{among} {name} errs least: it has {times} times the `{metric}` of {base}, {cases}.")
+        }
+        _ => format!("{among} the base {base} errs least; the next, {name}, has {times} times its `{metric}`."),
+    }
+}
+
+/// By alpha and environment where one value is judged; else one row a value.
+fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
+    let words = |estimate: &Estimate| with_interval(estimate);
+    let told: Vec<_> = all.iter().map(|of| (of, of.told())).collect();
+    if let [(_, only)] = &told[..]
+        && let [(_, numbers)] = &only[..]
+    {
+        return numbers.digest(frame, &words);
+    }
+    let widths = values(all.iter().flat_map(|of| &of.effects).map(|effect| effect.row), ALPHA);
+    let heads = widths.iter().map(|width| heading(ALPHA, width));
+    let names = ["axis", "value", "base"].map(str::to_owned).into_iter().chain(heads);
+    let mut table = Table::with_names(names.chain([ALL, "wins", "cases"].map(str::to_owned)));
+    for (of, value, numbers) in told.iter().flat_map(|(of, own)| own.iter().map(move |(value, n)| (of, value, n))) {
+        let mut row = cells![AXES[of.axis].name, short(of.axis, value), short(of.axis, &of.base)];
+        row.extend(widths.iter().map(|width| numbers.at(ALPHA, width).cell(&words)));
+        row.extend(cells![numbers.cell(&words), numbers.count(|ratio| ratio < 1.0), numbers.len()]);
         table.row(row);
     }
     table
 }
 
-fn mean(effects: &[&Effect]) -> Option<Estimate> {
-    let environment = axis("environment");
-    let values = effects.iter().map(|effect| (effect.row.point.0[environment].clone(), effect.ratio));
-    estimate(&values.collect::<Vec<_>>(), geometric_mean)
-}
-
-fn mean_value(effects: &[&&Effect]) -> f64 {
-    geometric_mean(&effects.iter().map(|effect| effect.ratio).collect::<Vec<_>>())
-}
-
-/// Of the values of an axis the one that errs least, base included, and its closest rival.
-fn sentence(frame: &Frame, effects: &[Effect]) -> String {
-    let Some(first) = effects.first() else { return String::new() };
-    let (of, base) = (first.axis, &first.base.point.0[first.axis]);
-    let resolved: Vec<&Effect> = effects.iter().filter(|effect| effect.is_resolved).collect();
-    let values = distinct_in_order(resolved.iter().map(|effect| effect.value().clone()));
-    let own = |value: &Value| -> Vec<&Effect> { resolved.iter().copied().filter(|e| e.value() == value).collect() };
-    let mut means: Vec<(Value, Estimate)> =
-        values.iter().filter_map(|value| Some((value.clone(), mean(&own(value))?))).collect();
-    means.sort_by(|a, b| a.1.value.total_cmp(&b.1.value));
-    let (name, metric) = (|value: &Value| format!("`{}`", said(of, value)), frame.metric_name());
-    let Some((value, ratio)) = means.first() else {
-        return format!("`{}` changes nothing that stands clear of the reference's noise.", AXES[of].name);
-    };
-    let of_value = own(value);
-    if let Some((along_axis, groups)) = change_of_sign(frame, &of_value, |effect| effect.row, mean_value) {
-        let better = |is: fn(f64) -> bool| {
-            let own = groups.iter().filter(|(_, ratio)| is(*ratio));
-            listed(
-                &own.map(|(value, ratio)| format!("{} ({})", short(along_axis, value), number(*ratio)))
-                    .collect::<Vec<_>>(),
-            )
-        };
-        let axis_name = AXES[along_axis].name;
-        return format!(
-            "{} has less `{metric}` than {} at {axis_name} {}, and more at {}.",
-            name(value),
-            name(base),
-            better(|ratio| ratio < 1.0),
-            better(|ratio| ratio >= 1.0)
-        );
-    }
-    let wins = of_value.iter().filter(|effect| effect.ratio < 1.0).count();
-    match means.len() {
-        1 => format!(
-            "{} has **{} times** the `{metric}` of {}: less in {wins} of {} cases.",
-            name(value),
-            with_interval(ratio),
-            name(base),
-            of_value.len()
-        ),
-        n if ratio.value < 1.0 => format!(
-            "Of {} {} {} errs least: it has {} times the `{metric}` of {}, less in {wins} of {} cases.",
-            n + 1,
-            AXES[of].plural,
-            name(value),
-            with_interval(ratio),
-            name(base),
-            of_value.len()
-        ),
-        n => format!(
-            "Of {} {} the base {} errs least; the next, {}, has {} times its `{metric}`.",
-            n + 1,
-            AXES[of].plural,
-            name(base),
-            name(value),
-            with_interval(ratio)
-        ),
-    }
-}
-
-/// By alpha and environment where one value is judged; else one row a value.
-fn digest(frame: &Frame, by_axis: &[Vec<Effect>]) -> Option<Table> {
-    let lead = by_axis.first()?;
-    let resolved: Vec<&Effect> = lead.iter().filter(|effect| effect.is_resolved).collect();
-    let values = distinct_in_order(lead.iter().map(|effect| effect.value().clone()));
-    let cell = |own: &[&&Effect]| {
-        let own: Vec<&Effect> = own.iter().map(|effect| **effect).collect();
-        mean(&own).map_or(Cell::Missing, |estimate| Cell::Text(with_interval(&estimate)))
-    };
-    if by_axis.len() == 1 && values.len() == 1 {
-        return Some(by_width_and_light(frame, &resolved, |effect| effect.row, cell));
-    }
-    let alpha = axis("alpha");
-    let all: Vec<&Effect> = by_axis.iter().flatten().filter(|effect| effect.is_resolved).collect();
-    let widths = ascending(distinct_in_order(all.iter().map(|effect| effect.row.point.0[alpha].clone())));
-    let mut names = vec!["axis".to_owned(), "value".to_owned(), "base".to_owned()];
-    names.extend(widths.iter().map(|width| heading(alpha, width)));
-    names.extend(["all", "wins", "cases"].map(str::to_owned));
-    let mut table = Table::with_names(names);
-    for effects in by_axis {
-        for value in distinct_in_order(effects.iter().map(|effect| effect.value().clone())) {
-            let own: Vec<&Effect> = effects.iter().filter(|e| e.is_resolved && *e.value() == value).collect();
-            let Some(first) = own.first() else { continue };
-            let of = first.axis;
-            let mut row = vec![Cell::from(AXES[of].name), Cell::Text(short(of, &value))];
-            row.push(Cell::Text(short(of, &first.base.point.0[of])));
-            for width in &widths {
-                let at: Vec<&&Effect> = own.iter().filter(|effect| effect.row.point.0[alpha] == *width).collect();
-                row.push(if at.is_empty() { Cell::Missing } else { cell(&at) });
-            }
-            row.push(cell(&own.iter().collect::<Vec<_>>()));
-            let wins = own.iter().filter(|effect| effect.ratio < 1.0).count();
-            row.extend([wins, own.len()].map(|n| Cell::Integer(n as u64)));
-            table.row(row);
-        }
-    }
-    Some(table)
-}
-
 /// One panel an environment: the ratio by alpha, a colour a value.
-fn figure(frame: &Frame, effects: &[Effect]) -> Option<Figure> {
-    let (alpha, environment) = (axis("alpha"), axis("environment"));
-    let of = effects.first()?.axis;
-    let values = distinct_in_order(effects.iter().map(|effect| effect.value().clone()));
-    let lights = distinct_in_order(effects.iter().map(|effect| effect.row.point.0[environment].clone()));
-    let widths = ascending(distinct_in_order(effects.iter().map(|effect| effect.row.point.0[alpha].clone())));
-    let scale = Scale::log(
-        &format!("{} over that of the base", frame.metric_name()),
-        effects.iter().map(|e| e.ratio).chain([1.0]),
-    )?;
-    let panel = |light: &Value| {
+fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
+    let judged = distinct_in_order(of.effects.iter().map(|effect| effect.value.clone()));
+    let widths = values(of.effects.iter().map(|effect| effect.row), ALPHA);
+    let panel = |(light, own): (Value, Vec<&Effect>)| {
         let mut marks = vec![Mark::neutral(Form::HorizontalRule(1.0))];
-        for (series, value) in values.iter().enumerate() {
-            let is_own = |effect: &&Effect| effect.row.point.0[environment] == *light && effect.value() == value;
-            let own: Vec<&Effect> = effects.iter().filter(is_own).collect();
-            let line = along(&own, |effect| effect.row, alpha, |own| mean_value(own));
-            let place = |width: &Value| widths.iter().position(|known| known == width).map_or(f64::NAN, |i| i as f64);
-            let points: Vec<[f64; 2]> = line.iter().map(|(width, ratio)| [place(width), *ratio]).collect();
-            for ((width, ratio), point) in line.iter().zip(&points) {
-                let cell = own.iter().find(|effect| effect.row.point.0[alpha] == *width);
-                let tip = format!("{}, {}: {} times", said(of, value), said(alpha, width), number(*ratio));
-                let mark = Mark::new(Form::Dot(*point), series).tip(tip);
-                marks.push(match cell {
-                    Some(effect) => mark.cell(&effect.row.cell.id),
-                    None => mark,
-                });
-            }
-            marks.push(Mark::new(Form::Line(points), series));
+        for (value, own) in grouped(own, |effect| effect.value.clone()) {
+            let mut by_width = grouped(own, |effect| effect.row.point[ALPHA].clone());
+            by_width.sort_by(|(a, _), (b, _)| step(&widths, a).total_cmp(&step(&widths, b)));
+            let dots = by_width.iter().map(|(width, own)| {
+                let ratio = geometric_mean(&own.iter().map(|effect| effect.ratio).collect::<Vec<_>>());
+                let tip = format!("{}, {}: {} times", said(of.axis, &value), said(ALPHA, width), number(ratio));
+                dot([step(&widths, width), ratio], step(&judged, &value) as usize, tip, own[0].row)
+            });
+            marks.extend(joined(dots.collect()));
         }
-        let names = widths.iter().map(|width| short(alpha, width)).collect();
-        Panel { title: short(environment, light), x: Scale::steps("alpha", names), y: scale.clone(), marks }
+        (short(ENVIRONMENT, &light), marks)
     };
-    Some(Figure {
-        title: format!("Effect of {}", AXES[of].name),
-        note: format!("Error over that of `{}`; below 1 is better", short(of, &effects.first()?.base.point.0[of])),
-        panels: lights.iter().map(panel).collect(),
-        series: values.iter().map(|value| Series { name: said(of, value), is_dashed: false }).collect(),
-        ramp: None,
-    })
+    Chart {
+        title: &format!("Effect of {}", AXES[of.axis].name),
+        note: format!("Error over that of `{}`; below 1 is better", short(of.axis, &of.base)),
+        x: Along::Steps(AXES[ALPHA].name, widths.iter().map(|width| short(ALPHA, width)).collect()),
+        y: Along::Log(&format!("{} over that of the base", frame.metric_name())),
+        panels: grouped(&of.effects, |effect| effect.row.point[ENVIRONMENT].clone()).into_iter().map(panel).collect(),
+        series: judged.iter().map(|value| said(of.axis, value)).collect(),
+    }
+    .figure()
 }

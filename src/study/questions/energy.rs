@@ -5,32 +5,23 @@
 //! Σ (t - r) / Σ r, the metric `bias_rel`: below 0 a single scattering loses energy, above 0 it creates some. Its 95 % interval is
 //! ± 1.96 standard errors of the noise in the image that judges (`bias_rel_noise_floor`). By n·v the extremes are those of the bins.
 
-use super::words::{label, number, percent, short};
-use super::{Finding, Question};
-use crate::runner::axis::Part;
-use crate::runner::value::Value;
-use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
+use super::n_dot_v::ends;
+use super::prelude::*;
 use crate::study::frame::line::NORMAL_95;
-use crate::study::frame::{Frame, Key, Row, Shape, ascending, axis, distinct_in_order};
-use crate::study::table::{Column, Table};
-use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
     name: "energy",
     asks: "Which model and masking loses energy, how much, and which creates some?",
     columns: &[
-        Column {
-            name: "change",
-            about: "Energy that leaves over energy that arrives, minus 1, over the whole surface.",
-        },
-        Column { name: "change_lo", about: "Lower end of its 95 % interval, by the noise of the image that judges." },
-        Column { name: "change_hi", about: "Upper end of that interval." },
-        Column { name: "least", about: "The change in the bin of n·v that loses most." },
-        Column { name: "least_n_dot_v_from", about: "Least n·v of that bin." },
-        Column { name: "least_n_dot_v_to", about: "Largest n·v of that bin." },
-        Column { name: "most", about: "The change in the bin of n·v that creates most." },
-        Column { name: "most_n_dot_v_from", about: "Least n·v of that bin." },
-        Column { name: "most_n_dot_v_to", about: "Largest n·v of that bin." },
+        column("change", "Energy that leaves over energy that arrives, minus 1, over the whole surface."),
+        column("change_lo", "Lower end of its 95 % interval, by the noise of the image that judges."),
+        column("change_hi", "Upper end of that interval."),
+        column("least", "The change in the bin of n·v that loses most."),
+        column("least_n_dot_v_from", "Least n·v of that bin."),
+        column("least_n_dot_v_to", "Largest n·v of that bin."),
+        column("most", "The change in the bin of n·v that creates most."),
+        column("most_n_dot_v_from", "Least n·v of that bin."),
+        column("most_n_dot_v_to", "Largest n·v of that bin."),
     ],
     uses_times: false,
     lacks,
@@ -43,101 +34,86 @@ const CHANGE: &str = "bias_rel";
 const MEANT: f64 = 0.005;
 
 /// Axes of a furnace with the one value that each must have, and what is said where it has another.
-const WHITE: [(&str, &str, &str); 5] = [
-    ("environment", "builtin:constant", "axes.environment is not builtin:constant alone"),
-    ("environment_scale", "1", "axes.environment_scale is not 1"),
-    ("f0", "1", "axes.f0 is not 1 alone"),
-    ("metallic", "0", "axes.metallic is not 0 alone"),
-    ("albedo", "1", "axes.albedo is not 1 alone"),
+const WHITE: [(usize, &str, &str); 5] = [
+    (ENVIRONMENT, "builtin:constant", "axes.environment is not builtin:constant alone"),
+    (ENVIRONMENT_SCALE, "1", "axes.environment_scale is not 1"),
+    (F0, "1", "axes.f0 is not 1 alone"),
+    (METALLIC, "0", "axes.metallic is not 0 alone"),
+    (ALBEDO, "1", "axes.albedo is not 1 alone"),
 ];
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    if shape.reference_method != "none" || !shape.judges_all_terms {
+    if shape.reference_method != NONE || !shape.judges_all_terms {
         return Some(
             "reference is not { method = \"none\", terms = \"all\" }: a furnace is judged by a white Lambert surface",
         );
     }
-    let is =
-        |name: &str, wanted: &str| matches!(shape.values[axis(name)].as_slice(), [only] if only.to_string() == wanted);
-    WHITE.iter().find(|(name, wanted, _)| !is(name, wanted)).map(|(.., lack)| *lack)
-}
-
-/// The change in one bin of n·v.
-#[derive(Clone, Copy)]
-struct BinChange {
-    change: f64,
-    ends: [f64; 2],
+    let is = |axis: usize, wanted: &str| matches!(&shape.values[axis][..], [only] if only.to_string() == wanted);
+    WHITE.iter().find(|(axis, wanted, _)| !is(*axis, wanted)).map(|(.., lack)| *lack)
 }
 
 /// The balance of one image.
 struct Balance<'r, 'f> {
     row: &'r Row<'f>,
-    /// What tells it apart, without alpha.
-    key: Key,
+    /// What tells it apart, without alpha: "ggx · separable".
+    name: String,
     alpha: Value,
     change: f64,
     /// Half its 95 % interval.
     half: Option<f64>,
-    least: BinChange,
-    most: BinChange,
+    /// The change in the bin of n·v that loses most and in the one that creates most, with the bins' ends.
+    least: (f64, [f64; 2]),
+    most: (f64, [f64; 2]),
 }
 
 /// Swept axes that tell the ways of scattering apart, without alpha.
 fn key_axes(frame: &Frame) -> Vec<usize> {
     let parts = [Part::Case, Part::Method, Part::Count, Part::Parameter, Part::Table];
-    frame.swept(&parts).into_iter().filter(|known| *known != axis("alpha")).collect()
-}
-
-fn balances<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Balance<'r, 'f>> {
-    let axes = key_axes(frame);
-    let balance = |row: &'r Row<'f>| {
-        let change = frame.score_in(row, CHANGE).filter(|change| change.is_finite())?;
-        let of_bin = |bin: &crate::study::finished::Bin| {
-            Some(BinChange { change: bin.scores.get(CHANGE)?, ends: [bin.lo, bin.hi] })
-        };
-        let bins = || row.cell.bins.iter().filter_map(of_bin).filter(|bin| bin.change.is_finite());
-        Some(Balance {
-            row,
-            key: row.key(&axes),
-            alpha: row.point.0[axis("alpha")].clone(),
-            change,
-            half: row.cell.noise_floors.get(CHANGE).map(|noise| NORMAL_95 * noise),
-            least: bins().min_by(|a, b| a.change.total_cmp(&b.change))?,
-            most: bins().max_by(|a, b| a.change.total_cmp(&b.change))?,
-        })
-    };
-    frame.images().into_iter().filter(|row| !row.has_no_method()).filter_map(balance).collect()
+    frame.swept(&parts).into_iter().filter(|known| *known != ALPHA).collect()
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let all = balances(frame);
-    let axes = [key_axes(frame), vec![axis("alpha")]].concat();
-    let mut table = Table::new(&axes, QUESTION.columns);
+    let axes = key_axes(frame);
+    let balance = |row| {
+        let of_row: &Row = row;
+        let bins = of_row.cell.bins.iter().filter_map(|bin| Some((bin.scores.get(CHANGE)?, [bin.lo, bin.hi])));
+        let bins = || bins.clone().filter(|(change, _)| change.is_finite());
+        Some(Balance {
+            row,
+            name: label(&axes, &of_row.key(&axes)),
+            alpha: of_row.point[ALPHA].clone(),
+            change: of_row.score(CHANGE).filter(|change| change.is_finite())?,
+            half: of_row.cell.noise_floors.get(CHANGE).map(|noise| NORMAL_95 * noise),
+            least: bins().min_by(|a, b| a.0.total_cmp(&b.0))?,
+            most: bins().max_by(|a, b| a.0.total_cmp(&b.0))?,
+        })
+    };
+    let images = frame.images().into_iter().filter(|row| !row.has_no_method());
+    let all: Vec<Balance> = images.filter_map(balance).collect();
+    let columns = [&axes[..], &[ALPHA]].concat();
+    let mut table = Table::new(&columns, QUESTION.columns);
     for one in &all {
-        let mut row = one.row.cells(&axes);
         let [lo, hi] = [-1.0, 1.0].map(|side| one.half.map(|half| one.change + side * half));
-        row.extend([one.change.into(), lo.into(), hi.into()]);
-        for bin in [one.least, one.most] {
-            row.extend([bin.change, bin.ends[0], bin.ends[1].min(1.0)].map(Cell::Number));
-        }
-        table.row(row);
+        let bins = [one.least, one.most].map(|(change, [lo, hi])| cells![change, lo, hi.min(1.0)]).concat();
+        table.row([one.row.cells(&columns), cells![one.change, lo, hi], bins].concat());
     }
-    let sentence = sentence(&key_axes(frame), &all)?;
-    Some(Finding { sentence, table, digest: Some(digest(&key_axes(frame), &all)), figure: figure(frame, &all) })
+    let alphas = values(all.iter().map(|one| one.row), ALPHA);
+    let sentence = sentence(&alphas, &all)?;
+    Some(Finding { sentence, table, digest: Some(digest(&alphas, &all)), figure: figure(&axes, &alphas, &all) })
 }
 
-/// "ggx, separable".
-fn name(axes: &[usize], one: &Balance) -> String {
-    label(axes, &one.key).replace(" · ", ", ")
+/// What is neither empty nor alone, joined: "ggx, separable, alpha 1".
+fn place<const N: usize>(words: [&str; N]) -> String {
+    words.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(", ").replace(" · ", ", ")
 }
 
-fn alphas(all: &[Balance]) -> Vec<Value> {
-    ascending(distinct_in_order(all.iter().map(|one| one.alpha.clone())))
+fn width(alpha: &Value) -> String {
+    label(&[ALPHA], std::slice::from_ref(alpha))
 }
 
-fn sentence(axes: &[usize], all: &[Balance]) -> Option<String> {
+fn sentence(alphas: &[Value], all: &[Balance]) -> Option<String> {
     let by_change = |a: &&Balance, b: &&Balance| a.change.total_cmp(&b.change);
-    let named = |one: &Balance| match name(axes, one) {
+    let named = |one: &Balance| match place([&one.name]) {
         name if name.is_empty() => percent(one.change),
         name => format!("{} ({name})", percent(one.change)),
     };
@@ -145,58 +121,35 @@ fn sentence(axes: &[usize], all: &[Balance]) -> Option<String> {
         let own = || all.iter().filter(|one| one.alpha == *alpha);
         let (worst, best) = (own().min_by(by_change)?, own().max_by(by_change)?);
         let range = if own().count() == 1 { named(worst) } else { format!("{} to {}", named(worst), named(best)) };
-        let place = label(&[axis("alpha")], std::slice::from_ref(alpha));
-        Some((if place.is_empty() { place } else { format!(" at {place}") }, range))
+        Some((if width(alpha).is_empty() { String::new() } else { format!(" at {}", width(alpha)) }, range))
     };
-    let alphas = alphas(all);
     // The ends of the sweep stand for it; the digest has all of it.
-    let ends = match alphas.as_slice() {
-        [first, .., last] => vec![at(last)?, at(first)?],
-        few => few.iter().filter_map(at).collect(),
-    };
-    let (place, range) = ends.first()?;
-    let mut text = format!("In a white furnace{place} energy changes by {range}.");
-    if let Some((place, range)) = ends.get(1) {
-        text += &format!(" It changes by {range}{place}.");
+    let (last, range) = at(alphas.last()?)?;
+    let mut text = format!("In a white furnace{last} energy changes by {range}.");
+    if let Some((first, range)) = alphas.first().filter(|_| alphas.len() > 1).and_then(at) {
+        text += &format!(" It changes by {range}{first}.");
     }
-    let strongest = all.iter().max_by(|a, b| a.most.change.total_cmp(&b.most.change))?;
-    let creators = distinct_in_order(all.iter().filter(|one| one.most.change > MEANT).map(|one| one.key.clone()));
-    let BinChange { change, ends: [lo, hi] } = strongest.most;
-    let place = [name(axes, strongest), label(&[axis("alpha")], std::slice::from_ref(&strongest.alpha))];
-    let place = place.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(", ");
-    let place = if place.is_empty() { place } else { format!("{place}, ") };
-    text += &match creators.len() {
-        0 => " None creates energy at any n·v.".to_owned(),
-        _ => format!(" Most is created by {place}n·v {lo} to {}: {}.", hi.min(1.0), percent(change)),
-    };
-    Some(text)
+    let strongest = all.iter().max_by(|a, b| a.most.0.total_cmp(&b.most.0))?;
+    let (change, bin) = strongest.most;
+    let bin = format!("n·v {}", ends(bin));
+    let where_most = place([&strongest.name, &width(&strongest.alpha), &bin]);
+    Some(match change > MEANT {
+        true => text + &format!(" Most is created by {where_most}: {}.", percent(change)),
+        false => text + " None creates energy at any n·v.",
+    })
 }
 
 /// One row a way of scattering, one column an alpha, and what creates energy.
-fn digest(axes: &[usize], all: &[Balance]) -> Table {
-    let alphas = alphas(all);
-    let heads = alphas.iter().map(|alpha| label(&[axis("alpha")], std::slice::from_ref(alpha)));
-    let names =
-        std::iter::once("surface".to_owned()).chain(heads).chain(["creates most".to_owned(), "where".to_owned()]);
-    let mut table = Table::with_names(names.collect());
-    for key in distinct_in_order(all.iter().map(|one| one.key.clone())) {
-        let own: Vec<&Balance> = all.iter().filter(|one| one.key == key).collect();
-        let mut row = vec![Cell::Text(label(axes, &key))];
-        row.extend(alphas.iter().map(|alpha| match own.iter().find(|one| one.alpha == *alpha) {
-            None => Cell::Missing,
-            Some(one) => Cell::Text(with_half(one)),
-        }));
-        let most = own.iter().max_by(|a, b| a.most.change.total_cmp(&b.most.change));
-        row.extend(match most.filter(|one| one.most.change > MEANT) {
-            None => [Cell::Missing, Cell::Missing],
-            Some(one) => {
-                let [lo, hi] = one.most.ends;
-                let alpha = label(&[axis("alpha")], std::slice::from_ref(&one.alpha));
-                [percent(one.most.change), format!("{alpha} n·v {lo} to {}", hi.min(1.0)).trim().to_owned()]
-                    .map(Cell::Text)
-            }
-        });
-        table.row(row);
+fn digest(alphas: &[Value], all: &[Balance]) -> Table {
+    let heads = alphas.iter().map(width);
+    let last = ["creates most", "where"].map(str::to_owned);
+    let mut table = Table::with_names(std::iter::once("surface".to_owned()).chain(heads).chain(last));
+    for (name, own) in grouped(all, |one| one.name.clone()) {
+        let of = |alpha: &Value| own.iter().find(|one| one.alpha == *alpha).map(|one| with_half(one));
+        let most = own.iter().max_by(|a, b| a.most.0.total_cmp(&b.most.0)).filter(|one| one.most.0 > MEANT);
+        let bin = most.map(|one| format!("{} n·v {}", width(&one.alpha), ends(one.most.1)).trim().to_owned());
+        let row = std::iter::once(Cell::from(name)).chain(alphas.iter().map(|alpha| of(alpha).into()));
+        table.row(row.chain(cells![most.map(|one| percent(one.most.0)), bin]).collect());
     }
     table
 }
@@ -208,49 +161,32 @@ fn with_half(one: &Balance) -> String {
 }
 
 /// One panel a masking, one line a model: the change over alpha.
-fn figure(frame: &Frame, all: &[Balance]) -> Option<Figure> {
-    let axes = key_axes(frame);
-    let series_axis = axes.iter().position(|known| *known == axis("brdf"));
-    let names = series_axis.map_or_else(Vec::new, |i| distinct_in_order(all.iter().map(|one| one.key[i].clone())));
-    let rest =
-        |key: &Key| -> Key { (0..key.len()).filter(|i| Some(*i) != series_axis).map(|i| key[i].clone()).collect() };
-    let rest_axes: Vec<usize> = (0..axes.len()).filter(|i| Some(*i) != series_axis).map(|i| axes[i]).collect();
-    let alphas = alphas(all);
-    let changes =
-        || all.iter().flat_map(|one| [one.change - one.half.unwrap_or(0.0), one.change + one.half.unwrap_or(0.0)]);
-    let panel = |of: Key| {
-        let mut marks = vec![Mark::neutral(Form::HorizontalRule(0.0))];
-        for key in distinct_in_order(all.iter().filter(|one| rest(&one.key) == of).map(|one| one.key.clone())) {
-            let series = series_axis.and_then(|i| names.iter().position(|name| *name == key[i])).unwrap_or(0);
-            let place = |one: &Balance| alphas.iter().position(|alpha| *alpha == one.alpha).unwrap_or(0) as f64;
-            let mut own: Vec<&Balance> = all.iter().filter(|one| one.key == key).collect();
-            own.sort_by(|a, b| place(a).total_cmp(&place(b)));
-            marks.push(Mark::new(Form::Line(own.iter().map(|one| [place(one), one.change]).collect()), series));
-            for one in own {
-                let x = place(one);
-                if let Some(half) = one.half {
-                    marks.push(Mark::new(Form::Whisker([x, one.change - half], [x, one.change + half]), series));
-                }
-                let tip =
-                    format!("{} · alpha {}: {}", label(&axes, &key), short(axis("alpha"), &one.alpha), with_half(one));
-                marks.push(Mark::new(Form::Dot([x, one.change]), series).tip(tip).cell(&one.row.cell.id));
-            }
-        }
-        Some(Panel {
-            title: label(&rest_axes, &of),
-            x: Scale::steps("alpha", alphas.iter().map(|alpha| short(axis("alpha"), alpha)).collect()),
-            y: Scale::linear("change of energy", changes().chain([0.0]))?,
-            marks,
-        })
+fn figure(axes: &[usize], alphas: &[Value], all: &[Balance]) -> Option<Figure> {
+    let rest: Vec<usize> = axes.iter().copied().filter(|axis| *axis != BRDF).collect();
+    let models = distinct_in_order(all.iter().map(|one| one.row.text(BRDF)));
+    let marks = |one: &&&Balance| {
+        let (x, y) = (step(alphas, &one.alpha), one.change);
+        let series = step(&models, &one.row.text(BRDF)) as usize;
+        let tip = format!("{} · {}: {}", one.name, width(&one.alpha), with_half(one));
+        let whisker = |half| Mark::new(Form::Whisker([x, y - half], [x, y + half]), series);
+        (dot([x, y], series, tip, one.row), one.half.map(whisker))
     };
-    let panels = distinct_in_order(all.iter().map(|one| rest(&one.key)));
-    let series =
-        if names.is_empty() { vec!["energy".to_owned()] } else { names.iter().map(Value::to_string).collect() };
-    Some(Figure {
-        title: "Energy in a white furnace".to_owned(),
+    let panel = |(key, own): (Key, Vec<&Balance>)| {
+        let mut found = vec![Mark::neutral(Form::HorizontalRule(0.0))];
+        for (_, mut line) in grouped(&own, |one| one.name.clone()) {
+            line.sort_by(|a, b| step(alphas, &a.alpha).total_cmp(&step(alphas, &b.alpha)));
+            let (dots, whiskers): (Vec<Mark>, Vec<Option<Mark>>) = line.iter().map(marks).unzip();
+            found.extend(joined(dots).into_iter().chain(whiskers.into_iter().flatten()));
+        }
+        (label(&rest, &key), found)
+    };
+    Chart {
+        title: "Energy in a white furnace",
         note: "energy that leaves over energy that arrives, minus 1; above 0 energy is created".to_owned(),
-        panels: panels.into_iter().filter_map(panel).collect(),
-        series: series.into_iter().map(|name| Series { name, is_dashed: false }).collect(),
-        ramp: None,
-    })
+        x: Along::Steps(AXES[ALPHA].name, alphas.iter().map(|alpha| short(ALPHA, alpha)).collect()),
+        y: Along::Linear("change of energy"),
+        panels: grouped(all, |one| one.row.key(&rest)).into_iter().map(panel).collect(),
+        series: models.clone(),
+    }
+    .figure()
 }

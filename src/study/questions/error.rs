@@ -6,28 +6,20 @@
 //!
 //! The *leading* method is the first without samples, which is what a renderer ships, else the first that samples, at its largest count.
 
-use super::conditions::{by_light, by_width_and_light, extremes};
-use super::words::{by_axis, cases_sentence, interval_words, label, number, rms_percent, short, with_rms};
-use super::{Finding, Question};
-use crate::runner::axis::{AXES, Part};
-use crate::runner::value::Value;
-use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
-use crate::study::frame::estimate::{Estimate, estimate, geometric_mean};
-use crate::study::frame::{Frame, Key, Row, Shape, axis, by, distinct_in_order};
-use crate::study::table::{Column, Table, value_cell};
-use crate::table::csv::Cell;
+use super::prelude::*;
+use super::{ERROR, IS_RESOLVED, NOISE_FLOOR};
 
 pub const QUESTION: Question = Question {
     name: "error",
     asks: "How wrong is each method?",
     columns: &[
-        Column { name: "error", about: "Error in the metric of the question, geometric mean over point sets." },
-        Column { name: "noise_floor", about: "Error that an exact image would have, from the reference's own noise." },
-        Column { name: "is_resolved", about: "1 where the error stands clear of that noise, else 0." },
-        Column {
-            name: "rms_percent",
-            about: "Root mean square error in percent of the reference; empty for metrics that are no mean square.",
-        },
+        ERROR,
+        NOISE_FLOOR,
+        IS_RESOLVED,
+        column(
+            "rms_percent",
+            "Root mean square error in percent of the reference; empty where the metric is no mean square.",
+        ),
     ],
     uses_times: false,
     lacks,
@@ -36,33 +28,26 @@ pub const QUESTION: Question = Question {
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
     // A white furnace is held against a surface without specular term.
-    (shape.reference_method == "none")
-        .then_some("reference.method is none: what differs is the term that it leaves out")
+    (shape.reference_method == NONE).then_some("reference.method is none: what differs is the term that it leaves out")
 }
 
 /// The point sets of one way in one case.
 struct Case<'r, 'f> {
-    rows: Vec<&'r Row<'f>>,
+    row: &'r Row<'f>,
+    way: String,
     error: f64,
-}
-
-impl<'r, 'f> Case<'r, 'f> {
-    fn row(&self) -> &'r Row<'f> {
-        self.rows[0]
-    }
-
-    fn is_resolved(&self, frame: &Frame) -> bool {
-        self.rows.iter().all(|row| frame.is_resolved(row))
-    }
+    is_resolved: bool,
 }
 
 fn cases<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Vec<Case<'r, 'f>> {
     let luck = frame.swept(&[Part::Luck, Part::Display]);
     let axes: Vec<usize> = (0..AXES.len()).filter(|of| !luck.contains(of)).collect();
     let rows: Vec<&'r Row<'f>> = images.iter().copied().filter(|row| frame.error(row).is_some()).collect();
-    let case = |(_, rows): (Key, Vec<&'r Row<'f>>)| {
-        let errors: Vec<f64> = rows.iter().filter_map(|row| frame.error(row)).collect();
-        Case { rows, error: geometric_mean(&errors) }
+    let case = |(_, rows): (_, Vec<&'r Row<'f>>)| Case {
+        row: rows[0],
+        way: frame.way(rows[0]),
+        error: geometric_mean(&rows.iter().filter_map(|row| frame.error(row)).collect::<Vec<_>>()),
+        is_resolved: rows.iter().all(|row| frame.is_resolved(row)),
     };
     by(&rows, &axes).into_iter().map(case).collect()
 }
@@ -71,146 +56,110 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let images = frame.images();
     let all = cases(frame, &images);
     // No specular term beside methods that have one.
-    let is_empty = |row: &Row| row.has_no_method() && images.iter().any(|other| !other.has_no_method());
-    let is_fixed = |case: &&Case| case.row().samples().is_none() && !is_empty(case.row());
-    let largest = || all.iter().reduce(|a, b| if b.row().samples() > a.row().samples() { b } else { a });
-    let lead = frame.way(all.iter().find(is_fixed).or_else(largest)?.row());
-    let own: Vec<&Case> = all.iter().filter(|case| frame.way(case.row()) == lead).collect();
+    let has_methods = images.iter().any(|row| !row.has_no_method());
+    let is_fixed = |case: &&Case| case.row.samples().is_none() && !(has_methods && case.row.has_no_method());
+    let largest = || all.iter().reduce(|a, b| if b.row.samples() > a.row.samples() { b } else { a });
+    let lead = &all.iter().find(is_fixed).or_else(largest)?.way;
     let axes = frame.case_axes();
-    let columns: Vec<usize> = axes.iter().copied().chain([axis("method"), axis("samples")]).collect();
+    let columns = [&axes[..], &[METHOD, SAMPLES]].concat();
     let mut table = Table::new(&columns, QUESTION.columns);
     for case in &all {
-        let mut row: Vec<Cell> = case.row().key(&columns).iter().map(value_cell).collect();
-        row.extend([case.error.into(), frame.noise_floor(case.row()).into()]);
-        row.extend([Cell::Integer(case.is_resolved(frame).into()), rms_percent(frame, case.error).into()]);
-        table.row(row);
+        let floor = frame.noise_floor(case.row);
+        let own = cells![case.error, floor, case.is_resolved, rms_percent(frame, case.error)];
+        table.row([case.row.cells(&columns), own].concat());
     }
     Some(Finding {
-        sentence: sentence(frame, &axes, &lead, &own)?,
-        digest: Some(digest(frame, &all, &own)),
+        sentence: sentence(frame, &axes, lead, &all)?,
+        digest: Some(digest(frame, lead, &all)),
         table,
         figure: figure(frame, &axes, &all),
     })
 }
 
-/// The leading method by alpha and environment; without alpha, every method by environment.
-fn digest(frame: &Frame, all: &[Case], own: &[&Case]) -> Table {
-    let words = |group: &[&Case]| {
-        let words = |mean: Estimate| Cell::Text(with_rms(frame, mean.value) + &interval_words(&mean, number));
-        mean(group).map_or(Cell::Missing, words)
-    };
-    if frame.shape.is_swept(axis("alpha")) {
-        return by_width_and_light(
-            frame,
-            own,
-            |case| case.row(),
-            |group| words(&group.iter().map(|case| **case).collect::<Vec<_>>()),
-        );
-    }
-    let ways = distinct_in_order(all.iter().map(|case| frame.way(case.row())));
-    let of_way = |way: &String| all.iter().filter(|case| frame.way(case.row()) == *way).collect();
-    let rows = ways.iter().map(|way| (vec![Cell::Text(way.clone())], of_way(way)));
-    by_light(&["method"], rows.collect(), |case| case.row(), words)
+fn numbers<'r, 'f>(cases: &[Case<'r, 'f>], way: &str) -> Numbers<'r, 'f> {
+    Numbers::new(cases.iter().filter(|case| case.way == way).map(|case| (case.row, case.error)), geometric_mean)
 }
 
-fn mean(cases: &[&Case]) -> Option<Estimate> {
-    let environment = axis("environment");
-    let values = cases.iter().map(|case| (case.row().point.0[environment].clone(), case.error));
-    estimate(&values.collect::<Vec<_>>(), geometric_mean)
+/// The leading method by alpha and environment; without alpha, every method by environment.
+fn digest(frame: &Frame, lead: &str, all: &[Case]) -> Table {
+    let words = |mean: &Estimate| with_rms(frame, mean.value) + &interval_words(mean, number);
+    if frame.shape.is_swept(ALPHA) {
+        return numbers(all, lead).digest(frame, &words);
+    }
+    let ways = distinct_in_order(all.iter().map(|case| case.way.clone()));
+    let rows: Vec<_> = ways.iter().map(|way| (cells![way.as_str()], numbers(all, way))).collect();
+    by_light(&[AXES[METHOD].name], &rows, &words)
 }
 
 /// Errors that differ by less than this factor are told as one.
 const CHANGE_MIN: f64 = 2.0;
 
-fn sentence(frame: &Frame, axes: &[usize], lead: &str, cases: &[&Case]) -> Option<String> {
-    let (middle, first) = (mean(cases)?, cases.first()?.row());
-    let scope = match cases.len() {
+fn sentence(frame: &Frame, axes: &[usize], lead: &str, all: &[Case]) -> Option<String> {
+    let errors = numbers(all, lead);
+    let (mean, first) = (errors.estimate()?, all.iter().find(|case| case.way == lead)?.row);
+    let scope = match errors.len() {
         1 => {
-            let place = ["scene", "environment"].map(axis).map(|of| short(of, &first.point.0[of]));
-            format!(", on {} under {}", place[0], place[1])
+            let [scene, light] = [SCENE, ENVIRONMENT].map(|of| short(of, &first.point[of]));
+            format!(", on {scene} under {light}")
         }
         n => format!(", the geometric mean of {n} cases"),
     };
-    let percent = rms_percent(frame, middle.value);
+    let (value, percent) = (number(mean.value), rms_percent(frame, mean.value));
     let rms = percent.map_or_else(String::new, |percent| format!(", about **{} % rms**", number(percent)));
-    let value = number(middle.value);
     let value = if percent.is_some() { value } else { format!("**{value}**") };
-    let interval = interval_words(&middle, number);
-    let mut text = format!("`{lead}` errs by a `{}` of {value}{interval}{rms}{scope}.", frame.metric_name());
-    let of =
-        |own: &[&&Case]| mean(&own.iter().map(|case| **case).collect::<Vec<_>>()).map_or(f64::NAN, |one| one.value);
-    if let Some((of, ends)) = extremes(cases, |case| case.row(), of, CHANGE_MIN) {
-        text += &by_axis("it", of, &ends, |error| with_rms(frame, error));
-    }
-    text += &match cases.iter().any(|case| case.is_resolved(frame)) {
+    let interval = interval_words(&mean, number);
+    let text = format!("`{lead}` errs by a `{}` of {value}{interval}{rms}{scope}.", frame.metric_name());
+    let extremes = errors.extremes("it", CHANGE_MIN, |error| with_rms(frame, error));
+    let end = match all.iter().any(|case| case.way == lead && case.is_resolved) {
         false => " The reference's own noise shows in it: the true error may be smaller.".to_owned(),
-        true => cases_sentence(&cases.iter().map(|case| case.row()).collect::<Vec<_>>(), axes, cases.len()),
+        true => errors.scope(axes),
     };
-    Some(text)
+    Some(text + &extremes + &end)
 }
 
-/// Panels of a figure; the table has the others.
-const PANELS_MAX: usize = 12;
 /// Ways of one method that differ in their sample count: the fewest, the middle one and the most.
 const COUNTS_SHOWN: usize = 3;
 
 /// Dots by alpha, else by way, one panel an environment.
 fn figure(frame: &Frame, axes: &[usize], all: &[Case]) -> Option<Figure> {
-    let (alpha, environment) = (axis("alpha"), axis("environment"));
-    let ways = shown_ways(frame, all);
-    let shown: Vec<&Case> =
-        all.iter().filter(|case| case.error > 0.0 && ways.contains(&frame.way(case.row()))).collect();
-    let lights = distinct_in_order(shown.iter().map(|case| case.row().point.0[environment].clone()));
-    let width = |case: &Case| match case.row().point.0[alpha] {
-        Value::Number(alpha) => Some(alpha),
-        _ => None,
+    let ways = shown_ways(all);
+    let shown = all.iter().filter(|case| ways.contains(&case.way));
+    let is_by_alpha = frame.shape.is_swept(ALPHA);
+    let mark = |case: &Case| {
+        let series = ways.iter().position(|way| *way == case.way)?;
+        let x = match case.row.point[ALPHA] {
+            Value::Number(alpha) if is_by_alpha => alpha,
+            _ => step(&ways, &case.way),
+        };
+        let tip = format!("{}: {} · {}", case.way, with_rms(frame, case.error), label(axes, &case.row.key(axes)));
+        Some(dot([x, case.error], series, tip, case.row))
     };
-    let y = Scale::log(frame.metric_name(), shown.iter().map(|case| case.error))?;
-    let is_by_alpha = frame.shape.is_swept(alpha);
-    let x = match is_by_alpha {
-        true => Scale::log(AXES[alpha].name, shown.iter().filter_map(|case| width(case)))?,
-        false => Scale::steps("", ways.clone()),
+    let panel = |(light, own): (Value, Vec<&Case>)| {
+        let marks: Vec<Mark> = own.into_iter().filter_map(mark).collect();
+        (if frame.shape.is_swept(ENVIRONMENT) { short(ENVIRONMENT, &light) } else { String::new() }, marks)
     };
-    let panel = |light: &Value| {
-        let mut marks = Vec::new();
-        for (series, way) in ways.iter().enumerate() {
-            let is_own = |case: &&&Case| case.row().point.0[environment] == *light && frame.way(case.row()) == *way;
-            let own = shown.iter().filter(is_own);
-            let place = |case: &Case| if is_by_alpha { width(case) } else { Some(series as f64) };
-            marks.extend(own.filter_map(|case| {
-                let tip = format!("{way}: {} · {}", with_rms(frame, case.error), label(axes, &case.row().key(axes)));
-                Some(Mark::new(Form::Dot([place(case)?, case.error]), series).tip(tip).cell(&case.row().cell.id))
-            }));
-        }
-        let title = if lights.len() > 1 { short(environment, light) } else { String::new() };
-        Panel { title, x: x.clone(), y: y.clone(), marks }
-    };
-    let panels: Vec<Panel> = lights.iter().take(PANELS_MAX).map(panel).collect();
-    Some(Figure {
-        title: "How wrong each method is".to_owned(),
+    Chart {
+        title: "How wrong each method is",
         note: format!("{}; each dot is an image", frame.metric_name()),
-        panels,
-        series: ways.into_iter().map(|name| Series { name, is_dashed: false }).collect(),
-        ramp: None,
-    })
+        x: if is_by_alpha { Along::Log(AXES[ALPHA].name) } else { Along::Steps("", ways.clone()) },
+        y: Along::Log(frame.metric_name()),
+        panels: grouped(shown, |case| case.row.point[ENVIRONMENT].clone()).into_iter().map(panel).collect(),
+        series: ways.clone(),
+    }
+    .figure()
 }
 
 /// Methods without samples, and of each other method a few of its counts.
-fn shown_ways(frame: &Frame, all: &[Case]) -> Vec<String> {
-    let method = axis("method");
-    let names = distinct_in_order(all.iter().map(|case| case.row().point.0[method].clone()));
-    let of_method = |name: &Value| -> Vec<String> {
-        let own: Vec<&Case> = all.iter().filter(|case| case.row().point.0[method] == *name).collect();
-        let mut counts: Vec<u32> = own.iter().filter_map(|case| case.row().samples()).collect();
+fn shown_ways(all: &[Case]) -> Vec<String> {
+    let of_method = |(_, own): (Value, Vec<&Case>)| {
+        let mut counts = distinct_in_order(own.iter().filter_map(|case| case.row.samples()));
         counts.sort_unstable();
-        counts.dedup();
         let last = counts.len().saturating_sub(1);
-        let kept: Vec<u32> = match counts.len() > COUNTS_SHOWN {
-            true => [0, last / 2, last].map(|place| counts[place]).to_vec(),
-            false => counts,
-        };
-        let is_kept = |case: &&&Case| case.row().samples().is_none_or(|n| kept.contains(&n));
-        distinct_in_order(own.iter().filter(is_kept).map(|case| frame.way(case.row())))
+        if counts.len() > COUNTS_SHOWN {
+            counts = [0, last / 2, last].map(|place| counts[place]).to_vec();
+        }
+        let is_kept = |case: &&Case| case.row.samples().is_none_or(|n| counts.contains(&n));
+        distinct_in_order(own.into_iter().filter(is_kept).map(|case| case.way.clone()))
     };
-    names.iter().flat_map(of_method).collect()
+    grouped(all, |case| case.row.point[METHOD].clone()).into_iter().flat_map(of_method).collect()
 }

@@ -3,16 +3,32 @@
 //!
 //! To add one: its file, one word in the list below, an experiment that asks it.
 
-mod conditions;
+mod chart;
+mod numbers;
+mod prelude;
 pub(super) mod words;
 
 use super::figure::Figure;
 use super::finished::Finished;
 use super::frame::{Frame, Shape};
-use super::table::{Column, Table};
+use super::table::{Column, Table, column};
 use crate::runner::config::Config;
 use crate::runner::fault::ConfigError;
 use crate::spelling::suggestion;
+
+/// Columns of several questions.
+const ERROR: Column = column("error", "Error in the metric of the question, geometric mean over point sets.");
+const NOISE_FLOOR: Column =
+    column("noise_floor", "Error that an exact image would have, from the reference's own noise.");
+const IS_RESOLVED: Column = column("is_resolved", "1 where the error stands clear of that noise, else 0.");
+const SAMPLED: Column = column("sampled", "The sampling method.");
+const FIXED: Column = column("fixed", "The method without samples.");
+const BIAS_SHARE: Column = column(
+    "bias_share",
+    "Squared bias over mean square error; as an unbiased estimate it may fall below 0. Empty without [bias_variance].",
+);
+const DEVICE: Column = column("device", "The device that was timed.");
+const DEVICE_TYPE: Column = column("device_type", "Its type; times of a `cpu` say nothing about a GPU.");
 
 /// Declares the modules of the questions and lists them in this order.
 macro_rules! questions {

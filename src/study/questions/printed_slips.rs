@@ -4,38 +4,24 @@
 //! quantity is one that light is proportional to, what is seen is wrong by max(p/q, q/p) of the printed value p and the right value q.
 //! A slip stands for its worst figure. No image is behind this: what a printed estimator does to images is asked of its method.
 
-use super::words::number;
-use super::{Finding, Question};
+use super::prelude::*;
 use crate::slips::{self, Cost, VISIBLE_RATIO};
-use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
-use crate::study::frame::{Frame, Shape};
-use crate::study::table::{Column, Table};
-use crate::table::csv::Cell;
 
 pub const QUESTION: Question = Question {
     name: "printed-slips",
     asks: "What do the slips of the printed formulas cost?",
     columns: &[
-        Column { name: "document", about: "The source document: 0 [Kim22], 1 or 4." },
-        Column { name: "printed", about: "The formula as printed, or its place in words." },
-        Column { name: "right", about: "The right formula." },
-        Column {
-            name: "quantity",
-            about: "What is computed with both: of GGX with separable masking where nothing else is said.",
-        },
-        Column {
-            name: "printed_value",
-            about: "The quantity by the printed formula; empty where that gives no number.",
-        },
-        Column { name: "right_value", about: "The quantity by the right formula." },
-        Column {
-            name: "light_ratio",
-            about: "By which factor light is wrong, at least 1; empty where the quantity is no amount of light.",
-        },
-        Column {
-            name: "changes_light",
-            about: "1 where light is wrong by more than 2 %, which is told apart side by side, else 0.",
-        },
+        column("document", "The source document: 0 [Kim22], 1 or 4."),
+        column("printed", "The formula as printed, or its place in words."),
+        column("right", "The right formula."),
+        column("quantity", "What is computed with both: of GGX with separable masking where nothing else is said."),
+        column("printed_value", "The quantity by the printed formula; empty where that gives no number."),
+        column("right_value", "The quantity by the right formula."),
+        column(
+            "light_ratio",
+            "By which factor light is wrong, at least 1; empty where the quantity is no amount of light.",
+        ),
+        column("changes_light", "1 where light is wrong by more than 2 %, which is told apart side by side, else 0."),
     ],
     uses_times: false,
     lacks,
@@ -58,11 +44,10 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let mut costs = slips::costs();
     let mut table = Table::new(&[], QUESTION.columns);
     for cost in &costs {
-        let finite = |number: f64| Some(number).filter(|number| number.is_finite());
-        let mut row = vec![Cell::Integer(cost.document.into())];
-        row.extend([cost.slip.printed, cost.slip.right, cost.figure.quantity].map(Cell::from));
-        row.extend([finite(cost.figure.printed), finite(cost.figure.right), cost.light_ratio].map(Cell::from));
-        row.push(Cell::Integer(is_seen(cost).into()));
+        let [printed, right] =
+            [cost.figure.printed, cost.figure.right].map(|number| Some(number).filter(|number| number.is_finite()));
+        let mut row = cells![cost.document, cost.slip.printed, cost.slip.right, cost.figure.quantity];
+        row.extend(cells![printed, right, cost.light_ratio, is_seen(cost)]);
         table.row(row);
     }
     let digest = digest(&costs);
@@ -75,20 +60,19 @@ const SEEN: &str = "more than 2 %";
 
 /// One row a slip, by its worst figure.
 fn digest(costs: &[Cost]) -> Table {
-    let names = ["document", "printed", "right", "quantity", "as printed", "right value"].map(str::to_owned);
     let seen = costs.iter().filter(|cost| is_seen(cost)).count();
     let light = format!("light is wrong by ({seen} by {SEEN})");
-    let mut table = Table::with_names(names.into_iter().chain([light]).collect());
+    let names = ["document", "printed", "right", "quantity", "as printed", "right value", &light];
+    let mut table = Table::with_names(names);
     for cost in costs {
         let light = match cost.light_ratio {
             None => "no amount of light".to_owned(),
             Some(ratio) if is_seen(cost) => format!("a factor of {}, {SEEN}", number(ratio)),
             Some(ratio) => format!("a factor of {}, not {SEEN}", number(ratio)),
         };
-        let texts = [cost.slip.printed, cost.slip.right, cost.figure.quantity].map(Cell::from);
-        let values = [cost.figure.printed, cost.figure.right].map(|value| Cell::Text(number(value)));
-        let first = [Cell::Integer(cost.document.into())];
-        table.row(first.into_iter().chain(texts).chain(values).chain([Cell::Text(light)]).collect());
+        let mut row = cells![cost.document, cost.slip.printed, cost.slip.right, cost.figure.quantity];
+        row.extend(cells![number(cost.figure.printed), number(cost.figure.right), light]);
+        table.row(row);
     }
     table
 }
@@ -124,17 +108,14 @@ fn figure(costs: &[Cost]) -> Option<Figure> {
         );
         Mark::new(Form::HorizontalBar { y: y as f64, base: 1.0, to: *ratio }, 0).tip(tip)
     };
-    let bars = seen.iter().enumerate().map(bar);
-    Some(Figure {
-        title: "By which factor each printed slip makes light wrong".to_owned(),
+    let rule = Mark::neutral(Form::VerticalRule(VISIBLE_RATIO));
+    Chart {
+        title: "By which factor each printed slip makes light wrong",
         note: "document and quantity; the dashed line is 2 %, which is told apart side by side".to_owned(),
-        panels: vec![Panel {
-            title: String::new(),
-            x: Scale::log("factor", seen.iter().map(|(_, ratio)| *ratio).chain([1.0]))?,
-            y: Scale::steps("", seen.iter().map(|(cost, _)| name(cost)).collect()),
-            marks: std::iter::once(Mark::neutral(Form::VerticalRule(VISIBLE_RATIO))).chain(bars).collect(),
-        }],
-        series: vec![Series { name: "light".to_owned(), is_dashed: false }],
-        ramp: None,
-    })
+        x: Along::Log("factor"),
+        y: Along::Steps("", seen.iter().map(|(cost, _)| name(cost)).collect()),
+        panels: vec![(String::new(), std::iter::once(rule).chain(seen.iter().enumerate().map(bar)).collect())],
+        series: vec!["light".to_owned()],
+    }
+    .figure()
 }

@@ -9,318 +9,204 @@
 //! The sentence is about the count that a renderer takes by default, else the tried count nearest to it by ratio.
 
 use super::break_even::lacks_methods;
-use super::conditions::{Along, along, change_of_sign, heading};
-use super::words::{cases_sentence, count, label, listed, number, percent, short, with_interval};
-use super::{Finding, Question};
-use crate::runner::axis::AXES;
-use crate::runner::value::Value;
-use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
-use crate::study::frame::curve::{Curve, CurvePoint, curves, mean, without_samples};
-use crate::study::frame::estimate::{Estimate, estimate, geometric_mean};
-use crate::study::frame::{Frame, Key, Row, Shape, VISIBLE_FROM, ascending, axis, distinct_in_order, fits};
-use crate::study::table::{Column, Table, value_cell};
-use crate::table::csv::Cell;
+use super::prelude::*;
+use super::{BIAS_SHARE, FIXED};
+use crate::study::frame::curve::{Beside, CurvePoint, beside, mean};
 
 pub const QUESTION: Question = Question {
     name: "sample-count",
     asks: "Do so many samples a pixel suffice?",
     columns: &[
-        Column { name: "fixed", about: "The method without samples that the row is held against." },
-        Column {
-            name: "ratio",
-            about: "Error over that of the method without samples; below 1 sampling is closer to the reference.",
-        },
-        Column { name: "is_resolved", about: "1 where both errors stand clear of the reference's noise, else 0." },
-        Column { name: "flip", about: "Mean FLIP at the plain tone curve, mean over point sets." },
-        Column {
-            name: "is_visible",
-            about: "1 where that is at least 0.05, this project's limit of the visible, else 0.",
-        },
-        Column {
-            name: "bias_share",
-            about: "Squared bias over mean square error; as an unbiased estimate it may fall below 0. Empty without [bias_variance].",
-        },
+        FIXED,
+        column("ratio", "Error over that of the method without samples; below 1 sampling is closer to the reference."),
+        column("is_resolved", "1 where both errors stand clear of the reference's noise, else 0."),
+        column("flip", "Mean FLIP at the plain tone curve, mean over point sets."),
+        column("is_visible", "1 where that is at least 0.05, this project's limit of the visible, else 0."),
+        BIAS_SHARE,
     ],
     uses_times: false,
-    lacks,
+    lacks: lacks_methods,
     answer,
 };
 
-fn lacks(shape: &Shape) -> Option<&'static str> {
-    lacks_methods(shape)
-}
-
 /// One count of a sampling method beside a method without samples in one case.
-struct Case<'r, 'f> {
-    key: Key,
-    method: Value,
-    point: CurvePoint<'r, 'f>,
-    fixed: &'r Row<'f>,
+struct Case<'c, 'r, 'f> {
+    of: &'c Beside<'r, 'f>,
+    point: &'c CurvePoint<'r, 'f>,
     ratio: f64,
+    flip: Option<f64>,
 }
 
-impl Case<'_, '_> {
-    fn row(&self) -> &Row<'_> {
-        self.fixed
-    }
-
-    fn flip(&self) -> Option<f64> {
-        mean(self.point.rows.iter().filter_map(|row| row.flip()))
-    }
-
+impl Case<'_, '_, '_> {
     fn is_visible(&self) -> bool {
-        self.flip().is_some_and(|flip| flip >= VISIBLE_FROM)
-    }
-
-    fn is_of(&self, names: &(Value, Value)) -> bool {
-        (&self.method, &self.fixed.point.0[axis("method")]) == (&names.0, &names.1)
+        self.flip.is_some_and(|flip| flip >= VISIBLE_FROM)
     }
 }
 
-fn cases<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Case<'r, 'f>> {
-    let fixed = without_samples(images);
-    let of_curve = |curve: Curve<'r, 'f>| {
-        let mut found = Vec::new();
-        for &row in &fixed {
-            let other = row.key(axes);
-            let Some(error) = frame.error(row).filter(|_| fits(&other, &curve.key)) else { continue };
-            let key = curve.key.iter().zip(&other).map(|(a, b)| if *a == Value::Unset { b } else { a }.clone());
-            let key: Key = key.collect();
-            found.extend(curve.points.iter().map(|point| Case {
-                key: key.clone(),
-                method: curve.method.clone(),
-                ratio: point.error / error,
-                point: point.clone(),
-                fixed: row,
-            }));
-        }
-        found
+/// The cases of one pair of methods at one count.
+struct Level<'c, 'r, 'f> {
+    names: [String; 2],
+    samples: u32,
+    cases: Vec<Case<'c, 'r, 'f>>,
+    ratios: Numbers<'r, 'f>,
+}
+
+impl Level<'_, '_, '_> {
+    fn flip(&self) -> Option<f64> {
+        mean(self.cases.iter().filter_map(|case| case.flip))
+    }
+
+    fn visible(&self) -> usize {
+        self.cases.iter().filter(|case| case.is_visible()).count()
+    }
+
+    fn wins(&self) -> usize {
+        self.ratios.count(|ratio| ratio < 1.0)
+    }
+
+    fn bias(&self) -> Option<String> {
+        mean(self.cases.iter().filter_map(|case| case.point.bias_share())).map(|share| percent(share.max(0.0)))
+    }
+}
+
+/// By pair of methods and count, the latter ascending.
+fn levels<'c, 'r, 'f>(all: &'c [Beside<'r, 'f>]) -> Vec<Level<'c, 'r, 'f>> {
+    let case = |of: &'c Beside<'r, 'f>, point: &'c CurvePoint<'r, 'f>| {
+        let (ratio, flip) = (point.error / of.error, mean(point.rows.iter().filter_map(|row| row.flip())));
+        ratio.is_finite().then_some(Case { of, point, ratio, flip })
     };
-    curves(frame, images, axes).into_iter().flat_map(of_curve).collect()
+    let cases = all.iter().flat_map(|of| of.curve.points.iter().filter_map(move |point| case(of, point)));
+    let mut pairs = grouped(cases, |case| case.of.names());
+    pairs.iter_mut().for_each(|(_, own)| own.sort_by_key(|case| case.point.samples));
+    let counts = pairs.into_iter().flat_map(|(names, own)| {
+        let level = move |(samples, cases): (u32, Vec<Case<'c, 'r, 'f>>)| Level {
+            names: names.clone(),
+            samples,
+            ratios: Numbers::new(cases.iter().map(|case| (case.of.fixed, case.ratio)), geometric_mean),
+            cases,
+        };
+        grouped(own, |case| case.point.samples).into_iter().map(level)
+    });
+    counts.collect()
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let (axes, images) = (frame.case_axes(), frame.images());
-    let all: Vec<Case> = cases(frame, &images, &axes).into_iter().filter(|case| case.ratio.is_finite()).collect();
-    let method = axis("method");
-    let pairs = distinct_in_order(all.iter().map(|case| (case.method.clone(), case.fixed.point.0[method].clone())));
-    let lead: Vec<&Case> = all.iter().filter(|case| pairs.first().is_some_and(|names| case.is_of(names))).collect();
+    let all = beside(frame, &images, &axes);
+    let levels = levels(&all);
+    let mut table = Table::new(&[&axes[..], &[METHOD, SAMPLES]].concat(), QUESTION.columns);
+    for (level, case) in levels.iter().flat_map(|level| level.cases.iter().map(move |case| (level, case))) {
+        let mut row: Vec<Cell> = case.of.key.iter().map(Cell::from).collect();
+        let is_resolved = case.point.is_resolved && frame.is_resolved(case.of.fixed);
+        let [sampled, fixed] = level.names.each_ref().map(String::as_str);
+        row.extend(cells![sampled, level.samples, fixed, case.ratio, is_resolved, case.flip]);
+        row.extend(cells![case.flip.map(|_| case.is_visible()), case.point.bias_share()]);
+        table.row(row);
+    }
+    let told = told(&levels)?;
     Some(Finding {
-        sentence: sentence(frame, &axes, &lead)?,
-        table: table(frame, &axes, &all),
-        digest: Some(digest(frame, &all, &pairs)),
-        figure: figure(frame, &axes, &all, &pairs),
+        sentence: sentence(frame, &axes, told),
+        table,
+        digest: Some(digest(frame, &levels, told).without_empty()),
+        figure: figure(frame, &axes, &levels),
     })
 }
 
-fn table(frame: &Frame, axes: &[usize], all: &[Case]) -> Table {
-    let method = axis("method");
-    let columns: Vec<usize> = axes.iter().copied().chain([method, axis("samples")]).collect();
-    let mut table = Table::new(&columns, QUESTION.columns);
-    for case in all {
-        let mut row: Vec<Cell> = case.key.iter().chain([&case.method]).map(value_cell).collect();
-        row.extend([Cell::Integer(case.point.samples.into()), Cell::Text(case.fixed.text(method)), case.ratio.into()]);
-        row.push(Cell::Integer((case.point.is_resolved && frame.is_resolved(case.fixed)).into()));
-        let flip = case.flip();
-        row.extend([flip.into(), flip.map_or(Cell::Missing, |_| Cell::Integer(case.is_visible().into()))]);
-        row.push(case.point.bias_share().into());
+/// The level that the sentence is about.
+fn told<'l, 'c, 'r, 'f>(levels: &'l [Level<'c, 'r, 'f>]) -> Option<&'l Level<'c, 'r, 'f>> {
+    let lead = levels.iter().filter(|level| level.names == levels[0].names);
+    lead.reduce(|a, b| if from_usual(b.samples) < from_usual(a.samples) { b } else { a })
+}
+
+fn sentence(frame: &Frame, axes: &[usize], told: &Level) -> String {
+    let ([sampled, fixed], metric, n) = (&told.names, frame.metric_name(), told.cases.len());
+    let at = format!("At **{} samples a pixel** `{sampled}`", told.samples);
+    let mut parts = match told.ratios.change_of_sign(frame) {
+        Some((of, groups)) => {
+            let ([less, more], along) = (sides(of, &groups), AXES[of].name);
+            vec![
+                format!("{at} has less `{metric}` than `{fixed}` at {along} {less}."),
+                format!("It has more at {along} {more}."),
+            ]
+        }
+        None => {
+            let ratio = told.ratios.estimate().map_or_else(String::new, |ratio| with_interval(&ratio));
+            let wins = format!("; it wins in {} of {n} cases", told.wins());
+            vec![format!("{at} has {ratio} times the `{metric}` of `{fixed}`{}.", told.ratios.place(&wins))]
+        }
+    };
+    if let Some(flip) = told.flip().map(number) {
+        let visible = told.visible();
+        let seen = if visible > 0 { "visible" } else { "hidden" };
+        let seen = if n == 1 { seen.to_owned() } else { format!("visible in {visible} of {n} cases") };
+        parts.push(format!("The difference is {seen} (mean FLIP {flip})."));
+    }
+    if let Some(share) = told.bias() {
+        parts.push(format!("Bias, which more samples leave, is {share} of the square error."));
+    }
+    parts.push(told.ratios.scope(axes).trim().to_owned());
+    parts.retain(|part| !part.is_empty());
+    parts.truncate(super::SENTENCES_MAX);
+    parts.join(" ")
+}
+
+/// By method and count: the ratio at each value of the axis along which it changes its sign, over all where it keeps it, then wins, FLIP and
+/// bias.
+fn digest(frame: &Frame, levels: &[Level], told: &Level) -> Table {
+    let usual = [ALPHA, ENVIRONMENT].into_iter().find(|of| frame.shape.is_swept(*of));
+    let of = told.ratios.change_of_sign(frame).map(|(of, _)| of).or(usual);
+    let rows = || levels.iter().flat_map(|level| &level.cases).map(|case| case.of.fixed);
+    let columns: Vec<(usize, Value)> =
+        of.into_iter().flat_map(|of| values(rows(), of).into_iter().map(move |value| (of, value))).collect();
+    let heads = columns.iter().map(|(of, value)| heading(*of, value));
+    let names = [AXES[METHOD].name, "beside", AXES[SAMPLES].name].map(str::to_owned).into_iter().chain(heads);
+    let last = [ALL, "wins", "cases", "mean FLIP", "visible", "bias share"].map(str::to_owned);
+    let mut table = Table::with_names(names.chain(last));
+    let words = |estimate: &Estimate| number(estimate.value);
+    for level in levels {
+        let [sampled, fixed] = level.names.each_ref().map(String::as_str);
+        let mut row = cells![sampled, fixed, level.samples];
+        row.extend(columns.iter().map(|(of, value)| level.ratios.at(*of, value).cell(&words)));
+        let pooled = level.ratios.estimate().filter(|_| level.ratios.change_of_sign(frame).is_none());
+        row.extend(cells![pooled.map(|pooled| with_interval(&pooled)), level.wins(), level.cases.len()]);
+        row.extend(cells![level.flip().map(number), level.visible(), level.bias()]);
         table.row(row);
     }
     table
 }
 
-/// The geometric mean of the ratios.
-fn ratio(cases: &[&Case]) -> Option<Estimate> {
-    let environment = axis("environment");
-    let values = cases.iter().map(|case| (case.fixed.point.0[environment].clone(), case.ratio));
-    estimate(&values.collect::<Vec<_>>(), geometric_mean)
-}
-
-fn ratio_value(cases: &[&&Case]) -> f64 {
-    geometric_mean(&cases.iter().map(|case| case.ratio).collect::<Vec<_>>())
-}
-
-/// The count that the sentence is about.
-fn told_count(cases: &[&Case]) -> Option<u32> {
-    let usual = match (AXES[axis("samples")].default)() {
-        Value::Count(count) => f64::from(count),
-        _ => 1.0,
-    };
-    let distance = |count: u32| (f64::from(count) / usual).ln().abs();
-    let counts = cases.iter().map(|case| case.point.samples);
-    counts.reduce(|a, b| if distance(b) < distance(a) { b } else { a })
-}
-
-fn sentence(frame: &Frame, axes: &[usize], lead: &[&Case]) -> Option<String> {
-    let samples = told_count(lead)?;
-    let own: Vec<&Case> = lead.iter().copied().filter(|case| case.point.samples == samples).collect();
-    let (first, pooled) = (own.first()?, ratio(&own)?);
-    let (method, fixed, metric) = (&first.method, first.fixed.text(axis("method")), frame.metric_name());
-    let wins = own.iter().filter(|case| case.ratio < 1.0).count();
-    let at = format!("At **{samples} samples a pixel**");
-    let mut parts = match change_of_sign(frame, &own, |case| case.row(), ratio_value) {
-        Some((of, groups)) => {
-            let (better, worse): (Along, Along) = groups.iter().cloned().partition(|(_, ratio)| *ratio < 1.0);
-            vec![
-                format!(
-                    "{at} `{method}` beats `{fixed}` in `{metric}` {} ({} times the error).",
-                    place(of, &groups, &better),
-                    range(&better)
-                ),
-                format!("{} it loses ({} times).", capital(&place(of, &groups, &worse)), range(&worse)),
-            ]
-        }
-        None if own.len() == 1 => {
-            let light = short(axis("environment"), &first.fixed.point.0[axis("environment")]);
-            vec![format!(
-                "{at} `{method}` has {} times the `{metric}` of `{fixed}`, under {light}.",
-                number(pooled.value)
-            )]
-        }
-        None => vec![format!(
-            "{at} `{method}` has {} times the `{metric}` of `{fixed}`; it wins in {wins} of {} cases.",
-            with_interval(&pooled),
-            own.len()
-        )],
-    };
-    let flips: Vec<f64> = own.iter().filter_map(|case| case.flip()).collect();
-    if let Some(flip) = mean(flips.iter().copied()) {
-        let visible = own.iter().filter(|case| case.is_visible()).count();
-        parts.push(match own.len() {
-            1 if visible == 1 => format!("The difference is visible (mean FLIP {}).", number(flip)),
-            1 => format!("The difference is hidden (mean FLIP {}).", number(flip)),
-            n => format!("The difference is visible in {visible} of {n} cases (mean FLIP {}).", number(flip)),
-        });
-    }
-    if let Some(share) = mean(own.iter().filter_map(|case| case.point.bias_share())) {
-        parts.push(format!("Bias, which more samples leave, is {} of the square error.", percent(share.max(0.0))));
-    }
-    let rows: Vec<&Row> = own.iter().map(|case| case.row()).collect();
-    parts.push(cases_sentence(&rows, axes, own.len()).trim().to_owned());
-    parts.retain(|part| !part.is_empty());
-    parts.truncate(super::SENTENCES_MAX);
-    Some(parts.join(" "))
-}
-
-/// "at alpha 0.25 to 1", "in sky and studio".
-fn place(of: usize, all: &[(Value, f64)], some: &[(Value, f64)]) -> String {
-    let word = |value: &Value| short(of, value);
-    let is_numeric = some.iter().all(|(value, _)| matches!(value, Value::Number(_) | Value::Count(_)));
-    let first = all.iter().position(|group| Some(group) == some.first()).unwrap_or(0);
-    let is_run = all[first..].starts_with(some);
-    match some {
-        [(least, _), .., (most, _)] if is_numeric && is_run => {
-            format!("at {} {} to {}", AXES[of].name, word(least), word(most))
-        }
-        _ if is_numeric => {
-            format!("at {} {}", AXES[of].name, listed(&some.iter().map(|(value, _)| word(value)).collect::<Vec<_>>()))
-        }
-        _ => format!("for {}", listed(&some.iter().map(|(value, _)| word(value)).collect::<Vec<_>>())),
-    }
-}
-
-/// "0.2 to 0.5".
-fn range(groups: &[(Value, f64)]) -> String {
-    let ends = |pick: fn(f64, f64) -> f64| groups.iter().map(|(_, ratio)| *ratio).reduce(pick).unwrap_or(f64::NAN);
-    let [least, most] = [ends(f64::min), ends(f64::max)].map(number);
-    if least == most { least } else { format!("{least} to {most}") }
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
-/// By method and count: the ratio at each value of the axis along which it changes most in meaning, over all where it keeps its sign, then
-/// wins, FLIP and bias.
-fn digest(frame: &Frame, all: &[Case], pairs: &[(Value, Value)]) -> Table {
-    let refs: Vec<&Case> = all.iter().collect();
-    let usual = [axis("alpha"), axis("environment")].into_iter().find(|of| frame.shape.is_swept(*of));
-    let lead: Vec<&Case> =
-        refs.iter().copied().filter(|case| pairs.first().is_some_and(|names| case.is_of(names))).collect();
-    let told: Vec<&Case> = lead.iter().copied().filter(|case| Some(case.point.samples) == told_count(&lead)).collect();
-    let of = change_of_sign(frame, &told, |case| case.row(), ratio_value).map(|(of, _)| of).or(usual);
-    let values = of.map_or_else(Vec::new, |of| {
-        ascending(distinct_in_order(all.iter().map(|case| case.fixed.point.0[of].clone())))
-    });
-    let has_bias = all.iter().any(|case| case.point.bias_share().is_some());
-    let mut names: Vec<String> = ["method", "beside", "samples"].map(str::to_owned).to_vec();
-    names.extend(of.iter().flat_map(|of| values.iter().map(|value| heading(*of, value))));
-    names.extend(["all", "wins", "cases", "mean FLIP", "visible"].map(str::to_owned));
-    names.extend(has_bias.then(|| "bias share".to_owned()));
-    let mut table = Table::with_names(names);
-    for pair in pairs {
-        let own: Vec<&Case> = refs.iter().copied().filter(|case| case.is_of(pair)).collect();
-        let mut counts = distinct_in_order(own.iter().map(|case| case.point.samples));
-        counts.sort_unstable();
-        for samples in counts {
-            let at: Vec<&Case> = own.iter().copied().filter(|case| case.point.samples == samples).collect();
-            let mut row =
-                vec![Cell::Text(pair.0.to_string()), Cell::Text(pair.1.to_string()), Cell::Integer(samples.into())];
-            let groups = of.map_or_else(Vec::new, |of| along(&at, |case| case.row(), of, ratio_value));
-            let group = |value: &Value| groups.iter().find(|(known, _)| known == value).map(|(_, ratio)| *ratio);
-            row.extend(
-                values.iter().map(|value| group(value).map_or(Cell::Missing, |ratio| Cell::Text(number(ratio)))),
-            );
-            let is_pooled = change_of_sign(frame, &at, |case| case.row(), ratio_value).is_none();
-            let pooled = ratio(&at).filter(|_| is_pooled);
-            row.push(pooled.map_or(Cell::Missing, |pooled| Cell::Text(with_interval(&pooled))));
-            let wins = at.iter().filter(|case| case.ratio < 1.0).count();
-            row.extend([wins, at.len()].map(|n| Cell::Integer(n as u64)));
-            row.push(mean(at.iter().filter_map(|case| case.flip())).map_or(Cell::Missing, |x| Cell::Text(number(x))));
-            row.push(Cell::Integer(at.iter().filter(|case| case.is_visible()).count() as u64));
-            if has_bias {
-                let share = mean(at.iter().filter_map(|case| case.point.bias_share()));
-                row.push(share.map_or(Cell::Missing, |share| Cell::Text(percent(share.max(0.0)))));
-            }
-            table.row(row);
-        }
-    }
-    table
-}
-
-/// Panels of a figure; the table has the others.
-const PANELS_MAX: usize = 12;
-
 /// The ratio over the sample count: one panel a pair of methods and environment, one line a case, coloured by alpha.
-fn figure(frame: &Frame, axes: &[usize], all: &[Case], pairs: &[(Value, Value)]) -> Option<Figure> {
-    let (alpha, environment) = (axis("alpha"), axis("environment"));
-    let is_by_alpha = frame.shape.is_swept(alpha);
-    let width = |case: &Case| case.fixed.point.0[alpha].clone();
-    let widths = if is_by_alpha { ascending(distinct_in_order(all.iter().map(width))) } else { Vec::new() };
-    let x = Scale::log("samples a pixel", all.iter().map(|case| f64::from(case.point.samples)))?;
-    let y = Scale::log("ratio of errors", all.iter().map(|case| case.ratio).chain([1.0]))?;
-    let lights = distinct_in_order(all.iter().map(|case| case.fixed.point.0[environment].clone()));
-    let places = pairs.iter().flat_map(|pair| lights.iter().map(move |light| (pair, light)));
-    let panel = |(pair, light): (&(Value, Value), &Value)| {
-        let mut marks = vec![Mark::neutral(Form::HorizontalRule(1.0))];
-        let is_own = |case: &&Case| case.is_of(pair) && case.fixed.point.0[environment] == *light && case.ratio > 0.0;
-        let own: Vec<&Case> = all.iter().filter(is_own).collect();
-        for key in distinct_in_order(own.iter().map(|case| case.key.clone())) {
-            let line: Vec<&Case> = own.iter().copied().filter(|case| case.key == key).collect();
-            let Some(first) = line.first() else { continue };
-            let series = widths.iter().position(|value| *value == width(first)).unwrap_or(0);
-            let at = |case: &Case| [f64::from(case.point.samples), case.ratio];
-            marks.push(Mark::new(Form::Line(line.iter().map(|case| at(case)).collect()), series));
-            marks.extend(line.iter().map(|case| {
-                let samples = count(case.point.samples as usize, "sample", "samples");
-                let tip = format!("{samples}: {} times · {}", number(case.ratio), label(axes, &key));
-                Mark::new(Form::Dot(at(case)), series).tip(tip).cell(&case.point.rows[0].cell.id)
-            }));
-        }
-        let under = if lights.len() > 1 { format!(", {}", short(environment, light)) } else { String::new() };
-        Panel { title: format!("{} over {}{under}", pair.0, pair.1), x: x.clone(), y: y.clone(), marks }
+fn figure(frame: &Frame, axes: &[usize], levels: &[Level]) -> Option<Figure> {
+    let cases = || levels.iter().flat_map(|level| level.cases.iter().map(move |case| (level, case)));
+    let widths = values(cases().map(|(_, case)| case.of.fixed), ALPHA);
+    let is_by_alpha = frame.shape.is_swept(ALPHA);
+    let mark = |(_, case): &(&Level, &Case)| {
+        let samples = count(case.point.samples as usize, "sample", "samples");
+        let tip = format!("{samples}: {} times · {}", number(case.ratio), label(axes, &case.of.key));
+        let series = widths.iter().position(|width| *width == case.of.fixed.point[ALPHA]).unwrap_or(0);
+        dot([f64::from(case.point.samples), case.ratio], series, tip, case.point.rows[0])
     };
-    let panels: Vec<Panel> = places.take(PANELS_MAX).map(panel).collect();
-    let series = match widths.is_empty() {
-        true => vec![Series { name: "ratio".to_owned(), is_dashed: false }],
-        false => widths.iter().map(|value| Series { name: heading(alpha, value), is_dashed: false }).collect(),
+    let title = |(level, case): &(&Level, &Case)| {
+        let of = level.names.join(" over ");
+        let light = Some(&case.of.fixed.point[ENVIRONMENT]).filter(|_| frame.shape.is_swept(ENVIRONMENT));
+        light.map_or(of.clone(), |light| format!("{of}, {}", short(ENVIRONMENT, light)))
     };
-    Some(Figure {
-        title: "Error of sampling over that of the method without samples".to_owned(),
+    let panel = |(title, own): (String, Vec<(&Level, &Case)>)| {
+        let lines = grouped(own, |(_, case)| case.of.key.clone());
+        let dots = lines.iter().flat_map(|(_, line)| joined(line.iter().map(mark).collect()));
+        (title, std::iter::once(Mark::neutral(Form::HorizontalRule(1.0))).chain(dots).collect())
+    };
+    let shown = cases().filter(|(_, case)| case.ratio > 0.0);
+    Chart {
+        title: "Error of sampling over that of the method without samples",
         note: format!("{}; below 1 sampling is closer to the reference", frame.metric_name()),
-        panels,
-        series,
-        ramp: None,
-    })
+        x: Along::Log("samples a pixel"),
+        y: Along::Log("ratio of errors"),
+        panels: grouped(shown, title).into_iter().map(panel).collect(),
+        series: match is_by_alpha {
+            true => widths.iter().map(|width| heading(ALPHA, width)).collect(),
+            false => vec!["ratio".to_owned()],
+        },
+    }
+    .figure()
 }

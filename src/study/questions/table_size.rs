@@ -1,373 +1,235 @@
 //! Which tables does one ship: from which size on does no larger one err less?
 //!
-//! For two values a < b of an axis of the tables, with all else equal, let c(a, b) = e(a) / e(b) be what the smaller one costs; the larger
-//! one gains 1 - 1/c. A *condition* is one alpha in one environment; over the rest c is the geometric mean. A value is *enough* where no
-//! larger one gains more than [`GAIN`], in every condition by itself: a loss in one light is not made up by a gain in another.
+//! A *combination* is one value of each swept size and count of the tables. Only combinations that were tried are compared, and only with
+//! *larger* ones, of which no value is smaller: a small table may err less by luck, where its fault and another cancel. A *condition* is one
+//! setting of everything else. A combination with error e is *enough* where no larger one, with error e', gains more than [`GAIN`] in any
+//! condition: 1 - e'/e. A loss in one light is not made up by a gain in another. Pairs of which both errors are within the reference's
+//! noise tell nothing.
 //!
-//! An axis is judged where the other axes of the tables stand at their base, the first value in the experiment, or above: beside a table
-//! that is too small in one way, making it smaller in another costs nothing. What is shipped is the smallest tried combination of values
-//! that are all enough. Pairs of which both errors are within the reference's noise tell nothing and are left out.
+//! Shipped is the smallest combination that is enough, by the sum over its tables of texels times levels times samples.
 
-use super::words::{label, listed, number, percent, said, short};
-use super::{Finding, Question};
-use crate::runner::axis::{AXES, Part};
-use crate::runner::value::Value;
-use crate::study::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
-use crate::study::frame::estimate::geometric_mean;
-use crate::study::frame::{Frame, Key, Row, Shape, ascending, axis, distinct_in_order, pair, size_of};
-use crate::study::table::{Column, Table, value_cell};
-use crate::table::csv::Cell;
+use super::prelude::*;
 
 pub const QUESTION: Question = Question {
     name: "table-size",
     asks: "Which tables does one ship: from which size on does no larger one err less?",
     columns: &[
-        Column { name: "axis", about: "The axis of the tables that the two values are of." },
-        Column { name: "value", about: "The smaller value." },
-        Column { name: "against", about: "The larger value." },
-        Column { name: "n", about: "Pairs of cells behind the ratio, which differ in this axis alone." },
-        Column {
-            name: "ratio",
-            about: "Error with the smaller value over that with the larger one, geometric mean of the pairs.",
-        },
-        Column {
-            name: "is_enough",
-            about: "1 where in this condition no larger value gains more than 5 % over the smaller one, else 0.",
-        },
+        column("larger", "The larger tables that err least; empty where none stand clear of the noise."),
+        column("ratio", "Error over that with those; 1 where no larger ones err less."),
+        column("is_enough", "1 where the larger ones gain no more than 5 % in this condition, else 0."),
     ],
     uses_times: false,
     lacks,
     answer,
 };
 
-/// A larger table that takes no more than this share off the error gains nothing.
+/// Larger tables that take no more than this share off the error gain nothing.
 pub const GAIN: f64 = 0.05;
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    let has = |axis: &usize| AXES[*axis].part == Part::Table && Parameter::new(*axis, &shape.values[*axis]).is_some();
-    let is_served = (0..AXES.len()).any(|axis| has(&axis));
-    (!is_served).then_some("axes has no size or count of a table with two values")
+    parameters(shape).is_empty().then_some("axes has no size or count of a table with two values")
 }
 
-/// A swept axis of the tables with its values, ascending.
-struct Parameter {
-    axis: usize,
-    values: Vec<Value>,
-    /// Size of the first value in the experiment.
-    base: f64,
+/// The swept sizes and counts of tables.
+fn parameters(shape: &Shape) -> Vec<usize> {
+    let has_size = |axis: usize| shape.values[axis].iter().all(|value| size_of(value).is_some());
+    (0..AXES.len()).filter(|&axis| AXES[axis].part == Part::Table && shape.is_swept(axis) && has_size(axis)).collect()
 }
 
-impl Parameter {
-    fn new(axis: usize, values: &[Value]) -> Option<Self> {
-        let base = size_of(values.first()?)?;
-        let has_order = values.len() > 1 && values.iter().all(|value| size_of(value).is_some());
-        has_order.then(|| Self { axis, values: ascending(values.to_vec()), base })
-    }
-}
-
-/// What the smaller of two values costs in one condition.
-struct Cost {
-    axis: usize,
-    /// The method that looks the tables up, in words and as cells of the table.
-    method: String,
-    way: Vec<Cell>,
-    value: Value,
-    against: Value,
-    /// Alpha and environment.
+/// One combination in one condition.
+struct Tried<'r, 'f> {
+    row: &'r Row<'f>,
+    /// Values of the parameters.
+    tables: Key,
+    /// Everything else.
     condition: Key,
-    /// Error with the smaller value over that with the larger one.
-    ratio: f64,
-    n: usize,
+    error: f64,
+    /// The larger combination with the least error, and the error over that.
+    larger: Option<(Key, f64)>,
 }
 
-impl Cost {
-    /// What the larger value takes off the error.
+impl Tried<'_, '_> {
     fn gain(&self) -> f64 {
-        1.0 - 1.0 / self.ratio
+        self.larger.as_ref().map_or(0.0, |(_, ratio)| 1.0 - 1.0 / ratio)
     }
 }
 
-/// The axes whose values make a condition.
-fn condition_axes() -> [usize; 2] {
-    ["alpha", "environment"].map(axis)
+fn is_larger(a: &Key, b: &Key) -> bool {
+    a != b && a.iter().zip(b).all(|(a, b)| size_of(a) >= size_of(b))
 }
 
-fn costs(frame: &Frame, parameters: &[Parameter]) -> Vec<Cost> {
-    let images = frame.images();
-    let mut found: Vec<Cost> = Vec::new();
-    for own in parameters {
-        let is_large =
-            |row: &Row, other: &Parameter| size_of(&row.point.0[other.axis]).is_none_or(|size| size >= other.base);
-        let is_beside_large =
-            |row: &&&Row| parameters.iter().all(|other| other.axis == own.axis || is_large(row, other));
-        let rows: Vec<&Row> = images.iter().filter(is_beside_large).copied().collect();
-        for against in &own.values {
-            type Group = ((Value, String, Key), Vec<Cell>, Vec<f64>);
-            let mut groups: Vec<Group> = Vec::new();
-            for (row, base) in pair(&rows, own.axis, against) {
-                let value = &row.point.0[own.axis];
-                let ratio = frame.error(row).zip(frame.error(base)).map(|(of_row, of_base)| of_row / of_base);
-                let tells = frame.is_resolved(row) || frame.is_resolved(base);
-                let ratio = ratio.filter(|ratio| tells && ratio.is_finite() && *ratio > 0.0);
-                let (true, Some(ratio)) = (size_of(value) < size_of(against), ratio) else { continue };
-                let key = (value.clone(), frame.way(row), row.key(&condition_axes()));
-                match groups.iter_mut().find(|(known, ..)| *known == key) {
-                    Some((.., ratios)) => ratios.push(ratio),
-                    None => groups.push((key, row.cells(&frame.way_axes()), vec![ratio])),
-                }
-            }
-            found.extend(groups.into_iter().map(|((value, method, condition), way, ratios)| Cost {
-                axis: own.axis,
-                method,
-                way,
-                value,
-                against: against.clone(),
-                condition,
-                ratio: geometric_mean(&ratios),
-                n: ratios.len(),
-            }));
-        }
-    }
-    found
+/// Texels times levels times samples, over the tables that the parameters feed.
+fn size(parameters: &[usize], tables: &Key) -> f64 {
+    let by_table = grouped(parameters.iter().zip(tables), |(axis, _)| AXES[**axis].feeds);
+    by_table.iter().map(|(_, own)| own.iter().filter_map(|(_, value)| size_of(value)).product::<f64>()).sum()
 }
 
-/// The values of an axis, of those in these pairs, that are enough in all their conditions, ascending. The largest always is.
-fn enough<'c>(costs: &[&'c Cost]) -> Vec<&'c Value> {
-    let mut tried: Vec<&Value> = distinct_in_order(costs.iter().flat_map(|cost| [&cost.value, &cost.against]));
-    tried.sort_by(|a, b| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
-    tried.retain(|value| costs.iter().filter(|cost| cost.value == **value).all(|cost| cost.gain() <= GAIN));
-    tried
-}
-
-/// One axis of the tables of one method.
-#[derive(Clone)]
-struct Verdict<'c> {
-    axis: usize,
-    /// Of this axis and method.
-    costs: Vec<&'c Cost>,
-    /// The smallest value that is enough in every condition.
-    least: Value,
-    /// The value of the smallest tried combination in which every value is enough.
-    shipped: Value,
-}
-
-impl<'c> Verdict<'c> {
-    /// The pair with a larger value that gains most over the shipped one.
-    fn beyond(&self) -> Option<&'c Cost> {
-        let larger = self.costs.iter().copied().filter(|cost| cost.value == self.shipped);
-        larger.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
-    }
-
-    /// Of the next smaller value, the condition in which it costs most over the shipped one.
-    fn below(&self) -> Option<&'c Cost> {
-        let smaller = || self.costs.iter().copied().filter(|cost| cost.against == self.shipped);
-        let next =
-            smaller().map(|cost| size_of(&cost.value)).fold(None, |most, size| if size > most { size } else { most });
-        smaller().filter(|cost| size_of(&cost.value) == next).max_by(|a, b| a.ratio.total_cmp(&b.ratio))
-    }
-
-    /// The smallest value that is enough at this alpha.
-    fn least_at(&self, alpha: &Value) -> Option<&'c Value> {
-        let own: Vec<&'c Cost> = self.costs.iter().copied().filter(|cost| cost.condition[0] == *alpha).collect();
-        enough(&own).first().copied()
-    }
-}
-
-/// The verdicts of one method, in the order of the axes.
-fn verdicts<'c>(frame: &Frame, parameters: &[Parameter], costs: &'c [Cost], method: &str) -> Vec<Verdict<'c>> {
-    let of = |axis: usize| -> Vec<&Cost> {
-        costs.iter().filter(|cost| cost.axis == axis && cost.method == method).collect()
+/// By method.
+fn tried<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize]) -> Vec<(String, Vec<Tried<'r, 'f>>)> {
+    let others: Vec<usize> =
+        (0..AXES.len()).filter(|of| AXES[*of].changes_radiance() && !parameters.contains(of)).collect();
+    let one = |&row: &&'r Row<'f>| {
+        let (tables, condition) = (row.key(parameters), row.key(&others));
+        let error = frame.error(row).filter(|error| error.is_finite() && *error > 0.0)?;
+        let is_asked = tables.iter().any(|value| *value != Value::Unset);
+        is_asked.then_some(Tried { row, tables, condition, error, larger: None })
     };
-    let own: Vec<(usize, Vec<&Cost>)> =
-        parameters.iter().map(|one| (one.axis, of(one.axis))).filter(|(_, costs)| !costs.is_empty()).collect();
-    let axes: Vec<usize> = own.iter().map(|(axis, _)| *axis).collect();
-    let sets: Vec<Vec<&Value>> = own.iter().map(|(_, costs)| enough(costs)).collect();
-    let rows = frame.images().into_iter().filter(|row| frame.way(row) == method);
-    let keys =
-        rows.map(|row| row.key(&axes)).filter(|key| key.iter().zip(&sets).all(|(value, set)| set.contains(&value)));
-    let product = |key: &Key| key.iter().filter_map(size_of).product::<f64>();
-    let smallest = keys.min_by(|a, b| product(a).total_cmp(&product(b)));
-    own.into_iter()
-        .zip(sets)
-        .enumerate()
-        .filter_map(|(i, ((axis, costs), set))| {
-            let least = (*set.first()?).clone();
-            let shipped = smallest.as_ref().map_or_else(|| least.clone(), |key| key[i].clone());
-            Some(Verdict { axis, costs, least, shipped })
-        })
-        .collect()
+    let mut all: Vec<Tried> = images.iter().filter_map(one).collect();
+    let best = |one: &Tried| {
+        let is_rival = |other: &&Tried| {
+            let tells = frame.is_resolved(one.row) || frame.is_resolved(other.row);
+            tells && other.condition == one.condition && is_larger(&other.tables, &one.tables)
+        };
+        let best = all.iter().filter(is_rival).min_by(|a, b| a.error.total_cmp(&b.error))?;
+        Some((best.tables.clone(), f64::max(1.0, one.error / best.error)))
+    };
+    let found: Vec<_> = all.iter().map(best).collect();
+    all.iter_mut().zip(found).for_each(|(one, larger)| one.larger = larger);
+    grouped(all, |one| frame.way(one.row))
+}
+
+/// What is shipped in some conditions.
+struct Shipped {
+    tables: Key,
+    /// What the larger combination takes off the error, in the condition where it takes most.
+    gain: f64,
+    /// The next smaller combination, its error over that of the shipped one where that is most, and that condition in words.
+    smaller: Option<(Key, f64, String)>,
+}
+
+/// The smallest combination that was tried and is enough in all conditions of these rows.
+fn shipped(parameters: &[usize], scope: &[usize], own: &[&Tried]) -> Option<Shipped> {
+    let conditions = grouped(own, |one| one.condition.clone()).len();
+    let by_tables = grouped(own.iter().copied(), |one| one.tables.clone());
+    let size = |tables: &Key| size(parameters, tables);
+    let most = |own: &[&Tried]| own.iter().map(|one| one.gain()).fold(0.0, f64::max);
+    let enough = by_tables.iter().filter(|(_, own)| own.len() == conditions && most(own) <= GAIN);
+    let (tables, best) = enough.min_by(|a, b| size(&a.0).total_cmp(&size(&b.0)))?;
+    let smaller = by_tables.iter().filter(|(other, _)| is_larger(tables, other));
+    let cost = |(other, own): &(Key, Vec<&Tried>)| {
+        let base = |one: &Tried| best.iter().find(|base| base.condition == one.condition).map(|base| base.error);
+        let ratios = own.iter().filter_map(|one| Some((one.error / base(one)?, one.row)));
+        let (ratio, row) = ratios.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((other.clone(), ratio, label(scope, &row.key(scope))))
+    };
+    let smaller = smaller.max_by(|a, b| size(&a.0).total_cmp(&size(&b.0))).and_then(cost);
+    Some(Shipped { tables: tables.clone(), gain: most(best), smaller })
+}
+
+/// "512x256, 6 levels".
+fn words(parameters: &[usize], tables: &Key) -> String {
+    let set = parameters.iter().zip(tables).filter(|(_, value)| **value != Value::Unset);
+    set.map(|(&axis, value)| said(axis, value)).collect::<Vec<_>>().join(", ")
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let swept = frame.swept(&[Part::Table]).into_iter();
-    let parameters: Vec<Parameter> = swept.filter_map(|axis| Parameter::new(axis, &frame.shape.values[axis])).collect();
-    let costs = costs(frame, &parameters);
-    let methods = distinct_in_order(costs.iter().map(|cost| cost.method.clone()));
-    let all: Vec<(String, Vec<Verdict>)> = methods
-        .into_iter()
-        .map(|method| {
-            let found = verdicts(frame, &parameters, &costs, &method);
-            (method, found)
-        })
-        .collect();
-    let (method, lead) = all.first()?;
+    let (parameters, images) = (parameters(&frame.shape), frame.images());
+    let scope: Vec<usize> = frame.case_axes().into_iter().filter(|axis| !parameters.contains(axis)).collect();
+    let methods = tried(frame, &images, &parameters);
+    let axes = [&[METHOD, SAMPLES], &scope[..], &parameters].concat();
+    let mut table = Table::new(&axes, QUESTION.columns);
+    for one in methods.iter().flat_map(|(_, own)| own) {
+        let larger = one.larger.as_ref().map(|(tables, _)| words(&parameters, tables));
+        let own = cells![larger, one.larger.as_ref().map(|(_, ratio)| *ratio), one.gain() <= GAIN];
+        table.row([one.row.cells(&axes), own].concat());
+    }
+    // Nothing is claimed where nothing tells.
+    let (method, own) = methods.iter().find(|(_, own)| own.iter().any(|one| one.larger.is_some()))?;
+    let own: Vec<&Tried> = own.iter().collect();
+    let found = shipped(&parameters, &scope, &own);
     Some(Finding {
-        sentence: sentence(frame, method, lead),
-        table: table(frame, &costs),
-        digest: Some(digest(&all)),
-        figure: figure(frame, method, lead),
+        sentence: sentence(frame, method, &parameters, found.as_ref(), &by_alpha(&parameters, &scope, &own)),
+        table,
+        digest: Some(digest(&parameters, &scope, &methods)),
+        figure: found.and_then(|found| figure(frame, &parameters, &own, &found.tables)),
     })
 }
 
-/// Alphas of the pairs, ascending; none where they have none.
-fn alphas(verdicts: &[Verdict]) -> Vec<Value> {
-    let all = verdicts.iter().flat_map(|one| &one.costs).map(|cost| cost.condition[0].clone());
-    ascending(distinct_in_order(all.filter(|alpha| *alpha != Value::Unset)))
+/// What is shipped at each alpha by itself.
+fn by_alpha(parameters: &[usize], scope: &[usize], own: &[&Tried]) -> Vec<(Value, Option<Shipped>)> {
+    let mut groups = grouped(own.iter().copied(), |one| one.row.point[ALPHA].clone());
+    groups.sort_by(|(a, _), (b, _)| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
+    groups.into_iter().map(|(alpha, own)| (alpha, shipped(parameters, scope, &own))).collect()
 }
 
-fn sentence(frame: &Frame, method: &str, verdicts: &[Verdict]) -> String {
-    let shipped: Vec<String> = verdicts.iter().map(|one| said(one.axis, &one.shipped)).collect();
-    let mut text = format!("Ship {} for `{method}`.", shipped.join(", "));
-    let gain = verdicts.iter().filter_map(|one| one.beyond()).max_by(|a, b| a.ratio.total_cmp(&b.ratio));
-    let loss = verdicts.iter().filter_map(|one| one.below()).max_by(|a, b| a.ratio.total_cmp(&b.ratio));
-    let gain = match gain {
-        None => "No larger ones were tried".to_owned(),
-        Some(cost) if cost.gain() <= 0.0 => format!("Larger tables gain nothing in {}", frame.metric_name()),
-        Some(cost) => format!("Larger tables gain at most {} in {}", percent(cost.gain()), frame.metric_name()),
-    };
-    let loss = loss.filter(|cost| cost.ratio > 1.0).map(|cost| {
-        let place = label(&condition_axes(), &cost.condition);
-        let place = if place.is_empty() { place } else { format!(" ({place})") };
-        format!("; {} cost up to {}{place}", said(cost.axis, &cost.value), percent(cost.ratio - 1.0))
+fn sentence(
+    frame: &Frame,
+    method: &str,
+    parameters: &[usize],
+    found: Option<&Shipped>,
+    alphas: &[(Value, Option<Shipped>)],
+) -> String {
+    let Some(found) = found else { return format!("No tried tables of `{method}` are enough in every case.") };
+    let words = |tables: &Key| words(parameters, tables);
+    let gain = if found.gain > 0.0 { format!("at most {}", percent(found.gain)) } else { "nothing".to_owned() };
+    let mut text = format!("Ship {} for `{method}`.", words(&found.tables));
+    text += &format!(" Larger tables gain {gain} in {}", frame.metric_name());
+    if let Some((tables, ratio, place)) = found.smaller.as_ref().filter(|(_, ratio, _)| *ratio > 1.0) {
+        // What differs says which.
+        let differs = parameters.iter().zip(tables).zip(&found.tables).filter(|((_, a), b)| a != b);
+        let smaller: Vec<String> = differs.map(|((&axis, value), _)| said(axis, value)).collect();
+        let place = if place.is_empty() { String::new() } else { format!(" ({place})") };
+        text += &format!("; {} cost up to {}{place}", listed(&smaller), percent(ratio - 1.0));
+    }
+    let least = alphas.iter().filter_map(|(_, own)| Some(&own.as_ref()?.tables));
+    let least = least.min_by(|a, b| size(parameters, a).total_cmp(&size(parameters, b)));
+    let end = least.filter(|least| **least != found.tables).map_or_else(String::new, |least| {
+        let own = alphas.iter().filter(|(_, own)| own.as_ref().is_some_and(|own| own.tables == *least));
+        let own: Vec<String> = own.map(|(alpha, _)| short(ALPHA, alpha)).collect();
+        format!(" At alpha {} {} would do.", listed(&own), words(least))
     });
-    text += &format!(" {gain}{}.", loss.unwrap_or_default());
-    text + &by_alpha(verdicts)
+    format!("{text}.{end}")
 }
 
-/// Where alphas need different tables: those that need least.
-fn by_alpha(verdicts: &[Verdict]) -> String {
-    let needs = |alpha: &Value| -> Vec<Option<&Value>> { verdicts.iter().map(|one| one.least_at(alpha)).collect() };
-    let all: Vec<(Value, Vec<Option<&Value>>)> =
-        alphas(verdicts).into_iter().map(|alpha| (alpha.clone(), needs(&alpha))).collect();
-    let differing: Vec<usize> =
-        (0..verdicts.len()).filter(|&i| all.iter().any(|(_, key)| key[i] != all[0].1[i])).collect();
-    let size = |key: &[Option<&Value>]| differing.iter().filter_map(|&i| size_of(key[i]?)).product::<f64>();
-    let Some((_, least)) =
-        all.iter().min_by(|a, b| size(&a.1).total_cmp(&size(&b.1))).filter(|_| !differing.is_empty())
-    else {
-        return String::new();
-    };
-    let own: Vec<String> =
-        all.iter().filter(|(_, key)| key == least).map(|(alpha, _)| short(axis("alpha"), alpha)).collect();
-    let words: Vec<String> = differing.iter().filter_map(|&i| Some(said(verdicts[i].axis, least[i]?))).collect();
-    format!(" At alpha {} {} would do.", listed(&own), listed(&words))
-}
-
-fn table(frame: &Frame, costs: &[Cost]) -> Table {
-    let mut table = Table::new(&[frame.way_axes(), condition_axes().to_vec()].concat(), QUESTION.columns);
-    for cost in costs {
-        let is_rival = |other: &&Cost| {
-            (other.axis, &other.method, &other.value, &other.condition)
-                == (cost.axis, &cost.method, &cost.value, &cost.condition)
-        };
-        let is_enough = costs.iter().filter(is_rival).all(|other| other.gain() <= GAIN);
-        let mut row = cost.way.clone();
-        row.extend(cost.condition.iter().map(value_cell));
-        row.push(AXES[cost.axis].name.into());
-        row.extend([&cost.value, &cost.against].map(|value| Cell::Text(value.to_string())));
-        row.extend([Cell::Integer(cost.n as u64), cost.ratio.into(), Cell::Integer(is_enough.into())]);
-        table.row(row);
-    }
-    table
-}
-
-/// One row an axis: what to ship, what more gains, what less costs, what each alpha needs.
-fn digest(all: &[(String, Vec<Verdict>)]) -> Table {
-    let alphas = alphas(&all.iter().flat_map(|(_, verdicts)| verdicts).cloned().collect::<Vec<_>>());
-    let names =
-        ["table", "method", "ship", "enough alone", "larger gains at most", "next smaller", "costs up to", "where"];
-    let of_alphas = alphas.iter().map(|alpha| format!("alpha {}", short(axis("alpha"), alpha)));
-    let mut table = Table::with_names(names.map(str::to_owned).into_iter().chain(of_alphas).collect());
-    for (method, verdict) in all.iter().flat_map(|(method, verdicts)| verdicts.iter().map(move |one| (method, one))) {
-        let value = |value: &Value| said(verdict.axis, value);
-        let (beyond, below) = (verdict.beyond(), verdict.below());
-        let gain = beyond.map_or("no larger one tried".to_owned(), |cost| percent(cost.gain().max(0.0)));
-        let mut row = vec![
-            AXES[verdict.axis].name.to_owned(),
-            method.clone(),
-            value(&verdict.shipped),
-            value(&verdict.least),
-            gain,
-        ];
-        row.push(below.map_or("none tried".to_owned(), |cost| value(&cost.value)));
-        row.push(below.map_or(String::new(), |cost| percent(cost.ratio - 1.0)));
-        row.push(below.map_or(String::new(), |cost| label(&condition_axes(), &cost.condition)));
-        row.extend(alphas.iter().map(|alpha| verdict.least_at(alpha).map_or(String::new(), &value)));
-        table.row(row.into_iter().map(Cell::Text).collect());
-    }
-    table
-}
-
-/// One panel an axis: the error over that with the shipped value, one line an alpha and environment.
-fn figure(frame: &Frame, method: &str, verdicts: &[Verdict]) -> Option<Figure> {
-    let alphas = alphas(verdicts);
-    let mut panels = Vec::new();
-    for verdict in verdicts {
-        let of_condition = |condition: &Key| -> Vec<(Value, f64)> {
-            let own = || verdict.costs.iter().filter(|cost| cost.condition == *condition);
-            let smaller =
-                own().filter(|cost| cost.against == verdict.shipped).map(|cost| (cost.value.clone(), cost.ratio));
-            let larger =
-                own().filter(|cost| cost.value == verdict.shipped).map(|cost| (cost.against.clone(), 1.0 / cost.ratio));
-            let mut points: Vec<(Value, f64)> = smaller.chain([(verdict.shipped.clone(), 1.0)]).chain(larger).collect();
-            points.sort_by(|a, b| size_of(&a.0).partial_cmp(&size_of(&b.0)).unwrap_or(std::cmp::Ordering::Equal));
-            points
-        };
-        let conditions = distinct_in_order(verdict.costs.iter().map(|cost| cost.condition.clone()));
-        let curves: Vec<(&Key, Vec<(Value, f64)>)> =
-            conditions.iter().map(|condition| (condition, of_condition(condition))).collect();
-        let steps = ascending(distinct_in_order(
-            curves.iter().flat_map(|(_, curve)| curve.iter().map(|point| point.0.clone())),
-        ));
-        let mut marks = vec![Mark::neutral(Form::HorizontalRule(1.0))];
-        for (condition, curve) in &curves {
-            let series = alphas.iter().position(|alpha| *alpha == condition[0]).unwrap_or(0);
-            let place = |value: &Value| steps.iter().position(|step| step == value).unwrap_or(0) as f64;
-            let points: Vec<[f64; 2]> = curve.iter().map(|(value, ratio)| [place(value), *ratio]).collect();
-            marks.push(Mark::new(Form::Line(points), series));
-            for (value, ratio) in curve {
-                let tip = format!(
-                    "{} · {}: {}",
-                    label(&condition_axes(), condition),
-                    said(verdict.axis, value),
-                    number(*ratio)
-                );
-                marks.push(Mark::new(Form::Dot([place(value), *ratio]), series).tip(tip));
-            }
+/// One row an alpha, the last over all: what to ship, what larger tables gain, what the next smaller ones cost.
+fn digest(parameters: &[usize], scope: &[usize], methods: &[(String, Vec<Tried>)]) -> Table {
+    let heads = [METHOD, ALPHA].iter().chain(parameters).map(|&axis| AXES[axis].name);
+    let mut table = Table::with_names(heads.chain(["larger gains at most", "next smaller", "costs up to", "where"]));
+    for (method, own) in methods {
+        let own: Vec<&Tried> = own.iter().collect();
+        let mut rows = by_alpha(parameters, scope, &own);
+        rows.retain(|(alpha, _)| *alpha != Value::Unset);
+        let rows = rows.into_iter().map(|(alpha, found)| (short(ALPHA, &alpha), found));
+        for (alpha, found) in rows.chain([(ALL.to_owned(), shipped(parameters, scope, &own))]) {
+            let mut row = cells![method.as_str(), alpha];
+            let (gain, smaller, tables) = found.map_or((None, None, vec![Value::Unset; parameters.len()]), |found| {
+                (Some(percent(found.gain)), found.smaller, found.tables)
+            });
+            row.extend(parameters.iter().zip(&tables).map(|(&axis, value)| Cell::from(short(axis, value))));
+            let smaller = smaller.map(|(tables, ratio, place)| {
+                [words(parameters, &tables), percent(ratio - 1.0), place].map(Cell::from)
+            });
+            row.push(gain.into());
+            row.extend(smaller.unwrap_or([Cell::Missing, Cell::Missing, Cell::Missing]));
+            table.row(row);
         }
-        let ratios = curves.iter().flat_map(|(_, curve)| curve.iter().map(|point| point.1));
-        panels.push(Panel {
-            title: AXES[verdict.axis].name.to_owned(),
-            x: Scale::steps("", steps.iter().map(|value| short(verdict.axis, value)).collect()),
-            y: Scale::log("error over that of the shipped table", ratios)?,
-            marks,
-        });
     }
-    let series = match alphas.is_empty() {
-        true => vec!["all".to_owned()],
-        false => alphas.iter().map(|alpha| label(&[axis("alpha")], std::slice::from_ref(alpha))).collect(),
+    table
+}
+
+/// One panel an environment, one dot a combination and condition: the error over that with the shipped tables, coloured by alpha.
+fn figure(frame: &Frame, parameters: &[usize], own: &[&Tried], shipped: &Key) -> Option<Figure> {
+    let alphas = ascending(distinct_in_order(own.iter().map(|one| one.row.point[ALPHA].clone())));
+    let mark = |one: &&Tried| {
+        let base = own.iter().find(|base| base.tables == *shipped && base.condition == one.condition)?;
+        let series = alphas.iter().position(|alpha| *alpha == one.row.point[ALPHA])?;
+        let (ratio, alpha) = (one.error / base.error, label(&[ALPHA], &[one.row.point[ALPHA].clone()]));
+        let tip = format!("{}: {} times · {alpha}", words(parameters, &one.tables), number(ratio));
+        Some(dot([size(parameters, &one.tables), ratio], series, tip, one.row))
     };
-    let shared: Vec<Value> = verdicts.iter().map(|one| one.shipped.clone()).collect();
-    let axes: Vec<usize> = verdicts.iter().map(|one| one.axis).collect();
-    Some(Figure {
-        title: "What smaller tables cost".to_owned(),
-        note: format!(
-            "{}, `{method}`; shipped: {}; one line an alpha and environment",
-            frame.metric_name(),
-            label(&axes, &shared)
-        ),
-        panels,
-        series: series.into_iter().map(|name| Series { name, is_dashed: false }).collect(),
-        ramp: None,
-    })
+    let panel = |(light, own): (Value, Vec<&Tried>)| {
+        let rules =
+            [Mark::neutral(Form::HorizontalRule(1.0)), Mark::neutral(Form::VerticalRule(size(parameters, shipped)))];
+        (short(ENVIRONMENT, &light), rules.into_iter().chain(own.iter().filter_map(mark)).collect())
+    };
+    let by_light = grouped(own.iter().copied(), |one| one.row.point[ENVIRONMENT].clone());
+    Chart {
+        title: "What smaller tables cost",
+        note: format!("{}; over that of the shipped tables: {}", frame.metric_name(), words(parameters, shipped)),
+        x: Along::Log("texels times levels times samples"),
+        y: Along::Log("ratio of errors"),
+        panels: by_light.into_iter().map(panel).collect(),
+        series: alphas.iter().map(|alpha| label(&[ALPHA], std::slice::from_ref(alpha))).collect(),
+    }
+    .figure()
 }

@@ -4,50 +4,36 @@
 //! the image, after the tone curve. From [`VISIBLE_FROM`] on a difference is called visible. Of each method and tone curve: the median
 //! over everything else that is swept, its extremes, and how many images show the difference.
 
-use super::words::{count, label, listed, number};
-use super::{Finding, Question};
-use crate::runner::tables::DISPLAY_HEADLINE;
-use crate::runner::value::Value;
-use crate::study::figure::{Figure, Mark, Panel, Ramp, Scale, Shape as Form};
-use crate::study::frame::estimate::median;
-use crate::study::frame::{Frame, Row, Shape, VISIBLE_FROM, ascending, axis, distinct_in_order, size_of};
-use crate::study::table::{Column, Table};
-use crate::table::csv::Cell;
+use super::prelude::*;
 
 pub const QUESTION: Question = Question {
     name: "visibility",
     asks: "At which exposure and contrast does the difference show?",
     columns: &[
-        Column { name: "n", about: "Images of the method at this tone curve." },
-        Column { name: "flip", about: "Mean FLIP of an image, the median over these images; from 0 (none) to 1." },
-        Column { name: "flip_least", about: "Mean FLIP of the image with the least." },
-        Column { name: "flip_most", about: "Mean FLIP of the image with the most." },
-        Column {
-            name: "visible_from",
-            about: "Mean FLIP from which a difference is called visible, a convention of this project.",
-        },
-        Column { name: "visible", about: "How many of the images have at least that." },
+        column("n", "Images of the method at this tone curve."),
+        column("flip", "Mean FLIP of an image, the median over these images; from 0 (none) to 1."),
+        column("flip_least", "Mean FLIP of the image with the least."),
+        column("flip_most", "Mean FLIP of the image with the most."),
+        column("visible_from", "Mean FLIP from which a difference is called visible, a convention of this project."),
+        column("visible", "How many of the images have at least that."),
     ],
     uses_times: false,
     lacks,
     answer,
 };
 
-fn lacks(shape: &Shape) -> Option<&'static str> {
-    let is_swept = display_axes().iter().any(|axis| shape.is_swept(*axis));
-    (!is_swept).then_some("axes has neither two exposures nor two contrasts")
-}
+const DISPLAY: [usize; 2] = [EXPOSURE, CONTRAST];
 
-/// Exposure and contrast.
-fn display_axes() -> [usize; 2] {
-    ["exposure", "contrast"].map(axis)
+fn lacks(shape: &Shape) -> Option<&'static str> {
+    let is_swept = DISPLAY.iter().any(|axis| shape.is_swept(*axis));
+    (!is_swept).then_some("axes has neither two exposures nor two contrasts")
 }
 
 /// A method at one tone curve.
 struct Curve<'r, 'f> {
     method: String,
     /// Exposure and contrast.
-    values: [Value; 2],
+    key: Key,
     /// Mean FLIP of each image.
     flips: Vec<f64>,
     rows: Vec<&'r Row<'f>>,
@@ -58,143 +44,107 @@ impl Curve<'_, '_> {
         median(&self.flips)
     }
 
-    fn is_visible(&self) -> bool {
-        self.middle() >= VISIBLE_FROM
-    }
-
     fn visible_count(&self) -> usize {
         self.flips.iter().filter(|flip| **flip >= VISIBLE_FROM).count()
     }
 }
 
 /// By method, contrast and exposure, the latter two ascending; methods without samples first.
-fn curves<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Curve<'r, 'f>> {
-    let mut found: Vec<Curve> = Vec::new();
+fn curves<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Vec<Curve<'r, 'f>>> {
+    let flip = |row: &Row| row.flip().filter(|flip| flip.is_finite());
     // The image without a specular term is there for scale, unless it is the diffuse term that is asked about.
-    for row in frame.rows.iter().filter(|row| frame.way(row) != "none") {
-        let Some(flip) = frame.score_in(row, DISPLAY_HEADLINE).filter(|flip| flip.is_finite()) else { continue };
-        let (method, values) = (frame.way(row), display_axes().map(|axis| row.point.0[axis].clone()));
-        match found.iter_mut().find(|known| known.method == method && known.values == values) {
-            Some(known) => {
-                known.flips.push(flip);
-                known.rows.push(row);
-            }
-            None => found.push(Curve { method, values, flips: vec![flip], rows: vec![row] }),
-        }
-    }
-    let methods = distinct_in_order(found.iter().map(|one| (one.rows[0].samples().is_some(), one.method.clone())));
-    let order = |one: &Curve| {
-        let place = methods.iter().position(|(_, name)| *name == one.method);
-        (one.rows[0].samples().is_some(), place)
+    let rows = frame.rows.iter().filter(|row| !frame.is_nothing(row) && flip(row).is_some());
+    let mut methods = grouped(rows, |row| frame.way(row));
+    methods.sort_by_key(|(_, rows)| rows[0].samples().is_some());
+    let of_method = |(method, rows): (String, Vec<&'r Row<'f>>)| {
+        let curve = |(key, rows): (Key, Vec<&'r Row<'f>>)| Curve {
+            method: method.clone(),
+            key,
+            flips: rows.iter().filter_map(|row| flip(row)).collect(),
+            rows,
+        };
+        let mut curves: Vec<Curve> = grouped(rows, |row| row.key(&DISPLAY)).into_iter().map(curve).collect();
+        let size = |one: &Curve, i: usize| size_of(&one.key[i]).unwrap_or(f64::NAN);
+        curves.sort_by(|a, b| size(a, 1).total_cmp(&size(b, 1)).then(size(a, 0).total_cmp(&size(b, 0))));
+        curves
     };
-    let size = |value: &Value| size_of(value).unwrap_or(f64::NAN);
-    found.sort_by(|a, b| {
-        let by_value = |axis: usize| size(&a.values[axis]).total_cmp(&size(&b.values[axis]));
-        order(a).cmp(&order(b)).then(by_value(1)).then(by_value(0))
-    });
-    found
+    methods.into_iter().map(of_method).collect()
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let curves = curves(frame);
-    let methods = distinct_in_order(curves.iter().map(|one| one.method.clone()));
-    let of = |method: &String| -> Vec<&Curve> { curves.iter().filter(|one| one.method == *method).collect() };
-    let axes = [frame.way_axes(), display_axes().to_vec()].concat();
+    let methods = curves(frame);
+    let axes = [&frame.way_axes()[..], &DISPLAY].concat();
     let mut table = Table::new(&axes, QUESTION.columns);
-    for one in &curves {
+    for one in methods.iter().flatten() {
         let least = one.flips.iter().copied().fold(f64::INFINITY, f64::min);
         let most = one.flips.iter().copied().fold(0.0, f64::max);
-        let mut row = one.rows[0].cells(&axes);
-        row.push(Cell::Integer(one.flips.len() as u64));
-        row.extend([one.middle(), least, most, VISIBLE_FROM].map(Cell::Number));
-        row.push(Cell::Integer(one.visible_count() as u64));
-        table.row(row);
+        let own = cells![one.flips.len(), one.middle(), least, most, VISIBLE_FROM, one.visible_count()];
+        table.row([one.rows[0].cells(&axes), own].concat());
     }
-    Some(Finding {
-        sentence: sentence(&of(methods.first()?))?,
-        table,
-        digest: Some(digest(&methods, &of)),
-        figure: figure(&methods, &of),
-    })
+    let sentence = sentence(methods.first()?)?;
+    Some(Finding { sentence, table, digest: Some(digest(&methods)), figure: figure(&methods) })
 }
 
-/// Ascending values with runs of tried neighbours drawn together: "0.1 to 5", "0.1 and 500".
-fn runs(tried: &[&Value], wanted: &[&Value]) -> String {
-    let mut parts: Vec<[&Value; 2]> = Vec::new();
-    let mut is_open = false;
-    for value in tried {
-        let is_wanted = wanted.contains(value);
-        match parts.last_mut().filter(|_| is_open && is_wanted) {
-            Some(part) => part[1] = value,
-            None if is_wanted => parts.push([value, value]),
-            None => {}
-        }
-        is_open = is_wanted;
+/// "exposure 0.5 to 50 and 500" or "every tried exposure": where the difference shows at one contrast, tried neighbours drawn together.
+fn shown(own: &[&Curve]) -> String {
+    let is_visible = |one: &&&Curve| one.middle() >= VISIBLE_FROM;
+    match own.iter().filter(is_visible).count() {
+        0 => return "no tried exposure".to_owned(),
+        n if n == own.len() && n > 1 => return "every tried exposure".to_owned(),
+        _ => {}
     }
-    let words = parts.iter().map(|[lo, hi]| if lo == hi { lo.to_string() } else { format!("{lo} to {hi}") });
-    listed(&words.collect::<Vec<_>>())
+    let runs = own.chunk_by(|a, b| is_visible(&a) == is_visible(&b)).filter(|run| is_visible(&&run[0]));
+    let words = runs.map(|run| match run {
+        [only] => only.key[0].to_string(),
+        run => format!("{} to {}", run[0].key[0], run[run.len() - 1].key[0]),
+    });
+    format!("exposure {}", listed(&words.collect::<Vec<_>>()))
 }
 
-/// "exposure 0.5 to 50" or "every exposure": where the difference shows at one contrast.
-fn shown(own: &[&&Curve]) -> String {
-    let tried: Vec<&Value> = own.iter().map(|one| &one.values[0]).collect();
-    let wanted: Vec<&Value> = own.iter().filter(|one| one.is_visible()).map(|one| &one.values[0]).collect();
-    match wanted.len() {
-        0 => "no tried exposure".to_owned(),
-        n if n == tried.len() && n > 1 => "every tried exposure".to_owned(),
-        _ => format!("exposure {}", runs(&tried, &wanted)),
-    }
+fn peak<'c, 'r, 'f>(own: &'c [Curve<'r, 'f>]) -> Option<&'c Curve<'r, 'f>> {
+    own.iter().max_by(|a, b| a.middle().total_cmp(&b.middle()))
 }
 
-fn contrasts(own: &[&Curve]) -> Vec<Value> {
-    ascending(distinct_in_order(own.iter().map(|one| one.values[1].clone())))
-}
-
-fn sentence(own: &[&Curve]) -> Option<String> {
-    let peak = own.iter().max_by(|a, b| a.middle().total_cmp(&b.middle()))?;
+fn sentence(own: &[Curve]) -> Option<String> {
+    let peak = peak(own)?;
     let over = match peak.flips.len() {
         1 => String::new(),
         n => format!(", the median of {}", count(n, "image", "images")),
     };
-    let first = format!(
-        "The error of `{}` shows most at {}: mean FLIP {}{over}.",
-        peak.method,
-        label(&display_axes(), &peak.values).replace(" · ", ", "),
-        number(peak.middle())
-    );
     // Contrasts that show alike are said together.
-    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
-    for contrast in contrasts(own) {
-        let at: Vec<&&Curve> = own.iter().filter(|one| one.values[1] == contrast).collect();
-        let words = shown(&at);
-        match groups.iter_mut().find(|(known, _)| *known == words) {
-            Some((_, contrasts)) => contrasts.push(contrast.to_string()),
-            None => groups.push((words, vec![contrast.to_string()])),
-        }
-    }
-    let parts: Vec<String> = match groups.as_slice() {
-        [(words, _)] => vec![format!("at {words}")],
-        several => several.iter().map(|(words, at)| format!("at {words} (contrast {})", listed(at))).collect(),
+    let contrasts = grouped(own, |one| one.key[1].clone()).into_iter().map(|(contrast, at)| (contrast, shown(&at)));
+    let groups = grouped(contrasts, |(_, words)| words.clone());
+    let part = |(words, own): &(String, Vec<(Value, String)>)| {
+        let at = listed(&own.iter().map(|(contrast, _)| contrast.to_string()).collect::<Vec<_>>());
+        if groups.len() == 1 { format!("at {words}") } else { format!("at {words} (contrast {at})") }
     };
-    Some(format!("{first} It is visible {}.", parts.join(", ")))
+    Some(format!(
+        "The error of `{}` shows most at {}: mean FLIP {}{over}. It is visible {}.",
+        peak.method,
+        label(&DISPLAY, &peak.key).replace(" · ", ", "),
+        number(peak.middle()),
+        groups.iter().map(part).collect::<Vec<_>>().join(", ")
+    ))
+}
+
+fn tried(methods: &[Vec<Curve>], axis: usize) -> Vec<Value> {
+    values(methods.iter().flatten().flat_map(|one| &one.rows).copied(), axis)
 }
 
 /// One row a method, one column a contrast.
-fn digest<'r, 'f: 'r>(methods: &[String], of: &dyn Fn(&String) -> Vec<&'r Curve<'r, 'f>>) -> Table {
-    let all: Vec<&Curve> = methods.iter().flat_map(of).collect();
-    let contrasts = contrasts(&all);
+fn digest(methods: &[Vec<Curve>]) -> Table {
+    let contrasts = tried(methods, CONTRAST);
     let heads = contrasts.iter().map(|contrast| format!("visible at contrast {contrast}"));
-    let names = ["method", "most at exposure", "contrast", "mean FLIP there", "visible from"].map(str::to_owned);
-    let mut table = Table::with_names(names.into_iter().chain(heads).collect());
-    for method in methods {
-        let own = of(method);
-        let Some(peak) = own.iter().max_by(|a, b| a.middle().total_cmp(&b.middle())) else { continue };
-        let mut row = vec![Cell::Text(method.clone())];
-        row.extend(peak.values.iter().map(|value| Cell::Text(value.to_string())));
-        row.extend([peak.middle(), VISIBLE_FROM].map(Cell::Number));
+    let names =
+        [AXES[METHOD].name, "most at exposure", "contrast", "mean FLIP there", "visible from"].map(str::to_owned);
+    let mut table = Table::with_names(names.into_iter().chain(heads));
+    for own in methods {
+        let Some(peak) = peak(own) else { continue };
+        let mut row = cells![peak.method.as_str(), peak.key[0].to_string(), peak.key[1].to_string()];
+        row.extend(cells![peak.middle(), VISIBLE_FROM]);
         row.extend(contrasts.iter().map(|contrast| {
-            let at: Vec<&&Curve> = own.iter().filter(|one| one.values[1] == *contrast).collect();
-            if at.is_empty() { Cell::Missing } else { Cell::Text(shown(&at)) }
+            let at: Vec<&Curve> = own.iter().filter(|one| one.key[1] == *contrast).collect();
+            Cell::from((!at.is_empty()).then(|| shown(&at)))
         }));
         table.row(row);
     }
@@ -202,43 +152,25 @@ fn digest<'r, 'f: 'r>(methods: &[String], of: &dyn Fn(&String) -> Vec<&'r Curve<
 }
 
 /// One panel a method: exposure over contrast.
-fn figure<'r, 'f: 'r>(methods: &[String], of: &dyn Fn(&String) -> Vec<&'r Curve<'r, 'f>>) -> Option<Figure> {
-    let all: Vec<&Curve> = methods.iter().flat_map(of).collect();
-    let values = |i: usize| ascending(distinct_in_order(all.iter().map(|one| one.values[i].clone())));
-    let [exposures, contrasts] = [0, 1].map(values);
-    let names = |values: &[Value]| values.iter().map(Value::to_string).collect::<Vec<_>>();
-    let panel = |method: &String| {
-        let marks = of(method).into_iter().filter_map(|one| {
-            let x = exposures.iter().position(|value| *value == one.values[0])?;
-            let y = contrasts.iter().position(|value| *value == one.values[1])?;
-            let middle = one.middle();
-            let tip = format!(
-                "{method} · {}: mean FLIP {}, visible in {} of {}",
-                label(&display_axes(), &one.values),
-                number(middle),
-                one.visible_count(),
-                one.flips.len()
-            );
-            let mark = Mark::neutral(Form::Tile { x, y, value: Some(middle), text: number(middle) }).tip(tip);
-            Some(if one.rows.len() == 1 { mark.cell(&one.rows[0].cell.id) } else { mark })
-        });
-        Panel {
-            title: method.clone(),
-            x: Scale::steps("exposure", names(&exposures)),
-            y: Scale::steps("contrast", names(&contrasts)),
-            marks: marks.collect(),
-        }
+fn figure(methods: &[Vec<Curve>]) -> Option<Figure> {
+    let steps = DISPLAY.map(|axis| tried(methods, axis));
+    let tile = |one: &Curve| {
+        let Curve { method, key, rows, flips } = one;
+        let place = |i: usize| steps[i].iter().position(|value| *value == key[i]);
+        let (value, seen) = (one.middle(), one.visible_count());
+        let curve = label(&DISPLAY, key);
+        let tip = format!("{method} · {curve}: mean FLIP {}, visible in {seen} of {}", number(value), flips.len());
+        let cell = only(rows);
+        Some(Tile { panel: method.clone(), at: [place(0)?, place(1)?], value, text: number(value), tip, cell })
     };
-    let flips: Vec<f64> = all.iter().map(|one| one.middle()).filter(|flip| *flip > 0.0).collect();
-    let lo = flips.iter().copied().fold(VISIBLE_FROM, f64::min);
-    let hi = flips.iter().copied().fold(VISIBLE_FROM, f64::max);
-    (lo < hi).then(|| Figure {
-        title: "The difference after the tone curve".to_owned(),
-        note: format!(
+    let names = |i: usize| (AXES[DISPLAY[i]].name, steps[i].iter().map(Value::to_string).collect());
+    tiles(
+        "The difference after the tone curve",
+        format!(
             "mean FLIP, median over the rest; from {VISIBLE_FROM} on a difference is called visible (a convention)"
         ),
-        panels: methods.iter().map(panel).collect(),
-        series: Vec::new(),
-        ramp: Some(Ramp { label: "mean FLIP".to_owned(), lo, hi, is_log: true, middle: Some(VISIBLE_FROM) }),
-    })
+        [0, 1].map(names),
+        methods.iter().flatten().filter_map(tile).collect(),
+        ("mean FLIP", Some(VISIBLE_FROM)),
+    )
 }

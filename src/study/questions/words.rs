@@ -3,7 +3,7 @@
 use crate::runner::axis::AXES;
 use crate::runner::value::Value;
 use crate::spelling::short_number;
-use crate::study::frame::{Frame, Row, distinct_in_order, estimate::Estimate};
+use crate::study::frame::{Frame, Row, estimate::Estimate, values};
 use crate::table::markdown::significant;
 use std::path::Path;
 
@@ -40,15 +40,6 @@ pub fn with_rms(frame: &Frame, error: f64) -> String {
     }
 }
 
-/// " By alpha it runs from 16 for alpha 0.5 to 64 for alpha 0.05."
-pub fn by_axis(subject: &str, of: usize, ends: &[(Value, f64); 2], words: impl Fn(f64) -> String) -> String {
-    let [least, most] = ends.each_ref().map(|(value, n)| {
-        let place = label(&[of], std::slice::from_ref(value));
-        format!("{} for {place}", words(*n))
-    });
-    format!(" By {} {subject} runs from {least} to {most}.", AXES[of].name)
-}
-
 /// "a", "a and b", "a, b and c"; of more than four the first three and "others".
 pub fn listed(words: &[String]) -> String {
     match words {
@@ -60,12 +51,11 @@ pub fn listed(words: &[String]) -> String {
 }
 
 /// " The 30 cases: 2 environments, 3 BRDF models, 5 alphas."; nothing for one case.
-pub fn cases_sentence(rows: &[&Row], axes: &[usize], n: usize) -> String {
-    let scope = scope(rows, axes);
-    match n {
-        0 | 1 => String::new(),
-        n if scope.is_empty() => format!(" The {} have one scene in common.", count(n, "case", "cases")),
-        n => format!(" The {}: {scope}.", count(n, "case", "cases")),
+pub fn cases_sentence(rows: &[&Row], axes: &[usize]) -> String {
+    match (rows.len(), scope(rows, axes)) {
+        (0 | 1, _) => String::new(),
+        (n, scope) if scope.is_empty() => format!(" The {n} cases have one scene in common."),
+        (n, scope) => format!(" The {n} cases: {scope}."),
     }
 }
 
@@ -103,9 +93,15 @@ pub fn label(axes: &[usize], key: &[Value]) -> String {
 }
 
 /// "2 environments, 3 BRDF models, 5 alphas": how many values rows have on these axes; axes with one value are left out.
-pub fn scope(rows: &[&Row], axes: &[usize]) -> String {
-    let values = |axis: usize| distinct_in_order(rows.iter().map(|row| row.point.0[axis].clone()));
-    let counts = axes.iter().map(|&axis| (axis, values(axis).iter().filter(|value| **value != Value::Unset).count()));
-    let words = counts.filter(|(_, n)| *n > 1).map(|(axis, n)| format!("{n} {}", AXES[axis].plural));
-    words.collect::<Vec<_>>().join(", ")
+fn scope(rows: &[&Row], axes: &[usize]) -> String {
+    let count = |axis: usize| values(rows.iter().copied(), axis).iter().filter(|value| **value != Value::Unset).count();
+    let counts = axes.iter().map(|&axis| (axis, count(axis))).filter(|(_, n)| *n > 1);
+    counts.map(|(axis, n)| format!("{n} {}", AXES[axis].plural)).collect::<Vec<_>>().join(", ")
+}
+
+/// The smallest and the largest of positive numbers: "5.1" or "5.1 to 6.0".
+pub fn range(values: impl IntoIterator<Item = f64>) -> String {
+    let (least, most) = values.into_iter().fold((f64::INFINITY, 0.0), |(lo, hi), x| (f64::min(lo, x), f64::max(hi, x)));
+    let [least, most] = [least, most].map(number);
+    if least == most { least } else { format!("{least} to {most}") }
 }

@@ -1,30 +1,18 @@
 //! Break-even, convergence, error and sample count of made-up runs whose answers are known.
 
-use super::made::{Made, column, finding, finished, numbers};
+use super::paper::{F64, Made, column, finding, finished, numbers};
 use crate::runner::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use crate::runner::runs;
 use splitsum::runner::axis::Point;
 use splitsum::runner::value::Value;
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::Finding;
-use splitsum::table::csv::Cell;
-
-/// f64 arithmetic of a few logarithms.
-const F64: f64 = 1e-9;
 
 fn samples(point: &Point) -> Option<f64> {
     match point.get("samples") {
         Value::Count(n) => Some(f64::from(*n)),
         _ => None,
     }
-}
-
-fn text(finding: &Finding, name: &str) -> Vec<String> {
-    let text = |cell: &&Cell| match cell {
-        Cell::Text(text) => text.clone(),
-        other => panic!("{other:?}"),
-    };
-    column(finding, name).iter().map(text).collect()
 }
 
 /// Rows of the digest as text.
@@ -42,15 +30,15 @@ fn a_run_has_the_break_even_of_its_error_model() {
     let run = Finished::read(dir.path()).unwrap();
     let found = finding(&run, "break-even");
     // 0.4 / sqrt(4) = 0.2 is above the fixed 0.15, 0.4 / sqrt(16) = 0.1 below it: the tried counts are 1, 4 and 16.
-    assert_eq!(numbers(&found, "break_even"), [16.0; 4]);
-    assert!(numbers(&found, "is_resolved").iter().all(|is| *is == 1.0));
+    assert_eq!(numbers(&found.table, "break_even"), [16.0; 4]);
+    assert!(numbers(&found.table, "is_resolved").iter().all(|is| *is == 1.0));
     // Squared errors 0.16 / n meet 0.0225.
     let crossing = f64::from(ERROR_AT_ONE / SPLIT_SUM_ERROR).powi(2);
-    assert!(numbers(&found, "crossing").iter().all(|n| (n / crossing - 1.0).abs() < 1e-3));
+    assert!(numbers(&found.table, "crossing").iter().all(|n| (n / crossing - 1.0).abs() < 1e-3));
     // And its squared error falls with the count.
     let found = finding(&run, "convergence");
-    assert!(numbers(&found, "slope").iter().all(|slope| slope.is_nan() || (slope + 1.0).abs() < 1e-3));
-    assert!(numbers(&found, "stops_at").iter().all(|n| n.is_nan()));
+    assert!(numbers(&found.table, "slope").iter().all(|slope| slope.is_nan() || (slope + 1.0).abs() < 1e-3));
+    assert!(numbers(&found.table, "stops_at").iter().all(|n| n.is_nan()));
 }
 
 #[test]
@@ -64,11 +52,11 @@ fn the_break_even_is_the_first_count_from_which_all_are_better() {
         Some(Made::error(samples(point).map_or(fixed, sampled)))
     });
     let found = finding(&run, "break-even");
-    let counts = numbers(&found, "break_even");
+    let counts = numbers(&found.table, "break_even");
     assert_eq!(counts[..2], [1.0, 64.0]);
     assert!(counts[2].is_nan() && counts[3].is_nan(), "{counts:?}");
-    assert_eq!(numbers(&found, "largest_tried"), [256.0; 4]);
-    let crossings = numbers(&found, "crossing");
+    assert_eq!(numbers(&found.table, "largest_tried"), [256.0; 4]);
+    let crossings = numbers(&found.table, "crossing");
     assert!(crossings[0].is_nan(), "below the smallest count nothing is known");
     // ln 0.6 to ln 0.2 over a factor of four, at ln 0.5.
     let expected = 16.0 * 4f64.powf((0.6f64 / 0.5).ln() / (0.6f64 / 0.2).ln());
@@ -122,8 +110,8 @@ fn a_method_that_ignores_an_axis_stands_beside_every_value_of_it() {
     });
     assert_eq!(run.cells.len(), 5 + 3);
     let found = finding(&run, "break-even");
-    assert_eq!(numbers(&found, "dfg_size"), [16.0, 32.0, 64.0]);
-    assert_eq!(numbers(&found, "break_even"), [16.0; 3]);
+    assert_eq!(numbers(&found.table, "dfg_size"), [16.0, 32.0, 64.0]);
+    assert_eq!(numbers(&found.table, "break_even"), [16.0; 3]);
 }
 
 fn point_size(point: &Point) -> f64 {
@@ -141,11 +129,11 @@ fn a_slope_is_fitted_above_the_noise_only() {
         Some(Made { floor: 5e-3 / 50.0, ..Made::error((1.0 / n).max(5e-3)) })
     });
     let found = finding(&run, "convergence");
-    let slopes = numbers(&found, "slope");
+    let slopes = numbers(&found.table, "slope");
     assert!(slopes.iter().all(|slope| (slope + 1.0).abs() < F64), "{slopes:?}");
-    assert_eq!(numbers(&found, "is_resolved"), [1.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
-    assert!(numbers(&found, "stops_at").iter().all(|n| n.is_nan()), "the noise of the reference is no bias");
-    assert!(numbers(&found, "slope_standard_error").iter().all(|error| *error < F64));
+    assert_eq!(numbers(&found.table, "is_resolved"), [1.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
+    assert!(numbers(&found.table, "stops_at").iter().all(|n| n.is_nan()), "the noise of the reference is no bias");
+    assert!(numbers(&found.table, "slope_standard_error").iter().all(|error| *error < F64));
     assert!(found.sentence.contains("by **2.0**"), "{}", found.sentence);
 }
 
@@ -157,9 +145,9 @@ fn an_error_stops_falling_at_its_bias() {
         Some(Made { bias_variance: Some([bias, 1.0 / n]), ..Made::error(1.0 / n + bias) })
     });
     let found = finding(&run, "convergence");
-    let stops = numbers(&found, "stops_at");
+    let stops = numbers(&found.table, "stops_at");
     assert!(stops[..10].iter().all(|n| *n == 64.0) && stops[10..].iter().all(|n| n.is_nan()), "{stops:?}");
-    let shares = numbers(&found, "bias_share");
+    let shares = numbers(&found.table, "bias_share");
     assert!((shares[0] - 0.1 / 1.1).abs() < F64 && shares[19] == 0.0, "{shares:?}");
     assert!(found.sentence.contains("In 1 of 2 cases it stops falling, from 64 samples on."), "{}", found.sentence);
 }
@@ -171,8 +159,8 @@ fn an_error_is_told_as_a_root_mean_square() {
         Some(Made::error(samples(point).map_or(at, |n| at / n)))
     });
     let found = finding(&run, "error");
-    assert_eq!(text(&found, "method"), ["sampled", "sampled", "sampled", "sampled", "split-sum", "split-sum"]);
-    let percents = numbers(&found, "rms_percent");
+    assert_eq!(column(&found.table, "method"), ["sampled", "sampled", "sampled", "sampled", "split-sum", "split-sum"]);
+    let percents = numbers(&found.table, "rms_percent");
     assert!((percents[4] - 10.0).abs() < F64 && (percents[5] - 20.0).abs() < F64, "{percents:?}");
     // The method without samples leads; the geometric mean of 0.01 and 0.04 is 0.02.
     assert!(
@@ -192,7 +180,39 @@ fn an_error_is_told_as_a_root_mean_square() {
     let question = splitsum::study::questions::question("error").unwrap();
     let of_rmse = (question.answer)(&frame).unwrap();
     assert!(!of_rmse.sentence.contains('%') && of_rmse.sentence.contains("`rmse`"), "{}", of_rmse.sentence);
-    assert!(numbers(&of_rmse, "rms_percent").iter().all(|x| x.is_nan()));
+    assert!(numbers(&of_rmse.table, "rms_percent").iter().all(|x| x.is_nan()));
+}
+
+#[test]
+fn errors_of_point_sets_are_told_by_their_geometric_mean() {
+    let run = finished("method = [\"sampled\"]\nsamples = [4]\npoint_set = [0, 1]\nalpha = [0.1, 0.5]\n", |point| {
+        let luck = if *point.get("point_set") == Value::Count(0) { 2.0 } else { 0.5 };
+        Some(Made::error(luck * point.get("alpha").number()))
+    });
+    let errors = numbers(&finding(&run, "error").table, "error");
+    assert!(errors.len() == 2 && errors.iter().zip([0.1, 0.5]).all(|(a, b)| (a - b).abs() < F64), "{errors:?}");
+}
+
+#[test]
+fn an_effect_is_the_ratio_to_the_first_value_of_its_axis() {
+    // A bias of 1 halves the error, one of 2 triples it. At alpha 0.5 neither the base nor the bias of 2 stands clear of the noise.
+    let axes = "method = [\"sampled\"]\nsamples = [4]\nlod_bias = [0, 1, 2]\nalpha = [0.1, 0.5]\n";
+    let run = finished(axes, |point| {
+        let bias = point.get("lod_bias").number();
+        let error = [1.0, 0.5, 3.0][bias as usize];
+        let is_noise = point.get("alpha").number() == 0.5 && bias != 1.0;
+        Some(Made { floor: if is_noise { error / 4.0 } else { 1e-12 }, ..Made::error(error) })
+    });
+    let found = finding(&run, "effect");
+    assert_eq!(numbers(&found.table, "ratio"), [0.5, 0.5, 3.0, 3.0]);
+    assert_eq!(numbers(&found.table, "is_resolved"), [1.0, 1.0, 1.0, 0.0]);
+    assert!(
+        found.sentence.contains("errs least: it has 0.50 times") && found.sentence.contains("less in 2 of 2"),
+        "{}",
+        found.sentence
+    );
+    let rows = digest(&found);
+    assert_eq!(rows.iter().map(|row| row[5..].to_vec()).collect::<Vec<_>>(), [["0.50", "2", "2"], ["3.0", "0", "1"]]);
 }
 
 #[test]
@@ -203,7 +223,7 @@ fn higher_scores_are_lower_errors() {
     });
     let frame = splitsum::study::frame::Frame::new(&run, Some("psnr"));
     let found = (splitsum::study::questions::question("break-even").unwrap().answer)(&frame).unwrap();
-    assert_eq!(numbers(&found, "break_even"), [16.0]);
+    assert_eq!(numbers(&found.table, "break_even"), [16.0]);
 }
 
 #[test]
@@ -224,7 +244,7 @@ fn so_many_samples_are_held_against_the_split_sum_and_the_eye() {
         Some(Made { flip, bias_variance: Some([0.25, 0.75]), ..Made::error(scale * luck * error * set) })
     });
     let found = finding(&run, "sample-count");
-    let (counts, ratios) = (numbers(&found, "samples"), numbers(&found, "ratio"));
+    let (counts, ratios) = (numbers(&found.table, "samples"), numbers(&found.table, "ratio"));
     let at = |n: f64| -> Vec<f64> {
         let own = counts.iter().zip(&ratios).filter(|(count, _)| **count == n);
         own.map(|(_, ratio)| *ratio).collect()
@@ -233,7 +253,7 @@ fn so_many_samples_are_held_against_the_split_sum_and_the_eye() {
     let close = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < F64);
     assert!(close(&at(40.0), &[0.125, 0.5, 0.125, 0.5]), "{:?}", at(40.0));
     assert!(close(&at(30.0), &[0.5, 2.0, 0.5, 2.0]), "{:?}", at(30.0));
-    let visible: f64 = numbers(&found, "is_visible").iter().sum();
+    let visible: f64 = numbers(&found.table, "is_visible").iter().sum();
     assert_eq!(visible, 8.0, "10 and 30 samples in four cases");
     // The default of the axis is told. The geometric mean of 1/8 and 1/2 is 1/4.
     assert!(found.sentence.starts_with("At **40 samples a pixel** `sampled` has 0.25 times"), "{}", found.sentence);
@@ -254,27 +274,23 @@ fn a_change_of_sign_is_told_along_its_axis_and_not_averaged() {
         Some(Made::error(samples(point).map_or(1.0, |n| ratio * 40.0 / n)))
     });
     let found = finding(&run, "sample-count");
-    assert!(found.sentence.contains("at alpha 0.25 to 0.5 (0.25 to 0.50 times"), "{}", found.sentence);
-    assert!(found.sentence.contains("At alpha 0.05 to 0.1 it loses (2.0 to 4.0 times)."), "{}", found.sentence);
-    let all = found.digest.as_ref().unwrap().columns.iter().position(|name| name == "all").unwrap();
-    assert!(digest(&found).iter().all(|row| row[all].is_empty()), "{:?}", digest(&found));
+    let told = "at alpha 0.25 (0.50) and 0.5 (0.25). It has more at alpha 0.05 (4.0) and 0.1 (2.0).";
+    assert!(found.sentence.contains(told), "{}", found.sentence);
+    // No row has a mean over all, so that no column is left of it.
+    assert!(found.digest.as_ref().unwrap().columns.iter().all(|name| name != "all"), "{:?}", digest(&found));
 
     let run = finished(axes, |point| {
         let ratio = if point.get("environment").text() == "builtin:sky" { 2.0 } else { 0.25 };
         Some(Made::error(samples(point).map_or(1.0, |n| ratio * 40.0 / n)))
     });
     let found = finding(&run, "sample-count");
-    assert!(
-        found.sentence.contains("for studio (0.25 times") && found.sentence.contains("For sky it loses (2.0 times)."),
-        "{}",
-        found.sentence
-    );
+    assert!(found.sentence.contains("studio (0.25). It has more at environment sky (2.0)."), "{}", found.sentence);
     // Within 5 % of 1 nothing changes its sign.
     let run = finished(axes, |point| {
         let ratio = if point.get("environment").text() == "builtin:sky" { 1.02 } else { 0.5 };
         Some(Made::error(samples(point).map_or(1.0, |n| ratio * 40.0 / n)))
     });
-    assert!(!finding(&run, "sample-count").sentence.contains("loses"));
+    assert!(!finding(&run, "sample-count").sentence.contains("more"));
 }
 
 #[test]
@@ -288,8 +304,8 @@ fn runs_that_lack_something_say_less_and_do_not_fail() {
             Some(_) => Some(Made::error(f64::INFINITY)),
             None => Some(Made::error(0.2)),
         });
-    assert_eq!(numbers(&finding(&broken, "break-even"), "largest_tried"), [64.0]);
-    assert!(numbers(&finding(&broken, "break-even"), "break_even")[0].is_nan());
+    assert_eq!(numbers(&finding(&broken, "break-even").table, "largest_tried"), [64.0]);
+    assert!(numbers(&finding(&broken, "break-even").table, "break_even")[0].is_nan());
     let frame = splitsum::study::frame::Frame::new(&broken, None);
     for question in
         splitsum::study::questions::QUESTIONS.iter().filter(|question| (question.lacks)(&frame.shape).is_none())

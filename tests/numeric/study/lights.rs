@@ -60,7 +60,7 @@ fn what_the_curve_hides_is_told_by_exposure_and_contrast() {
     let finding = paper.finding("visibility");
     let digest = finding.digest.as_ref().unwrap();
     let told = |name| column(digest, name).concat();
-    assert_eq!(["most at exposure", "contrast", "mean FLIP there"].map(told), ["1", "5", "2.00"]);
+    assert_eq!(["most at exposure", "contrast", "mean FLIP there"].map(told), ["1", "5", "2"]);
     assert_eq!(told("visible at contrast 1"), "exposure 1", "the median of the three is 0.04 at 0.1");
     assert_eq!(told("visible at contrast 5"), "every tried exposure");
     let dark = only(&finding.table, &[("exposure", "0.1"), ("contrast", "1")]);
@@ -118,6 +118,19 @@ fn an_error_that_saturates_is_level_from_there() {
     }
     let finding = paper.finding("dynamic-range");
     assert_eq!(numbers(finding.digest.as_ref().unwrap(), "level from stops"), [2.0]);
+}
+
+#[test]
+fn models_of_one_light_are_told_by_their_geometric_mean() {
+    let mut paper = Paper::new(&["environment_clip_log2", "brdf", "method"]);
+    for clip in ["2", "4"] {
+        paper.clip(clip, clip.parse().unwrap());
+        for (brdf, error) in [("ggx", 1.0), ("phong", 4.0)] {
+            paper.add(&[clip, brdf, "split-sum"], error);
+        }
+    }
+    let errors = numbers(&paper.finding("dynamic-range").table, "error");
+    assert!(errors.len() == 2 && errors.iter().all(|error| (error - 2.0).abs() < F64), "{errors:?}");
 }
 
 #[test]

@@ -1,5 +1,8 @@
-//! Finished runs written on paper: errors, bins, lights and times of choice.
+//! Finished runs that were never rendered: the cells of a plan with scores by a formula, or rows with errors, bins, lights and times of choice.
 
+use crate::runner::runs;
+use splitsum::metrics::METRICS;
+use splitsum::runner::Plan;
 use splitsum::runner::axis::{AXES, Point, index_of};
 use splitsum::runner::tables::HEADLINE;
 use splitsum::runner::value::Value;
@@ -7,9 +10,88 @@ use splitsum::study::finished::{Bin, Finished, FinishedCell, Light, MetricValues
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Finding, question};
 use splitsum::study::table::{Table, shown};
+use splitsum::table::csv::Cell;
 
 /// f64 arithmetic of a few logarithms.
 pub const F64: f64 = 1e-9;
+
+/// A run without cells.
+fn empty(name: &str) -> Finished {
+    Finished {
+        dir: name.into(),
+        provenance: serde_json::json!({ "name": name, "sessions": [] }),
+        experiment: String::new(),
+        config: None,
+        cells: Vec::new(),
+        lights: Vec::new(),
+        timings: Vec::new(),
+        failures: Vec::new(),
+        is_under_way: false,
+    }
+}
+
+/// A cell without scores.
+fn cell_of(id: String, point: Point) -> FinishedCell {
+    let none = MetricValues::of(|_| None);
+    let (bias_variance, reference, bins) = (None, None, Vec::new());
+    FinishedCell { id, point, scores: None, noise_floors: none, bias_variance, reference, bins, images: None }
+}
+
+/// What an experiment file begins with.
+pub const HEAD: &str = "name = \"made\"\nsize = [16, 16]\nreference = { samples = 32 }\n[axes]\ndiffuse = [\"none\"]\n";
+
+/// What is made up about a cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Made {
+    pub error: f64,
+    pub floor: f64,
+    pub flip: f64,
+    /// Squared bias and variance.
+    pub bias_variance: Option<[f64; 2]>,
+}
+
+impl Made {
+    /// An error far above the noise, with a difference that nobody sees.
+    pub fn error(error: f64) -> Self {
+        Self { error, floor: 1e-12, flip: 0.01, bias_variance: None }
+    }
+}
+
+/// A finished run of an experiment with these lines of axes; nothing for a cell that failed.
+pub fn finished(axes: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finished {
+    let plan: Plan = runs::plan(&format!("{HEAD}{axes}"));
+    let of = |planned: &splitsum::runner::Cell| {
+        let made = cell(&planned.point);
+        let scores = |made: Made| MetricValues::of(|name| Some(if name == "flip" { made.flip } else { made.error }));
+        FinishedCell {
+            scores: made.map(scores),
+            noise_floors: MetricValues::of(|name| made.filter(|_| name != "flip").map(|made| made.floor)),
+            bias_variance: made.and_then(|made| made.bias_variance),
+            ..cell_of(planned.id.clone(), planned.point.clone())
+        }
+    };
+    let cells = plan.cells.iter().map(of).collect();
+    Finished { experiment: plan.config.text.clone(), cells, config: Some(plan.config), ..empty("made") }
+}
+
+/// Every number of the cells multiplied by a factor that hangs on the point.
+pub fn scaled(run: &mut Finished, factor: impl Fn(&Point) -> f64) {
+    let names = || METRICS.iter().map(|metric| metric.description().name);
+    for cell in &mut run.cells {
+        let factor = factor(&cell.point);
+        let by = |values: &MetricValues| {
+            assert!(
+                names().all(|name| values
+                    .get(name)
+                    .is_none_or(|value| value >= 0.0 || name == "bias_rel" || name == "ssim"))
+            );
+            MetricValues::of(|name| values.get(name).map(|value| if name == "flip" { value } else { value * factor }))
+        };
+        cell.scores = cell.scores.as_ref().map(by);
+        cell.bins.iter_mut().for_each(|bin| bin.scores = by(&bin.scores));
+        cell.bias_variance = cell.bias_variance.map(|both| both.map(|value| value * factor));
+    }
+}
 
 /// Rows with values on some axes; the others have their defaults.
 pub struct Paper {
@@ -19,18 +101,7 @@ pub struct Paper {
 
 impl Paper {
     pub fn new(axes: &'static [&'static str]) -> Self {
-        let run = Finished {
-            dir: "paper".into(),
-            provenance: serde_json::json!({ "name": "paper", "sessions": [] }),
-            experiment: String::new(),
-            config: None,
-            cells: Vec::new(),
-            lights: Vec::new(),
-            timings: Vec::new(),
-            failures: Vec::new(),
-            is_under_way: false,
-        };
-        Self { axes, run }
+        Self { axes, run: empty("paper") }
     }
 
     /// A cell with this error in the headline metric, far above its noise; an empty text leaves an axis unset.
@@ -42,14 +113,9 @@ impl Paper {
             point[axis] = if text.is_empty() { Value::Unset } else { AXES[axis].kind.parse_text(text).unwrap() };
         }
         self.run.cells.push(FinishedCell {
-            id: format!("{:04x}", self.run.cells.len()),
-            point,
             scores: Some(MetricValues::of(|name| (name == HEADLINE).then_some(error))),
             noise_floors: MetricValues::of(|name| (name == HEADLINE).then_some(1e-9)),
-            bias_variance: None,
-            reference: None,
-            bins: Vec::new(),
-            images: None,
+            ..cell_of(format!("{:04x}", self.run.cells.len()), point)
         });
         self.run.cells.last_mut().unwrap()
     }
@@ -68,11 +134,15 @@ impl Paper {
 
     /// The answer to a question.
     pub fn finding(&self, name: &str) -> Finding {
-        assert_eq!(self.lacks(name), None, "{name}");
-        let question = question(name).unwrap_or_else(|| panic!("no question {name}"));
-        let frame = Frame::new(&self.run, None);
-        (question.answer)(&frame).unwrap_or_else(|| panic!("{name} is not answered"))
+        finding(&self.run, name)
     }
+}
+
+/// The answer to a question, by its name.
+pub fn finding(run: &Finished, name: &str) -> Finding {
+    let (frame, question) = (Frame::new(run, None), question(name).unwrap_or_else(|| panic!("no question {name}")));
+    assert_eq!((question.lacks)(&frame.shape), None, "{name}");
+    (question.answer)(&frame).unwrap_or_else(|| panic!("{name} is not answered"))
 }
 
 /// Bins of a third each, with these values in a metric.
@@ -87,25 +157,27 @@ pub fn bins(metric: &str, values: &[f64]) -> Vec<Bin> {
     values.iter().enumerate().map(bin).collect()
 }
 
-/// The cells of a column, as people read them.
-pub fn column(table: &Table, name: &str) -> Vec<String> {
+/// The cells of a column.
+fn cells<'t>(table: &'t Table, name: &str) -> impl Iterator<Item = &'t Cell> {
     let place = table.columns.iter().position(|column| column == name);
     let place = place.unwrap_or_else(|| panic!("no column {name} in {:?}", table.columns));
-    table.rows.iter().map(|row| shown(&row[place])).collect()
+    table.rows.iter().map(move |row| &row[place])
+}
+
+/// As people read them; numbers with the digits that they have.
+pub fn column(table: &Table, name: &str) -> Vec<String> {
+    cells(table, name).map(|cell| if let Cell::Number(x) = cell { x.to_string() } else { shown(cell) }).collect()
 }
 
 /// The numbers of a column; NaN for an empty cell.
 pub fn numbers(table: &Table, name: &str) -> Vec<f64> {
-    use splitsum::table::csv::Cell;
-    let place = table.columns.iter().position(|column| column == name);
-    let place = place.unwrap_or_else(|| panic!("no column {name} in {:?}", table.columns));
-    let number = |row: &Vec<Cell>| match &row[place] {
+    let number = |cell: &Cell| match cell {
         Cell::Number(x) => *x,
         Cell::Integer(n) => *n as f64,
         Cell::Missing => f64::NAN,
         Cell::Text(text) => panic!("{name}: {text} is no number"),
     };
-    table.rows.iter().map(number).collect()
+    cells(table, name).map(number).collect()
 }
 
 /// The rows whose cells in these columns read so.

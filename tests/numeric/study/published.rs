@@ -1,7 +1,11 @@
-//! What the repository shows of published runs is what they say.
+//! What the repository shows of published runs is what they say, and every column is explained.
 
+use crate::runner::run::EXPERIMENT;
+use crate::runner::runs::{invoke, log, plan};
+use splitsum::runner::columns::{CELL, TABLES};
 use splitsum::study::columns;
 use splitsum::study::publish::with_answers;
+use splitsum::table::csv::Table;
 use std::path::{Path, PathBuf};
 
 fn file(name: &str) -> PathBuf {
@@ -31,4 +35,25 @@ fn the_page_of_columns_is_that_of_the_lists() {
         text("docs/columns.md") == columns::page(),
         "docs/columns.md is old; `splitsum list columns > docs/columns.md` writes it"
     );
+}
+
+#[test]
+fn every_column_of_every_table_is_explained() {
+    let text = format!("printed_slips = true\n{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n");
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&text));
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let axes = splitsum::runner::axis::Named::all().map(|axis| axis.name());
+    let metrics: Vec<&str> = splitsum::metrics::METRICS.iter().map(|metric| metric.description().name).collect();
+    let known: Vec<&str> = axes.chain(metrics.iter().copied()).chain([CELL.name]).collect();
+    for (file, columns, _) in TABLES {
+        let table = Table::read(&dir.path().join(file)).unwrap();
+        for name in &table.columns {
+            let bare = name.strip_suffix("_noise_floor").unwrap_or(name);
+            let is_told = known.contains(&bare) || columns.iter().any(|column| column.name == *name);
+            assert!(is_told, "{file}: the column {name} is not explained");
+        }
+        for column in *columns {
+            assert!(table.columns.iter().any(|name| name == column.name), "{file} has no column {}", column.name);
+        }
+    }
 }

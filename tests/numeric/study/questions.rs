@@ -1,7 +1,7 @@
 //! What every question keeps to, asked of made runs. A new question is tested by being listed.
 
-use super::made::scaled;
-use super::told::{sentences, unfounded, word_count, xml_fault};
+use super::paper::{numbers, scaled};
+use super::told::{sentences, unfounded, word_count};
 use crate::runner::runs::{finished, plan};
 use splitsum::runner::axis::{AXES, Point};
 use splitsum::runner::value::Value;
@@ -9,8 +9,7 @@ use splitsum::study::figure::svg::{WIDTHS, svg};
 use splitsum::study::figure::vega::vega;
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::{Frame, Shape};
-use splitsum::study::questions::{Finding, QUESTIONS, Question, SENTENCES_MAX, WORDS_MAX, answers_to, question};
-use splitsum::table::csv::{Cell, Table};
+use splitsum::study::questions::{Finding, QUESTIONS, Question, SENTENCES_MAX, WORDS_MAX, question};
 use std::sync::OnceLock;
 
 /// Experiments that together serve every question. Seven environments are enough for intervals.
@@ -208,7 +207,7 @@ fn every_figure_is_well_formed_and_its_cells_exist() {
     each(|run, question, finding| {
         let Some(figure) = &finding.figure else { return };
         for width in WIDTHS {
-            assert_eq!(xml_fault(&svg(figure, width)), None, "{}", question.name);
+            assert_eq!(roxmltree::Document::parse(&svg(figure, width)).err(), None, "{}", question.name);
         }
         assert!(vega(figure).is_object());
         let marks = || figure.panels.iter().flat_map(|panel| &panel.marks);
@@ -224,64 +223,13 @@ fn every_figure_is_well_formed_and_its_cells_exist() {
 }
 
 #[test]
-fn the_csv_reads_back() {
-    let dir = tempfile::tempdir().unwrap();
-    each(|_, question, finding| {
-        let path = dir.path().join("table.csv");
-        std::fs::write(&path, finding.table.csv()).unwrap();
-        let read = Table::read(&path).unwrap();
-        assert_eq!(read.columns, finding.table.columns, "{}", question.name);
-        assert_eq!(read.rows.len(), finding.table.rows.len());
-        for (fields, cells) in read.rows.iter().zip(&finding.table.rows) {
-            for (field, cell) in fields.iter().zip(cells) {
-                match cell {
-                    Cell::Missing => assert_eq!(field, ""),
-                    Cell::Text(text) => assert_eq!(field, text),
-                    Cell::Integer(n) => assert_eq!(field.parse(), Ok(*n)),
-                    Cell::Number(x) => assert_eq!(field.parse::<f64>().map(f64::to_bits), Ok(x.to_bits())),
-                }
-            }
-        }
-    });
-}
-
-#[test]
-fn a_question_is_called_like_its_file() {
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir("src/study/questions").unwrap().map(Result::unwrap) {
-        if std::fs::read_to_string(entry.path()).unwrap().contains("pub const QUESTION: Question") {
-            names.push(entry.path().file_stem().unwrap().to_string_lossy().replace('_', "-"));
-        }
-    }
-    names.sort();
-    let mut listed: Vec<&str> = QUESTIONS.iter().map(|question| question.name).collect();
-    listed.sort_unstable();
-    assert_eq!(names, listed);
-    assert!(listed.iter().all(|name| question(name).unwrap().name == *name));
-}
-
-#[test]
 fn a_failed_cell_leaves_the_others_answer() {
     for run in runs().iter().step_by(2) {
         let whole = asked(run);
         let last = run.cells.len() - 1;
         for failed in [0, run.cells.len() / 2, last] {
-            let cells = run.cells.iter().enumerate().map(|(i, cell)| {
-                let mut cell = cell.clone();
-                cell.scores = cell.scores.filter(|_| i != failed);
-                cell
-            });
-            let broken = Finished {
-                dir: run.dir.clone(),
-                provenance: run.provenance.clone(),
-                experiment: run.experiment.clone(),
-                config: run.config.clone(),
-                cells: cells.collect(),
-                lights: run.lights.clone(),
-                timings: run.timings.clone(),
-                failures: Vec::new(),
-                is_under_way: false,
-            };
+            let mut broken = run.clone();
+            broken.cells[failed].scores = None;
             let frame = Frame::new(&broken, None);
             for (question, before) in &whole {
                 let Some(after) = (question.answer)(&frame) else {
@@ -299,12 +247,17 @@ fn a_failed_cell_leaves_the_others_answer() {
 }
 
 #[test]
-fn what_is_asked_is_answered_in_that_order() {
-    let run = &runs()[0];
-    let frame = Frame::new(run, None);
-    let names =
-        |asked: &[&str]| -> Vec<&str> { answers_to(&frame, asked).iter().map(|answer| answer.question.name).collect() };
-    assert_eq!(names(&["error", "break-even"]), ["error", "break-even"]);
-    let served = QUESTIONS.iter().filter(|question| (question.lacks)(&frame.shape).is_none());
-    assert_eq!(names(&[]), served.map(|question| question.name).collect::<Vec<_>>());
+fn a_slip_changes_light_by_the_larger_quotient_of_its_two_values() {
+    let finding = (question("printed-slips").unwrap().answer)(&Frame::new(&runs()[2], None)).unwrap();
+    let [printed, right, ratio, seen] =
+        ["printed_value", "right_value", "light_ratio", "changes_light"].map(|name| numbers(&finding.table, name));
+    let costs = splitsum::slips::costs();
+    assert!(costs.len() == printed.len() && seen.contains(&0.0) && seen.contains(&1.0));
+    for (i, cost) in costs.iter().enumerate() {
+        let value = |x: f64| if x.is_finite() { x.to_bits() } else { f64::NAN.to_bits() };
+        assert_eq!([printed[i], right[i]].map(f64::to_bits), [cost.figure.printed, cost.figure.right].map(value));
+        let quotient = (printed[i] / right[i]).max(right[i] / printed[i]);
+        assert!(ratio[i].is_nan() || (ratio[i] / quotient - 1.0).abs() < 1e-12, "{}", cost.slip.printed);
+        assert_eq!(seen[i] == 1.0, ratio[i] > 1.02, "{}", cost.slip.printed);
+    }
 }

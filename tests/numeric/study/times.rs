@@ -1,20 +1,14 @@
 //! Times and what they pay for, of runs whose times are known.
 
+use super::estimate::normal;
 use super::paper::{F64, Paper, column, numbers, only};
 use crate::runner::timing_ratios::{record, swept};
 use splitsum::runner::statistics::Random;
 use splitsum::runner::timing::TimingRecord;
 use splitsum::study::frame::Frame;
 use splitsum::study::frame::band::{Level, between, crossing_interval};
-use splitsum::study::frame::times::{TimeLevel, ratio_at, time_match};
+use splitsum::study::frame::times::{TimeLevel, time_match};
 use splitsum::study::questions::question;
-use std::f64::consts::TAU;
-
-fn normal(random: &mut Random) -> f64 {
-    let mut uniform = || (random.below(1 << 53) as f64 + 0.5) / (1u64 << 53) as f64;
-    let radius = (-2.0 * uniform().ln()).sqrt();
-    radius * (TAU * uniform()).cos()
-}
 
 #[test]
 fn an_interval_of_a_crossing_covers_the_truth_as_often_as_it_says() {
@@ -62,6 +56,8 @@ fn an_interval_ends_where_the_band_meets_one_and_is_open_where_it_does_not() {
     let lucky = ends(&[level(1, -0.1, 0.2), level(4, 0.3, 0.2), level(16, -1.0, 0.2)]);
     assert!(lucky[0] == 0.0 && (4.0..16.0).contains(&lucky[1]), "{lucky:?}");
     assert_eq!(crossing_interval(&[]), None);
+    assert_eq!(between(&[(4.0, 1.0), (16.0, 4.0)], 2.0), None);
+    assert!(between(&[(4.0, 1.0), (16.0, 4.0)], 8.0).is_some_and(|y| (y - 2.0).abs() < F64));
 }
 
 #[test]
@@ -94,17 +90,6 @@ fn equal_time_is_where_the_ratio_of_times_is_one() {
     let few = TimeLevel { interval: [f64::NAN; 2], ..time(4, 2.0) };
     let found = time_match(&[time(1, 0.5), few, time(16, 8.0)]).unwrap();
     assert!((found.samples - 2.0).abs() < F64 && found.interval.is_none(), "{found:?}");
-}
-
-#[test]
-fn a_ratio_between_tried_counts_has_an_interval() {
-    let level = |samples, ratio: f64| TimeLevel { samples, ratio, interval: [ratio * 0.5, ratio * 2.0] };
-    let levels = [level(4, 1.0), level(16, 4.0)];
-    let (ratio, [lo, hi]) = ratio_at(&levels, 8.0).unwrap();
-    assert!((ratio - 2.0).abs() < F64 && (lo - 1.0).abs() < F64 && (hi - 4.0).abs() < F64, "{ratio} {lo} {hi}");
-    assert_eq!(ratio_at(&levels, 16.0), Some((4.0, [2.0, 8.0])));
-    assert_eq!(ratio_at(&levels, 20.0), None);
-    assert_eq!(between(&[(4.0, 1.0), (16.0, 4.0)], 2.0), None);
 }
 
 /// Frames of `sampled` that take as long as 1 + its count, beside one of the split sum that takes 9: 8 samples fit.
@@ -155,18 +140,16 @@ fn in_equal_time_wins_what_needs_fewer_samples_than_fit() {
         at_equal_error.iter().zip([2.0, 32.0, 8.0]).all(|(n, at)| (n / at - 1.0).abs() < 1e-6),
         "{at_equal_error:?}"
     );
-    // 65/9 at 64 and 17/9 at 16: at 32 samples the middle in logarithms.
-    let time = numbers(&finding.table, "time_ratio")[1];
-    assert!((time - (17.0f64 * 65.0).sqrt() / 9.0).abs() < 1e-6, "{time}");
     assert!(question("equal-time").unwrap().rests_on_cpu_times(&Frame::new(&paper.run, None)));
     assert!(!question("break-even").unwrap().rests_on_cpu_times(&Frame::new(&paper.run, None)));
 }
 
 #[test]
 fn point_sets_widen_what_is_undecided() {
-    // The errors meet at 16 samples, and 7.8 fit: sets that scatter by a factor of 1.05 tell, ones that scatter by 3 do not.
+    // The errors meet at 15 samples, and 7.8 fit: sets that scatter by a factor of 1.05 tell, ones that scatter by 3 do not. One set alone
+    // would say no more than between 4 and 16.
     let verdict = |spread: f64| {
-        let mut paper = errors(&[("0.5", 1.0 / 16.0)], &[("0", spread), ("1", 1.0 / spread), ("2", 1.0)]);
+        let mut paper = errors(&[("0.5", 1.0 / 15.0)], &[("0", spread), ("1", 1.0 / spread), ("2", 1.0)]);
         paper.run.timings = timed(7);
         column(&paper.finding("equal-time").table, "verdict").concat()
     };
@@ -217,20 +200,6 @@ fn ratios_are_those_of_frames_timed_together() {
     assert_eq!((numbers(&split, "ms"), column(&split, "over")), (vec![2.0; 2], vec![String::new(); 2]));
     // 2 ms of passes within 1 ms of the host's time cannot be.
     assert!(column(&finding.table, "host_check").iter().all(|check| check == "passes-exceed-wall"));
-}
-
-#[test]
-fn a_busy_host_is_named() {
-    let said = |load: f64| {
-        let mut records = swept();
-        records.iter_mut().for_each(|record| record.host[0].load_average = Some(vec![load, 1.0, 1.0]));
-        let mut paper = beside(records);
-        paper.run.provenance = serde_json::json!({ "sessions": [{ "host": { "cpu_count": 4 } }] });
-        let finding = paper.finding("frame-time");
-        assert!(numbers(&finding.table, "load").iter().all(|found| *found == load));
-        finding.sentence.contains("busy")
-    };
-    assert_eq!([said(7.9), said(8.1)], [false, true]);
 }
 
 #[test]

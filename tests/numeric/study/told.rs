@@ -4,7 +4,7 @@ use splitsum::study::questions::Finding;
 use splitsum::study::table::Table;
 use splitsum::table::csv::Cell;
 use splitsum::table::markdown::significant;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 /// The sentences of a text: each ends with a full stop before a blank or the end.
 pub fn sentences(text: &str) -> Vec<&str> {
@@ -93,95 +93,6 @@ pub fn unfounded(finding: &Finding) -> Vec<String> {
     numbers(&text).into_iter().filter(|number| !known_numbers.contains(number)).collect()
 }
 
-/// What is wrong with a document of XML: tags that do not close each other, bare `&` and `<`, attributes without quotes.
-pub fn xml_fault(text: &str) -> Option<String> {
-    let mut open: Vec<&str> = Vec::new();
-    let mut rest = text;
-    let mut roots = 0;
-    while let Some(start) = rest.find('<') {
-        if let Some(fault) = entity_fault(&rest[..start]) {
-            return Some(fault);
-        }
-        rest = &rest[start..];
-        if let Some(comment) = rest.strip_prefix("<!--") {
-            rest = &comment[comment.find("-->")? + 3..];
-            continue;
-        }
-        let Some(end) = tag_end(rest) else { return Some(format!("a tag has no end: {:.40}", rest)) };
-        let tag = &rest[1..end];
-        rest = &rest[end + 1..];
-        if tag.starts_with('?') || tag.starts_with('!') {
-            continue;
-        }
-        let name = |tag: &str| tag.split(|c: char| c.is_whitespace() || c == '/').next().unwrap_or("").len();
-        if let Some(closed) = tag.strip_prefix('/') {
-            match open.pop() {
-                Some(known) if known == closed.trim() => {}
-                other => return Some(format!("</{closed}> closes {other:?}")),
-            }
-            continue;
-        }
-        if let Some(fault) = attribute_fault(tag) {
-            return Some(fault);
-        }
-        roots += usize::from(open.is_empty());
-        if !tag.ends_with('/') {
-            open.push(&tag[..name(tag)]);
-        }
-    }
-    match (open.is_empty(), roots) {
-        (false, _) => Some(format!("not closed: {open:?}")),
-        (_, 1) => entity_fault(rest),
-        (_, roots) => Some(format!("{roots} roots")),
-    }
-}
-
-/// Where the tag ends: a `>` outside quotes.
-fn tag_end(text: &str) -> Option<usize> {
-    let mut quote = None;
-    text.char_indices().find_map(|(i, c)| {
-        match (quote, c) {
-            (None, '"' | '\'') => quote = Some(c),
-            (Some(open), c) if open == c => quote = None,
-            (None, '>') => return Some(i),
-            _ => {}
-        }
-        None
-    })
-}
-
-fn attribute_fault(tag: &str) -> Option<String> {
-    let mut names = BTreeSet::new();
-    let mut rest = tag[tag.find(char::is_whitespace)?..].trim_end_matches('/').trim();
-    while !rest.is_empty() {
-        let Some((name, value)) = rest.split_once('=') else {
-            return Some(format!("{rest:?} has no value in <{tag}>"));
-        };
-        if !names.insert(name.trim()) {
-            return Some(format!("{name} twice in <{tag}>"));
-        }
-        let quote = value.chars().next().filter(|c| ['"', '\''].contains(c));
-        let Some(quote) = quote else { return Some(format!("{name} without quotes in <{tag}>")) };
-        let Some((value, after)) = value[1..].split_once(quote) else { return Some(format!("{name} is cut off")) };
-        if value.contains('<') {
-            return Some(format!("< in {name}"));
-        }
-        if let Some(fault) = entity_fault(value) {
-            return Some(fault);
-        }
-        rest = after.trim();
-    }
-    None
-}
-
-fn entity_fault(text: &str) -> Option<String> {
-    let is_entity = |part: &str| {
-        part.split_once(';')
-            .is_some_and(|(name, _)| !name.is_empty() && name.chars().all(|c| c == '#' || c.is_alphanumeric()))
-    };
-    text.split('&').skip(1).find(|part| !is_entity(part)).map(|part| format!("a bare & before {part:.20}"))
-}
-
 #[test]
 fn numbers_are_found_as_they_are_written() {
     let found =
@@ -212,25 +123,4 @@ fn what_no_table_says_is_found() {
     assert!(says("Of 3 rows 2 alphas.").is_empty(), "counts of rows and of distinct values");
     assert_eq!(says("0.13 and 95 and 0.5 and 7 and 1.3e-5"), ["0.13", "0.5", "7", "1.3e-5"]);
     assert_eq!(says("95 of 100"), ["100"], "95 stands in the table's own words");
-}
-
-#[test]
-fn faults_of_xml_are_found() {
-    for good in ["<a/>", "<?xml v?><a b=\"1\"><c d='>'/>x &amp; y &#183;</a>", "<a><!-- <b> --></a>\n"] {
-        assert_eq!(xml_fault(good), None, "{good}");
-    }
-    for bad in [
-        "<a>",
-        "<a></b>",
-        "<a/><b/>",
-        "<a b=1/>",
-        "<a>x & y</a>",
-        "<a b=\"<\"/>",
-        "<a b/>",
-        "<a b='1' b='2'/>",
-        "x",
-        "<a",
-    ] {
-        assert!(xml_fault(bad).is_some(), "{bad}");
-    }
 }

@@ -1,0 +1,137 @@
+//! Figures of questions: small multiples whose panels share their scales, and maps of tiles.
+
+use crate::study::figure::{Figure, Mark, Panel, Ramp, Scale, Series, Shape as Form};
+use crate::study::frame::Row;
+
+/// Panels of a figure; the table has the others.
+const PANELS_MAX: usize = 12;
+
+/// A direction of a chart with its label.
+pub enum Along<'n> {
+    Log(&'n str),
+    Linear(&'n str),
+    Steps(&'n str, Vec<String>),
+}
+
+impl Along<'_> {
+    /// Around these coordinates of marks.
+    fn scale(self, values: impl Iterator<Item = f64>) -> Option<Scale> {
+        match self {
+            Self::Log(label) => Scale::log(label, values),
+            Self::Linear(label) => Scale::linear(label, values),
+            Self::Steps(label, names) => Some(Scale::steps(label, names)),
+        }
+    }
+}
+
+/// Panels with common scales around all their marks.
+pub struct Chart<'n> {
+    pub title: &'n str,
+    pub note: String,
+    pub x: Along<'n>,
+    pub y: Along<'n>,
+    /// Title and marks of each.
+    pub panels: Vec<(String, Vec<Mark>)>,
+    pub series: Vec<String>,
+}
+
+impl Chart<'_> {
+    /// Nothing without a mark that has a place.
+    pub fn figure(mut self) -> Option<Figure> {
+        let all = self.panels.len();
+        self.panels.truncate(PANELS_MAX);
+        if all > PANELS_MAX {
+            self.note += &format!("; the first {PANELS_MAX} of {all} panels");
+        }
+        let ends =
+            |i: usize| self.panels.iter().flat_map(|(_, marks)| marks).flat_map(move |mark| reach(mark)[i].clone());
+        let [xs, ys] = [0, 1].map(|i| ends(i).collect::<Vec<f64>>());
+        let (x, y) = (self.x.scale(xs.into_iter())?, self.y.scale(ys.into_iter())?);
+        let panel = |(title, marks): (String, Vec<Mark>)| Panel { title, x: x.clone(), y: y.clone(), marks };
+        Some(Figure {
+            title: self.title.to_owned(),
+            note: self.note,
+            panels: self.panels.into_iter().map(panel).collect(),
+            series: self.series.into_iter().map(|name| Series { name, is_dashed: false }).collect(),
+            ramp: None,
+        })
+    }
+}
+
+/// Where a mark lies, by direction.
+fn reach(mark: &Mark) -> [Vec<f64>; 2] {
+    match &mark.shape {
+        Form::Line(points) => [0, 1].map(|i| points.iter().map(|point| point[i]).collect()),
+        Form::Dot(at) => at.map(|x| vec![x]),
+        Form::Whisker(a, b) => [0, 1].map(|i| vec![a[i], b[i]]),
+        Form::HorizontalBar { y, base, to } => [vec![*base, *to], vec![*y]],
+        Form::HorizontalRule(y) => [Vec::new(), vec![*y]],
+        Form::VerticalRule(x) => [vec![*x], Vec::new()],
+        Form::Tile { .. } => [Vec::new(), Vec::new()],
+    }
+}
+
+/// A dot with words, and a link to the image that it stands for.
+pub fn dot(at: [f64; 2], series: usize, tip: String, row: &Row) -> Mark {
+    Mark::new(Form::Dot(at), series).tip(tip).cell(&row.cell.id)
+}
+
+/// The image to which a mark of several leads: none, unless it is alone.
+pub fn only(rows: &[&Row]) -> Option<String> {
+    if let [only] = rows { Some(only.cell.id.clone()) } else { None }
+}
+
+/// Dots of one series, joined by a line.
+pub fn joined(dots: Vec<Mark>) -> Vec<Mark> {
+    let place = |mark: &Mark| if let Form::Dot(at) = mark.shape { Some(at) } else { None };
+    let line = Mark { series: dots.first().and_then(|dot| dot.series), ..Mark::neutral(Form::Line(Vec::new())) };
+    let points = dots.iter().filter_map(place).collect();
+    std::iter::once(Mark { shape: Form::Line(points), ..line }).chain(dots).collect()
+}
+
+/// The place of a value among the steps of a scale; NaN, which is not drawn, where it is none of them.
+pub fn step<T: PartialEq>(steps: &[T], value: &T) -> f64 {
+    steps.iter().position(|step| step == value).map_or(f64::NAN, |place| place as f64)
+}
+
+/// One number at a step of x and a step of y.
+pub struct Tile {
+    pub panel: String,
+    pub at: [usize; 2],
+    pub value: f64,
+    pub text: String,
+    pub tip: String,
+    /// See [`only`].
+    pub cell: Option<String>,
+}
+
+/// Tiles by panel, coloured by their logarithm. The colours part at `middle`.
+pub fn tiles(
+    title: &str,
+    note: String,
+    [x, y]: [(&str, Vec<String>); 2],
+    tiles: Vec<Tile>,
+    (label, middle): (&str, Option<f64>),
+) -> Option<Figure> {
+    let values = || tiles.iter().map(|tile| tile.value).filter(|value| *value > 0.0).chain(middle);
+    let (lo, hi) = (values().reduce(f64::min)?, values().reduce(f64::max)?);
+    let mark = |tile: Tile| {
+        let [x, y] = tile.at;
+        let shape = Form::Tile { x, y, value: Some(tile.value), text: tile.text };
+        Mark { cell: tile.cell, ..Mark::neutral(shape).tip(tile.tip) }
+    };
+    let panels = crate::study::frame::grouped(tiles, |tile| tile.panel.clone());
+    let panel = |(title, own): (String, Vec<Tile>)| Panel {
+        title,
+        x: Scale::steps(x.0, x.1.clone()),
+        y: Scale::steps(y.0, y.1.clone()),
+        marks: own.into_iter().map(mark).collect(),
+    };
+    Some(Figure {
+        title: title.to_owned(),
+        note,
+        panels: panels.into_iter().map(panel).collect(),
+        series: Vec::new(),
+        ramp: Some(Ramp { label: label.to_owned(), lo, hi, is_log: true, middle }),
+    })
+}
