@@ -9,6 +9,7 @@
 //! | `selected/method.glsl` | `shade/method/` |
 //! | `selected/diffuse.glsl` | `shade/diffuse/` |
 //! | `selected/lobe.glsl` | `shade/lobe/` |
+//! | `selected/map_layout.glsl` | `map_layout/` |
 //!
 //! The entry points in `page/` are for the report's page: they include the same libraries, but become GLSL ES 3.00 texts, one for
 //! each permutation, which the page's own compiler takes.
@@ -27,11 +28,12 @@ mod constants;
 mod layout;
 
 /// Where the candidates of each `selected/` include live.
-const SELECTIONS: [(&str, &str); 4] = [
+const SELECTIONS: [(&str, &str); 5] = [
     ("selected/brdf.glsl", "brdf"),
     ("selected/method.glsl", "shade/method"),
     ("selected/diffuse.glsl", "shade/diffuse"),
     ("selected/lobe.glsl", "shade/lobe"),
+    ("selected/map_layout.glsl", "map_layout"),
 ];
 
 /// Files and folders of `src` whose code makes no number that the device returns: what is done with its results, the f64 twins, and the

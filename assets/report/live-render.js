@@ -54,9 +54,9 @@ export class LiveRender {
     const { gl } = this;
     this.wanted = view;
     const [environment, map, dfg, ...parts] = await Promise.all([
-      this.keep(`environment ${view.env}`, () => loadChain(gl, light.levels, true)),
-      this.keep(`prefiltered ${view.env} ${lobe.brdf}`, () => loadChain(gl, prefiltered.levels, true)),
-      this.keep(`dfg ${view.lobe}`, () => loadChain(gl, [lobe.dfg], false)),
+      this.keep(`environment ${view.env}`, () => loadChain(gl, light.levels, light.layout)),
+      this.keep(`prefiltered ${view.env} ${lobe.brdf}`, () => loadChain(gl, prefiltered.levels, light.layout)),
+      this.keep(`dfg ${view.lobe}`, () => loadChain(gl, [lobe.dfg])),
       ...shape.parts.map((part, i) => this.keep(`part ${view.model} ${i}`, () => loadPart(gl, part))),
     ]);
     // A later call has overtaken this one.
@@ -126,10 +126,7 @@ export class LiveRender {
     const values = {
       eye: view.shape.camera.is_perspective ? [...camera.eye, 1] : [...camera.back, 0],
       ...{ width, height, sample_count: sampleCount, point_count: pointCount },
-      // The renderer's levels are those of the whole environment; the page's may begin later.
-      environment_width: view.light.size[0],
-      environment_height: view.light.size[1],
-      lod_bias: bias - view.light.first_level,
+      lod_bias: bias,
       prefilter_level_count: view.levelCount,
       environment_scale: view.brightness * view.light.scale,
     };
@@ -191,7 +188,7 @@ export class LiveRender {
   /** What the passes after the g-buffer read. */
   get inputs() {
     const { environment, prefiltered, dfg } = this.view;
-    return { ...this.targets.gbuffer.named, environment, prefiltered, dfg };
+    return { ...this.targets.gbuffer.named, filtered_environment: environment, prefiltered, dfg };
   }
 
   /** Everything but the samples. */
@@ -203,7 +200,7 @@ export class LiveRender {
     const half = Math.tan((lightTables().fov_deg * Math.PI) / 360);
     const extent = view.shape.camera.is_perspective ? camera.extent : [(half * width) / height, half];
     const row = (axis, by) => [...this.turned(axis.map((side) => side * by)), 0];
-    this.pass("surround", targets.surround, this.inputs, {
+    this.pass(`surround:${view.light.layout}`, targets.surround, this.inputs, {
       ...this.params(),
       "background.right": row(camera.right, extent[0]),
       "background.up": row(camera.up, extent[1]),
@@ -214,7 +211,7 @@ export class LiveRender {
       has_diffuse: view.diffuse,
       coefficients: view.light.sh9.flatMap((c) => [...c, 0]),
     });
-    this.pass("split_sum", targets.split, this.inputs, this.params());
+    this.pass(`split_sum:${view.light.layout}`, targets.split, this.inputs, this.params());
   }
 
   /** Adds `count` samples of a way to those that are done. */
@@ -226,7 +223,7 @@ export class LiveRender {
       so_far: targets[way].named.color,
     };
     const values = this.params(way === "sampled" ? view.bias : 0, this.total(way), count);
-    this.pass(`sampled:${view.lobe.brdf}`, targets.spare, textures, { ...values, first_sample: done[way] });
+    this.pass(`sampled:${view.light.layout}:${view.lobe.brdf}`, targets.spare, textures, { ...values, first_sample: done[way] });
     [targets[way], targets.spare] = [targets.spare, targets[way]];
     done[way] += count;
     if (way === "reference" && ENDS.includes(2 * done.reference)) this.keepHalf();

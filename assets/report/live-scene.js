@@ -20,22 +20,29 @@ export function cameraOf({ camera, low, high }, { yaw, pitch, distance }, width,
   return { right, up, back, forward: back.map((side) => -side), eye, extent: [(half * width) / height, half], depth };
 }
 
-/** Packed levels as one trilinear texture; u repeats on an equirectangular map, as in the renderer. */
-export async function loadChain(gl, levels, wraps) {
+/** Packed levels as one trilinear texture by a map layout: the faces of a cube stand below each other, and u of a lat-long map repeats. */
+export async function loadChain(gl, levels, layout = "") {
   const images = await Promise.all(levels.map(({ size, base64 }) => decode(base64, size[0], size[1])));
+  const isCube = layout === "cube";
+  const target = isCube ? gl.TEXTURE_CUBE_MAP : gl.TEXTURE_2D;
+  const faces = isCube ? [0, 1, 2, 3, 4, 5].map((face) => gl.TEXTURE_CUBE_MAP_POSITIVE_X + face) : [target];
   const texture = gl.createTexture();
   gl.activeTexture(gl.TEXTURE0);
-  gl.bindTexture(gl.TEXTURE_2D, texture);
-  gl.texStorage2D(gl.TEXTURE_2D, images.length, gl.RGBA16F, images[0].width, images[0].height);
-  images.forEach(({ width, height, rgba }, level) =>
-    gl.texSubImage2D(gl.TEXTURE_2D, level, 0, 0, width, height, gl.RGBA, gl.HALF_FLOAT, rgba),
-  );
+  gl.bindTexture(target, texture);
+  gl.texStorage2D(target, images.length, gl.RGBA16F, images[0].width, images[0].height / faces.length);
+  images.forEach(({ width, height, rgba }, level) => {
+    const [rows, size] = [height / faces.length, rgba.length / faces.length];
+    faces.forEach((face, i) => {
+      const texels = rgba.subarray(i * size, (i + 1) * size);
+      gl.texSubImage2D(face, level, 0, 0, width, rows, gl.RGBA, gl.HALF_FLOAT, texels);
+    });
+  });
   const minified = images.length > 1 ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR;
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, minified);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, wraps ? gl.REPEAT : gl.CLAMP_TO_EDGE);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
-  return texture;
+  gl.texParameteri(target, gl.TEXTURE_MIN_FILTER, minified);
+  gl.texParameteri(target, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
+  gl.texParameteri(target, gl.TEXTURE_WRAP_S, layout === "equirect" ? gl.REPEAT : gl.CLAMP_TO_EDGE);
+  gl.texParameteri(target, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+  return Object.assign(texture, { target });
 }
 
 /** The triangles of a part of a model: {vertices, count}. */

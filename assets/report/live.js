@@ -254,8 +254,7 @@ class Live {
     this.parts.legend.hidden = mode === "image";
     if (mode !== "image") fillErrorLegend(this.parts.legend, mode === "signed", false);
     const [width, height] = light.levels[0].size;
-    const isCoarse = `environment at ${width} × ${height} of ${light.size[0]} × ${light.size[1]}`;
-    say(this.parts.caption, light.first_level ? isCoarse : "");
+    say(this.parts.caption, `environment: layout ${light.layout}, ${width} × ${height} texels`);
   }
 
   /** Handles a key; true when it was one of the view's. */

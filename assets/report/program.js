@@ -73,7 +73,7 @@ export function useProgram(gl, { program, set }, target, textures, values) {
   gl.viewport(0, 0, target.width, target.height);
   Object.entries(textures).forEach(([sampler, texture], unit) => {
     gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.bindTexture(texture.target ?? gl.TEXTURE_2D, texture);
     set[sampler]?.(unit);
   });
   for (const [name, value] of Object.entries(values)) set[name]?.(value);

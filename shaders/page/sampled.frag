@@ -1,9 +1,9 @@
 // Adds the params.point_count samples from first_sample on of the method `sampled` to the specular term of one pixel of the live view.
 // The table may hold the points in any order: their sum is the same.
 #include "page/surface.glsl"
-#include "lib/importance_sampling.glsl"
+#include "selected/map_layout.glsl"
 
-uniform sampler2D environment;
+uniform FILTERED_MAP filtered_environment;
 // One row of sample points (lib/sampling.glsl).
 uniform sampler2D points;
 // The samples before first_sample.
@@ -16,11 +16,13 @@ vec4 sample_point(uint i) {
     return texelFetch(points, ivec2(int(first_sample + i), 0), 0);
 }
 
+#include "shade/method/sampled.glsl"
+
 void main() {
     specular = first_sample == 0u ? vec4(0.0) : texelFetch(so_far, ivec2(gl_FragCoord.xy), 0);
     Surface s;
     if (surface_here(s)) {
         Surface local = surface_in_environment(s, params);
-        specular.rgb += params.environment_scale * importance_sampled_radiance(local, environment, params, true);
+        specular.rgb += params.environment_scale * specular_radiance(local);
     }
 }

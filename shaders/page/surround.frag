@@ -1,13 +1,13 @@
 // What both methods of the live view share: the diffuse term on the surface (`sh9`, or none), the environment where nothing is hit.
 #include "lib/camera.glsl"
 #include "lib/diffuse.glsl"
-#include "lib/equirect.glsl"
+#include "selected/map_layout.glsl"
 #include "page/surface.glsl"
 #include "shade/diffuse/sh9.glsl"
 
 uniform BackgroundParams background;
 uniform bool has_diffuse;
-uniform sampler2D environment;
+uniform FILTERED_MAP filtered_environment;
 uniform sampler2D dfg;
 uniform vec4 coefficients[SH9_COUNT];
 
@@ -19,10 +19,10 @@ void main() {
     if (!surface_here(s)) {
         vec3 d = ray_direction(uvec2(gl_FragCoord.xy), uvec2(background.width, background.height), background.right.xyz,
                                background.up.xyz, background.forward.xyz);
-        radiance.rgb = background.environment_scale * textureLod(environment, uv_from_direction(d), 0.0).rgb;
+        radiance.rgb = background.environment_scale * map_radiance(filtered_environment, map_place(d), 0.0);
     } else if (has_diffuse) {
         // The method reads no map.
-        vec3 irradiance = irradiance_over_pi(environment_from_world(s.n, params), environment, coefficients);
+        vec3 irradiance = irradiance_over_pi(environment_from_world(s.n, params), filtered_environment, coefficients);
         radiance.rgb = params.environment_scale * diffuse_albedo(s, dfg, params.flags) * irradiance;
     }
 }

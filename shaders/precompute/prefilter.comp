@@ -3,8 +3,8 @@
 // each lookup from the level at which a texel covers the sample's solid angle. Below ALPHA_MIN: the mirror, filtered to
 // the texel's size.
 // A dispatch adds the samples of its points: until the last of them the texel holds sum L (n.l) and, in a, sum (n.l).
-// Set 0: 0 environment with its mips; 1 the level (rgba32f); 2 sample points of this dispatch (lib/sampling.glsl).
-// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
+// Set 0: 0 the environment's filtered levels; 1 the level (rgba32f), a layer a face; 2 sample points of this dispatch (lib/sampling.glsl).
+// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) x faces groups, from row first_row on.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -18,8 +18,8 @@ layout(push_constant) uniform Push {
     PrefilterParams params;
 };
 
-layout(set = 0, binding = 0) uniform sampler2D environment;
-layout(rgba32f, set = 0, binding = 1) uniform image2D level;
+layout(set = 0, binding = 0) uniform FILTERED_MAP environment;
+layout(rgba32f, set = 0, binding = 1) uniform image2DArray level;
 layout(std140, set = 0, binding = 2) uniform Points {
     vec4 points[POINTS_PER_DISPATCH];
 };
@@ -29,24 +29,24 @@ vec4 sample_point(uint i) {
 }
 
 void main() {
-    uvec2 texel = gl_GlobalInvocationID.xy + uvec2(0u, params.first_row);
+    uvec3 texel = gl_GlobalInvocationID + uvec3(0u, params.first_row, 0u);
     uvec2 size = uvec2(params.width, params.height);
     if (texel.x >= size.x || texel.y >= size.y) {
         return;
     }
-    vec3 r = direction_from_uv(uv_from_texel(texel, size));
+    vec3 r = direction_from_texel(texel, vec2(0.5), vec2(size));
     vec4 sum;
     if (params.alpha < ALPHA_MIN) {
         sum = vec4(mirror_radiance(r, environment, params), 1.0);
     } else {
         sum = lobe_sum(r, environment, params);
         if (params.first_point > 0u) {
-            sum += imageLoad(level, ivec2(texel));
+            sum += imageLoad(level, ivec3(texel));
         }
         if (params.first_point + params.point_count == params.sample_count) {
             // Every sample can fall below the horizon at large alpha and small counts.
             sum = vec4(sum.a > 0.0 ? sum.rgb / sum.a : mirror_radiance(r, environment, params), 1.0);
         }
     }
-    imageStore(level, ivec2(texel), sum);
+    imageStore(level, ivec3(texel), sum);
 }

@@ -9,6 +9,7 @@
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"
 #include "lib/equirect.glsl"
+#include "lib/filtering.glsl"
 
 layout(local_size_x = GROUP_LINEAR) in;
 

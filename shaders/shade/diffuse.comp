@@ -9,6 +9,7 @@
 #include "generated/layout.glsl"
 #include "lib/diffuse.glsl"
 #include "lib/surface.glsl"
+#include "selected/map_layout.glsl"
 #include "selected/diffuse.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
@@ -21,7 +22,7 @@ layout(set = 0, binding = 0) uniform sampler2D gbuffer_position;
 layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
 layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
-layout(set = 0, binding = 4) uniform sampler2D irradiance_map;
+layout(set = 0, binding = 4) uniform FILTERED_MAP irradiance_map;
 layout(set = 0, binding = 5) uniform sampler2D dfg;
 layout(std430, set = 0, binding = 6) readonly buffer Coefficients {
     vec4 coefficients[SH9_COUNT];

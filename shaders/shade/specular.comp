@@ -1,7 +1,7 @@
 // One invocation adds the specular image-based radiance of one pixel, or what this dispatch's points give of it; pixels with mask 0 are left alone.
 // Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 environment
-// with its mips; 5 prefiltered map with its levels; 6 DFG table; 7 sample points of this dispatch (lib/sampling.glsl); 8 radiance, a
-// vec4 a pixel, row-major.
+// with its mips; 5 its filtered levels; 6 prefiltered map with its levels; 7 DFG table; 8 sample points of this dispatch
+// (lib/sampling.glsl); 9 radiance, a vec4 a pixel, row-major.
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -9,7 +9,7 @@
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"
 #include "lib/surface.glsl"
-#include "selected/method.glsl"
+#include "selected/map_layout.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 
@@ -22,18 +22,22 @@ layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
 layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
 layout(set = 0, binding = 4) uniform sampler2D environment;
-layout(set = 0, binding = 5) uniform sampler2D prefiltered;
-layout(set = 0, binding = 6) uniform sampler2D dfg;
-layout(std140, set = 0, binding = 7) uniform Points {
+layout(set = 0, binding = 5) uniform FILTERED_MAP filtered_environment;
+layout(set = 0, binding = 6) uniform FILTERED_MAP prefiltered;
+layout(set = 0, binding = 7) uniform sampler2D dfg;
+layout(std140, set = 0, binding = 8) uniform Points {
     vec4 points[POINTS_PER_DISPATCH];
 };
-layout(std430, set = 0, binding = 8) buffer Radiance {
+layout(std430, set = 0, binding = 9) buffer Radiance {
     vec4 radiance[];
 };
 
 vec4 sample_point(uint i) {
     return points[i];
 }
+
+// Outgoing specular radiance, for environment radiance as stored; the method reads the bindings above.
+#include "selected/method.glsl"
 
 void main() {
     uvec2 pixel = gl_GlobalInvocationID.xy + uvec2(0u, params.first_row);
@@ -47,6 +51,6 @@ void main() {
         return;
     }
     Surface s = surface_in_environment(world, params);
-    vec3 specular = params.environment_scale * specular_radiance(s, environment, prefiltered, dfg, params);
+    vec3 specular = params.environment_scale * specular_radiance(s);
     radiance[pixel.y * params.width + pixel.x] += vec4(specular, 0.0);
 }

@@ -2,6 +2,7 @@
 
 use super::{Failure, print, print_data};
 use clap::{Args, ValueEnum};
+use splitsum::environment::layout::LAYOUTS;
 use splitsum::environment::{BUILTINS, FORMATS};
 use splitsum::math::sequence::SEQUENCES;
 use splitsum::runner::axis::Named;
@@ -31,6 +32,8 @@ enum What {
     Metrics,
     Axes,
     Sequences,
+    /// Layouts of filtered maps.
+    Layouts,
     LevelBiases,
     Questions,
     /// The text of docs/columns.md.
@@ -54,6 +57,7 @@ fn listing(what: What) -> String {
     match what {
         What::Methods => shade::METHODS.iter().for_each(|method| add(method.name, method.about)),
         What::Diffuse => shade::DIFFUSE.iter().for_each(|diffuse| add(diffuse.name, diffuse.about)),
+        What::Layouts => LAYOUTS.iter().for_each(|layout| add(layout.name, layout.about)),
         What::Models => brdf::MODELS.iter().for_each(|model| add(model.name(), model.about())),
         What::Environments => {
             for builtin in BUILTINS {

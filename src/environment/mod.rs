@@ -14,6 +14,7 @@ use crate::pixels::lookup::{Wrap, bilinear};
 use glam::DVec3;
 
 pub mod distribution;
+pub mod layout;
 
 /// A distant environment: an equirectangular map of linear radiance (see `math::equirect`), looked up bilinearly.
 #[derive(Clone, Debug)]

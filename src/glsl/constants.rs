@@ -37,6 +37,11 @@ constants! {
     GROUP_SIDE: u32 = 8;
     /// Invocations of a linear work group (reductions, probes).
     GROUP_LINEAR: u32 = 64;
+    /// How far the level of a lookup in a cube map is softened at its edges: 1/sr of the squared difference of two components of a
+    /// direction. By trial: 0 lets a lamp on a corner lose 11 % by 40 samples, 3 leaves 1 %.
+    EDGE_SOFTNESS: f32 = 3.0;
+    /// Cells of a filtered map's texel, a side, by which it takes the mean of the environment.
+    RESAMPLE_SIDE: u32 = 4;
     /// Sample points that one dispatch reads: as a uniform block 16 KiB, the least that every device allows.
     POINTS_PER_DISPATCH: u32 = 1024;
     /// Cells of an environment, by columns and by bands, among which the reference chooses by the lobe of each pixel.

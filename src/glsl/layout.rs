@@ -65,6 +65,15 @@ shared_structs! {
         width: uint,
         height: uint,
     }
+    /// Push constants of the finest level of a filtered map.
+    ResampleParams {
+        source_width: uint,
+        source_height: uint,
+        width: uint,
+        height: uint,
+        /// First row of this dispatch.
+        first_row: uint,
+    }
     /// Push constants of the SH9 projection.
     Sh9Params {
         width: uint,

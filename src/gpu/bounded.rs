@@ -14,6 +14,12 @@ pub fn image_groups(width: u32, row_count: u32) -> [u32; 3] {
     [width.div_ceil(GROUP_SIDE), row_count.div_ceil(GROUP_SIDE), 1]
 }
 
+/// Work groups over a band of rows of each face.
+pub fn face_groups(width: u32, row_count: u32, face_count: u32) -> [u32; 3] {
+    let [x, y, _] = image_groups(width, row_count);
+    [x, y, face_count]
+}
+
 impl Gpu {
     /// Bands of whole rows such that one band of `samples_per_row` samples a row stays within one submission's budget.
     /// A band is a multiple of a work group's height, except for the last.

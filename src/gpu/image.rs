@@ -56,7 +56,7 @@ impl Format {
     }
 }
 
-/// A two-dimensional image. Clones share it.
+/// A two-dimensional image, or the six faces of a cube in the order of Vulkan. Clones share it.
 #[derive(Clone)]
 pub struct Image {
     pub(super) inner: Arc<Inner>,
@@ -66,9 +66,10 @@ pub(super) struct Inner {
     pub(super) raw: vk::Image,
     pub(super) format: Format,
     pub(super) size: [u32; 2],
+    pub(super) face_count: u32,
     pub(super) states: Mutex<Vec<State>>,
     name: String,
-    views: Mutex<HashMap<(u32, u32), vk::ImageView>>,
+    views: Mutex<HashMap<(u32, u32, vk::ImageViewType), vk::ImageView>>,
     /// Freed after the image. `None` only while it is made.
     memory: Option<Memory>,
     device: Arc<Shared>,
@@ -80,6 +81,11 @@ impl Image {
         self.inner.size.map(|side| (side >> mip).max(1))
     }
 
+    /// Images that one level consists of: 1, or the 6 of a cube.
+    pub fn face_count(&self) -> u32 {
+        self.inner.face_count
+    }
+
     /// Number of levels.
     pub fn mip_count(&self) -> u32 {
         lock(&self.inner.states).len() as u32
@@ -87,28 +93,38 @@ impl Image {
 }
 
 impl Inner {
-    /// A view of the levels `mips`, made once.
+    /// A view of the levels `mips`, made once: a plane, or a cube across whose edges the hardware filters.
     pub(super) fn view(&self, mips: Range<u32>) -> Result<vk::ImageView, GpuError> {
+        self.view_as(mips, if self.face_count == 6 { vk::ImageViewType::CUBE } else { vk::ImageViewType::TYPE_2D })
+    }
+
+    /// A view of one level whose layers are its faces.
+    pub(super) fn faces(&self, mip: u32) -> Result<vk::ImageView, GpuError> {
+        self.view_as(mip..mip + 1, vk::ImageViewType::TYPE_2D_ARRAY)
+    }
+
+    fn view_as(&self, mips: Range<u32>, view_type: vk::ImageViewType) -> Result<vk::ImageView, GpuError> {
         let mut views = lock(&self.views);
-        if let Some(&view) = views.get(&(mips.start, mips.end)) {
+        let key = (mips.start, mips.end, view_type);
+        if let Some(&view) = views.get(&key) {
             return Ok(view);
         }
         let info = vk::ImageViewCreateInfo::default()
             .image(self.raw)
-            .view_type(vk::ImageViewType::TYPE_2D)
+            .view_type(view_type)
             .format(self.format.raw())
             .subresource_range(vk::ImageSubresourceRange {
                 aspect_mask: self.format.aspect(),
                 base_mip_level: mips.start,
                 level_count: mips.end - mips.start,
                 base_array_layer: 0,
-                layer_count: 1,
+                layer_count: self.face_count,
             });
         // SAFETY: the image is alive and has these levels.
         let view = unsafe { self.device.raw.create_image_view(&info, None) }
             .map_err(GpuError::call("vkCreateImageView", &self.name))?;
         self.device.set_name(view, &format!("{} {mips:?}", self.name));
-        views.insert((mips.start, mips.end), view);
+        views.insert(key, view);
         Ok(view)
     }
 }
@@ -127,6 +143,18 @@ impl Drop for Inner {
 impl Gpu {
     /// An image with undefined contents.
     pub fn image(&self, name: &str, size: [u32; 2], mip_count: u32, format: Format) -> Result<Image, GpuError> {
+        self.faced_image(name, size, 1, mip_count, format)
+    }
+
+    /// An image of 1 face or of the 6 of a cube, with undefined contents.
+    pub fn faced_image(
+        &self,
+        name: &str,
+        size: [u32; 2],
+        face_count: u32,
+        mip_count: u32,
+        format: Format,
+    ) -> Result<Image, GpuError> {
         let device = &self.shared;
         let limit = self.max_image_side();
         if let Some(&side) = size.iter().find(|&&side| side == 0 || side > limit) {
@@ -137,12 +165,14 @@ impl Gpu {
             mip_count >= 1 && mip_count <= 32 - size[0].max(size[1]).leading_zeros(),
             "'{name}': {mip_count} levels of a {size:?} image"
         );
+        let is_cube = face_count == 6;
         let info = vk::ImageCreateInfo::default()
+            .flags(if is_cube { vk::ImageCreateFlags::CUBE_COMPATIBLE } else { vk::ImageCreateFlags::empty() })
             .image_type(vk::ImageType::TYPE_2D)
             .format(format.raw())
             .extent(vk::Extent3D { width: size[0], height: size[1], depth: 1 })
             .mip_levels(mip_count)
-            .array_layers(1)
+            .array_layers(face_count)
             .samples(vk::SampleCountFlags::TYPE_1)
             .usage(format.usage());
         // SAFETY: the device is alive and the description is complete.
@@ -152,6 +182,7 @@ impl Gpu {
             raw,
             format,
             size,
+            face_count,
             states: Mutex::new(vec![State::NEW; mip_count as usize]),
             name: name.into(),
             views: Mutex::new(HashMap::new()),
@@ -170,14 +201,17 @@ impl Gpu {
         Ok(Image { inner: Arc::new(inner) })
     }
 
-    /// Fills level `mip` of a colour image; halves are rounded to the nearest, ties to even.
+    /// Fills level `mip` of a colour image, face by face; halves are rounded to the nearest, ties to even.
     pub fn write_image(&self, image: &Image, mip: u32, texels: &[[f32; 4]]) -> Result<(), GpuError> {
         let [width, height] = image.mip_size(mip);
-        assert_eq!(texels.len(), width as usize * height as usize, "texels of '{}'", image.inner.name);
+        let face_texels = width as usize * height as usize;
+        assert_eq!(texels.len(), face_texels * image.face_count() as usize, "texels of '{}'", image.inner.name);
         let rows_at_a_time = (STAGED_TEXELS / width).clamp(1, height);
-        for (first, texels) in
-            (0..height).step_by(rows_at_a_time as usize).zip(texels.chunks(rows_at_a_time as usize * width as usize))
-        {
+        let bands = texels.chunks(face_texels).zip(0..).flat_map(|(texels, face)| {
+            let rows = (0..height).step_by(rows_at_a_time as usize);
+            rows.zip(texels.chunks(rows_at_a_time as usize * width as usize)).map(move |band| (face, band))
+        });
+        for (face, (first, texels)) in bands {
             let halves: Vec<[u16; 4]>;
             let bytes = match image.inner.format {
                 Format::Rgba16Float => {
@@ -189,18 +223,19 @@ impl Gpu {
             let staging = self.staging_from(&image.inner.name, bytes)?;
             let mut recorder = self.record(&image.inner.name)?;
             let rows = first..(first + rows_at_a_time).min(height);
-            recorder.copy_buffer_to_rows(&staging, image, mip, rows);
+            recorder.copy_buffer_to_rows(&staging, image, face, mip, rows);
             recorder.submit()?;
         }
         Ok(())
     }
 
-    /// The texels of level `mip` of a colour image, row by row.
+    /// The texels of level `mip` of a colour image, face by face and row by row.
     pub fn read_image(&self, image: &Image, mip: u32) -> Result<Vec<[f32; 4]>, GpuError> {
         let [width, height] = image.mip_size(mip);
         let is_half = image.inner.format == Format::Rgba16Float;
         let texel_bytes = if is_half { 8 } else { 16 };
-        let staging = self.readback(&image.inner.name, texel_bytes * u64::from(width) * u64::from(height))?;
+        let texel_count = u64::from(width) * u64::from(height) * u64::from(image.face_count());
+        let staging = self.readback(&image.inner.name, texel_bytes * texel_count)?;
         let mut recorder = self.record(&image.inner.name)?;
         recorder.copy_image_to_buffer(image, mip, &staging);
         recorder.submit()?;
@@ -224,8 +259,8 @@ pub enum Filter {
 pub struct Sampler(pub Filter, pub Wrap);
 
 impl Sampler {
-    /// Equirectangular maps: trilinear.
-    pub const EQUIRECT: Self = Self(Filter::Linear, Wrap::Equirect);
+    /// Maps of the sphere by every layout: trilinear; u repeats, which neither a cube nor a shader's own filter sees.
+    pub const MAP: Self = Self(Filter::Linear, Wrap::Equirect);
     /// For shaders that fetch texels.
     pub const TEXELS: Self = Self(Filter::Nearest, Wrap::Clamp);
 }

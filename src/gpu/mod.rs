@@ -21,7 +21,7 @@ mod shader;
 mod sync;
 
 pub use crate::pixels::lookup::Wrap;
-pub use bounded::image_groups;
+pub use bounded::{face_groups, image_groups};
 pub use buffer::Buffer;
 pub use device::Gpu;
 pub use error::GpuError;

@@ -34,9 +34,3 @@ pub fn texel_solid_angle_at(sin_theta: f64, width: u32, height: u32) -> f64 {
     let (width, height) = (f64::from(width), f64::from(height));
     2.0 * PI * PI * sin_theta.max(0.5 * PI / height) / (width * height)
 }
-
-/// Level at which a texel covers the solid angle `omega_s` of a sample, `omega_p` being that of a texel of level 0; not clamped
-/// [Colbert07, section 20.4].
-pub fn lod_from_solid_angles(omega_s: f64, omega_p: f64) -> f64 {
-    0.5 * (omega_s / omega_p).log2()
-}

@@ -57,15 +57,23 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
         needs.push(Need { what, size, bytes, buffer_bytes, has_images: false });
     }
     let settings = &request.precompute;
+    let layout = settings.layout;
+    let of_faces = |size| u64::from(layout.face_count) * texels(size);
+    if request.reads_filtered_levels() && !layout.is_environments() {
+        let size = (layout.finest_size)(map_size);
+        needs.push(image("filtered environment", size, with_mips(of_faces(size))));
+    }
     if request.method.uses_prefiltered {
-        needs.push(image("prefiltered map", settings.prefilter_size, with_mips(texels(settings.prefilter_size))));
+        let size = settings.prefilter_size;
+        needs.push(image("prefiltered map", size, with_mips(of_faces(size))));
     }
     if request.method.needs_dfg(request.diffuse, !request.lights.is_empty()) {
         let side = [settings.dfg_size; 2];
         needs.push(image("DFG table", side, VEC4 * texels(side)));
     }
     if request.diffuse.uses_irradiance_map {
-        needs.push(image("irradiance map", settings.irradiance_size, VEC4 * texels(settings.irradiance_size)));
+        let size = settings.irradiance_size;
+        needs.push(image("irradiance map", size, VEC4 * of_faces(size)));
     }
     needs
 }

@@ -6,7 +6,8 @@
 use super::RenderRequest;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
-use crate::precompute::{dfg, irradiance, mips, prefilter, sh9};
+use crate::environment::layout::MapLayout;
+use crate::precompute::{dfg, filtered, irradiance, mips, prefilter, sh9};
 use std::collections::BTreeSet;
 
 /// What names a shared result.
@@ -39,6 +40,17 @@ pub(super) fn mips_key(environment: &Environment) -> SharedKey {
     SharedKey { kind: "mips", inputs, shaders: vec![mips::pass::SHADER.to_owned()] }
 }
 
+/// Every shader between an environment and its levels by a layout.
+fn level_shaders(layout: &MapLayout) -> Vec<String> {
+    [mips::pass::SHADER.to_owned()].into_iter().chain(filtered::pass::shaders(layout)).collect()
+}
+
+/// The environment's levels by a layout that is not its own.
+pub(super) fn filtered_key(environment: &Environment, layout: &MapLayout) -> SharedKey {
+    let inputs = format!("environment={}\nlayout={}\n", environment.hash, layout.name);
+    SharedKey { kind: "mips", inputs, shaders: level_shaders(layout) }
+}
+
 /// Nine coefficients of the environment's finest level.
 pub(super) fn sh9_key(environment: &Environment) -> SharedKey {
     let inputs = format!("environment={}\n", environment.hash);
@@ -48,6 +60,7 @@ pub(super) fn sh9_key(environment: &Environment) -> SharedKey {
 /// The map of irradiance, from the environment's levels.
 pub(super) struct IrradianceInputs<'a> {
     environment: &'a Environment,
+    pub(super) layout: &'static MapLayout,
     pub(super) size: [u32; 2],
     pub(super) sample_count: [u32; 2],
 }
@@ -56,13 +69,14 @@ impl<'a> IrradianceInputs<'a> {
     pub(super) fn of(request: &'a RenderRequest) -> Self {
         let settings = &request.precompute;
         let (size, sample_count) = (settings.irradiance_size, settings.irradiance_sample_count);
-        Self { environment: &request.environment, size, sample_count }
+        Self { environment: &request.environment, layout: settings.layout, size, sample_count }
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { environment, size, sample_count } = self;
-        let inputs = format!("environment={}\nsize={size:?}\nsamples={sample_count:?}\n", environment.hash);
-        let shaders = [mips::pass::SHADER, irradiance::pass::INTEGRATE_SHADER].map(str::to_owned).to_vec();
+        let Self { environment, layout, size, sample_count } = self;
+        let (map, by) = (&environment.hash, layout.name);
+        let inputs = format!("environment={map}\nlayout={by}\nsize={size:?}\nsamples={sample_count:?}\n");
+        let shaders = [level_shaders(layout), vec![irradiance::pass::shader(layout)]].concat();
         SharedKey { kind: "irradiance", inputs, shaders }
     }
 }
@@ -70,6 +84,7 @@ impl<'a> IrradianceInputs<'a> {
 /// The prefiltered map, from the environment's levels.
 pub(super) struct PrefilterInputs<'a> {
     environment: &'a Environment,
+    pub(super) layout: &'static MapLayout,
     pub(super) brdf: &'static dyn Brdf,
     pub(super) size: [u32; 2],
     pub(super) level_count: u32,
@@ -81,6 +96,7 @@ impl<'a> PrefilterInputs<'a> {
         let settings = &request.precompute;
         Self {
             environment: &request.environment,
+            layout: settings.layout,
             brdf: request.brdf,
             size: settings.prefilter_size,
             level_count: settings.prefilter_level_count,
@@ -89,11 +105,12 @@ impl<'a> PrefilterInputs<'a> {
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { environment, brdf, size, level_count, sample_count } = self;
-        let (map, model) = (&environment.hash, brdf.name());
-        let inputs =
-            format!("environment={map}\nbrdf={model}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n");
-        let shaders = vec![mips::pass::SHADER.to_owned(), prefilter::pass::shader(*brdf)];
+        let Self { environment, layout, brdf, size, level_count, sample_count } = self;
+        let (map, by, model) = (&environment.hash, layout.name, brdf.name());
+        let inputs = format!(
+            "environment={map}\nlayout={by}\nbrdf={model}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n"
+        );
+        let shaders = [level_shaders(layout), vec![prefilter::pass::shader(*brdf, layout)]].concat();
         SharedKey { kind: "prefilter", inputs, shaders }
     }
 }

@@ -1,17 +1,21 @@
 //! What lights a surface, read back from the device: the tables of one environment, model and masking.
 
 use super::{Pipeline, PipelineError, RenderRequest};
+use crate::environment::layout::MapLayout;
 use crate::gpu::{Gpu, Image};
 use crate::pixels::{Pixels, RgbImage};
 use crate::shade::{diffuse_by_name, method_by_name};
 
+/// Texels of the finest prefiltered level: what a page can hold for a few models and environments.
+const PREFILTERED_TEXELS_MAX: u32 = 1 << 15;
+
 /// The tables by which `split-sum`, the sampled methods and `sh9` shade.
 #[derive(Clone, Debug)]
 pub struct LightTables {
-    /// Radiance level by level, down to one texel; the levels above the wanted width are left out.
+    /// How the maps lie in texels.
+    pub layout: &'static MapLayout,
+    /// Radiance level by level, down to one texel, the faces of a level below each other; the finest levels are left out.
     pub environment: Vec<RgbImage>,
-    /// Number of levels that were left out.
-    pub first_level: u32,
     /// Radiance coefficients in the order of `shaders/lib/sh.glsl`.
     pub sh9: Vec<[f32; 3]>,
     /// Mean radiance of the lobe, level by level.
@@ -22,31 +26,37 @@ pub struct LightTables {
 
 impl Pipeline {
     /// Makes the tables for the environment, model, masking and settings of `request`, or takes those that are there. Levels of the
-    /// environment wider than `width_max` texels are not read.
-    pub fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, PipelineError> {
-        self.with_memory(|pipeline| pipeline.read_light_tables(request, width_max))
+    /// environment of more than `texels_max` are not read; the prefiltered map has at most [`PREFILTERED_TEXELS_MAX`].
+    pub fn light_tables(&mut self, request: &RenderRequest, texels_max: u32) -> Result<LightTables, PipelineError> {
+        self.with_memory(|pipeline| pipeline.read_light_tables(request, texels_max))
     }
 
-    fn read_light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, PipelineError> {
-        let request = RenderRequest {
+    fn read_light_tables(&mut self, request: &RenderRequest, texels_max: u32) -> Result<LightTables, PipelineError> {
+        let mut request = RenderRequest {
             method: method_by_name("split-sum").expect("a listed method"),
             diffuse: diffuse_by_name("sh9").expect("a listed diffuse method"),
             lights: Vec::new(),
             ..request.clone()
         };
+        let layout = request.precompute.layout;
+        let size = &mut request.precompute.prefilter_size;
+        while layout.face_count * size[0] * size[1] > PREFILTERED_TEXELS_MAX {
+            *size = size.map(|side| side / 2);
+        }
         let prepared = self.prepare(&request)?;
         let tables = &prepared.tables;
         let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
         let level = |image: &Image, mip: u32| read_level(&self.gpu, image, mip);
-        let levels = tables.environment.mip_count();
-        let first_level =
-            (0..levels).find(|&mip| tables.environment.mip_size(mip)[0] <= width_max).unwrap_or(levels - 1);
+        let levels = tables.filtered.mip_count();
+        let is_small =
+            |&mip: &u32| tables.filtered.mip_size(mip).iter().product::<u32>() * layout.face_count <= texels_max;
+        let first_level = (0..levels).find(is_small).unwrap_or(levels - 1);
         let [width, height] = tables.dfg.mip_size(0);
         let dfg = Pixels::new(width, height, self.gpu.read_image(&tables.dfg, 0)?);
         let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
         Ok(LightTables {
-            environment: (first_level..levels).map(|mip| level(&tables.environment, mip)).collect::<Result<_, _>>()?,
-            first_level,
+            layout,
+            environment: (first_level..levels).map(|mip| level(&tables.filtered, mip)).collect::<Result<_, _>>()?,
             sh9: sh9.into_iter().map(rgb).collect(),
             prefiltered: (0..tables.prefiltered.mip_count())
                 .map(|mip| level(&tables.prefiltered, mip))
@@ -56,8 +66,8 @@ impl Pipeline {
     }
 }
 
-/// A level of an image on the device, without its alpha.
+/// A level of an image on the device, its faces below each other, without its alpha.
 pub(super) fn read_level(gpu: &Gpu, image: &Image, mip: u32) -> Result<RgbImage, PipelineError> {
     let [width, height] = image.mip_size(mip);
-    Ok(Pixels::new(width, height, gpu.read_image(image, mip)?).map(|[r, g, b, _]| [r, g, b]))
+    Ok(Pixels::new(width, height * image.face_count(), gpu.read_image(image, mip)?).map(|[r, g, b, _]| [r, g, b]))
 }

@@ -259,7 +259,13 @@ impl Pipeline {
     ) -> Result<(Report, Vec<Convergence>), PipelineError> {
         let (Prepared { tables, target, .. }, gpu) = (prepared, &self.gpu);
         let (gbuffer, radiance) = (&target.gbuffer, &target.radiance);
-        let shading = Shading { settings: &settings(request, prepared), tables, gbuffer, radiance };
+        let shading = Shading {
+            settings: &settings(request, prepared),
+            layout: request.precompute.layout,
+            tables,
+            gbuffer,
+            radiance,
+        };
         let (brdf, masking) = (request.brdf, request.masking_shadowing);
         let mut recorder = gpu.record("gbuffer")?;
         recorder.pass("gbuffer", |r| gbuffer::pass::record(r, &prepared.scene, &request.camera, gbuffer))?;

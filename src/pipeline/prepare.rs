@@ -1,18 +1,19 @@
 //! What a request needs before it can be shaded: tables, scene, targets.
 
 use super::cache::Recent;
-use super::inputs::{DfgInputs, IrradianceInputs, PrefilterInputs, SharedKey, mips_key, sh9_key};
+use super::inputs::{DfgInputs, IrradianceInputs, PrefilterInputs, SharedKey, filtered_key, mips_key, sh9_key};
 use super::shared_work::{Kept, Levels, Maker};
 use super::{PipelineError, RenderRequest};
 use crate::environment::Environment;
 use crate::environment::distribution::{EnvironmentDistribution, weighted_texels};
+use crate::environment::layout::MapLayout;
 use crate::gbuffer::pass::{self as gbuffer_pass, GbufferImages, SceneData};
 use crate::gpu::{Buffer, Format, Gpu, GpuError, Image, Report};
 use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pixels::GrayImage;
 use crate::precompute::mips::level_count;
 use crate::precompute::points::Points;
-use crate::precompute::{HALF_MAX, StorageFormat, dfg, irradiance, mips, prefilter, sh9};
+use crate::precompute::{HALF_MAX, StorageFormat, dfg, filtered, irradiance, mips, prefilter, sh9};
 use crate::scene::Camera;
 use crate::shade::pass::{Tables, light_data};
 use crate::shade::reference_pass::{DistributionBuffers, Lobe, ScramblePlan, Sums};
@@ -22,6 +23,8 @@ use std::sync::Arc;
 pub(super) struct Resources {
     /// Radiance with its mips.
     environments: Recent<String, Levels>,
+    /// Radiance by another layout.
+    filtered: Recent<String, Levels>,
     distributions: Recent<String, DistributionBuffers>,
     coefficients: Recent<String, Buffer>,
     irradiance_maps: Recent<String, Levels>,
@@ -35,6 +38,7 @@ pub(super) struct Resources {
     targets: Recent<(String, Camera, [u32; 2]), Arc<Target>>,
     /// Stand for tables that a request does not use, because every binding needs something.
     blank_image: Image,
+    blank_cube: Image,
     blank_buffer: Buffer,
 }
 
@@ -74,6 +78,7 @@ impl Resources {
     pub(super) fn new(gpu: &Gpu) -> Result<Self, PipelineError> {
         Ok(Self {
             environments: Recent::new(2),
+            filtered: Recent::new(2),
             distributions: Recent::new(2),
             coefficients: Recent::new(8),
             irradiance_maps: Recent::new(4),
@@ -84,6 +89,7 @@ impl Resources {
             scenes: Recent::new(4),
             targets: Recent::new(4),
             blank_image: gpu.image("blank", [1, 1], 1, Format::Rgba32Float)?,
+            blank_cube: gpu.faced_image("blank cube", [1, 1], 6, 1, Format::Rgba32Float)?,
             blank_buffer: gpu.buffer("blank", 256)?,
         })
     }
@@ -91,6 +97,7 @@ impl Resources {
     /// Forgets every precomputed table, so that the next request makes them anew.
     pub(super) fn forget_tables(&mut self) {
         self.environments.clear();
+        self.filtered.clear();
         self.coefficients.clear();
         self.irradiance_maps.clear();
         self.prefiltered.clear();
@@ -125,13 +132,18 @@ impl Resources {
             true => self.coefficients(maker, &request.environment, &environment)?,
             false => self.blank_buffer.clone(),
         };
+        let layout = request.precompute.layout;
+        let filtered = match request.reads_filtered_levels() {
+            true => self.filtered(maker, &request.environment, layout, &environment)?,
+            false => self.blank(layout),
+        };
         let irradiance_map = match request.diffuse.uses_irradiance_map {
-            true => self.irradiance_map(maker, IrradianceInputs::of(request), storage, &environment)?,
-            false => self.blank_image.clone(),
+            true => self.irradiance_map(maker, IrradianceInputs::of(request), storage, &filtered)?,
+            false => self.blank(layout),
         };
         let prefiltered = match request.method.uses_prefiltered {
-            true => self.prefiltered(maker, PrefilterInputs::of(request), storage, &environment)?,
-            false => self.blank_image.clone(),
+            true => self.prefiltered(maker, PrefilterInputs::of(request), storage, &filtered)?,
+            false => self.blank(layout),
         };
         let dfg = match needs_dfg {
             true => self.dfg_table(maker, DfgInputs::of(request), storage)?,
@@ -144,7 +156,7 @@ impl Resources {
         let lobes = request.reference_lobes();
         let reference = if lobes.is_empty() { None } else { Some(self.reference_data(gpu, request)?) };
         Ok(Prepared {
-            tables: Tables { environment, prefiltered, dfg, irradiance_map, sh9, points },
+            tables: Tables { environment, filtered, prefiltered, dfg, irradiance_map, sh9, points },
             scene,
             target,
             lights: lights.transpose()?,
@@ -165,6 +177,28 @@ impl Resources {
         };
         let fill = |levels: &Levels| mips::pass::run(gpu, &levels.image);
         Ok(maker.table(&mut self.environments, &mips_key(environment), empty, fill)?.image)
+    }
+
+    /// The environment's levels as a layout has them.
+    fn filtered(
+        &mut self,
+        maker: &mut Maker,
+        environment: &Environment,
+        layout: &MapLayout,
+        image: &Image,
+    ) -> Result<Image, PipelineError> {
+        if layout.is_environments() {
+            return Ok(image.clone());
+        }
+        let gpu = maker.gpu;
+        let empty = || filtered::pass::map(gpu, layout, image.mip_size(0)).map(Levels::all);
+        let fill = |map: &Levels| filtered::pass::run(gpu, layout, image, &map.image);
+        Ok(maker.table(&mut self.filtered, &filtered_key(environment, layout), empty, fill)?.image)
+    }
+
+    /// Stands for a map by that layout.
+    fn blank(&self, layout: &MapLayout) -> Image {
+        if layout.face_count == 6 { self.blank_cube.clone() } else { self.blank_image.clone() }
     }
 
     fn points(
@@ -207,9 +241,9 @@ impl Resources {
         environment: &Image,
     ) -> Result<Image, PipelineError> {
         let (gpu, key) = (maker.gpu, inputs.key());
-        let empty = || irradiance::pass::map(gpu, inputs.size).map(Levels::all);
+        let empty = || irradiance::pass::map(gpu, inputs.layout, inputs.size).map(Levels::all);
         let made = maker.table(&mut self.irradiance_maps, &key, empty, |map| {
-            irradiance::pass::integrate(gpu, environment, inputs.sample_count, &map.image)
+            irradiance::pass::run(gpu, inputs.layout, environment, inputs.sample_count, &map.image)
         })?;
         self.stored(gpu, &key, made.image, storage)
     }
@@ -223,9 +257,9 @@ impl Resources {
     ) -> Result<Image, PipelineError> {
         let (gpu, key) = (maker.gpu, inputs.key());
         let points = self.points(gpu, inputs.sample_count, &SEQUENCES[0], 0)?;
-        let empty = || prefilter::pass::map(gpu, inputs.size, inputs.level_count).map(Levels::all);
+        let empty = || prefilter::pass::map(gpu, inputs.layout, inputs.size, inputs.level_count).map(Levels::all);
         let made = maker.table(&mut self.prefiltered, &key, empty, |map| {
-            prefilter::pass::run(gpu, inputs.brdf, environment, &points, &map.image)
+            prefilter::pass::run(gpu, inputs.brdf, inputs.layout, environment, &points, &map.image)
         })?;
         self.stored(gpu, &key, made.image, storage)
     }
@@ -282,7 +316,8 @@ impl Resources {
 
 /// The same texels in halves, each at most [`HALF_MAX`].
 fn half_copy(gpu: &Gpu, name: &str, table: &Image) -> Result<Image, GpuError> {
-    let copy = gpu.image(&format!("{name} in halves"), table.mip_size(0), table.mip_count(), Format::Rgba16Float)?;
+    let (label, size) = (format!("{name} in halves"), table.mip_size(0));
+    let copy = gpu.faced_image(&label, size, table.face_count(), table.mip_count(), Format::Rgba16Float)?;
     for mip in 0..table.mip_count() {
         let texels = gpu.read_image(table, mip)?;
         let bounded: Vec<[f32; 4]> = texels.iter().map(|texel| texel.map(|x| x.min(HALF_MAX))).collect();

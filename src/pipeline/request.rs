@@ -85,6 +85,11 @@ impl RenderRequest {
         Stop { sample_count: self.reference_samples, relative_error: self.reference_error }
     }
 
+    /// Whether the environment's filtered levels reach the frame, by themselves or by a map that is made of them.
+    pub fn reads_filtered_levels(&self) -> bool {
+        self.method.uses_lod_bias || self.method.uses_prefiltered || self.diffuse.uses_irradiance_map
+    }
+
     /// Whether a term comes from the reference: then the frame has a standard error.
     pub fn has_reference_term(&self) -> bool {
         self.method.is_reference() || self.diffuse.is_reference()

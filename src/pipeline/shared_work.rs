@@ -79,7 +79,10 @@ impl Table for Levels {
     }
 
     fn upload(&self, gpu: &Gpu, bytes: &[u8]) -> Result<bool, GpuError> {
-        let texel_count = |mip| self.image.mip_size(mip).iter().map(|&side| side as usize).product::<usize>();
+        let texel_count = |mip| {
+            self.image.face_count() as usize
+                * self.image.mip_size(mip).iter().map(|&side| side as usize).product::<usize>()
+        };
         if bytes.len() != size_of::<[f32; 4]>() * self.mips().map(texel_count).sum::<usize>() {
             return Ok(false);
         }

@@ -1,5 +1,6 @@
 //! Tables made once per environment or BRDF model.
 pub mod dfg;
+pub mod filtered;
 pub mod irradiance;
 pub mod mips;
 pub mod points;

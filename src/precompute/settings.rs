@@ -1,5 +1,7 @@
 //! Sizes and sample counts of the precompute passes, and which of them go together.
 
+use crate::environment::layout::{LAYOUTS, MapLayout};
+
 /// In which numbers the prefiltered map, the DFG table and the irradiance map are kept on the device.
 ///
 /// Passes always compute in f32; `F16` rounds their results once, to the nearest half, ties to even.
@@ -30,7 +32,9 @@ pub const HALF_MAX: f32 = 65504.0;
 /// Sizes and sample counts of every precompute pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrecomputeSettings {
-    /// Width and height of level 0 of the prefiltered map.
+    /// How the maps that are looked up filtered lie in texels.
+    pub layout: &'static MapLayout,
+    /// Width and height of a face of level 0 of the prefiltered map.
     pub prefilter_size: [u32; 2],
     /// Number of levels; level k holds perceptual roughness k / (levels - 1).
     pub prefilter_level_count: u32,
@@ -47,7 +51,8 @@ pub struct PrecomputeSettings {
 impl PrecomputeSettings {
     /// Samples that are drawn for a table in all; `None` for a table that takes none.
     pub fn samples_of(&self, table: &str) -> Option<f64> {
-        let texels = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
+        let product = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
+        let texels = |size| product(size) * f64::from(self.layout.face_count);
         match table {
             "prefilter" => {
                 // Each level has a quarter of the texels of the one before.
@@ -55,7 +60,7 @@ impl PrecomputeSettings {
                 Some(texels(self.prefilter_size) * levels * f64::from(self.prefilter_sample_count))
             }
             "dfg" => Some(f64::from(self.dfg_size).powi(2) * f64::from(self.dfg_sample_count)),
-            "irradiance" => Some(texels(self.irradiance_size) * texels(self.irradiance_sample_count)),
+            "irradiance" => Some(texels(self.irradiance_size) * product(self.irradiance_sample_count)),
             _ => None,
         }
     }
@@ -64,20 +69,18 @@ impl PrecomputeSettings {
 impl Default for PrecomputeSettings {
     fn default() -> Self {
         Self {
-            prefilter_size: [256, 128],
+            layout: &LAYOUTS[0],
+            prefilter_size: LAYOUTS[0].prefilter_size,
             prefilter_level_count: 5,
             prefilter_sample_count: 256,
             dfg_size: 128,
             dfg_sample_count: 1024,
-            irradiance_size: [64, 32],
+            irradiance_size: LAYOUTS[0].irradiance_size,
             irradiance_sample_count: [128, 32],
             storage: StorageFormat::default(),
         }
     }
 }
-
-/// The smallest side a prefiltered level may have: fewer texels cannot hold even the roughest lobe.
-const PREFILTER_SIDE_MIN: u32 = 8;
 
 /// Settings that no pass can work with.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -88,19 +91,21 @@ pub enum SettingsError {
     TooFewLevels(u32),
     #[error(
         "prefilter_level_count is {levels}, but a prefilter_size of {}x{} halves to {last} texels on its short side in the last level; \
-         expected at least {PREFILTER_SIDE_MIN} there: at most {most} levels",
+         expected at least {least} there: at most {most} levels",
         size[0], size[1]
     )]
-    TooManyLevels { levels: u32, size: [u32; 2], last: u32, most: u32 },
-    #[error("prefilter_size is {}x{}; expected at least {} texels on the short side, for two levels", size[0], size[1], 2 * PREFILTER_SIDE_MIN)]
-    SmallMap { size: [u32; 2] },
+    TooManyLevels { levels: u32, size: [u32; 2], last: u32, least: u32, most: u32 },
+    #[error("{field} is {}x{}; the faces of layout {layout} are square: {}x{}", size[0], size[1], size[1], size[1])]
+    NotSquare { field: &'static str, layout: &'static str, size: [u32; 2] },
+    #[error("prefilter_size is {}x{}; expected at least {} texels on the short side, for two levels", size[0], size[1], 2 * least)]
+    SmallMap { size: [u32; 2], least: u32 },
 }
 
 impl SettingsError {
     /// The setting to change.
     pub fn field(&self) -> &'static str {
         match self {
-            Self::Zero { field } => field,
+            Self::Zero { field } | Self::NotSquare { field, .. } => field,
             Self::TooFewLevels(_) | Self::TooManyLevels { .. } => "prefilter_level_count",
             Self::SmallMap { .. } => "prefilter_size",
         }
@@ -108,7 +113,7 @@ impl SettingsError {
 }
 
 impl PrecomputeSettings {
-    /// Checks what the passes rely on: nothing is 0, and the prefiltered map has at least two levels, none shorter than 8 texels.
+    /// Checks what the passes rely on: nothing is 0, and the prefiltered map has at least two levels, none too short for the layout.
     pub fn validate(&self) -> Result<(), SettingsError> {
         let smaller = |pair: [u32; 2]| pair[0].min(pair[1]);
         for (field, count) in [
@@ -122,17 +127,23 @@ impl PrecomputeSettings {
                 return Err(SettingsError::Zero { field });
             }
         }
+        for (field, size) in [("prefilter_size", self.prefilter_size), ("irradiance_size", self.irradiance_size)] {
+            if self.layout.is_square && size[0] != size[1] {
+                return Err(SettingsError::NotSquare { field, layout: self.layout.name, size });
+            }
+        }
         let (levels, size) = (self.prefilter_level_count, self.prefilter_size);
+        let least = self.layout.side_min;
         let halved = |times: u32| smaller(size).checked_shr(times).unwrap_or(0);
         if levels < 2 {
             return Err(SettingsError::TooFewLevels(levels));
         }
-        if halved(1) < PREFILTER_SIDE_MIN {
-            return Err(SettingsError::SmallMap { size });
+        if halved(1) < least {
+            return Err(SettingsError::SmallMap { size, least });
         }
-        if halved(levels - 1) < PREFILTER_SIDE_MIN {
-            let most = (2..levels).take_while(|count| halved(count - 1) >= PREFILTER_SIDE_MIN).last().unwrap_or(2);
-            return Err(SettingsError::TooManyLevels { levels, size, last: halved(levels - 1), most });
+        if halved(levels - 1) < least {
+            let most = (2..levels).take_while(|count| halved(count - 1) >= least).last().unwrap_or(2);
+            return Err(SettingsError::TooManyLevels { levels, size, last: halved(levels - 1), least, most });
         }
         Ok(())
     }

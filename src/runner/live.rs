@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 pub const LIVE_FILE: &str = "live.json";
 /// Environments of a run that are kept; a live view shows one at a time.
 const ENVIRONMENT_COUNT: usize = 4;
-/// Wider levels of an environment are left out: a background of this width is as sharp as a screen.
-const ENVIRONMENT_WIDTH: u32 = 1024;
+/// Levels of an environment with more texels are left out: a background of so many is as sharp as a screen.
+const ENVIRONMENT_TEXELS: u32 = 1 << 19;
 
 /// The content of [`LIVE_FILE`].
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -46,14 +46,18 @@ pub struct LiveEnvironment {
     pub label: String,
     /// Power of two, 1 unless the radiance leaves the range of half floats.
     pub scale: f32,
-    /// Width and height of the environment itself.
-    pub size: [u32; 2],
-    /// Levels above the first one of `levels`.
-    pub first_level: u32,
+    /// How the maps lie in texels: a map layout's name. Older runs have none.
+    #[serde(default = "equirect")]
+    pub layout: String,
+    /// The faces of a level below each other.
     pub levels: Vec<PackedImage>,
     /// Radiance coefficients in the order of `shaders/lib/sh.glsl`.
     pub sh9: Vec<[f32; 3]>,
     pub prefiltered: Vec<LivePrefiltered>,
+}
+
+fn equirect() -> String {
+    "equirect".to_owned()
 }
 
 /// The prefiltered levels of one model.
@@ -87,12 +91,12 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
             }
             let (brdf_of, masking_shadowing) = (of_lobe.brdf, of_lobe.masking_shadowing);
             let wanted = RenderRequest { brdf: brdf_of, masking_shadowing, ..request.clone() };
-            let tables = renderer.light_tables(&wanted, ENVIRONMENT_WIDTH)?;
+            let tables = renderer.light_tables(&wanted, ENVIRONMENT_TEXELS)?;
             if !has_lobe {
                 let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);
                 record.lobes.push(LiveLobe { brdf: brdf.clone(), masking: masking.to_owned(), dfg });
             }
-            let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
+            let environment = environment.get_or_insert_with(|| of_environment(point, &tables));
             if !is_kept {
                 let levels = pack_all(&tables.prefiltered, environment.scale);
                 environment.prefiltered.push(LivePrefiltered { brdf, levels });
@@ -127,7 +131,7 @@ fn masking_name(masking: MaskingShadowing) -> &'static str {
     found.map(|(name, _)| *name).expect("a listed masking")
 }
 
-fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) -> LiveEnvironment {
+fn of_environment(point: &Point, tables: &LightTables) -> LiveEnvironment {
     let largest = tables.environment.iter().chain(&tables.prefiltered).flat_map(|level| level.data.iter().flatten());
     let scale = half_scale(largest.fold(0.0, |a: f32, b| a.max(*b)));
     let clip = point[ENVIRONMENT_CLIP].to_string();
@@ -135,8 +139,7 @@ fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) 
     LiveEnvironment {
         label: if clip.is_empty() { name } else { format!("{name} (clipped at 2^{clip})") },
         scale,
-        size: [request.environment.image.width, request.environment.image.height],
-        first_level: tables.first_level,
+        layout: tables.layout.name.to_owned(),
         levels: pack_all(&tables.environment, scale),
         sh9: tables.sh9.iter().map(|c| c.map(|x| x / scale)).collect(),
         prefiltered: Vec::new(),

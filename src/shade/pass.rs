@@ -2,6 +2,7 @@
 
 use super::{Diffuse, Method};
 use crate::brdf::{Brdf, MaskingShadowing};
+use crate::environment::layout::MapLayout;
 use crate::gbuffer::pass::GbufferImages;
 use crate::glsl::constants::SHADE_FLAG_NO_SPECULAR;
 use crate::glsl::layout::{BackgroundParams, LightData, ShadeParams, SharedStruct};
@@ -30,6 +31,8 @@ pub struct ShadeSettings {
 #[derive(Clone)]
 pub struct Tables {
     pub environment: Image,
+    /// The environment's levels by the layout of the maps.
+    pub filtered: Image,
     pub prefiltered: Image,
     pub dfg: Image,
     pub irradiance_map: Image,
@@ -41,6 +44,8 @@ pub struct Tables {
 #[derive(Clone, Copy)]
 pub struct Shading<'a> {
     pub settings: &'a ShadeSettings,
+    /// That of the maps in the tables.
+    pub layout: &'a MapLayout,
     pub tables: &'a Tables,
     pub gbuffer: &'a GbufferImages,
     /// A vec4 a pixel.
@@ -145,13 +150,14 @@ impl Shading<'_> {
         points: PointRange<'_>,
         rows: Range<u32>,
     ) -> Result<(), GpuError> {
-        let general = format!("shade/specular.comp:{}", method.name);
+        let general = format!("shade/specular.comp:{}:{}", self.layout.name, method.name);
         let special = format!("{general}:{}", brdf.name());
         let shader = if has_shader(&special) { special } else { general };
-        let Tables { environment, prefiltered, dfg, .. } = self.tables;
+        let Tables { environment, filtered, prefiltered, dfg, .. } = self.tables;
         let rest = [
-            Bind::Sample(environment, Sampler::EQUIRECT),
-            Bind::Sample(prefiltered, Sampler::EQUIRECT),
+            Bind::Sample(environment, Sampler::MAP),
+            Bind::Sample(filtered, Sampler::MAP),
+            Bind::Sample(prefiltered, Sampler::MAP),
             Bind::Sample(dfg, TABLE),
             points.bind(),
         ];
@@ -163,9 +169,9 @@ impl Shading<'_> {
     /// Adds the diffuse image-based radiance.
     pub fn diffuse(&self, recorder: &mut Recorder, diffuse: &Diffuse) -> Result<(), GpuError> {
         let Tables { irradiance_map, dfg, sh9, .. } = self.tables;
-        let rest = [Bind::Sample(irradiance_map, Sampler::EQUIRECT), Bind::Sample(dfg, TABLE), Bind::Read(sh9)];
+        let rest = [Bind::Sample(irradiance_map, Sampler::MAP), Bind::Sample(dfg, TABLE), Bind::Read(sh9)];
         let push = self.settings.params(self.gbuffer.size, 0).to_bytes();
-        let shader = format!("shade/diffuse.comp:{}", diffuse.name);
+        let shader = format!("shade/diffuse.comp:{}:{}", self.layout.name, diffuse.name);
         self.dispatch(recorder, &shader, &[], &rest, &push, self.gbuffer.size[1])
     }
 
@@ -201,7 +207,7 @@ impl Shading<'_> {
             first_row: 0,
             environment_scale: self.settings.environment_scale,
         };
-        let rest = [Bind::Sample(&self.tables.environment, Sampler::EQUIRECT)];
+        let rest = [Bind::Sample(&self.tables.environment, Sampler::MAP)];
         self.dispatch(recorder, BACKGROUND_SHADER, &[], &rest, &params.to_bytes(), height)
     }
 }

@@ -241,7 +241,7 @@ impl ReferenceRun<'_> {
             Bind::Read(&self.distribution.words),
             Bind::ReadWrite(&self.sums.mean),
             Bind::ReadWrite(&self.sums.squared_deviations),
-            Bind::SampleMip(&tables.environment, Sampler::EQUIRECT, 0),
+            Bind::SampleMip(&tables.environment, Sampler::MAP, 0),
             Bind::Uniform(&self.distribution.slots, 0..self.distribution.slots.size()),
         ];
         let binds = with_gbuffer(gbuffer, &rest);
@@ -267,7 +267,7 @@ impl ReferenceRun<'_> {
 
     /// Adds the term that the sums hold to the image.
     fn resolve(&self, gpu: &Gpu, lobe: Lobe) -> Result<Report, GpuError> {
-        let Shading { settings, tables, gbuffer, radiance } = self.shading;
+        let Shading { settings, tables, gbuffer, radiance, .. } = self.shading;
         let [width, height] = gbuffer.size;
         let rest = [
             Bind::Sample(&tables.dfg, TABLE),

@@ -5,6 +5,7 @@
 //! mean of its estimator, within its standard error.
 
 use super::reference::Surface;
+use crate::environment::layout::FilteredMap;
 use crate::math::equirect::uv_from_direction;
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::math::quadrature::{Bounded, Tolerance};
@@ -33,14 +34,16 @@ pub type DiffuseTwin = Twin<fn(DVec3, &Light) -> DVec3>;
 /// The tables of one environment, model and masking, as the device reads them.
 #[derive(Clone, Debug)]
 pub struct Light {
-    /// Radiance, finest level first.
+    /// Radiance with its mips, as it came: finest level first.
     pub environment: Vec<Pixels<DVec3>>,
+    /// Radiance by the layout.
+    pub filtered: FilteredMap,
     /// Mean radiance of the lobe, smoothest level first.
-    pub prefiltered: Vec<Pixels<DVec3>>,
+    pub prefiltered: FilteredMap,
     /// The DFG table: what scales f0, and what is added.
     pub dfg: Pixels<DVec2>,
     /// Irradiance over π.
-    pub irradiance_map: Pixels<DVec3>,
+    pub irradiance_map: FilteredMap,
     /// Coefficients of radiance.
     pub sh9: [DVec3; COUNT],
 }
@@ -69,15 +72,14 @@ impl Light {
         [self.environment[0].width, self.environment[0].height]
     }
 
-    /// Radiance from a direction at a real level, which is clamped to the chain.
+    /// Radiance from a direction at a real level of the environment's own mips, which is clamped to the chain.
     pub fn radiance(&self, direction: DVec3, lod: f64) -> DVec3 {
         trilinear(&self.environment, uv_from_direction(direction), lod, Wrap::Equirect)
     }
 
     /// Mean radiance of the lobe of width `alpha` about `r`, from the prefiltered map.
     pub fn mean_radiance(&self, r: DVec3, alpha: f64) -> DVec3 {
-        let lod = prefilter::mip_from_alpha(alpha, self.prefiltered.len() as u32);
-        trilinear(&self.prefiltered, uv_from_direction(r), lod, Wrap::Equirect)
+        self.prefiltered.value(r, prefilter::mip_from_alpha(alpha, self.prefiltered.levels.len() as u32))
     }
 
     /// (A, B) of the DFG table: the lobe reflects `f0 A + B` of constant radiance.
@@ -89,6 +91,6 @@ impl Light {
 
     /// Irradiance over π from the irradiance map.
     pub fn irradiance_over_pi(&self, n: DVec3) -> DVec3 {
-        bilinear(&self.irradiance_map, uv_from_direction(n), Wrap::Equirect, |texel| texel)
+        self.irradiance_map.value(n, 0.0)
     }
 }

@@ -141,7 +141,7 @@ fn a_file_in_the_place_of_a_folder_is_told() {
 
 #[test]
 fn settings_that_do_not_go_together_are_refused() {
-    let message = &["--set: prefilter_level_count is 9, but a prefilter_size of 256x128", "at most 5 levels"];
+    let message = &["--set: prefilter_level_count is 9, but a prefilter_size of 128x128", "at most 6 levels"];
     assert_refused(&["bake", "builtin:sky", "--out", "baked", "--set", "prefilter_level_count=9"], 2, message);
 }
 

@@ -78,7 +78,7 @@ fn a_bake_into_an_old_folder_leaves_no_stale_level() {
     let Some(dir) = folder() else { return };
     let bake = |levels: &str| {
         let levels = format!("prefilter_level_count={levels}");
-        let small = ["--set", "prefilter_size=32x16", "--set", "dfg_size=8", "--set", "prefilter_sample_count=4"];
+        let small = ["--set", "prefilter_size=16x16", "--set", "dfg_size=8", "--set", "prefilter_sample_count=4"];
         let arguments = [&["bake", "builtin:constant", "--out", "baked", "--set", &levels], &small[..]].concat();
         ok(dir.path(), &arguments);
     };

@@ -21,7 +21,7 @@ f0 = [1]
 albedo = [0]
 exposure = [1, 5]
 [precompute]
-prefilter_size = [32, 16]
+prefilter_size = [16, 16]
 prefilter_level_count = 2
 prefilter_sample_count = 16
 dfg_size = 16

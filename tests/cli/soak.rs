@@ -24,7 +24,7 @@ diffuse = ["none"]
 f0 = [1]
 albedo = [0]
 [precompute]
-prefilter_size = [32, 16]
+prefilter_size = [16, 16]
 prefilter_level_count = 2
 prefilter_sample_count = 16
 dfg_size = 16

@@ -5,6 +5,7 @@ use crate::harness::{golden_environment, lobe_sphere, poison, request, scene, wi
 use crate::tables::environment_image;
 use splitsum::brdf::{Ggx, MODELS, MaskingShadowing};
 use splitsum::environment::distribution::EnvironmentDistribution;
+use splitsum::environment::layout::LAYOUTS;
 use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::gpu::{Format, Gpu};
 use splitsum::pipeline::{Pipeline, RenderRequest};
@@ -97,6 +98,7 @@ fn the_reference_reads_nothing_it_has_not_written() {
         let blank = gpu.image("blank", [1, 1], 1, Format::Rgba32Float).unwrap();
         let tables = Tables {
             environment: image,
+            filtered: blank.clone(),
             prefiltered: blank.clone(),
             dfg: blank.clone(),
             irradiance_map: blank,
@@ -135,7 +137,13 @@ fn the_reference_reads_nothing_it_has_not_written() {
                 buffer
             });
             let run = ReferenceRun {
-                shading: Shading { settings: &settings, tables: &tables, gbuffer: &gbuffer, radiance: &radiance },
+                shading: Shading {
+                    settings: &settings,
+                    layout: &LAYOUTS[0],
+                    tables: &tables,
+                    gbuffer: &gbuffer,
+                    radiance: &radiance,
+                },
                 stop: Stop { sample_count: 64, relative_error: None },
                 seed: 1,
                 mask: &mask,

@@ -39,7 +39,7 @@ fn every_integrator_returns_the_directional_albedo() {
                     reference_samples: REFERENCE_SAMPLES,
                     precompute: PrecomputeSettings {
                         dfg_size: 64,
-                        prefilter_size: [64, 32],
+                        prefilter_size: [32; 2],
                         prefilter_level_count: 3,
                         ..PrecomputeSettings::default()
                     },

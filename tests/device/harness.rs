@@ -220,7 +220,7 @@ pub fn poison(gpu: &Gpu, buffer: &Buffer) {
 pub fn poison_image(gpu: &Gpu, image: &Image) {
     for mip in 0..image.mip_count() {
         let [width, height] = image.mip_size(mip);
-        let texels = vec![[f32::from_bits(POISON); 4]; width as usize * height as usize];
+        let texels = vec![[f32::from_bits(POISON); 4]; (width * height * image.face_count()) as usize];
         gpu.write_image(image, mip, &texels).unwrap();
     }
 }

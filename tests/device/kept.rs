@@ -5,6 +5,7 @@ use glam::DVec3;
 use half::f16;
 use splitsum::brdf::MaskingShadowing;
 use splitsum::environment::Environment;
+use splitsum::environment::layout::LAYOUTS;
 use splitsum::math::sequence::SEQUENCES;
 use splitsum::pipeline::{BakeRequest, DiskCache, Frame, Pipeline, RenderRequest};
 use splitsum::pixels::{RgbImage, exr};
@@ -15,12 +16,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 const SMALL: PrecomputeSettings = PrecomputeSettings {
-    prefilter_size: [32, 16],
+    layout: &LAYOUTS[0],
+    prefilter_size: [16; 2],
     prefilter_level_count: 2,
     prefilter_sample_count: 16,
     dfg_size: 16,
     dfg_sample_count: 64,
-    irradiance_size: [16, 8],
+    irradiance_size: [8; 2],
     irradiance_sample_count: [16, 8],
     storage: StorageFormat::F32,
 };
@@ -100,6 +102,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         seed,
     } = base.clone();
     let PrecomputeSettings {
+        layout: _,
         prefilter_size: [width, height],
         prefilter_level_count,
         prefilter_sample_count,
@@ -145,6 +148,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         set(&|s| s.irradiance_size = [2 * map_width, 2 * map_height]),
         set(&|s| s.irradiance_sample_count = [2 * azimuths, 2 * polars]),
         set(&|s| s.storage = StorageFormat::F16),
+        set(&|s| s.layout = &LAYOUTS[1]),
     ]
 }
 
@@ -159,7 +163,7 @@ fn shown(frame: &Frame) -> (Vec<u32>, Option<Vec<u32>>, Vec<u32>) {
 fn what_a_frame_shows_does_not_hang_on_earlier_requests() {
     let dir = tempfile::tempdir().unwrap();
     let of = |method: &str, diffuse: &str| RenderRequest {
-        precompute: PrecomputeSettings { prefilter_size: [64, 32], ..SMALL },
+        precompute: PrecomputeSettings { prefilter_size: [32; 2], ..SMALL },
         reference_samples: 64,
         samples: 8,
         method: method_by_name(method).unwrap(),

@@ -11,6 +11,7 @@ mod golden;
 mod harness;
 mod kept;
 mod layer;
+mod layouts;
 mod lights;
 mod methods;
 mod probe;

@@ -4,11 +4,10 @@ use crate::compare::{Tolerance, Worst, absolute, relative};
 use crate::harness::{Probe, incident, rounded, rounded3, vec4, with_gpu, xyz};
 use glam::{DVec2, DVec3};
 use splitsum::brdf::{alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
+use splitsum::environment::layout::lod_from_solid_angles;
 use splitsum::glsl::constants::ALPHA_MIN;
 use splitsum::gpu::Bind;
-use splitsum::math::equirect::{
-    direction_from_uv, lod_from_solid_angles, texel_solid_angle, texel_solid_angle_at, uv_from_direction,
-};
+use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, texel_solid_angle_at, uv_from_direction};
 use splitsum::math::frame::Frame;
 use splitsum::math::sampling::{direction_from_polar, hammersley};
 use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};

@@ -81,7 +81,7 @@ fn environment_sampling_meets_its_twin() {
                 rest: &[
                     Bind::Sample(&image, Sampler::TEXELS),
                     Bind::Read(&words),
-                    Bind::Sample(&image, Sampler::EQUIRECT),
+                    Bind::Sample(&image, Sampler::MAP),
                     Bind::Uniform(&slots, 0..slots.size()),
                 ],
                 constants: &[0, u32::from(exact_filter)],

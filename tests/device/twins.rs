@@ -5,17 +5,20 @@
 use crate::compare::{Tolerance, Worst};
 use crate::gbuffer::draw;
 use crate::harness::{read_level, request, scene, with_gpu, with_pipeline};
+use crate::layouts::{filtered_environment, read_map};
 use crate::methods::{EXACT, Sight, radiance, sights_in};
-use crate::tables::{coefficients, dfg_table, environment_image, prefiltered};
+use crate::tables::{coefficients, dfg_table, environment_image};
 use glam::DVec3;
 use rayon::prelude::*;
 use splitsum::brdf::{Brdf, MODELS, MaskingShadowing};
+use splitsum::environment::layout::{LAYOUTS, MapLayout};
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::glsl::constants::POINTS_PER_DISPATCH;
 use splitsum::gpu::Gpu;
 use splitsum::math::sequence::SEQUENCES;
 use splitsum::pipeline::{Frame, RenderRequest};
-use splitsum::precompute::{PrecomputeSettings, exact_quadrature, irradiance};
+use splitsum::precompute::points::Points;
+use splitsum::precompute::{PrecomputeSettings, exact_quadrature, irradiance, prefilter};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::twin::{Light, Samples, Twin};
 use splitsum::shade::{DIFFUSE, Diffuse, METHODS, Method, diffuse_by_name, method_by_name};
@@ -40,16 +43,20 @@ const MEAN_STEP: usize = 23;
 const GRAZING: f64 = 0.04;
 
 /// Small tables, so that levels and texels are coarse and their choice matters.
-const TABLES: PrecomputeSettings = PrecomputeSettings {
-    prefilter_size: [64, 32],
-    prefilter_level_count: 3,
-    prefilter_sample_count: 64,
-    dfg_size: 32,
-    dfg_sample_count: 128,
-    irradiance_size: [16, 8],
-    irradiance_sample_count: [16, 8],
-    storage: splitsum::precompute::StorageFormat::F32,
-};
+fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
+    let size = |side: u32| if layout.is_square { [side; 2] } else { [2 * side, side] };
+    PrecomputeSettings {
+        layout,
+        prefilter_size: size(32),
+        prefilter_level_count: 3,
+        prefilter_sample_count: 64,
+        dfg_size: 32,
+        dfg_sample_count: 128,
+        irradiance_size: size(8),
+        irradiance_sample_count: [16, 8],
+        storage: splitsum::precompute::StorageFormat::F32,
+    }
+}
 
 /// Lamps of several sizes, and one at a pole, where texels are narrow. A sun would turn the rounding of a direction into errors of 0.1 %.
 /// Opposite to that lamp SH9 rings below 0.
@@ -71,6 +78,8 @@ struct Case {
     sequence: usize,
     point_set: u32,
     lod_bias: f32,
+    /// Among [`LAYOUTS`].
+    layout: usize,
 }
 
 const PLAIN: Case = Case {
@@ -82,11 +91,14 @@ const PLAIN: Case = Case {
     sequence: 0,
     point_set: 0,
     lod_bias: 0.0,
+    layout: 0,
 };
 
 /// Each differs from the first in what could be mistaken; the last takes two dispatches of points.
-const CASES: [Case; 6] = [
+const CASES: [Case; 8] = [
     PLAIN,
+    Case { layout: 1, alpha: 0.1, ..PLAIN },
+    Case { layout: 2, alpha: 0.1, ..PLAIN },
     Case { lod_bias: 1.5, masking: MaskingShadowing::Correlated, ..PLAIN },
     Case { lod_bias: -1.5, alpha: 0.6, ..PLAIN },
     Case { kind: CameraKind::Perspective, alpha: 0.08, ..PLAIN },
@@ -108,7 +120,7 @@ impl Case {
             point_set: self.point_set,
             lod_bias: self.lod_bias,
             reference_samples: 2048,
-            precompute: TABLES,
+            precompute: tables(&LAYOUTS[self.layout]),
             ..request(environment, scene("sphere", material), self.kind, [self.size; 2])
         }
     }
@@ -121,17 +133,21 @@ impl Case {
 
 /// The device's tables for a request.
 fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
-    let settings = &request.precompute;
+    let (settings, model, masking) = (&request.precompute, request.brdf, request.masking_shadowing);
+    let layout = settings.layout;
     let image = environment_image(gpu, &request.environment.image);
-    let map = irradiance::pass::map(gpu, settings.irradiance_size).unwrap();
-    irradiance::pass::integrate(gpu, &image, settings.irradiance_sample_count, &map).unwrap();
-    let (size, level_count) = (settings.prefilter_size, settings.prefilter_level_count);
-    let (model, masking) = (request.brdf, request.masking_shadowing);
+    let filtered = filtered_environment(gpu, layout, &image);
+    let map = irradiance::pass::map(gpu, layout, settings.irradiance_size).unwrap();
+    irradiance::pass::run(gpu, layout, &filtered, settings.irradiance_sample_count, &map).unwrap();
+    let levels = prefilter::pass::map(gpu, layout, settings.prefilter_size, settings.prefilter_level_count).unwrap();
+    let points = Points::upload(gpu, settings.prefilter_sample_count, &SEQUENCES[0], 0).unwrap();
+    prefilter::pass::run(gpu, model, layout, &filtered, &points, &levels).unwrap();
     Light {
         environment: (0..image.mip_count()).map(|mip| read_level(gpu, &image, mip)).collect(),
-        prefiltered: prefiltered(gpu, &image, model, size, level_count, settings.prefilter_sample_count),
+        filtered: read_map(gpu, layout, &filtered),
+        prefiltered: read_map(gpu, layout, &levels),
         dfg: dfg_table(gpu, model, masking, settings.dfg_size, settings.dfg_sample_count).map(DVec3::truncate),
-        irradiance_map: read_level(gpu, &map, 0),
+        irradiance_map: read_map(gpu, layout, &map),
         sh9: coefficients(gpu, &image).1,
     }
 }
@@ -239,8 +255,11 @@ fn every_diffuse_method_meets_its_twin() {
     let none: &Method = method_by_name("none").unwrap();
     with_gpu(|gpu| {
         with_pipeline(|pipeline| {
-            for environment in &environments() {
-                let base = PLAIN.request(environment, MODELS[0]);
+            let layouts = 0..LAYOUTS.len();
+            for (environment, layout) in
+                environments().iter().flat_map(|e| layouts.clone().map(move |layout| (e, layout)))
+            {
+                let base = Case { layout, ..PLAIN }.request(environment, MODELS[0]);
                 let (light, sights) = (light(gpu, &base), sights(gpu, &base));
                 for diffuse in DIFFUSE {
                     let request = RenderRequest { method: none, diffuse, ..base.clone() };

@@ -4,6 +4,7 @@ mod color;
 mod disk_cache;
 mod environment;
 mod layering;
+mod map_layouts;
 mod math;
 mod metrics;
 mod oracle;

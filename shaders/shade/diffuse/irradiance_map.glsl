@@ -3,10 +3,9 @@
 #define DIFFUSE_IRRADIANCE_MAP_GLSL
 
 #include "generated/constants.glsl"
-#include "lib/equirect.glsl"
 
-vec3 irradiance_over_pi(vec3 n, sampler2D irradiance_map, vec4 radiance_coefficients[SH9_COUNT]) {
-    return textureLod(irradiance_map, uv_from_direction(n), 0.0).rgb;
+vec3 irradiance_over_pi(vec3 n, FILTERED_MAP irradiance_map, vec4 radiance_coefficients[SH9_COUNT]) {
+    return map_radiance(irradiance_map, map_place(n), 0.0);
 }
 
 #endif

@@ -1,11 +1,16 @@
-// Method `sampled-unfiltered`: importance sampling of D with fixed points, each lookup from the finest level.
+// Method `sampled-unfiltered`: importance sampling of D with fixed points, each lookup from the environment itself.
 #ifndef METHOD_SAMPLED_UNFILTERED_GLSL
 #define METHOD_SAMPLED_UNFILTERED_GLSL
 
+#include "lib/equirect.glsl"
 #include "lib/importance_sampling.glsl"
 
-vec3 specular_radiance(Surface s, sampler2D environment, sampler2D prefiltered, sampler2D dfg, ShadeParams params) {
-    return importance_sampled_radiance(s, environment, params, false);
+vec3 sampled_radiance(vec3 l, float omega_s) {
+    return textureLod(environment, uv_from_direction(l), 0.0).rgb;
+}
+
+vec3 specular_radiance(Surface s) {
+    return importance_sampled_radiance(s, params.sample_count, params.point_count);
 }
 
 #endif

@@ -23,7 +23,7 @@ float lobe_alpha(float alpha) {
 #endif
 }
 
-vec3 specular_radiance(Surface s, sampler2D environment, sampler2D prefiltered, sampler2D dfg, ShadeParams params) {
+vec3 specular_radiance(Surface s) {
     mat3 frame = frame_from_normal(s.n);
     mat3 mirror_frame = frame_from_normal(normalize(reflect(-s.v, s.n)));
     vec3 v_local = s.v * frame;

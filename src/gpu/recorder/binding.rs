@@ -18,10 +18,14 @@ pub enum Bind<'a> {
     Sample(&'a Image, Sampler),
     /// One level of an image through a sampler; the shader sees it as level 0.
     SampleMip(&'a Image, Sampler, u32),
+    /// The faces of one level as layers, through a sampler.
+    SampleFaces(&'a Image, Sampler, u32),
     /// One level of an image, written only.
     StoreMip(&'a Image, u32),
-    /// One level of an image, read and written.
-    UpdateMip(&'a Image, u32),
+    /// The faces of one level as layers, written only.
+    StoreFaces(&'a Image, u32),
+    /// The faces of one level as layers, read and written.
+    UpdateFaces(&'a Image, u32),
     Read(&'a Buffer),
     /// Written only: whatever was in it is lost.
     Write(&'a Buffer),
@@ -33,13 +37,14 @@ pub enum Bind<'a> {
 /// What a bind names.
 enum Resource<'a> {
     Image(&'a Image, Range<u32>, Option<Sampler>),
+    /// The faces of one level as layers.
+    Faces(&'a Image, u32, Option<Sampler>),
     Buffer(&'a Buffer, Range<u64>),
 }
 
 impl<'a> Bind<'a> {
     /// What the bind is to the shader, what the shader does with it, and what it names.
     fn parts(&self) -> (Kind, Access, Resource<'a>) {
-        let stored = |image, mip| Resource::Image(image, mip..mip + 1, None);
         let whole = |buffer| Resource::Buffer(buffer, 0..vk::WHOLE_SIZE);
         match *self {
             Self::Sample(image, sampler) => (
@@ -50,8 +55,14 @@ impl<'a> Bind<'a> {
             Self::SampleMip(image, sampler, mip) => {
                 (Kind::COMBINED_IMAGE_SAMPLER, Access::SAMPLE, Resource::Image(image, mip..mip + 1, Some(sampler)))
             }
-            Self::StoreMip(image, mip) => (Kind::STORAGE_IMAGE, Access::STORE, stored(image, mip)),
-            Self::UpdateMip(image, mip) => (Kind::STORAGE_IMAGE, Access::UPDATE, stored(image, mip)),
+            Self::SampleFaces(image, sampler, mip) => {
+                (Kind::COMBINED_IMAGE_SAMPLER, Access::SAMPLE, Resource::Faces(image, mip, Some(sampler)))
+            }
+            Self::StoreMip(image, mip) => {
+                (Kind::STORAGE_IMAGE, Access::STORE, Resource::Image(image, mip..mip + 1, None))
+            }
+            Self::StoreFaces(image, mip) => (Kind::STORAGE_IMAGE, Access::STORE, Resource::Faces(image, mip, None)),
+            Self::UpdateFaces(image, mip) => (Kind::STORAGE_IMAGE, Access::UPDATE, Resource::Faces(image, mip, None)),
             Self::Read(buffer) => (Kind::STORAGE_BUFFER, Access::LOAD, whole(buffer)),
             Self::Write(buffer) => (Kind::STORAGE_BUFFER, Access::STORE, whole(buffer)),
             Self::ReadWrite(buffer) => (Kind::STORAGE_BUFFER, Access::UPDATE, whole(buffer)),
@@ -120,10 +131,10 @@ impl Recorder {
         for ((bind, [image_info]), [buffer_info]) in binds.iter().zip(&mut images).zip(&mut buffers) {
             match bind.parts() {
                 (_, access, Resource::Image(image, mips, sampler)) => {
-                    image_info.image_view = image.inner.view(mips)?;
-                    image_info.image_layout = access.layout;
-                    image_info.sampler =
-                        sampler.map(|sampler| self.gpu.shared.sampler(sampler)).transpose()?.unwrap_or_default();
+                    *image_info = self.image_info(image.inner.view(mips)?, access, sampler)?;
+                }
+                (_, access, Resource::Faces(image, mip, sampler)) => {
+                    *image_info = self.image_info(image.inner.faces(mip)?, access, sampler)?;
                 }
                 (_, _, Resource::Buffer(buffer, bytes)) => {
                     *buffer_info =
@@ -147,11 +158,24 @@ impl Recorder {
         Ok(set)
     }
 
+    fn image_info(
+        &self,
+        view: vk::ImageView,
+        access: Access,
+        sampler: Option<Sampler>,
+    ) -> Result<vk::DescriptorImageInfo, GpuError> {
+        let sampler = sampler.map(|sampler| self.gpu.shared.sampler(sampler)).transpose()?.unwrap_or_default();
+        Ok(vk::DescriptorImageInfo { sampler, image_view: view, image_layout: access.layout })
+    }
+
     pub(super) fn access_binds(&mut self, binds: &[Bind<'_>]) {
         let mut barriers = Barriers::default();
         for bind in binds {
             match bind.parts() {
                 (_, access, Resource::Image(image, mips, _)) => self.access_image(image, mips, access, &mut barriers),
+                (_, access, Resource::Faces(image, mip, _)) => {
+                    self.access_image(image, mip..mip + 1, access, &mut barriers);
+                }
                 (_, access, Resource::Buffer(buffer, _)) => self.access_buffer(buffer, access, &mut barriers),
             }
         }
@@ -167,7 +191,7 @@ impl Recorder {
                 base_mip_level: mip,
                 level_count: 1,
                 base_array_layer: 0,
-                layer_count: 1,
+                layer_count: image.face_count(),
             };
             barriers.images.push(
                 vk::ImageMemoryBarrier2::default()

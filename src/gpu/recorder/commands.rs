@@ -154,14 +154,26 @@ impl Recorder {
         Ok(())
     }
 
-    /// Fills rows of a level; the buffer holds them and no others.
-    pub(in crate::gpu) fn copy_buffer_to_rows(&mut self, from: &Buffer, image: &Image, mip: u32, rows: Range<u32>) {
+    /// Fills rows of a face of a level; the buffer holds them and no others.
+    pub(in crate::gpu) fn copy_buffer_to_rows(
+        &mut self,
+        from: &Buffer,
+        image: &Image,
+        face: u32,
+        mip: u32,
+        rows: Range<u32>,
+    ) {
         let mut barriers = Barriers::default();
         self.access_buffer(from, Access::COPY_READ, &mut barriers);
         self.access_image(image, mip..mip + 1, Access::COPY_WRITE, &mut barriers);
         self.emit(&barriers);
         let whole = image_region(image, mip);
         let region = [vk::BufferImageCopy {
+            image_subresource: vk::ImageSubresourceLayers {
+                base_array_layer: face,
+                layer_count: 1,
+                ..whole.image_subresource
+            },
             image_offset: vk::Offset3D { y: rows.start as i32, ..whole.image_offset },
             image_extent: vk::Extent3D { height: rows.end - rows.start, ..whole.image_extent },
             ..whole
@@ -195,7 +207,7 @@ fn image_region(image: &Image, mip: u32) -> vk::BufferImageCopy {
             aspect_mask: image.inner.format.aspect(),
             mip_level: mip,
             base_array_layer: 0,
-            layer_count: 1,
+            layer_count: image.face_count(),
         },
         image_extent: vk::Extent3D { width, height, depth: 1 },
         ..Default::default()

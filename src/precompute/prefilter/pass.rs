@@ -1,9 +1,10 @@
 //! The device pass: one dispatch a level and band of rows.
 
 use crate::brdf::Brdf;
+use crate::environment::layout::MapLayout;
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::glsl::layout::{PrefilterParams, SharedStruct};
-use crate::gpu::{Bind, Format, Gpu, GpuError, Image, Report, Sampler, image_groups};
+use crate::gpu::{Bind, Format, Gpu, GpuError, Image, Report, Sampler, face_groups};
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::alpha_from_mip;
 
@@ -24,27 +25,34 @@ const PASSES: [&str; 12] = [
 ];
 
 /// The shader that makes the levels.
-pub fn shader(brdf: &dyn Brdf) -> String {
-    format!("precompute/prefilter.comp:{}", brdf.name())
+pub fn shader(brdf: &dyn Brdf, layout: &MapLayout) -> String {
+    format!("precompute/prefilter.comp:{}:{}", brdf.name(), layout.name)
 }
 
 /// A map to fill.
-pub fn map(gpu: &Gpu, size: [u32; 2], level_count: u32) -> Result<Image, GpuError> {
-    gpu.image("prefiltered map", size, level_count, Format::Rgba32Float)
+pub fn map(gpu: &Gpu, layout: &MapLayout, size: [u32; 2], level_count: u32) -> Result<Image, GpuError> {
+    gpu.faced_image("prefiltered map", size, layout.face_count, level_count, Format::Rgba32Float)
 }
 
-/// Fills every level of `map` from `points`. A level is made by one dispatch a range of points, each of which adds to the sums in
+/// Fills every level of `map` from `points` and the environment's filtered levels of the same layout. A level is made by one dispatch a range of points, each of which adds to the sums in
 /// its texels.
-pub fn run(gpu: &Gpu, brdf: &dyn Brdf, environment: &Image, points: &Points, map: &Image) -> Result<Report, GpuError> {
+pub fn run(
+    gpu: &Gpu,
+    brdf: &dyn Brdf,
+    layout: &MapLayout,
+    environment: &Image,
+    points: &Points,
+    map: &Image,
+) -> Result<Report, GpuError> {
     let [source_width, source_height] = environment.mip_size(0);
-    let (shader, sample_count) = (shader(brdf), points.count());
+    let (shader, sample_count) = (shader(brdf, layout), points.count());
     let mut total = Report::default();
     for level in 0..map.mip_count() {
         let [width, height] = map.mip_size(level);
         let alpha = alpha_from_mip(f64::from(level), map.mip_count()) as f32;
         let is_mirror = alpha == 0.0;
         let points_per_texel = if is_mirror { 1 } else { sample_count.min(POINTS_PER_DISPATCH) };
-        for rows in gpu.row_bands(height, u64::from(width) * u64::from(points_per_texel)) {
+        for rows in gpu.row_bands(height, u64::from(width * map.face_count()) * u64::from(points_per_texel)) {
             for range in points.ranges().take(if is_mirror { 1 } else { usize::MAX }) {
                 let params = PrefilterParams {
                     width,
@@ -58,8 +66,8 @@ pub fn run(gpu: &Gpu, brdf: &dyn Brdf, environment: &Image, points: &Points, map
                     first_point: range.first,
                     point_count: range.count,
                 };
-                let binds = [Bind::Sample(environment, Sampler::EQUIRECT), Bind::UpdateMip(map, level), range.bind()];
-                let groups = image_groups(width, rows.end - rows.start);
+                let binds = [Bind::Sample(environment, Sampler::MAP), Bind::UpdateFaces(map, level), range.bind()];
+                let groups = face_groups(width, rows.end - rows.start, map.face_count());
                 let name = PASSES[(level as usize).min(PASSES.len() - 1)];
                 total.add(gpu.submit_pass(name, |r| r.dispatch(&shader, &[], &binds, &params.to_bytes(), groups))?);
             }

@@ -4,6 +4,7 @@
 
 use super::{Axis, Part, Sheet, Spelling, Symbol, Used, diffuse, method};
 use crate::brdf::{self, MaskingShadowing};
+use crate::environment::layout::{LAYOUTS, layout_by_name};
 use crate::math::sequence::{SEQUENCES, sequence_by_name};
 use crate::precompute::{PrecomputeSettings, StorageFormat};
 use crate::runner::value::{IMAGE_SIZE, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
@@ -40,6 +41,7 @@ const PLAIN: Axis = Axis {
     spelling: None,
     kind: Kind::Input,
     default: || Value::Unset,
+    unset: None,
     used: |_| true,
     reference: |_, value| value.clone(),
     apply: |_, _| {},
@@ -310,14 +312,29 @@ const LIST: &[Axis] = &[
         ..PLAIN
     },
     Axis {
+        name: "layout",
+        about: "how the maps that are looked up filtered lie in texels; `splitsum list layouts`",
+        plural: "layouts",
+        frames_cost: true,
+        is_compared: true,
+        needs_memory: true,
+        feeds: &[MIPS, PREFILTER, IRRADIANCE],
+        used: |u| u.method.uses_lod_bias || u.method.uses_prefiltered || u.uses_irradiance_map(),
+        kind: Kind::Name { what: "layout", names: || LAYOUTS.iter().map(|layout| layout.name).collect() },
+        default: || Value::Text(LAYOUTS[0].name.to_owned()),
+        apply: |s, v| s.precompute.layout = layout_by_name(v.text()).expect("the plan checked the layout's name"),
+        ..TABLE
+    },
+    Axis {
         name: "prefilter_size",
-        about: "width and height of the prefiltered map's first level",
+        about: "width and height of a face of the prefiltered map's first level; left out, it has about 100,000 texels in all: \
+                128x128 by layout cube, 320x320 by octahedral, 448x224 by equirect",
         plural: "prefilter sizes",
         needs_memory: true,
         feeds: &[PREFILTER],
         used: |u| u.method.uses_prefiltered,
         kind: Kind::Pair { min: 8, max: SIDE_MAX },
-        default: || Value::Pair(PrecomputeSettings::default().prefilter_size),
+        unset: Some(|layout| Value::Pair(layout.prefilter_size)),
         apply: |s, v| s.precompute.prefilter_size = v.pair(),
         ..TABLE
     },
@@ -372,14 +389,15 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "irradiance_size",
-        about: "width and height of the irradiance map",
+        about: "width and height of a face of the irradiance map; left out, it has about 2,000 texels in all: 18x18 by layout \
+                cube, 45x45 by octahedral, 64x32 by equirect",
         plural: "irradiance map sizes",
         symbol: Symbol::Before("irradiance"),
         needs_memory: true,
         feeds: &[IRRADIANCE],
-        used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
+        used: Used::uses_irradiance_map,
         kind: Kind::Pair { min: 2, max: SIDE_MAX },
-        default: || Value::Pair(PrecomputeSettings::default().irradiance_size),
+        unset: Some(|layout| Value::Pair(layout.irradiance_size)),
         apply: |s, v| s.precompute.irradiance_size = v.pair(),
         ..TABLE
     },
@@ -389,7 +407,7 @@ const LIST: &[Axis] = &[
         plural: "irradiance sample counts",
         symbol: Symbol::After("irradiance spp", "irradiance samples"),
         feeds: &[IRRADIANCE],
-        used: |u| u.has_diffuse_surface && u.diffuse.uses_irradiance_map,
+        used: Used::uses_irradiance_map,
         kind: Kind::Pair { min: 1, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
         apply: |s, v| s.precompute.irradiance_sample_count = v.pair(),
@@ -402,10 +420,7 @@ const LIST: &[Axis] = &[
         frames_cost: true,
         is_compared: true,
         feeds: &[PREFILTER, DFG, IRRADIANCE],
-        used: |u| {
-            let has_irradiance_map = u.has_diffuse_surface && u.diffuse.uses_irradiance_map;
-            u.method.uses_prefiltered || u.needs_dfg() || has_irradiance_map
-        },
+        used: |u| u.method.uses_prefiltered || u.needs_dfg() || u.uses_irradiance_map(),
         kind: Kind::Name { what: "format", names: || StorageFormat::ALL.iter().map(|(name, _)| *name).collect() },
         default: || Value::Text(StorageFormat::ALL[0].0.to_owned()),
         apply: |s, v| {
@@ -439,6 +454,7 @@ indices! {
     ENVIRONMENT_ROTATION = "environment_rotation_deg";
     ENVIRONMENT_SCALE = "environment_scale";
     F0 = "f0";
+    LAYOUT = "layout";
     PREFILTER_SIZE = "prefilter_size";
 }
 

@@ -10,6 +10,7 @@ pub use named::{Named, Spelling};
 use super::value::{Kind, Value};
 use crate::brdf::{self, MaskingShadowing};
 use crate::environment::Environment;
+use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
 use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pipeline::RenderRequest;
 use crate::precompute::PrecomputeSettings;
@@ -198,6 +199,8 @@ pub struct Axis {
     pub spelling: Option<Spelling>,
     /// The value where the experiment sets none.
     pub default: fn() -> Value,
+    /// The value where none is set, if it depends on the layout.
+    pub unset: Option<fn(&MapLayout) -> Value>,
     /// Whether the parameter changes the image at this point; where not, its values collapse into one cell.
     pub used: fn(&Used) -> bool,
     /// The value that the reference of a point with this value takes. Where it looks up a table, that is the default one.
@@ -218,6 +221,11 @@ pub struct Used {
 }
 
 impl Used {
+    /// Whether the irradiance map reaches the pixels.
+    fn uses_irradiance_map(&self) -> bool {
+        self.has_diffuse_surface && self.diffuse.uses_irradiance_map
+    }
+
     /// Whether the DFG table reaches the pixels.
     fn needs_dfg(&self) -> bool {
         match self.has_diffuse_surface {
@@ -332,8 +340,16 @@ impl Point {
     fn where_used(&self, has_lights: bool, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
         let (method, diffuse) = (self.method(), self.diffuse());
         let used = Used { method, diffuse, has_lights, has_diffuse_surface, has_dielectric };
-        let values = AXES.iter().zip(&self.0);
-        Self(values.map(|(axis, value)| if (axis.used)(&used) { value.clone() } else { Value::Unset }).collect())
+        let layout = match &self[LAYOUT] {
+            Value::Unset => &LAYOUTS[0],
+            name => layout_by_name(name.text()).expect("the plan checked the layout's name"),
+        };
+        let value = |(axis, value): (&Axis, &Value)| match (axis.used)(&used) {
+            false => Value::Unset,
+            true if *value == Value::Unset => axis.unset.map_or(Value::Unset, |of_layout| of_layout(layout)),
+            true => value.clone(),
+        };
+        Self(AXES.iter().zip(&self.0).map(value).collect())
     }
 
     /// The point of this point's reference, collapsed.

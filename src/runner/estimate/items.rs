@@ -6,6 +6,7 @@ use crate::runner::config::{Timing, Warmup};
 use crate::runner::images;
 use crate::runner::plan::{Cell, Plan};
 use crate::runner::timing::{FRAME, TimingJob, WARMUP_TIME_MAX};
+use crate::runner::value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The part of a run that an item belongs to.
@@ -155,7 +156,11 @@ pub fn all_tables(plan: &Plan, point: &Point) -> Vec<(String, String, f64)> {
     ];
     let table = |(table, _): (&str, bool)| {
         let axes = AXES.iter().zip(&point.0).filter(|(axis, _)| axis.feeds.contains(&table));
-        let key = axes.fold(table.to_owned(), |key, (axis, value)| format!("{key} {}={value}", axis.name));
+        // What is left unset stands at its default: a reference shares the mips of the images.
+        let key = axes.fold(table.to_owned(), |key, (axis, value)| match value {
+            Value::Unset => format!("{key} {}={}", axis.name, (axis.default)()),
+            value => format!("{key} {}={value}", axis.name),
+        });
         (
             key,
             format!("table {table} {}", settings.brdf.name()),

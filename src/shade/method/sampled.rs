@@ -6,7 +6,7 @@
 
 use super::Method;
 use crate::brdf::{eval, pdf_d_l, reflect};
-use crate::math::equirect::{lod_from_solid_angles, texel_solid_angle_at};
+use crate::environment::layout::lod_from_solid_angles;
 use crate::math::frame::Frame;
 use crate::shade::reference::Surface;
 use crate::shade::twin::{Light, Samples, Twin};
@@ -23,10 +23,9 @@ pub const METHOD: Method = Method {
     )
 };
 
-/// The sum of the module's text; always from level 0 when not `filtered`.
+/// The sum of the module's text; from the environment itself when not `filtered`.
 pub fn importance_sampled(surface: &Surface, light: &Light, samples: &Samples, filtered: bool) -> DVec3 {
     let Surface { model, masking, alpha, f0, n, v } = *surface;
-    let [width, height] = light.environment_size();
     let frame = Frame::from_normal(n);
     let v_local = frame.to_local(v);
     let count = f64::from(samples.count);
@@ -37,9 +36,15 @@ pub fn importance_sampled(surface: &Surface, light: &Light, samples: &Samples, f
             return DVec3::ZERO;
         }
         let (l, pdf_l) = (frame.to_world(l_local), pdf_d_l(model, v_local, h, alpha));
-        let omega_p = texel_solid_angle_at(l.x.hypot(l.z), width, height);
-        let lod = if filtered { lod_from_solid_angles(1.0 / (count * pdf_l), omega_p) + samples.lod_bias } else { 0.0 };
-        light.radiance(l, lod) * eval(model, v_local, l_local, alpha, f0, masking) * (l_local.z / pdf_l)
+        let radiance = match filtered {
+            true => {
+                let omega_s = 1.0 / (count * pdf_l);
+                let lod = lod_from_solid_angles(omega_s, light.filtered.texel_solid_angle(l, omega_s));
+                light.filtered.value(l, lod + samples.lod_bias)
+            }
+            false => light.radiance(l, 0.0),
+        };
+        radiance * eval(model, v_local, l_local, alpha, f0, masking) * (l_local.z / pdf_l)
     };
     samples.points().map(term).sum::<DVec3>() / count
 }

@@ -1,7 +1,6 @@
 //! The live view of a page: which of the tables that the run left in [`LIVE_FILE`] fit, and what else its shaders need.
 //!
-//! The tables go into the page as the run packed them. Where they are too large, the finest level of an environment goes first: the page
-//! then reads one level coarser wherever the renderer would have read the finest one.
+//! The tables go into the page as the run packed them. Where they are too large, the finest level of an environment goes first.
 
 use super::told::Told;
 use crate::files::read_regular;
@@ -14,8 +13,8 @@ use serde::Serialize;
 
 /// Bytes of base64 that the tables of a page may take.
 pub const BUDGET_BYTES: usize = 4 << 20;
-/// An environment is not reduced further for the sake of another one.
-const ENVIRONMENT_WIDTH_MIN: u32 = 256;
+/// An environment is not reduced below so many texels for the sake of another one.
+const ENVIRONMENT_TEXELS_MIN: u32 = 1 << 15;
 /// A larger file is none that a run wrote: the tables of its few environments are far smaller.
 const FILE_BYTES_MAX: u64 = 64 << 20;
 /// What the live view reads.
@@ -80,10 +79,12 @@ impl Light {
         self.notes.extend(self.models.iter().map(|model| model.note.clone()).filter(|note| !note.is_empty()));
         let mut left_out = record.left_out;
         while self.bytes() > budget {
-            let reducible = self.environments.iter_mut().filter(|e| e.levels[0].size[0] > ENVIRONMENT_WIDTH_MIN);
+            let reducible = self
+                .environments
+                .iter_mut()
+                .filter(|e| e.levels[0].size.iter().product::<u32>() > ENVIRONMENT_TEXELS_MIN);
             if let Some(largest) = reducible.max_by_key(|e| e.levels[0].base64.len()) {
                 largest.levels.remove(0);
-                largest.first_level += 1;
             } else if self.environments.len() > 1 {
                 self.environments.pop();
                 left_out += 1;

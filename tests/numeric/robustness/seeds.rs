@@ -203,7 +203,7 @@ diffuse = ["none"]
 [bias_variance]
 repeats = 2
 [precompute]
-prefilter_size = [64, 32]
+prefilter_size = [32, 32]
 prefilter_level_count = 3
 dfg_sample_count = 64
 [[lights]]

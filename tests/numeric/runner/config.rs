@@ -204,22 +204,25 @@ fn text_of_every_default_parses_back_to_the_same_value() {
 
 #[test]
 fn values_that_do_not_go_together_are_named_at_the_one_to_change() {
-    let text = "name = \"x\"\n[precompute]\nprefilter_size = [32, 16]\n[axes]\nmethod = [\"split-sum\", \"sampled\"]\n\
+    let text = "name = \"x\"\n[precompute]\nprefilter_size = [16, 16]\n[axes]\nmethod = [\"split-sum\", \"sampled\"]\n\
                 prefilter_level_count = [2, 5]\n";
     assert_faults(
         &faults(text, &[]),
         &[
-            "e.toml:6:29: prefilter_level_count is 5, but a prefilter_size of 32x16 halves to 1 texels on its short side in the \
-           last level; expected at least 8 there: at most 2 levels",
+            "e.toml:6:29: prefilter_level_count is 5, but a prefilter_size of 16x16 halves to 1 texels on its short side in the \
+           last level; expected at least 4 there: at most 3 levels",
         ],
     );
     // A method that needs no map does not mind.
     assert_faults(&faults(&text.replace("\"split-sum\", ", ""), &[]), &[]);
-    let text = "name = \"x\"\n[precompute]\nprefilter_size = [8, 8]\n[axes]\nmethod = [\"split-sum\"]\n";
-    assert_faults(&faults(text, &[]), &["e.toml:3:1: prefilter_size is 8x8; expected at least 16 texels"]);
+    let text = "name = \"x\"\n[precompute]\nprefilter_size = [16, 8]\n[axes]\nmethod = [\"split-sum\"]\n";
     assert_faults(
-        &faults("name = \"x\"\n[axes]\nmethod = [\"split-sum\"]\n", &["prefilter_level_count=6"]),
-        &["--set prefilter_level_count: prefilter_level_count is 6, but a prefilter_size of 256x128 halves to 4"],
+        &faults(text, &[]),
+        &["e.toml:3:1: prefilter_size is 16x8; the faces of layout cube are square: 8x8"],
+    );
+    assert_faults(
+        &faults("name = \"x\"\n[axes]\nmethod = [\"split-sum\"]\n", &["prefilter_level_count=7"]),
+        &["--set prefilter_level_count: prefilter_level_count is 7, but a prefilter_size of 128x128 halves to 2"],
     );
 }
 

@@ -134,7 +134,13 @@ impl Renderer for Fake {
         let mut sh9 = vec![[0.0; 3]; 9];
         sh9[0] = [(4.0 * std::f32::consts::PI).sqrt(); 3];
         let dfg = Pixels::filled(4, 4, [1.0, 0.0]);
-        Ok(LightTables { environment: chain(4), first_level: 0, sh9, prefiltered: chain(2), dfg })
+        Ok(LightTables {
+            environment: chain(4),
+            layout: &splitsum::environment::layout::LAYOUTS[2],
+            sh9,
+            prefiltered: chain(2),
+            dfg,
+        })
     }
 
     /// The first frame of a configuration takes 4 ms more than its sample count, the next ones 0, 1, 2, 3, 4, 0 ... more.

@@ -119,7 +119,7 @@ fn ids_depend_on_everything_that_determines_pixels() {
 fn settings_of_precompute_and_bias_share_the_reference() {
     let plan = plan(
         "name = \"x\"\n[precompute]\nprefilter_level_count = 2\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
-         dfg_size = [8, 16]\nprefilter_size = [[32, 16], [64, 32]]\nlod_bias = [0, 1]\n",
+         dfg_size = [8, 16]\nprefilter_size = [[32, 32], [64, 64]]\nlod_bias = [0, 1]\n",
     );
     // Both read the DFG table (it weights the diffuse term); the map is for split-sum, the bias for sampled only.
     assert_eq!(plan.cells.len(), 2 * 2 + 2 * 2);

@@ -143,13 +143,13 @@ fn tables_beyond_the_budget_lose_their_finest_levels_then_whole_environments() {
     record.environments.push(second);
     std::fs::write(run.join(LIVE_FILE), serde_json::to_string(&record).unwrap()).unwrap();
     let whole = light(&run, BUDGET_BYTES);
-    assert_eq!((whole.environments[0].first_level, whole.environments.len()), (0, 2));
+    assert_eq!((whole.environments[0].levels[0].size, whole.environments.len()), ([1024, 512], 2));
     let bytes = |light: &Light| light.environments[0].levels.iter().map(|level| level.base64.len()).sum::<usize>();
     let rest = serde_json::to_string(&light(&run, 0).environments[0]).unwrap().len();
     assert!(rest > 0);
     let reduced = light(&run, bytes(&whole) + 1000 - 4096);
-    assert_eq!((reduced.environments[0].first_level, reduced.environments[0].levels[0].size), (1, [512, 256]));
-    // 256 texels stay, whatever the budget; then the last environments go.
+    assert_eq!(reduced.environments[0].levels[0].size, [512, 256]);
+    // 256x128 texels stay, whatever the budget; then the last environments go.
     let least = light(&run, 0);
     assert_eq!((least.environments.len(), least.environments[0].levels[0].size), (1, [256, 128]));
     assert!(least.notes[0].contains("1 more environment"), "{:?}", least.notes);

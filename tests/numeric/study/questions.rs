@@ -43,7 +43,7 @@ method = ["sampled", "split-sum", "seed0-literal"]
 samples = [4, 16]
 alpha = [0.1, 0.5]
 lod_bias = [0, 1]
-prefilter_size = [[64, 32], [128, 64]]
+prefilter_size = [[64, 64], [128, 128]]
 prefilter_level_count = [2, 3]
 prefilter_sample_count = [16, 64]
 dfg_size = [16, 32]
@@ -69,7 +69,7 @@ reference = { samples = 64 }
 environment = ["builtin:sky", "builtin:studio"]
 method = ["none"]
 diffuse = ["sh9", "irradiance-map"]
-irradiance_size = [[16, 8], [32, 16]]
+irradiance_size = [[16, 16], [32, 32]]
 irradiance_sample_count = [[32, 8], [64, 16]]
 "#,
     r#"
