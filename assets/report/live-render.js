@@ -223,7 +223,10 @@ export class LiveRender {
       so_far: targets[way].named.color,
     };
     const values = this.params(way === "sampled" ? view.bias : 0, this.total(way), count);
-    this.pass(`sampled:${view.light.layout}:${view.lobe.brdf}`, targets.spare, textures, { ...values, first_sample: done[way] });
+    this.pass(`sampled:${view.light.layout}:${view.lobe.brdf}`, targets.spare, textures, {
+      ...values,
+      first_sample: done[way],
+    });
     [targets[way], targets.spare] = [targets.spare, targets[way]];
     done[way] += count;
     if (way === "reference" && ENDS.includes(2 * done.reference)) this.keepHalf();

@@ -253,8 +253,11 @@ class Live {
     controls.named.n.closest("label").hidden = method !== "sampled";
     this.parts.legend.hidden = mode === "image";
     if (mode !== "image") fillErrorLegend(this.parts.legend, mode === "signed", false);
-    const [width, height] = light.levels[0].size;
-    say(this.parts.caption, `environment: layout ${light.layout}, ${width} × ${height} texels`);
+    const sizes = [light.levels, light.prefiltered[0].levels].map(([{ size }]) => size.join(" × "));
+    say(
+      this.parts.caption,
+      `tables by layout ${light.layout}: environment ${sizes[0]} texels, prefiltered ${sizes[1]}`,
+    );
   }
 
   /** Handles a key; true when it was one of the view's. */

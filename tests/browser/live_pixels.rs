@@ -50,12 +50,13 @@ fn pipeline() -> Option<Pipeline> {
     }
 }
 
-/// The plan of a small run in both environments.
+/// The plan of a small run in both environments. Its maps are octahedral: the shader filters them itself, whereas the browser's device
+/// weighs texels of a cube by so few bits that pixels move by 0.5 %.
 fn plan() -> Plan {
     let text = format!(
         "name = \"live\"\nsize = {RUN_SIZE:?}\ncamera = \"perspective\"\nreference = {{ samples = 32 }}\n[axes]\n\
          environment = {}\nscene = {}\nbrdf = [\"ggx\", \"phong\"]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [12]\n\
-         diffuse = [\"none\"]\nmasking = [\"correlated\"]\nprefilter_sample_count = [{PREFILTER_SAMPLES}]\n\
+         diffuse = [\"none\"]\nmasking = [\"correlated\"]\nlayout = [\"octahedral\"]\nprefilter_size = [[160, 160]]\nprefilter_sample_count = [{PREFILTER_SAMPLES}]\n\
          environment_rotation_deg = [{ROTATION}]\nlod_bias = [{BIAS}]\nenvironment_scale = [{BRIGHTNESS}]\n",
         json!(ENVIRONMENTS),
         json!(SCENES)
@@ -241,7 +242,8 @@ fn pixels_and_errors_are_those_of_the_renderer() {
             // Outlines round otherwise, and edges of triangles lie between 16-bit places.
             let others = shown.len() - alike.len();
             assert!(others <= 5, "{setting:?}: {others} pixels of another surface");
-            for i in alike {
+            // The background is the environment as the tables have it.
+            for i in alike.into_iter().filter(|&i| truth.mask.data[i] == 1.0) {
                 for (a, b) in shown[i].iter().zip(truth.radiance.data[i].map(f64::from)) {
                     let error = (a - b).abs() / b.max(1e-3);
                     assert!(is_storage_error(way, error), "{setting:?}, {way}, pixel {i}: {a} for {b} ({error:.1e})");
@@ -262,7 +264,7 @@ fn pixels_and_errors_are_those_of_the_renderer() {
     }
     // A page without the finest level reads the others as the renderer does.
     page.eval(
-        "(() => { const e = live.tables.environments[0]; e.levels.shift(); e.first_level += 1; live.render.kept.delete('environment 0'); })()",
+        "(() => { const e = live.tables.environments[0]; e.levels.shift(); live.render.kept.delete('environment 0'); })()",
     );
     let setting = Setting { surface: Surface::at(1.0, 0.8), ..first };
     page.eval(&setting.script());
