@@ -30,7 +30,7 @@ vec3 map_radiance(FILTERED_MAP map, MapPlace place, float lod) {
     return textureLod(map, place.d, lod).rgb;
 }
 
-// Direction of a place inside a texel, whose z is the face: (0.5, 0.5) is its centre. [Vulkan, "Cube Map Face Selection"]
+// Direction of a place inside a texel, whose z is the face: (0.5, 0.5) is its centre.
 vec3 direction_from_texel(uvec3 texel, vec2 inside, vec2 size) {
     vec2 st = 2.0 * (vec2(texel.xy) + inside) / size - 1.0;
     float sign = (texel.z & 1u) == 0u ? 1.0 : -1.0;

@@ -1,4 +1,4 @@
-//! Six square faces in the order of Vulkan: +x, -x, +y, -y, +z, -z [Vulkan, "Cube Map Face Selection"].
+//! Six square faces in the order of Vulkan: +x, -x, +y, -y, +z, -z.
 
 use super::MapLayout;
 use crate::glsl::constants::EDGE_SOFTNESS;
@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 pub const LAYOUT: MapLayout = MapLayout {
     name: "cube",
     about: "six faces, filtered across their edges by the hardware",
+    mapping: "six faces below each other, +x, -x, +y, -y, +z, -z, each as Vulkan selects and lays out the faces of a cube map",
     face_count: 6,
     is_square: true,
     side_min: 4,

@@ -6,6 +6,7 @@ use crate::math::equirect::{direction_from_uv, texel_solid_angle_at, uv_from_dir
 pub const LAYOUT: MapLayout = MapLayout {
     name: "equirect",
     about: "one lat-long image, as many renderers filter it; light at a pole loses about a fifth of its energy",
+    mapping: "equirectangular, y up: u = 0.5 - atan2(x, z) / 2pi, v = acos(y) / pi; row 0 is +y",
     face_count: 1,
     is_square: false,
     side_min: 8,

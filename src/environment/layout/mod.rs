@@ -16,6 +16,8 @@ pub struct MapLayout {
     pub name: &'static str,
     /// One sentence for `splitsum list layouts`.
     pub about: &'static str,
+    /// Where the texels lie, for readers of files.
+    pub mapping: &'static str,
     /// Images that one level consists of.
     pub face_count: u32,
     /// Whether faces are square.

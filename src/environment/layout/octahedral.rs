@@ -1,5 +1,5 @@
 //! One square whose texels all have the same solid angle: the octahedron's faces unfolded, +y in the centre, -y in the corners
-//! [Clarberg08].
+//! [Clarberg08b].
 
 use super::MapLayout;
 use glam::{DVec2, DVec3};
@@ -8,6 +8,7 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 pub const LAYOUT: MapLayout = MapLayout {
     name: "octahedral",
     about: "one square of texels of equal solid angle, filtered by the shader across its edges",
+    mapping: "equal-area octahedron: +y in the centre, -y in the corners, +x to the right, +z down",
     face_count: 1,
     is_square: true,
     side_min: 8,
