@@ -92,7 +92,7 @@ diffuse = ["none"]
 f0 = [1]
 albedo = [0]
 [precompute]
-prefilter_size = [64, 32]
+prefilter_size = [32, 32]
 prefilter_level_count = 2
 prefilter_sample_count = 64
 dfg_size = 16

@@ -7,6 +7,7 @@
 # Known limits of SwiftShader (that of chromium 156), none of which a tolerance hides:
 # - Vertices are rounded to 1/16 of a pixel (subPixelPrecisionBits 4, Vulkan's least; lavapipe has 8): edges of meshes move by up to 1/32
 #   pixel. tests/device/gbuffer.rs asks the device for its grid.
+# - Compute shaders see black beyond the edges of a cube's faces: maps are octahedral here (DeviceInfo::has_seamless_cubes).
 # - Bits differ from those of lavapipe. Bit-identity is tested from run to run on each driver, never between them.
 set -eu
 cd "$(dirname "$0")/.."

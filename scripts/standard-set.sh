@@ -11,7 +11,7 @@ set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
-set_names="quick break-even sample-count source-document-0 level-bias printed-slips energy diffuse diffuse-measured tables exposure-and-contrast dynamic-range timing"
+set_names="quick break-even sample-count source-document-0 level-bias printed-slips energy diffuse diffuse-measured tables exposure-and-contrast dynamic-range better-method timing"
 runs=runs/standard
 results=results
 while [ $# -gt 0 ]; do

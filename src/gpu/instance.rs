@@ -38,6 +38,8 @@ pub struct DeviceInfo {
     pub memory_bytes: u64,
     /// Whether bilinear filtering computes in f32 (lavapipe: error below 3e-6) and not with the 8-bit weights of filtering units.
     pub has_exact_filter: bool,
+    /// Whether cubes are filtered across their edges in compute shaders. SwiftShader shows black there.
+    pub has_seamless_cubes: bool,
 }
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
@@ -151,6 +153,7 @@ impl Instance {
             ),
             timestamp_period_ns: core.limits.timestamp_period,
             has_exact_filter: driver_id == vk::DriverId::MESA_LLVMPIPE,
+            has_seamless_cubes: driver_id != vk::DriverId::GOOGLE_SWIFTSHADER,
             memory_bytes: local.map(|heap| heap.size).max().unwrap_or(0),
         }
     }

@@ -80,6 +80,9 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
 
 /// Refuses a request that no allocation could serve, with the figure that is too large.
 pub(super) fn check(gpu: &Gpu, request: &RenderRequest) -> Result<(), PipelineError> {
+    if request.precompute.layout.face_count == 6 && request.reads_filtered_levels() && !gpu.info().has_seamless_cubes {
+        return Err(PipelineError::OpenCubes);
+    }
     let needs = needs(request);
     let refused = |need: &Need, needed: String, limit: String| {
         let part = format!("the {} of {}x{}", need.what, need.size[0], need.size[1]);

@@ -57,6 +57,8 @@ pub enum PipelineError {
     PartScramble(#[from] PartScramble),
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    #[error("the driver does not filter cubes across their edges; another layout works: layout = \"octahedral\"")]
+    OpenCubes,
     /// Found before anything was allocated.
     #[error("{part} is too large for the device: it needs {needed}, the limit is {limit}")]
     TooLarge { part: String, needed: String, limit: String },
@@ -65,7 +67,14 @@ pub enum PipelineError {
 impl PipelineError {
     /// Whether something else must be asked for: the request cannot be served whatever is tried.
     pub fn is_input(&self) -> bool {
-        matches!(self, Self::TooLarge { .. } | Self::NoSamples { .. } | Self::PartScramble(_) | Self::Settings(_))
+        matches!(
+            self,
+            Self::OpenCubes
+                | Self::TooLarge { .. }
+                | Self::NoSamples { .. }
+                | Self::PartScramble(_)
+                | Self::Settings(_)
+        )
     }
 
     /// Whether a retry on a fresh device may succeed.

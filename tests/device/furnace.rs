@@ -1,7 +1,7 @@
 //! Constant radiance: every integrator returns the directional albedo, which no environment can hide.
 
 use crate::compare::{Tolerance, Worst, absolute};
-use crate::harness::{constant_environment, lobe_sphere, request, scene, with_pipeline};
+use crate::harness::{constant_environment, lobe_sphere, request, scene, usual_tables, with_pipeline};
 use crate::methods::{radiance, sights};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -41,7 +41,7 @@ fn every_integrator_returns_the_directional_albedo() {
                         dfg_size: 64,
                         prefilter_size: [32; 2],
                         prefilter_level_count: 3,
-                        ..PrecomputeSettings::default()
+                        ..usual_tables()
                     },
                     ..request(&white, lobe_sphere(alpha), CameraKind::Ortho, [11, 11])
                 };

@@ -2,14 +2,17 @@
 
 use glam::DVec3;
 use splitsum::environment::Environment;
+use splitsum::environment::layout::LAYOUTS;
 use splitsum::glsl::constants::GROUP_LINEAR;
 use splitsum::glsl::layout::{ProbeParams, SharedStruct};
 use splitsum::gpu::{Bind, Buffer, Gpu, GpuError, Image, Options};
 use splitsum::pipeline::{Pipeline, PipelineError, RenderRequest};
 use splitsum::pixels::{Pixels, RgbImage, exr};
+use splitsum::precompute::PrecomputeSettings;
 use splitsum::scene::{CameraKind, Light, LightKind, MaterialOverride, Scene};
 use std::cell::Cell;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A quiet NaN: what no pass may read before it has written it.
@@ -62,11 +65,23 @@ impl Drop for Turn {
     }
 }
 
+/// Whether the device of this turn filters cubes across their edges.
+static HAS_CUBES: AtomicBool = AtomicBool::new(true);
+
+/// Default tables, by the first layout that the device filters.
+pub fn usual_tables() -> PrecomputeSettings {
+    let is_cube_fit = HAS_CUBES.load(Ordering::Relaxed);
+    let layout = LAYOUTS.iter().find(|layout| is_cube_fit || layout.face_count == 1).unwrap();
+    let (prefilter_size, irradiance_size) = (layout.prefilter_size, layout.irradiance_size);
+    PrecomputeSettings { layout, prefilter_size, irradiance_size, ..PrecomputeSettings::default() }
+}
+
 /// Runs `test` on a device of its own; fails on any message of the validation layer.
 pub fn with_gpu(test: impl FnOnce(&Gpu)) {
     // Dropped after the device.
     let _turn = Turn::wait();
     let Some(gpu) = open(Gpu::new) else { return };
+    HAS_CUBES.store(gpu.info().has_seamless_cubes, Ordering::Relaxed);
     test(&gpu);
     assert_eq!(gpu.validation_messages(), Vec::<String>::new());
 }
@@ -81,6 +96,7 @@ pub fn with_pipeline(test: impl FnOnce(&mut Pipeline)) {
         })
     };
     let Some(mut pipeline) = open(new) else { return };
+    HAS_CUBES.store(pipeline.device().has_seamless_cubes, Ordering::Relaxed);
     test(&mut pipeline);
     assert_eq!(pipeline.validation_messages(), Vec::<String>::new());
 }
@@ -182,7 +198,7 @@ pub fn lobe_sphere(alpha: f64) -> Scene {
 
 /// A request for `scene` under `environment`: GGX, split sum, no diffuse term.
 pub fn request(environment: &Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> RenderRequest {
-    RenderRequest::plain(environment.clone(), scene, kind, size)
+    RenderRequest { precompute: usual_tables(), ..RenderRequest::plain(environment.clone(), scene, kind, size) }
 }
 
 /// Direction to a light and its irradiance on a surface that faces it, at a position.

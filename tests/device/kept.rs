@@ -1,6 +1,6 @@
 //! Tables and references from the disk have the bits of those that are made; halves are rounded once.
 
-use crate::harness::{golden_environment, request, scene, with_pipeline};
+use crate::harness::{golden_environment, request, scene, usual_tables, with_pipeline};
 use glam::DVec3;
 use half::f16;
 use splitsum::brdf::MaskingShadowing;
@@ -15,22 +15,24 @@ use splitsum::shade::{diffuse_by_name, method_by_name};
 use std::path::Path;
 use std::sync::Arc;
 
-const SMALL: PrecomputeSettings = PrecomputeSettings {
-    layout: &LAYOUTS[0],
-    prefilter_size: [16; 2],
-    prefilter_level_count: 2,
-    prefilter_sample_count: 16,
-    dfg_size: 16,
-    dfg_sample_count: 64,
-    irradiance_size: [8; 2],
-    irradiance_sample_count: [16, 8],
-    storage: StorageFormat::F32,
-};
+fn small() -> PrecomputeSettings {
+    PrecomputeSettings {
+        layout: usual_tables().layout,
+        prefilter_size: [16; 2],
+        prefilter_level_count: 2,
+        prefilter_sample_count: 16,
+        dfg_size: 16,
+        dfg_sample_count: 64,
+        irradiance_size: [8; 2],
+        irradiance_sample_count: [16, 8],
+        storage: StorageFormat::F32,
+    }
+}
 
 /// Requests that need every kind of table, and a reference of both terms with a stop.
 fn requests() -> Vec<RenderRequest> {
     let base = RenderRequest {
-        precompute: SMALL,
+        precompute: small(),
         reference_samples: 256,
         samples: 256,
         ..request(&golden_environment(), scene("spheres", MaterialOverride::default()), CameraKind::Ortho, [40, 24])
@@ -41,7 +43,7 @@ fn requests() -> Vec<RenderRequest> {
         ..base.clone()
     };
     let stopped = RenderRequest { reference_error: Some(0.5), ..of("reference", "reference") };
-    let half = PrecomputeSettings { storage: StorageFormat::F16, ..SMALL };
+    let half = PrecomputeSettings { storage: StorageFormat::F16, ..small() };
     let in_halves = RenderRequest { precompute: half, ..of("split-sum", "irradiance-map") };
     vec![of("split-sum", "irradiance-map"), of("sampled", "sh9"), of("reference", "reference"), stopped, in_halves]
 }
@@ -148,7 +150,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         set(&|s| s.irradiance_size = [2 * map_width, 2 * map_height]),
         set(&|s| s.irradiance_sample_count = [2 * azimuths, 2 * polars]),
         set(&|s| s.storage = StorageFormat::F16),
-        set(&|s| s.layout = &LAYOUTS[1]),
+        set(&|s| s.layout = &LAYOUTS[2]),
     ]
 }
 
@@ -163,7 +165,7 @@ fn shown(frame: &Frame) -> (Vec<u32>, Option<Vec<u32>>, Vec<u32>) {
 fn what_a_frame_shows_does_not_hang_on_earlier_requests() {
     let dir = tempfile::tempdir().unwrap();
     let of = |method: &str, diffuse: &str| RenderRequest {
-        precompute: PrecomputeSettings { prefilter_size: [32; 2], ..SMALL },
+        precompute: PrecomputeSettings { prefilter_size: [32; 2], ..small() },
         reference_samples: 64,
         samples: 8,
         method: method_by_name(method).unwrap(),
@@ -244,7 +246,7 @@ fn halves_are_the_nearest_to_what_the_passes_made() {
     with_pipeline(|pipeline| {
         let bake = |pipeline: &mut Pipeline, storage: StorageFormat, out: &Path| {
             let brdfs = vec![splitsum::brdf::MODELS[0]];
-            let precompute = PrecomputeSettings { storage, ..SMALL };
+            let precompute = PrecomputeSettings { storage, ..small() };
             let request = BakeRequest {
                 environment: environment.clone(),
                 precompute,

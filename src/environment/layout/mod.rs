@@ -37,8 +37,11 @@ pub struct MapLayout {
     /// Solid angle (sr) of a texel at a unit direction, for a face of that size: its mean over a sample of so many sr.
     pub texel_solid_angle: fn(DVec3, [u32; 2], f64) -> f64,
     /// Face, column and row of the texel at whole coordinates at most one texel outside the face; nothing where three faces meet.
-    texel: fn(u32, [i64; 2], [u32; 2]) -> Option<[u32; 3]>,
+    texel: TexelAt,
 }
+
+/// Face, column and row of the texel at whole coordinates of a face of that size.
+type TexelAt = fn(u32, [i64; 2], [u32; 2]) -> Option<[u32; 3]>;
 
 /// Every layout; the first is the default.
 pub static LAYOUTS: &[MapLayout] = &[cube::LAYOUT, octahedral::LAYOUT, equirect::LAYOUT];

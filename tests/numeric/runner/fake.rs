@@ -73,6 +73,7 @@ impl Renderer for Fake {
             timestamp_period_ns: 1.0,
             memory_bytes: 0,
             has_exact_filter: true,
+            has_seamless_cubes: true,
         }
     }
 
