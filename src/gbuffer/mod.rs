@@ -21,6 +21,7 @@
 //! instance a sphere, depth written by the shader. Meshes: `mesh.vert/frag`, indexed triangle lists with position, normal and uv at
 //! locations 0, 1, 2. Set 0: binding 0 spheres, 1 materials, 2 albedo map.
 
+pub mod design;
 pub mod pass;
 pub mod reference;
 

@@ -132,6 +132,13 @@ impl GbufferImages {
         })
     }
 
+    /// Fills the attachments.
+    pub fn write(&self, gpu: &Gpu, texels: &Gbuffer<f32>) -> Result<(), GpuError> {
+        let Gbuffer { position_mask, normal_alpha, albedo_metallic, f0_material } = texels;
+        let all = [position_mask, normal_alpha, albedo_metallic, f0_material];
+        self.attachments.iter().zip(all).try_for_each(|(image, texels)| gpu.write_image(image, 0, &texels.data))
+    }
+
     /// The attachments' texels.
     pub fn read(&self, gpu: &Gpu) -> Result<Gbuffer<f32>, GpuError> {
         let [width, height] = self.size;

@@ -7,6 +7,7 @@ use super::{PipelineError, RenderRequest};
 use crate::environment::Environment;
 use crate::environment::distribution::{EnvironmentDistribution, weighted_texels};
 use crate::environment::layout::MapLayout;
+use crate::gbuffer::design;
 use crate::gbuffer::pass::{self as gbuffer_pass, GbufferImages, SceneData};
 use crate::gpu::{Buffer, Format, Gpu, GpuError, Image, Report};
 use crate::math::sequence::{SEQUENCES, Sequence};
@@ -302,10 +303,19 @@ impl Resources {
         let scene = self.scenes.get_or_make(hash.clone(), || SceneData::new(gpu, &request.scene).map(Arc::new))?;
         let target = self.targets.get_or_make((hash.clone(), camera, size), || -> Result<_, GpuError> {
             let gbuffer = GbufferImages::new(gpu, size)?;
-            let mut recorder = gpu.record("gbuffer")?;
-            gbuffer_pass::record(&mut recorder, &scene, &camera, &gbuffer)?;
-            recorder.submit()?;
-            let texels = gbuffer.read(gpu)?;
+            let texels = match request.scene.is_design {
+                true => {
+                    let texels = design::gbuffer(&request.scene, size);
+                    gbuffer.write(gpu, &texels)?;
+                    texels
+                }
+                false => {
+                    let mut recorder = gpu.record("gbuffer")?;
+                    gbuffer_pass::record(&mut recorder, &scene, &camera, &gbuffer)?;
+                    recorder.submit()?;
+                    gbuffer.read(gpu)?
+                }
+            };
             let radiance = gpu.buffer("radiance", 16 * u64::from(size[0]) * u64::from(size[1]))?;
             let (mask, n_dot_v) = (Arc::new(texels.mask()), Arc::new(texels.n_dot_v(&camera)));
             Ok(Arc::new(Target { gbuffer, radiance, mask, n_dot_v }))

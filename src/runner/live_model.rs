@@ -92,6 +92,10 @@ pub fn models(plan: &Plan) -> Vec<LiveModel> {
 }
 
 fn model(label: &str, request: &RenderRequest, triangles_max: usize) -> LiveModel {
+    if request.scene.is_design {
+        let note = format!("{label} is no picture, so a sphere is shown.");
+        return sphere(label, note, request.camera.projection, request.scene.materials.first());
+    }
     let (scene, aspect) = (&request.scene, f64::from(request.size[0]) / f64::from(request.size[1]));
     let count: usize = scene.meshes.iter().map(|mesh| mesh.indices.len() / 3).sum();
     if count > triangles_max {

@@ -27,6 +27,12 @@ pub static SCENES: &[SceneEntry] = &[
         build: spheres,
     },
     SceneEntry {
+        name: "design",
+        description: "no picture but a design: every pixel has a direction of reflection, an n·v and a plane of incidence of its own, spread \
+                      evenly; for statistics",
+        build: design,
+    },
+    SceneEntry {
         name: "plane",
         description: "a horizontal rectangle seen at a grazing angle: n_dot_v falls from front to back under the perspective camera",
         build: plane,
@@ -43,6 +49,11 @@ const SPHERES_PITCH: f64 = 2.2;
 pub(super) fn sphere() -> Scene {
     let sphere = Sphere { center: DVec3::ZERO, radius: 1.0, material: 0 };
     Scene::assemble("sphere", vec![sphere], Vec::new(), vec![Material::default()])
+}
+
+/// The material of `sphere`; see `gbuffer::design`.
+fn design() -> Scene {
+    Scene { name: "design".to_owned(), is_design: true, ..sphere() }.hashed()
 }
 
 /// The grid of source document 0: unit spheres in the plane z = 0, centred about the origin, smoother to the right and more metallic to the

@@ -72,10 +72,13 @@ impl Camera {
     /// The camera that shows the whole scene in an image of `size` (width, height) pixels.
     ///
     /// One sphere of radius r is seen from +z: the square of half side 1.05 r (orthographic), or from 4 r away under 32 degrees
-    /// (perspective). Any other scene is seen from `scene.toward_viewer` and fills the image but for 5 %. Pixels are square: a wide image
+    /// (perspective). The scene `design` has a camera of its own. Any other scene is seen from `scene.toward_viewer` and fills the image but for 5 %. Pixels are square: a wide image
     /// sees more to the sides, a tall one more above and below.
     pub fn for_scene(kind: CameraKind, scene: &Scene, size: [u32; 2]) -> Self {
         let aspect = f64::from(size[0]) / f64::from(size[1]);
+        if scene.is_design {
+            return Self::of_design();
+        }
         match (scene.spheres.as_slice(), scene.meshes.as_slice()) {
             ([sphere], []) => Self::for_sphere(kind, sphere, aspect),
             _ => Self::fitting(kind, scene, aspect),
@@ -98,6 +101,13 @@ impl Camera {
             near: (PERSPECTIVE_SPHERE_DISTANCE - 2.0) * sphere.radius,
             far: (PERSPECTIVE_SPHERE_DISTANCE + 2.0) * sphere.radius,
         }
+    }
+
+    /// The eye is the origin: positions of the scene `design` are opposite to their views.
+    fn of_design() -> Self {
+        let projection = perspective(perspective_extent());
+        let (right, up, forward) = (DVec3::X, DVec3::Y, DVec3::NEG_Z);
+        Self { eye: DVec3::ZERO, right, up, forward, projection, near: 0.5, far: 2.0 }
     }
 
     /// The nearest camera of the direction `scene.toward_viewer` whose four side planes enclose the scene.

@@ -38,6 +38,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Albedo textures, linear RGB; [`Material::albedo_map`] indexes them.
     pub textures: Vec<RgbImage>,
+    /// Whether each pixel is an experiment of its own (`gbuffer::design`); its geometry is then only a stand-in.
+    pub is_design: bool,
     /// Unit vector from the scene to its automatic cameras: +z for spheres, 30 degrees to the right of it and 20 degrees above for OBJ files.
     pub toward_viewer: DVec3,
     /// blake3 (hex) of everything that determines the geometry, materials, textures and automatic cameras. Names are left out.
@@ -114,6 +116,7 @@ impl Scene {
             meshes,
             materials,
             textures: Vec::new(),
+            is_design: false,
             toward_viewer: DVec3::Z,
             hash: String::new(),
             warnings: Vec::new(),
@@ -130,6 +133,7 @@ impl Scene {
             hasher.update(bytemuck::cast_slice(values));
         }
         list(&mut hasher, &self.toward_viewer.to_array());
+        list(&mut hasher, &[u8::from(self.is_design)]);
         for sphere in &self.spheres {
             list(&mut hasher, &sphere.center.extend(sphere.radius).to_array());
             list(&mut hasher, &[sphere.material as u64]);

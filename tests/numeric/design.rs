@@ -1,0 +1,91 @@
+//! The scene `design`: its frames are what they claim, and means over its pixels are means over the sphere.
+
+use glam::DVec3;
+use splitsum::brdf::reflect;
+use splitsum::gbuffer::design::{frame, gbuffer};
+use splitsum::scene::{Camera, CameraKind, Scene};
+use std::path::Path;
+
+const SIZE: [u32; 2] = [96, 96];
+
+/// Normal, view and reflected direction of every pixel.
+fn frames() -> Vec<[DVec3; 3]> {
+    let count = SIZE[0] * SIZE[1];
+    (0..count).map(|i| frame(i, count)).map(|[n, v]| [n, v, reflect(v, n)]).collect()
+}
+
+fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    values.clone().sum::<f64>() / values.count() as f64
+}
+
+#[test]
+fn the_gbuffer_holds_the_frames_and_the_camera_finds_their_views() {
+    let scene = Scene::load("design", Path::new(".")).unwrap();
+    let texels = gbuffer(&scene, SIZE);
+    assert!(texels.mask().data.iter().all(|mask| *mask == 1.0));
+    for kind in [CameraKind::Ortho, CameraKind::Perspective] {
+        let camera = Camera::for_scene(kind, &scene, SIZE);
+        let n_dot_v = texels.n_dot_v(&camera);
+        for (i, [n, v, _]) in frames().into_iter().enumerate() {
+            let [x, y, z, _] = texels.position_mask.data[i].map(f64::from);
+            assert!(camera.v_at(DVec3::new(x, y, z)).distance(v) < 1e-7, "pixel {i}");
+            assert!((f64::from(n_dot_v.data[i]) - n.dot(v)).abs() < 1e-6, "pixel {i}");
+        }
+    }
+}
+
+#[test]
+fn frames_are_orthonormal_where_they_must_be() {
+    for (i, [n, v, r]) in frames().into_iter().enumerate() {
+        assert!([n, v, r].iter().all(|d| (d.length() - 1.0).abs() < 1e-12), "pixel {i}");
+        assert!((n.dot(v) - n.dot(r)).abs() < 1e-12 && n.dot(v) > 0.0, "pixel {i}");
+        assert!(n.cross(v).dot(r).abs() < 1e-12, "pixel {i}: one plane of incidence");
+    }
+}
+
+/// Closed forms: of a constant map 1, of a linear one 0, of a product of two different coordinates 0, of a square 1/3.
+#[test]
+fn means_over_pixels_are_means_over_the_sphere_in_every_range_of_n_dot_v() {
+    let frames = frames();
+    let all = (0.0, 1.0, 1e-3);
+    // A tenth of the pixels spreads a third as evenly.
+    let tenths = (0..10).map(|k| (0.1 * f64::from(k), 0.1 * f64::from(k + 1), 0.02));
+    for (low, high, tolerance) in [all].into_iter().chain(tenths) {
+        let own: Vec<DVec3> =
+            frames.iter().filter(|[n, v, _]| (low..high).contains(&n.dot(*v))).map(|[.., r]| *r).collect();
+        let share = own.len() as f64 / frames.len() as f64;
+        assert!((share - (high - low)).abs() < 1e-3, "n_dot_v {low} to {high} has {share} of the pixels");
+        for axis in 0..3 {
+            let next = (axis + 1) % 3;
+            let [linear, product, square] = [
+                mean(own.iter().map(|r| r[axis])),
+                mean(own.iter().map(|r| r[axis] * r[next])),
+                mean(own.iter().map(|r| r[axis] * r[axis])) - 1.0 / 3.0,
+            ];
+            assert!(
+                linear.abs() < tolerance && product.abs() < tolerance && square.abs() < tolerance,
+                "n_dot_v {low} to {high}, axis {axis}: {linear} {product} {square}"
+            );
+        }
+    }
+}
+
+/// The plane of incidence turns about r evenly, at every n·v: no direction of the tangent plane is preferred.
+#[test]
+fn planes_of_incidence_are_turned_evenly() {
+    for low in [0.0, 0.25, 0.5, 0.75] {
+        let own: Vec<[DVec3; 3]> =
+            frames().into_iter().filter(|[n, v, _]| (low..low + 0.25).contains(&n.dot(*v))).collect();
+        for k in 1..=2 {
+            let turned = |part: fn(f64) -> f64| {
+                mean(own.iter().map(|[n, _, r]| {
+                    let across = (*n - *r * n.dot(*r)).normalize();
+                    let [x, y] = [r.any_orthonormal_vector(), r.cross(r.any_orthonormal_vector())];
+                    part(f64::from(k) * across.dot(y).atan2(across.dot(x)))
+                }))
+            };
+            let [cos, sin] = [turned(f64::cos), turned(f64::sin)];
+            assert!(cos.abs() < 0.02 && sin.abs() < 0.02, "n_dot_v from {low}, degree {k}: {cos} {sin}");
+        }
+    }
+}
