@@ -277,7 +277,10 @@ impl Pipeline {
         };
         let (brdf, masking) = (request.brdf, request.masking_shadowing);
         let mut recorder = gpu.record("gbuffer")?;
-        recorder.pass("gbuffer", |r| gbuffer::pass::record(r, &prepared.scene, &request.camera, gbuffer))?;
+        // That of the scene `design` was written by the host.
+        if !request.scene.is_design {
+            recorder.pass("gbuffer", |r| gbuffer::pass::record(r, &prepared.scene, &request.camera, gbuffer))?;
+        }
         recorder.fill(radiance, 0);
         let mut report = recorder.submit()?;
 

@@ -275,3 +275,33 @@ fn a_scene_without_light_is_black() {
         }
     });
 }
+
+/// In the scene `design` the mean over the pixels is the mean over the sphere: a mirror under a constant and under a linear map shows 1, and
+/// a turn of the map changes nothing.
+#[test]
+fn a_mirror_in_the_design_shows_the_mean_of_the_map() {
+    with_pipeline(|pipeline| {
+        let size = [64, 64];
+        let environment = smooth_environment();
+        for rotation in [0.0, 50.0] {
+            let request = RenderRequest {
+                method: method("sampled-unfiltered"),
+                samples: 16,
+                environment_rotation_deg: rotation,
+                ..request(&environment, mirror_design(), CameraKind::Ortho, size)
+            };
+            let frame = pipeline.render(&request).unwrap();
+            assert!(frame.mask.data.iter().all(|mask| *mask == 1.0));
+            for (c, expected) in [1.0; 3].into_iter().enumerate() {
+                let mean = frame.radiance.data.iter().map(|rgb| f64::from(rgb[c])).sum::<f64>() / 4096.0;
+                assert!((mean - expected).abs() < 5e-3, "channel {c} at {rotation} degrees: {mean}");
+            }
+        }
+    });
+}
+
+/// The narrowest lobe, F = 1, no diffuse albedo.
+fn mirror_design() -> Scene {
+    let black = Some([0.0; 3]);
+    scene("design", MaterialOverride { alpha: Some(0.001), f0: Some([1.0; 3]), albedo: black, metallic: None })
+}
