@@ -17,7 +17,7 @@
 //! - Cigolle14: Z. H. Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014.
 //! - Clarberg08: P. Clarberg and T. Akenine-Möller, "Practical Product Importance Sampling for Direct Illumination", Computer Graphics
 //!   Forum 27(2), 2008.
-//! - Clarberg08b: P. Clarberg, "Fast Equal-Area Mapping of the (Hemi)Sphere using SIMD", Journal of Graphics Tools 13 (3), 2008.
+//! - ClarbergSquare08: P. Clarberg, "Fast Equal-Area Mapping of the (Hemi)Sphere using SIMD", Journal of Graphics Tools 13 (3), 2008.
 //! - Colbert07: M. Colbert and J. Křivánek, "GPU-Based Importance Sampling", GPU Gems 3, chapter 20, 2007.
 //! - CranleyPatterson76: R. Cranley and T. N. L. Patterson, "Randomization of Number Theoretic Methods for Multiple Integration", SIAM
 //!   Journal on Numerical Analysis 13(6), 1976.

@@ -1,4 +1,4 @@
-// Map layout `octahedral`: one square, every texel of the same solid angle. Its centre is +y, its corners are -y. [Clarberg08b]
+// Map layout `octahedral`: one square, every texel of the same solid angle. Its centre is +y, its corners are -y. [ClarbergSquare08]
 // No hardware filter knows which texels touch across its edges: a lookup fetches eight texels.
 #ifndef MAP_LAYOUT_OCTAHEDRAL_GLSL
 #define MAP_LAYOUT_OCTAHEDRAL_GLSL

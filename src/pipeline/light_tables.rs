@@ -40,7 +40,9 @@ impl Pipeline {
         };
         let layout = request.precompute.layout;
         let size = &mut request.precompute.prefilter_size;
-        while layout.face_count * size[0] * size[1] > PREFILTERED_TEXELS_MAX {
+        // Halved no further than its levels allow.
+        let least = layout.side_min << request.precompute.prefilter_level_count;
+        while layout.face_count * size[0] * size[1] > PREFILTERED_TEXELS_MAX && size[0].min(size[1]) >= least {
             *size = size.map(|side| side / 2);
         }
         let prepared = self.prepare(&request)?;

@@ -91,8 +91,8 @@ fn tried<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize]) ->
 /// What is shipped in some conditions.
 struct Shipped {
     tables: Key,
-    /// What the larger combination takes off the error, in the condition where it takes most.
-    gain: f64,
+    /// What the larger combination takes off the error, in the condition where it takes most; none where no larger one was tried.
+    gain: Option<f64>,
     /// The next smaller combination, its error over that of the shipped one where that is most, and that condition in words.
     smaller: Option<(Key, f64, String)>,
 }
@@ -113,7 +113,8 @@ fn shipped(parameters: &[usize], scope: &[usize], own: &[&Tried]) -> Option<Ship
         Some((other.clone(), ratio, label(scope, &row.key(scope))))
     };
     let smaller = smaller.max_by(|a, b| size(&a.0).total_cmp(&size(&b.0))).and_then(cost);
-    Some(Shipped { tables: tables.clone(), gain: most(best), smaller })
+    let gain = best.iter().any(|one| one.larger.is_some()).then(|| most(best));
+    Some(Shipped { tables: tables.clone(), gain, smaller })
 }
 
 /// "512x256, 6 levels".
@@ -161,9 +162,13 @@ fn sentence(
 ) -> String {
     let Some(found) = found else { return format!("No tried tables of `{method}` are enough in every case.") };
     let words = |tables: &Key| words(parameters, tables);
-    let gain = if found.gain > 0.0 { format!("at most {}", percent(found.gain)) } else { "nothing".to_owned() };
     let mut text = format!("Ship {} for `{method}`.", words(&found.tables));
-    text += &format!(" Larger tables gain {gain} in {}", frame.metric_name());
+    let metric = frame.metric_name();
+    text += &match found.gain {
+        None => " No larger tables were tried".to_owned(),
+        Some(gain) if gain > 0.0 => format!(" Larger ones that were tried gain at most {} in {metric}", percent(gain)),
+        Some(_) => format!(" Larger ones that were tried gain nothing in {metric}"),
+    };
     if let Some((tables, ratio, place)) = found.smaller.as_ref().filter(|(_, ratio, _)| *ratio > 1.0) {
         // What differs says which.
         let differs = parameters.iter().zip(tables).zip(&found.tables).filter(|((_, a), b)| a != b);
@@ -193,7 +198,7 @@ fn digest(parameters: &[usize], scope: &[usize], methods: &[(String, Vec<Tried>)
         for (alpha, found) in rows.chain([(ALL.to_owned(), shipped(parameters, scope, &own))]) {
             let mut row = cells![method.as_str(), alpha];
             let (gain, smaller, tables) = found.map_or((None, None, vec![Value::Unset; parameters.len()]), |found| {
-                (Some(percent(found.gain)), found.smaller, found.tables)
+                (Some(found.gain.map_or("none tried".to_owned(), percent)), found.smaller, found.tables)
             });
             row.extend(parameters.iter().zip(&tables).map(|(&axis, value)| Cell::from(short(axis, value))));
             let smaller = smaller.map(|(tables, ratio, place)| {
