@@ -20,7 +20,10 @@ export function cameraOf({ camera, low, high }, { yaw, pitch, distance }, width,
   return { right, up, back, forward: back.map((side) => -side), eye, extent: [(half * width) / height, half], depth };
 }
 
-/** Packed levels as one trilinear texture by a map layout: the faces of a cube stand below each other, and u of a lat-long map repeats. */
+/**
+ * Packed levels as one trilinear texture by a map layout. The faces of a cube stand below each other; u of a lat-long map
+ * repeats.
+ */
 export async function loadChain(gl, levels, layout = "") {
   const images = await Promise.all(levels.map(({ size, base64 }) => decode(base64, size[0], size[1])));
   const isCube = layout === "cube";
