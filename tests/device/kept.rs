@@ -104,7 +104,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         seed,
     } = base.clone();
     let PrecomputeSettings {
-        layout: _,
+        layout: own,
         prefilter_size: [width, height],
         prefilter_level_count,
         prefilter_sample_count,
@@ -124,7 +124,9 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     let toward = DVec3::new(0.0, 0.6, 0.8);
     let light = Light { kind: LightKind::Directional, position_or_direction: toward, color: [1.0, 2.0, 3.0] };
     let far = Camera::for_scene(CameraKind::Perspective, &base.scene, size);
-    vec![
+    let layouts = LAYOUTS.iter().filter(|layout| *layout != own && layout.face_count == 1);
+    let by_layout = layouts.map(|layout| set(&|s| s.layout = layout));
+    let by_field = vec![
         other(&|r| r.environment = Arc::new(environment.clipped(1.0))),
         other(&|r| r.environment_rotation_deg = environment_rotation_deg + 40.0),
         other(&|r| r.environment_scale = 3.0 * environment_scale),
@@ -150,8 +152,8 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         set(&|s| s.irradiance_size = [2 * map_width, 2 * map_height]),
         set(&|s| s.irradiance_sample_count = [2 * azimuths, 2 * polars]),
         set(&|s| s.storage = StorageFormat::F16),
-        set(&|s| s.layout = &LAYOUTS[2]),
-    ]
+    ];
+    by_field.into_iter().chain(by_layout).collect()
 }
 
 /// All that a frame shows, bit for bit.
