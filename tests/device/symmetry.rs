@@ -22,7 +22,7 @@ fn method(name: &str) -> &'static Method {
 }
 
 /// A smooth map without suns: `1 + 0.5 d.x + 0.3 d.y d.z`, other shares in green and blue.
-fn smooth_environment() -> Arc<Environment> {
+pub fn smooth_environment() -> Arc<Environment> {
     let size = [256, 128];
     let image = RgbImage::from_fn(size[0], size[1], |x, y| {
         let uv = glam::DVec2::new((f64::from(x) + 0.5) / 256.0, (f64::from(y) + 0.5) / 128.0);
