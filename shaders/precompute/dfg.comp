@@ -26,5 +26,6 @@ void main() {
     }
     vec2 axes = dfg_axes_from_texel(texel, size);
     float alpha = max(alpha_from_perceptual_roughness(axes.y), ALPHA_MIN);
-    imageStore(table, ivec2(texel), vec4(directional_albedo(axes.x, alpha, params.sample_count, MASKING), 0.0, 1.0));
+    vec2 a_b = directional_albedo(axes.x, alpha, params.sample_count, MASKING).xy;
+    imageStore(table, ivec2(texel), vec4(a_b, 0.0, 1.0));
 }

@@ -1,5 +1,5 @@
-// The reference: an unbiased estimate of the integral of BRDF, cosine and environment radiance by multiple importance
-// sampling. One dispatch takes every sample of the scrambles `scramble` to `scramble + scramble_count - 1` and folds their
+// The reference: an unbiased estimate of the integral of a lobe (BRDF times cosine, or a rung of the ladder) and environment radiance by
+// multiple importance sampling. One dispatch takes every sample of the scrambles `scramble` to `scramble + scramble_count - 1` and folds their
 // results into the mean and the spread over scrambles.
 //
 // One invocation computes one pixel. With m = `sample_count` / 2 (rounded up) samples from the lobe and m from the environment, the balance
@@ -23,7 +23,6 @@
 #include "generated/layout.glsl"
 #include "lib/compensated_sum.glsl"
 #include "lib/environment_sampling.glsl"
-#include "lib/frame.glsl"
 #include "lib/sobol.glsl"
 #include "lib/surface.glsl"
 #include "selected/lobe.glsl"
@@ -59,9 +58,9 @@ uint environment_word(uint index) {
 }
 
 // What one sample adds. A density of 0 is that of a value of 0: it must not become 0 / 0.
-vec3 contribution(LobeValue lobe, EnvironmentSample light) {
-    float density = lobe.pdf_l + light.pdf_l;
-    return density > 0.0 ? lobe.value_cos * light.li / density : vec3(0.0);
+vec3 contribution(LobeValue kernel, EnvironmentSample light) {
+    float density = kernel.pdf_l + light.pdf_l;
+    return density > 0.0 ? kernel.value_cos * light.li / density : vec3(0.0);
 }
 
 void main() {
@@ -80,15 +79,17 @@ void main() {
     }
     // Everything below lives in the environment's frame: one matrix product a sample.
     Surface surface = surface_in_environment(world, params);
-    mat3 frame = frame_from_normal(surface.n);
-    vec3 v_local = surface.v * frame;
-    // The floor of n_dot_v holds for the lobe too: at 0 it has no sampler.
-    v_local.z = max(v_local.z, COSINE_MIN);
+    Lobe lobe = lobe_at(surface, params);
+    mat3 frame = lobe.frame;
 
     for (uint slot = 0u; slot < params.slot_count; ++slot) {
-        environment_guide(slots[slot].w, GUIDE_FLOOR + lobe_guide(surface, v_local, slots[slot].xyz * frame));
+        environment_guide(slots[slot].w, GUIDE_FLOOR + lobe_guide(lobe, slots[slot].xyz * frame));
     }
     EnvironmentTables tables = environment_tables(params.environment_width, params.environment_height);
+    vec3 mirror = vec3(0.0);
+    if (lobe_mirror(lobe) > 0.0) {
+        mirror = lobe_mirror(lobe) * environment_eval(environment, environment_linear, tables, frame[2]).li;
+    }
     uint pair_count = (params.sample_count + 1u) / 2u;
     vec4 mean = vec4(0.0);
     vec3 squared = vec3(0.0);
@@ -105,10 +106,10 @@ void main() {
         for (uint i = 0u; i < pair_count; ++i) {
             uint second = sobol_second_reversed(i);
 
-            vec3 l_local = lobe_sample(surface, v_local, sobol_to_unit(sobol_point(i, second, lobe_key)));
+            vec3 l_local = lobe_sample(lobe, sobol_to_unit(sobol_point(i, second, lobe_key)));
             vec3 term = vec3(0.0);
             if (l_local.z > 0.0) {
-                term = contribution(lobe_eval(surface, v_local, l_local),
+                term = contribution(lobe_eval(lobe, l_local),
                                     environment_eval(environment, environment_linear, tables, frame * l_local));
             }
 
@@ -116,12 +117,12 @@ void main() {
                 environment_sample(environment, tables, sobol_point(i, second, environment_key));
             l_local = light.l * frame;
             if (l_local.z > 0.0 && light.pdf_l > 0.0) {
-                term += contribution(lobe_eval(surface, v_local, l_local), light);
+                term += contribution(lobe_eval(lobe, l_local), light);
             }
 
             sum = compensated_add(sum, term);
         }
-        vec3 estimate = (sum.high + sum.low) * (params.environment_scale / float(pair_count));
+        vec3 estimate = ((sum.high + sum.low) / float(pair_count) + mirror) * params.environment_scale;
 
         float count = mean.a + 1.0;
         vec3 deviation = estimate - mean.rgb;

@@ -118,7 +118,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 /// The flags as a point. The reference has a sample count of its own where none is given.
 fn point(arguments: &Arguments) -> Point {
     let mut point = arguments.axes.point();
-    if arguments.axes.get(SAMPLES).is_none() && point.method().is_reference() {
+    if arguments.axes.get(SAMPLES).is_none() && point.method().is_integrated() {
         point[SAMPLES] = Value::Count(Reference::default().samples);
     }
     point
@@ -128,7 +128,7 @@ fn point(arguments: &Arguments) -> Point {
 fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(), Failure> {
     let collapsed = point.collapsed(!arguments.lights.is_empty());
     let (method, diffuse) = (point.method().name, point.diffuse().name);
-    let has_reference_term = point.method().is_reference() || point.diffuse().is_reference();
+    let has_reference_term = point.method().is_integrated() || point.diffuse().is_reference();
     let mut faults = Vec::new();
     for Given { flag, axis, .. } in arguments.axes.iter() {
         let is_reference_count = *axis == SAMPLES && has_reference_term;

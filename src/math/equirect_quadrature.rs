@@ -11,7 +11,7 @@
 //! weights W of blocks of texels; a parent's follow from its children's, because its `ℓ` restricted to a child is a polynomial of
 //! the same degree. Rectangles below a leaf, down to parts of one bilinear cell, get theirs when asked.
 
-use super::equirect::direction_from_uv;
+use super::equirect::{direction_from_uv, uv_from_direction};
 use super::quadrature::{Estimate, NODE_COUNT, TensorRule, Tolerance, integrate_adaptively};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -73,6 +73,18 @@ impl EquirectQuadrature {
         quadrature.nodes.reserve_exact(quadrature.node_count(&root));
         quadrature.root = quadrature.build(root);
         quadrature
+    }
+
+    /// The bilinear map itself.
+    pub fn radiance(&self, direction: DVec3) -> DVec3 {
+        let place = uv_from_direction(direction) * DVec2::new(self.width as f64, self.height as f64) - 0.5;
+        let (corner, t) = (place.floor(), place - place.floor());
+        let texel = |x: f64, y: f64| {
+            let x = (corner.x + x).rem_euclid(self.width as f64) as usize;
+            let y = (corner.y + y).clamp(0.0, self.height as f64 - 1.0) as usize;
+            DVec3::from(self.texels[y * self.width + x].map(f64::from))
+        };
+        texel(0.0, 0.0).lerp(texel(1.0, 0.0), t.x).lerp(texel(0.0, 1.0).lerp(texel(1.0, 1.0), t.x), t.y)
     }
 
     /// `∫ L k dl` for `K` kernels at once; `error` bounds each number. Kernels need not be smooth, but kinks cost time.

@@ -75,9 +75,8 @@ impl RenderRequest {
 
     /// The terms that are taken from the reference, specular first.
     pub(super) fn reference_lobes(&self) -> Vec<Lobe> {
-        let specular = Lobe::Specular(self.brdf, self.masking_shadowing);
-        let terms = [(self.method.is_reference(), specular), (self.diffuse.is_reference(), Lobe::Diffuse)];
-        terms.into_iter().filter_map(|(wanted, lobe)| wanted.then_some(lobe)).collect()
+        let specular = self.method.lobe.map(|lobe| Lobe::Specular(lobe, self.brdf, self.masking_shadowing));
+        specular.into_iter().chain(self.diffuse.is_reference().then_some(Lobe::Diffuse)).collect()
     }
 
     /// When the reference stops.
@@ -92,7 +91,7 @@ impl RenderRequest {
 
     /// Whether a term comes from the reference: then the frame has a standard error.
     pub fn has_reference_term(&self) -> bool {
-        self.method.is_reference() || self.diffuse.is_reference()
+        self.method.is_integrated() || self.diffuse.is_reference()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
 
-use super::axis::{AXES, PREFILTER_SIZE, Point, REFERENCE, SAMPLES, SIZE, index_of};
+use super::axis::{AXES, PREFILTER_SIZE, Point, SAMPLES, SIZE, index_of};
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
@@ -45,11 +45,11 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
 
 /// A row must not name another number of samples than the reference draws.
 fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults: &mut Faults) {
-    let is_method = point.method().is_reference();
+    let is_method = point.method().is_integrated();
     if is_method && let Err(error) = ScramblePlan::exact(point[SAMPLES].count()) {
-        faults.add(&config.place_of(SAMPLES, point), format!("samples of method {REFERENCE}: {error}"));
+        faults.add(&config.place_of(SAMPLES, point), format!("samples of method {}: {error}", point.method().name));
     }
-    let is_judged_by = judge.method().is_reference() || judge.diffuse().is_reference();
+    let is_judged_by = judge.method().is_integrated() || judge.diffuse().is_reference();
     if (is_judged_by || point.diffuse().is_reference() && !is_method)
         && let Err(error) = ScramblePlan::exact(config.reference.samples)
     {

@@ -2,13 +2,13 @@
 //!
 //! Reading never stops at the first fault. Paths in the file are relative to the file.
 
-use super::axis::{AXES, METHOD, Named, Point, REFERENCE, Reference, SAMPLES, Terms, index_of};
+use super::axis::{AXES, METHOD, Named, Point, Reference, SAMPLES, Terms, index_of};
 use super::fault::{Faults, Place};
 use super::toml_tree::{at, checked, entries, parsed, raw, section, texts, unknown_key};
 use super::value::{Kind, Range, Raw, Value};
 use crate::metrics::{HEADLINE, METRICS, metric};
 use crate::scene::{CameraKind, Light};
-use crate::shade::NONE;
+use crate::shade::{METHODS, NONE, method_by_name};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -290,10 +290,13 @@ impl Config {
             match key {
                 "method" => {
                     self.reference.method = found.text().to_owned();
-                    if ![REFERENCE, NONE].contains(&found.text()) {
+                    let is_exact = method_by_name(found.text()).is_some_and(|method| method.is_integrated() || method.is_none());
+                    if !is_exact {
+                        let exact = METHODS.iter().filter(|method| method.is_integrated()).map(|method| method.name);
                         let text = format!(
-                            "reference.method: {found} is itself off, so that a difference from it is no error; expected {REFERENCE}, or \
-                             {NONE} to hold cells against the image without a specular term"
+                            "reference.method: {found} is itself off, so that a difference from it is no error; expected one of {}, or \
+                             {NONE} to hold cells against the image without a specular term",
+                            exact.collect::<Vec<_>>().join(", ")
                         );
                         faults.add(&at(value), text);
                     }

@@ -283,13 +283,13 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
 /// The seed of a cell. Where the reference is itself the method under test it has other points than the reference that judges it, or its
 /// error would be too small: none at all at equal counts.
 fn cell_seed(config: &Config, point: &Point) -> u32 {
-    if point.method().is_reference() { config.seed ^ UNDER_TEST } else { config.seed }
+    if point.method().is_integrated() { config.seed ^ UNDER_TEST } else { config.seed }
 }
 
 /// When the reference terms of a cell stop. Where the reference is itself the method under test it draws the samples that its row names,
 /// whatever the one that judges it may save.
 fn cell_error(config: &Config, point: &Point) -> Option<f64> {
-    config.reference.relative_error.filter(|_| !point.method().is_reference())
+    config.reference.relative_error.filter(|_| !point.method().is_integrated())
 }
 
 /// Inputs count by their content, so that a renamed file keeps its cells and a changed one loses them.
@@ -301,7 +301,7 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relat
         format!("camera={}", config.camera.name()),
         format!("background={}", config.background),
     ];
-    let [is_specular, is_diffuse] = [point.method().is_reference(), point.diffuse().is_reference()];
+    let [is_specular, is_diffuse] = [point.method().is_integrated(), point.diffuse().is_reference()];
     if is_diffuse && !is_specular {
         lines.push(format!("reference_samples={}", config.reference.samples));
     }

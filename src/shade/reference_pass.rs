@@ -15,7 +15,8 @@ const SCRAMBLE_SAMPLES_MAX: u32 = 4096;
 /// Which term of the surface a reference integrates.
 #[derive(Clone, Copy, Debug)]
 pub enum Lobe {
-    Specular(&'static dyn Brdf, MaskingShadowing),
+    /// The lobe of a method.
+    Specular(&'static str, &'static dyn Brdf, MaskingShadowing),
     Diffuse,
 }
 
@@ -23,7 +24,7 @@ impl Lobe {
     /// The specialization constant of the masking.
     fn masking(self) -> u32 {
         match self {
-            Self::Specular(_, masking_shadowing) => masking_shadowing as u32,
+            Self::Specular(_, _, masking_shadowing) => masking_shadowing as u32,
             Self::Diffuse => MaskingShadowing::default() as u32,
         }
     }
@@ -31,7 +32,7 @@ impl Lobe {
     /// The part of a shader's name after the entry point.
     fn permutation(self) -> String {
         match self {
-            Self::Specular(brdf, _) => format!("specular:{}", brdf.name()),
+            Self::Specular(lobe, brdf, _) => format!("{lobe}:{}", brdf.name()),
             Self::Diffuse => "lambert".into(),
         }
     }

@@ -13,7 +13,7 @@ use crate::math::sequence::Sequence;
 use crate::math::spherical_harmonics::COUNT;
 use crate::pixels::Pixels;
 use crate::pixels::lookup::{Wrap, bilinear, trilinear};
-use crate::precompute::{dfg, prefilter};
+use crate::precompute::{PrecomputeSettings, dfg, prefilter};
 use glam::{DVec2, DVec3};
 
 /// The f64 twin of a method.
@@ -21,8 +21,8 @@ use glam::{DVec2, DVec3};
 pub enum Twin<Estimator> {
     /// The same estimator.
     Estimator(Estimator),
-    /// The mean of an unbiased estimator.
-    Mean(fn(&EquirectQuadrature, &Surface, Tolerance) -> Bounded),
+    /// The mean of an unbiased estimator; of the settings only the widths of levels count.
+    Mean(fn(&EquirectQuadrature, &Surface, &PrecomputeSettings, Tolerance) -> Bounded),
 }
 
 /// Outgoing specular radiance of a point, for environment radiance as stored.

@@ -122,7 +122,7 @@ fn the_reference_reads_nothing_it_has_not_written() {
             light_count: 0,
         };
         let mask = gbuffer.read(gpu).unwrap().mask();
-        let lobe = Lobe::Specular(&Ggx, MaskingShadowing::Separable);
+        let lobe = Lobe::Specular("specular", &Ggx, MaskingShadowing::Separable);
         let results = [false, true].map(|is_poisoned| {
             if is_poisoned {
                 poison_free_memory(gpu, bytes);

@@ -7,31 +7,42 @@
 
 #include "lib/diffuse.glsl"
 #include "lib/elementary.glsl"
+#include "lib/frame.glsl"
+#include "lib/lobe.glsl"
 #include "lib/surface.glsl"
 
 // Separates the points of this lobe from those of the specular lobe: their errors are independent.
 const uint LOBE_STREAM = 1u;
 
-// BRDF times n_dot_l, and the density (1/sr) with which `lobe_sample` returns l.
-struct LobeValue {
-    vec3 value_cos;
-    float pdf_l;
+struct Lobe {
+    // Columns are the axes of local vectors, n last.
+    mat3 frame;
 };
 
-LobeValue lobe_eval(Surface surface, vec3 v_local, vec3 l_local) {
+Lobe lobe_at(Surface surface, ShadeParams params) {
+    return Lobe(frame_from_normal(surface.n));
+}
+
+// BRDF times n_dot_l, and the density (1/sr) with which `lobe_sample` returns l.
+LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
     float cos_over_pi = max(l_local.z, 0.0) / PI;
     return LobeValue(vec3(cos_over_pi), cos_over_pi);
 }
 
 // The density of l, which guides the environment's samples.
-float lobe_guide(Surface surface, vec3 v_local, vec3 l_local) {
+float lobe_guide(Lobe lobe, vec3 l_local) {
     return max(l_local.z, 0.0) / PI;
 }
 
 // Cosine-weighted direction [Malley88]: a uniform point of the disk, lifted to the hemisphere.
-vec3 lobe_sample(Surface surface, vec3 v_local, vec2 xi) {
+vec3 lobe_sample(Lobe lobe, vec2 xi) {
     float r = sqrt(xi.x);
     return vec3(r * sin_cos_turns(xi.y).yx, sqrt(1.0 - xi.x));
+}
+
+// The share of the mirror direction's own radiance.
+float lobe_mirror(Lobe lobe) {
+    return 0.0;
 }
 
 // What scales the estimate and does not depend on l.

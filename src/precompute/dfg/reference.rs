@@ -18,6 +18,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub struct Dfg {
     pub f0_scale: f64,
     pub f90_scale: f64,
+    /// Mean of n·l over half vectors of density `D n_dot_h`: what normalises the kernel `D n_dot_h / (4 v·h) n_dot_l`.
+    pub mean_n_dot_l: f64,
     /// Upper estimate of the absolute error of each.
     pub error: f64,
 }
@@ -42,7 +44,7 @@ pub fn dfg(model: &dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64
     // A grazing view may end the first range within the lobe's core.
     let t_low = t_full.min(alpha.ln()) - LOG_WIDTH_BELOW;
 
-    // Integrand per dt and per fraction of the azimuth's limit: (A + B, B, 0).
+    // Integrand per dt and per fraction of the azimuth's limit: (A + B, B, the mean of n·l).
     let integrand = |t: f64, fraction: f64, phi_limit: f64| {
         let (sin_theta, cos_theta) = t.exp().atan().sin_cos();
         let (sin_phi, cos_phi) = (phi_limit * fraction).sin_cos();
@@ -52,8 +54,8 @@ pub fn dfg(model: &dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64
         let weight = g2(model, n_dot_v, n_dot_l, alpha, masking) * v_dot_h / (n_dot_v * h.z);
         // dω = sin θ dθ dφ = sin² θ cos θ dt dφ, both signs of φ.
         let measure = 2.0 * phi_limit * sin_theta * sin_theta * cos_theta;
-        let density = model.d(h, alpha) * h.z * measure * weight;
-        DVec3::new(density, density * schlick_weight(v_dot_h), 0.0)
+        let density = model.d(h, alpha) * h.z * measure;
+        density * DVec3::new(weight, weight * schlick_weight(v_dot_h), n_dot_l)
     };
     let unit = Rectangle { low: DVec2::ZERO, high: DVec2::ONE };
     let integral = integrate_rectangle(unit, TOLERANCE, |p| {
@@ -70,6 +72,6 @@ pub fn dfg(model: &dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64
         };
         full + cut
     });
-    let (albedo, f90_scale) = (integral.value.x, integral.value.y);
-    Dfg { f0_scale: albedo - f90_scale, f90_scale, error: integral.error.x }
+    let [albedo, f90_scale, mean_n_dot_l] = integral.value.to_array();
+    Dfg { f0_scale: albedo - f90_scale, f90_scale, mean_n_dot_l, error: integral.error.x.max(integral.error.z) }
 }

@@ -75,7 +75,7 @@ impl Settings {
             sequence: self.sequence,
             point_set: self.point_set,
             reference_error: view.reference_error,
-            reference_samples: if self.method.is_reference() { self.samples } else { view.reference_samples },
+            reference_samples: if self.method.is_integrated() { self.samples } else { view.reference_samples },
             method: self.method,
             diffuse: self.diffuse,
             brdf: self.brdf,

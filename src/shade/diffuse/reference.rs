@@ -8,7 +8,7 @@ use crate::shade::twin::Twin;
 pub const DIFFUSE: Diffuse = Diffuse {
     name: REFERENCE,
     about: "unbiased: cosine and environment sampling combined, many samples",
-    twin: Twin::Mean(|environment, surface, tolerance| integrate(environment, surface, tolerance).diffuse),
+    twin: Twin::Mean(|environment, surface, _, tolerance| integrate(environment, surface, tolerance).diffuse),
     uses_irradiance_map: false,
     uses_sh9: false,
 };

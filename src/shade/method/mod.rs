@@ -1,5 +1,6 @@
 //! The specular methods: what each is called, what changes its result, and its f64 twin.
 
+mod ladder;
 mod none;
 mod reference;
 mod sampled;
@@ -9,7 +10,7 @@ mod split_sum;
 
 use super::diffuse::Diffuse;
 use super::twin::SpecularTwin;
-use super::{NONE, REFERENCE};
+use super::NONE;
 
 /// How the specular term is computed. The names are the shader file stems (with `-` for `_`).
 ///
@@ -31,9 +32,13 @@ pub struct Method {
     pub uses_prefiltered: bool,
     /// The DFG table, for the specular term itself; see [`Method::needs_dfg`].
     pub uses_dfg: bool,
+    /// The widths of the prefiltered map's levels, if not the map.
+    pub uses_levels: bool,
+    /// The integrand, where the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
+    pub lobe: Option<&'static str>,
 }
 
-/// Every specular method. Adding one: `shaders/shade/method/<stem>.glsl`, its file here with its twin, and one line here.
+/// Every specular method. Adding one: `shaders/shade/method/<stem>.glsl` (or `lobe/`), its file here with its twin, and one line here.
 pub static METHODS: &[Method] = &[
     sampled::METHOD,
     sampled_unfiltered::METHOD,
@@ -41,6 +46,10 @@ pub static METHODS: &[Method] = &[
     split_sum::METHOD,
     none::METHOD,
     reference::METHOD,
+    ladder::FRESNEL,
+    ladder::MASKING,
+    ladder::VIEW,
+    ladder::LEVELS,
 ];
 
 impl Method {
@@ -55,12 +64,14 @@ impl Method {
             uses_lod_bias: false,
             uses_prefiltered: false,
             uses_dfg: false,
+            uses_levels: false,
+            lobe: None,
         }
     }
 
-    /// Whether it is the unbiased one.
-    pub fn is_reference(&self) -> bool {
-        self.name == REFERENCE
+    /// Whether the passes of the reference estimate it: without bias, with a standard error.
+    pub fn is_integrated(&self) -> bool {
+        self.lobe.is_some()
     }
 
     /// Whether it leaves the term out.
@@ -70,7 +81,7 @@ impl Method {
 
     /// Whether a shader of its own makes the term: the reference has other passes.
     pub fn has_pass(&self) -> bool {
-        !self.is_none() && !self.is_reference()
+        !self.is_none() && !self.is_integrated()
     }
 
     /// Whether a frame reads the DFG table: for the specular term itself, or to weight what else the surface reflects beside it.

@@ -7,9 +7,10 @@ use crate::shade::twin::Twin;
 
 pub const METHOD: Method = Method {
     uses_samples: true,
+    lobe: Some("specular"),
     ..Method::plain(
         REFERENCE,
         "unbiased: BRDF and environment sampling combined, many samples, unfiltered",
-        Twin::Mean(|environment, surface, tolerance| integrate(environment, surface, tolerance).specular),
+        Twin::Mean(|environment, surface, _, tolerance| integrate(environment, surface, tolerance).specular),
     )
 };

@@ -1,0 +1,21 @@
+// Rung `ladder-fresnel`: Fresnel outside the integral, (f0 A + B) <D G2 / (4 n.v), L>.
+#ifndef LOBE_LADDER_FRESNEL_GLSL
+#define LOBE_LADDER_FRESNEL_GLSL
+
+#include "lib/directional_albedo.glsl"
+#include "lib/microfacet_lobe.glsl"
+
+Lobe lobe_at(Surface s, ShadeParams params) {
+    return microfacet_lobe(s.n, s.v, s.alpha, vec3(1.0));
+}
+
+LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
+    return specular_kernel(lobe, l_local);
+}
+
+vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
+    vec3 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
+    return (s.f0 * albedo.x + albedo.y) / (albedo.x + albedo.y);
+}
+
+#endif

@@ -1,0 +1,21 @@
+// Rung `ladder-masking`: as `ladder-fresnel`, with n.l for the masking: (f0 A + B) <D (n.h) / (4 v.h) n.l, L> at the true v.
+#ifndef LOBE_LADDER_MASKING_GLSL
+#define LOBE_LADDER_MASKING_GLSL
+
+#include "lib/directional_albedo.glsl"
+#include "lib/microfacet_lobe.glsl"
+
+Lobe lobe_at(Surface s, ShadeParams params) {
+    return microfacet_lobe(s.n, s.v, s.alpha, vec3(1.0));
+}
+
+LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
+    return cosine_kernel(lobe, l_local);
+}
+
+vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
+    vec3 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
+    return (s.f0 * albedo.x + albedo.y) / albedo.z;
+}
+
+#endif

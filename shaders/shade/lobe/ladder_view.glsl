@@ -1,0 +1,22 @@
+// Rung `ladder-view`: as `ladder-masking` for n = v = r: the split sum with exact factors, P(r, alpha) (f0 A + B).
+#ifndef LOBE_LADDER_VIEW_GLSL
+#define LOBE_LADDER_VIEW_GLSL
+
+#include "lib/directional_albedo.glsl"
+#include "lib/microfacet_lobe.glsl"
+
+Lobe lobe_at(Surface s, ShadeParams params) {
+    vec3 r = normalize(reflect(-s.v, s.n));
+    return microfacet_lobe(r, r, s.alpha, vec3(1.0));
+}
+
+LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
+    return cosine_kernel(lobe, l_local);
+}
+
+vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
+    vec3 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
+    return (s.f0 * albedo.x + albedo.y) / mirror_cosine(s.alpha);
+}
+
+#endif

@@ -1,0 +1,131 @@
+//! The rungs of the ladder between the specular integral and the split sum: each replaces one exact step by its approximation.
+//!
+//! With `<K, L> = ∫ K L dl / ∫ K dl` over the l above the horizon, and A, B the exact directional albedo at (n·v, alpha):
+//!
+//! | rung | estimator | replaces |
+//! |---|---|---|
+//! | `reference` | `∫ D G2 F / (4 n·v) L dl` | nothing |
+//! | `ladder-fresnel` | `(f0 A + B) <D G2 / (4 n·v), L>` | Fresnel inside the integral |
+//! | `ladder-masking` | `(f0 A + B) <D n·h / (4 v·h) n·l, L>` | masking by n·l |
+//! | `ladder-view` | `(f0 A + B) P(r, alpha)`: the same for n = v = r | the view |
+//! | `ladder-levels` | the linear blend of `P(r, alpha_k)` and `P(r, alpha_k+1)`; level 0 is L(r) | alpha by levels |
+//!
+//! The passes of the reference estimate each with its standard error. All draw the same points, so that the difference of two rungs
+//! is known far better than either.
+
+use super::Method;
+use crate::brdf::{g2, reflect};
+use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
+use crate::math::frame::Frame;
+use crate::math::quadrature::{Bounded, Tolerance};
+use crate::precompute::PrecomputeSettings;
+use crate::precompute::dfg::reference::{Dfg, dfg};
+use crate::precompute::prefilter::reference::prefilter;
+use crate::precompute::prefilter::{alpha_from_mip, mip_from_alpha};
+use crate::shade::reference::Surface;
+use crate::shade::twin::{SpecularTwin, Twin};
+use glam::DVec3;
+
+/// A rung that the passes of the reference estimate.
+const fn rung(name: &'static str, lobe: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
+    Method { uses_samples: true, lobe: Some(lobe), ..Method::plain(name, about, twin) }
+}
+
+pub const FRESNEL: Method = rung(
+    "ladder-fresnel",
+    "ladder-fresnel",
+    "the reference with Fresnel outside the integral",
+    Twin::Mean(|environment, surface, _, tolerance| {
+        let Surface { model, masking, alpha, n, v, .. } = *surface;
+        let (frame, exact) = (Frame::from_normal(n), exact_albedo(surface));
+        let v_local = frame.to_local(v);
+        let kernel = |l: DVec3| {
+            let l_local = frame.to_local(l);
+            let h = (v_local + l_local).normalize();
+            let lobe = || model.d(h, alpha) * g2(model, v_local.z, l_local.z, alpha, masking) / (4.0 * v_local.z);
+            [if l_local.z > 0.0 { lobe() } else { 0.0 }]
+        };
+        let factor = reflectance(surface, &exact) / exact.albedo();
+        environment.integrate(kernel, &[mirror_focus(surface)], tolerance).combine([factor])
+    }),
+);
+
+pub const MASKING: Method = rung(
+    "ladder-masking",
+    "ladder-masking",
+    "as ladder-fresnel, with the weight n.l for the masking",
+    Twin::Mean(|environment, surface, _, tolerance| {
+        let Surface { model, alpha, n, v, .. } = *surface;
+        let (frame, exact) = (Frame::from_normal(n), exact_albedo(surface));
+        let v_local = frame.to_local(v);
+        let kernel = |l: DVec3| {
+            let l_local = frame.to_local(l);
+            let h = (v_local + l_local).normalize();
+            let lobe = || model.d(h, alpha) * h.z / (4.0 * v_local.dot(h)) * l_local.z;
+            [if l_local.z > 0.0 { lobe() } else { 0.0 }]
+        };
+        let factor = reflectance(surface, &exact) / exact.mean_n_dot_l;
+        environment.integrate(kernel, &[mirror_focus(surface)], tolerance).combine([factor])
+    }),
+);
+
+pub const VIEW: Method = rung(
+    "ladder-view",
+    "ladder-view",
+    "as ladder-masking for n = v = r: the split sum with exact factors",
+    Twin::Mean(|environment, surface, _, tolerance| {
+        let r = reflect(surface.v, surface.n);
+        let mean = prefilter(environment, surface.model, surface.alpha, r, tolerance);
+        scaled(mean, reflectance(surface, &exact_albedo(surface)))
+    }),
+);
+
+pub const LEVELS: Method = Method {
+    uses_levels: true,
+    ..rung(
+        "ladder-levels",
+        "ladder-levels",
+        "as ladder-view, blended from the widths of the prefiltered map's levels",
+        Twin::Mean(|environment, surface, settings, tolerance| {
+            let scale = reflectance(surface, &exact_albedo(surface));
+            scaled(blended(environment, surface, settings, tolerance), scale)
+        }),
+    )
+};
+
+/// The mean radiance about r, blended from two levels.
+fn blended(
+    environment: &EquirectQuadrature,
+    surface: &Surface,
+    settings: &PrecomputeSettings,
+    tolerance: Tolerance,
+) -> Bounded {
+    let (count, r) = (settings.prefilter_level_count, reflect(surface.v, surface.n));
+    let mip = mip_from_alpha(surface.alpha, count);
+    let low = mip.floor().min(f64::from(count) - 2.0);
+    let level = |mip: f64, share: f64| match alpha_from_mip(mip, count) {
+        0.0 => Bounded { value: share * environment.radiance(r), error: DVec3::ZERO },
+        alpha => scaled(prefilter(environment, surface.model, alpha, r, tolerance), DVec3::splat(share)),
+    };
+    let [smooth, rough] = [level(low, low + 1.0 - mip), level(low + 1.0, mip - low)];
+    Bounded { value: smooth.value + rough.value, error: smooth.error + rough.error }
+}
+
+fn exact_albedo(surface: &Surface) -> Dfg {
+    dfg(surface.model, surface.masking, surface.n.dot(surface.v), surface.alpha)
+}
+
+/// `f0 A + B`.
+fn reflectance(surface: &Surface, exact: &Dfg) -> DVec3 {
+    surface.f0 * exact.f0_scale + exact.f90_scale
+}
+
+fn scaled(number: Bounded, factor: DVec3) -> Bounded {
+    Bounded { value: number.value * factor, error: number.error * factor.abs() }
+}
+
+/// Where the lobe is narrow.
+fn mirror_focus(surface: &Surface) -> Focus {
+    let n_dot_v = surface.n.dot(surface.v);
+    Focus { direction: reflect(surface.v, surface.n), radius: surface.alpha * n_dot_v.max(surface.alpha) }
+}
