@@ -170,6 +170,7 @@ impl Config {
         config.check_double_settings(root, faults);
         config.apply_overrides(faults);
         config.check_zips(faults);
+        config.check_twice(faults);
         config
     }
 
@@ -290,7 +291,8 @@ impl Config {
             match key {
                 "method" => {
                     self.reference.method = found.text().to_owned();
-                    let is_exact = method_by_name(found.text()).is_some_and(|method| method.is_integrated() || method.is_none());
+                    let is_exact =
+                        method_by_name(found.text()).is_some_and(|method| method.is_integrated() || method.is_none());
                     if !is_exact {
                         let exact = METHODS.iter().filter(|method| method.is_integrated()).map(|method| method.name);
                         let text = format!(

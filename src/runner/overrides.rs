@@ -3,7 +3,7 @@
 use super::axis::{AXES, INPUTS, Named};
 use super::config::{Config, Placed, Sweep, axis_names};
 use super::fault::{Faults, Place};
-use super::sweeps::Values;
+
 use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
 use crate::environment::BUILTIN_PREFIX;
@@ -34,14 +34,14 @@ impl Config {
             }
             seen.push(axis);
             let items = items(named.kind(), list);
-            let (mut values, written) = (Values::default(), items.len());
+            let (mut values, written) = (Vec::new(), items.len());
             for item in items {
                 match named.parse_text(&item) {
-                    Ok(value) => values.push(Placed { value, place: place.clone() }, &format!("axes.{name}"), faults),
+                    Ok(value) => values.push(Placed { value, place: place.clone() }),
                     Err(fault) => faults.add(&place, format!("axes.{name}: {fault}")),
                 }
             }
-            given.push((Sweep { axis, values: values.into_placed(), written }, place));
+            given.push((Sweep { axis, values, written }, place));
         }
         let names: Vec<usize> = given.iter().map(|(sweep, _)| sweep.axis).collect();
         for (sweep, place) in given {

@@ -5,7 +5,7 @@ use super::config::{Config, Placed, Sweep, Zip, axis_names};
 use super::fault::Faults;
 use super::inputs::short_names;
 use super::toml_tree::{at, checked, checked_as, entries, list, raw, section, table, unknown_key};
-use super::value::{Kind, Raw, Value, decimal, number};
+use super::value::{Kind, Raw, decimal, number};
 use std::collections::{BTreeMap, HashSet};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -36,7 +36,7 @@ impl Config {
                     .add(&place, format!("{name}: {one} and {other} are two names of one axis; expected one of them"));
                 continue;
             }
-            let mut values = Values::default();
+            let mut values = Vec::new();
             let mut written = 0;
             match value.get_ref() {
                 DeValue::Array(items) => {
@@ -46,7 +46,7 @@ impl Config {
                     }
                     for item in items.iter() {
                         if let Some(value) = checked_as(|raw| named.parse(raw), &name, item, faults) {
-                            values.push(Placed { value, place: at(item) }, &name, faults);
+                            values.push(Placed { value, place: at(item) });
                         }
                     }
                 }
@@ -64,14 +64,14 @@ impl Config {
                     written = items.len();
                     for item in items {
                         match named.parse(&item) {
-                            Ok(one) => values.push(Placed { value: one, place: at(value) }, &name, faults),
+                            Ok(one) => values.push(Placed { value: one, place: at(value) }),
                             Err(fault) => faults.add(&at(value), format!("{name}: {fault}")),
                         }
                     }
                 }
                 _ => faults.add(&at(value), format!("{name}: {} is not a list of values", raw(value))),
             }
-            self.axes.push(Sweep { axis, values: values.into_placed(), written });
+            self.axes.push(Sweep { axis, values, written });
         }
     }
 
@@ -124,6 +124,24 @@ impl Config {
         }
     }
 
+    /// No value of an axis stands twice, and no row of a zip. Checked after `--set`.
+    pub(super) fn check_twice(&self, faults: &mut Faults) {
+        for (members, steps) in self.dimensions() {
+            let mut seen = HashSet::new();
+            for step in 0..steps {
+                let row: Vec<&Placed> = members.iter().map(|&member| &self.axes[member].values[step]).collect();
+                if !seen.insert(row.iter().map(|placed| &placed.value).collect::<Vec<_>>()) {
+                    let said = members.iter().zip(&row).map(|(&member, placed)| {
+                        format!("axes.{}: {}", AXES[self.axes[member].axis].name, placed.value)
+                    });
+                    let said = said.collect::<Vec<_>>().join(", ");
+                    let verb = if row.len() == 1 { "stands twice" } else { "stand together twice" };
+                    faults.add(&row[0].place, format!("{said} {verb}"));
+                }
+            }
+        }
+    }
+
     /// How many combinations of values the axes span, before exclusions.
     pub fn combination_count(&self) -> u64 {
         self.dimensions().iter().map(|(_, steps)| *steps as u64).fold(1, u64::saturating_mul)
@@ -170,29 +188,6 @@ impl Config {
             }
         }
         dimensions
-    }
-}
-
-/// The values of an axis as they are read: each once.
-#[derive(Default)]
-pub(super) struct Values {
-    placed: Vec<Placed>,
-    seen: HashSet<Value>,
-}
-
-impl Values {
-    /// Adds a value of the axis `name`, or notes that it is there already.
-    pub(super) fn push(&mut self, new: Placed, name: &str, faults: &mut Faults) {
-        if self.seen.insert(new.value.clone()) {
-            self.placed.push(new);
-        } else {
-            faults.add(&new.place, format!("{name}: {} stands twice", new.value));
-        }
-    }
-
-    /// In the order in which they came.
-    pub(super) fn into_placed(self) -> Vec<Placed> {
-        self.placed
     }
 }
 

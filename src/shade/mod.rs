@@ -13,5 +13,8 @@ pub const REFERENCE: &str = "reference";
 /// Name of the method that leaves its term out, specular and diffuse.
 pub const NONE: &str = "none";
 
+/// Name of the split sum with exact factors: what tables approximate.
+pub const EXACT_SPLIT: &str = "ladder-view";
+
 pub use diffuse::{DIFFUSE, Diffuse, diffuse_by_name};
 pub use method::{METHODS, Method, method_by_name};

@@ -188,7 +188,8 @@ fn check<E: Copy + Sync>(
         Twin::Mean(mean) => {
             let exact = exact_quadrature(&request.environment.image);
             let some: Vec<&Sight> = sights.iter().step_by(MEAN_STEP).collect();
-            let means: Vec<DVec3> = some.par_iter().map(|sight| mean(&exact, &sight.surface, &request.precompute, EXACT).value).collect();
+            let means: Vec<DVec3> =
+                some.par_iter().map(|sight| mean(&exact, &sight.surface, &request.precompute, EXACT).value).collect();
             let sigmas = frame.standard_error.as_ref().unwrap();
             for (sight, mean) in some.into_iter().zip(means) {
                 let (expected, [x, y]) = (scale * mean * mean_weight(sight), sight.pixel);

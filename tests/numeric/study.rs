@@ -11,7 +11,7 @@ mod page_live;
 mod paper;
 mod published;
 mod questions;
-mod sizes;
+mod tables;
 mod times;
 mod told;
 mod under_way;

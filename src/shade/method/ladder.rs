@@ -22,6 +22,7 @@ use crate::precompute::PrecomputeSettings;
 use crate::precompute::dfg::reference::{Dfg, dfg};
 use crate::precompute::prefilter::reference::prefilter;
 use crate::precompute::prefilter::{alpha_from_mip, mip_from_alpha};
+use crate::shade::EXACT_SPLIT;
 use crate::shade::reference::Surface;
 use crate::shade::twin::{SpecularTwin, Twin};
 use glam::DVec3;
@@ -70,7 +71,7 @@ pub const MASKING: Method = rung(
 );
 
 pub const VIEW: Method = rung(
-    "ladder-view",
+    EXACT_SPLIT,
     "ladder-view",
     "as ladder-masking for n = v = r: the split sum with exact factors",
     Twin::Mean(|environment, surface, _, tolerance| {

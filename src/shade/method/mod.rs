@@ -8,9 +8,9 @@ mod sampled_unfiltered;
 pub mod seed0_literal;
 mod split_sum;
 
+use super::NONE;
 use super::diffuse::Diffuse;
 use super::twin::SpecularTwin;
-use super::NONE;
 
 /// How the specular term is computed. The names are the shader file stems (with `-` for `_`).
 ///

@@ -24,7 +24,7 @@ impl Shape {
     /// Of an experiment as written.
     pub fn of_config(config: &Config) -> Self {
         let values = |axis: usize| match config.axes.iter().find(|sweep| sweep.axis == axis) {
-            Some(sweep) => sweep.values.iter().map(|placed| placed.value.clone()).collect(),
+            Some(sweep) => super::distinct_in_order(sweep.values.iter().map(|placed| placed.value.clone())),
             None => vec![config.base.0[axis].clone()],
         };
         Self::with(config, (0..AXES.len()).map(values).collect())

@@ -45,7 +45,7 @@ questions! {
     error,
     effect,
     sample_count,
-    table_size,
+    tables,
     n_dot_v,
     visibility,
     dynamic_range,

@@ -1,0 +1,240 @@
+//! Which tables does one ship?
+//!
+//! Tables are judged against what they approximate: the split sum with exact factors, `P(r, alpha) (f0 A + B)`, which is the method
+//! [`EXACT_SPLIT`]. Against the truth a fault of the tables may cancel one of the split. In each *condition* (environment, model, alpha, f0):
+//!
+//! - `error`: of the tables against the exact split;
+//! - `split_error`: of the truth (method `reference`) against the exact split, in the same metric;
+//! - `share`: the first over the second.
+//!
+//! A *combination* is one value of each swept setting of tables. It is *enough* at an alpha where its share is at most [`SHARE`] in every
+//! condition: the split itself then makes the error, and better tables cannot help. Shipped is the smallest combination that is enough at
+//! every alpha, by the sum over its tables of texels times levels times samples; of equal ones that with the least share at its worst.
+
+use super::prelude::*;
+use crate::shade::{EXACT_SPLIT, REFERENCE};
+
+pub const QUESTION: Question = Question {
+    name: "tables",
+    asks: "Which tables does one ship, and from which roughness on does no table help?",
+    columns: &[
+        column("error", "Error of the tables against the split sum with exact factors, in the metric of the question."),
+        column("split_error", "Error of the truth against the same: what the split itself costs."),
+        column("share", "The first over the second."),
+        column("is_enough", "1 where the share is at most 0.1, else 0."),
+        column("is_resolved", "1 where the error stands clear of the reference's noise, else 0."),
+    ],
+    uses_times: false,
+    lacks,
+    answer,
+};
+
+/// Tables that err by at most this share of what the split itself errs by are enough.
+pub const SHARE: f64 = 0.1;
+
+fn lacks(shape: &Shape) -> Option<&'static str> {
+    let draws_truth = shape.methods().any(|method| method.name == REFERENCE);
+    match () {
+        () if shape.reference_method != EXACT_SPLIT => {
+            Some("reference.method is not ladder-view: tables are judged against the split sum with exact factors")
+        }
+        () if !draws_truth => Some("axes.method has no `reference`: it tells what the split itself costs"),
+        () if !shape.methods().any(|method| method.uses_prefiltered) => Some("axes.method looks up no table"),
+        () => parameters(shape).is_empty().then_some("axes has no setting of a table with two values"),
+    }
+}
+
+/// The swept settings of tables.
+fn parameters(shape: &Shape) -> Vec<usize> {
+    (0..AXES.len()).filter(|&axis| AXES[axis].part == Part::Table && shape.is_swept(axis)).collect()
+}
+
+/// One combination in one condition.
+struct Tried<'r, 'f> {
+    row: &'r Row<'f>,
+    /// Values of the parameters.
+    tables: Key,
+    error: f64,
+    split: f64,
+}
+
+impl Tried<'_, '_> {
+    fn share(&self) -> f64 {
+        self.error / self.split
+    }
+}
+
+/// Texels times levels times samples, over the tables that the parameters feed.
+fn size(parameters: &[usize], tables: &Key) -> f64 {
+    let counts = parameters.iter().zip(tables).filter(|(_, value)| matches!(value, Value::Count(_) | Value::Pair(_)));
+    let by_table = grouped(counts, |(axis, _)| AXES[**axis].feeds);
+    by_table.iter().map(|(_, own)| own.iter().filter_map(|(_, value)| size_of(value)).product::<f64>()).sum()
+}
+
+fn tried<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize]) -> Vec<Tried<'r, 'f>> {
+    let of_truth = |row: &Row, truth: &Row| {
+        let is_case = |axis: &usize| AXES[*axis].part == Part::Case;
+        (0..AXES.len()).filter(is_case).all(|axis| fits(&row.key(&[axis]), &truth.key(&[axis])))
+    };
+    let truths: Vec<&&Row> = images.iter().filter(|row| row.text(METHOD) == REFERENCE).collect();
+    let one = |&row: &&'r Row<'f>| {
+        let tables = row.key(parameters);
+        let split = frame.error(truths.iter().find(|truth| of_truth(row, truth))?)?;
+        let is_asked = tables.iter().any(|value| *value != Value::Unset);
+        is_asked.then_some(Tried { row, tables, error: frame.error(row)?, split })
+    };
+    images.iter().filter_map(one).filter(|one| one.share().is_finite()).collect()
+}
+
+/// A combination at some alphas.
+struct Combination<'t, 'r, 'f> {
+    tables: Key,
+    own: Vec<&'t Tried<'r, 'f>>,
+}
+
+impl Combination<'_, '_, '_> {
+    fn worst(&self) -> &Tried<'_, '_> {
+        self.own.iter().max_by(|a, b| a.share().total_cmp(&b.share())).expect("a group has a row")
+    }
+
+    fn numbers(&self, of: fn(&Tried) -> f64) -> Numbers<'_, '_> {
+        Numbers::new(self.own.iter().map(|one| (one.row, of(one))), geometric_mean)
+    }
+}
+
+/// Every combination that was tried in all conditions of these rows, the smallest first.
+fn combinations<'t, 'r, 'f>(parameters: &[usize], own: &[&'t Tried<'r, 'f>]) -> Vec<Combination<'t, 'r, 'f>> {
+    let groups = grouped(own.iter().copied(), |one| one.tables.clone());
+    let most = groups.iter().map(|(_, own)| own.len()).max();
+    let whole = groups.into_iter().filter(|(_, own)| Some(own.len()) == most);
+    let mut all: Vec<_> = whole.map(|(tables, own)| Combination { tables, own }).collect();
+    let size = |one: &Combination| size(parameters, &one.tables);
+    all.sort_by(|a, b| size(a).total_cmp(&size(b)).then(a.worst().share().total_cmp(&b.worst().share())));
+    all
+}
+
+/// The smallest that is enough, else the one with the least share at its worst.
+fn chosen<'c, 't, 'r, 'f>(all: &'c [Combination<'t, 'r, 'f>]) -> Option<&'c Combination<'t, 'r, 'f>> {
+    let by_worst = |a: &&Combination, b: &&Combination| a.worst().share().total_cmp(&b.worst().share());
+    all.iter().find(|one| one.worst().share() <= SHARE).or_else(|| all.iter().min_by(by_worst))
+}
+
+/// "64x64, 6 levels".
+fn words(parameters: &[usize], tables: &Key) -> String {
+    let set = parameters.iter().zip(tables).filter(|(_, value)| **value != Value::Unset);
+    set.map(|(&axis, value)| said(axis, value)).collect::<Vec<_>>().join(", ")
+}
+
+fn answer(frame: &Frame) -> Option<Finding> {
+    let (parameters, images) = (parameters(&frame.shape), frame.images());
+    let scope: Vec<usize> = frame.case_axes().into_iter().filter(|axis| !parameters.contains(axis)).collect();
+    let tried = tried(frame, &images, &parameters);
+    let axes = [&[METHOD], &scope[..], &parameters].concat();
+    let mut table = Table::new(&axes, QUESTION.columns);
+    for one in &tried {
+        let is_enough = one.share() <= SHARE;
+        let own = cells![one.error, one.split, one.share(), is_enough, frame.is_resolved(one.row)];
+        table.row([one.row.cells(&axes), own].concat());
+    }
+    let all: Vec<&Tried> = tried.iter().collect();
+    let mut by_alpha = grouped(all.iter().copied(), |one| one.row.point[ALPHA].clone());
+    by_alpha.sort_by(|(a, _), (b, _)| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
+    let by_alpha: Vec<_> = by_alpha.into_iter().map(|(alpha, own)| (alpha, combinations(&parameters, &own))).collect();
+    let whole = combinations(&parameters, &all);
+    Some(Finding {
+        sentence: sentence(frame, &parameters, chosen(&whole)?, &by_alpha),
+        digest: Some(digest(frame, &parameters, &scope, &by_alpha, &whole)),
+        figure: figure(frame, &parameters, &all),
+        table,
+    })
+}
+
+type ByAlpha<'t, 'r, 'f> = [(Value, Vec<Combination<'t, 'r, 'f>>)];
+
+fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &ByAlpha) -> String {
+    let (worst, metric) = (best.worst(), frame.metric_name());
+    let share = percent(worst.share());
+    let place = label(&[ENVIRONMENT, ALPHA], &worst.row.key(&[ENVIRONMENT, ALPHA]));
+    let tables = words(parameters, &best.tables);
+    let mut text = match worst.share() <= SHARE {
+        true => format!(
+            "Ship **{tables}**: in `{metric}` they err by at most {share} of what the split itself does ({place})."
+        ),
+        false => format!(
+            "No tried tables are enough at every alpha; the best, {tables}, err by {share} of what the split does ({place})."
+        ),
+    };
+    // The longest run of alphas up to the largest at which the smallest tables do.
+    let is_enough = |all: &[Combination]| all.first().is_some_and(|least| least.worst().share() <= SHARE);
+    let rest = by_alpha.iter().rposition(|(_, all)| !is_enough(all)).map_or(0, |last| last + 1);
+    if let Some((alpha, all)) = by_alpha.get(rest)
+        && *alpha != Value::Unset
+        && by_alpha.len() > 1
+    {
+        let errors = all[0].numbers(|one| one.split);
+        let from = if rest == 0 { "At every alpha".to_owned() } else { format!("From {} on", heading(ALPHA, alpha)) };
+        let own = with_rms(frame, errors.value());
+        text += &format!(
+            " {from} no table helps: with the smallest tried the split makes the error, {own} at {}.",
+            label(&[ALPHA], std::slice::from_ref(alpha))
+        );
+    }
+    text
+}
+
+/// One row an alpha, the last over all: the smallest tables that are enough, their error, and that of the split.
+fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], by_alpha: &ByAlpha, whole: &[Combination]) -> Table {
+    let names =
+        [AXES[ALPHA].name, ROUGHNESS, "tables", "their error", "the split's own error", "share at most", "where"];
+    let mut table = Table::with_names(names);
+    let rows = by_alpha.iter().filter(|(alpha, _)| *alpha != Value::Unset);
+    let rows = rows.map(|(alpha, all)| (short(ALPHA, alpha), roughness(alpha), &all[..]));
+    for (alpha, rough, all) in rows.chain([(ALL.to_owned(), None, whole)]) {
+        let Some(best) = chosen(all) else { continue };
+        let worst = best.worst();
+        let told = |of| best.numbers(of).estimate().map(|mean| with_rms(frame, mean.value));
+        let tables = words(parameters, &best.tables);
+        let tables = if worst.share() <= SHARE { tables } else { format!("none; best {tables}") };
+        let place: Vec<usize> = scope.iter().copied().filter(|of| alpha == ALL || *of != ALPHA).collect();
+        let place = label(&place, &worst.row.key(&place));
+        let errors = cells![told(|one| one.error), told(|one| one.split), percent(worst.share()), place];
+        table.row([cells![alpha, rough, tables], errors].concat());
+    }
+    table
+}
+
+/// One panel an alpha, one dot a combination and condition, coloured by the first setting that is no size.
+fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure> {
+    let is_kind = |axis: &&usize| frame.shape.values[**axis].iter().all(|value| matches!(value, Value::Text(_)));
+    let kind = parameters.iter().find(is_kind).copied();
+    let name = |one: &Tried| kind.map_or(String::new(), |axis| short(axis, &one.row.point[axis]));
+    let series = distinct_in_order(all.iter().map(|one| name(one)));
+    let mark = |one: &&Tried| {
+        let tip = format!(
+            "{}: {} of the split's error · {}",
+            words(parameters, &one.tables),
+            percent(one.share()),
+            label(&[ENVIRONMENT], &one.row.key(&[ENVIRONMENT]))
+        );
+        let place = series.iter().position(|other| *other == name(one))?;
+        Some(dot([size(parameters, &one.tables), one.share()], place, tip, one.row))
+    };
+    let panel = |(alpha, own): (Value, Vec<&Tried>)| {
+        let rule = [Mark::neutral(Form::HorizontalRule(SHARE))];
+        (heading(ALPHA, &alpha), rule.into_iter().chain(own.iter().filter_map(mark)).collect())
+    };
+    let mut by_alpha = grouped(all.iter().copied(), |one| one.row.point[ALPHA].clone());
+    by_alpha.sort_by(|(a, _), (b, _)| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
+    Chart {
+        title: "What tables cost beside the split",
+        note: format!(
+            "{} of tables over that of the split itself; below the line the split makes the error",
+            frame.metric_name()
+        ),
+        x: Along::Log("texels times levels times samples"),
+        y: Along::Log("share of the split's error"),
+        panels: by_alpha.into_iter().map(panel).collect(),
+        series,
+    }
+    .figure()
+}

@@ -1,0 +1,80 @@
+//! Which tables one ships, of runs whose tables err by what is written down.
+
+use super::paper::{F64, Paper, column, numbers, only};
+use splitsum::study::questions::Finding;
+
+/// A run that is judged by this method.
+fn judged_by(method: &str) -> Paper {
+    let mut paper = Paper::new(&["environment", "alpha", "method", "prefilter_size", "prefilter_sample_count", "level_mapping"]);
+    paper.run.provenance["reference"]["method"] = method.into();
+    paper
+}
+
+/// Columns of the digest in the row of an alpha.
+fn told<const N: usize>(finding: &Finding, alpha: &str, names: [&str; N]) -> [String; N] {
+    let row = only(finding.digest.as_ref().unwrap(), &[("alpha", alpha)]);
+    names.map(|name| column(&row, name).concat())
+}
+
+/// Two lights and two alphas. The split errs by 1 at alpha 0.1 and by 4 at 0.5; tables err by their own number, twice that under the sky.
+fn run() -> Paper {
+    let mut paper = judged_by("ladder-view");
+    for (light, of_light) in [("builtin:studio", 1.0), ("builtin:sky", 2.0)] {
+        for (alpha, split) in [("0.1", 1.0), ("0.5", 4.0)] {
+            paper.add(&[light, alpha, "reference", "", "", ""], split);
+            for (size, samples, mapping, error) in [
+                ("16x16", "64", "linear", 0.19),
+                ("64x64", "64", "linear", 0.04),
+                ("64x64", "64", "quadratic", 0.03),
+                ("64x64", "256", "linear", 0.01),
+            ] {
+                paper.add(&[light, alpha, "split-sum", size, samples, mapping], of_light * error);
+            }
+        }
+        // Tried under one alpha only.
+        paper.add(&[light, "0.1", "split-sum", "32x32", "64", "linear"], 1e-3);
+    }
+    paper
+}
+
+#[test]
+fn tables_are_enough_where_they_err_by_a_tenth_of_the_split() {
+    let finding = run().finding("tables");
+    // 2 x 0.19 is 0.38 of 1 and 0.095 of 4; of equal sizes the better mapping leads, though both are enough.
+    assert_eq!(told(&finding, "0.5", ["tables", "share at most", "where"]), ["16x16, 64 samples, linear", "9.5 %", "sky"]);
+    assert_eq!(told(&finding, "0.1", ["tables", "share at most"]), ["32x32, 64 samples, linear", "0.20 %"]);
+    assert_eq!(told(&finding, "all", ["tables", "share at most"]), ["64x64, 64 samples, quadratic", "6.0 %"]);
+    let own = [("alpha", "0.5"), ("environment", "builtin:sky"), ("prefilter_size", "16x16")];
+    let row = only(&finding.table, &own);
+    let found = ["error", "split_error", "share"].map(|name| numbers(&row, name)[0]);
+    assert!(found.iter().zip([0.38, 4.0, 0.095]).all(|(a, b)| (a - b).abs() < F64), "{found:?}");
+    assert_eq!(column(&row, "is_enough"), ["1"]);
+}
+
+#[test]
+fn where_no_tables_are_enough_the_best_are_named() {
+    let mut paper = judged_by("ladder-view");
+    for (alpha, split) in [("0.1", 0.01), ("0.5", 1.0)] {
+        paper.add(&["builtin:sky", alpha, "reference", "", "", ""], split);
+        for (samples, error) in [("64", 0.02), ("256", 0.005)] {
+            paper.add(&["builtin:sky", alpha, "split-sum", "64x64", samples, "linear"], error);
+        }
+    }
+    let finding = paper.finding("tables");
+    assert_eq!(told(&finding, "0.1", ["tables", "share at most"]), ["none; best 256 samples", "50 %"]);
+    assert_eq!(told(&finding, "0.5", ["tables"]), ["64 samples"]);
+}
+
+#[test]
+fn only_the_exact_split_judges_tables() {
+    assert!(run().lacks("tables").is_none());
+    let mut by_truth = judged_by("reference");
+    let mut without_truth = judged_by("ladder-view");
+    for paper in [&mut by_truth, &mut without_truth] {
+        for samples in ["64", "256"] {
+            paper.add(&["builtin:sky", "0.1", "split-sum", "64x64", samples, "linear"], 1.0);
+        }
+    }
+    by_truth.add(&["builtin:sky", "0.1", "reference", "", "", ""], 1.0);
+    assert!(by_truth.lacks("tables").is_some() && without_truth.lacks("tables").is_some());
+}
