@@ -1,16 +1,18 @@
 //! Answering a table of queries, and the table of answers.
 
-use super::{Kind, KindColumns, Queries, Query, SEED0_LITERAL};
+use super::{Kind, Queries, Query, SEED0_LITERAL, rungs};
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::math::quadrature::{Bounded, Tolerance};
 use crate::pixels::{PixelsError, write_atomically};
 use crate::precompute::dfg::reference::dfg;
-use crate::precompute::exact_quadrature;
 use crate::precompute::irradiance::reference::irradiance;
 use crate::precompute::prefilter::reference::prefilter;
 use crate::precompute::sh9::reference::project_bilinear_bounded;
+use crate::precompute::{PrecomputeSettings, exact_quadrature};
+use crate::shade::Method;
 use crate::shade::method::seed0_literal;
 use crate::shade::reference::integrate;
+use crate::shade::twin::Twin;
 use crate::table::csv::{Cell, to_text};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -42,10 +44,9 @@ impl Queries {
     /// `tolerance` does not apply to DFG pairs (5e-7) and SH9 (1e-9), which are quicker than their files.
     /// `with_literal` adds what the printed estimator of source document 0 converges to, with separable masking.
     pub fn answer(&self, tolerance: Tolerance, with_literal: bool, done: impl Fn() + Sync) -> Answers {
-        let KindColumns { colors, numbers, .. } = *self.kind.columns();
-        let mut colors = colors.to_vec();
+        let (mut colors, numbers) = (self.kind.colors(), self.kind.columns().numbers);
         if with_literal && self.kind == Kind::Shading {
-            colors.push(SEED0_LITERAL);
+            colors.push(SEED0_LITERAL.to_owned());
         }
         let color_columns = colors.iter().flat_map(|color| {
             ["", "error_"]
@@ -103,6 +104,15 @@ fn answer(
             let judged = [answer.specular_white, answer.diffuse].into_iter().chain(literal).collect();
             let colors = [answer.specular, answer.specular_white, answer.diffuse_transmitted, answer.diffuse];
             (colors.into_iter().chain(literal).collect(), judged)
+        }
+        Query::Ladder { surface, levels, .. } => {
+            let settings = PrecomputeSettings { prefilter_level_count: *levels, ..PrecomputeSettings::default() };
+            let rung = |method: &Method| match method.twin {
+                Twin::Mean(mean) => mean(environment(), surface, &settings, tolerance),
+                Twin::Estimator(_) => unreachable!("{} is an integral", method.name),
+            };
+            let values: Vec<Bounded> = rungs().map(rung).collect();
+            (values.clone(), values)
         }
         Query::Dfg { model, masking, alpha, n_dot_v } => {
             let pair = dfg(*model, *masking, *n_dot_v, *alpha);

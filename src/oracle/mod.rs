@@ -13,6 +13,7 @@ pub use queries::{Queries, QueryFaults};
 
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::shade::reference::Surface;
+use crate::shade::{METHODS, Method};
 use glam::DVec3;
 
 /// Narrowest lobe that is integrated: a tenth of what the device shades. Lobes near 1e-5 are narrower than the rounding of their
@@ -24,6 +25,8 @@ pub const ALPHA_MIN: f64 = 1e-4;
 pub enum Kind {
     /// Outgoing radiance of one point: specular and diffuse.
     Shading,
+    /// The rungs of the ladder for one point, from the specular integral to the levels of the split sum.
+    Ladder,
     /// Directional albedo pair of a BRDF: scale of f0 and of f90.
     Dfg,
     /// One texel of a prefiltered map.
@@ -41,7 +44,7 @@ pub struct KindColumns {
     pub name: &'static str,
     /// Columns that every table of the kind has, in any order.
     pub required: &'static [&'static str],
-    /// Columns that a table may have: `masking` is `separable` without one, `id` is passed on.
+    /// Columns that a table may have: `masking` is `separable` without one, `levels` those of the default tables; `id` is passed on.
     pub optional: &'static [&'static str],
     /// Columns of the results: three channels and the bound of each. Kinds whose results are no colours name single columns.
     pub colors: &'static [&'static str],
@@ -53,7 +56,7 @@ const SEED0_LITERAL: &str = "seed0_literal";
 
 impl Kind {
     /// Every kind.
-    pub const ALL: &[Self] = &[Self::Shading, Self::Dfg, Self::Prefilter, Self::Irradiance, Self::Sh9];
+    pub const ALL: &[Self] = &[Self::Shading, Self::Ladder, Self::Dfg, Self::Prefilter, Self::Irradiance, Self::Sh9];
 
     /// What a table of this kind holds.
     pub fn columns(self) -> &'static KindColumns {
@@ -63,6 +66,13 @@ impl Kind {
                 required: &["environment", "brdf", "alpha", "f0", "nx", "ny", "nz", "vx", "vy", "vz"],
                 optional: &["masking", "id"],
                 colors: &["specular", "specular_white", "diffuse", "lambert"],
+                numbers: &[],
+            },
+            Self::Ladder => &KindColumns {
+                name: "ladder",
+                required: &["environment", "brdf", "alpha", "f0", "nx", "ny", "nz", "vx", "vy", "vz"],
+                optional: &["masking", "levels", "id"],
+                colors: &[],
                 numbers: &[],
             },
             Self::Dfg => &KindColumns {
@@ -96,16 +106,30 @@ impl Kind {
         }
     }
 
+    /// The results that are colours.
+    pub fn colors(self) -> Vec<String> {
+        match self {
+            Self::Ladder => rungs().map(|method| method.name.replace('-', "_")).collect(),
+            _ => self.columns().colors.iter().map(|name| name.to_string()).collect(),
+        }
+    }
+
     /// The kind of that name.
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|kind| kind.columns().name == name)
     }
 }
 
+/// The methods that are integrals.
+fn rungs() -> impl Iterator<Item = &'static Method> {
+    METHODS.iter().filter(|method| method.is_integrated())
+}
+
 /// One checked row. An environment is an index into those of its table.
 #[derive(Clone, Debug)]
 enum Query {
     Shading { environment: usize, surface: Surface },
+    Ladder { environment: usize, surface: Surface, levels: u32 },
     Dfg { model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, n_dot_v: f64 },
     Prefilter { environment: usize, model: &'static dyn Brdf, alpha: f64, r: DVec3 },
     Irradiance { environment: usize, n: DVec3 },
@@ -117,6 +141,7 @@ impl Query {
         match *self {
             Self::Dfg { .. } => None,
             Self::Shading { environment, .. }
+            | Self::Ladder { environment, .. }
             | Self::Prefilter { environment, .. }
             | Self::Irradiance { environment, .. }
             | Self::Sh9 { environment } => Some(environment),

@@ -4,6 +4,7 @@ use super::{ALPHA_MIN, Kind, KindColumns, Query};
 use crate::brdf::{self, Brdf, MODELS, MaskingShadowing};
 use crate::environment::{Environment, LoadOptions};
 use crate::files::{TEXT_BYTES_MAX, read_given};
+use crate::precompute::PrecomputeSettings;
 use crate::shade::reference::Surface;
 use crate::spelling::suggestion;
 use crate::table::csv::{Cell, unguarded};
@@ -13,6 +14,9 @@ use std::path::{Path, PathBuf};
 
 /// Largest departure of a direction's length from 1; within it the direction is normalised. Five digits a coordinate suffice.
 pub const LENGTH_TOLERANCE: f64 = 1e-5;
+
+/// Level counts that a table may name.
+const LEVELS: std::ops::RangeInclusive<u32> = 2..=12;
 
 /// A checked table of queries with the environments that it names.
 #[derive(Debug)]
@@ -206,9 +210,10 @@ impl<'a> Reader<'a> {
         let mut row = Row { line, columns: &columns, record, faults: Vec::new() };
         // Each cell is checked before any is used, so that a row tells all its faults.
         let query = match self.kind {
-            Kind::Shading => {
+            Kind::Shading | Kind::Ladder => {
                 let environment = self.environment(&row);
                 let (model, masking, alpha) = (row.model(), row.masking(), row.alpha());
+                let levels = row.levels();
                 let (f0, n, v) = (row.f0(), row.direction(["nx", "ny", "nz"]), row.direction(["vx", "vy", "vz"]));
                 if let (Some(n), Some(v)) = (n, v)
                     && n.dot(v) <= 0.0
@@ -218,7 +223,10 @@ impl<'a> Reader<'a> {
                 (|| {
                     let (model, masking, alpha) = (model?, masking?, alpha?);
                     let surface = Surface { model, masking, alpha, f0: f0?, n: n?, v: v? };
-                    Some(Query::Shading { environment, surface })
+                    Some(match self.kind {
+                        Kind::Ladder => Query::Ladder { environment, surface, levels: levels? },
+                        _ => Query::Shading { environment, surface },
+                    })
                 })()
             }
             Kind::Dfg => {
@@ -349,6 +357,19 @@ impl Row<'_> {
             self.unknown("brdf", "BRDF model", &name, &names);
         }
         model
+    }
+
+    /// Levels of a prefiltered map; those of the default tables where none are given.
+    fn levels(&mut self) -> Option<u32> {
+        let Some(text) = self.optional_cell("levels").filter(|text| !text.is_empty()).map(str::to_owned) else {
+            return Some(PrecomputeSettings::default().prefilter_level_count);
+        };
+        let levels = text.parse().ok().filter(|levels| LEVELS.contains(levels));
+        if levels.is_none() {
+            let (least, most) = (LEVELS.start(), LEVELS.end());
+            self.fault("levels", format!("{text:?} is not a count from {least} to {most}"));
+        }
+        levels
     }
 
     fn masking(&mut self) -> Option<MaskingShadowing> {

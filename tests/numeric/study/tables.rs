@@ -5,7 +5,8 @@ use splitsum::study::questions::Finding;
 
 /// A run that is judged by this method.
 fn judged_by(method: &str) -> Paper {
-    let mut paper = Paper::new(&["environment", "alpha", "method", "prefilter_size", "prefilter_sample_count", "level_mapping"]);
+    let mut paper =
+        Paper::new(&["environment", "alpha", "method", "prefilter_size", "prefilter_sample_count", "level_mapping"]);
     paper.run.provenance["reference"]["method"] = method.into();
     paper
 }
@@ -41,7 +42,10 @@ fn run() -> Paper {
 fn tables_are_enough_where_they_err_by_a_tenth_of_the_split() {
     let finding = run().finding("tables");
     // 2 x 0.19 is 0.38 of 1 and 0.095 of 4; of equal sizes the better mapping leads, though both are enough.
-    assert_eq!(told(&finding, "0.5", ["tables", "share at most", "where"]), ["16x16, 64 samples, linear", "9.5 %", "sky"]);
+    assert_eq!(
+        told(&finding, "0.5", ["tables", "share at most", "where"]),
+        ["16x16, 64 samples, linear", "9.5 %", "sky"]
+    );
     assert_eq!(told(&finding, "0.1", ["tables", "share at most"]), ["32x32, 64 samples, linear", "0.20 %"]);
     assert_eq!(told(&finding, "all", ["tables", "share at most"]), ["64x64, 64 samples, quadratic", "6.0 %"]);
     let own = [("alpha", "0.5"), ("environment", "builtin:sky"), ("prefilter_size", "16x16")];
