@@ -4,6 +4,7 @@ use super::{ALPHA_MIN, Kind, KindColumns, Query};
 use crate::brdf::{self, Brdf, MODELS, MaskingShadowing};
 use crate::environment::{Environment, LoadOptions};
 use crate::files::{TEXT_BYTES_MAX, read_given};
+use crate::precompute::prefilter::{Kernel, WEIGHTS, Weight, weight_by_name};
 use crate::shade::reference::Surface;
 use crate::spelling::suggestion;
 use crate::table::csv::{Cell, unguarded};
@@ -229,7 +230,11 @@ impl<'a> Reader<'a> {
             Kind::Prefilter => {
                 let environment = self.environment(&row);
                 let (model, alpha, r) = (row.model(), row.alpha(), row.direction(["rx", "ry", "rz"]));
-                (|| Some(Query::Prefilter { environment, model: model?, alpha: alpha?, r: r? }))()
+                let (weight, masking) = (row.weight(), row.masking());
+                (|| {
+                    let kernel = Kernel::new(model?, weight?, masking?);
+                    Some(Query::Prefilter { environment, kernel, alpha: alpha?, r: r? })
+                })()
             }
             Kind::Irradiance => {
                 let environment = self.environment(&row);
@@ -359,6 +364,17 @@ impl Row<'_> {
         if found.is_none() {
             let names: Vec<&str> = MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect();
             self.unknown("masking", "masking-shadowing", &name, &names);
+        }
+        found
+    }
+
+    fn weight(&mut self) -> Option<&'static Weight> {
+        let Some(name) = self.optional_cell("weight").filter(|name| !name.is_empty()).map(str::to_owned) else {
+            return Some(&WEIGHTS[0]);
+        };
+        let found = weight_by_name(&name);
+        if found.is_none() {
+            self.unknown("weight", "prefilter weight", &name, &WEIGHTS.iter().map(|w| w.name).collect::<Vec<_>>());
         }
         found
     }

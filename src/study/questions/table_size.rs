@@ -9,6 +9,7 @@
 //! Shipped is the smallest combination that is enough, by the sum over its tables of texels times levels times samples.
 
 use super::prelude::*;
+use crate::runner::value::Kind;
 
 pub const QUESTION: Question = Question {
     name: "table-size",
@@ -32,7 +33,8 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 
 /// The swept sizes and counts of tables.
 fn parameters(shape: &Shape) -> Vec<usize> {
-    let has_size = |axis: usize| shape.values[axis].iter().all(|value| size_of(value).is_some());
+    let is_size = |axis: usize| matches!(AXES[axis].kind, Kind::Count { .. } | Kind::Pair { .. });
+    let has_size = |axis: usize| is_size(axis) && shape.values[axis].iter().all(|value| size_of(value).is_some());
     (0..AXES.len()).filter(|&axis| AXES[axis].part == Part::Table && shape.is_swept(axis) && has_size(axis)).collect()
 }
 
