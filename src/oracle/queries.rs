@@ -4,7 +4,7 @@ use super::{ALPHA_MIN, Kind, KindColumns, Query};
 use crate::brdf::{self, Brdf, MODELS, MaskingShadowing};
 use crate::environment::{Environment, LoadOptions};
 use crate::files::{TEXT_BYTES_MAX, read_given};
-use crate::precompute::prefilter::{Kernel, WEIGHTS, Weight, weight_by_name};
+use crate::precompute::prefilter::{Kernel, WEIGHTS, Weight};
 use crate::shade::reference::Surface;
 use crate::spelling::suggestion;
 use crate::table::csv::{Cell, unguarded};
@@ -357,24 +357,23 @@ impl Row<'_> {
     }
 
     fn masking(&mut self) -> Option<MaskingShadowing> {
-        let Some(name) = self.optional_cell("masking").filter(|name| !name.is_empty()).map(str::to_owned) else {
-            return Some(MaskingShadowing::default());
-        };
-        let found = MaskingShadowing::ALL.iter().find(|(known, _)| *known == name).map(|(_, masking)| *masking);
-        if found.is_none() {
-            let names: Vec<&str> = MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect();
-            self.unknown("masking", "masking-shadowing", &name, &names);
-        }
-        found
+        self.optional_name("masking", "masking-shadowing", MaskingShadowing::ALL)
     }
 
     fn weight(&mut self) -> Option<&'static Weight> {
-        let Some(name) = self.optional_cell("weight").filter(|name| !name.is_empty()).map(str::to_owned) else {
-            return Some(&WEIGHTS[0]);
+        let known: Vec<_> = WEIGHTS.iter().map(|weight| (weight.name, weight)).collect();
+        self.optional_name("weight", "prefilter weight", &known)
+    }
+
+    /// What the cell names, or the first of `known`, the default, where the cell or its column is not there.
+    fn optional_name<T: Copy>(&mut self, column: &str, what: &str, known: &[(&str, T)]) -> Option<T> {
+        let Some(name) = self.optional_cell(column).filter(|name| !name.is_empty()).map(str::to_owned) else {
+            return known.first().map(|(_, value)| *value);
         };
-        let found = weight_by_name(&name);
+        let found = known.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
         if found.is_none() {
-            self.unknown("weight", "prefilter weight", &name, &WEIGHTS.iter().map(|w| w.name).collect::<Vec<_>>());
+            let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+            self.unknown(column, what, &name, &names);
         }
         found
     }

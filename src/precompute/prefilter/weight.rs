@@ -17,11 +17,11 @@ pub struct Weight {
     value: fn(&Kernel, f64, f64) -> f64,
 }
 
-/// Every weight; the first is the default.
+/// Every weight; the first, of [Karis13], is the default.
 pub static WEIGHTS: &[Weight] = &[
     Weight {
         name: "cosine",
-        about: "n.l [Karis13]: most renderers",
+        about: "n.l: most renderers",
         code: PREFILTER_WEIGHT_COSINE,
         uses_masking: false,
         value: |_, _, n_dot_l| n_dot_l,
