@@ -1,7 +1,7 @@
 //! Reading a table of queries: every row is checked, and every fault is told with its line and column.
 
 use super::{ALPHA_MIN, Kind, KindColumns, Query};
-use crate::brdf::{self, Brdf, MODELS, MaskingShadowing};
+use crate::brdf::{Brdf, MODELS, MaskingShadowing};
 use crate::environment::{Environment, LoadOptions};
 use crate::files::{TEXT_BYTES_MAX, read_given};
 use crate::precompute::prefilter::{Kernel, WEIGHTS, Weight};
@@ -347,13 +347,9 @@ impl Row<'_> {
     }
 
     fn model(&mut self) -> Option<&'static dyn Brdf> {
+        let known: Vec<_> = MODELS.iter().map(|model| (model.name(), *model)).collect();
         let name = self.cell("brdf").to_owned();
-        let model = brdf::by_name(&name);
-        if model.is_none() {
-            let names: Vec<&str> = MODELS.iter().map(|model| model.name()).collect();
-            self.unknown("brdf", "BRDF model", &name, &names);
-        }
-        model
+        self.named("brdf", "BRDF model", &name, &known)
     }
 
     fn masking(&mut self) -> Option<MaskingShadowing> {
@@ -367,20 +363,18 @@ impl Row<'_> {
 
     /// What the cell names, or the first of `known`, the default, where the cell or its column is not there.
     fn optional_name<T: Copy>(&mut self, column: &str, what: &str, known: &[(&str, T)]) -> Option<T> {
-        let Some(name) = self.optional_cell(column).filter(|name| !name.is_empty()).map(str::to_owned) else {
-            return known.first().map(|(_, value)| *value);
-        };
+        let name = self.optional_cell(column).filter(|name| !name.is_empty()).unwrap_or(known[0].0).to_owned();
+        self.named(column, what, &name, known)
+    }
+
+    fn named<T: Copy>(&mut self, column: &str, what: &str, name: &str, known: &[(&str, T)]) -> Option<T> {
         let found = known.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
         if found.is_none() {
             let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
-            self.unknown(column, what, &name, &names);
+            let near = suggestion(name, &names);
+            self.fault(column, format!("{name:?} is not a {what}; expected {}{near}", names.join(", ")));
         }
         found
-    }
-
-    fn unknown(&mut self, column: &str, what: &str, name: &str, names: &[&str]) {
-        let near = suggestion(name, names);
-        self.fault(column, format!("{name:?} is not a {what}; expected {}{near}", names.join(", ")));
     }
 
     /// A unit vector out of three columns, normalised in f64.
