@@ -134,7 +134,8 @@ export class LiveRender {
     const columns = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => this.turned(axis)); // prettier-ignore
     for (const i of [0, 1, 2]) values[`environment_from_world_${i}`] = [...columns.map((column) => column[i]), 0];
     const named = Object.entries(values).map(([name, value]) => [`params.${name}`, value]);
-    return { ...Object.fromEntries(named), MASKING: lightTables().masking_names.indexOf(view.lobe.masking) };
+    const MASKING = lightTables().masking_names.indexOf(view.lobe.masking);
+    return { ...Object.fromEntries(named), MASKING, LEVEL_BEND: view.light.level_bend };
   }
 
   /** Makes a program of the g-buffer current; returns what sets a material, its own but for what the view sets. */

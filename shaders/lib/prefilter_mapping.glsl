@@ -14,14 +14,24 @@ float perceptual_roughness_from_alpha(float alpha) {
     return alpha <= ALPHA_MIN ? 0.0 : sqrt(alpha);
 }
 
-// Level k of `level_count` holds perceptual roughness k / (level_count - 1).
+// How the levels of the prefiltered map are spread, b in [0, 1] (precompute/prefilter/level_mapping.rs): set when the pipeline is made, in
+// GLSL ES a uniform.
+#ifdef GL_ES
+uniform float LEVEL_BEND;
+#else
+layout(constant_id = 2) const float LEVEL_BEND = 0.0;
+#endif
+
+// Level k of `level_count` holds the r with r (1 + b (1 - r)) = k / (level_count - 1).
 float perceptual_roughness_from_lod(float lod, uint level_count) {
-    return level_count > 1u ? lod / float(level_count - 1u) : 0.0;
+    float u = level_count > 1u ? lod / float(level_count - 1u) : 0.0;
+    float at_end = 1.0 - LEVEL_BEND;
+    return 2.0 * u / (1.0 + LEVEL_BEND + sqrt(at_end * at_end + 4.0 * LEVEL_BEND * (1.0 - u)));
 }
 
 // The inverse: the real level that holds a perceptual roughness.
 float lod_from_perceptual_roughness(float perceptual_roughness, uint level_count) {
-    return perceptual_roughness * float(level_count - 1u);
+    return perceptual_roughness * (1.0 + LEVEL_BEND * (1.0 - perceptual_roughness)) * float(level_count - 1u);
 }
 
 // (n_dot_v, perceptual_roughness) of the centre of a texel of the DFG table.

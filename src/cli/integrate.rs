@@ -24,13 +24,13 @@ Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _
               lambert         of albedo 1, without: irradiance over pi
               seed0_literal   with --seed0-literal: what source document 0's printed formula converges to
   dfg         brdf,alpha,n_dot_v [masking,id] -> f0_scale,f90_scale,albedo,error (the albedo is the sum: a white furnace)
-  prefilter   environment,brdf,alpha,rx,ry,rz [id] -> prefiltered (the split sum's first factor)
+  prefilter   environment,brdf,alpha,rx,ry,rz [weight,masking,id] -> prefiltered (the split sum's first factor)
   irradiance  environment,nx,ny,nz [id] -> irradiance (not divided by pi)
   sh9         environment [id] -> l00,l1m1,l10,l11,l2m2,l2m1,l20,l21,l22 (y up, no Condon-Shortley sign)
 
 Cells: environment is builtin:NAME or an .hdr or .exr file (relative to QUERIES.csv; FILE.exr#NAME for a layer); brdf ggx, beckmann or phong; alpha in [0.0001, 1];
 f0 one number or R:G:B in [0, 1]; n, v and r unit vectors within 1e-5, y up, v above the horizon of n; masking separable (default),
-correlated, schlick or smith-exact; id anything, passed on. Radiance is in the units of the map, looked up bilinearly.
+correlated, schlick or smith-exact; weight cosine (default), masking (G1 of l) or none; id anything, passed on. Radiance is in the units of the map, looked up bilinearly.
 
 Examples:
   printf 'environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz\\nbuiltin:sky,ggx,0.25,0.04,0,0.6,0.8,0,0,1\\n' > queries.csv

@@ -5,8 +5,9 @@ use clap::{Args, ValueEnum};
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::environment::{BUILTINS, FORMATS};
 use splitsum::math::sequence::SEQUENCES;
+use splitsum::precompute::prefilter::level_bias::LEVEL_BIASES;
+use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::runner::axis::Named;
-use splitsum::shade::level_bias::LEVEL_BIASES;
 use splitsum::study::columns;
 use splitsum::study::questions::QUESTIONS;
 use splitsum::table::markdown::{Align, MarkdownTable};
@@ -34,6 +35,10 @@ enum What {
     Sequences,
     /// Layouts of filtered maps.
     Layouts,
+    /// Which roughness the levels of a prefiltered map hold.
+    LevelMappings,
+    PrefilterWeights,
+    /// Level biases of known prefilters.
     LevelBiases,
     Questions,
     /// The text of docs/columns.md.
@@ -82,6 +87,8 @@ fn listing(what: What) -> String {
         What::Questions => QUESTIONS.iter().for_each(|question| add(question.name, question.asks)),
         What::Columns => {}
         What::Sequences => SEQUENCES.iter().for_each(|sequence| add(sequence.name, sequence.about)),
+        What::LevelMappings => LEVEL_MAPPINGS.iter().for_each(|mapping| add(mapping.name, mapping.about)),
+        What::PrefilterWeights => WEIGHTS.iter().for_each(|weight| add(weight.name, weight.about)),
         What::LevelBiases => {
             LEVEL_BIASES.iter().for_each(|bias| add(bias.name, &format!("{:.4} levels: {}", bias.levels, bias.about)));
         }

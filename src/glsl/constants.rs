@@ -63,6 +63,12 @@ constants! {
     MASKING_SCHLICK: u32 = 2;
     /// Exact Smith masking of each model's own distribution.
     MASKING_SMITH_EXACT: u32 = 3;
+    /// Weights of the prefiltered map's mean (`precompute::prefilter::WEIGHTS`): n·l.
+    PREFILTER_WEIGHT_COSINE: u32 = 0;
+    /// G1(l).
+    PREFILTER_WEIGHT_MASKING: u32 = 1;
+    /// 1 above the horizon.
+    PREFILTER_WEIGHT_NONE: u32 = 2;
     /// Light kinds; the order is that of `scene::LightKind`.
     LIGHT_DIRECTIONAL: u32 = 0;
     /// A point light.

@@ -121,8 +121,8 @@ fn answer(
                 is_met: pair.error.is_finite(),
             };
         }
-        Query::Prefilter { model, alpha, r, .. } => {
-            let value = prefilter(environment(), *model, *alpha, *r, tolerance);
+        Query::Prefilter { kernel, alpha, r, .. } => {
+            let value = prefilter(environment(), *kernel, *alpha, *r, tolerance);
             (vec![value], vec![value])
         }
         Query::Irradiance { n, .. } => {

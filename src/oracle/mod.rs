@@ -12,6 +12,7 @@ pub use answers::Answers;
 pub use queries::{Queries, QueryFaults};
 
 use crate::brdf::{Brdf, MaskingShadowing};
+use crate::precompute::prefilter::Kernel;
 use crate::shade::reference::Surface;
 use crate::shade::{METHODS, Method};
 use glam::DVec3;
@@ -44,7 +45,8 @@ pub struct KindColumns {
     pub name: &'static str,
     /// Columns that every table of the kind has, in any order.
     pub required: &'static [&'static str],
-    /// Columns that a table may have: `masking` is `separable` without one, `levels` those of the default tables; `id` is passed on.
+    /// Columns that a table may have: `masking` is `separable` and `weight` `cosine` without one, `levels` those of the default tables;
+    /// `id` is passed on.
     pub optional: &'static [&'static str],
     /// Columns of the results: three channels and the bound of each. Kinds whose results are no colours name single columns.
     pub colors: &'static [&'static str],
@@ -85,7 +87,7 @@ impl Kind {
             Self::Prefilter => &KindColumns {
                 name: "prefilter",
                 required: &["environment", "brdf", "alpha", "rx", "ry", "rz"],
-                optional: &["id"],
+                optional: &["weight", "masking", "id"],
                 colors: &["prefiltered"],
                 numbers: &[],
             },
@@ -131,7 +133,7 @@ enum Query {
     Shading { environment: usize, surface: Surface },
     Ladder { environment: usize, surface: Surface, levels: u32 },
     Dfg { model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, n_dot_v: f64 },
-    Prefilter { environment: usize, model: &'static dyn Brdf, alpha: f64, r: DVec3 },
+    Prefilter { environment: usize, kernel: Kernel, alpha: f64, r: DVec3 },
     Irradiance { environment: usize, n: DVec3 },
     Sh9 { environment: usize },
 }

@@ -1,10 +1,11 @@
 //! Reading a table of queries: every row is checked, and every fault is told with its line and column.
 
 use super::{ALPHA_MIN, Kind, KindColumns, Query};
-use crate::brdf::{self, Brdf, MODELS, MaskingShadowing};
+use crate::brdf::{Brdf, MODELS, MaskingShadowing};
 use crate::environment::{Environment, LoadOptions};
 use crate::files::{TEXT_BYTES_MAX, read_given};
 use crate::precompute::PrecomputeSettings;
+use crate::precompute::prefilter::{Kernel, WEIGHTS, Weight};
 use crate::shade::reference::Surface;
 use crate::spelling::suggestion;
 use crate::table::csv::{Cell, unguarded};
@@ -237,7 +238,11 @@ impl<'a> Reader<'a> {
             Kind::Prefilter => {
                 let environment = self.environment(&row);
                 let (model, alpha, r) = (row.model(), row.alpha(), row.direction(["rx", "ry", "rz"]));
-                (|| Some(Query::Prefilter { environment, model: model?, alpha: alpha?, r: r? }))()
+                let (weight, masking) = (row.weight(), row.masking());
+                (|| {
+                    let kernel = Kernel::new(model?, weight?, masking?);
+                    Some(Query::Prefilter { environment, kernel, alpha: alpha?, r: r? })
+                })()
             }
             Kind::Irradiance => {
                 let environment = self.environment(&row);
@@ -350,13 +355,9 @@ impl Row<'_> {
     }
 
     fn model(&mut self) -> Option<&'static dyn Brdf> {
+        let known: Vec<_> = MODELS.iter().map(|model| (model.name(), *model)).collect();
         let name = self.cell("brdf").to_owned();
-        let model = brdf::by_name(&name);
-        if model.is_none() {
-            let names: Vec<&str> = MODELS.iter().map(|model| model.name()).collect();
-            self.unknown("brdf", "BRDF model", &name, &names);
-        }
-        model
+        self.named("brdf", "BRDF model", &name, &known)
     }
 
     /// Levels of a prefiltered map; those of the default tables where none are given.
@@ -373,20 +374,28 @@ impl Row<'_> {
     }
 
     fn masking(&mut self) -> Option<MaskingShadowing> {
-        let Some(name) = self.optional_cell("masking").filter(|name| !name.is_empty()).map(str::to_owned) else {
-            return Some(MaskingShadowing::default());
-        };
-        let found = MaskingShadowing::ALL.iter().find(|(known, _)| *known == name).map(|(_, masking)| *masking);
-        if found.is_none() {
-            let names: Vec<&str> = MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect();
-            self.unknown("masking", "masking-shadowing", &name, &names);
-        }
-        found
+        self.optional_name("masking", "masking-shadowing", MaskingShadowing::ALL)
     }
 
-    fn unknown(&mut self, column: &str, what: &str, name: &str, names: &[&str]) {
-        let near = suggestion(name, names);
-        self.fault(column, format!("{name:?} is not a {what}; expected {}{near}", names.join(", ")));
+    fn weight(&mut self) -> Option<&'static Weight> {
+        let known: Vec<_> = WEIGHTS.iter().map(|weight| (weight.name, weight)).collect();
+        self.optional_name("weight", "prefilter weight", &known)
+    }
+
+    /// What the cell names, or the first of `known`, the default, where the cell or its column is not there.
+    fn optional_name<T: Copy>(&mut self, column: &str, what: &str, known: &[(&str, T)]) -> Option<T> {
+        let name = self.optional_cell(column).filter(|name| !name.is_empty()).unwrap_or(known[0].0).to_owned();
+        self.named(column, what, &name, known)
+    }
+
+    fn named<T: Copy>(&mut self, column: &str, what: &str, name: &str, known: &[(&str, T)]) -> Option<T> {
+        let found = known.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+        if found.is_none() {
+            let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+            let near = suggestion(name, &names);
+            self.fault(column, format!("{name:?} is not a {what}; expected {}{near}", names.join(", ")));
+        }
+        found
     }
 
     /// A unit vector out of three columns, normalised in f64.

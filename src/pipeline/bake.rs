@@ -6,7 +6,7 @@ use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::gpu::{Gpu, Image};
 use crate::pixels::{GrayImage, Pixels, exr, write_atomically};
-use crate::precompute::{PrecomputeSettings, prefilter};
+use crate::precompute::PrecomputeSettings;
 use crate::scene::{CameraKind, Scene};
 use crate::shade::{diffuse_by_name, method_by_name};
 use serde::Serialize;
@@ -50,6 +50,9 @@ struct BakeFile<'a> {
     dfg: &'static str,
     irradiance: &'static str,
     prefilter_alphas: Vec<f64>,
+    level_mapping: &'static str,
+    prefilter_weight: &'static str,
+    prefilter_lod_bias: f32,
     prefilter_sample_count: u32,
     dfg_sample_count: u32,
     storage_format: &'static str,
@@ -106,8 +109,11 @@ impl Pipeline {
             dfg: "channel R (A of the text) scales f0, channel G (B) is added; x = n_dot_v, y = perceptual_roughness, both at texel centres (i + 0.5) / size, row 0 is the smoothest",
             irradiance: "irradiance / pi: what a Lambert surface of albedo 1 reflects",
             prefilter_alphas: (0..settings.prefilter_level_count)
-                .map(|mip| prefilter::alpha_from_mip(f64::from(mip), settings.prefilter_level_count))
+                .map(|mip| settings.level_mapping.alpha_from_mip(f64::from(mip), settings.prefilter_level_count))
                 .collect(),
+            level_mapping: settings.level_mapping.name,
+            prefilter_weight: settings.prefilter_weight.name,
+            prefilter_lod_bias: settings.prefilter_lod_bias,
             prefilter_sample_count: settings.prefilter_sample_count,
             dfg_sample_count: settings.dfg_sample_count,
             storage_format: settings.storage.name(),

@@ -7,7 +7,9 @@ use super::RenderRequest;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::environment::layout::MapLayout;
-use crate::precompute::{dfg, filtered, irradiance, mips, prefilter, sh9};
+use crate::precompute::prefilter::pass::Recipe;
+use crate::precompute::prefilter::{self, Kernel};
+use crate::precompute::{dfg, filtered, irradiance, mips, sh9};
 use std::collections::BTreeSet;
 
 /// What names a shared result.
@@ -85,7 +87,7 @@ impl<'a> IrradianceInputs<'a> {
 pub(super) struct PrefilterInputs<'a> {
     environment: &'a Environment,
     pub(super) layout: &'static MapLayout,
-    pub(super) brdf: &'static dyn Brdf,
+    pub(super) recipe: Recipe,
     pub(super) size: [u32; 2],
     pub(super) level_count: u32,
     pub(super) sample_count: u32,
@@ -97,7 +99,7 @@ impl<'a> PrefilterInputs<'a> {
         Self {
             environment: &request.environment,
             layout: settings.layout,
-            brdf: request.brdf,
+            recipe: Recipe::of(request.brdf, request.masking_shadowing, settings),
             size: settings.prefilter_size,
             level_count: settings.prefilter_level_count,
             sample_count: settings.prefilter_sample_count,
@@ -105,10 +107,13 @@ impl<'a> PrefilterInputs<'a> {
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { environment, layout, brdf, size, level_count, sample_count } = self;
+        let Self { environment, layout, recipe, size, level_count, sample_count } = self;
+        let Recipe { kernel: Kernel { brdf, weight, masking }, mapping, lod_bias } = recipe;
         let (map, by, model) = (&environment.hash, layout.name, brdf.name());
         let inputs = format!(
-            "environment={map}\nlayout={by}\nbrdf={model}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n"
+            "environment={map}\nlayout={by}\nbrdf={model}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n\
+             mapping={}\nweight={}\nmasking={masking:?}\nlod_bias={lod_bias}\n",
+            mapping.name, weight.name,
         );
         let shaders = [level_shaders(layout), vec![prefilter::pass::shader(*brdf, layout)]].concat();
         SharedKey { kind: "prefilter", inputs, shaders }

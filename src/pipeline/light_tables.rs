@@ -4,6 +4,7 @@ use super::{Pipeline, PipelineError, RenderRequest};
 use crate::environment::layout::MapLayout;
 use crate::gpu::{Gpu, Image};
 use crate::pixels::{Pixels, RgbImage};
+use crate::precompute::prefilter::LevelMapping;
 use crate::shade::{diffuse_by_name, method_by_name};
 
 /// Texels of the finest prefiltered level: what a page can hold for a few models and environments.
@@ -14,6 +15,8 @@ const PREFILTERED_TEXELS_MAX: u32 = 1 << 15;
 pub struct LightTables {
     /// How the maps lie in texels.
     pub layout: &'static MapLayout,
+    /// Which roughness each level of the prefiltered map holds.
+    pub level_mapping: &'static LevelMapping,
     /// Radiance level by level, down to one texel, the faces of a level below each other; the finest levels are left out.
     pub environment: Vec<RgbImage>,
     /// Radiance coefficients in the order of `shaders/lib/sh.glsl`.
@@ -58,6 +61,7 @@ impl Pipeline {
         let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
         Ok(LightTables {
             layout,
+            level_mapping: request.precompute.level_mapping,
             environment: (first_level..levels).map(|mip| level(&tables.filtered, mip)).collect::<Result<_, _>>()?,
             sh9: sh9.into_iter().map(rgb).collect(),
             prefiltered: (0..tables.prefiltered.mip_count())

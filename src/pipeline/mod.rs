@@ -331,6 +331,7 @@ fn settings(request: &RenderRequest, prepared: &Prepared) -> ShadeSettings {
         environment_size: prepared.tables.environment.mip_size(0),
         sample_count: request.samples,
         lod_bias: request.lod_bias,
+        level_mapping: request.precompute.level_mapping,
         prefilter_level_count: request.precompute.prefilter_level_count,
         has_specular: !request.method.is_none(),
         light_count: request.lights.len() as u32,

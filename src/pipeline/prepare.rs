@@ -260,7 +260,7 @@ impl Resources {
         let points = self.points(gpu, inputs.sample_count, &SEQUENCES[0], 0)?;
         let empty = || prefilter::pass::map(gpu, inputs.layout, inputs.size, inputs.level_count).map(Levels::all);
         let made = maker.table(&mut self.prefiltered, &key, empty, |map| {
-            prefilter::pass::run(gpu, inputs.brdf, inputs.layout, environment, &points, &map.image)
+            prefilter::pass::run(gpu, inputs.recipe, inputs.layout, environment, &points, &map.image)
         })?;
         self.stored(gpu, &key, made.image, storage)
     }

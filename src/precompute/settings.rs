@@ -1,5 +1,6 @@
 //! Sizes and sample counts of the precompute passes, and which of them go together.
 
+use super::prefilter::{LEVEL_MAPPINGS, LevelMapping, WEIGHTS, Weight};
 use crate::environment::layout::{LAYOUTS, MapLayout};
 
 /// In which numbers the prefiltered map, the DFG table and the irradiance map are kept on the device.
@@ -36,9 +37,14 @@ pub struct PrecomputeSettings {
     pub layout: &'static MapLayout,
     /// Width and height of a face of level 0 of the prefiltered map.
     pub prefilter_size: [u32; 2],
-    /// Number of levels; level k holds perceptual roughness k / (levels - 1).
     pub prefilter_level_count: u32,
     pub prefilter_sample_count: u32,
+    /// Which perceptual roughness each level holds.
+    pub level_mapping: &'static LevelMapping,
+    /// What a direction counts in the mean that a texel is.
+    pub prefilter_weight: &'static Weight,
+    /// Levels added to the level of each lookup that the pass makes.
+    pub prefilter_lod_bias: f32,
     /// Side of the DFG table.
     pub dfg_size: u32,
     pub dfg_sample_count: u32,
@@ -73,6 +79,9 @@ impl Default for PrecomputeSettings {
             prefilter_size: LAYOUTS[0].prefilter_size,
             prefilter_level_count: 5,
             prefilter_sample_count: 256,
+            level_mapping: &LEVEL_MAPPINGS[0],
+            prefilter_weight: &WEIGHTS[0],
+            prefilter_lod_bias: 0.0,
             dfg_size: 128,
             dfg_sample_count: 1024,
             irradiance_size: LAYOUTS[0].irradiance_size,

@@ -49,6 +49,9 @@ pub struct LiveEnvironment {
     /// How the maps lie in texels: a map layout's name. Older runs have none.
     #[serde(default = "equirect")]
     pub layout: String,
+    /// b of `precompute::prefilter::LevelMapping`. Older runs have none.
+    #[serde(default)]
+    pub level_bend: f64,
     /// The faces of a level below each other.
     pub levels: Vec<PackedImage>,
     /// Radiance coefficients in the order of `shaders/lib/sh.glsl`.
@@ -140,6 +143,7 @@ fn of_environment(point: &Point, tables: &LightTables) -> LiveEnvironment {
         label: if clip.is_empty() { name } else { format!("{name} (clipped at 2^{clip})") },
         scale,
         layout: tables.layout.name.to_owned(),
+        level_bend: tables.level_mapping.bend,
         levels: pack_all(&tables.environment, scale),
         sh9: tables.sh9.iter().map(|c| c.map(|x| x / scale)).collect(),
         prefiltered: Vec::new(),

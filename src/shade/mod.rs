@@ -1,7 +1,6 @@
 //! Image-based lighting: the methods that turn a g-buffer and an environment into radiance.
 
 pub mod diffuse;
-pub mod level_bias;
 pub mod method;
 pub mod pass;
 pub mod reference;

@@ -8,6 +8,7 @@ use crate::glsl::constants::SHADE_FLAG_NO_SPECULAR;
 use crate::glsl::layout::{BackgroundParams, LightData, ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, Filter, GpuError, Image, Recorder, Sampler, Wrap, has_shader, image_groups};
 use crate::precompute::points::{PointRange, Points};
+use crate::precompute::prefilter::LevelMapping;
 use crate::scene::{Camera, Light, Projection};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
@@ -22,6 +23,7 @@ pub struct ShadeSettings {
     pub sample_count: u32,
     pub lod_bias: f32,
     pub prefilter_level_count: u32,
+    pub level_mapping: &'static LevelMapping,
     /// Whether the image has a specular term that takes its share from the diffuse one.
     pub has_specular: bool,
     pub light_count: u32,
@@ -162,7 +164,8 @@ impl Shading<'_> {
             points.bind(),
         ];
         let params = ShadeParams { point_count: points.count, ..self.settings.params(self.gbuffer.size, rows.start) };
-        let constants = [masking_shadowing as u32];
+        // The second one is the reference's.
+        let constants = [masking_shadowing as u32, 0, (self.settings.level_mapping.bend as f32).to_bits()];
         self.dispatch(recorder, &shader, &constants, &rest, &params.to_bytes(), rows.end - rows.start)
     }
 

@@ -13,7 +13,8 @@ use crate::math::sequence::Sequence;
 use crate::math::spherical_harmonics::COUNT;
 use crate::pixels::Pixels;
 use crate::pixels::lookup::{Wrap, bilinear, trilinear};
-use crate::precompute::{PrecomputeSettings, dfg, prefilter};
+use crate::precompute::prefilter::LevelMapping;
+use crate::precompute::{PrecomputeSettings, dfg};
 use glam::{DVec2, DVec3};
 
 /// The f64 twin of a method.
@@ -40,6 +41,8 @@ pub struct Light {
     pub filtered: FilteredMap,
     /// Mean radiance of the lobe, smoothest level first.
     pub prefiltered: FilteredMap,
+    /// Which roughness each of its levels holds.
+    pub level_mapping: &'static LevelMapping,
     /// The DFG table: what scales f0, and what is added.
     pub dfg: Pixels<DVec2>,
     /// Irradiance over π.
@@ -79,7 +82,7 @@ impl Light {
 
     /// Mean radiance of the lobe of width `alpha` about `r`, from the prefiltered map.
     pub fn mean_radiance(&self, r: DVec3, alpha: f64) -> DVec3 {
-        self.prefiltered.value(r, prefilter::mip_from_alpha(alpha, self.prefiltered.levels.len() as u32))
+        self.prefiltered.value(r, self.level_mapping.mip_from_alpha(alpha, self.prefiltered.levels.len() as u32))
     }
 
     /// (A, B) of the DFG table: the lobe reflects `f0 A + B` of constant radiance.

@@ -195,11 +195,14 @@ fn commands_that_are_not_built_say_so() {
 #[test]
 fn list_prints_every_name() {
     let dir = tempfile::tempdir().unwrap();
+    use splitsum::precompute::prefilter;
     let text = stdout(&splitsum(dir.path(), &["list"]));
     let names = splitsum::runner::axis::AXES.iter().map(|axis| axis.name);
     let names = names.chain(splitsum::shade::METHODS.iter().map(|method| method.name));
     let names = names.chain(splitsum::math::sequence::SEQUENCES.iter().map(|sequence| sequence.name));
-    let names = names.chain(splitsum::shade::level_bias::LEVEL_BIASES.iter().map(|bias| bias.name));
+    let names = names.chain(prefilter::level_bias::LEVEL_BIASES.iter().map(|bias| bias.name));
+    let names = names.chain(prefilter::LEVEL_MAPPINGS.iter().map(|mapping| mapping.name));
+    let names = names.chain(prefilter::WEIGHTS.iter().map(|weight| weight.name));
     let names = names.chain(splitsum::metrics::METRICS.iter().map(|metric| metric.description().name));
     for name in names {
         assert!(text.contains(&format!("| {name} ")), "{name} is not listed");

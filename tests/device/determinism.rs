@@ -10,6 +10,7 @@ use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::gpu::{Format, Gpu};
 use splitsum::pipeline::{Pipeline, RenderRequest};
 use splitsum::precompute::points::Points;
+use splitsum::precompute::prefilter::LEVEL_MAPPINGS;
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::pass::{ShadeSettings, Shading, Tables};
 use splitsum::shade::reference_pass::{DistributionBuffers, Lobe, ReferenceRun, Stop, Sums};
@@ -118,6 +119,7 @@ fn the_reference_reads_nothing_it_has_not_written() {
             sample_count: 64,
             lod_bias: 0.0,
             prefilter_level_count: 5,
+            level_mapping: &LEVEL_MAPPINGS[0],
             has_specular: true,
             light_count: 0,
         };

@@ -9,6 +9,7 @@ use splitsum::environment::layout::LAYOUTS;
 use splitsum::math::sequence::SEQUENCES;
 use splitsum::pipeline::{BakeRequest, DiskCache, Frame, Pipeline, RenderRequest};
 use splitsum::pixels::{RgbImage, exr};
+use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::precompute::{HALF_MAX, PrecomputeSettings, StorageFormat};
 use splitsum::scene::{Camera, CameraKind, Light, LightKind, MaterialOverride};
 use splitsum::shade::{diffuse_by_name, method_by_name};
@@ -21,6 +22,9 @@ fn small() -> PrecomputeSettings {
         prefilter_size: [16; 2],
         prefilter_level_count: 2,
         prefilter_sample_count: 16,
+        level_mapping: &LEVEL_MAPPINGS[0],
+        prefilter_weight: &WEIGHTS[0],
+        prefilter_lod_bias: 0.0,
         dfg_size: 16,
         dfg_sample_count: 64,
         irradiance_size: [8; 2],
@@ -108,6 +112,9 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         prefilter_size: [width, height],
         prefilter_level_count,
         prefilter_sample_count,
+        level_mapping: _,
+        prefilter_weight: _,
+        prefilter_lod_bias,
         dfg_size,
         dfg_sample_count,
         irradiance_size: [map_width, map_height],
@@ -147,13 +154,21 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         set(&|s| s.prefilter_size = [2 * width, 2 * height]),
         set(&|s| s.prefilter_level_count = prefilter_level_count + 1),
         set(&|s| s.prefilter_sample_count = 2 * prefilter_sample_count),
+        set(&|s| s.prefilter_lod_bias = prefilter_lod_bias + 1.0),
         set(&|s| s.dfg_size = 2 * dfg_size),
         set(&|s| s.dfg_sample_count = 2 * dfg_sample_count),
         set(&|s| s.irradiance_size = [2 * map_width, 2 * map_height]),
         set(&|s| s.irradiance_sample_count = [2 * azimuths, 2 * polars]),
         set(&|s| s.storage = StorageFormat::F16),
     ];
-    by_field.into_iter().chain(by_layout).collect()
+    // Two levels are the ends, which all mappings share.
+    let by_mapping =
+        LEVEL_MAPPINGS[1..].iter().map(|mapping| set(&|s| (s.level_mapping, s.prefilter_level_count) = (mapping, 3)));
+    let by_weight =
+        WEIGHTS[1..].iter().flat_map(|weight| MaskingShadowing::ALL.iter().map(move |(_, masking)| (weight, *masking)));
+    let by_weight = by_weight
+        .map(|(weight, masking)| other(&|r| (r.precompute.prefilter_weight, r.masking_shadowing) = (weight, masking)));
+    by_field.into_iter().chain(by_layout).chain(by_mapping).chain(by_weight).collect()
 }
 
 /// All that a frame shows, bit for bit.

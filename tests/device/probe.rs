@@ -11,7 +11,8 @@ use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, texel_solid
 use splitsum::math::frame::Frame;
 use splitsum::math::sampling::{direction_from_polar, hammersley};
 use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
-use splitsum::precompute::{dfg, prefilter};
+use splitsum::precompute::dfg;
+use splitsum::precompute::prefilter::LEVEL_MAPPINGS;
 use splitsum::scene::{Camera, CameraKind, Light, LightKind, Scene};
 use splitsum::shade::pass::light_data;
 use splitsum::tonemap::ToneCurve;
@@ -318,18 +319,29 @@ fn prefilter_and_dfg_mappings() {
             })
             .map(|v| v.map(|x| x as f32))
             .collect();
-        let out = Probe { shader: "probe/prefilter_mapping.comp", inputs: 3, outputs: 2, ..Probe::default() }
-            .run(gpu, &inputs);
         let mut worst = Worst::new("mappings", F32);
-        for (&[roughness, alpha, lod, texel, n_dot_v], out) in items.iter().zip(out) {
+        // Near the rough end the inverse of the bent mappings is steep: it is held to what f32 makes of the level.
+        let mut levels = Worst::new("levels of the roughness of a level", absolute(2e-6));
+        for (mapping, (&[roughness, alpha, lod, texel, n_dot_v], out)) in LEVEL_MAPPINGS.iter().flat_map(|mapping| {
+            let constants = [0, 0, (mapping.bend as f32).to_bits()];
+            let probe = Probe {
+                shader: "probe/prefilter_mapping.comp",
+                constants: &constants,
+                inputs: 3,
+                outputs: 2,
+                ..Probe::default()
+            };
+            items.iter().zip(probe.run(gpu, &inputs)).map(move |item| (mapping, item))
+        }) {
             let case = || format!("roughness {roughness} alpha {alpha} lod {lod} texel {texel}");
             // At and below the floor of alpha the surface is a mirror.
             let perceptual_roughness =
                 if alpha <= f64::from(ALPHA_MIN) { 0.0 } else { perceptual_roughness_from_alpha(alpha) };
             worst.add(out[0][0], alpha_from_perceptual_roughness(roughness), case);
             worst.add(out[0][1], perceptual_roughness, case);
-            worst.add(out[0][2].powi(2), prefilter::alpha_from_mip(lod, LEVELS), case);
-            worst.add(out[0][3], prefilter::mip_from_alpha(roughness * roughness, LEVELS), case);
+            levels.add(mapping.mip_from_alpha(out[0][2].powi(2), LEVELS), lod, case);
+            worst.add(out[0][2].powi(2), mapping.alpha_from_mip(lod, LEVELS), case);
+            worst.add(out[0][3], mapping.mip_from_alpha(roughness * roughness, LEVELS), case);
             let parameters = dfg::parameters_from_texel(DVec2::new(texel, 127.0 - texel) + 0.5, SIDE);
             worst.add(out[1][0], parameters.x, case);
             worst.add(out[1][1].powi(2), parameters.y, case);
@@ -338,7 +350,7 @@ fn prefilter_and_dfg_mappings() {
             worst.add(out[1][2], uv.x, case);
             worst.add(out[1][3], uv.y, case);
         }
-        worst.check();
+        [worst, levels].into_iter().for_each(Worst::check);
     });
 }
 

@@ -10,7 +10,7 @@ use splitsum::pipeline::{Frame, RenderRequest};
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::exact_quadrature;
-use splitsum::precompute::prefilter::reference::prefilter;
+use splitsum::precompute::prefilter::{Kernel, reference::prefilter};
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use splitsum::shade::pass::environment_from_world;
 use splitsum::shade::{METHODS, Method, diffuse_by_name, method_by_name};
@@ -74,7 +74,7 @@ fn split_sum_factors_exactly_where_the_view_is_the_normal() {
             let sight = sights(&base, 1).into_iter().find(|sight| sight.pixel == [2, 2]).unwrap();
             assert_eq!(sight.surface.n, sight.surface.v);
             let frame = pipeline.render(&base).unwrap();
-            let mean = prefilter(&exact, *model, sight.surface.alpha, sight.surface.n, EXACT).value;
+            let mean = prefilter(&exact, Kernel::cosine(*model), sight.surface.alpha, sight.surface.n, EXACT).value;
             let albedo = dfg(*model, base.masking_shadowing, 1.0, sight.surface.alpha).albedo();
             let mut worst = Worst::new(format!("{} at v = n", model.name()), relative(4e-3));
             worst.add_rgb(radiance(&frame, sight.pixel), mean * albedo, || "the middle pixel".into());

@@ -8,7 +8,7 @@ use crate::harness::{read_level, request, scene, with_gpu, with_pipeline};
 use crate::layouts::{filtered_environment, read_map};
 use crate::methods::{EXACT, Sight, radiance, sights_in};
 use crate::tables::{coefficients, dfg_table, environment_image};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use splitsum::brdf::{Brdf, MODELS, MaskingShadowing};
 use splitsum::environment::layout::{LAYOUTS, MapLayout};
@@ -18,6 +18,8 @@ use splitsum::gpu::Gpu;
 use splitsum::math::sequence::SEQUENCES;
 use splitsum::pipeline::{Frame, RenderRequest};
 use splitsum::precompute::points::Points;
+use splitsum::precompute::prefilter::pass::Recipe;
+use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, reference::estimate};
 use splitsum::precompute::{PrecomputeSettings, exact_quadrature, irradiance, prefilter};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::twin::{Light, Samples, Twin};
@@ -50,6 +52,9 @@ fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
         prefilter_size: size(32),
         prefilter_level_count: 3,
         prefilter_sample_count: 64,
+        level_mapping: &LEVEL_MAPPINGS[0],
+        prefilter_weight: &WEIGHTS[0],
+        prefilter_lod_bias: 0.0,
         dfg_size: 32,
         dfg_sample_count: 128,
         irradiance_size: size(8),
@@ -80,6 +85,8 @@ struct Case {
     lod_bias: f32,
     /// Among [`LAYOUTS`].
     layout: usize,
+    /// Among [`LEVEL_MAPPINGS`].
+    mapping: usize,
 }
 
 const PLAIN: Case = Case {
@@ -92,16 +99,17 @@ const PLAIN: Case = Case {
     point_set: 0,
     lod_bias: 0.0,
     layout: 0,
+    mapping: 0,
 };
 
 /// Each differs from the first in what could be mistaken; the last takes two dispatches of points.
 const CASES: [Case; 8] = [
     PLAIN,
-    Case { layout: 1, alpha: 0.1, ..PLAIN },
+    Case { layout: 1, alpha: 0.1, mapping: 1, ..PLAIN },
     Case { layout: 2, alpha: 0.1, ..PLAIN },
     Case { lod_bias: 1.5, masking: MaskingShadowing::Correlated, ..PLAIN },
     Case { lod_bias: -1.5, alpha: 0.6, ..PLAIN },
-    Case { kind: CameraKind::Perspective, alpha: 0.08, ..PLAIN },
+    Case { kind: CameraKind::Perspective, alpha: 0.08, mapping: 2, ..PLAIN },
     Case { alpha: 1.0, sequence: 1, point_set: 3, masking: MaskingShadowing::Schlick, ..PLAIN },
     Case { samples: POINTS_PER_DISPATCH + 16, size: 9, ..PLAIN },
 ];
@@ -120,7 +128,10 @@ impl Case {
             point_set: self.point_set,
             lod_bias: self.lod_bias,
             reference_samples: 2048,
-            precompute: tables(&LAYOUTS[self.layout]),
+            precompute: PrecomputeSettings {
+                level_mapping: &LEVEL_MAPPINGS[self.mapping],
+                ..tables(&LAYOUTS[self.layout])
+            },
             ..request(environment, scene("sphere", material), self.kind, [self.size; 2])
         }
     }
@@ -141,11 +152,12 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
     irradiance::pass::run(gpu, layout, &filtered, settings.irradiance_sample_count, &map).unwrap();
     let levels = prefilter::pass::map(gpu, layout, settings.prefilter_size, settings.prefilter_level_count).unwrap();
     let points = Points::upload(gpu, settings.prefilter_sample_count, &SEQUENCES[0], 0).unwrap();
-    prefilter::pass::run(gpu, model, layout, &filtered, &points, &levels).unwrap();
+    prefilter::pass::run(gpu, Recipe::of(model, masking, settings), layout, &filtered, &points, &levels).unwrap();
     Light {
         environment: (0..image.mip_count()).map(|mip| read_level(gpu, &image, mip)).collect(),
         filtered: read_map(gpu, layout, &filtered),
         prefiltered: read_map(gpu, layout, &levels),
+        level_mapping: settings.level_mapping,
         dfg: dfg_table(gpu, model, masking, settings.dfg_size, settings.dfg_sample_count).map(DVec3::truncate),
         irradiance_map: read_map(gpu, layout, &map),
         sh9: coefficients(gpu, &image).1,
@@ -248,6 +260,55 @@ fn every_method_meets_its_twin() {
             }
             assert!(smallest < GRAZING, "no grazing view: n_dot_v is {smallest} or more");
         });
+    });
+}
+
+#[test]
+fn prefiltered_texels_meet_their_estimator() {
+    // Weight and masking, mapping, levels added.
+    let ways = [
+        (0, MaskingShadowing::Separable, 0, 0.0),
+        (0, MaskingShadowing::Separable, 1, 1.5),
+        (1, MaskingShadowing::Schlick, 2, -1.5),
+        (1, MaskingShadowing::Correlated, 0, 0.0),
+        (1, MaskingShadowing::SmithExact, 1, 0.0),
+        (2, MaskingShadowing::Separable, 2, 0.75),
+    ];
+    let (cases, sequence) =
+        (ways.into_iter().flat_map(|way| MODELS.iter().map(move |&model| (way, model))), &SEQUENCES[0]);
+    with_gpu(|gpu| {
+        let environment = &environments()[0];
+        let image = environment_image(gpu, &environment.image);
+        let lookup = lookup_tolerance(gpu);
+        for (((weight, masking, mapping, lod_bias), model), layout) in cases.zip(LAYOUTS.iter().cycle()) {
+            let kernel = Kernel::new(model, &WEIGHTS[weight], masking);
+            let recipe = Recipe { kernel, mapping: &LEVEL_MAPPINGS[mapping], lod_bias };
+            let PrecomputeSettings { prefilter_size, prefilter_level_count, prefilter_sample_count: count, .. } =
+                tables(layout);
+            let environment = filtered_environment(gpu, layout, &image);
+            let map = prefilter::pass::map(gpu, layout, prefilter_size, prefilter_level_count).unwrap();
+            let points = Points::upload(gpu, count, sequence, 0).unwrap();
+            prefilter::pass::run(gpu, recipe, layout, &environment, &points, &map).unwrap();
+            let (environment, map) = (read_map(gpu, layout, &environment), read_map(gpu, layout, &map));
+            let points: Vec<DVec2> = (0..count).map(|i| (sequence.point)(i, count, 0)).collect();
+            for (level, faces) in map.levels.iter().enumerate().skip(1) {
+                let alpha = recipe.mapping.alpha_from_mip(level as f64, prefilter_level_count);
+                let name = format!("{} {recipe:?} level {level}", layout.name);
+                let mean = faces.iter().flat_map(|face| &face.data).map(|rgb| rgb.element_sum()).sum::<f64>()
+                    / faces.iter().map(|face| 3 * face.data.len()).sum::<usize>() as f64;
+                let mut worst = Worst::new(name, Tolerance { floor: lookup.floor * mean, ..lookup });
+                for (face, texels) in faces.iter().enumerate() {
+                    for (i, texel) in texels.data.iter().enumerate().step_by(7) {
+                        let at = DVec2::new((i as u32 % texels.width).into(), (i as u32 / texels.width).into()) + 0.5;
+                        let size = DVec2::new(texels.width.into(), texels.height.into());
+                        let r = (layout.direction)(face as u32, at / size);
+                        let expected = estimate(&environment, kernel, alpha, r, &points, lod_bias.into());
+                        worst.add_rgb(*texel, expected, || format!("face {face} texel {at}"));
+                    }
+                }
+                worst.check();
+            }
+        }
     });
 }
 

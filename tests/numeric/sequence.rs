@@ -3,7 +3,7 @@
 use glam::DVec2;
 use splitsum::math::sequence::{SEQUENCES, sequence_by_name};
 use splitsum::precompute::points;
-use splitsum::shade::level_bias::LEVEL_BIASES;
+use splitsum::precompute::prefilter::level_bias::LEVEL_BIASES;
 use std::f64::consts::PI;
 
 fn set(name: &str, count: u32, set: u32) -> Vec<DVec2> {

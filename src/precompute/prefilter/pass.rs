@@ -1,12 +1,13 @@
 //! The device pass: one dispatch a level and band of rows.
 
-use crate::brdf::Brdf;
+use super::{Kernel, LevelMapping};
+use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::layout::MapLayout;
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::glsl::layout::{PrefilterParams, SharedStruct};
 use crate::gpu::{Bind, Format, Gpu, GpuError, Image, Report, Sampler, face_groups};
+use crate::precompute::PrecomputeSettings;
 use crate::precompute::points::Points;
-use crate::precompute::prefilter::alpha_from_mip;
 
 /// Name of the pass of each level. Levels halve a side of at most 4096 texels, so there are no more.
 const PASSES: [&str; 12] = [
@@ -34,22 +35,40 @@ pub fn map(gpu: &Gpu, layout: &MapLayout, size: [u32; 2], level_count: u32) -> R
     gpu.faced_image("prefiltered map", size, layout.face_count, level_count, Format::Rgba32Float)
 }
 
-/// Fills every level of `map` from `points` and the environment's filtered levels of the same layout. A level is made by one dispatch a range of points, each of which adds to the sums in
-/// its texels.
+/// What the levels of a map hold.
+#[derive(Clone, Copy, Debug)]
+pub struct Recipe {
+    pub kernel: Kernel,
+    pub mapping: &'static LevelMapping,
+    /// Levels added to the level of each sample's lookup.
+    pub lod_bias: f32,
+}
+
+impl Recipe {
+    pub fn of(brdf: &'static dyn Brdf, masking: MaskingShadowing, settings: &PrecomputeSettings) -> Self {
+        let kernel = Kernel::new(brdf, settings.prefilter_weight, masking);
+        Self { kernel, mapping: settings.level_mapping, lod_bias: settings.prefilter_lod_bias }
+    }
+}
+
+/// Fills every level of `map` from `points` and the environment's filtered levels of the same layout. A level is made by one dispatch a range
+/// of points, each of which adds to the sums in its texels.
 pub fn run(
     gpu: &Gpu,
-    brdf: &dyn Brdf,
+    recipe: Recipe,
     layout: &MapLayout,
     environment: &Image,
     points: &Points,
     map: &Image,
 ) -> Result<Report, GpuError> {
     let [source_width, source_height] = environment.mip_size(0);
-    let (shader, sample_count) = (shader(brdf, layout), points.count());
+    let Recipe { kernel, mapping, lod_bias } = recipe;
+    let (shader, sample_count) = (shader(kernel.brdf, layout), points.count());
+    let constants = [kernel.masking as u32, kernel.weight.code];
     let mut total = Report::default();
     for level in 0..map.mip_count() {
         let [width, height] = map.mip_size(level);
-        let alpha = alpha_from_mip(f64::from(level), map.mip_count()) as f32;
+        let alpha = mapping.alpha_from_mip(f64::from(level), map.mip_count()) as f32;
         let is_mirror = alpha == 0.0;
         let points_per_texel = if is_mirror { 1 } else { sample_count.min(POINTS_PER_DISPATCH) };
         for rows in gpu.row_bands(height, u64::from(width * map.face_count()) * u64::from(points_per_texel)) {
@@ -61,7 +80,7 @@ pub fn run(
                     source_height,
                     sample_count,
                     alpha,
-                    lod_bias: 0.0,
+                    lod_bias,
                     first_row: rows.start,
                     first_point: range.first,
                     point_count: range.count,
@@ -69,7 +88,9 @@ pub fn run(
                 let binds = [Bind::Sample(environment, Sampler::MAP), Bind::UpdateFaces(map, level), range.bind()];
                 let groups = face_groups(width, rows.end - rows.start, map.face_count());
                 let name = PASSES[(level as usize).min(PASSES.len() - 1)];
-                total.add(gpu.submit_pass(name, |r| r.dispatch(&shader, &[], &binds, &params.to_bytes(), groups))?);
+                total.add(
+                    gpu.submit_pass(name, |r| r.dispatch(&shader, &constants, &binds, &params.to_bytes(), groups))?,
+                );
             }
         }
     }

@@ -1,37 +1,67 @@
-//! Prefiltered radiance in f64: exact over the environment's bilinear map.
+//! Prefiltered radiance in f64: exact over the environment's bilinear map, and as the device estimates it.
 
-use crate::brdf::Brdf;
+use super::Kernel;
+use crate::brdf::reflect;
+use crate::environment::layout::{FilteredMap, lod_from_solid_angles};
 use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
 use crate::math::frame::Frame;
 use crate::math::quadrature::{Bounded, GaussLegendre, Tolerance};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
 /// `P(r, alpha)` for the unit vector `r` and `alpha` in (0, 1].
 pub fn prefilter(
     environment: &EquirectQuadrature,
-    model: &dyn Brdf,
+    kernel: Kernel,
     alpha: f64,
     r: DVec3,
     tolerance: Tolerance,
 ) -> Bounded {
     let frame = Frame::from_normal(r);
-    let kernel = |l: DVec3| {
-        let l_local = frame.to_local(l);
-        [if l_local.z <= 0.0 { 0.0 } else { weight(model, l_local, alpha) }]
-    };
     environment
-        .integrate(kernel, &[Focus { direction: r, radius: alpha }], tolerance)
-        .combine([DVec3::splat(1.0 / weight_integral(model, alpha))])
+        .integrate(
+            |l: DVec3| [density(kernel, frame.to_local(l), alpha)],
+            &[Focus { direction: r, radius: alpha }],
+            tolerance,
+        )
+        .combine([DVec3::splat(1.0 / density_integral(kernel, alpha))])
 }
 
-/// `D(h) n_dot_l` for `n = v = (0, 0, 1)`.
-fn weight(model: &dyn Brdf, l_local: DVec3, alpha: f64) -> f64 {
-    model.d((l_local + DVec3::Z).normalize(), alpha) * l_local.z
+/// The device's estimate of the same from half vectors at `points`: each lookup reads the level at which a texel covers the solid angle of
+/// the sample, `1/(N p_l)`, and `lod_bias` levels more. Some sample must lie above the horizon.
+pub fn estimate(
+    environment: &FilteredMap,
+    kernel: Kernel,
+    alpha: f64,
+    r: DVec3,
+    points: &[DVec2],
+    lod_bias: f64,
+) -> DVec3 {
+    let frame = Frame::from_normal(r);
+    let (mut sum, mut weight_sum) = (DVec3::ZERO, 0.0);
+    for point in points {
+        let h = kernel.brdf.sample_d(*point, alpha);
+        let l_local = reflect(DVec3::Z, h);
+        let l = frame.to_world(l_local);
+        let omega_s = 4.0 / (points.len() as f64 * kernel.brdf.d(h, alpha));
+        let lod = lod_from_solid_angles(omega_s, environment.texel_solid_angle(l, omega_s)) + lod_bias;
+        let weight = kernel.weight(alpha, l_local.z);
+        sum += weight * environment.value(l, lod);
+        weight_sum += weight;
+    }
+    sum / weight_sum
 }
 
-/// `∫ D(h) n_dot_l dl` over the hemisphere, in `t = ln tan(θ_l/2)`, where a lobe of any width has the same shape.
-fn weight_integral(model: &dyn Brdf, alpha: f64) -> f64 {
+/// `D(h) w(l)` for `n = v = (0, 0, 1)`.
+fn density(kernel: Kernel, l_local: DVec3, alpha: f64) -> f64 {
+    match kernel.weight(alpha, l_local.z) {
+        0.0 => 0.0,
+        weight => kernel.brdf.d((l_local + DVec3::Z).normalize(), alpha) * weight,
+    }
+}
+
+/// `∫ D(h) w(l) dl` over the hemisphere, in `t = ln tan(θ_l/2)`, where a lobe of any width has the same shape.
+fn density_integral(kernel: Kernel, alpha: f64) -> f64 {
     // θ_l below 2 exp(-20) holds 1e-11 of the lobe at alpha 0.001; panels of 1/4 leave the 6-point rule at rounding.
     const T_LOW: f64 = -20.0;
     const PANEL_COUNT: u32 = 80;
@@ -42,7 +72,7 @@ fn weight_integral(model: &dyn Brdf, alpha: f64) -> f64 {
         rule.integrate(low, low + step, |t| {
             // sin θ = 1/cosh t, cos θ = -tanh t, dω = 2π sin² θ dt.
             let sin_theta = 1.0 / t.cosh();
-            TAU * sin_theta * sin_theta * weight(model, DVec3::new(sin_theta, 0.0, -t.tanh()), alpha)
+            TAU * sin_theta * sin_theta * density(kernel, DVec3::new(sin_theta, 0.0, -t.tanh()), alpha)
         })
     };
     (0..PANEL_COUNT).map(panel).sum()

@@ -6,15 +6,19 @@ use super::{Axis, Part, Sheet, Spelling, Symbol, Used, diffuse, method};
 use crate::brdf::{self, MaskingShadowing};
 use crate::environment::layout::{LAYOUTS, layout_by_name};
 use crate::math::sequence::{SEQUENCES, sequence_by_name};
+use crate::precompute::prefilter::level_bias::LEVEL_BIASES;
+use crate::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS, level_mapping_by_name, weight_by_name};
 use crate::precompute::{PrecomputeSettings, StorageFormat};
 use crate::runner::value::{IMAGE_SIZE, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
-use crate::shade::level_bias::LEVEL_BIASES;
 use crate::shade::{DIFFUSE, METHODS, REFERENCE};
 
 /// Sample counts of precompute passes stop here: more only costs time.
 const PRECOMPUTE_SAMPLES_MAX: u32 = 1 << 20;
 /// Sides of precomputed tables stop at the size every Vulkan device supports.
 const SIDE_MAX: u32 = 4096;
+
+/// Levels that a bias may add.
+const LEVELS: Range = Range::closed(-16.0, 16.0);
 
 /// Names of tables, as [`crate::precompute::table_of`] tells them.
 pub const MIPS: &str = "mips";
@@ -283,7 +287,7 @@ const LIST: &[Axis] = &[
         plural: "masking-shadowing functions",
         frames_cost: true,
         tables_cost: true,
-        feeds: &[DFG],
+        feeds: &[PREFILTER, DFG],
         kind: Kind::Name {
             what: "masking-shadowing",
             names: || MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect(),
@@ -298,15 +302,11 @@ const LIST: &[Axis] = &[
     Axis {
         name: "lod_bias",
         part: Part::Parameter,
-        about: "added to the mip level of filtered samples; names are those of `splitsum list level-biases`",
+        about: "added to the mip level of filtered samples",
         plural: "level biases",
         symbol: Symbol::Before("bias"),
         used: |u| u.method.uses_lod_bias,
-        kind: Kind::NumberOrName {
-            range: Range::closed(-16.0, 16.0),
-            what: "level bias",
-            named: || LEVEL_BIASES.iter().map(|bias| (bias.name, bias.levels)).collect(),
-        },
+        kind: Kind::Number(LEVELS),
         default: || Value::Number(0.0),
         apply: |s, v| s.lod_bias = v.number() as f32,
         ..PLAIN
@@ -360,6 +360,50 @@ const LIST: &[Axis] = &[
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
         apply: |s, v| s.precompute.prefilter_sample_count = v.count(),
+        ..TABLE
+    },
+    Axis {
+        name: "level_mapping",
+        about: "which perceptual roughness each level of the prefiltered map holds; `splitsum list level-mappings`",
+        plural: "level mappings",
+        symbol: Symbol::After("mapping", "mapping"),
+        feeds: &[PREFILTER],
+        used: |u| u.method.uses_prefiltered,
+        kind: Kind::Name { what: "level mapping", names: || LEVEL_MAPPINGS.iter().map(|m| m.name).collect() },
+        default: || Value::Text(LEVEL_MAPPINGS[0].name.to_owned()),
+        apply: |s, v| {
+            s.precompute.level_mapping = level_mapping_by_name(v.text()).expect("the plan checked the mapping's name");
+        },
+        ..TABLE
+    },
+    Axis {
+        name: "prefilter_weight",
+        about: "what a direction counts in the mean that a prefiltered texel is; `splitsum list prefilter-weights`",
+        plural: "prefilter weights",
+        symbol: Symbol::Before("weight"),
+        feeds: &[PREFILTER],
+        used: |u| u.method.uses_prefiltered,
+        kind: Kind::Name { what: "prefilter weight", names: || WEIGHTS.iter().map(|w| w.name).collect() },
+        default: || Value::Text(WEIGHTS[0].name.to_owned()),
+        apply: |s, v| {
+            s.precompute.prefilter_weight = weight_by_name(v.text()).expect("the plan checked the weight's name");
+        },
+        ..TABLE
+    },
+    Axis {
+        name: "prefilter_lod_bias",
+        about: "added to the mip level of each lookup that makes the prefiltered map; names are those of `splitsum list level-biases`",
+        plural: "prefilter level biases",
+        symbol: Symbol::Before("prefilter bias"),
+        feeds: &[PREFILTER],
+        used: |u| u.method.uses_prefiltered,
+        kind: Kind::NumberOrName {
+            range: LEVELS,
+            what: "level bias",
+            named: || LEVEL_BIASES.iter().map(|bias| (bias.name, bias.levels)).collect(),
+        },
+        default: || Value::Number(0.0),
+        apply: |s, v| s.precompute.prefilter_lod_bias = v.number() as f32,
         ..TABLE
     },
     Axis {

@@ -150,20 +150,26 @@ fn every_number_of_a_pair_or_colour_is_checked() {
 
 #[test]
 fn level_biases_have_names_and_sequences_and_formats_are_checked() {
-    let text = "name = \"x\"\n[axes]\nlod_bias = [\"filament\", 0.5, \"khronos-sampler\"]\n";
+    let text = "name = \"x\"\n[axes]\nmethod = [\"split-sum\"]\nprefilter_lod_bias = [\"filament\", 0.5, \"khronos-sampler\"]\n";
     let plan = Plan::from_text(Path::new("e.toml"), text, &[]).unwrap();
-    let biases: Vec<f32> = plan.cells.iter().map(|cell| plan.request(&cell.point).lod_bias).collect();
+    let biases: Vec<f32> =
+        plan.cells.iter().map(|cell| plan.request(&cell.point).precompute.prefilter_lod_bias).collect();
     assert_eq!(biases, [1.0, 0.5, 0.5 * (4.0 * std::f32::consts::PI).log2()]);
-    let text = "name = \"x\"\n[axes]\nlod_bias = [1, \"filament\", \"filamnt\", 17]\nsequence = [\"sobol\"]\n\
-                storage_format = [\"f8\"]\n";
+    let text = "name = \"x\"\n[axes]\nprefilter_lod_bias = [1, \"filament\", \"filamnt\", 17]\nsequence = [\"sobol\"]\n\
+                storage_format = [\"f8\"]\nlod_bias = [\"filament\"]\nlevel_mapping = [\"cmgen\"]\nprefilter_weight = [\"cosin\"]\n\
+                prefilter_level_count = [1]\n";
     assert_faults(
         &faults(text, &[]),
         &[
-            "e.toml:3:16: axes.lod_bias: 1 stands twice",
-            "e.toml:3:28: axes.lod_bias: \"filamnt\" is not a level bias; did you mean \"filament\"?; expected a number in [-16, 16], or",
-            "e.toml:3:39: axes.lod_bias: 17 is outside [-16, 16]",
+            "e.toml:3:26: axes.prefilter_lod_bias: 1 stands twice",
+            "e.toml:3:38: axes.prefilter_lod_bias: \"filamnt\" is not a level bias; did you mean \"filament\"?; expected a number in [-16, 16], or",
+            "e.toml:3:49: axes.prefilter_lod_bias: 17 is outside [-16, 16]",
             "e.toml:4:13: axes.sequence: \"sobol\" is not a sequence",
             "e.toml:5:19: axes.storage_format: \"f8\" is not a format",
+            "e.toml:6:13: axes.lod_bias: ",
+            "e.toml:7:18: axes.level_mapping: \"cmgen\" is not a level mapping",
+            "e.toml:8:21: axes.prefilter_weight: \"cosin\" is not a prefilter weight; did you mean \"cosine\"?",
+            "e.toml:9:26: axes.prefilter_level_count: 1 is outside [2, 12]",
         ],
     );
 }

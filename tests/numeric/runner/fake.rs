@@ -130,12 +130,13 @@ impl Renderer for Fake {
     }
 
     /// Constant light of radiance 1 in a few texels; the lobe reflects f0 whole.
-    fn light_tables(&mut self, _: &RenderRequest, _: u32) -> Result<LightTables, RenderFault> {
+    fn light_tables(&mut self, request: &RenderRequest, _: u32) -> Result<LightTables, RenderFault> {
         let chain = |levels: u32| (0..levels).map(|k| RgbImage::filled(8 >> k, (4 >> k).max(1), [1.0; 3])).collect();
         let mut sh9 = vec![[0.0; 3]; 9];
         sh9[0] = [(4.0 * std::f32::consts::PI).sqrt(); 3];
         let dfg = Pixels::filled(4, 4, [1.0, 0.0]);
         Ok(LightTables {
+            level_mapping: request.precompute.level_mapping,
             environment: chain(4),
             layout: &splitsum::environment::layout::LAYOUTS[2],
             sh9,

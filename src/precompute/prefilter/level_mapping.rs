@@ -1,0 +1,62 @@
+//! Which perceptual roughness each level of a prefiltered map holds. The twin of `shaders/lib/prefilter_mapping.glsl`.
+//!
+//! Level k of n holds the roughness r with `m(r) = k / (n - 1)`, alpha = r², and a lookup reads the level `(n - 1) m(r)`. Every mapping
+//! here is the parabola through 0 and 1 that is bent by b in [0, 1],
+//!
+//! `m(r) = r (1 + b (1 - r))`, and its inverse `r = 2 u / (1 + b + sqrt((1 - b)² + 4 b (1 - u)))`:
+//!
+//! the more it is bent, the more levels hold smooth surfaces.
+
+use crate::brdf::{alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
+
+/// A mapping by name.
+#[derive(Debug)]
+pub struct LevelMapping {
+    pub name: &'static str,
+    /// One sentence for `splitsum list level-mappings`.
+    pub about: &'static str,
+    /// b of the module's text.
+    pub bend: f64,
+}
+
+/// Every mapping; the first is the default.
+pub static LEVEL_MAPPINGS: &[LevelMapping] = &[
+    LevelMapping { name: "linear", about: "m(r) = r: Bevy, Cesium, the Khronos sampler and viewer", bend: 0.0 },
+    LevelMapping {
+        name: "quadratic",
+        about: "m(r) = r (2 - r): Filament, its baker cmgen (levels down to 16 texels), three.js",
+        bend: 1.0,
+    },
+    LevelMapping { name: "unity", about: "m(r) = r (1.7 - 0.7 r): Unity, with 7 levels", bend: 0.7 },
+];
+
+/// The mapping of that name.
+pub fn level_mapping_by_name(name: &str) -> Option<&'static LevelMapping> {
+    LEVEL_MAPPINGS.iter().find(|mapping| mapping.name == name)
+}
+
+impl PartialEq for LevelMapping {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl LevelMapping {
+    /// Microfacet width that level `mip` (real, for lookups between levels) holds. Inverse: [`Self::mip_from_alpha`].
+    pub fn alpha_from_mip(&self, mip: f64, level_count: u32) -> f64 {
+        let (b, u) = (self.bend, mip / last_mip(level_count));
+        alpha_from_perceptual_roughness(2.0 * u / (1.0 + b + ((1.0 - b).powi(2) + 4.0 * b * (1.0 - u)).sqrt()))
+    }
+
+    /// The real level that a lookup for `alpha` reads.
+    pub fn mip_from_alpha(&self, alpha: f64, level_count: u32) -> f64 {
+        let r = perceptual_roughness_from_alpha(alpha);
+        r * (1.0 + self.bend * (1.0 - r)) * last_mip(level_count)
+    }
+}
+
+/// A chain of one level would have no rough end to divide by.
+fn last_mip(level_count: u32) -> f64 {
+    assert!(level_count >= 2, "a prefiltered map needs at least 2 levels, not {level_count}");
+    f64::from(level_count - 1)
+}

@@ -1,0 +1,79 @@
+//! What a direction counts in the mean radiance of a lobe. The twin of `lobe_weight` in `shaders/lib/prefilter.glsl`.
+
+use crate::brdf::{Brdf, MaskingShadowing, g1};
+use crate::glsl::constants::{PREFILTER_WEIGHT_COSINE, PREFILTER_WEIGHT_MASKING, PREFILTER_WEIGHT_NONE};
+
+/// A weight by name.
+#[derive(Debug)]
+pub struct Weight {
+    pub name: &'static str,
+    /// One sentence for `splitsum list prefilter-weights`.
+    pub about: &'static str,
+    /// What shaders call it.
+    pub(super) code: u32,
+    /// Whether it hangs on the masking-shadowing.
+    pub uses_masking: bool,
+    /// The weight of a direction above the horizon, of kernel, alpha and n·l.
+    value: fn(&Kernel, f64, f64) -> f64,
+}
+
+/// Every weight; the first, of [Karis13], is the default.
+pub static WEIGHTS: &[Weight] = &[
+    Weight {
+        name: "cosine",
+        about: "n.l: most renderers",
+        code: PREFILTER_WEIGHT_COSINE,
+        uses_masking: false,
+        value: |_, _, n_dot_l| n_dot_l,
+    },
+    Weight {
+        name: "masking",
+        about: "G1(l) of the model and its masking: exact at n = v, where n.l is not",
+        code: PREFILTER_WEIGHT_MASKING,
+        uses_masking: true,
+        value: |kernel, alpha, n_dot_l| g1(kernel.brdf, n_dot_l, alpha, kernel.masking),
+    },
+    Weight {
+        name: "none",
+        about: "1: the plain mean over D(h) above the horizon",
+        code: PREFILTER_WEIGHT_NONE,
+        uses_masking: false,
+        value: |_, _, _| 1.0,
+    },
+];
+
+/// The weight of that name.
+pub fn weight_by_name(name: &str) -> Option<&'static Weight> {
+    WEIGHTS.iter().find(|weight| weight.name == name)
+}
+
+impl PartialEq for Weight {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+/// By what a prefiltered map averages: `D(h) w(l)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kernel {
+    pub brdf: &'static dyn Brdf,
+    pub weight: &'static Weight,
+    /// The default where the weight does not hang on it, so that equal maps have equal kernels.
+    pub masking: MaskingShadowing,
+}
+
+impl Kernel {
+    pub fn new(brdf: &'static dyn Brdf, weight: &'static Weight, masking: MaskingShadowing) -> Self {
+        Self { brdf, weight, masking: if weight.uses_masking { masking } else { MaskingShadowing::default() } }
+    }
+
+    /// That of the default weight.
+    pub fn cosine(brdf: &'static dyn Brdf) -> Self {
+        Self::new(brdf, &WEIGHTS[0], MaskingShadowing::default())
+    }
+
+    /// The weight of a direction by its cosine to n; 0 below the horizon.
+    pub fn weight(&self, alpha: f64, n_dot_l: f64) -> f64 {
+        if n_dot_l > 0.0 { (self.weight.value)(self, alpha, n_dot_l) } else { 0.0 }
+    }
+}
