@@ -13,6 +13,7 @@
 
 #include "lib/elementary.glsl"
 #include "lib/microfacet.glsl"
+#include "lib/prefilter_weight.glsl"
 
 // Nodes in azimuth over half a turn: the integrand is even in phi. 16 leave 1.5e-5 for the rational masking, whose cut
 // at 1.6 is a kink.
@@ -33,7 +34,7 @@ float ggx_r(float sin2, float cos2, float alpha2) {
     return sqrt(alpha2 * cos2 / (sin2 + alpha2 * cos2));
 }
 
-// (A, B), and in z the mean of n.l over h of density D (n.h): what normalises the kernel D (n.h) (n.l) / (4 v.h).
+// (A, B), and in z the mean of the weight w(l) over h of density D (n.h): what normalises the kernel D (n.h) w / (4 v.h).
 // 1024 nodes leave at most 3e-5 for n_dot_v >= 0.004 and alpha >= ALPHA_MIN.
 vec3 directional_albedo(float n_dot_v, float alpha, uint node_count, uint masking) {
     float alpha2 = alpha * alpha;
@@ -73,15 +74,15 @@ vec3 directional_albedo(float n_dot_v, float alpha, uint node_count, uint maskin
                 float n_dot_l = 2.0 * v_dot_h * cos_h - n_dot_v;
                 float gv = g2_from_g1(g1_v, g1(n_dot_l, alpha, masking), masking) * v_dot_h / (n_dot_v * cos_h);
                 float fc = schlick_weight(v_dot_h);
-                sum += r_weight * phi_node.y * vec3(gv * (1.0 - fc), gv * fc, n_dot_l);
+                sum += r_weight * phi_node.y * vec3(gv * (1.0 - fc), gv * fc, prefilter_weight(n_dot_l, alpha));
             }
         }
     }
     return sum;
 }
 
-// The mean of n.l over h of density D (n.h) for v = n, where nothing depends on the azimuth: what normalises D/4 n.l.
-float mirror_cosine(float alpha) {
+// The same mean for v = n, where nothing depends on the azimuth: what normalises D/4 w(l).
+float mirror_weight(float alpha) {
     const uint NODE_COUNT = 64u;
     float alpha2 = alpha * alpha;
     float r_end = ggx_r(0.5, 0.5, alpha2);
@@ -95,7 +96,7 @@ float mirror_cosine(float alpha) {
         float sin_h = alpha * sqrt(u * k);
         float k_ggx = sin_h * sin_h + alpha2 * cos_h * cos_h;
         float d_ratio = d_brdf(vec3(sin_h, 0.0, cos_h), alpha) * PI * k_ggx * k_ggx / alpha2;
-        sum += node.y * (1.0 - r_end) * 2.0 * r * d_ratio * (1.0 - 2.0 * sin_h * sin_h);
+        sum += node.y * (1.0 - r_end) * 2.0 * r * d_ratio * prefilter_weight(1.0 - 2.0 * sin_h * sin_h, alpha);
     }
     return sum;
 }

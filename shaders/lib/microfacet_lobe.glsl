@@ -6,6 +6,7 @@
 #include "lib/lobe.glsl"
 #include "lib/masking.glsl"
 #include "lib/microfacet.glsl"
+#include "lib/prefilter_weight.glsl"
 #include "lib/surface.glsl"
 
 // Separates the points of this lobe from those of the diffuse lobe: their errors are independent.
@@ -48,12 +49,12 @@ LobeValue specular_kernel(Lobe lobe, vec3 l_local) {
         pdf_visible_l_brdf(lobe.v_local, h_local, lobe.alpha));
 }
 
-// The kernel D (n.h) / (4 v.h) n.l: the lobe without masking, weighted by n.l. At v = n it is D/4 n.l, that of prefiltered maps.
-LobeValue cosine_kernel(Lobe lobe, vec3 l_local) {
+// The kernel D (n.h) / (4 v.h) w(l): the lobe without masking, by the weight of prefiltered maps. At v = n it is theirs, D/4 w(l).
+LobeValue weighted_kernel(Lobe lobe, vec3 l_local) {
     vec3 h_local = normalize(lobe.v_local + l_local);
     float v_dot_h = dot(lobe.v_local, h_local);
     float d = l_local.z > 0.0 && v_dot_h > 0.0 ? d_brdf(h_local, lobe.alpha) : 0.0;
-    float value = d > 0.0 ? d * h_local.z / (4.0 * v_dot_h) * l_local.z : 0.0;
+    float value = d > 0.0 ? d * h_local.z / (4.0 * v_dot_h) * prefilter_weight(l_local.z, lobe.alpha) : 0.0;
     return LobeValue(vec3(value), pdf_visible_l_brdf(lobe.v_local, h_local, lobe.alpha));
 }
 

@@ -5,8 +5,7 @@
 #include "generated/layout.glsl"
 #include "lib/filtering.glsl"
 #include "lib/frame.glsl"
-#include "lib/masking.glsl"
-#include "lib/microfacet.glsl"
+#include "lib/prefilter_weight.glsl"
 #include "lib/sampling.glsl"
 #include "selected/brdf.glsl"
 #include "selected/map_layout.glsl"
@@ -16,20 +15,6 @@ vec3 mirror_radiance(vec3 r, FILTERED_MAP environment, PrefilterParams params) {
     float source_texels = float(params.source_width) * float(params.source_height);
     float lod = 0.5 * log2(source_texels / (float(params.width) * float(params.height)));
     return map_radiance(environment, map_place(r), max(lod, 0.0));
-}
-
-// One of PREFILTER_WEIGHT_*, set when the pipeline is made.
-layout(constant_id = 1) const uint PREFILTER_WEIGHT = 0;
-
-// What a direction counts in the mean, by its cosine to n.
-float lobe_weight(float n_dot_l, float alpha) {
-    if (PREFILTER_WEIGHT == PREFILTER_WEIGHT_COSINE) {
-        return max(n_dot_l, 0.0);
-    }
-    if (n_dot_l <= 0.0) {
-        return 0.0;
-    }
-    return PREFILTER_WEIGHT == PREFILTER_WEIGHT_MASKING ? g1(n_dot_l, alpha, MASKING) : 1.0;
 }
 
 // (sum L w, sum w) over the points of this dispatch, for h with density D(h) (n.h) and l = reflect(-r, h), so p_l = D / 4.
@@ -47,7 +32,7 @@ vec4 lobe_sum(vec3 r, FILTERED_MAP environment, PrefilterParams params) {
         MapPlace place = map_place(frame * l_local);
         float omega_s = 4.0 * n_dot_h / (float(params.sample_count) * lobe.pdf_h);
         float lod = lod_from_solid_angles(omega_s, texel_solid_angle(place, source_size, omega_s)) + params.lod_bias;
-        float weight = lobe_weight(l_local.z, params.alpha);
+        float weight = prefilter_weight(l_local.z, params.alpha);
         sum += weight * map_radiance(environment, place, max(lod, 0.0));
         weight_sum += weight;
     }

@@ -3,6 +3,7 @@ pub mod equirect;
 pub mod equirect_quadrature;
 pub mod erf;
 pub mod frame;
+pub mod harmonics;
 pub mod incomplete_beta;
 pub mod quadrature;
 pub mod sampling;

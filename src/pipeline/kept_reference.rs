@@ -45,14 +45,15 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
     if !request.has_reference_term() || method.has_pass() || diffuse.has_pass() {
         return None;
     }
-    let levels = method.uses_levels.then_some(precompute.prefilter_level_count);
+    let levels = method.uses_levels.then_some((precompute.prefilter_level_count, precompute.level_mapping.name));
+    let weight = method.uses_weight.then_some(precompute.prefilter_weight.name);
     let dfg = method.needs_dfg(diffuse, !lights.is_empty()).then(|| DfgInputs::of(request).key());
     let table = dfg.as_ref().map_or("none\n".to_owned(), |key| format!("{:?}\n{}", precompute.storage, key.inputs));
     let inputs = format!(
         "environment={}\nrotation={environment_rotation_deg}\nscale={environment_scale}\nscene={}\ncamera={camera:?}\n\
          size={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\nsamples={samples}\n\
          reference_samples={reference_samples}\nreference_error={reference_error:?}\nlights={lights:?}\n\
-         background={background}\nseed={seed}\nlevels={levels:?}\ndfg={table}",
+         background={background}\nseed={seed}\nlevels={levels:?}\nweight={weight:?}\ndfg={table}",
         environment.hash,
         scene.hash,
         method.name,

@@ -7,7 +7,7 @@ use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pixels::{GrayImage, RgbImage};
 use crate::precompute::PrecomputeSettings;
 use crate::scene::{Camera, CameraKind, Light, Scene};
-use crate::shade::reference_pass::{Convergence, Lobe, Stop};
+use crate::shade::reference_pass::{Convergence, Levels, Lobe, Stop};
 use crate::shade::{Diffuse, Method, NONE, diffuse_by_name, method_by_name};
 use std::sync::Arc;
 
@@ -75,7 +75,9 @@ impl RenderRequest {
 
     /// The terms that are taken from the reference, specular first.
     pub(super) fn reference_lobes(&self) -> Vec<Lobe> {
-        let specular = self.method.lobe.map(|lobe| Lobe::Specular(lobe, self.brdf, self.masking_shadowing));
+        let levels = Levels { mapping: self.precompute.level_mapping, weight: self.precompute.prefilter_weight };
+        let (brdf, masking) = (self.brdf, self.masking_shadowing);
+        let specular = self.method.lobe.map(|lobe| Lobe::Specular { lobe, brdf, masking, levels });
         specular.into_iter().chain(self.diffuse.is_reference().then_some(Lobe::Diffuse)).collect()
     }
 

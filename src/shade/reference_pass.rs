@@ -6,6 +6,7 @@ use crate::environment::distribution::EnvironmentDistribution;
 use crate::glsl::layout::{ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, Gpu, GpuError, Report, Sampler, image_groups};
 use crate::pixels::GrayImage;
+use crate::precompute::prefilter::{LevelMapping, Weight};
 
 /// Fewest independent scrambles: with 16, the standard error is itself known to about 18 %.
 pub const SCRAMBLE_COUNT_MIN: u32 = 16;
@@ -15,24 +16,39 @@ const SCRAMBLE_SAMPLES_MAX: u32 = 4096;
 /// Which term of the surface a reference integrates.
 #[derive(Clone, Copy, Debug)]
 pub enum Lobe {
-    /// The lobe of a method.
-    Specular(&'static str, &'static dyn Brdf, MaskingShadowing),
+    /// The lobe of a method, and what may shape it.
+    Specular {
+        lobe: &'static str,
+        brdf: &'static dyn Brdf,
+        masking: MaskingShadowing,
+        levels: Levels,
+    },
     Diffuse,
 }
 
+/// What rungs of the ladder take from a prefiltered map: how its levels are spread, and by what it averages.
+#[derive(Clone, Copy, Debug)]
+pub struct Levels {
+    pub mapping: &'static LevelMapping,
+    pub weight: &'static Weight,
+}
+
 impl Lobe {
-    /// The specialization constant of the masking.
-    fn masking(self) -> u32 {
+    /// The specialization constants: masking, whether the driver filters in f32, the bend of the levels' mapping, the weight.
+    fn constants(self, gpu: &Gpu) -> [u32; 4] {
+        let is_exact = u32::from(gpu.info().has_exact_filter);
         match self {
-            Self::Specular(_, _, masking_shadowing) => masking_shadowing as u32,
-            Self::Diffuse => MaskingShadowing::default() as u32,
+            Self::Specular { masking, levels: Levels { mapping, weight }, .. } => {
+                [masking as u32, is_exact, (mapping.bend as f32).to_bits(), weight.code]
+            }
+            Self::Diffuse => [MaskingShadowing::default() as u32, is_exact, 0, 0],
         }
     }
 
     /// The part of a shader's name after the entry point.
     fn permutation(self) -> String {
         match self {
-            Self::Specular(lobe, brdf, _) => format!("{lobe}:{}", brdf.name()),
+            Self::Specular { lobe, brdf, .. } => format!("{lobe}:{}", brdf.name()),
             Self::Diffuse => "lambert".into(),
         }
     }
@@ -45,7 +61,7 @@ impl Lobe {
     /// The timed pass.
     fn pass_name(self) -> &'static str {
         match self {
-            Self::Specular(..) => "shade-specular",
+            Self::Specular { .. } => "shade-specular",
             Self::Diffuse => "shade-diffuse",
         }
     }
@@ -236,7 +252,7 @@ impl ReferenceRun<'_> {
         let scrambles_per_dispatch = (SCRAMBLE_SAMPLES_MAX / samples_per_scramble.max(1)).clamp(1, scramble_count);
         let samples_per_row = u64::from(width) * u64::from(samples_per_scramble) * u64::from(scrambles_per_dispatch);
         let [shader, _] = lobe.shaders();
-        let constants = [lobe.masking(), u32::from(gpu.info().has_exact_filter)];
+        let constants = lobe.constants(gpu);
         let rest = [
             Bind::Sample(&tables.environment, Sampler::TEXELS),
             Bind::Read(&self.distribution.words),
@@ -280,7 +296,7 @@ impl ReferenceRun<'_> {
         let (binds, push) = (with_gbuffer(gbuffer, &rest), settings.params(gbuffer.size, 0).to_bytes());
         let [_, shader] = lobe.shaders();
         gpu.submit_pass(lobe.pass_name(), |r| {
-            r.dispatch(&shader, &[lobe.masking()], &binds, &push, image_groups(width, height))
+            r.dispatch(&shader, &lobe.constants(gpu), &binds, &push, image_groups(width, height))
         })
     }
 }

@@ -124,7 +124,8 @@ fn the_reference_reads_nothing_it_has_not_written() {
             light_count: 0,
         };
         let mask = gbuffer.read(gpu).unwrap().mask();
-        let lobe = Lobe::Specular("specular", &Ggx, MaskingShadowing::Separable);
+        let levels = Levels { mapping: &LEVEL_MAPPINGS[0], weight: &WEIGHTS[0] };
+        let lobe = Lobe::Specular { lobe: "specular", brdf: &Ggx, masking: MaskingShadowing::Separable, levels };
         let results = [false, true].map(|is_poisoned| {
             if is_poisoned {
                 poison_free_memory(gpu, bytes);

@@ -20,7 +20,7 @@ struct Lobe {
     vec2 alpha;
     // Share of each; they sum to 1.
     vec2 share;
-    // What normalises the kernel D/4 n.l of each; the smoother level has none where it is the mirror.
+    // Share of each over what normalises its kernel D/4 w(l); the smoother level has none where it is the mirror.
     vec2 scale;
 };
 
@@ -32,7 +32,7 @@ Lobe lobe_at(Surface s, ShadeParams params) {
                       alpha_from_perceptual_roughness(perceptual_roughness_from_lod(low + 1.0, level_count)));
     vec2 share = vec2(1.0 - (lod - low), lod - low);
     bool is_mirror = alpha.x < ALPHA_MIN;
-    vec2 scale = vec2(is_mirror ? 0.0 : share.x / mirror_cosine(alpha.x), share.y / mirror_cosine(alpha.y));
+    vec2 scale = vec2(is_mirror ? 0.0 : share.x / mirror_weight(alpha.x), share.y / mirror_weight(alpha.y));
     return Lobe(frame_from_normal(normalize(reflect(-s.v, s.n))), alpha, share, scale);
 }
 
@@ -53,11 +53,11 @@ float lobe_density(Lobe lobe, vec3 h_local, float alpha_min) {
 
 LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
     vec3 h_local = normalize(l_local + vec3(0.0, 0.0, 1.0));
-    float d = lobe.scale.y * d_brdf(h_local, lobe.alpha.y);
+    float d = lobe.scale.y * d_brdf(h_local, lobe.alpha.y) * prefilter_weight(l_local.z, lobe.alpha.y);
     if (lobe.scale.x > 0.0) {
-        d += lobe.scale.x * d_brdf(h_local, lobe.alpha.x);
+        d += lobe.scale.x * d_brdf(h_local, lobe.alpha.x) * prefilter_weight(l_local.z, lobe.alpha.x);
     }
-    return LobeValue(vec3(0.25 * d * max(l_local.z, 0.0)), lobe_density(lobe, h_local, 0.0));
+    return LobeValue(vec3(0.25 * d), lobe_density(lobe, h_local, 0.0));
 }
 
 float lobe_guide(Lobe lobe, vec3 l_local) {

@@ -1,4 +1,5 @@
-// Rung `ladder-masking`: as `ladder-fresnel`, with n.l for the masking: (f0 A + B) <D (n.h) / (4 v.h) n.l, L> at the true v.
+// Rung `ladder-masking`: as `ladder-fresnel`, with the weight w(l) of prefiltered maps, by default n.l, for the masking:
+//     (f0 A + B) <D (n.h) / (4 v.h) w(l), L> at the true v.
 #ifndef LOBE_LADDER_MASKING_GLSL
 #define LOBE_LADDER_MASKING_GLSL
 
@@ -10,7 +11,7 @@ Lobe lobe_at(Surface s, ShadeParams params) {
 }
 
 LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
-    return cosine_kernel(lobe, l_local);
+    return weighted_kernel(lobe, l_local);
 }
 
 vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {

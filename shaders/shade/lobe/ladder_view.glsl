@@ -11,12 +11,12 @@ Lobe lobe_at(Surface s, ShadeParams params) {
 }
 
 LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
-    return cosine_kernel(lobe, l_local);
+    return weighted_kernel(lobe, l_local);
 }
 
 vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
     vec3 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
-    return (s.f0 * albedo.x + albedo.y) / mirror_cosine(s.alpha);
+    return (s.f0 * albedo.x + albedo.y) / mirror_weight(s.alpha);
 }
 
 #endif

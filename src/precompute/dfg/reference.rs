@@ -10,6 +10,7 @@
 
 use crate::brdf::{Brdf, MaskingShadowing, g2, schlick_weight};
 use crate::math::quadrature::{Rectangle, Tolerance, integrate_rectangle};
+use crate::precompute::prefilter::Kernel;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -18,8 +19,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub struct Dfg {
     pub f0_scale: f64,
     pub f90_scale: f64,
-    /// Mean of n·l over half vectors of density `D n_dot_h`: what normalises the kernel `D n_dot_h / (4 v·h) n_dot_l`.
-    pub mean_n_dot_l: f64,
+    /// Mean of the weight w(l) over half vectors of density `D n_dot_h`: what normalises the kernel `D n_dot_h / (4 v·h) w(l)`.
+    pub mean_weight: f64,
     /// Upper estimate of the absolute error of each.
     pub error: f64,
 }
@@ -34,8 +35,14 @@ impl Dfg {
 /// Facets nearer to the normal than `alpha exp(-12)` are 4e-11 of a lobe.
 const LOG_WIDTH_BELOW: f64 = 12.0;
 
-/// The pair for `n_dot_v` in (0, 1] and `alpha` in (0, 1].
-pub fn dfg(model: &dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64) -> Dfg {
+/// The pair for `n_dot_v` in (0, 1] and `alpha` in (0, 1], with the default weight.
+pub fn dfg(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64) -> Dfg {
+    weighted_dfg(Kernel::cosine(model), masking, n_dot_v, alpha)
+}
+
+/// The same with the weight of a prefiltered map's kernel.
+pub fn weighted_dfg(kernel: Kernel, masking: MaskingShadowing, n_dot_v: f64, alpha: f64) -> Dfg {
+    let model = kernel.brdf;
     const TOLERANCE: Tolerance = Tolerance { relative: 5e-7, max_part_count: 100_000 };
     let v = DVec3::new(((1.0 - n_dot_v) * (1.0 + n_dot_v)).sqrt(), 0.0, n_dot_v);
     let theta_v = v.x.atan2(v.z);
@@ -44,7 +51,7 @@ pub fn dfg(model: &dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64
     // A grazing view may end the first range within the lobe's core.
     let t_low = t_full.min(alpha.ln()) - LOG_WIDTH_BELOW;
 
-    // Integrand per dt and per fraction of the azimuth's limit: (A + B, B, the mean of n·l).
+    // Integrand per dt and per fraction of the azimuth's limit: (A + B, B, the mean weight).
     let integrand = |t: f64, fraction: f64, phi_limit: f64| {
         let (sin_theta, cos_theta) = t.exp().atan().sin_cos();
         let (sin_phi, cos_phi) = (phi_limit * fraction).sin_cos();
@@ -55,7 +62,7 @@ pub fn dfg(model: &dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64
         // dω = sin θ dθ dφ = sin² θ cos θ dt dφ, both signs of φ.
         let measure = 2.0 * phi_limit * sin_theta * sin_theta * cos_theta;
         let density = model.d(h, alpha) * h.z * measure;
-        density * DVec3::new(weight, weight * schlick_weight(v_dot_h), n_dot_l)
+        density * DVec3::new(weight, weight * schlick_weight(v_dot_h), kernel.weight(alpha, n_dot_l))
     };
     let unit = Rectangle { low: DVec2::ZERO, high: DVec2::ONE };
     let integral = integrate_rectangle(unit, TOLERANCE, |p| {
@@ -72,6 +79,6 @@ pub fn dfg(model: &dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64
         };
         full + cut
     });
-    let [albedo, f90_scale, mean_n_dot_l] = integral.value.to_array();
-    Dfg { f0_scale: albedo - f90_scale, f90_scale, mean_n_dot_l, error: integral.error.x.max(integral.error.z) }
+    let [albedo, f90_scale, mean_weight] = integral.value.to_array();
+    Dfg { f0_scale: albedo - f90_scale, f90_scale, mean_weight, error: integral.error.x.max(integral.error.z) }
 }

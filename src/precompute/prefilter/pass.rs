@@ -64,7 +64,7 @@ pub fn run(
     let [source_width, source_height] = environment.mip_size(0);
     let Recipe { kernel, mapping, lod_bias } = recipe;
     let (shader, sample_count) = (shader(kernel.brdf, layout), points.count());
-    let constants = [kernel.masking as u32, kernel.weight.code];
+    let constants = [kernel.masking as u32, 0, 0, kernel.weight.code];
     let mut total = Report::default();
     for level in 0..map.mip_count() {
         let [width, height] = map.mip_size(level);

@@ -1,4 +1,4 @@
-//! What a direction counts in the mean radiance of a lobe. The twin of `lobe_weight` in `shaders/lib/prefilter.glsl`.
+//! What a direction counts in the mean radiance of a lobe. The twin of `shaders/lib/prefilter_weight.glsl`.
 
 use crate::brdf::{Brdf, MaskingShadowing, g1};
 use crate::glsl::constants::{PREFILTER_WEIGHT_COSINE, PREFILTER_WEIGHT_MASKING, PREFILTER_WEIGHT_NONE};
@@ -10,7 +10,7 @@ pub struct Weight {
     /// One sentence for `splitsum list prefilter-weights`.
     pub about: &'static str,
     /// What shaders call it.
-    pub(super) code: u32,
+    pub code: u32,
     /// Whether it hangs on the masking-shadowing.
     pub uses_masking: bool,
     /// The weight of a direction above the horizon, of kernel, alpha and n·l.

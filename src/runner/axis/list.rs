@@ -368,7 +368,7 @@ const LIST: &[Axis] = &[
         plural: "level mappings",
         symbol: Symbol::After("mapping", "mapping"),
         feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered,
+        used: |u| u.method.uses_prefiltered || u.method.uses_levels,
         kind: Kind::Name { what: "level mapping", names: || LEVEL_MAPPINGS.iter().map(|m| m.name).collect() },
         default: || Value::Text(LEVEL_MAPPINGS[0].name.to_owned()),
         apply: |s, v| {
@@ -378,11 +378,12 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "prefilter_weight",
+        part: Part::Parameter,
         about: "what a direction counts in the mean that a prefiltered texel is; `splitsum list prefilter-weights`",
         plural: "prefilter weights",
         symbol: Symbol::Before("weight"),
         feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered,
+        used: |u| u.method.uses_prefiltered || u.method.uses_weight,
         kind: Kind::Name { what: "prefilter weight", names: || WEIGHTS.iter().map(|w| w.name).collect() },
         default: || Value::Text(WEIGHTS[0].name.to_owned()),
         apply: |s, v| {

@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | `reference` | `∫ D G2 F / (4 n·v) L dl` | nothing |
 //! | `ladder-fresnel` | `(f0 A + B) <D G2 / (4 n·v), L>` | Fresnel inside the integral |
-//! | `ladder-masking` | `(f0 A + B) <D n·h / (4 v·h) n·l, L>` | masking by n·l |
+//! | `ladder-masking` | `(f0 A + B) <D n·h / (4 v·h) w(l), L>` | masking by the weight of prefiltered maps, n·l by default |
 //! | `ladder-view` | `(f0 A + B) P(r, alpha)`: the same for n = v = r | the view |
 //! | `ladder-levels` | the linear blend of `P(r, alpha_k)` and `P(r, alpha_k+1)`; level 0 is L(r) | alpha by levels |
 //!
@@ -19,9 +19,9 @@ use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
 use crate::math::frame::Frame;
 use crate::math::quadrature::{Bounded, Tolerance};
 use crate::precompute::PrecomputeSettings;
-use crate::precompute::dfg::reference::{Dfg, dfg};
+use crate::precompute::dfg::reference::{Dfg, dfg, weighted_dfg};
+use crate::precompute::prefilter::Kernel;
 use crate::precompute::prefilter::reference::prefilter;
-use crate::precompute::prefilter::{alpha_from_mip, mip_from_alpha};
 use crate::shade::EXACT_SPLIT;
 use crate::shade::reference::Surface;
 use crate::shade::twin::{SpecularTwin, Twin};
@@ -30,6 +30,10 @@ use glam::DVec3;
 /// A rung that the passes of the reference estimate.
 const fn rung(name: &'static str, lobe: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
     Method { uses_samples: true, lobe: Some(lobe), ..Method::plain(name, about, twin) }
+}
+
+const fn weighted(rung: Method) -> Method {
+    Method { uses_weight: true, ..rung }
 }
 
 pub const FRESNEL: Method = rung(
@@ -51,39 +55,42 @@ pub const FRESNEL: Method = rung(
     }),
 );
 
-pub const MASKING: Method = rung(
+pub const MASKING: Method = weighted(rung(
     "ladder-masking",
     "ladder-masking",
-    "as ladder-fresnel, with the weight n.l for the masking",
-    Twin::Mean(|environment, surface, _, tolerance| {
-        let Surface { model, alpha, n, v, .. } = *surface;
-        let (frame, exact) = (Frame::from_normal(n), exact_albedo(surface));
+    "as ladder-fresnel, with the weight of prefiltered maps (n.l) for the masking",
+    Twin::Mean(|environment, surface, settings, tolerance| {
+        let Surface { alpha, n, v, .. } = *surface;
+        let (frame, kernel) = (Frame::from_normal(n), kernel(surface, settings));
         let v_local = frame.to_local(v);
-        let kernel = |l: DVec3| {
+        let value = |l: DVec3| {
             let l_local = frame.to_local(l);
             let h = (v_local + l_local).normalize();
-            let lobe = || model.d(h, alpha) * h.z / (4.0 * v_local.dot(h)) * l_local.z;
-            [if l_local.z > 0.0 { lobe() } else { 0.0 }]
+            [match kernel.weight(alpha, l_local.z) {
+                0.0 => 0.0,
+                weight => kernel.brdf.d(h, alpha) * h.z / (4.0 * v_local.dot(h)) * weight,
+            }]
         };
-        let factor = reflectance(surface, &exact) / exact.mean_n_dot_l;
-        environment.integrate(kernel, &[mirror_focus(surface)], tolerance).combine([factor])
+        let exact = weighted_dfg(kernel, surface.masking, v_local.z, alpha);
+        let factor = reflectance(surface, &exact) / exact.mean_weight;
+        environment.integrate(value, &[mirror_focus(surface)], tolerance).combine([factor])
     }),
-);
+));
 
-pub const VIEW: Method = rung(
+pub const VIEW: Method = weighted(rung(
     EXACT_SPLIT,
     "ladder-view",
     "as ladder-masking for n = v = r: the split sum with exact factors",
-    Twin::Mean(|environment, surface, _, tolerance| {
+    Twin::Mean(|environment, surface, settings, tolerance| {
         let r = reflect(surface.v, surface.n);
-        let mean = prefilter(environment, surface.model, surface.alpha, r, tolerance);
+        let mean = prefilter(environment, kernel(surface, settings), surface.alpha, r, tolerance);
         scaled(mean, reflectance(surface, &exact_albedo(surface)))
     }),
-);
+));
 
 pub const LEVELS: Method = Method {
     uses_levels: true,
-    ..rung(
+    ..weighted(rung(
         "ladder-levels",
         "ladder-levels",
         "as ladder-view, blended from the widths of the prefiltered map's levels",
@@ -91,7 +98,7 @@ pub const LEVELS: Method = Method {
             let scale = reflectance(surface, &exact_albedo(surface));
             scaled(blended(environment, surface, settings, tolerance), scale)
         }),
-    )
+    ))
 };
 
 /// The mean radiance about r, blended from two levels.
@@ -102,14 +109,20 @@ fn blended(
     tolerance: Tolerance,
 ) -> Bounded {
     let (count, r) = (settings.prefilter_level_count, reflect(surface.v, surface.n));
-    let mip = mip_from_alpha(surface.alpha, count);
+    let mapping = settings.level_mapping;
+    let mip = mapping.mip_from_alpha(surface.alpha, count);
     let low = mip.floor().min(f64::from(count) - 2.0);
-    let level = |mip: f64, share: f64| match alpha_from_mip(mip, count) {
+    let level = |mip: f64, share: f64| match mapping.alpha_from_mip(mip, count) {
         0.0 => Bounded { value: share * environment.radiance(r), error: DVec3::ZERO },
-        alpha => scaled(prefilter(environment, surface.model, alpha, r, tolerance), DVec3::splat(share)),
+        alpha => scaled(prefilter(environment, kernel(surface, settings), alpha, r, tolerance), DVec3::splat(share)),
     };
     let [smooth, rough] = [level(low, low + 1.0 - mip), level(low + 1.0, mip - low)];
     Bounded { value: smooth.value + rough.value, error: smooth.error + rough.error }
+}
+
+/// By what the prefiltered map of these settings averages.
+fn kernel(surface: &Surface, settings: &PrecomputeSettings) -> Kernel {
+    Kernel::new(surface.model, settings.prefilter_weight, surface.masking)
 }
 
 fn exact_albedo(surface: &Surface) -> Dfg {

@@ -34,6 +34,8 @@ pub struct Method {
     pub uses_dfg: bool,
     /// The widths of the prefiltered map's levels, if not the map.
     pub uses_levels: bool,
+    /// The weight of a prefiltered map, if not the map.
+    pub uses_weight: bool,
     /// The integrand, where the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,
 }
@@ -65,6 +67,7 @@ impl Method {
             uses_prefiltered: false,
             uses_dfg: false,
             uses_levels: false,
+            uses_weight: false,
             lobe: None,
         }
     }
