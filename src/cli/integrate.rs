@@ -30,7 +30,8 @@ Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _
 
 Cells: environment is builtin:NAME or an .hdr or .exr file (relative to QUERIES.csv; FILE.exr#NAME for a layer); brdf ggx, beckmann or phong; alpha in [0.0001, 1];
 f0 one number or R:G:B in [0, 1]; n, v and r unit vectors within 1e-5, y up, v above the horizon of n; masking separable (default),
-correlated, schlick or smith-exact; weight cosine (default), masking (G1 of l) or none; id anything, passed on. Radiance is in the units of the map, looked up bilinearly.
+correlated, schlick or smith-exact; weight cosine (default), masking (G1 of l)
+or none; id anything, passed on. Radiance is in the units of the map, looked up bilinearly.
 
 Examples:
   printf 'environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz\\nbuiltin:sky,ggx,0.25,0.04,0,0.6,0.8,0,0,1\\n' > queries.csv

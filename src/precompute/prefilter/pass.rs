@@ -51,8 +51,8 @@ impl Recipe {
     }
 }
 
-/// Fills every level of `map` from `points` and the environment's filtered levels of the same layout. A level is made by one dispatch a range
-/// of points, each of which adds to the sums in its texels.
+/// Fills every level of `map` from `points` and the environment's filtered levels of the same layout. A level is made by one dispatch a
+/// range of points, each of which adds to the sums in its texels.
 pub fn run(
     gpu: &Gpu,
     recipe: Recipe,
