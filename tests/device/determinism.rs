@@ -10,10 +10,10 @@ use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::gpu::{Format, Gpu};
 use splitsum::pipeline::{Pipeline, RenderRequest};
 use splitsum::precompute::points::Points;
-use splitsum::precompute::prefilter::LEVEL_MAPPINGS;
+use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::pass::{ShadeSettings, Shading, Tables};
-use splitsum::shade::reference_pass::{DistributionBuffers, Lobe, ReferenceRun, Stop, Sums};
+use splitsum::shade::reference_pass::{DistributionBuffers, Levels, Lobe, ReferenceRun, Stop, Sums};
 use splitsum::shade::{DIFFUSE, METHODS};
 
 /// Every method and diffuse method on the grid of spheres.
