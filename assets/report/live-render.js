@@ -111,12 +111,14 @@ export class LiveRender {
     return cameraOf(this.view.shape, this.view, this.canvas.width, this.canvas.height);
   }
 
-  /** A direction in the frame of the environment, which is turned about +y (shade::pass::environment_from_world). */
+  /** A direction in the frame of the environment (Placement::environment_from_world). */
   turned(direction) {
     const angle = (this.view.turn * Math.PI) / 180;
     const [sin, cos] = [Math.sin(angle), Math.cos(angle)];
     const [x, y, z] = direction;
-    return [cos * x - sin * z, y, sin * x + cos * z];
+    const before = [cos * x - sin * z, y, sin * x + cos * z];
+    const { columns } = lightTables().orientations[this.view.orientation];
+    return columns.map((column) => column.reduce((sum, side, i) => sum + side * before[i], 0));
   }
 
   /** ShadeParams (src/glsl/layout.rs). */

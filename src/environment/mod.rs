@@ -3,10 +3,12 @@
 mod builtin;
 mod error;
 mod load;
+mod placement;
 
 pub use builtin::{BUILTIN_PREFIX, BUILTINS, Builtin, Parameter};
 pub use error::EnvironmentError;
 pub use load::{FORMATS, Format, LoadOptions};
+pub use placement::{Placement, orientation};
 
 use crate::math::equirect;
 use crate::pixels::RgbImage;

@@ -326,7 +326,7 @@ impl Pipeline {
 fn settings(request: &RenderRequest, prepared: &Prepared) -> ShadeSettings {
     ShadeSettings {
         camera: request.camera,
-        environment_rotation_deg: request.environment_rotation_deg,
+        placement: request.placement,
         environment_scale: request.environment_scale,
         environment_size: prepared.tables.environment.mip_size(0),
         sample_count: request.samples,

@@ -1,7 +1,7 @@
 //! What is asked of the pipeline and what it answers.
 
 use crate::brdf::{Brdf, Ggx, MaskingShadowing};
-use crate::environment::Environment;
+use crate::environment::{Environment, Placement};
 use crate::gpu::PassTime;
 use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pixels::{GrayImage, RgbImage};
@@ -15,8 +15,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct RenderRequest {
     pub environment: Arc<Environment>,
-    /// Turns the environment about +y.
-    pub environment_rotation_deg: f64,
+    pub placement: Placement,
     /// Multiplies the environment's radiance.
     pub environment_scale: f32,
     pub scene: Arc<Scene>,
@@ -51,7 +50,7 @@ impl RenderRequest {
     pub fn plain(environment: Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> Self {
         Self {
             environment,
-            environment_rotation_deg: 0.0,
+            placement: Placement::default(),
             environment_scale: 1.0,
             camera: Camera::for_scene(kind, &scene, size),
             scene: Arc::new(scene),

@@ -14,6 +14,7 @@ mod layer;
 mod layouts;
 mod lights;
 mod methods;
+mod placement;
 mod probe;
 mod reference;
 mod symmetry;
