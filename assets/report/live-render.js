@@ -193,6 +193,11 @@ export class LiveRender {
     return { ...this.targets.gbuffer.named, filtered_environment: environment, prefiltered, dfg };
   }
 
+  /** Mean luminance of the light, of which epsilon is a share (metrics::Epsilon). */
+  get lightMean() {
+    return this.view.light.mean_luminance * this.view.brightness || 1;
+  }
+
   /** Everything but the samples. */
   drawBase() {
     const { view, targets, camera } = this;
@@ -250,7 +255,7 @@ export class LiveRender {
   /** Compares all with the reference, and half of its samples with all: of independent samples that is its error. */
   judge() {
     const truth = this.linear("reference");
-    const errorOf = (way) => relativeError(this.linear(way), truth);
+    const errorOf = (way) => relativeError(this.linear(way), truth, this.lightMean);
     const [split, reference] = [errorOf("split"), errorOf("half")];
     this.errors = { split, reference, sampled: this.done.sampled ? errorOf("sampled") : null };
     this.isJudged = reference <= NOISE_SHARE * split || this.done.reference === REFERENCE_SAMPLES;
@@ -275,7 +280,7 @@ export class LiveRender {
       canvas_height: this.canvas.height,
       exposure: 2 ** this.view.ev,
       contrast: 1,
-      ...errorColors(),
+      ...errorColors(this.lightMean),
     });
   }
 

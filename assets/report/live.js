@@ -208,7 +208,7 @@ class Live {
     const truth = at("reference");
     const line = (key) => {
       const value = key === "reference" ? truth : at(key);
-      const error = key === "reference" || !value || !truth ? null : texelError(value, truth);
+      const error = key === "reference" || !value || !truth ? null : texelError(value, truth, render.lightMean);
       const count = key === "split" ? "" : ` ${render.done[key]}`;
       return { key, name: NAMES[key] + count, value, error, isCurrent: key === this.shown.method };
     };

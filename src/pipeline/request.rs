@@ -4,6 +4,7 @@ use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::environment::{Environment, Placement};
 use crate::gpu::PassTime;
 use crate::math::sequence::{SEQUENCES, Sequence};
+use crate::metrics::Epsilon;
 use crate::pixels::{GrayImage, RgbImage};
 use crate::precompute::PrecomputeSettings;
 use crate::scene::{Camera, CameraKind, Light, Scene};
@@ -77,6 +78,11 @@ impl RenderRequest {
         let specular = Lobe::Specular(self.brdf, self.masking_shadowing);
         let terms = [(self.method.is_reference(), specular), (self.diffuse.is_reference(), Lobe::Diffuse)];
         terms.into_iter().filter_map(|(wanted, lobe)| wanted.then_some(lobe)).collect()
+    }
+
+    /// That of relative errors under this light.
+    pub fn epsilon(&self) -> Epsilon {
+        Epsilon::of_light(self.environment.luminance.mean * f64::from(self.environment_scale))
     }
 
     /// When the reference stops.

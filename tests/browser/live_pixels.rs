@@ -266,8 +266,14 @@ fn pixels_and_errors_are_those_of_the_renderer() {
         }
         // The page's number is the metric of the renderer's split sum against the renderer's own reference.
         let (split, reference) = (split.unwrap(), render("reference", REFERENCE_SAMPLES));
-        let comparison =
-            Comparison::new(&split.radiance, &reference.radiance, &reference.mask, ToneCurve::default()).unwrap();
+        let comparison = Comparison::new(
+            &split.radiance,
+            &reference.radiance,
+            &reference.mask,
+            ToneCurve::default(),
+            setting.request(&plan, "split-sum", 1, size).epsilon(),
+        )
+        .unwrap();
         let wanted = comparison.evaluate(&[metric(METRIC).unwrap()])[0].1;
         let [shown, noise] = ["relmse", "noise"].map(|name| page.eval(&format!("Number(live.canvas.dataset.{name})")));
         let [shown, noise] = [shown, noise].map(|number| number.as_f64().unwrap());

@@ -146,6 +146,7 @@ fn the_reference_reads_nothing_it_has_not_written() {
                     radiance: &radiance,
                 },
                 stop: Stop { sample_count: 64, relative_error: None },
+                epsilon: 0.01,
                 seed: 1,
                 mask: &mask,
                 distribution: &distribution,

@@ -17,6 +17,7 @@ mod methods;
 mod placement;
 mod probe;
 mod reference;
+mod scale;
 mod symmetry;
 mod tables;
 mod tonemap;
