@@ -23,8 +23,8 @@ impl Placement {
     }
 }
 
-/// Rotation k of a fixed set that fills SO(3) evenly from any k on: point k of R3 [Roberts18] as a uniform quaternion [Shoemake92]. 0 is the
-/// identity.
+/// Rotation k of a fixed set that fills SO(3) evenly, whole or in part: point k of R3 [Roberts18] as a uniform quaternion [Shoemake92]. 0 is
+/// the identity.
 pub fn orientation(k: u32) -> DMat3 {
     if k == 0 {
         return DMat3::IDENTITY;

@@ -12,8 +12,8 @@ impl Epsilon {
     /// That of light of mean luminance 1, whatever the light.
     pub const ABSOLUTE: Self = Self { mean: 1.0 };
 
-    /// That of the environment as it lights the scene: `mean` is its luminance over the sphere, clip and scale included. A black environment
-    /// has the absolute one, so that nothing divides by 0: what is seen is then lit by analytic lights, or black.
+    /// That of the environment as it lights the scene: `mean` is its luminance over the sphere, clip and scale included. A black one
+    /// has the absolute ε, so that nothing divides by 0: what is seen is then lit by analytic lights, or black.
     pub fn of_light(mean: f64) -> Self {
         if mean > 0.0 { Self { mean } } else { Self::ABSOLUTE }
     }
