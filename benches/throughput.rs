@@ -5,10 +5,11 @@
 
 use splitsum::brdf::{Brdf, MODELS};
 use splitsum::environment::{Environment, LoadOptions};
+use splitsum::metrics::{Comparison, HEADLINE, metric};
 use splitsum::pipeline::{Frame, Options, Pipeline, RenderRequest};
-use splitsum::pixels::RgbImage;
 use splitsum::scene::{CameraKind, MaterialOverride, Scene};
 use splitsum::shade::method_by_name;
+use splitsum::tonemap::ToneCurve;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -72,13 +73,11 @@ fn shading_seconds(pipeline: &mut Pipeline, request: &RenderRequest) -> f64 {
     seconds(request) - seconds(&nothing)
 }
 
-/// Mean square error relative to the squared reference plus 1e-2, over the mask and the channels.
-fn relmse(test: &RgbImage, reference: &RgbImage, mask: &[f32]) -> f64 {
-    let hit = test.data.iter().zip(&reference.data).zip(mask).filter(|(_, hit)| **hit > 0.0);
-    let squares = hit
-        .flat_map(|((t, r), _)| (0..3).map(move |c| f64::from(t[c] - r[c]).powi(2) / (f64::from(r[c]).powi(2) + 1e-2)));
-    let (count, sum) = squares.fold((0u32, 0.0), |(count, sum), x| (count + 1, sum + x));
-    sum / f64::from(count)
+/// The metric `relmse` under the light of a request.
+fn relmse(test: &Frame, truth: &Frame, request: &RenderRequest) -> f64 {
+    let curve = ToneCurve::default();
+    let comparison = Comparison::new(&test.radiance, &truth.radiance, &truth.mask, curve, request.epsilon());
+    comparison.expect("images of one size").evaluate(&[metric(HEADLINE).expect("a listed metric")])[0].1
 }
 
 fn sampled(pipeline: &mut Pipeline) {
@@ -129,7 +128,7 @@ fn convergence(pipeline: &mut Pipeline) {
             let at = |samples, seed| RenderRequest { reference_samples: samples, seed, ..base.clone() };
             let mut render = |request: &RenderRequest| -> Frame { pipeline.render(request).expect("a frame") };
             let truth = render(&at(4 * COUNT_MAX, 2));
-            let error = |frame: &Frame| relmse(&frame.radiance, &truth.radiance, &truth.mask.data);
+            let error = |frame: &Frame| relmse(frame, &truth, &base);
             let counts: Vec<u32> = (5..).map(|k| 1 << k).take_while(|count| *count <= COUNT_MAX).collect();
             let errors: Vec<f64> = counts.iter().map(|&count| error(&render(&at(count, 1)))).collect();
             let mut cells = Vec::new();
@@ -150,7 +149,7 @@ fn convergence(pipeline: &mut Pipeline) {
             }
             let stopping = RenderRequest { reference_error: Some(TARGETS[1].sqrt()), ..at(1 << 16, 1) };
             let frame = pipeline.render(&stopping).expect("a frame");
-            let found = relmse(&frame.radiance, &truth.radiance, &truth.mask.data);
+            let found = relmse(&frame, &truth, &base);
             let seconds = shading_seconds(pipeline, &stopping);
             println!("{environment:16} alpha {alpha:<5} {:45} {seconds:.3} at {found:.1e}", cells.join("  "));
         }

@@ -57,6 +57,7 @@
 //! - Schlick94: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics Forum 13(3), 1994.
 //! - Sen68: P. K. Sen, "Estimates of the Regression Coefficient Based on Kendall's Tau", Journal of the American Statistical Association
 //!   63(324), 1968.
+//! - Shoemake92: K. Shoemake, "Uniform Random Rotations", Graphics Gems III, 1992.
 //! - Sidi93: A. Sidi, "A New Variable Transformation for Numerical Integration", Numerical Integration IV, 1993.
 //! - Sobol67: I. M. Sobol', "On the Distribution of Points in a Cube and the Approximate Evaluation of Integrals", USSR Computational
 //!   Mathematics and Mathematical Physics 7(4), 1967.

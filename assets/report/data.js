@@ -9,7 +9,8 @@ import { byId } from "report/dom";
  *   sheets: [string, string][] }} Run
  * @typedef {{ x: number, y: number, width: number, height: number }} Window
  * @typedef {{ run: number, file: string, reference: number, size: [number, number], window: Window | null,
- *   payload: number | null, mask: number | null, clamped_count: number }} Image
+ *   payload: number | null, mask: number | null, clamped_count: number,
+ *   light_mean: number }} Image
  * @typedef {{ run: number, name: string, columns: string[], rows: (string | number | null)[][], vega?: object }} Answer
  * @typedef {{ run: number, cell: string, image: number | null, reference: number | null, verdict: string,
  *   floor: number | null, axes: Record<string, string>, scores: Record<string, number | null>, scene?: Scene,
@@ -215,13 +216,13 @@ export const exrLink = (index) => {
   return `${model.runs[image.run].link}/images/${encodeURIComponent(image.file)}`;
 };
 
-const EPSILON = 1e-2;
-/** Relative and signed error of one texel, by the formulas of the metrics. */
-export function texelError(t, r) {
+const EPSILON_SHARE = 1e-2;
+/** Relative and signed error of one texel under light of a mean luminance, by the formulas of the metrics. */
+export function texelError(t, r, mean) {
   let [squares, sum] = [0, 0];
   for (let c = 0; c < 3; c++) {
     const d = t[c] - r[c];
-    const scale = r[c] * r[c] + EPSILON;
+    const scale = r[c] * r[c] + EPSILON_SHARE * mean * mean;
     squares += (d * d) / scale;
     sum += d / Math.sqrt(scale);
   }

@@ -22,10 +22,11 @@ async function paint(canvas, row, mode, settings, isReference) {
     for (let i = 0; i < rgba.length; i++) out[i] = i % 4 < 3 ? codes[rgba[i]] : 255;
   } else {
     const [truth, counts] = await Promise.all([pixels(row.reference), mask(row.reference)]);
+    const mean = model.images[row.reference].light_mean;
     const rgb = (texels, i) => [0, 1, 2].map((c) => HALF[texels[4 * i + c]]);
     for (let i = 0; i < width * height; i++) {
       const isCounted = !counts || counts[i];
-      const error = isCounted && texelError(rgb(rgba, i), rgb(truth.rgba, i));
+      const error = isCounted && texelError(rgb(rgba, i), rgb(truth.rgba, i), mean);
       out.set([...(error ? errorColor(mode === "signed", error) : model.colors.off_mask), 255], 4 * i);
     }
   }

@@ -3,8 +3,8 @@
 import { errorMap } from "report/data";
 import { h, number } from "report/dom";
 
-const RELATIVE = "√ of the RGB mean of d² / (r² + 0.01), as in errors.csv; the same range for every image. ";
-const SIGNED = "mean of d / √(r² + 0.01); blue too dark, red too bright. ";
+const RELATIVE = "√ of the RGB mean of d² / (r² + 0.01 m²), m the light's mean luminance; one range for all images. ";
+const SIGNED = "mean of d / √(r² + 0.01 m²), m the light's mean luminance; blue too dark, red too bright. ";
 
 /**
  * Fills `element` with the ramp, ticks and formula of the relative or the signed error; `marks` says that what lies

@@ -111,12 +111,14 @@ export class LiveRender {
     return cameraOf(this.view.shape, this.view, this.canvas.width, this.canvas.height);
   }
 
-  /** A direction in the frame of the environment, which is turned about +y (shade::pass::environment_from_world). */
+  /** A direction in the frame of the environment (Placement::environment_from_world). */
   turned(direction) {
     const angle = (this.view.turn * Math.PI) / 180;
     const [sin, cos] = [Math.sin(angle), Math.cos(angle)];
     const [x, y, z] = direction;
-    return [cos * x - sin * z, y, sin * x + cos * z];
+    const before = [cos * x - sin * z, y, sin * x + cos * z];
+    const { columns } = lightTables().orientations[this.view.orientation];
+    return columns.map((column) => column.reduce((sum, side, i) => sum + side * before[i], 0));
   }
 
   /** ShadeParams (src/glsl/layout.rs). */
@@ -192,6 +194,11 @@ export class LiveRender {
     return { ...this.targets.gbuffer.named, filtered_environment: environment, prefiltered, dfg };
   }
 
+  /** Mean luminance of the light, of which epsilon is a share (metrics::Epsilon). */
+  get lightMean() {
+    return this.view.light.mean_luminance * this.view.brightness || 1;
+  }
+
   /** Everything but the samples. */
   drawBase() {
     const { view, targets, camera } = this;
@@ -249,7 +256,7 @@ export class LiveRender {
   /** Compares all with the reference, and half of its samples with all: of independent samples that is its error. */
   judge() {
     const truth = this.linear("reference");
-    const errorOf = (way) => relativeError(this.linear(way), truth);
+    const errorOf = (way) => relativeError(this.linear(way), truth, this.lightMean);
     const [split, reference] = [errorOf("split"), errorOf("half")];
     this.errors = { split, reference, sampled: this.done.sampled ? errorOf("sampled") : null };
     this.isJudged = reference <= NOISE_SHARE * split || this.done.reference === REFERENCE_SAMPLES;
@@ -274,7 +281,7 @@ export class LiveRender {
       canvas_height: this.canvas.height,
       exposure: 2 ** this.view.ev,
       contrast: 1,
-      ...errorColors(),
+      ...errorColors(this.lightMean),
     });
   }
 

@@ -86,13 +86,13 @@ export function makePoints(gl, count) {
   return makeTexture(gl, 0, gl.RGBA32F, count, 1, gl.RGBA, gl.FLOAT, table);
 }
 
-/** Mean squared relative error over the surface, as the metric relMSE has it. Texels are RGB and 1 on the surface. */
-export function relativeError(test, truth) {
+/** Mean squared relative error over the surface under light of a mean luminance: relMSE. Texels are RGB and 1 on the surface. */
+export function relativeError(test, truth, mean) {
   let sum = 0;
   let count = 0;
   for (let i = 0; i < test.length; i += 4) {
     if (!test[i + 3]) continue;
-    sum += texelError(test.subarray(i, i + 3), truth.subarray(i, i + 3)).relative ** 2;
+    sum += texelError(test.subarray(i, i + 3), truth.subarray(i, i + 3), mean).relative ** 2;
     count++;
   }
   return count ? sum / count : 0;

@@ -36,7 +36,7 @@ class Live {
     this.render = new LiveRender(this.canvas);
     this.isHeld = false;
     this.changed = -Infinity;
-    const { environments, notes, models, lobes } = this.tables;
+    const { environments, notes, models, lobes, orientations } = this.tables;
     this.isEmpty = Boolean(this.render.missing || !environments.length);
     if (this.isEmpty) {
       const why = [this.render.missing, ...(environments.length ? [] : notes)].filter(Boolean).join(" ");
@@ -50,6 +50,7 @@ class Live {
     this.controls = new Controls(view, (name, value) => this.set({ [name]: this.written(name, value) }));
     this.controls.named.n.max = this.counts.length - 1;
     this.controls.fill("model", models.map(({ label }) => label)); // prettier-ignore
+    this.controls.fill("orientation", orientations.map(({ k }) => String(k))); // prettier-ignore
     this.controls.fill("env", environments.map(({ label }) => label)); // prettier-ignore
     this.controls.fill("lobe", lobes.map(({ brdf, masking }) => `${brdf}, ${masking} masking`)); // prettier-ignore
     this.parts.notes.append(...notes.map((note) => h("p", { class: "note" }, note)));
@@ -65,7 +66,15 @@ class Live {
     const albedo = middle("albedo");
     const alpha = middle("alpha")?.[0];
     return {
-      ...{ model: 0, env: 0, lobe: 0, method: "split", mode: "image", n: this.counts[this.counts.length >> 1] },
+      ...{
+        model: 0,
+        env: 0,
+        lobe: 0,
+        orientation: 0,
+        method: "split",
+        mode: "image",
+        n: this.counts[this.counts.length >> 1],
+      },
       roughness: middle("perceptual_roughness")?.[0] ?? (alpha ? Math.sqrt(alpha) : null),
       albedo: albedo && [0, 1, 2].map((c) => albedo[c] ?? albedo[0]),
       metallic: middle("metallic")?.[0] ?? null,
@@ -85,6 +94,7 @@ class Live {
     const color = (text) => (text.split(",").length === 3 ? text.split(",").map((x) => share(x) ?? 0) : null);
     const parsers = {
       ...{ model: index(tables.models), env: index(tables.environments), lobe: index(tables.lobes) },
+      orientation: index(tables.orientations),
       ...{ method: one(METHODS), mode: one(MODES) },
       n: (text) => this.counts.find((count) => count >= Number(text)) ?? null,
       ...{ roughness: share, albedo: color, metallic: share, f0: share, diffuse: (text) => text === "true" },
@@ -98,7 +108,7 @@ class Live {
   written(name, value) {
     if (name === "n") return this.counts[value];
     if (name === "albedo") return value.match(/[0-9a-f]{2}/g).map((code) => fromCode(parseInt(code, 16)));
-    return ["model", "env", "lobe"].includes(name) ? Number(value) : value;
+    return ["model", "env", "lobe", "orientation"].includes(name) ? Number(value) : value;
   }
 
   keepState() {
@@ -198,7 +208,7 @@ class Live {
     const truth = at("reference");
     const line = (key) => {
       const value = key === "reference" ? truth : at(key);
-      const error = key === "reference" || !value || !truth ? null : texelError(value, truth);
+      const error = key === "reference" || !value || !truth ? null : texelError(value, truth, render.lightMean);
       const count = key === "split" ? "" : ` ${render.done[key]}`;
       return { key, name: NAMES[key] + count, value, error, isCurrent: key === this.shown.method };
     };
@@ -212,8 +222,8 @@ class Live {
     nearer.addEventListener("click", () => this.approach(1.15));
     front.addEventListener("click", () => this.set(FRONT));
     own.addEventListener("click", () => {
-      const { albedo, metallic, f0, roughness, diffuse, turn } = this.start;
-      this.set({ albedo, metallic, f0, roughness, diffuse, turn });
+      const { albedo, metallic, f0, roughness, diffuse, orientation, turn } = this.start;
+      this.set({ albedo, metallic, f0, roughness, diffuse, orientation, turn });
     });
     followPointers(this.canvas, {
       // Half a turn over the width of the stage.

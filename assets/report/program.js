@@ -53,11 +53,11 @@ export function makePalette(gl, unit) {
   return makeTexture(gl, unit, gl.RGBA8, 256, 2, gl.RGBA, gl.UNSIGNED_BYTE, Uint8Array.from(texels));
 }
 
-/** The ranges of the project's error maps, and the colours of texels outside them. */
-export function errorColors() {
+/** The ranges of the project's error maps, the colours of texels outside them, and the mean luminance of the light. */
+export function errorColors(light_mean) {
   const { relative, signed, nan, off_mask } = model.colors;
   const [nan_color, off_mask_color] = [nan, off_mask].map((color) => color.map((code) => code / 255));
-  return { relative_range: relative, signed_range: signed, nan_color, off_mask_color };
+  return { relative_range: relative, signed_range: signed, nan_color, off_mask_color, light_mean };
 }
 
 /** A context that is lost and comes back: `restored` makes everything anew. */

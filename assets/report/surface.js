@@ -1,6 +1,6 @@
 // The WebGL2 side of the comparison: images as half-float textures, shaded once a setting, and placed on the canvas.
 
-import { mask, pixels } from "report/data";
+import { mask, model, pixels } from "report/data";
 import { drawOver, errorColors, keepContext, makePalette, makeProgram, makeTexture } from "report/program";
 
 /** Images kept as textures; older scenes are freed. */
@@ -89,7 +89,8 @@ export class Surface {
       mask: reference.mask,
       palette: this.palette,
     };
-    drawOver(gl, this.viewer, { framebuffer, width, height }, textures, { ...look, ...errorColors() });
+    const colors = errorColors(model.images[reference.index].light_mean);
+    drawOver(gl, this.viewer, { framebuffer, width, height }, textures, { ...look, ...colors });
     return shaded;
   }
 

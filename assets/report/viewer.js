@@ -234,7 +234,8 @@ export class Viewer {
     const lines = shown.map((row) => {
       const [value, truth, judge] = [at(row.image), at(row.reference), entryOf(row.reference)];
       const isCounted = judge && (!judge.maskBytes || judge.maskBytes[y * judge.width + x] === 1);
-      const error = value && truth && isCounted ? texelError(value, truth) : null;
+      const error =
+        value && truth && isCounted ? texelError(value, truth, model.images[row.reference].light_mean) : null;
       return { key: idOf(row), name: variantLabel(row), value, error, isCurrent: !this.isHeld && row === this.row };
     });
     const place = `texel (${this.texelName.join(", ")})${this.isPinned ? " · pinned" : ""}`;

@@ -14,8 +14,9 @@ uniform int tone;
 uniform float exposure;
 uniform float contrast;
 
-// The epsilon of relmse.
-const float EPSILON = 1e-2;
+// Mean luminance of the light, of which epsilon is a share (metrics::Epsilon). Divided by first: its square may leave the range of floats.
+uniform float light_mean;
+const float EPSILON_SHARE = 1e-2;
 
 vec3 srgb_encode(vec3 linear) {
     vec3 c = clamp(linear, 0.0, 1.0);
@@ -35,7 +36,8 @@ vec3 palette_color(float place, int row) {
 
 // The formulas of the columns err_p95 ... and relmse. Alpha is 0 where the error lies above the range of the colours, or is none.
 vec4 error_color(vec3 t, vec3 r, bool is_signed) {
-    vec3 relative = (t - r) / sqrt(r * r + EPSILON);
+    vec3 share = r / light_mean;
+    vec3 relative = (t - r) / light_mean / sqrt(share * share + EPSILON_SHARE);
     if (any(isnan(relative))) return vec4(nan_color, 0.0);
     if (!is_signed) {
         float e = sqrt(dot(relative, relative) / 3.0);

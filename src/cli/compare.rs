@@ -1,11 +1,12 @@
 //! `splitsum compare`: every metric on two files.
 
-use super::{Failure, print, print_data};
+use super::{Failure, print, print_data, tell};
 use clap::Args;
 use serde::{Serialize, Serializer};
-use splitsum::metrics::{Comparison, METRICS};
+use splitsum::metrics::{Comparison, Epsilon, METRICS};
 use splitsum::pixels::{Decoded, GrayImage, exr};
 use splitsum::runner::axis::{AXES, CONTRAST, EXPOSURE};
+use splitsum::runner::value::{Kind, Range};
 use splitsum::table::markdown::{Align, MarkdownTable};
 use splitsum::tonemap::ToneCurve;
 use std::path::{Path, PathBuf};
@@ -34,6 +35,14 @@ pub struct Arguments {
     /// Exponent of the tone curve times 2.2, for the display metrics.
     #[arg(long, value_name = "C", default_value = "1", value_parser = |text: &str| number(CONTRAST, text))]
     contrast: f64,
+    /// Mean luminance m of the light, for the relative metrics: they have 0.01 m^2 beside r^2. `environments.csv` of a run has it, before
+    /// environment_scale; with the default they are those of light of mean luminance 1.
+    #[arg(long, value_name = "M", default_value = "1", value_parser = mean)]
+    environment_mean: f64,
+}
+
+fn mean(text: &str) -> Result<f64, String> {
+    Kind::Number(Range::above(0.0, 1e30)).parse_text(text).map(|value| value.number())
 }
 
 fn number(axis: usize, text: &str) -> Result<f64, String> {
@@ -60,10 +69,16 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         (None, None) => (GrayImage::filled(reference.rgb.width, reference.rgb.height, 1.0), "all pixels".to_owned()),
     };
     let curve = ToneCurve { exposure: arguments.exposure as f32, contrast: arguments.contrast as f32 };
-    let comparison = Comparison::new(&test.rgb, &reference.rgb, &mask, curve).map_err(|error| {
+    let epsilon = Epsilon::of_light(arguments.environment_mean);
+    let comparison = Comparison::new(&test.rgb, &reference.rgb, &mask, curve, epsilon).map_err(|error| {
         let (test, reference) = (arguments.test.display(), arguments.reference.display());
         Failure::input(format!("{test} against {reference}, masked by {mask_source}: {error}"))
     })?;
+    tell(&format!(
+        "relative metrics: light of mean luminance {}, {:e} beside r^2",
+        epsilon.mean(),
+        epsilon.beside_square()
+    ));
     let scores = comparison.evaluate_all();
     if arguments.json {
         let text = serde_json::to_string_pretty(&InOrder(&scores)).map_err(Failure::failed)?;

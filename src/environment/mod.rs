@@ -3,10 +3,14 @@
 mod builtin;
 mod error;
 mod load;
+mod luminance;
+mod placement;
 
 pub use builtin::{BUILTIN_PREFIX, BUILTINS, Builtin, Parameter};
 pub use error::EnvironmentError;
 pub use load::{FORMATS, Format, LoadOptions};
+pub use luminance::Luminance;
+pub use placement::{Placement, orientation};
 
 use crate::math::equirect;
 use crate::pixels::RgbImage;
@@ -24,6 +28,7 @@ pub struct Environment {
     pub image: RgbImage,
     /// blake3 (hex) of the size and the pixels.
     pub hash: String,
+    pub luminance: Luminance,
     /// Odd but usable facts about the input (aspect ratio not 2:1, clamped texels ...), one sentence each.
     pub warnings: Vec<String>,
 }
@@ -35,7 +40,8 @@ impl Environment {
         let mut hasher = blake3::Hasher::new();
         hasher.update(&image.width.to_le_bytes()).update(&image.height.to_le_bytes());
         hasher.update(bytemuck::cast_slice(&image.data));
-        Self { name: name.into(), image, hash: hasher.finalize().to_hex().to_string(), warnings: Vec::new() }
+        let (hash, luminance) = (hasher.finalize().to_hex().to_string(), Luminance::of(&image));
+        Self { name: name.into(), image, hash, luminance, warnings: Vec::new() }
     }
 
     /// The environment with every channel cut off at `limit`, under the same name.

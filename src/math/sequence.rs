@@ -4,7 +4,7 @@
 //! from variance. No point has a coordinate 0 or 1, where lobes and level formulas are singular.
 
 use super::sampling::hammersley;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// A way to place points; adding one is one entry of [`SEQUENCES`].
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +56,9 @@ pub fn sequence_by_name(name: &str) -> Option<&'static Sequence> {
 
 /// The fractions of the R2 sequence: 1/g and 1/g² for the root g of g³ = g + 1.
 const R2: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
+
+/// The fractions of the R3 sequence: 1/g, 1/g² and 1/g³ for the root g of g⁴ = g + 1.
+pub const R3: DVec3 = DVec3::new(0.819_172_513_396_164_5, 0.671_043_606_703_789_3, 0.549_700_477_901_970_1);
 
 /// Cells a side: the most for which f32 holds every centre.
 const CELLS: f64 = (1u32 << 23) as f64;

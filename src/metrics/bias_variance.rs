@@ -10,7 +10,7 @@
 //! divide each term by `r² + ε`, so that their sum is what `relmse` of one image is expected to be, the reference's noise aside.
 
 use super::comparison::{check_size, check_values, masked_pixels};
-use super::{EPSILON, MetricsError};
+use super::{Epsilon, MetricsError};
 use crate::pixels::{GrayImage, RgbImage};
 
 /// The four figures by their names in tables.
@@ -73,6 +73,7 @@ impl Repeats {
         &self,
         reference: &RgbImage,
         standard_error: Option<&RgbImage>,
+        epsilon: Epsilon,
     ) -> Result<Option<BiasVariance>, MetricsError> {
         check_size("reference", reference, self.size)?;
         check_values("reference", reference, &self.pixels)?;
@@ -91,7 +92,7 @@ impl Repeats {
                 let se = standard_error.map_or(0.0, |image| f64::from(image.data[pixel][c]));
                 let variance = squares / (count - 1.0);
                 let bias2 = (mean - r).powi(2) - variance / count - se * se;
-                let scale = r * r + EPSILON;
+                let scale = r * r + epsilon.beside_square();
                 for (sum, term) in sums.iter_mut().zip([variance, bias2, variance / scale, bias2 / scale]) {
                     *sum += term;
                 }

@@ -4,7 +4,7 @@ use super::filter::Plane;
 use super::flip::{map as flip, view::View as FlipView};
 use super::mean::rgb_mean;
 use super::ssim::map as ssim;
-use super::{EPSILON, METRICS, Metric, linear_metrics};
+use super::{Epsilon, METRICS, Metric, linear_metrics};
 use crate::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use crate::tonemap::ToneCurve;
 use std::sync::{Arc, OnceLock};
@@ -68,6 +68,7 @@ pub struct Comparison<'a> {
     test: &'a RgbImage,
     reference: &'a RgbImage,
     curve: ToneCurve,
+    epsilon: Epsilon,
     pixels: Vec<usize>,
     relative_squares: OnceLock<Vec<f64>>,
     test_display: OnceLock<Displayed>,
@@ -78,12 +79,13 @@ pub struct Comparison<'a> {
 
 impl<'a> Comparison<'a> {
     /// Checks sizes, mask (0 or 1, not empty) and the masked values of both images (finite, not negative).
-    /// `curve` is used by display metrics only.
+    /// `curve` is used by display metrics only, `epsilon` by relative ones.
     pub fn new(
         test: &'a RgbImage,
         reference: &'a RgbImage,
         mask: &GrayImage,
         curve: ToneCurve,
+        epsilon: Epsilon,
     ) -> Result<Self, MetricsError> {
         let size = [reference.width, reference.height];
         check_size("test image", test, size)?;
@@ -94,6 +96,7 @@ impl<'a> Comparison<'a> {
             test,
             reference,
             curve,
+            epsilon,
             pixels,
             relative_squares: OnceLock::new(),
             test_display: OnceLock::new(),
@@ -144,7 +147,7 @@ impl<'a> Comparison<'a> {
     pub fn signed_error_map(&self) -> GrayImage {
         self.map(|pixel| {
             let [t, r] = self.radiance(pixel);
-            rgb_mean(|c| (t[c] - r[c]) / (r[c] * r[c] + EPSILON).sqrt()) as f32
+            rgb_mean(|c| (t[c] - r[c]) / (r[c] * r[c] + self.epsilon.beside_square()).sqrt()) as f32
         })
     }
 
@@ -174,11 +177,20 @@ impl<'a> Comparison<'a> {
         self.relative_squares.get_or_init(|| {
             let mut squares = vec![0.0; self.reference.data.len()];
             for &pixel in &self.pixels {
-                let [t, r] = self.radiance(pixel);
-                squares[pixel] = rgb_mean(|c| (t[c] - r[c]).powi(2) / (r[c] * r[c] + EPSILON));
+                squares[pixel] = self.relative_square(pixel, self.epsilon);
             }
             squares
         })
+    }
+
+    /// RGB mean of `d² / (r² + ε)` of one pixel.
+    pub(super) fn relative_square(&self, pixel: usize, epsilon: Epsilon) -> f64 {
+        let [t, r] = self.radiance(pixel);
+        rgb_mean(|c| (t[c] - r[c]).powi(2) / (r[c] * r[c] + epsilon.beside_square()))
+    }
+
+    pub(super) fn epsilon(&self) -> Epsilon {
+        self.epsilon
     }
 
     /// The reference as display metrics see it.

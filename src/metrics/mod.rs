@@ -4,12 +4,15 @@
 //! pixels and their three channels with equal weight, accumulated in f64. A pixel off the mask never counts: linear metrics
 //! skip it and display metrics see it black in both images.
 //!
+//! ε is [`Epsilon`], a share of the mean luminance m of the light, so that scores of two lights compare.
+//!
 //! A name carries the constant that makes the number comparable: four tools call four formulas "relMSE".
 
 mod bias;
 mod bias_variance;
 mod bins;
 mod comparison;
+mod epsilon;
 mod filter;
 mod flip;
 mod mae;
@@ -25,12 +28,9 @@ mod tail;
 pub use bias_variance::{BiasVariance, Repeats};
 pub use bins::{BinRow, N_DOT_V_BIN_EDGES};
 pub use comparison::{Comparison, Displayed, MetricsError};
+pub use epsilon::Epsilon;
 pub use flip::PIXELS_PER_DEGREE;
 pub use noise::{ReferenceNoise, Verdict, noise_floor, verdict};
-
-/// ε of every relative metric, in squared radiance beside `r²` and in radiance beside `|r|`. It keeps dark pixels from
-/// deciding the score and assumes a mean radiance near 1; a much darker scene hides its error behind it.
-pub const EPSILON: f64 = 1e-2;
 
 /// The values a metric reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,6 +122,7 @@ pub static METRICS: &[&dyn Metric] = &[
     &rmse::Rmse,
     &relmse::RelMse,
     &relmse::TrimmedRelMse,
+    &relmse::AbsoluteRelMse,
     &mae::Mae,
     &smape::Smape,
     &bias::RelativeBias,

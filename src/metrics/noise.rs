@@ -5,7 +5,7 @@
 //! property of the test.
 
 use super::comparison::{check_size, check_values, masked_pixels};
-use super::{EPSILON, METRICS, Metric, MetricsError};
+use super::{Epsilon, METRICS, Metric, MetricsError};
 use crate::pixels::{GrayImage, RgbImage};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -16,11 +16,17 @@ pub(super) const MEAN_ABS_NORMAL: f64 = std::f64::consts::FRAC_2_SQRT_PI * std::
 /// A reference and its standard error, over a mask.
 pub struct ReferenceNoise {
     samples: Vec<[[f64; 3]; 2]>,
+    epsilon: Epsilon,
 }
 
 impl ReferenceNoise {
     /// Checks sizes, the mask, and that both images are finite and not negative on it.
-    pub fn new(reference: &RgbImage, standard_error: &RgbImage, mask: &GrayImage) -> Result<Self, MetricsError> {
+    pub fn new(
+        reference: &RgbImage,
+        standard_error: &RgbImage,
+        mask: &GrayImage,
+        epsilon: Epsilon,
+    ) -> Result<Self, MetricsError> {
         let size = [reference.width, reference.height];
         check_size("standard error image", standard_error, size)?;
         let pixels = masked_pixels(mask, size)?;
@@ -28,12 +34,16 @@ impl ReferenceNoise {
         check_values("standard error image", standard_error, &pixels)?;
         let sample =
             |pixel: usize| [reference, standard_error].map(|image: &RgbImage| image.data[pixel].map(f64::from));
-        Ok(Self { samples: pixels.into_iter().map(sample).collect() })
+        Ok(Self { samples: pixels.into_iter().map(sample).collect(), epsilon })
     }
 
     /// `[r, se]` of each masked pixel.
     pub(super) fn samples(&self) -> &[[[f64; 3]; 2]] {
         &self.samples
+    }
+
+    pub(super) fn epsilon(&self) -> Epsilon {
+        self.epsilon
     }
 
     /// Mean of a term of `(r, se)` over masked pixels and RGB.
@@ -43,9 +53,10 @@ impl ReferenceNoise {
     }
 
     /// RGB mean of `se² / (r² + ε)` of each masked pixel: the expected square of its relative error.
-    pub(super) fn relative_squares(&self) -> Vec<f64> {
+    pub(super) fn relative_squares(&self, epsilon: Epsilon) -> Vec<f64> {
+        let epsilon = epsilon.beside_square();
         let pixel =
-            |[r, se]: &[[f64; 3]; 2]| (0..3).map(|c| se[c] * se[c] / (r[c] * r[c] + EPSILON)).sum::<f64>() / 3.0;
+            |[r, se]: &[[f64; 3]; 2]| (0..3).map(|c| se[c] * se[c] / (r[c] * r[c] + epsilon)).sum::<f64>() / 3.0;
         self.samples.iter().map(pixel).collect()
     }
 }
@@ -55,8 +66,9 @@ pub fn noise_floor(
     reference: &RgbImage,
     standard_error: &RgbImage,
     mask: &GrayImage,
+    epsilon: Epsilon,
 ) -> Result<Vec<(&'static str, Option<f64>)>, MetricsError> {
-    let noise = ReferenceNoise::new(reference, standard_error, mask)?;
+    let noise = ReferenceNoise::new(reference, standard_error, mask, epsilon)?;
     Ok(METRICS.iter().map(|metric| (metric.description().name, metric.noise_floor(&noise))).collect())
 }
 

@@ -4,7 +4,7 @@
 //! moved it from 0.018 to 428. The trimmed form drops the largest errors and so hides rare, true ones. Report both.
 
 use super::mean::pixel_mean;
-use super::{Comparison, Description, EPSILON, Metric, ReferenceNoise};
+use super::{Comparison, Description, Epsilon, Metric, ReferenceNoise};
 
 /// One pixel in this many is dropped by the trimmed form; a selection of fewer pixels loses none.
 const TRIM_ONE_IN: usize = 1000;
@@ -15,12 +15,19 @@ pub struct RelMse;
 /// The same without the 0.1 % of pixels with the largest error.
 pub struct TrimmedRelMse;
 
+/// The plain form with the ε of light of mean luminance 1, as version 1 of `relmse` had it. Its scores of two lights do not compare.
+pub struct AbsoluteRelMse;
+
 impl Metric for RelMse {
     fn description(&self) -> &'static Description {
         const DESCRIPTION: Description = Description {
-            parameters: &[("epsilon", EPSILON)],
+            version: 2,
+            parameters: &[("epsilon_share", Epsilon::SHARE)],
             power: 2.0,
-            ..Description::linear("relmse", "mean d^2 / (r^2 + 1e-2)")
+            ..Description::linear(
+                "relmse",
+                "mean d^2 / (r^2 + 0.01 m^2), m the mean luminance of the environment as it lights the scene",
+            )
         };
         &DESCRIPTION
     }
@@ -32,14 +39,15 @@ impl Metric for RelMse {
 
     /// `mean se² / (r² + ε)`.
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
-        Some(mean(&noise.relative_squares()))
+        Some(mean(&noise.relative_squares(noise.epsilon())))
     }
 }
 
 impl Metric for TrimmedRelMse {
     fn description(&self) -> &'static Description {
         const DESCRIPTION: Description = Description {
-            parameters: &[("epsilon", EPSILON), ("trimmed_fraction", 1e-3)],
+            version: 2,
+            parameters: &[("epsilon_share", Epsilon::SHARE), ("trimmed_fraction", 1e-3)],
             power: 2.0,
             ..Description::linear(
                 "relmse_trimmed",
@@ -57,7 +65,29 @@ impl Metric for TrimmedRelMse {
     /// The trimmed mean of the expected square of each pixel. The pixels that are dropped in truth are those where the noise
     /// came out largest, so this is slightly too high (by 1 to 2 %).
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
-        Some(trimmed_mean(noise.relative_squares()))
+        Some(trimmed_mean(noise.relative_squares(noise.epsilon())))
+    }
+}
+
+impl Metric for AbsoluteRelMse {
+    fn description(&self) -> &'static Description {
+        const DESCRIPTION: Description = Description {
+            parameters: &[("epsilon", Epsilon::SHARE)],
+            power: 2.0,
+            ..Description::linear(
+                "relmse_absolute",
+                "mean d^2 / (r^2 + 0.01), whatever the light: relmse of older tables",
+            )
+        };
+        &DESCRIPTION
+    }
+
+    fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
+        pixel_mean(pixels, |pixel| comparison.relative_square(pixel, Epsilon::ABSOLUTE))
+    }
+
+    fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
+        Some(mean(&noise.relative_squares(Epsilon::ABSOLUTE)))
     }
 }
 

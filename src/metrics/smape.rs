@@ -2,7 +2,7 @@
 
 use super::mean::{pixel_mean, rgb_mean};
 use super::noise::MEAN_ABS_NORMAL;
-use super::{Comparison, Description, EPSILON, Metric, ReferenceNoise};
+use super::{Comparison, Description, Epsilon, Metric, ReferenceNoise};
 
 /// `mean |d| / (|t| + |r| + ε)`, below 1. Bounded, so a firefly moves it by at most one pixel's worth.
 pub struct Smape;
@@ -10,21 +10,24 @@ pub struct Smape;
 impl Metric for Smape {
     fn description(&self) -> &'static Description {
         const DESCRIPTION: Description = Description {
-            parameters: &[("epsilon", EPSILON)],
-            ..Description::linear("smape", "mean |d| / (|t| + |r| + 1e-2), below 1")
+            version: 2,
+            parameters: &[("epsilon_share", Epsilon::SHARE)],
+            ..Description::linear("smape", "mean |d| / (|t| + |r| + 0.01 m), m as in relmse; below 1")
         };
         &DESCRIPTION
     }
 
     fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
+        let epsilon = comparison.epsilon().beside_magnitude();
         pixel_mean(pixels, |pixel| {
             let [t, r] = comparison.radiance(pixel);
-            rgb_mean(|c| (t[c] - r[c]).abs() / (t[c].abs() + r[c].abs() + EPSILON))
+            rgb_mean(|c| (t[c] - r[c]).abs() / (t[c].abs() + r[c].abs() + epsilon))
         })
     }
 
     /// `mean se sqrt(2/π) / (2r + ε)`: first order in se / r, too high where se is comparable to r.
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
-        Some(noise.mean(|r, se| se * MEAN_ABS_NORMAL / (2.0 * r + EPSILON)))
+        let epsilon = noise.epsilon().beside_magnitude();
+        Some(noise.mean(|r, se| se * MEAN_ABS_NORMAL / (2.0 * r + epsilon)))
     }
 }

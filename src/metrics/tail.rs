@@ -4,7 +4,7 @@
 //! always the error of a real pixel.
 
 use super::noise::half_normal_tail;
-use super::{Comparison, Description, EPSILON, Metric, ReferenceNoise};
+use super::{Comparison, Description, Epsilon, Metric, ReferenceNoise};
 
 /// A percentile of the per-pixel relative error.
 pub struct Percentile {
@@ -25,25 +25,25 @@ const fn description(
     parameters: &'static [(&'static str, f64)],
     formula: &'static str,
 ) -> Description {
-    Description { parameters, ..Description::linear(name, formula) }
+    Description { version: 2, parameters, ..Description::linear(name, formula) }
 }
 
 const P95_DESCRIPTION: Description = description(
     "err_p95",
-    &[("epsilon", EPSILON), ("fraction", 0.95)],
-    "95th percentile (nearest rank) of the per-pixel error sqrt(RGB mean of d^2 / (r^2 + 1e-2))",
+    &[("epsilon_share", Epsilon::SHARE), ("fraction", 0.95)],
+    "95th percentile (nearest rank) of the per-pixel error sqrt(RGB mean of d^2 / (r^2 + 0.01 m^2)), m as in relmse",
 );
 
 const P99_DESCRIPTION: Description = description(
     "err_p99",
-    &[("epsilon", EPSILON), ("fraction", 0.99)],
-    "99th percentile (nearest rank) of the per-pixel error sqrt(RGB mean of d^2 / (r^2 + 1e-2))",
+    &[("epsilon_share", Epsilon::SHARE), ("fraction", 0.99)],
+    "99th percentile (nearest rank) of the per-pixel error sqrt(RGB mean of d^2 / (r^2 + 0.01 m^2)), m as in relmse",
 );
 
 const MAXIMUM_DESCRIPTION: Description = description(
     "err_max",
-    &[("epsilon", EPSILON), ("fraction", 1.0)],
-    "largest per-pixel error sqrt(RGB mean of d^2 / (r^2 + 1e-2))",
+    &[("epsilon_share", Epsilon::SHARE), ("fraction", 1.0)],
+    "largest per-pixel error sqrt(RGB mean of d^2 / (r^2 + 0.01 m^2)), m as in relmse",
 );
 
 /// Halvings of the bracket when a quantile is solved for: 2^-20 of the largest scale is far below what a floor needs.
@@ -69,7 +69,7 @@ impl Metric for Percentile {
     /// the RGB mean of `se² / (r² + ε)`. The floor of a percentile is that percentile of the mixture over the pixels; the floor
     /// of the maximum is the median of the distribution of the maximum.
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
-        let scales: Vec<f64> = noise.relative_squares().iter().map(|square| square.sqrt()).collect();
+        let scales: Vec<f64> = noise.relative_squares(noise.epsilon()).iter().map(|square| square.sqrt()).collect();
         let largest = scales.iter().copied().fold(0.0, f64::max);
         if largest == 0.0 {
             return Some(0.0);

@@ -21,7 +21,7 @@ pub(super) struct Reference {
 pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
     let RenderRequest {
         environment,
-        environment_rotation_deg,
+        placement,
         environment_scale,
         scene,
         camera,
@@ -50,11 +50,12 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
     let dfg = method.needs_dfg(diffuse, !lights.is_empty()).then(|| DfgInputs::of(request).key());
     let table = dfg.as_ref().map_or("none\n".to_owned(), |key| format!("{:?}\n{}", precompute.storage, key.inputs));
     let inputs = format!(
-        "environment={}\nrotation={environment_rotation_deg}\nscale={environment_scale}\nscene={}\ncamera={camera:?}\n\
+        "environment={}\nplacement={placement:?}\nscale={environment_scale}\nepsilon={}\nscene={}\ncamera={camera:?}\n\
          size={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\nsamples={samples}\n\
          reference_samples={reference_samples}\nreference_error={reference_error:?}\nlights={lights:?}\n\
          background={background}\nseed={seed}\nlevels={levels:?}\nweight={weight:?}\ndfg={table}",
         environment.hash,
+        request.epsilon().beside_square(),
         scene.hash,
         method.name,
         diffuse.name,

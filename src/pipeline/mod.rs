@@ -301,7 +301,8 @@ impl Pipeline {
             recorder.fill(squared_error, 0);
             report.add(recorder.submit()?);
             let (stop, seed, mask) = (request.reference_stop(), request.seed, &*target.mask);
-            let run = ReferenceRun { shading, stop, seed, mask, distribution, sums, squared_error };
+            let epsilon = request.epsilon().beside_square();
+            let run = ReferenceRun { shading, stop, epsilon, seed, mask, distribution, sums, squared_error };
             for lobe in &prepared.lobes {
                 let (times, convergence) = run.run(gpu, *lobe)?;
                 report.add(times);
@@ -326,7 +327,7 @@ impl Pipeline {
 fn settings(request: &RenderRequest, prepared: &Prepared) -> ShadeSettings {
     ShadeSettings {
         camera: request.camera,
-        environment_rotation_deg: request.environment_rotation_deg,
+        placement: request.placement,
         environment_scale: request.environment_scale,
         environment_size: prepared.tables.environment.mip_size(0),
         sample_count: request.samples,

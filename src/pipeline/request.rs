@@ -1,9 +1,10 @@
 //! What is asked of the pipeline and what it answers.
 
 use crate::brdf::{Brdf, Ggx, MaskingShadowing};
-use crate::environment::Environment;
+use crate::environment::{Environment, Placement};
 use crate::gpu::PassTime;
 use crate::math::sequence::{SEQUENCES, Sequence};
+use crate::metrics::Epsilon;
 use crate::pixels::{GrayImage, RgbImage};
 use crate::precompute::PrecomputeSettings;
 use crate::scene::{Camera, CameraKind, Light, Scene};
@@ -15,8 +16,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct RenderRequest {
     pub environment: Arc<Environment>,
-    /// Turns the environment about +y.
-    pub environment_rotation_deg: f64,
+    pub placement: Placement,
     /// Multiplies the environment's radiance.
     pub environment_scale: f32,
     pub scene: Arc<Scene>,
@@ -51,7 +51,7 @@ impl RenderRequest {
     pub fn plain(environment: Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> Self {
         Self {
             environment,
-            environment_rotation_deg: 0.0,
+            placement: Placement::default(),
             environment_scale: 1.0,
             camera: Camera::for_scene(kind, &scene, size),
             scene: Arc::new(scene),
@@ -79,6 +79,11 @@ impl RenderRequest {
         let (brdf, masking) = (self.brdf, self.masking_shadowing);
         let specular = self.method.lobe.map(|lobe| Lobe::Specular { lobe, brdf, masking, levels });
         specular.into_iter().chain(self.diffuse.is_reference().then_some(Lobe::Diffuse)).collect()
+    }
+
+    /// That of relative errors under this light.
+    pub fn epsilon(&self) -> Epsilon {
+        Epsilon::of_light(self.environment.luminance.mean * f64::from(self.environment_scale))
     }
 
     /// When the reference stops.

@@ -4,47 +4,13 @@ use super::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP};
 use super::plan::Plan;
 use super::tables::Rows;
 use super::value::Value;
-use crate::color::luminance;
-use crate::environment::Environment;
+use crate::environment::Luminance;
 use crate::table::csv::Cell as Field;
-use std::f64::consts::PI;
 
 /// The column of `environments.csv` with the dynamic range.
 pub const RANGE_COLUMN: &str = "dynamic_range_stops";
 /// Those with the mean and the peak.
 pub const LUMINANCE_COLUMNS: [&str; 2] = ["mean_luminance", "peak_luminance"];
-
-/// Luminance of an environment, in its own unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Luminance {
-    /// Over the sphere of directions.
-    pub mean: f64,
-    /// Of the brightest texel.
-    pub peak: f64,
-}
-
-impl Luminance {
-    /// Measures an environment. Rows of texels are weighted by sin(theta), their share of the sphere.
-    pub fn of(environment: &Environment) -> Self {
-        let image = &environment.image;
-        let (mut sum, mut weights, mut peak) = (0.0, 0.0, 0.0f64);
-        for (row, texels) in image.data.chunks(image.width as usize).enumerate() {
-            let weight = (PI * (row as f64 + 0.5) / f64::from(image.height)).sin();
-            for texel in texels {
-                let value = luminance(*texel);
-                sum += weight * value;
-                peak = peak.max(value);
-            }
-            weights += weight * texels.len() as f64;
-        }
-        Self { mean: sum / weights, peak }
-    }
-
-    /// Dynamic range: log2 of peak over mean; `None` for a black environment.
-    pub fn range_stops(&self) -> Option<f64> {
-        Some((self.peak / self.mean).log2()).filter(|stops| stops.is_finite())
-    }
-}
 
 /// The axes of the light.
 const LIGHT_AXES: [usize; 2] = [ENVIRONMENT, ENVIRONMENT_CLIP];
@@ -57,7 +23,7 @@ pub fn lights(plan: &Plan) -> Vec<([Value; 2], Luminance)> {
         if found.iter().all(|(known, _)| *known != key) {
             let settings = cell.point.settings();
             let light = plan.inputs.clipped(&settings.environment, settings.environment_clip_log2);
-            found.push((key, Luminance::of(&light)));
+            found.push((key, light.luminance));
         }
     }
     found

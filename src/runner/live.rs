@@ -46,6 +46,9 @@ pub struct LiveEnvironment {
     pub label: String,
     /// Power of two, 1 unless the radiance leaves the range of half floats.
     pub scale: f32,
+    /// Mean luminance. Older runs have none.
+    #[serde(default = "one")]
+    pub mean_luminance: f64,
     /// How the maps lie in texels: a map layout's name. Older runs have none.
     #[serde(default = "equirect")]
     pub layout: String,
@@ -57,6 +60,10 @@ pub struct LiveEnvironment {
     /// Radiance coefficients in the order of `shaders/lib/sh.glsl`.
     pub sh9: Vec<[f32; 3]>,
     pub prefiltered: Vec<LivePrefiltered>,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 fn equirect() -> String {
@@ -99,7 +106,7 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
                 let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);
                 record.lobes.push(LiveLobe { brdf: brdf.clone(), masking: masking.to_owned(), dfg });
             }
-            let environment = environment.get_or_insert_with(|| of_environment(point, &tables));
+            let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
             if !is_kept {
                 let levels = pack_all(&tables.prefiltered, environment.scale);
                 environment.prefiltered.push(LivePrefiltered { brdf, levels });
@@ -134,7 +141,7 @@ fn masking_name(masking: MaskingShadowing) -> &'static str {
     found.map(|(name, _)| *name).expect("a listed masking")
 }
 
-fn of_environment(point: &Point, tables: &LightTables) -> LiveEnvironment {
+fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) -> LiveEnvironment {
     let largest = tables.environment.iter().chain(&tables.prefiltered).flat_map(|level| level.data.iter().flatten());
     let scale = half_scale(largest.fold(0.0, |a: f32, b| a.max(*b)));
     let clip = point[ENVIRONMENT_CLIP].to_string();
@@ -142,6 +149,7 @@ fn of_environment(point: &Point, tables: &LightTables) -> LiveEnvironment {
     LiveEnvironment {
         label: if clip.is_empty() { name } else { format!("{name} (clipped at 2^{clip})") },
         scale,
+        mean_luminance: request.environment.luminance.mean,
         layout: tables.layout.name.to_owned(),
         level_bend: tables.level_mapping.bend,
         levels: pack_all(&tables.environment, scale),

@@ -7,10 +7,10 @@ use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, Spent, S
 use super::tables::HEADLINE;
 use crate::files::content_hash;
 use crate::metrics::{
-    BiasVariance, BinRow, Comparison, Displayed, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Space,
+    BiasVariance, BinRow, Comparison, Displayed, Epsilon, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Space,
     linear_metrics, metric, noise_floor, verdict,
 };
-use crate::pipeline::{DeviceInfo, Frame};
+use crate::pipeline::{DeviceInfo, Frame, RenderRequest};
 use crate::pixels::{GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png};
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::tonemap::ToneCurve;
@@ -25,6 +25,8 @@ pub struct ReferenceImage {
     pub radiance: RgbImage,
     pub standard_error: Option<RgbImage>,
     pub mask: GrayImage,
+    /// Of its light.
+    pub epsilon: Epsilon,
     /// Where it stopped, unless its method does not stop by itself.
     pub stop: Option<ReferenceStop>,
     /// The frame itself, unless the image was read back from an earlier invocation.
@@ -43,10 +45,11 @@ type Kept = (String, String);
 const DISPLAY_BYTES: usize = 64 << 20;
 
 impl ReferenceImage {
-    /// The reference that was just rendered; `wanted` is the relative standard error that was asked for.
-    pub fn of_frame(frame: Arc<Frame>, wanted: Option<f64>) -> Self {
+    /// The reference that was just rendered.
+    pub fn of_frame(frame: Arc<Frame>, request: &RenderRequest) -> Self {
         Self {
-            stop: ReferenceStop::of(&frame.convergences, wanted),
+            stop: ReferenceStop::of(&frame.convergences, request.reference_error),
+            epsilon: request.epsilon(),
             radiance: frame.radiance.clone(),
             standard_error: frame.standard_error.clone(),
             mask: GrayImage::clone(&frame.mask),
@@ -59,19 +62,20 @@ impl ReferenceImage {
 
     /// The reference that an earlier invocation wrote, bit for bit; `None` when it is not there or not whole. `stop` is what it left
     /// beside the image.
-    pub fn read(path: &Path, size: [u32; 2], with_error: bool, stop: Option<ReferenceStop>) -> Option<Self> {
+    pub fn read(path: &Path, request: &RenderRequest, stop: Option<ReferenceStop>) -> Option<Self> {
         let image = exr::read(path).ok()?;
-        let standard_error = match with_error {
+        let standard_error = match request.has_reference_term() {
             true if stop.is_none() => return None,
             true => Some(exr::read_layer(path, Some(STANDARD_ERROR_LAYER)).ok()?.rgb),
             false => None,
         };
-        let has_size = [image.rgb.width, image.rgb.height] == size;
+        let has_size = [image.rgb.width, image.rgb.height] == request.size;
         let mask = image.alpha.filter(|_| has_size)?;
         Some(Self {
             radiance: image.rgb,
             standard_error,
             mask,
+            epsilon: request.epsilon(),
             stop,
             rendered: None,
             noise_floors: OnceLock::new(),
@@ -93,7 +97,7 @@ impl ReferenceImage {
 
     /// The comparison with a test image, which finds the reference's display image ready where another one made it.
     fn comparison<'a>(&'a self, test: &'a RgbImage, curve: ToneCurve) -> Result<Comparison<'a>, MetricsError> {
-        let comparison = Comparison::new(test, &self.radiance, &self.mask, curve)?;
+        let comparison = Comparison::new(test, &self.radiance, &self.mask, curve, self.epsilon)?;
         // A thread that panicked left a whole list: entries are added in one step.
         let known = || self.displays.lock().unwrap_or_else(PoisonError::into_inner);
         let ready = known().iter().find(|(of, _)| *of == curve).map(|(_, display)| display.clone());
@@ -114,7 +118,8 @@ impl ReferenceImage {
     fn noise_floors(&self) -> Result<Scores, String> {
         let compute = || {
             let Some(standard_error) = &self.standard_error else { return Ok(Scores::default()) };
-            let floors = noise_floor(&self.radiance, standard_error, &self.mask).map_err(|error| error.to_string())?;
+            let floors = noise_floor(&self.radiance, standard_error, &self.mask, self.epsilon);
+            let floors = floors.map_err(|error| error.to_string())?;
             Ok(by_name(floors.into_iter().filter_map(|(name, floor)| Some((name, floor?))).collect()))
         };
         self.noise_floors.get_or_init(compute).clone()

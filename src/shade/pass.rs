@@ -2,6 +2,7 @@
 
 use super::{Diffuse, Method};
 use crate::brdf::{Brdf, MaskingShadowing};
+use crate::environment::Placement;
 use crate::environment::layout::MapLayout;
 use crate::gbuffer::pass::GbufferImages;
 use crate::glsl::constants::SHADE_FLAG_NO_SPECULAR;
@@ -10,14 +11,14 @@ use crate::gpu::{Bind, Buffer, Filter, GpuError, Image, Recorder, Sampler, Wrap,
 use crate::precompute::points::{PointRange, Points};
 use crate::precompute::prefilter::LevelMapping;
 use crate::scene::{Camera, Light, Projection};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use std::ops::Range;
 
 /// What every shading pass needs to know besides the tables: camera and environment placement, and the method's parameters.
 #[derive(Clone, Debug)]
 pub struct ShadeSettings {
     pub camera: Camera,
-    pub environment_rotation_deg: f64,
+    pub placement: Placement,
     pub environment_scale: f32,
     pub environment_size: [u32; 2],
     pub sample_count: u32,
@@ -54,15 +55,10 @@ pub struct Shading<'a> {
     pub radiance: &'a Buffer,
 }
 
-/// Rows turn a world direction into the frame of an environment turned by `rotation_deg` about +y (counter-clockwise seen from above).
-pub fn environment_from_world(rotation_deg: f64) -> DMat3 {
-    DMat3::from_rotation_y(rotation_deg.to_radians()).transpose()
-}
-
 impl ShadeSettings {
     /// The push constants for rows from `first_row` on.
     pub fn params(&self, size: [u32; 2], first_row: u32) -> ShadeParams {
-        let rows = environment_from_world(self.environment_rotation_deg).transpose();
+        let rows = self.placement.environment_from_world().transpose();
         let row = |v: DVec3| v.extend(0.0).as_vec4().to_array();
         ShadeParams {
             environment_from_world_0: row(rows.x_axis),
@@ -195,7 +191,7 @@ impl Shading<'_> {
     /// Shows the environment where nothing is hit.
     pub fn background(&self, recorder: &mut Recorder) -> Result<(), GpuError> {
         let ([width, height], camera) = (self.gbuffer.size, &self.settings.camera);
-        let turn = environment_from_world(self.settings.environment_rotation_deg);
+        let turn = self.settings.placement.environment_from_world();
         let [extent_x, extent_y] = match camera.projection {
             Projection::Perspective { .. } => camera.extent(f64::from(width) / f64::from(height)),
             Projection::Ortho { .. } => [0.0, 0.0],

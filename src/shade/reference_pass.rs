@@ -117,8 +117,6 @@ const PILOT_SAMPLES: u32 = 64;
 const VARIANCE_EXPONENT: f64 = 1.4;
 /// Margin of that prediction: a second miss costs more than a tenth too many.
 const PREDICTION_MARGIN: f64 = 1.1;
-/// Keeps the relative error of dark pixels from ruling: that of the metric `relmse`.
-const RELATIVE_ERROR_EPSILON: f64 = 1e-2;
 
 /// When a reference stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,7 +148,7 @@ pub struct Convergence {
     pub term: &'static str,
     /// Samples a pixel.
     pub sample_count: u64,
-    /// `sqrt(mean of se² / (mean² + 1e-2))` over the masked pixels and channels, se the standard error of the pixel's mean.
+    /// `sqrt(mean of se² / (mean² + ε))` with the ε of the metric `relmse`, over the masked pixels and channels, se the standard error of the pixel's mean.
     pub relative_error: f64,
     /// Whether the requested relative error was reached (or the sample count, where none was requested).
     pub is_met: bool,
@@ -172,7 +170,7 @@ impl Sums {
     }
 
     /// [`Convergence::relative_error`] of what the sums hold now.
-    fn relative_error(&self, gpu: &Gpu, mask: &GrayImage) -> Result<f64, GpuError> {
+    fn relative_error(&self, gpu: &Gpu, mask: &GrayImage, epsilon: f64) -> Result<f64, GpuError> {
         let means: Vec<[f32; 4]> = gpu.read_buffer(&self.mean)?;
         let deviations: Vec<[f32; 4]> = gpu.read_buffer(&self.squared_deviations)?;
         let (mut sum, mut count) = (0.0, 0u64);
@@ -180,7 +178,7 @@ impl Sums {
             let scrambles = f64::from(mean[3]);
             for channel in 0..3 {
                 let squared_error = f64::from(deviation[channel]) / (scrambles * (scrambles - 1.0));
-                sum += squared_error / (f64::from(mean[channel]).powi(2) + RELATIVE_ERROR_EPSILON);
+                sum += squared_error / (f64::from(mean[channel]).powi(2) + epsilon);
             }
             count += 3;
         }
@@ -210,6 +208,8 @@ impl DistributionBuffers {
 pub struct ReferenceRun<'a> {
     pub shading: Shading<'a>,
     pub stop: Stop,
+    /// Keeps the relative error of dark pixels from ruling: beside squared radiance.
+    pub epsilon: f64,
     pub seed: u32,
     /// 1 where a surface is hit.
     pub mask: &'a GrayImage,
@@ -227,7 +227,7 @@ impl ReferenceRun<'_> {
         let (plan, relative_error) = loop {
             let plan = ScramblePlan::new(samples);
             total.add(self.integrate(gpu, lobe, plan)?);
-            let error = self.sums.relative_error(gpu, self.mask)?;
+            let error = self.sums.relative_error(gpu, self.mask, self.epsilon)?;
             match self.stop.next(samples, error) {
                 Some(more) => samples = more,
                 None => break (plan, error),

@@ -76,6 +76,11 @@ fn a_negative_value_is_a_value() {
     out_of_range(&["render"], "--alpha", "(0, 1]");
     out_of_range(&["render"], "--samples", "[1, ");
     out_of_range(&["render"], "--metallic", "[0, 1]");
+    assert_refused(
+        &["compare", "a.exr", "b.exr", "--environment-mean", "0"],
+        2,
+        &["--environment-mean", "0 is outside (0, "],
+    );
     assert_refused(&["compare", "a.exr", "b.exr", "--exposure", "-1"], 2, &["--exposure", "-1 is outside (0, "]);
     assert_refused(&["run", "e.toml", "--device", "-1"], 2, &["--device", "'-1'"]);
     assert_refused(&["bake", "builtin:sky", "--out", "baked", "--device", "-1"], 2, &["--device", "'-1'"]);

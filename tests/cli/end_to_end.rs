@@ -247,6 +247,14 @@ fn render_writes_what_compare_reads() {
     let different: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(different["rmse"].as_f64().unwrap() > 0.0);
     assert_eq!(different.as_object().unwrap().len(), splitsum::metrics::METRICS.len());
+    assert!(stderr(&output).contains("light of mean luminance 1, 1e-2 beside r^2"), "{}", stderr(&output));
+    let arguments = ["compare", "b.exr", "a.exr", "--json", "--environment-mean", "3"];
+    let bright = splitsum(dir.path(), &arguments);
+    let (error, bright): (_, serde_json::Value) = (stderr(&bright), serde_json::from_slice(&bright.stdout).unwrap());
+    assert!(error.contains("light of mean luminance 3, 9e-2 beside r^2"), "{error}");
+    for (name, is_less) in [("relmse", true), ("smape", true), ("relmse_absolute", false), ("rmse", false)] {
+        assert_eq!(bright[name].as_f64().unwrap() < different[name].as_f64().unwrap(), is_less, "{name}");
+    }
     // In the text, since a parsed object is sorted: the order of the list.
     let text = stdout(&output);
     let places =

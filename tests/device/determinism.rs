@@ -4,6 +4,7 @@
 use crate::harness::{golden_environment, lobe_sphere, poison, request, scene, with_gpu, with_pipeline};
 use crate::tables::environment_image;
 use splitsum::brdf::{Ggx, MODELS, MaskingShadowing};
+use splitsum::environment::Placement;
 use splitsum::environment::distribution::EnvironmentDistribution;
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
@@ -22,7 +23,7 @@ fn requests() -> Vec<RenderRequest> {
     let base = RenderRequest {
         reference_samples: 64,
         background: true,
-        environment_rotation_deg: 20.0,
+        placement: Placement { orientation: 2, rotation_deg: 20.0 },
         ..request(&environment, scene("spheres", MaterialOverride::default()), CameraKind::Perspective, [40, 24])
     };
     let of_method = METHODS.iter().map(|method| RenderRequest { method, ..base.clone() });
@@ -113,7 +114,7 @@ fn the_reference_reads_nothing_it_has_not_written() {
         recorder.submit().unwrap();
         let settings = ShadeSettings {
             camera: request.camera,
-            environment_rotation_deg: 0.0,
+            placement: Placement::default(),
             environment_scale: 1.0,
             environment_size: [512, 256],
             sample_count: 64,
@@ -148,6 +149,7 @@ fn the_reference_reads_nothing_it_has_not_written() {
                     radiance: &radiance,
                 },
                 stop: Stop { sample_count: 64, relative_error: None },
+                epsilon: 0.01,
                 seed: 1,
                 mask: &mask,
                 distribution: &distribution,

@@ -87,7 +87,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     // Without `..`: a new field needs a neighbour below, if it can change an image.
     let RenderRequest {
         environment,
-        environment_rotation_deg,
+        placement,
         environment_scale,
         scene: _,
         camera: _,
@@ -135,7 +135,8 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     let by_layout = layouts.map(|layout| set(&|s| s.layout = layout));
     let by_field = vec![
         other(&|r| r.environment = Arc::new(environment.clipped(1.0))),
-        other(&|r| r.environment_rotation_deg = environment_rotation_deg + 40.0),
+        other(&|r| r.placement.orientation = placement.orientation + 1),
+        other(&|r| r.placement.rotation_deg = placement.rotation_deg + 40.0),
         other(&|r| r.environment_scale = 3.0 * environment_scale),
         other(&|r| r.scene = Arc::new(scene("spheres", rough))),
         other(&|r| r.camera = far),

@@ -5,6 +5,7 @@ use crate::harness::{golden_environment, request, scene, with_gpu, with_pipeline
 use crate::tables::dfg_table;
 use glam::{DVec2, DVec3};
 use splitsum::brdf::MODELS;
+use splitsum::environment::Placement;
 use splitsum::gbuffer::{Gbuffer, reference::gbuffer};
 use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::pixels::Pixels;
@@ -12,7 +13,6 @@ use splitsum::pixels::lookup::{Wrap, bilinear};
 use splitsum::precompute::exact_quadrature;
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::method::seed0_literal;
-use splitsum::shade::pass::environment_from_world;
 use splitsum::shade::reference::{Surface, integrate_all};
 use splitsum::shade::{diffuse_by_name, method_by_name};
 
@@ -36,7 +36,7 @@ pub fn sights(request: &RenderRequest, step: usize) -> Vec<Sight> {
 
 /// Every pixel of a g-buffer that hits something.
 pub fn sights_in<T: Copy + Into<f64>>(request: &RenderRequest, texels: &Gbuffer<T>) -> Vec<Sight> {
-    let turn = environment_from_world(request.environment_rotation_deg);
+    let turn = request.placement.environment_from_world();
     let [width, height] = request.size;
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
     let sight = |pixel: [u32; 2]| {
@@ -75,7 +75,7 @@ fn coloured_sphere(alpha: f32) -> splitsum::scene::Scene {
 /// What the device and f64 read: 12 x 12 pixels in perspective, so that every pixel has its own v.
 fn small_request(environment: &std::sync::Arc<splitsum::environment::Environment>, alpha: f32) -> RenderRequest {
     RenderRequest {
-        environment_rotation_deg: 30.0,
+        placement: Placement { orientation: 0, rotation_deg: 30.0 },
         ..request(environment, coloured_sphere(alpha), CameraKind::Perspective, [12, 12])
     }
 }
@@ -201,7 +201,7 @@ fn diffuse_methods_meet_the_oracle() {
             let request = RenderRequest {
                 method: method("none"),
                 diffuse: diffuse_by_name(name).unwrap(),
-                environment_rotation_deg: -110.0,
+                placement: Placement { orientation: 6, rotation_deg: -110.0 },
                 ..request(&environment, scene("sphere", white), CameraKind::Ortho, [12, 12])
             };
             let sights = sights(&request, 9);

@@ -5,14 +5,13 @@ use crate::harness::{constant_environment, golden_environment, lobe_sphere, requ
 use crate::methods::{EXACT, radiance, sights};
 use glam::{DQuat, DVec3};
 use splitsum::brdf::{Ggx, MODELS, reflect};
-use splitsum::environment::Environment;
+use splitsum::environment::{Environment, Placement};
 use splitsum::pipeline::{Frame, RenderRequest};
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::exact_quadrature;
 use splitsum::precompute::prefilter::{Kernel, reference::prefilter};
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
-use splitsum::shade::pass::environment_from_world;
 use splitsum::shade::{METHODS, Method, diffuse_by_name, method_by_name};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -39,7 +38,7 @@ fn narrow_lobes_are_mirrors() {
         for model in MODELS {
             let base = RenderRequest {
                 brdf: *model,
-                environment_rotation_deg: 75.0,
+                placement: Placement { orientation: 4, rotation_deg: 75.0 },
                 // The tail of GGX is left to samples of the environment, whose noise must stay under the tolerance.
                 reference_samples: 16384,
                 ..request(&environment, lobe_sphere(0.001), CameraKind::Perspective, [12, 12])
@@ -151,8 +150,11 @@ fn turning_environment_and_camera_together_changes_nothing() {
                     ..still.clone()
                 };
                 // The same by the parameter: the environment turned back again under the still camera.
-                let rotated =
-                    RenderRequest { environment: shifted.clone(), environment_rotation_deg: 90.0, ..still.clone() };
+                let rotated = RenderRequest {
+                    environment: shifted.clone(),
+                    placement: Placement { rotation_deg: 90.0, orientation: 0 },
+                    ..still.clone()
+                };
                 let [a, b, c] = [&still, &turned, &rotated].map(|request| pipeline.render(request).unwrap());
                 let name = format!("{} {kind:?}", method.name);
                 // The frame about a direction does not turn with it, so points fall on other azimuths of each lobe: of each pixel's, or of
@@ -195,38 +197,6 @@ fn radiance_is_linear_in_the_environment() {
                 method.name
             );
             assert!(one.radiance.data.iter().flatten().any(|&x| x > 0.5));
-        }
-    });
-}
-
-#[test]
-fn the_background_shows_the_environment_behind() {
-    with_pipeline(|pipeline| {
-        let environment = smooth_environment();
-        for (kind, rotation) in
-            [(CameraKind::Perspective, 0.0), (CameraKind::Perspective, -40.0), (CameraKind::Ortho, 100.0)]
-        {
-            let request = RenderRequest {
-                method: method("none"),
-                environment_rotation_deg: rotation,
-                environment_scale: 2.0,
-                background: true,
-                ..request(&environment, lobe_sphere(0.5), kind, [40, 24])
-            };
-            let frame = pipeline.render(&request).unwrap();
-            let turn = environment_from_world(rotation);
-            // 1.5e-7 of the map's width is 1e-4 texels.
-            let mut worst = Worst::new(format!("background {kind:?} {rotation}"), relative(1e-4));
-            for (x, y) in (0..24).flat_map(|y| (0..40).map(move |x| (x, y))) {
-                let shown = DVec3::from_array(frame.radiance.get(x, y).map(f64::from));
-                if frame.mask.get(x, y) == 1.0 {
-                    assert_eq!(shown, DVec3::ZERO);
-                    continue;
-                }
-                let (_, direction) = request.camera.ray(x, y, request.size);
-                worst.add_rgb(shown, 2.0 * environment.radiance(turn * direction), || format!("{x} {y}"));
-            }
-            worst.check();
         }
     });
 }
@@ -287,7 +257,7 @@ fn a_mirror_in_the_design_shows_the_mean_of_the_map() {
             let request = RenderRequest {
                 method: method("sampled-unfiltered"),
                 samples: 16,
-                environment_rotation_deg: rotation,
+                placement: Placement { orientation: 0, rotation_deg: rotation },
                 ..request(&environment, mirror_design(), CameraKind::Ortho, size)
             };
             let frame = pipeline.render(&request).unwrap();

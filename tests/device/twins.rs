@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use splitsum::brdf::{Brdf, MODELS, MaskingShadowing};
 use splitsum::environment::layout::{LAYOUTS, MapLayout};
-use splitsum::environment::{Environment, LoadOptions};
+use splitsum::environment::{Environment, LoadOptions, Placement};
 use splitsum::glsl::constants::POINTS_PER_DISPATCH;
 use splitsum::gpu::Gpu;
 use splitsum::math::sequence::SEQUENCES;
@@ -119,7 +119,7 @@ impl Case {
         let material =
             MaterialOverride { alpha: Some(self.alpha), f0: Some([0.04, 0.5, 1.0]), ..MaterialOverride::default() };
         RenderRequest {
-            environment_rotation_deg: 30.0,
+            placement: Placement { orientation: 7, rotation_deg: 30.0 },
             environment_scale: 0.5,
             brdf: model,
             masking_shadowing: self.masking,

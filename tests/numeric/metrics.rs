@@ -3,7 +3,7 @@
 mod display;
 
 use splitsum::metrics::{
-    Better, Comparison, EPSILON, METRICS, MetricsError, N_DOT_V_BIN_EDGES, ReferenceNoise, Repeats, Space, Verdict,
+    Better, Comparison, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, ReferenceNoise, Repeats, Space, Verdict,
     linear_metrics, metric, noise_floor, verdict,
 };
 use splitsum::pixels::{GrayImage, RgbImage};
@@ -28,7 +28,7 @@ fn gray(width: u32, height: u32, values: &[f32]) -> RgbImage {
 }
 
 fn score(test: &RgbImage, reference: &RgbImage, mask: &GrayImage, name: &str) -> f64 {
-    let comparison = Comparison::new(test, reference, mask, LINEAR_CURVE).unwrap();
+    let comparison = Comparison::new(test, reference, mask, LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap();
     comparison.evaluate(&[metric(name).unwrap()])[0].1
 }
 
@@ -73,6 +73,7 @@ fn linear_metrics_of_two_by_two_pixels() {
         ("rmse", ((1.0 + 3.0 * 0.25) / 9.0f64).sqrt()),
         ("relmse", (1.0 / 1.01 + 3.0 * 0.25 / 0.26) / 9.0),
         ("relmse_trimmed", (1.0 / 1.01 + 3.0 * 0.25 / 0.26) / 9.0),
+        ("relmse_absolute", (1.0 / 1.01 + 3.0 * 0.25 / 0.26) / 9.0),
         ("mae", (1.0 + 1.5) / 9.0),
         ("smape", (1.0 / 3.01 + 3.0 * 0.5 / 0.51) / 9.0),
         ("bias_rel", (1.0 - 1.5) / (3.0 + 3.0 + 1.5)),
@@ -80,7 +81,7 @@ fn linear_metrics_of_two_by_two_pixels() {
         ("err_p99", (0.25f64 / 0.26).sqrt()),
         ("err_max", (0.25f64 / 0.26).sqrt()),
     ];
-    let comparison = Comparison::new(&test, &reference, &mask, ToneCurve::default()).unwrap();
+    let comparison = Comparison::new(&test, &reference, &mask, ToneCurve::default(), Epsilon::ABSOLUTE).unwrap();
     let found = comparison.evaluate_linear();
     assert_eq!(found.len(), expected.len(), "a linear metric without a value worked by hand");
     for ((name, value), (expected_name, expected_value)) in found.into_iter().zip(expected) {
@@ -106,7 +107,9 @@ fn psnr_of_two_by_two_pixels() {
 #[test]
 fn equal_images_have_the_best_scores() {
     let [_, image] = noisy_pair(24, 20);
-    for (name, value) in Comparison::new(&image, &image, &whole(&image), ToneCurve::default()).unwrap().evaluate_all() {
+    for (name, value) in
+        Comparison::new(&image, &image, &whole(&image), ToneCurve::default(), Epsilon::ABSOLUTE).unwrap().evaluate_all()
+    {
         let best = match metric(name).unwrap().description().better {
             Better::Lower | Better::NearerZero => 0.0,
             Better::Higher if name == "psnr" => f64::INFINITY,
@@ -151,7 +154,7 @@ fn percentiles_are_nearest_ranks() {
     // Black reference: the error is d / sqrt(eps), so pixel k has error k + 1 (in a shuffled order).
     let width = 200;
     let reference = RgbImage::filled(width, 1, [0.0; 3]);
-    let test = RgbImage::from_fn(width, 1, |x, _| [((x * 77) % width + 1) as f32 * EPSILON.sqrt() as f32; 3]);
+    let test = RgbImage::from_fn(width, 1, |x, _| [((x * 77) % width + 1) as f32 * Epsilon::SHARE.sqrt() as f32; 3]);
     for (name, rank) in [("err_p95", 190.0), ("err_p99", 198.0), ("err_max", 200.0)] {
         assert_relative(score(&test, &reference, &whole(&test), name), rank, F32_STORAGE, name);
     }
@@ -170,9 +173,11 @@ fn what_lies_off_the_mask_never_counts() {
             *pixel = [f32::NAN, -3.0, 1e30];
         }
     }
-    let all = |test: &RgbImage| Comparison::new(test, &reference, &mask, LINEAR_CURVE).unwrap().evaluate_all();
+    let all = |test: &RgbImage| {
+        Comparison::new(test, &reference, &mask, LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap().evaluate_all()
+    };
     assert_eq!(all(&test), all(&other));
-    let comparison = Comparison::new(&test, &reference, &mask, LINEAR_CURVE).unwrap();
+    let comparison = Comparison::new(&test, &reference, &mask, LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap();
     for map in [comparison.flip_map(), comparison.relative_error_map(), comparison.signed_error_map()] {
         let outside = map.data.iter().zip(&mask.data).filter(|(_, inside)| **inside == 0.0);
         assert!(outside.into_iter().all(|(value, _)| *value == 0.0));
@@ -188,7 +193,7 @@ fn bins_add_up_to_the_whole() {
     let mask = GrayImage::from_fn(40, 30, |x, y| if x == y { 0.0 } else { 1.0 });
     // From -0.05 to 1.05: both ends are clamped into the outer bins.
     let n_dot_v = GrayImage::from_fn(40, 30, |x, y| (x + 40 * y) as f32 / 1200.0 * 1.1 - 0.05);
-    let comparison = Comparison::new(&test, &reference, &mask, LINEAR_CURVE).unwrap();
+    let comparison = Comparison::new(&test, &reference, &mask, LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap();
     let rows = comparison.evaluate_bins(&n_dot_v, &N_DOT_V_BIN_EDGES, METRICS).unwrap();
     assert_eq!(rows.iter().map(|row| row.pixel_count).sum::<usize>(), 1170);
     assert_eq!((rows.len(), rows[0].lo, rows[9].hi), (10, 0.0, 1.0));
@@ -210,7 +215,8 @@ fn bins_add_up_to_the_whole() {
 #[test]
 fn bin_edges_and_empty_bins() {
     let [test, reference] = noisy_pair(4, 1);
-    let comparison = Comparison::new(&test, &reference, &GrayImage::filled(4, 1, 1.0), LINEAR_CURVE).unwrap();
+    let comparison =
+        Comparison::new(&test, &reference, &GrayImage::filled(4, 1, 1.0), LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap();
     let n_dot_v = GrayImage::new(4, 1, vec![0.0, 0.25, 0.5, 1.0]);
     let rows = comparison.evaluate_bins(&n_dot_v, &[0.0, 0.25, 0.4, 0.5, 1.0], &linear_metrics()).unwrap();
     assert_eq!(rows.iter().map(|row| row.pixel_count).collect::<Vec<_>>(), [1, 1, 0, 2]);
@@ -229,7 +235,10 @@ fn bad_input_is_named() {
     let [test, reference] = noisy_pair(3, 2);
     let mask = whole(&reference);
     let error = |test: &RgbImage, mask: &GrayImage| {
-        Comparison::new(test, &reference, mask, LINEAR_CURVE).err().expect("bad input must be refused").to_string()
+        Comparison::new(test, &reference, mask, LINEAR_CURVE, Epsilon::ABSOLUTE)
+            .err()
+            .expect("bad input must be refused")
+            .to_string()
     };
     let wide = RgbImage::filled(4, 2, [0.0; 3]);
     assert_eq!(error(&wide, &mask), "the test image is 4x2 pixels, but the reference is 3x2");
@@ -260,7 +269,7 @@ fn the_noise_floor_is_what_an_exact_test_scores() {
     let standard_error =
         RgbImage::from_fn(width, height, |x, y| exact.get(x, y).map(|v| v * (0.001 + 0.0005 * y as f32)));
     let mask = GrayImage::from_fn(width, height, |x, y| if (x + y) % 11 == 0 { 0.0 } else { 1.0 });
-    let floors = noise_floor(&exact, &standard_error, &mask).unwrap();
+    let floors = noise_floor(&exact, &standard_error, &mask, Epsilon::ABSOLUTE).unwrap();
     let rounds = 200;
     let mut sums = vec![0.0; linear_metrics().len()];
     for _ in 0..rounds {
@@ -268,7 +277,7 @@ fn the_noise_floor_is_what_an_exact_test_scores() {
             let deviate = random.normal() as f32;
             std::array::from_fn(|c| exact.get(x, y)[c] + deviate * standard_error.get(x, y)[c])
         });
-        let scores = Comparison::new(&exact, &noisy, &mask, LINEAR_CURVE).unwrap().evaluate_linear();
+        let scores = Comparison::new(&exact, &noisy, &mask, LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap().evaluate_linear();
         for (sum, (name, value)) in sums.iter_mut().zip(scores) {
             *sum += if name == "bias_rel" { value * value } else { value };
         }
@@ -293,12 +302,12 @@ fn the_noise_floor_is_what_an_exact_test_scores() {
 fn an_exact_reference_has_no_floor() {
     let [_, reference] = noisy_pair(5, 5);
     let zero = RgbImage::filled(5, 5, [0.0; 3]);
-    for (name, floor) in noise_floor(&reference, &zero, &whole(&zero)).unwrap() {
+    for (name, floor) in noise_floor(&reference, &zero, &whole(&zero), Epsilon::ABSOLUTE).unwrap() {
         let is_linear = metric(name).unwrap().description().space == Space::Linear;
         assert_eq!(floor, is_linear.then_some(0.0), "{name}");
     }
     let negative = RgbImage::filled(5, 5, [-1e-3; 3]);
-    assert!(ReferenceNoise::new(&reference, &negative, &whole(&zero)).is_err());
+    assert!(ReferenceNoise::new(&reference, &negative, &whole(&zero), Epsilon::ABSOLUTE).is_err());
 }
 
 #[test]
@@ -333,9 +342,10 @@ fn the_list_is_well_formed() {
 fn scores_do_not_depend_on_order_of_evaluation() {
     let [test, reference] = noisy_pair(20, 20);
     let mask = whole(&test);
-    let all = Comparison::new(&test, &reference, &mask, LINEAR_CURVE).unwrap().evaluate_all();
+    let all = Comparison::new(&test, &reference, &mask, LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap().evaluate_all();
     for metric in METRICS {
-        let alone = Comparison::new(&test, &reference, &mask, LINEAR_CURVE).unwrap().evaluate(&[*metric])[0];
+        let alone =
+            Comparison::new(&test, &reference, &mask, LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap().evaluate(&[*metric])[0];
         assert!(all.contains(&alone), "{alone:?}");
     }
 }
@@ -355,7 +365,7 @@ fn repeated_images_give_back_the_bias_and_variance_they_were_made_with() {
     let reference = RgbImage::from_fn(width, height, |_, _| [0, 1, 2].map(|_| (truth + 0.02 * normal()) as f32));
     let standard_error = RgbImage::filled(width, height, [0.02; 3]);
     let mut repeats = Repeats::new(&mask).unwrap();
-    assert_eq!(repeats.finish(&reference, None).unwrap(), None);
+    assert_eq!(repeats.finish(&reference, None, Epsilon::ABSOLUTE).unwrap(), None);
     for _ in 0..16 {
         let mut image =
             RgbImage::from_fn(width, height, |_, _| [0, 1, 2].map(|_| (1.05 * truth + 0.1 * normal()) as f32));
@@ -363,14 +373,53 @@ fn repeated_images_give_back_the_bias_and_variance_they_were_made_with() {
         image.data[0] = [f32::NAN; 3];
         repeats.add(&image).unwrap();
     }
-    let found = repeats.finish(&reference, Some(&standard_error)).unwrap().unwrap();
+    let found = repeats.finish(&reference, Some(&standard_error), Epsilon::ABSOLUTE).unwrap().unwrap();
     // 12,096 values: the variance of one image is known within 1 % (two sigma), the bias within 1 %.
     assert!((found.var_hat / 0.01 - 1.0).abs() < 0.01, "{found:?}");
     assert!((found.bias2_hat / 0.01 - 1.0).abs() < 0.02, "{found:?}");
-    let scale = truth * truth + EPSILON;
+    let scale = truth * truth + Epsilon::SHARE;
     assert!((found.relative_var_hat * scale / found.var_hat - 1.0).abs() < 0.01, "{found:?}");
     assert!((found.relative_bias2_hat * scale / found.bias2_hat - 1.0).abs() < 0.01, "{found:?}");
     // Without the corrections the square of the bias would read 0.01 + 0.01 / 16 + 0.0004.
-    let uncorrected = repeats.finish(&reference, None).unwrap().unwrap().bias2_hat;
+    let uncorrected = repeats.finish(&reference, None, Epsilon::ABSOLUTE).unwrap().unwrap().bias2_hat;
     assert!((uncorrected - found.bias2_hat - 0.0004).abs() < 1e-6);
+}
+
+#[test]
+fn the_unit_of_radiance_changes_no_relative_metric() {
+    let [test, reference] = noisy_pair(40, 30);
+    let (standard_error, mask) = (reference.map(|pixel| pixel.map(|value| 0.01 * value + 1e-3)), whole(&test));
+    let scores = |unit: f32, mean: f64| {
+        let scaled = |image: &RgbImage| image.map(|pixel| pixel.map(|value| unit * value));
+        let [test, reference, standard_error] = [&test, &reference, &standard_error].map(scaled);
+        let epsilon = Epsilon::of_light(f64::from(unit) * mean);
+        let comparison = Comparison::new(&test, &reference, &mask, LINEAR_CURVE, epsilon).unwrap();
+        let mut repeats = Repeats::new(&mask).unwrap();
+        [&test, &reference].into_iter().for_each(|image| repeats.add(image).unwrap());
+        let parts = repeats.finish(&reference, Some(&standard_error), epsilon).unwrap().unwrap();
+        let floors = noise_floor(&reference, &standard_error, &mask, epsilon).unwrap().into_iter();
+        let floors = floors.filter_map(|(name, floor)| Some((format!("{name} floor"), floor?)));
+        let maps = [comparison.relative_error_map(), comparison.signed_error_map()];
+        let maps = maps.map(|map| ("map".to_owned(), map.data.iter().map(|x| f64::from(*x).powi(2)).sum()));
+        let parts = [("variance", parts.relative_var_hat), ("bias", parts.relative_bias2_hat)];
+        let own = comparison.evaluate_linear().into_iter().chain(parts).map(|(name, score)| (name.to_owned(), score));
+        own.chain(floors).chain(maps).collect::<Vec<(String, f64)>>()
+    };
+    for mean in [0.17, 2.2] {
+        for unit in [1e-3, 1e3] {
+            for ((name, plain), (_, other)) in scores(1.0, mean).into_iter().zip(scores(unit, mean)) {
+                let has_unit = ["rmse", "mae", "relmse_absolute"].contains(&name.trim_end_matches(" floor"));
+                let change = (other / plain - 1.0).abs();
+                assert!(if has_unit { change > 0.02 } else { change < 1e-5 }, "{name}: {plain} and {other} at {unit}");
+            }
+        }
+    }
+    // Under light of mean luminance 1 both are one; under a black map, too.
+    let of = |mean, name| {
+        let comparison = Comparison::new(&test, &reference, &mask, LINEAR_CURVE, Epsilon::of_light(mean)).unwrap();
+        comparison.evaluate(&[metric(name).unwrap()])[0].1
+    };
+    assert_eq!(of(1.0, "relmse"), of(5.0, "relmse_absolute"));
+    assert_eq!(of(0.0, "relmse"), of(1.0, "relmse"));
+    assert!(of(0.1, "relmse") > of(1.0, "relmse") && of(1.0, "relmse") > of(5.0, "relmse"));
 }

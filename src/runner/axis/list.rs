@@ -4,6 +4,7 @@
 
 use super::{Axis, Part, Sheet, Spelling, Symbol, Used, diffuse, method};
 use crate::brdf::{self, MaskingShadowing};
+use crate::environment::Placement;
 use crate::environment::layout::{LAYOUTS, layout_by_name};
 use crate::math::sequence::{SEQUENCES, sequence_by_name};
 use crate::precompute::prefilter::level_bias::LEVEL_BIASES;
@@ -250,14 +251,26 @@ const LIST: &[Axis] = &[
         ..PLAIN
     },
     Axis {
+        name: "environment_orientation",
+        about: "turns the map before environment_rotation_deg does: 0 leaves it as the file has it, k > 0 is the k-th of a fixed set of \
+                rotations that fills SO(3) evenly",
+        plural: "orientations",
+        symbol: Symbol::Before("orientation"),
+        flag: Some("orientation"),
+        kind: Kind::Count { min: 0, max: Placement::ORIENTATION_MAX },
+        default: || Value::Count(0),
+        apply: |s, v| s.placement.orientation = v.count(),
+        ..PLAIN
+    },
+    Axis {
         name: "environment_rotation_deg",
-        about: "turns the environment about +y",
+        about: "turns the environment about +y in the world, after environment_orientation",
         plural: "rotations",
         symbol: Symbol::After("deg", "degrees"),
         flag: Some("rotate"),
         kind: Kind::Number(Range::closed(-360.0, 360.0)),
         default: || Value::Number(0.0),
-        apply: |s, v| s.environment_rotation_deg = v.number(),
+        apply: |s, v| s.placement.rotation_deg = v.number(),
         ..PLAIN
     },
     Axis {
@@ -496,6 +509,7 @@ indices! {
     EXPOSURE = "exposure";
     CONTRAST = "contrast";
     ENVIRONMENT_CLIP = "environment_clip_log2";
+    ENVIRONMENT_ORIENTATION = "environment_orientation";
     ENVIRONMENT_ROTATION = "environment_rotation_deg";
     ENVIRONMENT_SCALE = "environment_scale";
     F0 = "f0";

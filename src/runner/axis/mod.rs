@@ -9,8 +9,8 @@ pub use named::{Named, Spelling};
 
 use super::value::{Kind, Value};
 use crate::brdf::{self, MaskingShadowing};
-use crate::environment::Environment;
 use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
+use crate::environment::{Environment, Placement};
 use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pipeline::RenderRequest;
 use crate::precompute::PrecomputeSettings;
@@ -29,7 +29,7 @@ pub struct Settings {
     pub environment: String,
     /// Radiance above 2 to this power is cut off, in the reference too.
     pub environment_clip_log2: Option<f64>,
-    pub environment_rotation_deg: f64,
+    pub placement: Placement,
     pub environment_scale: f32,
     /// A scene's name or a path.
     pub scene: String,
@@ -67,7 +67,7 @@ impl Settings {
         let scene = Arc::new(scene.apply(&self.material));
         RenderRequest {
             environment: environment.clone(),
-            environment_rotation_deg: self.environment_rotation_deg,
+            placement: self.placement,
             environment_scale: self.environment_scale,
             camera: Camera::for_scene(view.camera, &scene, self.size),
             scene,
@@ -367,7 +367,7 @@ impl Point {
             size: [1, 1],
             environment: String::new(),
             environment_clip_log2: None,
-            environment_rotation_deg: 0.0,
+            placement: Placement::default(),
             environment_scale: 1.0,
             scene: String::new(),
             material: MaterialOverride::default(),

@@ -150,7 +150,7 @@ impl<'p> Run<'p> {
         for set in 1..=repeats {
             images.add(&self.render(point, set, renderer)?.radiance)?;
         }
-        let parts = images.finish(&reference.radiance, reference.standard_error.as_ref())?;
+        let parts = images.finish(&reference.radiance, reference.standard_error.as_ref(), reference.epsilon)?;
         spent.add(|spent| &mut spent.image_ms, &FrameTimings::default(), milliseconds(started));
         Ok((frame, parts))
     }
@@ -179,7 +179,7 @@ impl<'p> Run<'p> {
         let request = self.plan.reference_request(point);
         let stop = self.store.reference(id)?;
         if self.is_as_recorded(id, &name, &path)?
-            && let Some(reference) = ReferenceImage::read(&path, request.size, request.has_reference_term(), stop)
+            && let Some(reference) = ReferenceImage::read(&path, &request, stop)
         {
             self.references_read += 1;
             return Ok(reference);
@@ -190,7 +190,7 @@ impl<'p> Run<'p> {
         if !frame.timings.frame.is_empty() {
             spent.add(|spent| &mut spent.reference_ms, &frame.timings, milliseconds(started));
         }
-        let reference = ReferenceImage::of_frame(frame, request.reference_error);
+        let reference = ReferenceImage::of_frame(frame, &request);
         if let Some(stop) = &reference.stop {
             self.store.write_reference(id, stop)?;
         }

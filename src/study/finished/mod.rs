@@ -8,11 +8,12 @@ mod read;
 pub use notes::notes;
 pub use read::{FinishedError, provenance};
 
-use crate::metrics::METRICS;
-use crate::runner::axis::{AXES, Point};
+use crate::metrics::{Epsilon, METRICS};
+use crate::runner::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP, ENVIRONMENT_SCALE, Point};
 use crate::runner::config::Config;
 use crate::runner::store::{FailureRecord, StopReason};
 use crate::runner::timing::TimingRecord;
+use crate::runner::value::Value;
 use serde_json::Value as Json;
 use std::path::PathBuf;
 
@@ -123,6 +124,18 @@ impl Finished {
         format!("/sessions/{}", count.saturating_sub(1))
     }
 
+    /// The light of a point; `None` where the run has no table of lights.
+    pub fn light(&self, point: &Point) -> Option<&Light> {
+        let texts = [ENVIRONMENT, ENVIRONMENT_CLIP].map(|axis| point[axis].to_string());
+        self.lights.iter().find(|light| [&light.environment, &light.clip_log2] == [&texts[0], &texts[1]])
+    }
+
+    /// That of relative errors in the light of a point.
+    pub fn epsilon(&self, point: &Point) -> Epsilon {
+        let scale = if let Value::Number(scale) = point[ENVIRONMENT_SCALE] { scale } else { 1.0 };
+        self.light(point).map_or(Epsilon::ABSOLUTE, |light| Epsilon::of_light(light.mean * scale))
+    }
+
     /// Every device that did work, with its driver, each once.
     pub fn devices(&self) -> Vec<String> {
         let mut devices: Vec<String> = Vec::new();
@@ -159,7 +172,7 @@ fn point_of(text: impl Fn(&'static str) -> Option<String>) -> Point {
         AXES.iter()
             .map(|axis| {
                 let text = text(axis.name).filter(|text| !text.is_empty());
-                text.and_then(|text| axis.kind.parse_text(&text).ok()).unwrap_or(crate::runner::value::Value::Unset)
+                text.and_then(|text| axis.kind.parse_text(&text).ok()).unwrap_or(Value::Unset)
             })
             .collect(),
     )

@@ -289,16 +289,12 @@ pub fn size_of(value: &Value) -> Option<f64> {
 
 /// The cells with each distinct image once. Of equal images the first with a score stands for all.
 fn distinct(run: &Finished) -> Vec<Row<'_>> {
-    let light_of = |point: &Point| {
-        let texts = [ENVIRONMENT, ENVIRONMENT_CLIP].map(|axis| point[axis].to_string());
-        run.lights.iter().find(|light| [&light.environment, &light.clip_log2] == [&texts[0], &texts[1]])
-    };
     // Two clips above the peak leave the same light: the first stands for both.
     let mut clips: HashMap<(Value, [u64; 2]), Value> = HashMap::new();
     let mut places: HashMap<Key, usize> = HashMap::new();
     let mut rows: Vec<Row> = Vec::new();
     for cell in &run.cells {
-        let light = light_of(&cell.point);
+        let light = run.light(&cell.point);
         // What only lights use is unset already where there are none.
         // Without its methods nothing is known of what reaches the pixels.
         let is_whole = [METHOD, DIFFUSE_METHOD].iter().all(|&axis| cell.point[axis] != Value::Unset);

@@ -2,7 +2,7 @@
 //! Images are never reduced: averaging texels would hide noise.
 
 use super::told::Told;
-use crate::metrics::Comparison;
+use crate::metrics::{Comparison, Epsilon};
 use crate::pixels::packed;
 use crate::pixels::{Decoded, GrayImage, RgbImage, exr};
 use crate::runner::value::Value;
@@ -54,6 +54,8 @@ pub struct EmbeddedImage {
     pub file: String,
     /// Index of the reference's image; its own for a reference.
     pub reference: usize,
+    /// [`Epsilon::mean`] of its light.
+    pub light_mean: f64,
     /// Full size in texels.
     pub size: [u32; 2],
     /// What is embedded; `None` when nothing is.
@@ -151,20 +153,27 @@ impl ImageSet {
     fn list(runs: &[Told]) -> Self {
         let mut set = Self::default();
         for (run, told) in runs.iter().enumerate() {
-            for files in told.finished.cells.iter().filter_map(|cell| cell.images.as_ref()) {
-                let reference = set.add(run, &files.reference, None);
-                set.add(run, &files.radiance, Some(reference));
+            for cell in &told.finished.cells {
+                let (Some(files), light) = (&cell.images, told.finished.epsilon(&cell.point)) else { continue };
+                let reference = set.add(run, &files.reference, None, light);
+                set.add(run, &files.radiance, Some(reference), light);
             }
         }
         set
     }
 
-    fn add(&mut self, run: usize, file: &str, reference: Option<usize>) -> usize {
+    fn add(&mut self, run: usize, file: &str, reference: Option<usize>, light: Epsilon) -> usize {
         let next = self.images.len();
         let index = *self.index.entry((run, file.to_owned())).or_insert(next);
         if index == next {
             let (file, reference) = (file.to_owned(), reference.unwrap_or(next));
-            self.images.push(EmbeddedImage { run, file, reference, ..EmbeddedImage::default() });
+            self.images.push(EmbeddedImage {
+                run,
+                file,
+                reference,
+                light_mean: light.mean(),
+                ..EmbeddedImage::default()
+            });
         }
         index
     }
@@ -286,11 +295,11 @@ impl ImageSet {
         let truth = read_image(runs, &self.images[reference]).ok()?;
         let [width, height] = [truth.rgb.width, truth.rgb.height];
         let window = Window { x: 0, y: 0, width: side.min(width), height: side.min(height) };
-        let mask = mask_of(&truth);
+        let (mask, epsilon) = (mask_of(&truth), Epsilon::of_light(self.images[reference].light_mean));
         let mut errors = vec![0.0; (width * height) as usize];
         let tests = (0..self.images.len()).filter(|&i| i != reference && self.images[i].reference == reference);
         for test in tests.filter_map(|i| read_image(runs, &self.images[i]).ok()) {
-            if let Ok(comparison) = Comparison::new(&test.rgb, &truth.rgb, &mask, ToneCurve::default()) {
+            if let Ok(comparison) = Comparison::new(&test.rgb, &truth.rgb, &mask, ToneCurve::default(), epsilon) {
                 let map = comparison.relative_error_map();
                 errors.iter_mut().zip(&map.data).for_each(|(sum, error)| *sum += error);
             }

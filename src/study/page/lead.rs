@@ -40,7 +40,8 @@ pub fn pictures(told: &Told, frame: &Frame, lead: Option<usize>, axes: &[PageAxi
     if !is_radiance(&own.rgb) || !is_radiance(&reference.rgb) {
         return None;
     }
-    let comparison = Comparison::new(&own.rgb, &reference.rgb, &mask, curve).ok()?;
+    let comparison =
+        Comparison::new(&own.rgb, &reference.rgb, &mask, curve, told.finished.epsilon(&row.cell.point)).ok()?;
     let map = RELATIVE_ERROR.image(&comparison.relative_error_map(), &mask);
     let [lo, .., hi] = RELATIVE_ERROR.ticks()[..] else { return None };
     let method = words(row, axes, Role::Variant);

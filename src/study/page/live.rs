@@ -3,13 +3,17 @@
 //! The tables go into the page as the run packed them. Where they are too large, the finest level of an environment goes first.
 
 use super::told::Told;
+use crate::environment::orientation;
 use crate::files::read_regular;
 use crate::glsl::constants;
+use crate::runner::axis::ENVIRONMENT_ORIENTATION;
 use crate::runner::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord};
 use crate::runner::live_model::{self, LiveModel};
+use crate::runner::value::Value;
 use crate::scene::Projection;
 use crate::scene::camera::PERSPECTIVE_FOV_DEG;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// Bytes of base64 that the tables of a page may take.
 pub const BUDGET_BYTES: usize = 4 << 20;
@@ -22,6 +26,8 @@ const FILE_BYTES_MAX: u64 = 64 << 20;
 pub struct Light {
     pub environments: Vec<LiveEnvironment>,
     pub lobes: Vec<LiveLobe>,
+    /// Those of the runs' cells; 0 where they have none.
+    pub orientations: Vec<Orientation>,
     /// Names of the maskings in the order of the shaders' constants.
     pub masking_names: Vec<&'static str>,
     /// At least one, if there are environments.
@@ -32,6 +38,26 @@ pub struct Light {
     pub alpha_min: f32,
     /// What is missing and why, one sentence each.
     pub notes: Vec<String>,
+}
+
+/// An `environment_orientation` with the columns of its rotation.
+#[derive(Debug, Serialize)]
+pub struct Orientation {
+    pub k: u32,
+    pub columns: [[f64; 3]; 3],
+}
+
+impl Orientation {
+    fn all(runs: &[Told]) -> Vec<Self> {
+        let cells = runs.iter().flat_map(|run| &run.finished.cells);
+        let of_cells = cells.filter_map(|cell| match cell.point[ENVIRONMENT_ORIENTATION] {
+            Value::Count(k) => Some(k),
+            _ => None,
+        });
+        let all: BTreeSet<u32> = of_cells.collect();
+        let all = if all.is_empty() { BTreeSet::from([0]) } else { all };
+        all.into_iter().map(|k| Self { k, columns: orientation(k).to_cols_array_2d() }).collect()
+    }
 }
 
 impl Light {
@@ -53,6 +79,7 @@ impl Light {
         let mut light = Self {
             environments: Vec::new(),
             lobes: Vec::new(),
+            orientations: Orientation::all(runs),
             masking_names: crate::brdf::MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect(),
             models: Vec::new(),
             fov_deg: PERSPECTIVE_FOV_DEG,

@@ -115,7 +115,7 @@ fn sentence(frame: &Frame, all: &[Place]) -> Option<String> {
         1 => String::new(),
         n => format!(", the median of {}", count(n, "image", "images")),
     };
-    let turns = [ENVIRONMENT_ROTATION, SCENE].iter().any(|of| frame.shape.is_swept(*of));
+    let turns = [ENVIRONMENT_ORIENTATION, ENVIRONMENT_ROTATION, SCENE].iter().any(|of| frame.shape.is_swept(*of));
     let (view, end) = match turns {
         true => ("In these views", ""),
         false => (

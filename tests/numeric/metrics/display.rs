@@ -109,7 +109,9 @@ fn flip_equals_the_authors_program_pixel_by_pixel() {
         let radiance = |image: &Codes| image.map(|pixel| pixel.map(radiance_of_code));
         let (linear_test, linear_reference) = (radiance(&test), radiance(&reference));
         let mask = whole(&linear_test);
-        let comparison = Comparison::new(&linear_test, &linear_reference, &mask, LINEAR_CURVE).unwrap();
+        let comparison =
+            Comparison::new(&linear_test, &linear_reference, &mask, LINEAR_CURVE, splitsum::metrics::Epsilon::ABSOLUTE)
+                .unwrap();
         let expected = map_of_the_authors(&codes(&test), &codes(&reference));
         for (pixel, (found, expected)) in comparison.flip_map().data.iter().zip(expected).enumerate() {
             assert!((found - expected).abs() < 2e-4, "{width}x{height}, pixel {pixel}: {found} instead of {expected}");

@@ -105,6 +105,19 @@ fn a_parameter_is_fixed_or_swept_but_not_both_and_some_keys_must_be() {
 }
 
 #[test]
+fn an_orientation_is_one_of_the_set() {
+    let text = "name = \"x\"\n[axes]\nenvironment_orientation = [0, 4095, 4096, -1, 1.5]\n";
+    assert_faults(
+        &faults(text, &[]),
+        &[
+            "e.toml:3:37: axes.environment_orientation: 4096 is outside [0, 4095]",
+            "e.toml:3:43: axes.environment_orientation: -1 is outside [0, 4095]",
+            "e.toml:3:47: axes.environment_orientation: 1.5 is not a whole number in [0, 4095]",
+        ],
+    );
+}
+
+#[test]
 fn numbers_that_are_not_finite_are_outside_every_range() {
     let text = "name = \"x\"\n[axes]\nalpha = [nan]\nexposure = [inf]\nenvironment_scale = [-inf]\n";
     assert_faults(

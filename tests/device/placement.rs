@@ -1,0 +1,157 @@
+//! Where the light stands: a map that is turned lights as the turned map does, whatever computes it.
+//!
+//! World from map is `Ry(rotation) R_k`, written here by hand: no place may take one of the two, transpose them, or turn them about.
+
+use crate::compare::{Worst, relative};
+use crate::harness::{golden_environment, lobe_sphere, request, scene, with_pipeline};
+use crate::methods::{EXACT, Sight, radiance, sights};
+use glam::{DMat3, DVec2, DVec3};
+use splitsum::brdf::reflect;
+use splitsum::environment::{Environment, Placement, orientation};
+use splitsum::math::equirect::direction_from_uv;
+use splitsum::pipeline::RenderRequest;
+use splitsum::pixels::RgbImage;
+use splitsum::precompute::exact_quadrature;
+use splitsum::scene::{CameraKind, MaterialOverride};
+use splitsum::shade::reference::{Surface, integrate_all};
+use splitsum::shade::{METHODS, diffuse_by_name, method_by_name};
+use std::sync::Arc;
+
+const PLACEMENTS: [Placement; 4] = [
+    Placement { orientation: 1, rotation_deg: 0.0 },
+    Placement { orientation: 0, rotation_deg: -70.0 },
+    Placement { orientation: 6, rotation_deg: 50.0 },
+    Placement { orientation: Placement::ORIENTATION_MAX, rotation_deg: 200.0 },
+];
+
+fn world_from_map(placement: Placement) -> DMat3 {
+    DMat3::from_rotation_y(placement.rotation_deg.to_radians()) * orientation(placement.orientation)
+}
+
+/// Gradients of the channels of [`linear_environment`].
+const GRADIENTS: [DVec3; 3] = [DVec3::new(0.5, 0.3, -0.1), DVec3::new(-0.2, 0.6, 0.1), DVec3::new(0.1, 0.2, 0.6)];
+
+/// `1 + g·d` in each channel.
+fn linear_environment() -> Arc<Environment> {
+    let image = RgbImage::from_fn(256, 128, |x, y| {
+        let d = direction_from_uv(DVec2::new((f64::from(x) + 0.5) / 256.0, (f64::from(y) + 0.5) / 128.0));
+        GRADIENTS.map(|g| (1.0 + g.dot(d)) as f32)
+    });
+    Arc::new(Environment::from_image("linear", image))
+}
+
+/// `1 + share g·d` of the turned map, for a direction in the world.
+fn linear(placement: Placement, share: f64, d: DVec3) -> DVec3 {
+    DVec3::from_array(GRADIENTS.map(|g| 1.0 + share * (world_from_map(placement) * g).dot(d)))
+}
+
+/// The surfaces in the frame of the world.
+fn world_sights(request: &RenderRequest, step: usize) -> Vec<Sight> {
+    sights(&RenderRequest { placement: Placement::default(), ..request.clone() }, step)
+}
+
+#[test]
+fn a_linear_map_lights_by_its_turned_gradient() {
+    with_pipeline(|pipeline| {
+        let environment = linear_environment();
+        let white = || scene("sphere", MaterialOverride { albedo: Some([1.0; 3]), ..MaterialOverride::default() });
+        for placement in PLACEMENTS {
+            let of = |scene| RenderRequest {
+                placement,
+                reference_samples: 16384,
+                ..request(&environment, scene, CameraKind::Perspective, [12, 12])
+            };
+            // A lobe of 0.002 radians is a mirror; the lookups' error is that of narrow_lobes_are_mirrors.
+            for method in METHODS.iter().filter(|method| !["none", "seed0-literal"].contains(&method.name)) {
+                let request = RenderRequest { method, ..of(lobe_sphere(0.001)) };
+                let frame = pipeline.render(&request).unwrap();
+                let mut worst = Worst::new(format!("{} as a mirror, {placement:?}", method.name), relative(5e-3));
+                for sight in world_sights(&request, 5) {
+                    let expected = linear(placement, 1.0, reflect(sight.surface.v, sight.surface.n));
+                    worst.add_rgb(radiance(&frame, sight.pixel), expected, || format!("{:?}", sight.pixel));
+                }
+                worst.check();
+            }
+            // Irradiance over pi of a linear map: two thirds of the gradient. 5e-3: the texels of the map, the noise of the reference.
+            for diffuse in ["sh9", "irradiance-map", "reference"] {
+                let (method, diffuse) = (method_by_name("none").unwrap(), diffuse_by_name(diffuse).unwrap());
+                let request = RenderRequest { method, diffuse, ..of(white()) };
+                let frame = pipeline.render(&request).unwrap();
+                let mut worst = Worst::new(format!("{} of a linear map, {placement:?}", diffuse.name), relative(5e-3));
+                for sight in world_sights(&request, 5) {
+                    let expected = linear(placement, 2.0 / 3.0, sight.surface.n);
+                    worst.add_rgb(radiance(&frame, sight.pixel), expected, || format!("{:?}", sight.pixel));
+                }
+                worst.check();
+            }
+        }
+    });
+}
+
+#[test]
+fn the_background_shows_the_turned_map() {
+    with_pipeline(|pipeline| {
+        let (environment, method) = (golden_environment(), method_by_name("none").unwrap());
+        for (placement, kind) in
+            PLACEMENTS.into_iter().flat_map(|p| CameraKind::ALL.iter().map(move |(_, kind)| (p, *kind)))
+        {
+            let own = RenderRequest {
+                method,
+                placement,
+                environment_scale: 2.0,
+                background: true,
+                ..request(&environment, lobe_sphere(0.5), kind, [40, 24])
+            };
+            let frame = pipeline.render(&own).unwrap();
+            // 1.5e-7 of the map's width is 1e-4 texels.
+            let mut worst = Worst::new(format!("background {kind:?} {placement:?}"), relative(1e-4));
+            for (x, y) in
+                (0..24).flat_map(|y| (0..40).map(move |x| (x, y))).filter(|(x, y)| frame.mask.get(*x, *y) == 0.0)
+            {
+                let (_, direction) = own.camera.ray(x, y, own.size);
+                let expected = 2.0 * environment.radiance(world_from_map(placement).transpose() * direction);
+                worst.add_rgb(radiance(&frame, [x, y]), expected, || format!("{x} {y}"));
+            }
+            worst.check();
+        }
+    });
+}
+
+#[test]
+fn the_reference_of_turned_lamps_meets_the_oracle_at_turned_surfaces() {
+    with_pipeline(|pipeline| {
+        let lamps = [([9, 3], [40.0, 5.0, 1.0]), ([20, 11], [1.0, 30.0, 60.0])];
+        let lamp = |x, y| lamps.iter().find(|(at, _)| *at == [x, y]).map_or([0.1; 3], |(_, radiance)| *radiance);
+        let environment = Arc::new(Environment::from_image("lamps", RgbImage::from_fn(32, 16, lamp)));
+        let exact = exact_quadrature(&environment.image);
+        for placement in PLACEMENTS {
+            let own = RenderRequest {
+                method: method_by_name("reference").unwrap(),
+                placement,
+                reference_samples: 16384,
+                ..request(&environment, lobe_sphere(0.3), CameraKind::Perspective, [12, 12])
+            };
+            let frame = pipeline.render(&own).unwrap();
+            let map_from_world = world_from_map(placement).transpose();
+            let sights = world_sights(&own, 7);
+            let turned = sights.iter().map(|sight| {
+                let Surface { n, v, .. } = sight.surface;
+                Surface { n: map_from_world * n, v: map_from_world * v, ..sight.surface }
+            });
+            for (sight, answer) in sights.iter().zip(integrate_all(&exact, &turned.collect::<Vec<_>>(), EXACT)) {
+                let [x, y] = sight.pixel;
+                let (expected, sigma) = (answer.specular.value, frame.standard_error.as_ref().unwrap().get(x, y));
+                let off = radiance(&frame, sight.pixel) - expected;
+                for c in 0..3 {
+                    let sigma = f64::from(sigma[c]);
+                    assert!(sigma < 0.05 * expected[c], "{placement:?} {x} {y}: {sigma} of {expected} says nothing");
+                    // Of 16 scrambles the error is itself uncertain, hence 6 sigma; 1e-4: the oracle's tolerance.
+                    assert!(
+                        off[c].abs() < 6.0 * sigma + 1e-4 * expected[c],
+                        "{placement:?} {x} {y}: {off}, sigma {sigma}"
+                    );
+                }
+            }
+        }
+    });
+}
