@@ -185,7 +185,7 @@ fn a_run_extended_ends_like_one_of_the_larger_plan() {
     assert_ends(
         &splitsum(dir.path(), &[part.as_slice(), &["--extend"]].concat()),
         2,
-        &["of its 24 cells 18 would not be in the tables"],
+        &["Of its 24 cells 18 would not be in the tables"],
     );
     // The experiment that the run keeps is run again from another folder, to the same bytes.
     let elsewhere = tempfile::tempdir().unwrap();

@@ -9,7 +9,7 @@ pub use notes::notes;
 pub use read::{FinishedError, provenance};
 
 use crate::metrics::METRICS;
-use crate::runner::axis::{AXES, Point};
+use crate::runner::axis::{AXES, Point, SCENE};
 use crate::runner::config::Config;
 use crate::runner::store::{FailureRecord, StopReason};
 use crate::runner::timing::TimingRecord;
@@ -145,6 +145,11 @@ impl Finished {
     pub fn under_way_note(&self) -> Option<String> {
         let planned = self.provenance["cell_count"].as_u64().filter(|_| self.is_under_way)?;
         Some(format!("{}: under way: {} of {planned} cells", self.dir.display(), self.cells.len()))
+    }
+
+    /// Whether images are pictures; those of a design mean nothing to a reader.
+    pub fn has_pictures(&self) -> bool {
+        self.cells.iter().any(|cell| !crate::scene::is_design(&cell.point[SCENE].to_string()))
     }
 
     /// Whether times come from a driver that computes on the CPU.

@@ -225,20 +225,31 @@ pub fn by<'r, 'f>(rows: &[&'r Row<'f>], axes: &[usize]) -> Vec<(Key, Vec<&'r Row
 }
 
 /// Each row with another value on an axis beside the row that has the base there and agrees on all other axes. An axis that one of the two
-/// does not use stands at its default in the other; sample counts must be equal.
+/// does not use stands at its default in the other, or at its first value where the default was not run; sample counts must be equal.
 pub fn pair<'r, 'f>(rows: &[&'r Row<'f>], axis: usize, base: &Value) -> Vec<(&'r Row<'f>, &'r Row<'f>)> {
-    let usual: Vec<Value> = AXES.iter().map(|axis| (axis.default)()).collect();
+    let run: Vec<Vec<Value>> = (0..AXES.len()).map(|of| distinct_in_order(set_values(rows, of))).collect();
+    let usual = |of: usize, row: &Row| {
+        let default = row.point.default_of(of);
+        if run[of].contains(&default) { Some(default) } else { run[of].first().cloned() }
+    };
     let agrees = |a: &Row, b: &Row| {
         (0..AXES.len()).all(|i| {
             let (x, y) = (&a.point.0[i], &b.point.0[i]);
             let may_default = AXES[i].part != Part::Count;
-            let stands_for = |unset: &Value, set: &Value| may_default && *unset == Value::Unset && *set == usual[i];
-            i == axis || !AXES[i].changes_radiance() || x == y || stands_for(x, y) || stands_for(y, x)
+            let stands_for = |unset: &Value, of: &Row| {
+                may_default && *unset == Value::Unset && usual(i, of) == Some(of.point.0[i].clone())
+            };
+            i == axis || !AXES[i].changes_radiance() || x == y || stands_for(x, b) || stands_for(y, a)
         })
     };
     let bases: Vec<&&Row> = rows.iter().filter(|row| row.point.0[axis] == *base).collect();
     let others = rows.iter().filter(|row| row.point.0[axis] != *base && row.point.0[axis] != Value::Unset);
     others.filter_map(|row| Some((*row, **bases.iter().find(|other| agrees(row, other))?))).collect()
+}
+
+/// The values of rows on an axis, without the unset ones.
+fn set_values(rows: &[&Row], axis: usize) -> Vec<Value> {
+    rows.iter().map(|row| row.point.0[axis].clone()).filter(|value| *value != Value::Unset).collect()
 }
 
 /// Each value once, in the order of its first appearance.

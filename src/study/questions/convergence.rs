@@ -122,7 +122,13 @@ fn sentence(frame: &Frame, axes: &[usize], falls: &[&Fall]) -> Option<String> {
     let from = stopping.iter().filter_map(|fall| fall.stops_at).min();
     let end = match (from, lights(falls)) {
         (None, _) => doublings.scope(axes),
-        (Some(least), 1) => format!(" It stops falling at {}.", count(least as usize, "sample", "samples")),
+        (Some(least), 1) => {
+            let samples = count(least as usize, "sample", "samples");
+            let at = values(stopping.iter().map(|fall| fall.curve.first()), ALPHA);
+            let at: Vec<String> = at.iter().map(|alpha| short(ALPHA, alpha)).collect();
+            let at = if frame.shape.is_swept(ALPHA) { format!(" at alpha {}", listed(&at)) } else { String::new() };
+            format!(" It stops falling{at}, from {samples} on.")
+        }
         (Some(least), n) => {
             let (stopping, plural) = (lights(&stopping), AXES[ENVIRONMENT].plural);
             format!(" Under {stopping} of {n} {plural} it stops falling, from {least} samples on.")

@@ -134,7 +134,9 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
     let among = format!("Of {} {}", tried + 1, AXES[of.axis].plural);
     match tried {
         1 => format!("{name} has **{times} times** the `{metric}` of {base}{wins}."),
-        _ if ratio.value < 1.0 => format!("{among} {name} errs least: it has {times} times the `{metric}` of {base}{wins}."),
+        _ if ratio.value < 1.0 => {
+            format!("{among} {name} errs least: it has {times} times the `{metric}` of {base}{wins}.")
+        }
         _ => format!("{among} the base {base} errs least; the next, {name}, has {times} times its `{metric}`."),
     }
 }

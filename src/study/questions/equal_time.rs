@@ -29,7 +29,7 @@ pub const QUESTION: Question = Question {
             "Count whose frame takes as long; 0 below the least tried, inf above the most.",
         ),
         column("samples_at_equal_time_lo", "Lower end of its 95 % interval over rounds."),
-        column("samples_at_equal_time_hi", "Upper end of that interval."),
+        column("samples_at_equal_time_hi", super::UPPER),
         column("error_ratio", "Error at that count over that of the other; empty outside the tried counts."),
         column("samples_at_equal_error", "Count with the other's error, interpolated; empty outside the tried counts."),
     ],

@@ -18,7 +18,7 @@ pub const QUESTION: Question = Question {
         column("n", "Environments behind the error."),
         column("error", "Median over environments of the error over the bin's pixels, in the metric of the question."),
         column("error_lo", "Lower end of its 95 % interval over environments; empty below six environments."),
-        column("error_hi", "Upper end of that interval."),
+        column("error_hi", super::UPPER),
     ],
     uses_times: false,
     lacks,

@@ -81,7 +81,10 @@ impl<'r, 'f> Numbers<'r, 'f> {
 
     /// The number at each value of an axis.
     pub fn along(&self, of: usize) -> Along {
-        self.values(of).into_iter().map(|value| (value.clone(), self.at(of, &value).estimate().map_or(f64::NAN, |all| all.value))).collect()
+        self.values(of)
+            .into_iter()
+            .map(|value| (value.clone(), self.at(of, &value).estimate().map_or(f64::NAN, |all| all.value)))
+            .collect()
     }
 
     /// " By alpha it runs from 16 for alpha 0.5 to 64 for alpha 0.05.": the axis, alpha or environment, along which a positive number changes
@@ -149,7 +152,12 @@ pub fn sides(of: usize, groups: &Along) -> [String; 2] {
 
 /// A digest whose rows are groups with their first cells: one column an environment and one over all. Where each group has an interval
 /// over environments, that column stands for theirs, with their range beside it.
-pub fn by_light(frame: &Frame, names: &[&str], rows: &[(Vec<Cell>, Numbers)], words: &dyn Fn(&Estimate) -> String) -> Table {
+pub fn by_light(
+    frame: &Frame,
+    names: &[&str],
+    rows: &[(Vec<Cell>, Numbers)],
+    words: &dyn Fn(&Estimate) -> String,
+) -> Table {
     let lights = values(rows.iter().flat_map(|(_, own)| own.rows()), ENVIRONMENT);
     let of_rows = |(_, own): &(Vec<Cell>, Numbers)| own.pooled(frame).and_then(|all| all.told_interval()).is_some();
     let is_summed = rows.iter().all(of_rows);
