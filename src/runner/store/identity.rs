@@ -150,14 +150,22 @@ impl Store {
         };
         let of_axis = (0..AXES.len()).find_map(|axis| {
             let [there, here] = [set(&mut there(axis)), set(&mut here(axis))];
-            let listed =
-                |values: &BTreeSet<String>| values.iter().map(|text| short_number(text)).collect::<Vec<_>>().join(", ");
+            let listed = |values: &BTreeSet<String>| {
+                let mut values: Vec<_> = values.iter().map(|text| short_number(text)).collect();
+                // Names stand as they are.
+                values.sort_by(|a, b| a.parse::<f64>().unwrap_or(0.0).total_cmp(&b.parse::<f64>().unwrap_or(0.0)));
+                values.join(", ")
+            };
             (there != here).then(|| [AXES[axis].name.to_owned(), listed(&there), listed(&here)])
         });
         let new = provenance::provenance(plan, &self.dir);
         let of_key = || {
             let key = ["seed", "reference", "inputs"].into_iter().find(|key| found[key] != new[key])?;
-            Some([key.to_owned(), found[key].to_string(), new[key].to_string()])
+            let entries = found[key].as_object().into_iter().chain(new[key].as_object()).flat_map(|all| all.keys());
+            let entry = entries.map(String::as_str).find(|entry| found[key][*entry] != new[key][*entry]);
+            let of = |all: &Value| entry.map_or(&all[key], |entry| &all[key][entry]).to_string();
+            let name = entry.map_or(key.to_owned(), |entry| format!("{key}.{entry}"));
+            Some([name, of(found), of(&new)])
         };
         let told = of_axis.or_else(of_key);
         told.map_or_else(String::new, |[what, there, here]| format!(": {what} is {there} there and {here} here"))

@@ -128,7 +128,9 @@ fn conditions(frame: &Frame) -> impl Iterator<Item = usize> {
 fn by_condition<'r, 'f>(frame: &Frame, all: Numbers<'r, 'f>) -> Vec<(Key, Numbers<'r, 'f>)> {
     let part = |groups: Vec<(Key, Numbers<'r, 'f>)>, of: usize| {
         let parts = groups.into_iter().flat_map(|(key, own)| {
-            own.values(of).into_iter().map(move |value| ([&key[..], &[value.clone()]].concat(), own.at(of, &value)))
+            own.values(of)
+                .into_iter()
+                .map(move |value| ([&key[..], std::slice::from_ref(&value)].concat(), own.at(of, &value)))
         });
         parts.collect()
     };

@@ -127,7 +127,8 @@ fn asked(run: &Finished) -> Vec<(&'static Question, Finding)> {
     let name = run.text("/name");
     let answer = |asked: &&'static Question| {
         let finding = (asked.answer)(&frame);
-        assert!(finding.is_some(), "{}: no answer of {name}", asked.name);
+        // The made renderer errs in no diffuse term: a ratio of its errors says nothing.
+        assert!(finding.is_some() || name == "diffuse", "{}: no answer of {name}", asked.name);
         Some((*asked, finding?))
     };
     serves.filter_map(answer).collect()
