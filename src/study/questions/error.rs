@@ -1,7 +1,7 @@
 //! How wrong is each method?
 //!
-//! The error of each method and sample count in each case, in the metric of the question: geometric mean over point sets, and over
-//! environments where several are told as one. For a mean square error such as relmse, 100 sqrt(error) is the root mean square error in percent of the
+//! The error of each method and sample count in each case, in the metric of the question: geometric mean over point sets,
+//! and over environments where several are told as one. For a mean square error such as relmse, 100 sqrt(error) is the root mean square error in percent of the
 //! reference ("rms"): 0.01 is 10 % rms.
 //!
 //! The *leading* method is the first without samples, which is what a renderer ships, else the first that samples, at its largest count.

@@ -104,8 +104,8 @@ impl<'r, 'f> Numbers<'r, 'f> {
         format!(" By {} {subject} runs from {least} to {most}.", AXES[of].name)
     }
 
-    /// The first axis of cases along which a ratio is below 1 here and above it there, with the ratio at each of its values. Environments
-    /// are a sample: where the interval of their mean lies on one side of 1, they agree.
+    /// The first axis of cases along which a ratio is below 1 here and above it there, with the ratio at each of its values.
+    /// Environments are a sample: where the interval of their mean lies on one side of 1, they agree.
     pub fn change_of_sign(&self, frame: &Frame) -> Option<(usize, Along)> {
         let (below, above) = (1.0 / (1.0 + SAME), 1.0 + SAME);
         let told = self.estimate().and_then(|all| all.told_interval());

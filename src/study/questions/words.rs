@@ -64,7 +64,7 @@ pub fn scope_sentence(rows: &[&Row], axes: &[usize]) -> String {
     if scope.is_empty() { scope } else { format!(" Over {scope}.") }
 }
 
-/// "1 case", "30 cases".
+/// "1 sample", "30 samples".
 pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
