@@ -30,8 +30,8 @@
 //! - Heitz18: E. Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer Graphics Techniques 7(4), 2018.
 //! - HeitzDeon14: E. Heitz and E. d'Eon, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals",
 //!   Computer Graphics Forum 33(4), 2014.
-//! - Hesterberg15: T. C. Hesterberg, "What Teachers Should Know About the Bootstrap: Resampling in the Undergraduate Statistics
-//!   Curriculum", The American Statistician 69(4), 2015.
+//! - HettmanspergerSheather86: T. P. Hettmansperger and S. J. Sheather, "Confidence Intervals Based on Interpolated Order Statistics",
+//!   Statistics & Probability Letters 4(2), 1986.
 //! - HosekWilkie12: L. Hosek and A. Wilkie, "An Analytic Model for Full Spectral Sky-Dome Radiance", ACM Transactions on Graphics
 //!   31(4), 2012.
 //! - HyndmanFan96: R. J. Hyndman and Y. Fan, "Sample Quantiles in Statistical Packages", The American Statistician 50(4), 1996.

@@ -1,17 +1,19 @@
 //! `splitsum answers`.
 
+use super::report::line;
 use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::metrics::{METRICS, metric};
 use splitsum::spelling::suggestion;
 use splitsum::study::finished::{Finished, notes};
+use splitsum::study::page::{PageOptions, Told, is_page, write};
 use splitsum::study::publish::{PublishError, check, publish, write_page, write_readme};
 use splitsum::study::questions::answers;
 use splitsum::study::write::Written;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Answers the questions of finished runs again, from their tables alone: answers/ and summary.md.
+/// Answers the questions of finished runs again, from their tables alone: answers/, summary.md and, where there is one, report.html.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Needs neither a device nor the inputs of the run. While a run is under way its cells so far are answered, and nothing \
@@ -34,7 +36,7 @@ pub struct Arguments {
     replace: bool,
 }
 
-fn known_metric(name: &str) -> Result<String, String> {
+pub fn known_metric(name: &str) -> Result<String, String> {
     let names: Vec<&str> = METRICS.iter().map(|metric| metric.description().name).collect();
     match metric(name) {
         Some(_) => Ok(name.to_owned()),
@@ -64,7 +66,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             tell(&format!("warning: {note}"));
         }
         let run = Finished::read(dir).map_err(Failure::input)?;
-        let written = Written::new(&run, &answers(&run, arguments.metric.as_deref())).map_err(Failure::failed)?;
+        let answers = answers(&run, arguments.metric.as_deref());
+        let written = Written::new(&run, &answers).map_err(Failure::failed)?;
         if let Some(note) = run.under_way_note() {
             if arguments.publish.is_some() {
                 return Err(Failure::input(format!("{note}; expected a finished run to publish")));
@@ -72,8 +75,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             print(&format!("{}\n{note}; nothing is written before the run's end\n", written.summary))?;
             continue;
         }
-        written.write().map_err(Failure::failed)?;
+        let is_new = written.write().map_err(Failure::failed)?;
         print(&format!("{}: {}\n", dir.display(), written.record.headline()))?;
+        // All files of a run speak of one metric.
+        let options = PageOptions { metric: arguments.metric.clone(), ..PageOptions::in_folder(dir) };
+        if is_new && is_page(&options.out) {
+            print(&line(&write(&options, &Told::of_runs(&[(run, answers)]))?))?;
+        }
         if let Some(into) = &arguments.publish {
             publish_one(&written.record.name, dir, into, arguments.replace, &mut published)?;
         }

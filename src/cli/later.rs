@@ -11,5 +11,7 @@ pub struct Arguments {
 }
 
 pub fn execute(name: &str) -> Result<(), Failure> {
-    Err(Failure::failed(format!("splitsum {name} is not there yet; `splitsum --help` lists the commands")))
+    Err(Failure::input(format!(
+        "splitsum {name}: this version has no window; report.html in the folder of a run has a live view (`splitsum report`)"
+    )))
 }

@@ -82,6 +82,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if !misplaced.is_empty() {
         return Err(Failure::input(misplaced.join("\n")));
     }
+    if arguments.background && scene.is_design {
+        let why = "the scene design shows none: each of its pixels is an experiment of its own";
+        return Err(Failure::input(format!("--background: {why}; leave it out")));
+    }
     for (name, warnings) in [(&environment.name, &environment.warnings), (&scene.name, &scene.warnings)] {
         warnings.iter().for_each(|warning| super::warn(name, warning));
     }

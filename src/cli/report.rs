@@ -1,5 +1,6 @@
 //! `splitsum report`.
 
+use super::answers::known_metric;
 use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::study::finished::{Finished, notes};
@@ -24,6 +25,9 @@ pub struct Arguments {
     /// Embeds only this part of every image, texels from the top left corner.
     #[arg(long, value_name = "X,Y,W,H", value_parser = window, conflicts_with = "no_images")]
     crop: Option<Window>,
+    /// Answers by this metric (`splitsum list metrics`) instead of the experiment's.
+    #[arg(long, value_name = "NAME", value_parser = known_metric)]
+    metric: Option<String>,
     /// The file to write; report.html in the first folder when left out.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -48,9 +52,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     for note in arguments.dirs.iter().flat_map(|dir| notes(dir)) {
         tell(&format!("warning: {note}"));
     }
-    let runs: Vec<(Finished, Vec<Answer>)> =
-        arguments.dirs.iter().map(|dir| told(dir)).collect::<Result<_, _>>().map_err(Failure::input)?;
-    let options = PageOptions { out, images, budget: BUDGET_BYTES };
+    let runs: Vec<(Finished, Vec<Answer>)> = arguments
+        .dirs
+        .iter()
+        .map(|dir| told(dir, arguments.metric.as_deref()))
+        .collect::<Result<_, _>>()
+        .map_err(Failure::input)?;
+    let options = PageOptions { out, images, budget: BUDGET_BYTES, metric: arguments.metric.clone() };
     print(&line(&write(&options, &Told::of_runs(&runs))?))
 }
 
@@ -61,9 +69,9 @@ impl From<PageError> for Failure {
 }
 
 /// A finished run with the answers to what it asks.
-fn told(dir: &Path) -> Result<(Finished, Vec<Answer>), splitsum::study::finished::FinishedError> {
+fn told(dir: &Path, metric: Option<&str>) -> Result<(Finished, Vec<Answer>), splitsum::study::finished::FinishedError> {
     let run = Finished::read(dir)?;
-    let answers = answers(&run, None);
+    let answers = answers(&run, metric);
     Ok((run, answers))
 }
 

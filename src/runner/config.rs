@@ -120,11 +120,14 @@ pub const CAMERA: Kind =
 pub const METRIC: Kind =
     Kind::Name { what: "metric", names: || METRICS.iter().map(|metric| metric.description().name).collect() };
 
-const KEYS: &[&str] = &[
+/// The key of the metric.
+pub(super) const METRIC_KEY: &str = "metric";
+
+pub(super) const KEYS: &[&str] = &[
     "name",
     "question",
     "asks",
-    "metric",
+    METRIC_KEY,
     "seed",
     "camera",
     "background",
@@ -241,7 +244,7 @@ impl Config {
                 _ => faults.add(&at(value), format!("question: {raw} is not text")),
             },
             "asks" => self.asks = texts(value, key, faults),
-            "metric" => {
+            METRIC_KEY => {
                 if let Some(found) = check(METRIC).and_then(|v| metric(v.text())) {
                     (self.metric, self.metric_place) = (found.description().name, at(value));
                 }

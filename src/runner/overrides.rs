@@ -1,7 +1,7 @@
 //! `--set axis=v1,v2`: axes replaced from the command line.
 
 use super::axis::{AXES, INPUTS, Named};
-use super::config::{Config, Placed, Sweep, axis_names};
+use super::config::{Config, KEYS, METRIC_KEY, Placed, Sweep, axis_names};
 use super::fault::{Faults, Place};
 
 use super::toml_tree::unknown_key;
@@ -24,6 +24,14 @@ impl Config {
             let name = name.trim();
             let place = Place::Set(name.to_owned());
             let Some(named) = Named::find(name) else {
+                if KEYS.contains(&name) {
+                    let text = format!(
+                        "is a key of the experiment and no axis; write {name} = ... in the file{}",
+                        by_answers(name)
+                    );
+                    faults.add(&place, text);
+                    continue;
+                }
                 unknown_key(&place, "axes.", name, &axis_names(), faults);
                 continue;
             };
@@ -127,6 +135,11 @@ impl Config {
             sweep.written = sweep.values.len();
         }
     }
+}
+
+/// What else can change a key.
+fn by_answers(key: &str) -> &'static str {
+    if key == METRIC_KEY { ", or give --metric to `splitsum answers`" } else { "" }
 }
 
 /// Rows of a zip that a message shows.

@@ -2,7 +2,7 @@
 
 use super::axis::{AXES, ENVIRONMENT, Point, SCENE, SIZE, View};
 use super::checks;
-use super::config::Config;
+use super::config::{Config, Exclusion};
 use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::sweeps::COMBINATIONS_MAX;
@@ -228,11 +228,23 @@ impl Plan {
     /// devices refuse.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Faults::new(&self.config.path, &self.config.text);
-        for (exclusion, _) in self.config.exclusions.iter().zip(&self.excluded).filter(|(_, count)| **count == 0) {
+        // What `--set` took away is no slip of the file.
+        let is_set = |axis: usize| self.config.values(axis).any(|(_, place)| matches!(place, Place::Set(_)));
+        let is_aside = |axis: usize| self.config.set_aside.iter().any(|sweep| sweep.axis == axis);
+        let idle = self.config.exclusions.iter().zip(&self.excluded).filter(|(_, count)| **count == 0);
+        let kept =
+            |exclusion: &Exclusion| exclusion.conditions.iter().all(|(axis, _)| !is_set(*axis) && !is_aside(*axis));
+        for (exclusion, _) in idle.filter(|(exclusion, _)| kept(exclusion)) {
             warnings.add(&exclusion.place, format!("the exclusion {:?} matches no combination", exclusion.why));
         }
         for (place, text) in checks::idle_values(&self.config) {
             warnings.add(&place, text);
+        }
+        if self.config.background && self.inputs.scenes().any(|scene| scene.is_design) {
+            warnings.add(
+                &Place::File(0),
+                "background: the scene design shows none: each pixel is an experiment of its own",
+            );
         }
         for (place, [width, height]) in checks::sizes(&self.config) {
             let bytes = image_buffer_bytes([width, height]);

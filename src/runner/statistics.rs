@@ -58,23 +58,19 @@ const RESAMPLE_SEED: u64 = 1;
 pub const INTERVAL_SAMPLES_MIN: usize = 6;
 /// Stands where there are fewer.
 pub const TOO_FEW_ROUNDS: &str = "too few rounds for an interval";
-/// How often an interval may miss.
-const MISS_MAX: f64 = 0.05;
+/// How often an interval holds the truth.
+pub const COVERAGE: f64 = 0.95;
 
-/// The place k, from 0, of the narrowest pair of order statistics, the k-th from each end, that holds the median of any continuous
-/// distribution with at least 95 %: the chance that it lies outside is 2 P(B <= k), where B counts heads of n fair coins. `None` where
-/// not even the outermost do.
+/// The chance with which the k-th order statistics from each end, k from 0, hold the median of any continuous distribution: all but
+/// 2 P(B <= k), where B counts heads of n fair coins.
+pub fn order_coverage(n: usize, k: usize) -> f64 {
+    let coins = |k: usize| (0..k).fold(0.5f64.powi(n as i32), |term, i| term * (n - i) as f64 / (i + 1) as f64);
+    1.0 - 2.0 * (0..=k).map(coins).sum::<f64>()
+}
+
+/// The place k of the narrowest such pair that holds the median with at least 95 %. `None` where not even the outermost do.
 pub fn median_order(n: usize) -> Option<usize> {
-    let (mut term, mut below, mut found) = (0.5f64.powi(i32::try_from(n).ok()?), 0.0, None);
-    for k in 0..n.div_ceil(2) {
-        below += term;
-        if 2.0 * below > MISS_MAX {
-            break;
-        }
-        found = Some(k);
-        term *= (n - k) as f64 / (k + 1) as f64;
-    }
-    found
+    (0..n.div_ceil(2)).take_while(|k| order_coverage(n, *k) >= COVERAGE).last()
 }
 
 /// 95 % interval of the median: the percentile interval by resampling with replacement [Efron79], and never narrower than the order

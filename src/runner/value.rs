@@ -155,7 +155,7 @@ pub enum Kind {
     },
     /// `x` for grey or `[r, g, b]`, each in the range. As text: `x`, `r:g:b` or `r,g,b`.
     Color(Range),
-    /// Two whole numbers, each in `[min, max]`. As text: `WxH`.
+    /// Two whole numbers, each in `[min, max]`; one number stands for both. As text: `WxH`.
     Pair {
         min: u32,
         max: u32,
@@ -234,6 +234,7 @@ impl Kind {
                     let sides = parse_all(&Self::Count { min: *min, max: *max }, items)?;
                     Ok(Value::Pair(std::array::from_fn(|side| sides[side].count())))
                 }
+                Raw::Integer(n) => count(*n, *min, *max).map(|side| Value::Pair([side; 2])),
                 _ => expected(&format!("a pair of whole numbers in [{min}, {max}], such as [256, 128]")),
             },
             Self::Name { what, names } => match raw {
@@ -272,7 +273,9 @@ impl Kind {
             Self::Color(_) if text.contains([':', ',']) => {
                 Raw::Array(text.split([':', ',']).map(|part| from_text(part.trim())).collect())
             }
-            Self::Pair { .. } => Raw::Array(text.split(['x', 'X']).map(|part| from_text(part.trim())).collect()),
+            Self::Pair { .. } if text.contains(['x', 'X']) => {
+                Raw::Array(text.split(['x', 'X']).map(|part| from_text(part.trim())).collect())
+            }
             _ => from_text(text),
         };
         self.parse(&raw).map_err(|fault| match self {

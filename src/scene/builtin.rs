@@ -46,6 +46,11 @@ pub const SPHERES_METALLIC: [f32; 3] = [0.0, 0.5, 1.0];
 /// Distance between the centres of neighbours in `spheres`, in radii: a fifth of a radius stays free between two spheres.
 const SPHERES_PITCH: f64 = 2.2;
 
+/// Whether the images of the scene of this name are no pictures: each of their pixels is an experiment of its own.
+pub fn is_design(name: &str) -> bool {
+    SCENES.iter().any(|scene| scene.name == name && (scene.build)().is_design)
+}
+
 pub(super) fn sphere() -> Scene {
     let sphere = Sphere { center: DVec3::ZERO, radius: 1.0, material: 0 };
     Scene::assemble("sphere", vec![sphere], Vec::new(), vec![Material::default()])

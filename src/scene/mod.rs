@@ -7,7 +7,7 @@ pub mod material;
 pub mod mesh;
 mod obj;
 
-pub use builtin::{SCENES, SceneEntry};
+pub use builtin::{SCENES, SceneEntry, is_design};
 pub use camera::{Camera, CameraKind, Projection};
 pub use light::{Light, LightKind};
 pub use material::{Material, MaterialOverride};

@@ -2,7 +2,7 @@
 
 use super::finished::{FinishedError, provenance};
 use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
-use super::summary::{bold, sheet_link, sheet_title};
+use super::summary::{SHEETS_FOLDER, bold, sheet_link, sheet_title};
 use super::write::SUMMARY_FILE;
 use crate::files::{TEXT_BYTES_MAX, read_text, relative};
 use crate::pixels::{PixelsError, png, write_atomically};
@@ -28,6 +28,8 @@ const FILES: [&str; 8] = [
 ];
 /// Larger files stay where they are: the folder is kept in git.
 const FILE_BYTES_MAX: u64 = 3 << 19;
+/// A larger contact sheet is shrunk further, bytes.
+const SHEET_BYTES_MAX: usize = 300_000;
 /// Folders of a run that are published: the raw samples of its timings.
 const FOLDERS: [&str; 1] = [TIMINGS_FOLDER];
 /// More than this in one of them stays where it is, too, bytes.
@@ -150,19 +152,26 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
             leave_out(name, size);
         }
     }
-    let sheets = sheet_files(dir);
-    let mut published = None;
-    // The first page: what a reader of the others has seen.
-    if let Some(sheet) = sheets.first() {
-        let image = png::read_rgb8(sheet)?;
-        let [width, height] = published_size([image.width, image.height]);
-        let name = sheet.file_name().map_or_else(|| "sheet.png".into(), |name| name.to_owned());
-        png::write_rgb8(&target.join(&name), &image.shrunk(width, height))?;
-        published = name.into_string().ok();
-    }
     let summary = target.join(SUMMARY_FILE);
-    let text = read_text(&summary, TEXT_BYTES_MAX).map_err(io(&summary))?;
-    let mut text = with_published_sheets(&text, &sheets, published.as_deref());
+    let mut text = read_text(&summary, TEXT_BYTES_MAX).map_err(io(&summary))?;
+    // The first page: what a reader of the others has seen, and what the summary names.
+    if let Some(sheet) = sheet_files(dir).first() {
+        let name = sheet.file_name().map_or_else(|| "sheet.png".into(), |name| name.to_string_lossy());
+        let link = sheet_link(&name);
+        if text.contains(&link) {
+            let image = png::read_rgb8(sheet)?;
+            let [mut width, mut height] = published_size([image.width, image.height]);
+            let mut bytes = png::encode_rgb8(&image.shrunk(width, height)).map_err(io(sheet))?;
+            // Noise does not compress: so large a file is made smaller by its texels.
+            while bytes.len() > SHEET_BYTES_MAX && width.min(height) > 1 {
+                [width, height] = [width, height].map(|side| (side * 7 / 8).max(1));
+                bytes = png::encode_rgb8(&image.shrunk(width, height)).map_err(io(sheet))?;
+            }
+            write_atomically(&target.join(&*name), |writer| writer.write_all(&bytes))?;
+            text = text.replace(&link, &markdown::link(sheet_title(&name), &name));
+            text = text.replace(&markdown::link(SHEETS_FOLDER, SHEETS_FOLDER), &link_label(SHEETS_FOLDER));
+        }
+    }
     if !left_out.is_empty() {
         text += &format!("\nToo large to be published, made again by the run: {}.\n", left_out.join(", "));
     }
@@ -207,18 +216,6 @@ fn copy_folder(from: &Path, to: &Path) -> Result<Option<u64>, PublishError> {
         std::fs::copy(&path, to.join(path.file_name().unwrap_or_default())).map_err(io(&path))?;
     }
     Ok(None)
-}
-
-/// The summary with links to those sheets only that are published beside it.
-fn with_published_sheets(summary: &str, sheets: &[PathBuf], published: Option<&str>) -> String {
-    let names = sheets.iter().filter_map(|sheet| sheet.file_name()?.to_str());
-    names.fold(summary.to_owned(), |text, name| {
-        let link = sheet_link(name);
-        match published == Some(name) {
-            true => text.replace(&link, &markdown::link(sheet_title(name), name)),
-            false => text.replace(&link, &link_label(sheet_title(name))),
-        }
-    })
 }
 
 /// Writes `README.md` of a folder of published runs: the answers of all of them. Returns its path.

@@ -29,11 +29,10 @@ pub fn markdown(run: &Finished, answers: &[Answer], record: &AnswerRecord) -> St
         text.push('\n');
     }
     text += &state(run, record);
-    text += &contact_sheets(run);
     for answer in answers {
         text += &section(answer);
     }
-    text + &failures(run)
+    text + &contact_sheets(run) + &failures(run)
 }
 
 /// A sentence as a bold paragraph: what is bold in it is so no longer.
@@ -138,10 +137,16 @@ pub fn sheet_title(name: &str) -> &str {
     name.trim_end_matches(".png")
 }
 
+/// The first contact sheet and how many there are; nothing where no image is a picture.
 fn contact_sheets(run: &Finished) -> String {
     let files = sheet_files(&run.dir);
-    let links: Vec<String> = files.iter().filter_map(|path| Some(sheet_link(path.file_name()?.to_str()?))).collect();
-    if links.is_empty() { String::new() } else { format!("Contact sheets: {}\n\n", links.join(" · ")) }
+    let first = files.first().and_then(|path| Some(sheet_link(path.file_name()?.to_str()?)));
+    let Some(first) = first.filter(|_| run.has_pictures()) else { return String::new() };
+    let others = match files.len() {
+        1 => String::new(),
+        n => format!(", the first of {n} in {}", link(SHEETS_FOLDER, SHEETS_FOLDER)),
+    };
+    format!("Contact sheet: {first}{others}.\n\n")
 }
 
 fn failures(run: &Finished) -> String {

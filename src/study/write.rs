@@ -62,8 +62,8 @@ impl Written {
     }
 
     /// Writes `answers/` and the summary: all of them or, where one cannot be written, none. A file of an answer that is no longer given
-    /// is removed.
-    pub fn write(&self) -> Result<(), WriteError> {
+    /// is removed. Says whether anything of it is new.
+    pub fn write(&self) -> Result<bool, WriteError> {
         let folder = self.dir.join(ANSWERS_FOLDER);
         let io = |error| WriteError::Io { path: folder.clone(), error };
         std::fs::create_dir_all(&folder).map_err(io)?;
@@ -80,6 +80,7 @@ impl Written {
             Ok(Staged::new(&path, text.as_bytes())?)
         });
         let staged: Vec<Staged> = staged.collect::<Result<_, _>>()?;
+        let is_new = !staged.is_empty();
         staged.into_iter().try_for_each(Staged::put)?;
         for entry in std::fs::read_dir(&folder).map_err(io)?.flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
@@ -88,6 +89,6 @@ impl Written {
                 std::fs::remove_file(entry.path()).map_err(io)?;
             }
         }
-        Ok(())
+        Ok(is_new)
     }
 }

@@ -75,6 +75,14 @@ fn a_run_leaves_the_promised_files_and_a_second_one_changes_nothing() {
     assert!(run.join("answers/break-even.svg").exists() && std::fs::read(run.join("summary.md")).unwrap() == summary);
     assert!(entries(&dir.path().join("results/tiny")).contains(&"ggx.png".to_owned()));
     assert!(std::fs::read_to_string(dir.path().join("results/README.md")).unwrap().contains("[tiny](tiny/summary.md)"));
+    // All files of a run speak of one metric, the report included.
+    for (metric, arguments) in [("flip", &["--metric", "flip"][..]), ("relmse", &[])] {
+        let told = splitsum(dir.path(), &[&["answers", "runs/tiny"], arguments].concat());
+        assert!(told.status.success(), "{}", stderr(&told));
+        let read = |name: &str| std::fs::read_to_string(run.join(name)).unwrap();
+        assert!(read("report.html").contains(&format!("\"headline\":\"{metric}\"")), "{metric}");
+        assert!(read("summary.md").contains(&format!("`{metric}`")), "{metric}");
+    }
     let nothing = splitsum(dir.path(), &["answers", "nowhere"]);
     assert_eq!(nothing.status.code(), Some(2));
     assert!(stderr(&nothing).contains("nowhere: has no provenance.json"), "{}", stderr(&nothing));
@@ -185,7 +193,7 @@ fn a_run_extended_ends_like_one_of_the_larger_plan() {
     assert_ends(
         &splitsum(dir.path(), &[part.as_slice(), &["--extend"]].concat()),
         2,
-        &["of its 24 cells 18 would not be in the tables"],
+        &["Of its 24 cells 18 would not be in the tables"],
     );
     // The experiment that the run keeps is run again from another folder, to the same bytes.
     let elsewhere = tempfile::tempdir().unwrap();

@@ -323,6 +323,17 @@ impl Point {
         diffuse(self[DIFFUSE_METHOD].text())
     }
 
+    /// The layout of its filtered maps; the default one where it has none.
+    fn layout(&self) -> &'static MapLayout {
+        let name = (self[LAYOUT] != Value::Unset).then(|| self[LAYOUT].text());
+        name.map_or(&LAYOUTS[0], |name| layout_by_name(name).expect("the plan checked the layout's name"))
+    }
+
+    /// The value of an axis where none is set, in the point's layout.
+    pub fn default_of(&self, axis: usize) -> Value {
+        AXES[axis].unset.map_or_else(AXES[axis].default, |of_layout| of_layout(self.layout()))
+    }
+
     /// The point with every unused parameter unset, so that points with the same work are equal. Cells are told apart by this: what a
     /// method computes and a black surface then multiplies by zero still costs time, and can fail.
     pub fn collapsed(&self, has_lights: bool) -> Self {
@@ -340,13 +351,9 @@ impl Point {
     fn where_used(&self, has_lights: bool, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
         let (method, diffuse) = (self.method(), self.diffuse());
         let used = Used { method, diffuse, has_lights, has_diffuse_surface, has_dielectric };
-        let layout = match &self[LAYOUT] {
-            Value::Unset => &LAYOUTS[0],
-            name => layout_by_name(name.text()).expect("the plan checked the layout's name"),
-        };
         let value = |(axis, value): (&Axis, &Value)| match (axis.used)(&used) {
             false => Value::Unset,
-            true if *value == Value::Unset => axis.unset.map_or(Value::Unset, |of_layout| of_layout(layout)),
+            true if *value == Value::Unset => axis.unset.map_or(Value::Unset, |of_layout| of_layout(self.layout())),
             true => value.clone(),
         };
         Self(AXES.iter().zip(&self.0).map(value).collect())

@@ -96,18 +96,19 @@ impl Store {
                  another --out"
             )));
         }
+        let tabulated = self.tabulated()?;
+        let differs = self.difference(&found, &tabulated, plan);
         let would_lose = |what: &str, count: usize, lost: &[String]| {
             let more = lost.len().saturating_sub(LISTED);
             let listed =
                 lost[..lost.len() - more].join("; ") + &if more > 0 { format!("; {more} more") } else { String::new() };
             self.refused(format!(
-                "holds a run of another plan of {name}, and of its {count} {what} {} would not be in the tables of this one: {listed}; give \
-                 another --out, or extend it (`splitsum run --extend`) by a plan with all of them",
+                "holds a run of another plan of {name}{differs}. Of its {count} {what} {} would not be in the tables of this one: {listed}; \
+                 give another --out, or extend it (`splitsum run --extend`) by a plan with all of them",
                 lost.len()
             ))
         };
         let planned: BTreeSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
-        let tabulated = self.tabulated()?;
         let count = self.in_tables_alone(&tabulated)?;
         if count > 0 {
             return Err(self.refused(format!(
@@ -138,6 +139,36 @@ impl Store {
             }
         }
         Ok(Extension { from: found, kept, timed_again })
+    }
+
+    /// ": alpha is 0.1, 0.5 there and 0.1, 0.25 here": the first axis or key that tells the run in the folder from a plan.
+    fn difference(&self, found: &Value, cells: &BTreeMap<String, BTreeMap<String, String>>, plan: &Plan) -> String {
+        let there = |axis: usize| cells.values().filter_map(move |axes| axes.get(AXES[axis].name).cloned());
+        let here = |axis: usize| plan.cells.iter().map(move |cell| plan.shown(cell, axis).to_string());
+        let set = |values: &mut dyn Iterator<Item = String>| {
+            values.filter(|text| !text.is_empty()).collect::<BTreeSet<String>>()
+        };
+        let of_axis = (0..AXES.len()).find_map(|axis| {
+            let [there, here] = [set(&mut there(axis)), set(&mut here(axis))];
+            let listed = |values: &BTreeSet<String>| {
+                let mut values: Vec<_> = values.iter().map(|text| short_number(text)).collect();
+                // Names stand as they are.
+                values.sort_by(|a, b| a.parse::<f64>().unwrap_or(0.0).total_cmp(&b.parse::<f64>().unwrap_or(0.0)));
+                values.join(", ")
+            };
+            (there != here).then(|| [AXES[axis].name.to_owned(), listed(&there), listed(&here)])
+        });
+        let new = provenance::provenance(plan, &self.dir);
+        let of_key = || {
+            let key = ["seed", "reference", "inputs"].into_iter().find(|key| found[key] != new[key])?;
+            let entries = found[key].as_object().into_iter().chain(new[key].as_object()).flat_map(|all| all.keys());
+            let entry = entries.map(String::as_str).find(|entry| found[key][*entry] != new[key][*entry]);
+            let of = |all: &Value| entry.map_or(&all[key], |entry| &all[key][entry]).to_string();
+            let name = entry.map_or(key.to_owned(), |entry| format!("{key}.{entry}"));
+            Some([name, of(found), of(&new)])
+        };
+        let told = of_axis.or_else(of_key);
+        told.map_or_else(String::new, |[what, there, here]| format!(": {what} is {there} there and {here} here"))
     }
 
     /// Id and axes of every cell that the tables of the run in the folder name: those with a record that can be used. Of failed ones no axes

@@ -9,7 +9,7 @@ pub use notes::notes;
 pub use read::{FinishedError, provenance};
 
 use crate::metrics::{Epsilon, METRICS};
-use crate::runner::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP, ENVIRONMENT_SCALE, Point};
+use crate::runner::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP, ENVIRONMENT_SCALE, Point, SCENE};
 use crate::runner::config::Config;
 use crate::runner::store::{FailureRecord, StopReason};
 use crate::runner::timing::TimingRecord;
@@ -158,6 +158,11 @@ impl Finished {
     pub fn under_way_note(&self) -> Option<String> {
         let planned = self.provenance["cell_count"].as_u64().filter(|_| self.is_under_way)?;
         Some(format!("{}: under way: {} of {planned} cells", self.dir.display(), self.cells.len()))
+    }
+
+    /// Whether images are pictures; those of a design mean nothing to a reader.
+    pub fn has_pictures(&self) -> bool {
+        self.cells.iter().any(|cell| !crate::scene::is_design(&cell.point[SCENE].to_string()))
     }
 
     /// Whether times come from a driver that computes on the CPU.

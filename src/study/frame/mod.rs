@@ -12,12 +12,13 @@ pub mod times;
 pub use shape::Shape;
 
 use super::finished::{Bin, Finished, FinishedCell};
-use crate::metrics::{HEADLINE, Metric, Verdict, metric, verdict};
+use crate::metrics::{HEADLINE, Metric, Space, Verdict, metric, verdict};
 use crate::runner::axis::{
-    AXES, DIFFUSE_METHOD, ENVIRONMENT, ENVIRONMENT_CLIP, METHOD, Part, Point, SAMPLES, index_of,
+    AXES, DIFFUSE_METHOD, ENVIRONMENT, ENVIRONMENT_CLIP, METHOD, Part, Point, SAMPLES, SCENE, index_of,
 };
 use crate::runner::tables::DISPLAY_HEADLINE;
 use crate::runner::value::Value;
+use crate::scene::is_design;
 use crate::shade::NONE;
 use crate::table::csv::Cell;
 use std::collections::HashMap;
@@ -107,14 +108,28 @@ impl<'f> Frame<'f> {
         own.into_iter().filter(|axis| *axis != METHOD).collect()
     }
 
+    /// Scenes that tell nothing in the metric of the questions: beside a design, pictures in a metric of radiance, since they prefer parts
+    /// of the map; the design in a metric of what is seen, since its pixels are no picture.
+    fn silent_scenes(&self) -> Vec<Value> {
+        let scenes = distinct_in_order(self.rows.iter().map(|row| row.point[SCENE].clone()));
+        let (designs, pictures): (Vec<_>, Vec<_>) = scenes.into_iter().partition(|scene| is_design(&scene.to_string()));
+        match (designs.is_empty() || pictures.is_empty(), self.metric.description().space) {
+            (true, _) => Vec::new(),
+            (false, Space::Linear) => pictures,
+            (false, Space::Display) => designs,
+        }
+    }
+
     /// Rows with scores, each linear image once: of rows that differ in the tone curve only, the one with the plain curve, else the first.
     pub fn images(&self) -> Vec<&Row<'f>> {
+        let silent = self.silent_scenes();
         let mut places: HashMap<Key, usize> = HashMap::new();
         let linear = |row: &Row| -> Key {
             AXES.iter().zip(&row.point.0).filter(|(axis, _)| axis.changes_radiance()).map(|(_, v)| v.clone()).collect()
         };
         let mut images: Vec<&Row<'f>> = Vec::new();
-        for row in self.rows.iter().filter(|row| row.cell.scores.is_some()) {
+        let is_told = |row: &&Row| row.cell.scores.is_some() && !silent.contains(&row.point[SCENE]);
+        for row in self.rows.iter().filter(is_told) {
             match places.get(&linear(row)) {
                 Some(&place) if row.has_plain_curve() => images[place] = row,
                 Some(_) => {}
@@ -225,20 +240,31 @@ pub fn by<'r, 'f>(rows: &[&'r Row<'f>], axes: &[usize]) -> Vec<(Key, Vec<&'r Row
 }
 
 /// Each row with another value on an axis beside the row that has the base there and agrees on all other axes. An axis that one of the two
-/// does not use stands at its default in the other; sample counts must be equal.
+/// does not use stands at its default in the other, or at its first value where the default was not run; sample counts must be equal.
 pub fn pair<'r, 'f>(rows: &[&'r Row<'f>], axis: usize, base: &Value) -> Vec<(&'r Row<'f>, &'r Row<'f>)> {
-    let usual: Vec<Value> = AXES.iter().map(|axis| (axis.default)()).collect();
+    let run: Vec<Vec<Value>> = (0..AXES.len()).map(|of| distinct_in_order(set_values(rows, of))).collect();
+    let usual = |of: usize, row: &Row| {
+        let default = row.point.default_of(of);
+        if run[of].contains(&default) { Some(default) } else { run[of].first().cloned() }
+    };
     let agrees = |a: &Row, b: &Row| {
         (0..AXES.len()).all(|i| {
             let (x, y) = (&a.point.0[i], &b.point.0[i]);
             let may_default = AXES[i].part != Part::Count;
-            let stands_for = |unset: &Value, set: &Value| may_default && *unset == Value::Unset && *set == usual[i];
-            i == axis || !AXES[i].changes_radiance() || x == y || stands_for(x, y) || stands_for(y, x)
+            let stands_for = |unset: &Value, of: &Row| {
+                may_default && *unset == Value::Unset && usual(i, of) == Some(of.point.0[i].clone())
+            };
+            i == axis || !AXES[i].changes_radiance() || x == y || stands_for(x, b) || stands_for(y, a)
         })
     };
     let bases: Vec<&&Row> = rows.iter().filter(|row| row.point.0[axis] == *base).collect();
     let others = rows.iter().filter(|row| row.point.0[axis] != *base && row.point.0[axis] != Value::Unset);
     others.filter_map(|row| Some((*row, **bases.iter().find(|other| agrees(row, other))?))).collect()
+}
+
+/// The values of rows on an axis, without the unset ones.
+fn set_values(rows: &[&Row], axis: usize) -> Vec<Value> {
+    rows.iter().map(|row| row.point.0[axis].clone()).filter(|value| *value != Value::Unset).collect()
 }
 
 /// Each value once, in the order of its first appearance.

@@ -6,6 +6,8 @@ use super::told::Told;
 use crate::metrics::Comparison;
 use crate::pixels::png::encode_rgb8;
 use crate::pixels::{Rgb8Image, RgbImage};
+use crate::runner::axis::SCENE;
+use crate::scene::is_design;
 use crate::study::frame::{Frame, Row};
 use crate::study::questions::Answer;
 use crate::study::questions::words::with_rms;
@@ -57,7 +59,7 @@ pub fn pictures(told: &Told, frame: &Frame, lead: Option<usize>, axes: &[PageAxi
 }
 
 /// Of the cells that the leading figure shows, the one that errs most of those whose method draws no samples; else of all such cells; else
-/// of all cells.
+/// of all cells. The images of a design are no pictures.
 fn case<'r, 'f>(told: &Told, frame: &'r Frame<'f>, lead: Option<usize>) -> Option<&'r Row<'f>> {
     let figure = lead.and_then(|lead| told.answers[lead].finding.figure.as_ref());
     let marks = figure.into_iter().flat_map(|figure| &figure.panels).flat_map(|panel| &panel.marks);
@@ -66,7 +68,8 @@ fn case<'r, 'f>(told: &Told, frame: &'r Frame<'f>, lead: Option<usize>) -> Optio
         |row: &Row| shown.contains(&row.cell.id.as_str()) || row.copies.iter().any(|copy| shown.contains(copy));
     let draws_none = |row: &Row| row.samples().is_none() && !row.has_no_method();
     let worst = |wanted: &dyn Fn(&Row) -> bool| {
-        let own = frame.rows.iter().filter(|row| row.cell.images.is_some() && wanted(row));
+        let is_picture = |row: &Row| row.cell.images.is_some() && !is_design(&row.text(SCENE));
+        let own = frame.rows.iter().filter(|row| is_picture(row) && wanted(row));
         let scored = own.filter_map(|row| Some((row, frame.error(row)?)));
         scored.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
     };

@@ -29,6 +29,8 @@ pub struct PageOptions {
     pub images: Choice,
     /// Bytes that the page may take.
     pub budget: usize,
+    /// The metric of the answers, where not the experiment's own.
+    pub metric: Option<String>,
 }
 
 /// The name of the page in the folder of its run.
@@ -37,7 +39,7 @@ pub const PAGE_FILE: &str = "report.html";
 impl PageOptions {
     /// The page of one run, in its folder.
     pub fn in_folder(dir: &Path) -> Self {
-        Self { out: dir.join(PAGE_FILE), images: Choice::Automatic, budget: images::BUDGET_BYTES }
+        Self { out: dir.join(PAGE_FILE), images: Choice::Automatic, budget: images::BUDGET_BYTES, metric: None }
     }
 }
 
@@ -91,7 +93,7 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
     check_out(&options.out)?;
     let first = runs.first().ok_or(PageError::NoRun)?;
     let here = options.out.parent().unwrap_or(Path::new(""));
-    let frames: Vec<Frame> = runs.iter().map(|run| Frame::new(run.finished, None)).collect();
+    let frames: Vec<Frame> = runs.iter().map(|run| Frame::new(run.finished, options.metric.as_deref())).collect();
     let axes = model::axes(runs);
     let metrics = model::metrics(runs);
     let light = live::Light::collect(runs, live::BUDGET_BYTES);
@@ -179,7 +181,7 @@ const MARK: &str = " · splitsum</title>";
 const HEAD_BYTES: u64 = 1 << 14;
 
 /// Whether a file is a page that this program wrote, so that it may be written anew.
-fn is_page(path: &Path) -> bool {
+pub fn is_page(path: &Path) -> bool {
     let mut head = Vec::new();
     let file = std::fs::File::open(path).ok().filter(|_| path.is_file());
     let is_read = file.is_some_and(|file| file.take(HEAD_BYTES).read_to_end(&mut head).is_ok());

@@ -5,7 +5,9 @@
 //! tried N such that e(M) < f for every tried M >= N. A count that wins while a larger one loses does not count: it was luck. The
 //! *crossing* is where log e over log N meets log f between two tried counts; it is interpolated, the break-even is measured.
 //!
-//! Over cases: the median, with "above the largest tried count" last. Its interval resamples environments; infinity stands for "above".
+//! Models and alphas oppose each other (ggx 256 where beckmann needs 8), so each has its own answer: the median over environments of the
+//! crossing, rounded up to a tried count, with "above the largest tried count" last. Its interval is rounded alike: it may hold the truth
+//! more often than it says, as counts move in steps.
 
 use super::prelude::*;
 use super::{FIXED, SAMPLED};
@@ -60,9 +62,10 @@ impl Case<'_, '_> {
         Some((x0 + y0 / (y0 - y1) * (x1 - x0)).exp()).filter(|n| n.is_finite())
     }
 
-    /// Infinite above the largest tried count.
-    fn number(&self) -> f64 {
-        self.break_even.map_or(f64::INFINITY, f64::from)
+    /// The crossing, where rounding up to a tried count gives the break-even, else that; infinite above the largest tried count.
+    fn number(&self, tried: &[u32]) -> f64 {
+        let Some(count) = self.break_even.map(f64::from) else { return f64::INFINITY };
+        self.crossing().filter(|n| up(*n, tried) == count).unwrap_or(count)
     }
 
     /// Whether both errors stand clear of the reference's noise where they meet.
@@ -94,62 +97,95 @@ fn answer(frame: &Frame) -> Option<Finding> {
         table.row(row);
     }
     let (names, cases) = pairs.first()?;
-    let (tried, numbers) = (tried(cases), numbers(cases));
-    let words = |middle: &Estimate| counted(middle.value, tried) + &interval_words(middle, |n| counted(n, tried));
+    let tried = tried(cases);
+    let numbers = Numbers::new(cases.iter().map(|case| (case.of.fixed, case.number(&tried))), Middle::Median);
+    let scope = numbers.scope(&axes);
+    let groups = by_condition(frame, numbers);
+    let words = |middle: &Estimate| counted(middle.value, &tried) + &interval_words(middle, |n| counted(n, &tried));
+    let of: Vec<usize> = conditions(frame).collect();
+    let heads = of.iter().flat_map(|of| [Some(AXES[*of].name), (*of == ALPHA).then_some(ROUGHNESS)]).flatten();
+    let mut rows: Vec<(Vec<Cell>, Numbers)> = Vec::new();
+    for (key, own) in &groups {
+        let cells = of.iter().zip(key).flat_map(|(of, value)| {
+            [Some(Cell::from(short(*of, value))), (*of == ALPHA).then(|| roughness(value).into())]
+        });
+        rows.push((cells.flatten().collect(), own.clone()));
+    }
     Some(Finding {
-        sentence: sentence(frame, &axes, names, &numbers, tried)?,
-        digest: Some(numbers.digest(frame, &words)),
+        sentence: sentence(frame, names, &groups, &words)? + &scope,
+        digest: Some(by_light(frame, &heads.collect::<Vec<_>>(), &rows, &words)),
         table,
         figure: figure(frame, &axes, &pairs),
     })
 }
 
-fn numbers<'r, 'f>(cases: &[Case<'r, 'f>]) -> Numbers<'r, 'f> {
-    Numbers::new(cases.iter().map(|case| (case.of.fixed, case.number())), upper_median)
+/// The axes of which each value has its own answer.
+fn conditions(frame: &Frame) -> impl Iterator<Item = usize> {
+    [ALPHA, BRDF, F0].into_iter().filter(|of| frame.shape.is_swept(*of))
 }
 
-/// Smallest and largest tried count.
-fn tried(cases: &[Case]) -> [u32; 2] {
-    let ends = || cases.iter().map(|case| case.of.curve.tried());
-    [ends().map(|[least, _]| least).min().unwrap_or(0), ends().map(|[_, most]| most).max().unwrap_or(0)]
+/// The cases at each value of these axes, ascending.
+fn by_condition<'r, 'f>(frame: &Frame, all: Numbers<'r, 'f>) -> Vec<(Key, Numbers<'r, 'f>)> {
+    let part = |groups: Vec<(Key, Numbers<'r, 'f>)>, of: usize| {
+        let parts = groups.into_iter().flat_map(|(key, own)| {
+            own.values(of)
+                .into_iter()
+                .map(move |value| ([&key[..], std::slice::from_ref(&value)].concat(), own.at(of, &value)))
+        });
+        parts.collect()
+    };
+    conditions(frame).fold(vec![(Vec::new(), all)], part)
 }
 
-/// A tried count, or infinity: at least half of the cases break even at or below it.
-fn upper_median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+/// Every tried count, ascending.
+fn tried(cases: &[Case]) -> Vec<u32> {
+    let mut counts: Vec<u32> = cases.iter().flat_map(|case| &case.of.curve.points).map(|point| point.samples).collect();
+    counts.sort_unstable();
+    counts.dedup();
+    counts
+}
+
+/// The next tried count; infinity above them.
+fn up(n: f64, tried: &[u32]) -> f64 {
+    tried.iter().map(|count| f64::from(*count)).find(|count| *count >= n).unwrap_or(f64::INFINITY)
 }
 
 /// "16"; "at most 4" where no fewer were tried; "more than 256".
-fn counted(n: f64, [least, largest]: [u32; 2]) -> String {
-    match n {
+fn counted(n: f64, tried: &[u32]) -> String {
+    let (least, largest) = (tried[0], tried[tried.len() - 1]);
+    match up(n, tried) {
         n if n.is_infinite() => format!("more than {largest}"),
         n if n == f64::from(least) && least > 1 => format!("at most {least}"),
         n => n.to_string(),
     }
 }
 
-/// Medians that differ by less than this factor are told as one.
-const CHANGE_MIN: f64 = 2.0;
-
+/// The answer; where models and alphas differ, the least and the most with their place.
 fn sentence(
     frame: &Frame,
-    axes: &[usize],
     [sampled, fixed]: &[String; 2],
-    numbers: &Numbers,
-    tried: [u32; 2],
+    groups: &[(Key, Numbers)],
+    words: &dyn Fn(&Estimate) -> String,
 ) -> Option<String> {
-    let middle = numbers.estimate()?;
-    let words = |n: f64| counted(n, tried);
-    let text = format!(
-        "`{sampled}` needs **{} samples a pixel**{} to beat `{fixed}` in `{}`{}.",
-        words(middle.value),
-        interval_words(&middle, words),
-        frame.metric_name(),
-        numbers.place(", in the median case")
-    );
-    Some(text + &numbers.extremes("it", CHANGE_MIN, words) + &numbers.scope(axes))
+    let of: Vec<usize> = conditions(frame).collect();
+    let at = |key: &Key| label(&of, key).replace(" · ", ", ");
+    let all = || groups.iter().filter_map(|(key, own)| Some((at(key), own.estimate()?)));
+    let least = all().reduce(|a, b| if b.1.value < a.1.value { b } else { a })?;
+    let most = all().reduce(|a, b| if b.1.value > a.1.value { b } else { a })?;
+    let place = groups[0].1.place(", in the median environment");
+    let to_beat = format!("to beat `{fixed}` in `{}`{place}", frame.metric_name());
+    let [low, high] = [&least, &most].map(|(_, middle)| words(&Estimate { interval: None, ..*middle }));
+    if low == high {
+        let interval = if groups.len() == 1 { words(&least.1).split_off(low.len()) } else { String::new() };
+        return Some(format!("`{sampled}` needs **{low} samples a pixel**{interval} {to_beat}."));
+    }
+    Some(format!(
+        "`{sampled}` needs **{low} to {high} samples a pixel** {to_beat}. It needs {} at {}, and {} at {}.",
+        words(&least.1),
+        least.0,
+        words(&most.1),
+        most.0
+    ))
 }
 
 /// One panel a pair of methods: the break-even of each case, one row a case, coloured by model.
@@ -162,12 +198,13 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> 
     };
     let rows = distinct_in_order(pairs.iter().flat_map(|(_, cases)| cases).map(name));
     let panel = |([sampled, fixed], cases): &([String; 2], Vec<Case>)| {
-        let ends = tried(cases);
-        let mut marks = vec![Mark::neutral(Form::VerticalRule(ends[1].into()))];
+        let tried = tried(cases);
+        let largest = f64::from(tried[tried.len() - 1]);
+        let mut marks = vec![Mark::neutral(Form::VerticalRule(largest))];
         marks.extend(cases.iter().map(|case| {
-            let x = case.break_even.map_or(2.0 * f64::from(ends[1]), f64::from);
+            let x = case.break_even.map_or(2.0 * largest, f64::from);
             let series = models.iter().position(|model| *model == case.of.fixed.point[BRDF]).unwrap_or(0);
-            let tip = format!("{}: {} samples", label(axes, &case.of.key), counted(case.number(), ends));
+            let tip = format!("{}: {} samples", label(axes, &case.of.key), counted(case.number(&tried), &tried));
             dot([x, step(&rows, &name(case))], series, tip, case.of.fixed)
         }));
         (format!("{sampled} over {fixed}"), marks)

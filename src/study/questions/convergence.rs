@@ -91,10 +91,15 @@ fn answer(frame: &Frame) -> Option<Finding> {
     })
 }
 
-/// Slopes, told as the factor by which twice the samples divide the error, at the median slope.
+/// The factor by which twice the samples divide the error, at the slope of each curve.
 fn doublings<'r, 'f>(falls: &[&Fall<'r, 'f>]) -> Numbers<'r, 'f> {
-    let slopes = falls.iter().filter_map(|fall| Some((fall.curve.first(), fall.line?.slope)));
-    Numbers::new(slopes, |slopes| (-median(slopes)).exp2())
+    let factors = falls.iter().filter_map(|fall| Some((fall.curve.first(), (-fall.line?.slope).exp2())));
+    Numbers::new(factors, Middle::Median)
+}
+
+/// How many environments these curves have.
+fn lights(falls: &[&Fall]) -> usize {
+    values(falls.iter().map(|fall| fall.curve.first()), ENVIRONMENT).len()
 }
 
 /// Factors that differ by less are told as one.
@@ -109,15 +114,25 @@ fn sentence(frame: &Frame, axes: &[usize], falls: &[&Fall]) -> Option<String> {
         falls.first()?.curve.method,
         number(middle.value),
         interval_words(&middle, number),
-        doublings.place(", in the median case"),
+        doublings.place(", in the median environment"),
         number(-middle.value.log2()),
         doublings.extremes("the factor", CHANGE_MIN, number)
     );
-    let stops: Vec<u32> = falls.iter().filter_map(|fall| fall.stops_at).collect();
-    let end = match (stops.iter().min(), falls.len()) {
+    let stopping: Vec<&Fall> = falls.iter().copied().filter(|fall| fall.stops_at.is_some()).collect();
+    let from = stopping.iter().filter_map(|fall| fall.stops_at).min();
+    let end = match (from, lights(falls)) {
         (None, _) => doublings.scope(axes),
-        (Some(least), 1) => format!(" It stops falling at {}.", count(*least as usize, "sample", "samples")),
-        (Some(least), n) => format!(" In {} of {n} cases it stops falling, from {least} samples on.", stops.len()),
+        (Some(least), 1) => {
+            let samples = count(least as usize, "sample", "samples");
+            let at = values(stopping.iter().map(|fall| fall.curve.first()), ALPHA);
+            let at: Vec<String> = at.iter().map(|alpha| short(ALPHA, alpha)).collect();
+            let at = if frame.shape.is_swept(ALPHA) { format!(" at alpha {}", listed(&at)) } else { String::new() };
+            format!(" It stops falling{at}, from {samples} on.")
+        }
+        (Some(least), n) => {
+            let (stopping, plural) = (lights(&stopping), AXES[ENVIRONMENT].plural);
+            format!(" Under {stopping} of {n} {plural} it stops falling, from {least} samples on.")
+        }
     };
     Some(text + &end)
 }
@@ -129,8 +144,8 @@ fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
     let names = [
         "slope",
         "a doubling divides by",
-        "cases",
-        "cases that stop",
+        AXES[ENVIRONMENT].plural,
+        "of which it stops under",
         "stops at, median",
         "bias share at most samples",
     ];
@@ -148,11 +163,12 @@ fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
                     width.and_then(roughness)
                 ]);
             }
-            let stops: Vec<f64> = group.iter().filter_map(|fall| fall.stops_at.map(f64::from)).collect();
+            let stops = group.iter().filter_map(|fall| Some((fall.curve.first(), fall.stops_at?.into())));
+            let stops = Numbers::new(stops, Middle::Median).estimate();
             let share = mean(group.iter().filter_map(|fall| fall.curve.points.last()?.bias_share()));
-            row.extend(cells![number(-factor.value.log2()), with_interval(&factor), group.len(), stops.len()]);
-            let middle = Some(median(&stops)).filter(|n| !n.is_nan());
-            row.extend(cells![middle.map(|n| n.to_string()), share.map(|share| percent(share.max(0.0)))]);
+            row.extend(cells![number(-factor.value.log2()), with_interval(&factor), factor.n]);
+            row.extend(cells![stops.map_or(0, |stops| stops.n), stops.map(|stops| number(stops.value))]);
+            row.extend(cells![share.map(|share| percent(share.max(0.0)))]);
             table.row(row);
         }
     }

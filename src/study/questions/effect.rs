@@ -2,9 +2,9 @@
 //!
 //! For a swept axis of methods, of their parameters or of their tables, its first value is the base. Each image with another value is
 //! paired with the image that has the base and agrees on all other axes ([`pair`]). The *effect* is the ratio of their errors: below 1 the
-//! value is better than the base. It is told as the geometric mean over cases, by alpha and by environment; where it is below 1 here and
-//! above 1 there, it is told along that axis and never averaged over it. A pair of which both errors are within the reference's noise
-//! tells nothing and is left out of the mean.
+//! value is better than the base. It is told as the geometric mean over environments, by alpha; where it is below 1 here and above 1 there,
+//! it is told along that axis and never averaged over it. A pair of which both errors are within the reference's noise tells nothing and is
+//! left out of the mean. A sentence names values of two axes only if some image has both.
 
 use super::prelude::*;
 
@@ -67,11 +67,21 @@ impl<'r, 'f> OfAxis<'r, 'f> {
     fn told(&self) -> Vec<(Value, Numbers<'r, 'f>)> {
         let resolved = self.effects.iter().filter(|effect| effect.is_resolved);
         let numbers = |(value, own): (Value, Vec<&Effect<'r, 'f>>)| {
-            (value, Numbers::new(own.iter().map(|effect| (effect.row, effect.ratio)), geometric_mean))
+            (value, Numbers::ratios(own.iter().map(|effect| (effect.row, effect.ratio))))
         };
         grouped(resolved, |effect| effect.value.clone()).into_iter().map(numbers).collect()
     }
+
+    /// The value that errs least next to the base, or less than it.
+    fn best(&self) -> Option<Best<'r, 'f>> {
+        let rivals = self.told().into_iter().filter_map(|(value, own)| Some((value, own.estimate()?, own)));
+        let best = rivals.reduce(|a, b| if b.1.value < a.1.value { b } else { a });
+        best.map(|(value, ratio, own)| (value, own, ratio))
+    }
 }
+
+/// A value, its ratios, and their mean.
+type Best<'r, 'f> = (Value, Numbers<'r, 'f>, Estimate);
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let images = frame.images();
@@ -86,8 +96,17 @@ fn answer(frame: &Frame) -> Option<Finding> {
     }
     let lead = all.first()?;
     let told = lead.effects.iter().filter(|effect| effect.is_resolved).map(|effect| (effect.row, effect.ratio));
-    let scope = Numbers::new(told, geometric_mean).scope(&frame.case_axes());
-    let sentences: Vec<String> = all.iter().take(TOLD_MAX).map(|of| sentence(frame, of)).collect();
+    let scope = Numbers::ratios(told).scope(&frame.case_axes());
+    let (mut named, mut sentences): (Vec<(usize, Value)>, Vec<String>) = (Vec::new(), Vec::new());
+    for of in &all {
+        let best = of.best();
+        let winner = best.as_ref().filter(|(.., ratio)| ratio.value < 1.0).map_or(&of.base, |(value, ..)| value);
+        let goes = |row: &Row| named.iter().all(|(axis, value)| [value, &Value::Unset].contains(&&row.point[*axis]));
+        if sentences.len() < TOLD_MAX && images.iter().any(|row| row.point[of.axis] == *winner && goes(row)) {
+            sentences.push(sentence(frame, of, best.as_ref()));
+            named.push((of.axis, winner.clone()));
+        }
+    }
     Some(Finding {
         sentence: sentences.join(" ") + &scope,
         table,
@@ -96,11 +115,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     })
 }
 
-/// Of the values of an axis the one that errs least, base included, and its closest rival.
-fn sentence(frame: &Frame, of: &OfAxis) -> String {
-    let told = of.told();
-    let rivals = told.iter().filter_map(|(value, numbers)| Some((value, numbers, numbers.estimate()?)));
-    let best = rivals.reduce(|a, b| if b.2.value < a.2.value { b } else { a });
+fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
     let Some((value, numbers, ratio)) = best else {
         return format!("`{}` changes nothing that stands clear of the reference's noise.", AXES[of.axis].name);
     };
@@ -110,13 +125,17 @@ fn sentence(frame: &Frame, of: &OfAxis) -> String {
         let ([better, worse], along) = (sides(along, &groups), AXES[along].name);
         return format!("{name} has less `{metric}` than {base} at {along} {better}, and more at {worse}.");
     }
-    let times = with_interval(&ratio);
-    let cases = format!("less in {} of {} cases", numbers.count(|ratio| ratio < 1.0), numbers.len());
-    let among = format!("Of {} {}", told.len() + 1, AXES[of.axis].plural);
-    match told.len() {
-        1 => format!("{name} has **{times} times** the `{metric}` of {base}: {cases}."),
+    let times = with_interval(ratio);
+    let wins = match numbers.wins() {
+        [_, 1] => numbers.place(""),
+        [wins, n] => format!(", less under {wins} of {n} {}", AXES[ENVIRONMENT].plural),
+    };
+    let tried = of.told().len();
+    let among = format!("Of {} {}", tried + 1, AXES[of.axis].plural);
+    match tried {
+        1 => format!("{name} has **{times} times** the `{metric}` of {base}{wins}."),
         _ if ratio.value < 1.0 => {
-            format!("{among} {name} errs least: it has {times} times the `{metric}` of {base}, {cases}.")
+            format!("{among} {name} errs least: it has {times} times the `{metric}` of {base}{wins}.")
         }
         _ => format!("{among} the base {base} errs least; the next, {name}, has {times} times its `{metric}`."),
     }
@@ -124,24 +143,25 @@ fn sentence(frame: &Frame, of: &OfAxis) -> String {
 
 /// By alpha and environment where one value is judged; else one row a value.
 fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
-    let words = |estimate: &Estimate| with_interval(estimate);
+    let words = &with_interval;
     let told: Vec<_> = all.iter().map(|of| (of, of.told())).collect();
     if let [(_, only)] = &told[..]
         && let [(_, numbers)] = &only[..]
     {
-        return numbers.digest(frame, &words);
+        return numbers.digest(frame, words);
     }
     let widths = values(all.iter().flat_map(|of| &of.effects).map(|effect| effect.row), ALPHA);
     let heads = widths.iter().map(|width| heading(ALPHA, width));
     let names = ["axis", "value", "base"].map(str::to_owned).into_iter().chain(heads);
-    let mut table = Table::with_names(names.chain([ALL, "wins", "cases"].map(str::to_owned)));
+    let mut table = Table::with_names(names.chain([ALL, "wins", AXES[ENVIRONMENT].plural].map(str::to_owned)));
     for (of, value, numbers) in told.iter().flat_map(|(of, own)| own.iter().map(move |(value, n)| (of, value, n))) {
         let mut row = cells![AXES[of.axis].name, short(of.axis, value), short(of.axis, &of.base)];
-        row.extend(widths.iter().map(|width| numbers.at(ALPHA, width).cell(&words)));
-        row.extend(cells![numbers.cell(&words), numbers.count(|ratio| ratio < 1.0), numbers.len()]);
+        row.extend(widths.iter().map(|width| numbers.at(ALPHA, width).cell(frame, words)));
+        row.push(numbers.pooled(frame).map(|all| words(&all)).into());
+        row.extend(numbers.wins().map(Cell::from));
         table.row(row);
     }
-    table
+    table.without_empty()
 }
 
 /// One panel an environment: the ratio by alpha, a colour a value.

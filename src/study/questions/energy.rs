@@ -15,7 +15,7 @@ pub const QUESTION: Question = Question {
     columns: &[
         column("change", "Energy that leaves over energy that arrives, minus 1, over the whole surface."),
         column("change_lo", "Lower end of its 95 % interval, by the noise of the image that judges."),
-        column("change_hi", "Upper end of that interval."),
+        column("change_hi", super::UPPER),
         column("least", "The change in the bin of n·v that loses most."),
         column("least_n_dot_v_from", "Least n·v of that bin."),
         column("least_n_dot_v_to", "Largest n·v of that bin."),

@@ -29,7 +29,7 @@ pub const QUESTION: Question = Question {
             "Count whose frame takes as long; 0 below the least tried, inf above the most.",
         ),
         column("samples_at_equal_time_lo", "Lower end of its 95 % interval over rounds."),
-        column("samples_at_equal_time_hi", "Upper end of that interval."),
+        column("samples_at_equal_time_hi", super::UPPER),
         column("error_ratio", "Error at that count over that of the other; empty outside the tried counts."),
         column("samples_at_equal_error", "Count with the other's error, interpolated; empty outside the tried counts."),
     ],
@@ -103,36 +103,64 @@ fn answer(frame: &Frame) -> Option<Finding> {
     }
     let by_pair = grouped(&all, |one| one.case.of.names());
     let (names, lead) = by_pair.first()?;
-    let mut digest = Table::with_names(["sampled", "fixed", "verdict", "cases"]);
-    for ([sampled, fixed], own) in &by_pair {
-        for (verdict, own) in grouped(own, |one| one.verdict.clone()) {
-            digest.row(cells![sampled.as_str(), fixed.as_str(), verdict, own.len()]);
-        }
-    }
     Some(Finding {
         sentence: sentence(frame, names, lead),
         table,
-        digest: Some(digest),
+        digest: Some(digest(frame, &by_pair).without_empty()),
         figure: figure(frame, &axes, &all),
     })
 }
 
+/// Environments under which every case has this verdict.
+fn agreed(cases: &[&Timed], verdict: &str) -> usize {
+    let by_light = grouped(cases, |one| one.case.of.fixed.point[ENVIRONMENT].clone());
+    by_light.iter().filter(|(_, own)| own.iter().all(|one| one.verdict == verdict)).count()
+}
+
+/// By pair of methods and alpha: the median count at equal time, the error there, and who errs less under how many environments.
+fn digest(frame: &Frame, by_pair: &[([String; 2], Vec<&Timed>)]) -> Table {
+    let mut table = Table::with_names([
+        "first",
+        "second",
+        AXES[ALPHA].name,
+        ROUGHNESS,
+        "samples a pixel in equal time",
+        "error there over the second's",
+        "first errs less under",
+        "second errs less under",
+        AXES[ENVIRONMENT].plural,
+    ]);
+    for ([sampled, fixed], own) in by_pair {
+        for alpha in values(own.iter().map(|one| one.case.of.fixed), ALPHA) {
+            let at: Vec<&Timed> = own.iter().copied().filter(|one| one.case.of.fixed.point[ALPHA] == alpha).collect();
+            let counts = Numbers::new(at.iter().map(|one| (one.case.of.fixed, one.time.samples)), Middle::Median);
+            let counts = counts.estimate();
+            let ratios = Numbers::ratios(at.iter().filter_map(|one| Some((one.case.of.fixed, one.error_ratio?))));
+            let counts = counts.filter(|all| all.value.is_finite()).map(|all| number(all.value));
+            let mut row = cells![sampled.as_str(), fixed.as_str(), short(ALPHA, &alpha), roughness(&alpha), counts];
+            row.push(ratios.cell(frame, &with_interval));
+            row.extend([sampled, fixed].map(|name| agreed(&at, name).into()));
+            row.push(values(at.iter().map(|one| one.case.of.fixed), ENVIRONMENT).len().into());
+            table.row(row);
+        }
+    }
+    table
+}
+
 fn sentence(frame: &Frame, [sampled, fixed]: &[String; 2], cases: &[&Timed]) -> String {
-    let of = |verdict: &str| cases.iter().filter(|one| one.verdict == verdict).count();
-    let (on, n) = (frame.cpu_words(), cases.len());
-    let open = of(UNDECIDED) + of(TOO_FEW_ROUNDS);
-    if of(TOO_FEW_ROUNDS) == n {
+    let (on, metric) = (frame.cpu_words(), frame.metric_name());
+    if cases.iter().all(|one| one.verdict == TOO_FEW_ROUNDS) {
         return format!(
             "Too few rounds were timed to say whether `{sampled}` or `{fixed}` errs less in equal frame time{on}."
         );
     }
-    let open = if open > 0 { format!(", {open} undecided") } else { String::new() };
+    let lights = values(cases.iter().map(|one| one.case.of.fixed), ENVIRONMENT).len();
+    let [first, second] = [sampled, fixed].map(|name| agreed(cases, name));
+    let under = |n: usize| format!("{n} of {}", count(lights, "environment", AXES[ENVIRONMENT].plural));
+    let open = ["", " The rest is mixed or undecided."][usize::from(first + second < lights)];
     format!(
-        "In equal frame time{on} `{fixed}` errs less in {} in {} of {}, `{sampled}` in {}{open}.",
-        frame.metric_name(),
-        of(fixed),
-        count(n, "case", "cases"),
-        of(sampled)
+        "In equal frame time{on} `{fixed}` errs less in `{metric}` in every case under {}, `{sampled}` under {first}.{open}",
+        under(second)
     )
 }
 

@@ -1,7 +1,7 @@
 //! How wrong is each method?
 //!
-//! The error of each method and sample count in each case, in the metric of the question: geometric mean over point sets, and over cases
-//! where several are told as one. For a mean square error such as relmse, 100 sqrt(error) is the root mean square error in percent of the
+//! The error of each method and sample count in each case, in the metric of the question: geometric mean over point sets,
+//! and over environments where several are told as one. For a mean square error such as relmse, 100 sqrt(error) is the root mean square error in percent of the
 //! reference ("rms"): 0.01 is 10 % rms.
 //!
 //! The *leading* method is the first without samples, which is what a renderer ships, else the first that samples, at its largest count.
@@ -77,7 +77,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
 }
 
 fn numbers<'r, 'f>(cases: &[Case<'r, 'f>], way: &str) -> Numbers<'r, 'f> {
-    Numbers::new(cases.iter().filter(|case| case.way == way).map(|case| (case.row, case.error)), geometric_mean)
+    Numbers::new(cases.iter().filter(|case| case.way == way).map(|case| (case.row, case.error)), Middle::GeometricMean)
 }
 
 /// The leading method by alpha and environment; without alpha, every method by environment.
@@ -88,7 +88,7 @@ fn digest(frame: &Frame, lead: &str, all: &[Case]) -> Table {
     }
     let ways = distinct_in_order(all.iter().map(|case| case.way.clone()));
     let rows: Vec<_> = ways.iter().map(|way| (cells![way.as_str()], numbers(all, way))).collect();
-    by_light(&[AXES[METHOD].name], &rows, &words)
+    by_light(frame, &[AXES[METHOD].name], &rows, &words)
 }
 
 /// Errors that differ by less than this factor are told as one.
@@ -97,12 +97,12 @@ const CHANGE_MIN: f64 = 2.0;
 fn sentence(frame: &Frame, axes: &[usize], lead: &str, all: &[Case]) -> Option<String> {
     let errors = numbers(all, lead);
     let (mean, first) = (errors.estimate()?, all.iter().find(|case| case.way == lead)?.row);
-    let scope = match errors.len() {
+    let scope = match mean.n {
         1 => {
             let [scene, light] = [SCENE, ENVIRONMENT].map(|of| short(of, &first.point[of]));
             format!(", on {scene} under {light}")
         }
-        n => format!(", the geometric mean of {n} cases"),
+        n => format!(", the geometric mean of {n} {}", AXES[ENVIRONMENT].plural),
     };
     let (value, percent) = (number(mean.value), rms_percent(frame, mean.value));
     let rms = percent.map_or_else(String::new, |percent| format!(", about **{} % rms**", number(percent)));

@@ -8,7 +8,7 @@
 //! Times hold for the device that was timed; those of a driver that computes on the CPU say nothing about a GPU.
 
 use super::prelude::*;
-use super::{DEVICE, DEVICE_TYPE};
+use super::{DEVICE, DEVICE_TYPE, MAP_SIZE, MS_HI};
 use crate::runner::timing::{FRAME, Key, Summary, TimingRecord, summarize, swept_axes};
 use crate::runner::timing_ratios::{Ratio, ratios};
 
@@ -16,15 +16,15 @@ pub const QUESTION: Question = Question {
     name: "frame-time",
     asks: "What does a frame cost with each method?",
     columns: &[
-        column("environment_size", "Width and height of the environment's map."),
+        MAP_SIZE,
         column("rounds", "Rounds that were timed."),
         column("ms", "Time of a frame in milliseconds, the median over rounds."),
         column("ms_lo", "Lower end of its 95 % interval; empty below six rounds."),
-        column("ms_hi", "Upper end of that interval."),
+        MS_HI,
         column("over", "A method timed in the same rounds, with its sample count; a row for each."),
         column("ratio", "Time over that of this method, the median of the ratios round by round."),
         column("ratio_lo", "Lower end of its 95 % interval; empty below six rounds."),
-        column("ratio_hi", "Upper end of that interval."),
+        column("ratio_hi", super::UPPER),
         column("verdict", "FAST, SLOW or SAME (within 2 %) where the interval says so, else AMBIGUOUS."),
         column("host_check", "`ok` where the passes sum to 50 to 105 % of the host's own time, else what is wrong."),
         DEVICE,

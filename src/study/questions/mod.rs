@@ -27,6 +27,10 @@ const BIAS_SHARE: Column = column(
     "bias_share",
     "Squared bias over mean square error; as an unbiased estimate it may fall below 0. Empty without [bias_variance].",
 );
+const MAP_SIZE: Column = column("environment_size", "Width and height of the environment's map.");
+const MS_HI: Column = column("ms_hi", UPPER);
+/// Of the second column of an interval.
+const UPPER: &str = "Upper end of that interval.";
 const DEVICE: Column = column("device", "The device that was timed.");
 const DEVICE_TYPE: Column = column("device_type", "Its type; times of a `cpu` say nothing about a GPU.");
 

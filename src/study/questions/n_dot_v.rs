@@ -15,10 +15,10 @@ pub const QUESTION: Question = Question {
     columns: &[
         column("n_dot_v_from", "Least n·v of the bin."),
         column("n_dot_v_to", "Largest n·v of the bin."),
-        column("n", "Images behind the error."),
-        column("error", "Median over the images of the error over the bin's pixels, in the metric of the question."),
+        column("n", "Environments behind the error."),
+        column("error", "Median over environments of the error over the bin's pixels, in the metric of the question."),
         column("error_lo", "Lower end of its 95 % interval over environments; empty below six environments."),
-        column("error_hi", "Upper end of that interval."),
+        column("error_hi", super::UPPER),
     ],
     uses_times: false,
     lacks,
@@ -65,7 +65,7 @@ fn places<'r, 'f>(frame: &Frame, method: &str, rows: &[&'r Row<'f>]) -> Vec<Plac
                 let error = frame.bin_error(known).filter(|error| error.is_finite())?;
                 Some((row.point[ENVIRONMENT].clone(), error))
             };
-            let error = estimate(&own.iter().filter_map(error).collect::<Vec<_>>(), median);
+            let error = estimate(&own.iter().filter_map(error).collect::<Vec<_>>(), Middle::Median);
             let place =
                 |error| Place { method: method.to_owned(), alpha: alpha.clone(), bin, error, rows: own.clone() };
             found.extend(error.map(place));
@@ -113,7 +113,7 @@ fn sentence(frame: &Frame, all: &[Place]) -> Option<String> {
     let place = |place: &Place| format!("n·v {}, alpha {}", ends(place.bin), short(ALPHA, &place.alpha));
     let over = match most.error.n {
         1 => String::new(),
-        n => format!(", the median of {}", count(n, "image", "images")),
+        n => format!(", the median of {n} {}", AXES[ENVIRONMENT].plural),
     };
     let turns = [ENVIRONMENT_ORIENTATION, ENVIRONMENT_ROTATION, SCENE].iter().any(|of| frame.shape.is_swept(*of));
     let (view, end) = match turns {

@@ -1,10 +1,11 @@
 //! A number of each image of a group, and how it hangs on alpha, on the environment and on other axes of cases: digests, extremes, changes
 //! of sign.
 
-use super::words::{cases_sentence, label, listed, number, short};
+use super::words::{count, label, listed, number, range, range_words, scope_sentence, short};
+use crate::environment::builtin::BUILTIN_PREFIX;
 use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, Part, SAMPLES};
 use crate::runner::value::Value;
-use crate::study::frame::estimate::{Estimate, estimate};
+use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
 use crate::study::frame::{Frame, Row, values};
 use crate::study::table::Table;
 use crate::table::csv::Cell;
@@ -15,31 +16,43 @@ pub const ALL: &str = "all";
 /// Groups by their value on an axis, ascending, each with its number.
 pub type Along = Vec<(Value, f64)>;
 
-/// A number of each image, summed up over any group of them by one statistic.
+/// A number of each image, summed up over any group of them.
 #[derive(Clone)]
 pub struct Numbers<'r, 'f> {
     items: Vec<(&'r Row<'f>, f64)>,
-    statistic: fn(&[f64]) -> f64,
+    middle: Middle,
+    /// Whether 1 parts them into better and worse.
+    is_ratio: bool,
 }
 
 impl<'r, 'f> Numbers<'r, 'f> {
-    pub fn new(items: impl IntoIterator<Item = (&'r Row<'f>, f64)>, statistic: fn(&[f64]) -> f64) -> Self {
-        Self { items: items.into_iter().collect(), statistic }
+    pub fn new(items: impl IntoIterator<Item = (&'r Row<'f>, f64)>, middle: Middle) -> Self {
+        Self { items: items.into_iter().collect(), middle, is_ratio: false }
     }
 
-    pub fn len(&self) -> usize {
-        self.items.len()
+    /// Ratios, told by their geometric mean and never averaged over a change of sign.
+    pub fn ratios(items: impl IntoIterator<Item = (&'r Row<'f>, f64)>) -> Self {
+        Self { is_ratio: true, ..Self::new(items, Middle::GeometricMean) }
     }
 
-    /// How many of the numbers are of this kind.
-    pub fn count(&self, is: impl Fn(f64) -> bool) -> usize {
-        self.items.iter().filter(|(_, number)| is(*number)).count()
+    /// Those under measured environments, where these are enough for an interval: formulas then stand beside them and count for nothing.
+    fn evidence(&self) -> Self {
+        let lights = self.values(ENVIRONMENT);
+        let measured: Vec<&Value> = lights.iter().filter(|light| !is_formula(light)).collect();
+        let is_kept = |row: &Row| measured.len() < CLUSTERS_MIN || measured.contains(&&row.point[ENVIRONMENT]);
+        Self { items: self.items.iter().copied().filter(|(row, _)| is_kept(row)).collect(), ..*self }
+    }
+
+    /// Under how many environments a ratio is below 1, and how many there are.
+    pub fn wins(&self) -> [usize; 2] {
+        let of_each = self.evidence().along(ENVIRONMENT);
+        [of_each.iter().filter(|(_, ratio)| *ratio < 1.0).count(), of_each.len()]
     }
 
     /// Of the images with this value on an axis.
     pub fn at(&self, of: usize, value: &Value) -> Self {
         let own = self.items.iter().copied().filter(|(row, _)| row.point[of] == *value);
-        Self::new(own, self.statistic)
+        Self { items: own.collect(), ..*self }
     }
 
     fn rows(&self) -> impl Iterator<Item = &'r Row<'f>> {
@@ -51,33 +64,37 @@ impl<'r, 'f> Numbers<'r, 'f> {
         values(self.rows(), of)
     }
 
-    /// The number of the whole group; NaN for none.
-    pub fn value(&self) -> f64 {
-        (self.statistic)(&self.items.iter().map(|(_, number)| *number).collect::<Vec<_>>())
-    }
-
-    /// The same with its interval over environments; nothing for none.
+    /// The number of the whole group with its interval over environments; nothing for none.
     pub fn estimate(&self) -> Option<Estimate> {
-        let values = self.items.iter().map(|(row, number)| (row.point[ENVIRONMENT].clone(), *number));
-        estimate(&values.collect::<Vec<_>>(), self.statistic)
+        let evidence = self.evidence();
+        let values = evidence.items.iter().map(|(row, number)| (row.point[ENVIRONMENT].clone(), *number));
+        estimate(&values.collect::<Vec<_>>(), self.middle)
     }
 
-    /// "The 30 cases: 2 environments ..."
+    /// The same, but nothing for ratios on both sides of 1.
+    pub fn pooled(&self, frame: &Frame) -> Option<Estimate> {
+        self.estimate().filter(|_| !self.is_ratio || self.change_of_sign(frame).is_none())
+    }
+
+    /// " Over 10 environments, 3 BRDF models, 5 alphas."
     pub fn scope(&self, axes: &[usize]) -> String {
-        cases_sentence(&self.rows().collect::<Vec<_>>(), axes)
+        scope_sentence(&self.evidence().rows().collect::<Vec<_>>(), axes)
     }
 
-    /// ", under sky" of one case, ", in the median case" or the like of several.
+    /// ", under sky" of one environment, ", in the median environment" or the like of several.
     pub fn place(&self, several: &str) -> String {
-        match self.items.as_slice() {
-            [(only, _)] => format!(", under {}", short(ENVIRONMENT, &only.point[ENVIRONMENT])),
+        match self.values(ENVIRONMENT).as_slice() {
+            [only] => format!(", under {}", short(ENVIRONMENT, only)),
             _ => several.to_owned(),
         }
     }
 
     /// The number at each value of an axis.
     pub fn along(&self, of: usize) -> Along {
-        self.values(of).into_iter().map(|value| (value.clone(), self.at(of, &value).value())).collect()
+        self.values(of)
+            .into_iter()
+            .map(|value| (value.clone(), self.at(of, &value).estimate().map_or(f64::NAN, |all| all.value)))
+            .collect()
     }
 
     /// " By alpha it runs from 16 for alpha 0.5 to 64 for alpha 0.05.": the axis, alpha or environment, along which a positive number changes
@@ -98,27 +115,33 @@ impl<'r, 'f> Numbers<'r, 'f> {
     }
 
     /// The first axis of cases along which a ratio is below 1 here and above it there, with the ratio at each of its values.
+    /// Environments are a sample: where the interval of their mean lies on one side of 1, they agree.
     pub fn change_of_sign(&self, frame: &Frame) -> Option<(usize, Along)> {
+        let (below, above) = (1.0 / (1.0 + SAME), 1.0 + SAME);
+        let told = self.estimate().and_then(|all| all.told_interval());
+        let agree = told.is_some_and(|[lo, hi]| hi < 1.0 || lo > 1.0);
         let first = [ALPHA, ENVIRONMENT];
         let others = frame.swept(&[Part::Case]).into_iter().filter(|of| !first.contains(of));
-        first.into_iter().chain(others).map(|of| (of, self.along(of))).find(|(_, groups)| {
-            let has = |is: fn(f64) -> bool| groups.iter().any(|(_, ratio)| is(*ratio));
-            has(|ratio| ratio < 1.0 / (1.0 + SAME)) && has(|ratio| ratio > 1.0 + SAME)
+        let along = first.into_iter().chain(others).filter(|of| *of != ENVIRONMENT || !agree);
+        along.map(|of| (of, self.along(of))).find(|(_, groups)| {
+            groups.iter().any(|(_, ratio)| *ratio < below) && groups.iter().any(|(_, ratio)| *ratio > above)
         })
     }
 
-    /// The estimate in words, as a cell.
-    pub fn cell(&self, words: &dyn Fn(&Estimate) -> String) -> Cell {
-        self.estimate().map(|estimate| words(&estimate)).into()
+    /// The estimate in words, as a cell; of ratios on both sides of 1 their range.
+    pub fn cell(&self, frame: &Frame, words: &dyn Fn(&Estimate) -> String) -> Cell {
+        let is_told = self.pooled(frame).is_some();
+        let both = || format!("both signs, {}", range(self.items.iter().map(|(_, number)| *number)));
+        self.estimate().map(|all| if is_told { words(&all) } else { both() }).into()
     }
 
-    /// A digest: one row a value of alpha, with perceptual roughness beside it, one column an environment; the last ones over all. Without
-    /// alpha the rows are those of the first other axis that tells cases apart.
+    /// A digest: one row a value of alpha, with perceptual roughness beside it, in the columns of [`by_light`]. Without alpha the rows are
+    /// those of the first other axis that tells cases apart.
     pub fn digest(&self, frame: &Frame, words: &dyn Fn(&Estimate) -> String) -> Table {
         let swept = frame.swept(&[Part::Case]);
         let other = swept.iter().copied().find(|of| *of != ENVIRONMENT);
         let Some(width) = swept.iter().copied().find(|of| *of == ALPHA).or(other) else {
-            return by_light(&[], &[(Vec::new(), self.clone())], words);
+            return by_light(frame, &[], &[(Vec::new(), self.clone())], words);
         };
         let columns = if width == ALPHA { 2 } else { 1 };
         let head = |name: String, rough: Option<f64>| [Cell::from(name), rough.into()][..columns].to_vec();
@@ -126,7 +149,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
         let row = |value: &Value| (head(short(width, value), roughness(value)), self.at(width, value));
         let mut rows: Vec<(Vec<Cell>, Self)> = values.iter().map(row).collect();
         rows.extend((values.len() > 1).then(|| (head(ALL.to_owned(), None), self.clone())));
-        by_light(&[AXES[width].name, ROUGHNESS][..columns], &rows, words)
+        by_light(frame, &[AXES[width].name, ROUGHNESS][..columns], &rows, words)
     }
 }
 
@@ -137,18 +160,42 @@ pub fn sides(of: usize, groups: &Along) -> [String; 2] {
     [less, more].map(|own| listed(&own.into_iter().map(words).collect::<Vec<_>>()))
 }
 
-/// A digest with one column an environment and the last over all, whose rows are groups with their first cells.
-pub fn by_light(names: &[&str], rows: &[(Vec<Cell>, Numbers)], words: &dyn Fn(&Estimate) -> String) -> Table {
-    let lights = values(rows.iter().flat_map(|(_, own)| own.rows()), ENVIRONMENT);
+/// A digest whose rows are groups with their first cells: one column an environment and one over all. Where each group has an interval
+/// over environments, that column stands for theirs, with their range beside it.
+pub fn by_light(
+    frame: &Frame,
+    names: &[&str],
+    rows: &[(Vec<Cell>, Numbers)],
+    words: &dyn Fn(&Estimate) -> String,
+) -> Table {
+    let of = |groups: &[Numbers]| values(groups.iter().flat_map(|own| own.rows()), ENVIRONMENT);
+    let lights = of(&rows.iter().map(|(_, own)| own.clone()).collect::<Vec<_>>());
+    let evidence = of(&rows.iter().map(|(_, own)| own.evidence()).collect::<Vec<_>>());
+    let beside: Vec<Value> = lights.iter().filter(|light| !evidence.contains(light)).cloned().collect();
+    let of_rows = |(_, own): &(Vec<Cell>, Numbers)| own.pooled(frame).and_then(|all| all.told_interval()).is_some();
+    let is_summed = rows.iter().all(of_rows);
+    let shown = if is_summed { &beside } else { &lights };
     let has_all = lights.len() > 1;
-    let names = names.iter().map(|name| name.to_string());
-    let names = names.chain(lights.iter().map(|light| short(ENVIRONMENT, light)));
-    let mut table = Table::with_names(names.chain(has_all.then(|| ALL.to_owned())));
+    let heads = shown.iter().map(|light| match beside.contains(light) {
+        true => format!("{} (formula)", short(ENVIRONMENT, light)),
+        false => short(ENVIRONMENT, light),
+    });
+    let all = if is_summed { count(evidence.len(), "", AXES[ENVIRONMENT].plural) } else { ALL.to_owned() };
+    let names = names.iter().map(|name| name.to_string()).chain(heads).chain(has_all.then_some(all));
+    let mut table = Table::with_names(names.chain(is_summed.then(|| "their range".to_owned())));
+    let plain = |end: f64| words(&Estimate { value: end, interval: None, n: 1, ends: [end; 2] });
     for (head, own) in rows {
-        let cells = lights.iter().map(|light| own.at(ENVIRONMENT, light).cell(words));
-        table.row(head.iter().cloned().chain(cells).chain(has_all.then(|| own.cell(words))).collect());
+        let cells = shown.iter().map(|light| own.at(ENVIRONMENT, light).cell(frame, words));
+        let all = has_all.then(|| own.pooled(frame).map(|all| words(&all)).into());
+        let range = is_summed.then(|| own.estimate().map(|all| range_words(all.ends, plain)).into());
+        table.row(head.iter().cloned().chain(cells).chain(all).chain(range).collect());
     }
-    table
+    table.without_empty()
+}
+
+/// Whether a light is one of the builtin formulas.
+fn is_formula(light: &Value) -> bool {
+    light.to_string().starts_with(BUILTIN_PREFIX)
 }
 
 /// How far a sample count is from the default, by ratio.

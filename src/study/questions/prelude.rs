@@ -8,7 +8,7 @@ pub use crate::runner::axis::*;
 pub use crate::runner::value::Value;
 pub use crate::shade::NONE;
 pub use crate::study::figure::{Figure, Mark, Shape as Form};
-pub use crate::study::frame::estimate::{Estimate, estimate, geometric_mean, median};
+pub use crate::study::frame::estimate::{Estimate, Middle, estimate, geometric_mean, median};
 pub use crate::study::frame::{
     Frame, Key, Row, Shape, VISIBLE_FROM, ascending, by, distinct_in_order, fits, grouped, pair, size_of, values,
 };

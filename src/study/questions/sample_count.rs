@@ -1,7 +1,7 @@
 //! Do so many samples a pixel suffice?
 //!
 //! Two measures of "suffice", at each tried count N. Against the method without samples: the ratio e(N)/f of the two errors in a case
-//! (geometric mean over point sets), told as the geometric mean over cases. Where that is below 1 at some values of alpha, or under some
+//! (geometric mean over point sets), told as the geometric mean over environments. Where that is below 1 at some values of alpha, or under some
 //! environments, and above 1 at others, it is told along them and never averaged over them. To the eye: mean FLIP at the plain tone curve,
 //! visible from [`VISIBLE_FROM`] on. Where bias and variance were parted, the share of bias says how much of the error more samples would
 //! leave.
@@ -52,16 +52,14 @@ struct Level<'c, 'r, 'f> {
 }
 
 impl Level<'_, '_, '_> {
-    fn flip(&self) -> Option<f64> {
-        mean(self.cases.iter().filter_map(|case| case.flip))
+    /// Mean FLIP under each environment.
+    fn flips(&self) -> Vec<f64> {
+        let by_light = grouped(&self.cases, |case| case.of.fixed.point[ENVIRONMENT].clone());
+        by_light.iter().filter_map(|(_, own)| mean(own.iter().filter_map(|case| case.flip))).collect()
     }
 
     fn visible(&self) -> usize {
-        self.cases.iter().filter(|case| case.is_visible()).count()
-    }
-
-    fn wins(&self) -> usize {
-        self.ratios.count(|ratio| ratio < 1.0)
+        self.flips().iter().filter(|flip| **flip >= VISIBLE_FROM).count()
     }
 
     fn bias(&self) -> Option<String> {
@@ -82,7 +80,7 @@ fn levels<'c, 'r, 'f>(all: &'c [Beside<'r, 'f>]) -> Vec<Level<'c, 'r, 'f>> {
         let level = move |(samples, cases): (u32, Vec<Case<'c, 'r, 'f>>)| Level {
             names: names.clone(),
             samples,
-            ratios: Numbers::new(cases.iter().map(|case| (case.of.fixed, case.ratio)), geometric_mean),
+            ratios: Numbers::ratios(cases.iter().map(|case| (case.of.fixed, case.ratio))),
             cases,
         };
         grouped(own, |case| case.point.samples).into_iter().map(level)
@@ -119,7 +117,7 @@ fn told<'l, 'c, 'r, 'f>(levels: &'l [Level<'c, 'r, 'f>]) -> Option<&'l Level<'c,
 }
 
 fn sentence(frame: &Frame, axes: &[usize], told: &Level) -> String {
-    let ([sampled, fixed], metric, n) = (&told.names, frame.metric_name(), told.cases.len());
+    let ([sampled, fixed], metric, lights) = (&told.names, frame.metric_name(), AXES[ENVIRONMENT].plural);
     let at = format!("At **{} samples a pixel** `{sampled}`", told.samples);
     let mut parts = match told.ratios.change_of_sign(frame) {
         Some((of, groups)) => {
@@ -131,14 +129,17 @@ fn sentence(frame: &Frame, axes: &[usize], told: &Level) -> String {
         }
         None => {
             let ratio = told.ratios.estimate().map_or_else(String::new, |ratio| with_interval(&ratio));
-            let wins = format!("; it wins in {} of {n} cases", told.wins());
+            let [wins, n] = told.ratios.wins();
+            let wins = format!("; it wins under {wins} of {n} {lights}");
             vec![format!("{at} has {ratio} times the `{metric}` of `{fixed}`{}.", told.ratios.place(&wins))]
         }
     };
-    if let Some(flip) = told.flip().map(number) {
-        let visible = told.visible();
-        let seen = if visible > 0 { "visible" } else { "hidden" };
-        let seen = if n == 1 { seen.to_owned() } else { format!("visible in {visible} of {n} cases") };
+    if let Some(flip) = mean(told.flips()).map(number) {
+        let (visible, n) = (told.visible(), told.flips().len());
+        let seen = match n {
+            1 => if visible > 0 { "visible" } else { "hidden" }.to_owned(),
+            n => format!("visible under {visible} of {n} {lights}"),
+        };
         parts.push(format!("The difference is {seen} (mean FLIP {flip})."));
     }
     if let Some(share) = told.bias() {
@@ -160,16 +161,16 @@ fn digest(frame: &Frame, levels: &[Level], told: &Level) -> Table {
         of.into_iter().flat_map(|of| values(rows(), of).into_iter().map(move |value| (of, value))).collect();
     let heads = columns.iter().map(|(of, value)| heading(*of, value));
     let names = [AXES[METHOD].name, "beside", AXES[SAMPLES].name].map(str::to_owned).into_iter().chain(heads);
-    let last = [ALL, "wins", "cases", "mean FLIP", "visible", "bias share"].map(str::to_owned);
+    let last = [ALL, "wins", AXES[ENVIRONMENT].plural, "mean FLIP", "visible", "bias share"].map(str::to_owned);
     let mut table = Table::with_names(names.chain(last));
     let words = |estimate: &Estimate| number(estimate.value);
     for level in levels {
         let [sampled, fixed] = level.names.each_ref().map(String::as_str);
         let mut row = cells![sampled, fixed, level.samples];
-        row.extend(columns.iter().map(|(of, value)| level.ratios.at(*of, value).cell(&words)));
-        let pooled = level.ratios.estimate().filter(|_| level.ratios.change_of_sign(frame).is_none());
-        row.extend(cells![pooled.map(|pooled| with_interval(&pooled)), level.wins(), level.cases.len()]);
-        row.extend(cells![level.flip().map(number), level.visible(), level.bias()]);
+        row.extend(columns.iter().map(|(of, value)| level.ratios.at(*of, value).cell(frame, &words)));
+        row.push(level.ratios.pooled(frame).map(|pooled| with_interval(&pooled)).into());
+        row.extend(level.ratios.wins().map(Cell::from));
+        row.extend(cells![mean(level.flips()).map(number), level.visible(), level.bias()]);
         table.row(row);
     }
     table

@@ -8,7 +8,7 @@
 
 use super::frame_time::{ends, key_axes, key_cells, map_size, text, way};
 use super::prelude::*;
-use super::{DEVICE, DEVICE_TYPE};
+use super::{DEVICE, DEVICE_TYPE, MAP_SIZE, MS_HI};
 use crate::runner::timing::{Key, PRECOMPUTE, TimingRecord, summarize};
 use crate::runner::timing_ratios::{Payback, Ratio, TableCost, ratios};
 use crate::shade::METHODS;
@@ -17,18 +17,18 @@ pub const QUESTION: Question = Question {
     name: "table-cost",
     asks: "What do the tables cost once, and after how many frames are they paid back?",
     columns: &[
-        column("environment_size", "Width and height of the environment's map."),
+        MAP_SIZE,
         column(
             "pass",
             "A pass that makes a table, or `all`: all passes beyond those of the sampling method in `over`.",
         ),
         column("ms", "Its time in milliseconds, once, the median over rounds."),
         column("ms_lo", "Lower end of its 95 % interval; empty below six rounds and for `all`."),
-        column("ms_hi", "Upper end of that interval."),
+        MS_HI,
         column("over", "The sampling method, with its sample count, that the tables are paid back against."),
         column("payback_frames", "Frames after which the tables are paid back; empty where that is not known."),
         column("payback_frames_lo", "Lower end of its 95 % interval, that of the ratio of frame times."),
-        column("payback_frames_hi", "Upper end of that interval."),
+        column("payback_frames_hi", super::UPPER),
         column("payback", "`paid back`, `never` (its frames are slower), or why it is not decided."),
         DEVICE,
         DEVICE_TYPE,

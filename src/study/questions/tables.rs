@@ -98,7 +98,7 @@ impl Combination<'_, '_, '_> {
     }
 
     fn numbers(&self, of: fn(&Tried) -> f64) -> Numbers<'_, '_> {
-        Numbers::new(self.own.iter().map(|one| (one.row, of(one))), geometric_mean)
+        Numbers::new(self.own.iter().map(|one| (one.row, of(one))), Middle::GeometricMean)
     }
 }
 
@@ -171,9 +171,8 @@ fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &
         && *alpha != Value::Unset
         && by_alpha.len() > 1
     {
-        let errors = all[0].numbers(|one| one.split);
         let from = if rest == 0 { "At every alpha".to_owned() } else { format!("From {} on", heading(ALPHA, alpha)) };
-        let own = with_rms(frame, errors.value());
+        let own = all[0].numbers(|one| one.split).estimate().map_or(String::new(), |mean| with_rms(frame, mean.value));
         text += &format!(
             " {from} no table helps: with the smallest tried the split makes the error, {own} at {}.",
             label(&[ALPHA], std::slice::from_ref(alpha))

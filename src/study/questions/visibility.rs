@@ -2,7 +2,7 @@
 //!
 //! The measure is FLIP [Andersson20], the difference that a viewer notices when two images are flipped in place, from 0 to 1: its mean over
 //! the image, after the tone curve. From [`VISIBLE_FROM`] on a difference is called visible. Of each method and tone curve: the median
-//! over everything else that is swept, its extremes, and how many images show the difference.
+//! over environments, its extremes over images, and under how many environments the difference shows.
 
 use super::prelude::*;
 
@@ -10,12 +10,12 @@ pub const QUESTION: Question = Question {
     name: "visibility",
     asks: "At which exposure and contrast does the difference show?",
     columns: &[
-        column("n", "Images of the method at this tone curve."),
-        column("flip", "Mean FLIP of an image, the median over these images; from 0 (none) to 1."),
+        column("n", "Environments behind the median."),
+        column("flip", "Mean FLIP of an image, the median over environments; from 0 (none) to 1."),
         column("flip_least", "Mean FLIP of the image with the least."),
         column("flip_most", "Mean FLIP of the image with the most."),
         column("visible_from", "Mean FLIP from which a difference is called visible, a convention of this project."),
-        column("visible", "How many of the images have at least that."),
+        column("visible", "Under how many environments the median has at least that."),
     ],
     uses_times: false,
     lacks,
@@ -34,7 +34,7 @@ struct Curve<'r, 'f> {
     method: String,
     /// Exposure and contrast.
     key: Key,
-    /// Mean FLIP of each image.
+    /// Mean FLIP under each environment, the median over its images.
     flips: Vec<f64>,
     rows: Vec<&'r Row<'f>>,
 }
@@ -57,11 +57,11 @@ fn curves<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Vec<Curve<'r, 'f>>> {
     let mut methods = grouped(rows, |row| frame.way(row));
     methods.sort_by_key(|(_, rows)| rows[0].samples().is_some());
     let of_method = |(method, rows): (String, Vec<&'r Row<'f>>)| {
-        let curve = |(key, rows): (Key, Vec<&'r Row<'f>>)| Curve {
-            method: method.clone(),
-            key,
-            flips: rows.iter().filter_map(|row| flip(row)).collect(),
-            rows,
+        let curve = |(key, rows): (Key, Vec<&'r Row<'f>>)| {
+            let by_light = grouped(&rows, |row| row.point[ENVIRONMENT].clone());
+            let middle = |own: &Vec<&&Row>| median(&own.iter().filter_map(|row| row.flip()).collect::<Vec<_>>());
+            let flips = by_light.iter().map(|(_, own)| middle(own)).collect();
+            Curve { method: method.clone(), key, flips, rows }
         };
         let mut curves: Vec<Curve> = grouped(rows, |row| row.key(&DISPLAY)).into_iter().map(curve).collect();
         let size = |one: &Curve, i: usize| size_of(&one.key[i]).unwrap_or(f64::NAN);
@@ -76,8 +76,8 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let axes = [&frame.way_axes()[..], &DISPLAY].concat();
     let mut table = Table::new(&axes, QUESTION.columns);
     for one in methods.iter().flatten() {
-        let least = one.flips.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = one.flips.iter().copied().fold(0.0, f64::max);
+        let flips = || one.rows.iter().filter_map(|row| row.flip());
+        let (least, most) = (flips().fold(f64::INFINITY, f64::min), flips().fold(0.0, f64::max));
         let own = cells![one.flips.len(), one.middle(), least, most, VISIBLE_FROM, one.visible_count()];
         table.row([one.rows[0].cells(&axes), own].concat());
     }
@@ -109,7 +109,7 @@ fn sentence(own: &[Curve]) -> Option<String> {
     let peak = peak(own)?;
     let over = match peak.flips.len() {
         1 => String::new(),
-        n => format!(", the median of {}", count(n, "image", "images")),
+        n => format!(", the median of {n} {}", AXES[ENVIRONMENT].plural),
     };
     // Contrasts that show alike are said together.
     let contrasts = grouped(own, |one| one.key[1].clone()).into_iter().map(|(contrast, at)| (contrast, shown(&at)));

@@ -1,6 +1,6 @@
 //! Numbers, counts and scopes as sentences say them.
 
-use crate::runner::axis::AXES;
+use crate::runner::axis::{AXES, ENVIRONMENT};
 use crate::runner::value::Value;
 use crate::spelling::short_number;
 use crate::study::frame::{Frame, Row, estimate::Estimate, values};
@@ -20,11 +20,19 @@ pub fn with_interval(estimate: &Estimate) -> String {
     number(estimate.value) + &interval_words(estimate, number)
 }
 
-/// " (95 % 8.1 to 17)"; nothing where there is no interval to tell, or where its ends read alike.
+/// " (95 % 8.1 to 17)"; where that is wider than a decade, the range of the environments; nothing for too few of them, or where the ends
+/// read alike.
 pub fn interval_words(estimate: &Estimate, words: impl Fn(f64) -> String) -> String {
-    let ends = estimate.told_interval().map(|ends| ends.map(words));
-    let told = ends.filter(|[lo, hi]| lo != hi);
-    told.map_or_else(String::new, |[lo, hi]| format!(" (95 % {lo} to {hi})"))
+    let told = estimate.told_interval();
+    let which = if told.is_some() { "95 %" } else { AXES[ENVIRONMENT].plural };
+    let [lo, hi] = told.unwrap_or(estimate.ends).map(&words);
+    if lo == hi || estimate.interval.is_none() { String::new() } else { format!(" ({which} {lo} to {hi})") }
+}
+
+/// "8.1 to 17", or one number where the two read alike.
+pub fn range_words(ends: [f64; 2], words: impl Fn(f64) -> String) -> String {
+    let [least, most] = ends.map(words);
+    if least == most { least } else { format!("{least} to {most}") }
 }
 
 /// `relmse` as an error that people can picture: 11 for 0.012, in percent of the reference. Nothing for metrics that are no mean square.
@@ -50,16 +58,13 @@ pub fn listed(words: &[String]) -> String {
     }
 }
 
-/// " The 30 cases: 2 environments, 3 BRDF models, 5 alphas."; nothing for one case.
-pub fn cases_sentence(rows: &[&Row], axes: &[usize]) -> String {
-    match (rows.len(), scope(rows, axes)) {
-        (0 | 1, _) => String::new(),
-        (n, scope) if scope.is_empty() => format!(" The {n} cases have one scene in common."),
-        (n, scope) => format!(" The {n} cases: {scope}."),
-    }
+/// " Over 10 environments, 3 BRDF models, 5 alphas."; nothing where all axes have one value.
+pub fn scope_sentence(rows: &[&Row], axes: &[usize]) -> String {
+    let scope = scope(rows, axes);
+    if scope.is_empty() { scope } else { format!(" Over {scope}.") }
 }
 
-/// "1 case", "30 cases".
+/// "1 sample", "30 samples".
 pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
@@ -102,6 +107,5 @@ fn scope(rows: &[&Row], axes: &[usize]) -> String {
 /// The smallest and the largest of positive numbers: "5.1" or "5.1 to 6.0".
 pub fn range(values: impl IntoIterator<Item = f64>) -> String {
     let (least, most) = values.into_iter().fold((f64::INFINITY, 0.0), |(lo, hi), x| (f64::min(lo, x), f64::max(hi, x)));
-    let [least, most] = [least, most].map(number);
-    if least == most { least } else { format!("{least} to {most}") }
+    range_words([least, most], number)
 }

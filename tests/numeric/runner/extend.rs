@@ -96,10 +96,11 @@ fn a_plan_that_would_lose_cells_extends_nothing() {
     let timed = format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n");
     for (text, words) in [
         (EXPERIMENT.replace("[0.1, 0.5]", "[0.1, 0.25]"), "16 would not be in the tables of this one: "),
+        (EXPERIMENT.replace("[0.1, 0.5]", "[0.1, 0.25]"), ": alpha is 0.1, 0.5 there and 0.1, 0.25 here."),
         (EXPERIMENT.replace("[0.1, 0.5]", "[0.1, 0.25]"), " alpha=0.5 exposure=1"),
         (EXPERIMENT.replace("[0.1, 0.5]", "[0.1, 0.25]"), "; 13 more; give another --out"),
         // Another seed makes other cells throughout.
-        (format!("seed = 2\n{EXPERIMENT}"), "of its 32 cells 32 would not be"),
+        (format!("seed = 2\n{EXPERIMENT}"), "seed is 1 there and 2 here. Of its 32 cells 32 would not be"),
         (EXPERIMENT.replace("\"tiny\"", "\"small\""), "another experiment"),
     ] {
         let error = extend(&plan(&text), dir.path(), &log()).unwrap_err();

@@ -1,13 +1,14 @@
 //! Intervals over environments, held against simulated studies whose truth is known.
 
-use splitsum::runner::statistics::Random;
+use splitsum::runner::statistics::{Random, median_order, order_coverage};
 use splitsum::runner::value::Value;
-use splitsum::study::frame::estimate::{CLUSTERS_MIN, Estimate, estimate, geometric_mean, median};
+use splitsum::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
 use std::f64::consts::TAU;
 
-/// Studies of one kind. The standard error of a coverage of 0.95 is then 0.0049: the limits below are four of them away.
+/// Studies of one kind. The standard error of a coverage of 0.95 is then 0.005.
 const STUDIES: usize = 2000;
 const LIMITS: [f64; 2] = [0.93, 0.97];
+const ENVIRONMENTS: [usize; 3] = [6, 10, 20];
 
 /// A normal deviate (Box-Muller).
 pub fn normal(random: &mut Random) -> f64 {
@@ -16,74 +17,139 @@ pub fn normal(random: &mut Random) -> f64 {
     radius * (TAU * uniform()).cos()
 }
 
-/// Rows of a study: the logarithm of a value is a normal effect of its environment and of its own; the median of all is 1.
-fn study(random: &mut Random, environments: usize, rows: usize, spread: [f64; 2]) -> Vec<(Value, f64)> {
+/// What moves the logarithm of a number, as standard deviations.
+#[derive(Clone, Copy)]
+struct Spread {
+    /// From one environment to the next.
+    light: f64,
+    /// From model to model within an environment, and from alpha to alpha.
+    model: f64,
+    alpha: f64,
+    /// Between point sets of one case.
+    luck: f64,
+}
+
+/// As measured maps have it: they move break-even counts from 4 to 128; models are near-copies of each other.
+const MEASURED: Spread = Spread { light: 1.0, model: 0.2, alpha: 0.5, luck: 0.1 };
+
+/// A study of three models, five alphas and four point sets under each environment: normal effects, so that the truth is 1 for the
+/// geometric mean and the median alike. A case is told by the mean of its point sets.
+fn study(random: &mut Random, environments: usize, spread: Spread) -> Vec<(Value, f64)> {
     let mut values = Vec::new();
     for environment in 0..environments {
-        let light = spread[0] * normal(random);
-        let name = Value::Text(format!("e{environment}"));
-        values.extend((0..rows).map(|_| (name.clone(), (light + spread[1] * normal(random)).exp())));
+        let name = Value::Count(environment as u32);
+        let light = spread.light * normal(random);
+        let models: [f64; 3] = std::array::from_fn(|_| spread.model * normal(random));
+        let alphas: [f64; 5] = std::array::from_fn(|_| spread.alpha * normal(random));
+        for effect in models.iter().flat_map(|model| alphas.iter().map(move |alpha| light + model + alpha)) {
+            let luck: f64 = (0..4).map(|_| spread.luck * normal(random) / 4.0).sum();
+            values.push((name.clone(), (effect + luck).exp()));
+        }
     }
     values
 }
 
-fn coverage(environments: usize, rows: usize, spread: [f64; 2], statistic: fn(&[f64]) -> f64) -> f64 {
-    let mut random = Random::new((environments * 1000 + rows) as u64);
-    let covers = |_| {
-        let [lo, hi] = estimate(&study(&mut random, environments, rows, spread), statistic).unwrap().interval.unwrap();
+/// How often the interval of studies, seen through `told`, holds the truth of 1.
+fn coverage(environments: usize, middle: Middle, told: impl Fn(Vec<(Value, f64)>) -> Vec<(Value, f64)>) -> f64 {
+    let mut random = Random::new(environments as u64);
+    let covers = |_: &usize| {
+        let rows = told(study(&mut random, environments, MEASURED));
+        let [lo, hi] = estimate(&rows, middle).unwrap().interval.unwrap();
         lo <= 1.0 && 1.0 <= hi
     };
-    (0..STUDIES).map(covers).filter(|covers| *covers).count() as f64 / STUDIES as f64
+    (0..STUDIES).filter(covers).count() as f64 / STUDIES as f64
 }
 
 #[test]
 fn intervals_over_environments_hold_the_truth_as_often_as_they_say() {
-    for (environments, rows, spread) in [(8, 4, [1.0, 0.3]), (10, 2, [0.5, 0.5]), (12, 3, [1.5, 0.2])] {
-        let found = coverage(environments, rows, spread, geometric_mean);
-        assert!((LIMITS[0]..=LIMITS[1]).contains(&found), "{environments} environments: {found}");
+    for environments in ENVIRONMENTS {
+        // Ratios are averaged over models and alphas, break-even counts at one of each.
+        let mean = coverage(environments, Middle::GeometricMean, |rows| rows);
+        let pooled = coverage(environments, Middle::Median, |rows| rows);
+        let one = coverage(environments, Middle::Median, |rows| rows.into_iter().step_by(15).collect());
+        for found in [mean, pooled, one] {
+            assert!((LIMITS[0]..=LIMITS[1]).contains(&found), "{environments}: {mean} {pooled} {one}");
+        }
     }
 }
 
 #[test]
-fn intervals_of_medians_hold_the_truth_at_least_as_often() {
-    let found = coverage(10, 3, [1.0, 0.3], median);
-    assert!((LIMITS[0]..=0.995).contains(&found), "{found}");
+fn rows_that_pass_for_environments_miss_the_truth() {
+    let each = |rows: Vec<(Value, f64)>| {
+        rows.into_iter().enumerate().map(|(i, (_, value))| (Value::Count(i as u32), value)).collect()
+    };
+    for environments in ENVIRONMENTS {
+        for middle in [Middle::GeometricMean, Middle::Median] {
+            let found = coverage(environments, middle, each);
+            assert!(found < 0.6, "{environments} {middle:?}: {found}");
+        }
+    }
+}
+
+#[test]
+fn rounding_to_tried_counts_only_adds_coverage() {
+    // A break-even is the crossing rounded up to a power of two, infinite above the largest; so is the end of an interval.
+    let up = |x: f64| if x > 4.0 { f64::INFINITY } else { x.log2().ceil().exp2() };
+    let mut random = Random::new(7);
+    let covers = |_: &usize| {
+        let crossings: Vec<_> = study(&mut random, 10, MEASURED).into_iter().step_by(15).collect();
+        let crossings: Vec<_> =
+            crossings.into_iter().map(|(e, x)| (e, if x > 4.0 { f64::INFINITY } else { 1.3 * x })).collect();
+        let [lo, hi] = estimate(&crossings, Middle::Median).unwrap().interval.unwrap();
+        up(lo) <= up(1.3) && up(1.3) <= up(hi)
+    };
+    let found = (0..STUDIES).filter(covers).count() as f64 / STUDIES as f64;
+    assert!(found >= LIMITS[0], "{found}");
+}
+
+#[test]
+fn the_interval_of_a_median_lies_between_two_pairs_of_order_statistics() {
+    // Of six the outermost hold it but for 2/64, the next but for 14/64; 0.95 lies between the two, and so do the ends.
+    assert!((order_coverage(6, 0) - (1.0 - 2.0 / 64.0)).abs() < 1e-12);
+    assert!((order_coverage(6, 1) - (1.0 - 14.0 / 64.0)).abs() < 1e-12);
+    assert_eq!((median_order(5), median_order(6), median_order(8), median_order(9)), (None, Some(0), Some(0), Some(1)));
+    // A tenth of the way by coverage is 5/14 by place: 0.1 (6 - 1) / (1 + 0.1 (6 - 2)).
+    let values: Vec<_> = (0..6).map(|i| (Value::Text(i.to_string()), f64::from(i).exp())).collect();
+    let [lo, hi] = estimate(&values, Middle::Median).unwrap().interval.unwrap().map(f64::ln);
+    assert!((lo - 5.0 / 14.0).abs() < 1e-9 && (hi - (5.0 - 5.0 / 14.0)).abs() < 1e-9, "{lo} {hi}");
 }
 
 #[test]
 fn rows_of_one_environment_are_no_further_evidence() {
     let mut random = Random::new(5);
-    let few = study(&mut random, 8, 1, [1.0, 0.0]);
+    let few: Vec<_> = study(&mut random, 8, MEASURED).into_iter().step_by(15).collect();
     let many: Vec<(Value, f64)> = few.iter().flat_map(|row| vec![row.clone(); 20]).collect();
-    let [a, b] = [&few, &many].map(|rows| estimate(rows, geometric_mean).unwrap());
-    assert_eq!((a.n, b.n), (8, 160));
-    let ends = a.interval.unwrap().into_iter().zip(b.interval.unwrap());
-    assert!(ends.into_iter().all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{a:?} {b:?}");
+    for middle in [Middle::GeometricMean, Middle::Median] {
+        let [a, b] = [&few, &many].map(|rows| estimate(rows, middle).unwrap());
+        assert_eq!((a.n, b.n), (8, 8));
+        let ends = a.interval.unwrap().into_iter().zip(b.interval.unwrap());
+        assert!(ends.into_iter().all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{a:?} {b:?}");
+    }
 }
 
 #[test]
 fn few_environments_and_wide_intervals_are_not_told() {
     let mut random = Random::new(6);
-    let few = estimate(&study(&mut random, CLUSTERS_MIN - 1, 10, [1.0, 0.3]), geometric_mean).unwrap();
-    assert_eq!(few.interval, None);
-    assert!(estimate(&study(&mut random, CLUSTERS_MIN, 10, [1.0, 0.3]), geometric_mean).unwrap().interval.is_some());
-    let told = |interval| Estimate { value: 1.0, interval: Some(interval), n: 8 }.told_interval();
+    let mut of = |n: usize| estimate(&study(&mut random, n, MEASURED), Middle::GeometricMean).unwrap().interval;
+    assert!(of(CLUSTERS_MIN - 1).is_none() && of(CLUSTERS_MIN).is_some());
+    let told = |interval| Estimate { value: 1.0, interval: Some(interval), n: 8, ends: interval }.told_interval();
     assert_eq!(told([0.5, 4.0]), Some([0.5, 4.0]));
     assert_eq!(told([0.5, 5.1]), None, "wider than a decade");
     assert_eq!(told([16.0, f64::INFINITY]), None);
-    assert!(estimate(&[], median).is_none());
+    assert!(estimate(&[], Middle::Median).is_none());
 }
 
 #[test]
 fn infinity_is_a_value_and_no_nan() {
-    let upper: fn(&[f64]) -> f64 = |values| {
-        let mut sorted = values.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        sorted[sorted.len() / 2]
+    let of = |counts: &[f64]| {
+        let values: Vec<_> = counts.iter().enumerate().map(|(i, n)| (Value::Text(format!("{i}")), *n)).collect();
+        let found = estimate(&values, Middle::Median).unwrap();
+        (found.value, found.interval.unwrap())
     };
-    let counts = [4.0, 16.0, 16.0, 64.0, f64::INFINITY, 16.0, 4.0, 64.0];
-    let values: Vec<_> = counts.iter().enumerate().map(|(i, n)| (Value::Text(format!("{i}")), *n)).collect();
-    let found = estimate(&values, upper).unwrap();
-    let [lo, hi] = found.interval.unwrap();
-    assert!(found.value == 16.0 && counts.contains(&lo) && counts.contains(&hi) && lo < 16.0 && hi > 16.0, "{found:?}");
+    const ABOVE: f64 = f64::INFINITY;
+    let (middle, [lo, hi]) = of(&[4.0, 16.0, 16.0, 64.0, ABOVE, 16.0, 4.0, 64.0]);
+    assert!(middle == 16.0 && lo == 4.0 && hi == ABOVE, "{lo} {hi}");
+    // Half of them above: so is the median. All above: so is the interval.
+    assert_eq!(of(&[4.0, 4.0, 4.0, ABOVE, ABOVE, ABOVE]), (ABOVE, [4.0, ABOVE]));
+    assert_eq!(of(&[ABOVE; 6]), (ABOVE, [ABOVE; 2]));
 }

@@ -59,7 +59,12 @@ impl Made {
 
 /// A finished run of an experiment with these lines of axes; nothing for a cell that failed.
 pub fn finished(axes: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finished {
-    let plan: Plan = runs::plan(&format!("{HEAD}{axes}"));
+    finished_of(&format!("{HEAD}{axes}"), cell)
+}
+
+/// The same of a whole experiment.
+pub fn finished_of(text: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finished {
+    let plan: Plan = runs::plan(text);
     let of = |planned: &splitsum::runner::Cell| {
         let made = cell(&planned.point);
         let scores = |made: Made| MetricValues::of(|name| Some(if name == "flip" { made.flip } else { made.error }));

@@ -127,7 +127,7 @@ fn asked(run: &Finished) -> Vec<(&'static Question, Finding)> {
     let name = run.text("/name");
     let answer = |asked: &&'static Question| {
         let finding = (asked.answer)(&frame);
-        // Images of the diffuse run differ in two ways at once, so questions of pairs are served and have no pair.
+        // The made renderer errs in no diffuse term: a ratio of its errors says nothing.
         assert!(finding.is_some() || name == "diffuse", "{}: no answer of {name}", asked.name);
         Some((*asked, finding?))
     };
