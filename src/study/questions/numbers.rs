@@ -2,7 +2,7 @@
 //! of sign.
 
 use super::words::{count, label, listed, number, range, range_words, scope_sentence, short};
-use crate::environment::builtin::BUILTIN_PREFIX;
+use crate::environment::BUILTIN_PREFIX;
 use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, Part, SAMPLES};
 use crate::runner::value::Value;
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
