@@ -1,5 +1,7 @@
 //! Counts, ids and groups of plans.
 
+use splitsum::runner::axis::{AXES, Part, SCENE};
+use splitsum::runner::value::Kind;
 use splitsum::runner::{Cell, Plan, timing};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -81,8 +83,8 @@ brdf = ["phong", "ggx"]
 #[test]
 fn ids_depend_on_everything_that_determines_pixels() {
     let base = "name = \"x\"\n[axes]\nalpha = [0.1]\n";
-    let id = |head: &str, axes: &str| {
-        let plan = plan(&format!("name = \"x\"\n{head}\n[axes]\n{axes}\n"));
+    let id = |head: &str| {
+        let plan = plan(&format!("name = \"x\"\n{head}\n[axes]\nalpha = [0.1]\n"));
         assert_eq!(plan.cells.len(), 1);
         plan.cells[0].id.clone()
     };
@@ -97,22 +99,38 @@ fn ids_depend_on_everything_that_determines_pixels() {
         "precompute = { dfg_size = 8 }",
         "lights = [{ kind = \"point\", position = [0, 3, 0], color = [1, 1, 1] }]",
     ];
-    let axes = [
-        "alpha = [0.2]",
-        "alpha = [0.1]\nexposure = [2]",
-        "alpha = [0.1]\ncontrast = [2]",
-        "alpha = [0.1]\nenvironment = [\"builtin:studio\"]",
-        "alpha = [0.1]\nf0 = [1]",
-        "alpha = [0.1]\nlod_bias = [1]",
-        "alpha = [0.1]\nmasking = [\"correlated\"]",
-    ];
     for head in heads {
-        assert!(ids.insert(id(head, "alpha = [0.1]")), "{head} changes no id");
+        assert!(ids.insert(id(head)), "{head} changes no id");
     }
-    for axes in axes {
-        assert!(ids.insert(id("", axes)), "{axes} changes no id");
+    assert!(!ids.insert(id("question = \"another\"")), "the question changes an id");
+}
+
+/// Every axis has cells of its own for two values, and two references where its part is that of a case; else both values are judged by one.
+#[test]
+fn the_reference_inherits_the_axes_of_cases_alone() {
+    for axis in AXES.iter().filter(|axis| ![Part::Method, Part::Count].contains(&axis.part)) {
+        let values = match &axis.kind {
+            Kind::Input if axis.name == AXES[SCENE].name => "\"sphere\", \"spheres\"".to_owned(),
+            Kind::Input => "\"builtin:sky\", \"builtin:studio\"".to_owned(),
+            Kind::Pair { .. } => "[64, 64], [128, 128]".to_owned(),
+            Kind::Count { .. } => "2, 3".to_owned(),
+            Kind::Name { names, .. } => {
+                names()[..2].iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
+            }
+            _ => "0.25, 0.5".to_owned(),
+        };
+        let plan = plan(&format!(
+            "name = \"x\"\n[axes]\n{} = [{values}]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [4]\n\
+                 diffuse = [\"irradiance-map\"]\n",
+            axis.name
+        ));
+        assert!(plan.cells.len() > 2, "{}: {} cells", axis.name, plan.cells.len());
+        let references: BTreeSet<&String> = plan.cells.iter().map(|cell| &cell.reference).collect();
+        assert_eq!(references.len(), if axis.part == Part::Case { 2 } else { 1 }, "{}", axis.name);
+        for cell in plan.cells.iter().filter(|_| axis.part == Part::Case) {
+            assert_eq!(plan.reference_point(&cell.point).get(axis.name), cell.point.get(axis.name));
+        }
     }
-    assert!(!ids.insert(id("question = \"another\"", "alpha = [0.1]")), "the question changes an id");
 }
 
 #[test]

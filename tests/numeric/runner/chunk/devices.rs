@@ -39,18 +39,27 @@ fn records_of_one_device_must_agree() {
     let text = bench.merge().unwrap_err().to_string();
     assert!(text.contains(&format!("{id} ")) && text.contains(&format!("differ in files.{image}")), "{text}");
     hash(&own);
-    rewrite(&path, |record| record["scores"]["mae"] = "1.25e-1".into());
-    let before = read(bench.path("merged/errors.csv"));
-    let error = bench.merge().unwrap_err();
-    assert!(!error.is_misuse());
-    let text = error.to_string();
-    assert!(text.contains(&format!("{id} ")) && text.contains(&path.display().to_string()), "{text}");
-    assert!(
-        text.contains("merged/cells") && text.contains("differ in scores.mae (") && text.contains("1.25e-1"),
-        "{text}"
-    );
-    assert!(!text.contains("rmse") && !text.contains("wall_ms"), "{text}");
-    assert!(read(bench.path("merged/errors.csv")) == before);
+    let before = (read(bench.path("merged/errors.csv")), read(&path));
+    let facts =
+        ["/scores/mae", "/noise_floors/mae", "/bins/9/scores/mae", "/bins/9/pixel_count", "/axes/alpha", "/verdict"];
+    for fact in facts {
+        let is_count = fact.ends_with("count");
+        rewrite(&path, |record| {
+            *record.pointer_mut(fact).unwrap() = if is_count { 7.into() } else { "1.25e-1".into() };
+        });
+        let error = bench.merge().unwrap_err();
+        assert!(!error.is_misuse());
+        let text = error.to_string();
+        assert!(text.contains(&format!("{id} ")) && text.contains(&path.display().to_string()), "{text}");
+        let differs = format!("differ in {} (", fact[1..].replace('/', "."));
+        assert!(text.contains("merged/cells") && text.contains(&differs), "{text}");
+        assert!(text.contains(if is_count { "7)" } else { "1.25e-1" }), "{text}");
+        assert!(!text.contains("rmse") && !text.contains("wall_ms"), "{text}");
+        assert!(read(bench.path("merged/errors.csv")) == before.0);
+        if fact != facts[facts.len() - 1] {
+            std::fs::write(&path, &before.1).unwrap();
+        }
+    }
     // On another device the same difference is none.
     figure("device", r#""other""#);
     bench.merge().unwrap();
