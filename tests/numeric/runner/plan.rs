@@ -1,6 +1,8 @@
 //! Counts, ids and groups of plans.
 
+use splitsum::environment::LoadOptions;
 use splitsum::runner::axis::{AXES, Part, SCENE};
+use splitsum::runner::plan::Source;
 use splitsum::runner::value::Kind;
 use splitsum::runner::{Cell, Plan, timing};
 use std::collections::{BTreeMap, BTreeSet};
@@ -82,13 +84,18 @@ brdf = ["phong", "ggx"]
 
 #[test]
 fn ids_depend_on_everything_that_determines_pixels() {
-    let base = "name = \"x\"\n[axes]\nalpha = [0.1]\n";
-    let id = |head: &str| {
-        let plan = plan(&format!("name = \"x\"\n{head}\n[axes]\nalpha = [0.1]\n"));
+    let of = |head: &str, options: &LoadOptions| {
+        // The diffuse term is a reference: what changes it changes the image.
+        let axes = "[axes]\nalpha = [0.1]\ndiffuse = [\"reference\"]";
+        let (head, table) = if head.starts_with('[') { ("", head) } else { (head, "") };
+        let (text, path) = (format!("name = \"x\"\n{head}\n{axes}\n{table}\n"), Path::new("e.toml"));
+        let source = Source { path, text: &text, overrides: &[], file_dir: None, set_dir: Path::new("") };
+        let plan = Plan::from_source(&source, options).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(plan.cells.len(), 1);
-        plan.cells[0].id.clone()
+        [plan.cells[0].id.clone(), plan.cells[0].radiance.clone()]
     };
-    let mut ids = BTreeSet::from([plan(base).cells[0].id.clone()]);
+    let plain = LoadOptions::default();
+    let mut ids = BTreeSet::from(of("", &plain));
     let heads = [
         "seed = 2",
         "size = [8, 8]",
@@ -96,13 +103,19 @@ fn ids_depend_on_everything_that_determines_pixels() {
         "background = true",
         "scene = \"spheres\"",
         "reference = { samples = 64 }",
+        "reference = { samples = 4096, relative_error = 0.5 }",
         "precompute = { dfg_size = 8 }",
         "lights = [{ kind = \"point\", position = [0, 3, 0], color = [1, 1, 1] }]",
     ];
     for head in heads {
-        assert!(ids.insert(id(head)), "{head} changes no id");
+        assert!(of(head, &plain).into_iter().all(|id| ids.insert(id)), "{head} changes no id");
     }
-    assert!(!ids.insert(id("question = \"another\"")), "the question changes an id");
+    // The same name and another content.
+    let other = LoadOptions { builtin_size: [32, 16], ..LoadOptions::default() };
+    assert!(of("", &other).into_iter().all(|id| ids.insert(id)), "the light changes no id");
+    let [repeated, _] = of("[bias_variance]\nrepeats = 3", &plain);
+    assert!(ids.insert(repeated), "repeats change no id");
+    assert!(!ids.insert(of("question = \"another\"", &plain)[0].clone()), "the question changes an id");
 }
 
 /// Every axis has cells of its own for two values, and two references where its part is that of a case; else both values are judged by one.

@@ -50,15 +50,37 @@ fn intervals_of_medians_hold_the_truth_at_least_as_often() {
     assert!((LIMITS[0]..=0.995).contains(&found), "{found}");
 }
 
+/// The interval of a geometric mean is that of its environments' geometric means, however many rows each has.
 #[test]
 fn rows_of_one_environment_are_no_further_evidence() {
-    let mut random = Random::new(5);
-    let few = study(&mut random, 8, 1, [1.0, 0.0]);
-    let many: Vec<(Value, f64)> = few.iter().flat_map(|row| vec![row.clone(); 20]).collect();
+    let many = study(&mut Random::new(5), 8, 4, [1.0, 0.3]);
+    let mean = |rows: &[(Value, f64)]| {
+        let logs: Vec<f64> = rows.iter().map(|(_, value)| *value).collect();
+        (rows[0].0.clone(), geometric_mean(&logs))
+    };
+    let few: Vec<(Value, f64)> = many.chunks(4).map(mean).collect();
     let [a, b] = [&few, &many].map(|rows| estimate(rows, geometric_mean).unwrap());
-    assert_eq!((a.n, b.n), (8, 160));
+    assert_eq!((a.n, b.n), (8, 32));
     let ends = a.interval.unwrap().into_iter().zip(b.interval.unwrap());
     assert!(ends.into_iter().all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{a:?} {b:?}");
+}
+
+/// Of normal logarithms the interval is Student's, t s / sqrt(n) to both sides.
+#[test]
+fn the_interval_of_a_geometric_mean_is_as_wide_as_students() {
+    const STUDIES: usize = 200;
+    let mut random = Random::new(8);
+    let ratio = |_| {
+        let values = study(&mut random, 8, 1, [1.0, 0.0]);
+        let logs: Vec<f64> = values.iter().map(|(_, value)| value.ln()).collect();
+        let mean = logs.iter().sum::<f64>() / 8.0;
+        let s = (logs.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 7.0).sqrt();
+        let [lo, hi] = estimate(&values, geometric_mean).unwrap().interval.unwrap();
+        (hi / lo).ln() / (2.0 * 2.365 * s / 8f64.sqrt())
+    };
+    let mean = (0..STUDIES).map(ratio).sum::<f64>() / STUDIES as f64;
+    // Means of eight draws have thinner tails than a normal, by 1 to 2 %; a plain percentile interval would be 7 % narrower still.
+    assert!((0.95..1.02).contains(&mean), "{mean}");
 }
 
 #[test]
