@@ -163,12 +163,13 @@ fn shown(frame: &Frame) -> (Vec<u32>, Option<Vec<u32>>, Vec<u32>) {
 }
 
 /// A key that leaves out a field hands on what an earlier request left: right after its base a neighbour then shows the base's, alone its
-/// own. So that no other request leaves the same, each pair has light, size and counts of its own.
+/// own. So that no other request leaves the same, each pair has its own light, scene, size and counts.
 #[test]
 fn what_a_frame_shows_does_not_hang_on_earlier_requests() {
     let dir = tempfile::tempdir().unwrap();
-    let of = |method: &str, diffuse: &str, pair: u32| {
+    let of = |(method, diffuse, name): (&str, &str, &str), pair: u32| {
         let light = |x: u32, y: u32| [1.0 + (x % 5) as f32, 0.1 * (x + y) as f32, 1.0 + 0.1 * pair as f32];
+        let material = MaterialOverride { alpha: Some(0.2 + 0.01 * pair as f32), ..MaterialOverride::default() };
         let map = Arc::new(Environment::from_image("map", RgbImage::from_fn(64, 32, light)));
         RenderRequest {
             precompute: PrecomputeSettings { prefilter_size: [32; 2], dfg_sample_count: 64 + 32 * pair, ..small() },
@@ -176,11 +177,17 @@ fn what_a_frame_shows_does_not_hang_on_earlier_requests() {
             samples: 8 + pair,
             method: method_by_name(method).unwrap(),
             diffuse: diffuse_by_name(diffuse).unwrap(),
-            ..request(&map, scene("sphere", MaterialOverride::default()), CameraKind::Ortho, [13 + pair, 9])
+            ..request(&map, scene(name, material), CameraKind::Ortho, [13 + pair, 9])
         }
     };
-    let terms = [("split-sum", "irradiance-map"), ("sampled", "sh9"), ("reference", "reference")];
-    let bases = |pair: usize| terms.map(|(method, diffuse)| of(method, diffuse, pair as u32));
+    // The g-buffer of a design is drawn once.
+    let terms = [
+        ("split-sum", "irradiance-map", "sphere"),
+        ("sampled", "sh9", "design"),
+        ("reference", "reference", "sphere"),
+        ("reference", "none", "sphere"),
+    ];
+    let bases = |pair: usize| terms.map(|names| of(names, pair as u32));
     let count = neighbours(&bases(0)[0]).len();
     let pairs = (0..count).flat_map(bases);
     let (bases, all): (Vec<_>, Vec<_>) =
