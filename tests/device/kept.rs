@@ -112,7 +112,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         dfg_sample_count,
         irradiance_size: [map_width, map_height],
         irradiance_sample_count: [azimuths, polars],
-        storage: _,
+        storage,
     } = precompute;
     let other = |change: &dyn Fn(&mut RenderRequest)| {
         let mut request = base.clone();
@@ -151,7 +151,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         set(&|s| s.dfg_sample_count = 2 * dfg_sample_count),
         set(&|s| s.irradiance_size = [2 * map_width, 2 * map_height]),
         set(&|s| s.irradiance_sample_count = [2 * azimuths, 2 * polars]),
-        set(&|s| s.storage = StorageFormat::F16),
+        set(&|s| s.storage = if storage == StorageFormat::F16 { StorageFormat::F32 } else { StorageFormat::F16 }),
     ];
     by_field.into_iter().chain(by_layout).collect()
 }
@@ -172,7 +172,12 @@ fn what_a_frame_shows_does_not_hang_on_earlier_requests() {
         let material = MaterialOverride { alpha: Some(0.2 + 0.01 * pair as f32), ..MaterialOverride::default() };
         let map = Arc::new(Environment::from_image("map", RgbImage::from_fn(64, 32, light)));
         RenderRequest {
-            precompute: PrecomputeSettings { prefilter_size: [32; 2], dfg_sample_count: 64 + 32 * pair, ..small() },
+            precompute: PrecomputeSettings {
+                prefilter_size: [32; 2],
+                dfg_sample_count: 64 + 32 * pair,
+                storage: if pair % 2 == 0 { StorageFormat::F16 } else { StorageFormat::F32 },
+                ..small()
+            },
             reference_samples: 64,
             samples: 8 + pair,
             method: method_by_name(method).unwrap(),
