@@ -175,7 +175,7 @@ fn what_a_frame_shows_does_not_hang_on_earlier_requests() {
             precompute: PrecomputeSettings {
                 prefilter_size: [32; 2],
                 dfg_sample_count: 64 + 32 * pair,
-                storage: if pair % 2 == 0 { StorageFormat::F16 } else { StorageFormat::F32 },
+                storage: if pair.is_multiple_of(2) { StorageFormat::F16 } else { StorageFormat::F32 },
                 ..small()
             },
             reference_samples: 64,
