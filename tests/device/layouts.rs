@@ -9,9 +9,9 @@ use splitsum::environment::layout::{FilteredMap, LAYOUTS, MapLayout};
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::gpu::{Gpu, Image};
 use splitsum::math::quadrature::Tolerance;
-use splitsum::math::sequence::SEQUENCES;
+use splitsum::math::sequence::{SEQUENCES, hash};
 use splitsum::pipeline::RenderRequest;
-use splitsum::pixels::Pixels;
+use splitsum::pixels::{Pixels, RgbImage};
 use splitsum::precompute::exact_quadrature;
 use splitsum::precompute::filtered::pass as filtered;
 use splitsum::scene::{Camera, CameraKind, MaterialOverride};
@@ -106,6 +106,22 @@ fn every_texel_holds_the_radiance_of_its_direction() {
             }
         }
         worst.check();
+    });
+}
+
+/// At a pole a texel spans all columns of the environment: of random stripes it holds the mean, not those that its cells meet.
+#[test]
+fn texels_at_a_pole_hold_the_mean_of_its_columns() {
+    with_gpu(|gpu| {
+        let stripes = RgbImage::from_fn(4096, 32, |x, _| [2.0 * (hash(x) % 2) as f32; 3]);
+        let image = environment_image(gpu, &stripes);
+        for layout in LAYOUTS.iter().filter(|layout| !layout.is_environments()) {
+            let map = read_map(gpu, layout, &filtered_environment(gpu, layout, &image));
+            for pole in [DVec3::Y, DVec3::NEG_Y] {
+                let value = map.value((pole + DVec3::new(1e-3, 0.0, 2e-3)).normalize(), 0.0).x;
+                assert!((value - 1.0).abs() < 0.03, "{} at {pole}: {value}", layout.name);
+            }
+        }
     });
 }
 

@@ -2,6 +2,7 @@
 
 use crate::compare::{Worst, relative};
 use crate::harness::{golden_environment, request, scene, with_gpu, with_pipeline};
+use crate::symmetry::smooth_environment;
 use crate::tables::dfg_table;
 use glam::{DVec2, DVec3};
 use splitsum::brdf::MODELS;
@@ -124,6 +125,50 @@ fn the_reference_meets_the_oracle_within_its_standard_error() {
         let mean_square = sum / f64::from(count);
         println!("mean square of {count} errors in sigmas: {mean_square}");
         assert!((0.5..2.0).contains(&mean_square), "{mean_square}: the stated error is not the error");
+    });
+}
+
+/// Both terms draw points of their own, so that their squared errors add. K^2 for K (K - 1) would state 6 % less variance.
+#[test]
+fn the_standard_error_is_the_spread_over_seeds() {
+    const SEEDS: u32 = 96;
+    with_pipeline(|pipeline| {
+        let (albedo, f0) = (Some([0.4; 3]), Some([0.5; 3]));
+        let material = MaterialOverride { albedo, f0, alpha: Some(0.5), metallic: Some(0.0) };
+        let both = RenderRequest {
+            method: method("reference"),
+            diffuse: diffuse_by_name("reference").unwrap(),
+            reference_samples: 64,
+            ..request(&smooth_environment(), scene("sphere", material), CameraKind::Ortho, [24; 2])
+        };
+        // Of each pixel: sum and sum of squares over seeds, and sum of the stated squared errors.
+        let mut sums = vec![[0.0; 3]; 24 * 24];
+        for seed in 0..SEEDS {
+            let frame = pipeline.render(&RenderRequest { seed, ..both.clone() }).unwrap();
+            let errors = &frame.standard_error.as_ref().unwrap().data;
+            for ((x, error), sums) in frame.radiance.data.iter().zip(errors).zip(&mut sums) {
+                let (x, error) = (f64::from(x[0]), f64::from(error[0]));
+                [x, x * x, error * error].iter().zip(sums).for_each(|(term, sum)| *sum += term);
+            }
+        }
+        let n = f64::from(SEEDS);
+        let hit = sums.iter().filter(|[sum, ..]| *sum > 0.0);
+        let ratios: Vec<f64> = hit.map(|[x, xx, ee]| (xx - x * x / n) / (n - 1.0) / (ee / n)).collect();
+        let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+        // Each ratio is known to sqrt(2 / 95), their mean to 0.8 %.
+        println!("spread over stated error, squared: {mean} over {} pixels", ratios.len());
+        assert!((mean - 1.0).abs() < 0.03, "{mean}");
+        // What is printed of a term is what its image says.
+        let frame = pipeline.render(&RenderRequest { diffuse: diffuse_by_name("none").unwrap(), ..both }).unwrap();
+        let errors = frame.standard_error.as_ref().unwrap().data.iter().flatten();
+        let squares = errors.zip(frame.radiance.data.iter().flatten()).zip(frame.mask.data.iter().flat_map(|m| [m; 3]));
+        let own: Vec<f64> = squares
+            .filter(|(_, mask)| **mask > 0.0)
+            .map(|((error, x), _)| f64::from(*error).powi(2) / (f64::from(*x).powi(2) + 1e-2))
+            .collect();
+        let expected = (own.iter().sum::<f64>() / own.len() as f64).sqrt();
+        let printed = frame.convergences[0].relative_error;
+        assert!((printed / expected - 1.0).abs() < 1e-5, "{printed} printed, {expected} in the image");
     });
 }
 

@@ -1,5 +1,9 @@
 //! Counts, ids and groups of plans.
 
+use splitsum::environment::LoadOptions;
+use splitsum::runner::axis::{AXES, Part, SCENE};
+use splitsum::runner::plan::Source;
+use splitsum::runner::value::Kind;
 use splitsum::runner::{Cell, Plan, timing};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -80,13 +84,18 @@ brdf = ["phong", "ggx"]
 
 #[test]
 fn ids_depend_on_everything_that_determines_pixels() {
-    let base = "name = \"x\"\n[axes]\nalpha = [0.1]\n";
-    let id = |head: &str, axes: &str| {
-        let plan = plan(&format!("name = \"x\"\n{head}\n[axes]\n{axes}\n"));
+    let of = |head: &str, options: &LoadOptions| {
+        // The diffuse term is a reference: what changes it changes the image.
+        let axes = "[axes]\nalpha = [0.1]\ndiffuse = [\"reference\"]";
+        let (head, table) = if head.starts_with('[') { ("", head) } else { (head, "") };
+        let (text, path) = (format!("name = \"x\"\n{head}\n{axes}\n{table}\n"), Path::new("e.toml"));
+        let source = Source { path, text: &text, overrides: &[], file_dir: None, set_dir: Path::new("") };
+        let plan = Plan::from_source(&source, options).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(plan.cells.len(), 1);
-        plan.cells[0].id.clone()
+        [plan.cells[0].id.clone(), plan.cells[0].radiance.clone()]
     };
-    let mut ids = BTreeSet::from([plan(base).cells[0].id.clone()]);
+    let plain = LoadOptions::default();
+    let mut ids = BTreeSet::from(of("", &plain));
     let heads = [
         "seed = 2",
         "size = [8, 8]",
@@ -94,25 +103,47 @@ fn ids_depend_on_everything_that_determines_pixels() {
         "background = true",
         "scene = \"spheres\"",
         "reference = { samples = 64 }",
+        "reference = { samples = 4096, relative_error = 0.5 }",
         "precompute = { dfg_size = 8 }",
         "lights = [{ kind = \"point\", position = [0, 3, 0], color = [1, 1, 1] }]",
     ];
-    let axes = [
-        "alpha = [0.2]",
-        "alpha = [0.1]\nexposure = [2]",
-        "alpha = [0.1]\ncontrast = [2]",
-        "alpha = [0.1]\nenvironment = [\"builtin:studio\"]",
-        "alpha = [0.1]\nf0 = [1]",
-        "alpha = [0.1]\nlod_bias = [1]",
-        "alpha = [0.1]\nmasking = [\"correlated\"]",
-    ];
     for head in heads {
-        assert!(ids.insert(id(head, "alpha = [0.1]")), "{head} changes no id");
+        assert!(of(head, &plain).into_iter().all(|id| ids.insert(id)), "{head} changes no id");
     }
-    for axes in axes {
-        assert!(ids.insert(id("", axes)), "{axes} changes no id");
+    // The same name and another content.
+    let other = LoadOptions { builtin_size: [32, 16], ..LoadOptions::default() };
+    assert!(of("", &other).into_iter().all(|id| ids.insert(id)), "the light changes no id");
+    let [repeated, _] = of("[bias_variance]\nrepeats = 3", &plain);
+    assert!(ids.insert(repeated), "repeats change no id");
+    assert!(!ids.insert(of("question = \"another\"", &plain)[0].clone()), "the question changes an id");
+}
+
+/// Every axis has cells of its own for two values, and two references where its part is that of a case; else both values are judged by one.
+#[test]
+fn the_reference_inherits_the_axes_of_cases_alone() {
+    for axis in AXES.iter().filter(|axis| ![Part::Method, Part::Count].contains(&axis.part)) {
+        let values = match &axis.kind {
+            Kind::Input if axis.name == AXES[SCENE].name => "\"sphere\", \"spheres\"".to_owned(),
+            Kind::Input => "\"builtin:sky\", \"builtin:studio\"".to_owned(),
+            Kind::Pair { .. } => "[64, 64], [128, 128]".to_owned(),
+            Kind::Count { .. } => "2, 3".to_owned(),
+            Kind::Name { names, .. } => {
+                names()[..2].iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
+            }
+            _ => "0.25, 0.5".to_owned(),
+        };
+        let plan = plan(&format!(
+            "name = \"x\"\n[axes]\n{} = [{values}]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [4]\n\
+                 diffuse = [\"irradiance-map\"]\n",
+            axis.name
+        ));
+        assert!(plan.cells.len() > 2, "{}: {} cells", axis.name, plan.cells.len());
+        let references: BTreeSet<&String> = plan.cells.iter().map(|cell| &cell.reference).collect();
+        assert_eq!(references.len(), if axis.part == Part::Case { 2 } else { 1 }, "{}", axis.name);
+        for cell in plan.cells.iter().filter(|_| axis.part == Part::Case) {
+            assert_eq!(plan.reference_point(&cell.point).get(axis.name), cell.point.get(axis.name));
+        }
     }
-    assert!(!ids.insert(id("question = \"another\"", "alpha = [0.1]")), "the question changes an id");
 }
 
 #[test]

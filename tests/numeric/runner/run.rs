@@ -3,6 +3,7 @@
 use super::fake::{ERROR_AT_ONE, NOISE, SET_ERROR, SPLIT_SUM_ERROR};
 use super::runs::{Bench, invoke, log, plan, read, snapshot, summary};
 use splitsum::table::csv::Table;
+use std::collections::BTreeMap;
 
 pub const EXPERIMENT: &str = r#"
 name = "tiny"
@@ -92,6 +93,25 @@ fn a_sheet_that_would_be_too_wide_is_split_between_methods() {
         assert!(sheet.width <= 2600, "{name} is {} pixels wide", sheet.width);
     }
     assert!(!dir.path().join("tables/wide_3.png").exists());
+}
+
+/// What a cell scores does not hang on the cells before it: every tone curve has displays of its own.
+#[test]
+fn each_cell_has_the_record_that_it_has_alone() {
+    let records = |exposures: &str, contrasts: &str| -> BTreeMap<String, serde_json::Value> {
+        let text = EXPERIMENT.replace("exposure = [1, 10]", &format!("exposure = {exposures}\ncontrast = {contrasts}"));
+        let bench = Bench::finished(&text);
+        let record = |cell: &splitsum::runner::Cell| {
+            let mut record = bench.json(&format!("cells/{}.json", cell.id));
+            // A sweep of tone curves has an image more.
+            record.as_object_mut().unwrap().retain(|name, _| !["spent", "checksum", "files"].contains(&name.as_str()));
+            (cell.id.clone(), record)
+        };
+        bench.plan.cells.iter().map(record).collect()
+    };
+    let values = ["[1]", "[10]"];
+    let apart = values.map(|e| values.map(|c| records(e, c))).into_iter().flatten().flatten();
+    assert_eq!(records("[1, 10]", "[1, 10]"), apart.collect());
 }
 
 #[test]

@@ -108,6 +108,33 @@ fn two_methods_of_one_kind_are_compared_at_the_same_count() {
     assert_eq!(ratios(&formats).len(), 2);
 }
 
+/// Records of other maps, images and devices are another matter: each pair and its tables are those found without the others.
+#[test]
+fn records_of_other_sizes_and_devices_change_no_ratio() {
+    let changes: [fn(&mut TimingRecord); 4] = [
+        |_| (),
+        |record| (record.environment_size, record.block) = ([16, 8], record.block.clone() + " large map"),
+        |record| (record.size, record.block) = ([512; 2], record.block.clone() + " large image"),
+        |record| record.device += " pro",
+    ];
+    let kinds = (1..).zip(changes).map(|(slower, change)| {
+        let mut records = swept();
+        for record in &mut records {
+            change(record);
+            record.passes.iter_mut().flat_map(|pass| &mut pass.ms).for_each(|ms| *ms *= f64::from(slower));
+        }
+        records
+    });
+    let kinds: Vec<Vec<TimingRecord>> = kinds.collect();
+    let sorted = |mut texts: Vec<String>| {
+        texts.sort();
+        texts
+    };
+    let found = |records: &[TimingRecord]| ratios(records).iter().map(|pair| format!("{pair:?}")).collect::<Vec<_>>();
+    let apart = kinds.iter().flat_map(|records| found(records)).collect();
+    assert_eq!(sorted(found(&kinds.concat())), sorted(apart));
+}
+
 #[test]
 fn the_published_ratios_are_those_of_their_records() {
     for name in ["timing", "break-even", "quick"] {

@@ -156,6 +156,31 @@ fn point_sets_widen_what_is_undecided() {
     assert_eq!([verdict(1.05), verdict(3.0)], ["split-sum", "undecided"]);
 }
 
+/// The split sum takes longer under the larger map, where more samples fit.
+#[test]
+fn each_map_has_the_times_of_its_own_frames() {
+    let fitting = |maps: &[(&str, f64)]| {
+        let mut paper = Paper::new(&["environment", "method", "samples"]);
+        for (map, slower) in maps {
+            let id = paper.add(&[map, "split-sum", ""], 0.1).id.clone();
+            for n in [1, 4, 16, 64] {
+                paper.add(&[map, "sampled", &n.to_string()], 1.0 / f64::from(n));
+            }
+            for mut record in timed(7) {
+                (record.cell, record.block) = (id.clone(), record.block + map);
+                let factor = if record.axes["method"] == "split-sum" { *slower } else { 1.0 };
+                record.passes[0].ms.iter_mut().for_each(|ms| *ms *= factor);
+                paper.run.timings.push(record);
+            }
+        }
+        numbers(&paper.finding("equal-time").table, "samples_at_equal_time")
+    };
+    let maps = [("builtin:sky", 1.0), ("builtin:studio", 3.0)];
+    let [small, large] = maps.map(|map| fitting(&[map]));
+    assert!(large[0] > 2.0 * small[0], "{small:?} {large:?}");
+    assert_eq!(fitting(&maps), [small, large].concat());
+}
+
 #[test]
 fn five_rounds_decide_nothing() {
     let mut paper = errors(&[("0.1", 0.5)], &[("0", 1.0)]);

@@ -1,9 +1,7 @@
-//! Records of one device must agree; those of several are chosen from, and their times never compared.
+//! Records of one device must agree; those of several are chosen from.
 
 use super::{Bench, CELLS};
 use crate::runner::runs::{read, rewrite};
-use splitsum::runner::timing::{self, TimingRecord};
-use splitsum::runner::timing_ratios::ratios;
 
 #[test]
 fn records_of_one_device_must_agree() {
@@ -39,18 +37,27 @@ fn records_of_one_device_must_agree() {
     let text = bench.merge().unwrap_err().to_string();
     assert!(text.contains(&format!("{id} ")) && text.contains(&format!("differ in files.{image}")), "{text}");
     hash(&own);
-    rewrite(&path, |record| record["scores"]["mae"] = "1.25e-1".into());
-    let before = read(bench.path("merged/errors.csv"));
-    let error = bench.merge().unwrap_err();
-    assert!(!error.is_misuse());
-    let text = error.to_string();
-    assert!(text.contains(&format!("{id} ")) && text.contains(&path.display().to_string()), "{text}");
-    assert!(
-        text.contains("merged/cells") && text.contains("differ in scores.mae (") && text.contains("1.25e-1"),
-        "{text}"
-    );
-    assert!(!text.contains("rmse") && !text.contains("wall_ms"), "{text}");
-    assert!(read(bench.path("merged/errors.csv")) == before);
+    let before = (read(bench.path("merged/errors.csv")), read(&path));
+    let facts =
+        ["/scores/mae", "/noise_floors/mae", "/bins/9/scores/mae", "/bins/9/pixel_count", "/axes/alpha", "/verdict"];
+    for fact in facts {
+        let is_count = fact.ends_with("count");
+        rewrite(&path, |record| {
+            *record.pointer_mut(fact).unwrap() = if is_count { 7.into() } else { "1.25e-1".into() };
+        });
+        let error = bench.merge().unwrap_err();
+        assert!(!error.is_misuse());
+        let text = error.to_string();
+        assert!(text.contains(&format!("{id} ")) && text.contains(&path.display().to_string()), "{text}");
+        let differs = format!("differ in {} (", fact[1..].replace('/', "."));
+        assert!(text.contains("merged/cells") && text.contains(&differs), "{text}");
+        assert!(text.contains(if is_count { "7)" } else { "1.25e-1" }), "{text}");
+        assert!(!text.contains("rmse") && !text.contains("wall_ms"), "{text}");
+        assert!(read(bench.path("merged/errors.csv")) == before.0);
+        if fact != facts[facts.len() - 1] {
+            std::fs::write(&path, &before.1).unwrap();
+        }
+    }
     // On another device the same difference is none.
     figure("device", r#""other""#);
     bench.merge().unwrap();
@@ -77,26 +84,4 @@ fn the_device_with_most_cells_is_taken_and_a_mix_is_told() {
     assert!(bench.merge().unwrap().notes.is_empty());
     let record = read(bench.path(&format!("merged/cells/{}.json", bench.file.chunks[0].cells[0])));
     assert!(String::from_utf8(record).unwrap().contains("\"device\": \"usual\""));
-}
-
-#[test]
-fn times_of_two_devices_are_never_compared() {
-    let bench = Bench::new(100.0);
-    let whole = bench.whole();
-    let records: Vec<TimingRecord> = bench
-        .names(&whole.join("timings"))
-        .iter()
-        .map(|name| serde_json::from_slice(&read(whole.join("timings").join(name))).unwrap())
-        .collect();
-    let of_one = ratios(&records);
-    assert!(!of_one.is_empty() && of_one.iter().all(|ratio| ratio.tables[0].ms.is_finite()));
-    let moved = |moves: fn(&TimingRecord) -> bool| -> Vec<TimingRecord> {
-        let device = |r: &TimingRecord| if moves(r) { "other".to_owned() } else { r.device.clone() };
-        records.iter().map(|r| TimingRecord { device: device(r), ..r.clone() }).collect()
-    };
-    let frames = moved(|record| record.axes["method"] == "sampled");
-    assert!(ratios(&frames).is_empty());
-    let tables = moved(|record| record.phase == timing::PRECOMPUTE);
-    let apart = ratios(&tables);
-    assert!(apart.len() == of_one.len() && apart.iter().all(|ratio| ratio.tables[0].ms.is_nan()));
 }
