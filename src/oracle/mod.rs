@@ -7,6 +7,7 @@
 
 mod answers;
 mod queries;
+mod row;
 
 pub use answers::Answers;
 pub use queries::{Queries, QueryFaults};

@@ -1,23 +1,18 @@
 //! Reading a table of queries: every row is checked, and every fault is told with its line and column.
 
-use super::{ALPHA_MIN, Kind, KindColumns, Query};
-use crate::brdf::{Brdf, MODELS, MaskingShadowing};
+use super::row::Row;
+use super::{Kind, KindColumns, Query};
 use crate::environment::{Environment, LoadOptions};
 use crate::files::{TEXT_BYTES_MAX, read_given};
-use crate::precompute::PrecomputeSettings;
-use crate::precompute::prefilter::{Kernel, WEIGHTS, Weight};
+use crate::precompute::prefilter::Kernel;
 use crate::shade::reference::Surface;
 use crate::spelling::suggestion;
 use crate::table::csv::{Cell, unguarded};
-use glam::DVec3;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// Largest departure of a direction's length from 1; within it the direction is normalised. Five digits a coordinate suffice.
 pub const LENGTH_TOLERANCE: f64 = 1e-5;
-
-/// Level counts that a table may name.
-const LEVELS: std::ops::RangeInclusive<u32> = 2..=12;
 
 /// A checked table of queries with the environments that it names.
 #[derive(Debug)]
@@ -39,11 +34,11 @@ pub struct QueryFaults {
 }
 
 #[derive(Debug)]
-struct Fault {
-    line: u64,
+pub(super) struct Fault {
+    pub(super) line: u64,
     /// Empty when the line as a whole is meant.
-    column: String,
-    what: String,
+    pub(super) column: String,
+    pub(super) what: String,
 }
 
 impl fmt::Display for QueryFaults {
@@ -283,139 +278,4 @@ fn line_of(text: &str, start: u64) -> u64 {
 
 fn list(names: &[&str]) -> String {
     names.join(",")
-}
-
-/// One row while it is checked.
-struct Row<'a> {
-    line: u64,
-    columns: &'a [String],
-    record: &'a ::csv::StringRecord,
-    faults: Vec<Fault>,
-}
-
-impl Row<'_> {
-    fn fault(&mut self, column: &str, what: impl Into<String>) {
-        self.faults.push(Fault { line: self.line, column: column.to_owned(), what: what.into() });
-    }
-
-    fn optional_cell(&self, column: &str) -> Option<&str> {
-        let index = self.columns.iter().position(|name| name == column)?;
-        self.record.get(index)
-    }
-
-    /// A cell of a required column, which the header has.
-    fn cell(&self, column: &str) -> &str {
-        self.optional_cell(column).unwrap_or_default()
-    }
-
-    fn number(&mut self, column: &str, text: &str) -> Option<f64> {
-        let number = text.parse::<f64>().ok().filter(|x| x.is_finite());
-        if number.is_none() {
-            self.fault(column, format!("{text:?} is not a finite number"));
-        }
-        number
-    }
-
-    fn above_zero_to_one(&mut self, column: &str) -> Option<f64> {
-        let text = self.cell(column).to_owned();
-        let number = self.number(column, &text)?;
-        let is_inside = number > 0.0 && number <= 1.0;
-        if !is_inside {
-            self.fault(column, format!("{text} is outside (0, 1]"));
-        }
-        is_inside.then_some(number)
-    }
-
-    fn alpha(&mut self) -> Option<f64> {
-        let (text, alpha) = (self.cell("alpha").to_owned(), self.above_zero_to_one("alpha")?);
-        if alpha < ALPHA_MIN {
-            self.fault("alpha", format!("{text} is below {ALPHA_MIN}, the narrowest lobe that is integrated"));
-        }
-        (alpha >= ALPHA_MIN).then_some(alpha)
-    }
-
-    /// `x`, or `R:G:B`.
-    fn f0(&mut self) -> Option<DVec3> {
-        let text = self.cell("f0").to_owned();
-        let parts: Vec<&str> = text.split(':').collect();
-        let channels: Option<Vec<f64>> = parts.iter().map(|part| self.number("f0", part)).collect();
-        let f0 = match channels?[..] {
-            [x] => DVec3::splat(x),
-            [r, g, b] => DVec3::new(r, g, b),
-            _ => {
-                self.fault("f0", format!("{text:?} is neither a number nor R:G:B"));
-                return None;
-            }
-        };
-        let is_inside = f0.cmpge(DVec3::ZERO).all() && f0.cmple(DVec3::ONE).all();
-        if !is_inside {
-            self.fault("f0", format!("{text} is outside [0, 1]"));
-        }
-        is_inside.then_some(f0)
-    }
-
-    fn model(&mut self) -> Option<&'static dyn Brdf> {
-        let known: Vec<_> = MODELS.iter().map(|model| (model.name(), *model)).collect();
-        let name = self.cell("brdf").to_owned();
-        self.named("brdf", "BRDF model", &name, &known)
-    }
-
-    /// Levels of a prefiltered map; those of the default tables where none are given.
-    fn levels(&mut self) -> Option<u32> {
-        let Some(text) = self.optional_cell("levels").filter(|text| !text.is_empty()).map(str::to_owned) else {
-            return Some(PrecomputeSettings::default().prefilter_level_count);
-        };
-        let levels = text.parse().ok().filter(|levels| LEVELS.contains(levels));
-        if levels.is_none() {
-            let (least, most) = (LEVELS.start(), LEVELS.end());
-            self.fault("levels", format!("{text:?} is not a count from {least} to {most}"));
-        }
-        levels
-    }
-
-    fn masking(&mut self) -> Option<MaskingShadowing> {
-        self.optional_name("masking", "masking-shadowing", MaskingShadowing::ALL)
-    }
-
-    fn weight(&mut self) -> Option<&'static Weight> {
-        let known: Vec<_> = WEIGHTS.iter().map(|weight| (weight.name, weight)).collect();
-        self.optional_name("weight", "prefilter weight", &known)
-    }
-
-    /// What the cell names, or the first of `known`, the default, where the cell or its column is not there.
-    fn optional_name<T: Copy>(&mut self, column: &str, what: &str, known: &[(&str, T)]) -> Option<T> {
-        let name = self.optional_cell(column).filter(|name| !name.is_empty()).unwrap_or(known[0].0).to_owned();
-        self.named(column, what, &name, known)
-    }
-
-    fn named<T: Copy>(&mut self, column: &str, what: &str, name: &str, known: &[(&str, T)]) -> Option<T> {
-        let found = known.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
-        if found.is_none() {
-            let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
-            let near = suggestion(name, &names);
-            self.fault(column, format!("{name:?} is not a {what}; expected {}{near}", names.join(", ")));
-        }
-        found
-    }
-
-    /// A unit vector out of three columns, normalised in f64.
-    fn direction(&mut self, columns: [&str; 3]) -> Option<DVec3> {
-        let numbers = columns.map(|column| {
-            let text = self.cell(column).to_owned();
-            self.number(column, &text)
-        });
-        let [Some(x), Some(y), Some(z)] = numbers else { return None };
-        let (vector, place) = (DVec3::new(x, y, z), columns.join(","));
-        let length = vector.length();
-        if length == 0.0 {
-            self.fault(&place, "the vector is zero; expected a unit vector");
-            return None;
-        }
-        if (length - 1.0).abs() > LENGTH_TOLERANCE {
-            let what = format!("({x}, {y}, {z}) has length {length}; expected 1 within {LENGTH_TOLERANCE}");
-            self.fault(&place, what);
-            return None;
-        }
-        Some(vector / length)
-    }
 }

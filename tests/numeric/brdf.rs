@@ -300,7 +300,7 @@ fn exact_masking_has_its_limits() {
 
 #[test]
 fn exact_masking_never_creates_energy() {
-    let albedo = |model: &dyn Brdf, masking, n_dot_v, alpha| dfg(model, masking, n_dot_v, alpha).albedo();
+    let albedo = |model: &'static dyn Brdf, masking, n_dot_v, alpha| dfg(model, masking, n_dot_v, alpha).albedo();
     let cases = MODELS.iter().flat_map(|model| {
         [0.1, 0.5, 0.9, 1.0].into_iter().flat_map(move |alpha| [0.01, 0.1, 0.5].map(|n_dot_v| (*model, alpha, n_dot_v)))
     });

@@ -229,9 +229,12 @@ fn listed_names_are_file_stems() {
     };
     let stem = |name: &str| name.replace('-', "_");
     let models: BTreeSet<String> = splitsum::brdf::MODELS.iter().map(|model| stem(model.name())).collect();
-    let methods: BTreeSet<String> = splitsum::shade::METHODS.iter().map(|method| stem(method.name)).collect();
+    let (integrals, methods): (Vec<_>, Vec<_>) =
+        splitsum::shade::METHODS.iter().partition(|method| method.is_integrated());
+    integrals.iter().for_each(|method| exists(format!("shaders/shade/lobe/{}.glsl", stem(method.lobe.unwrap()))));
+    let methods: BTreeSet<String> = methods.iter().map(|method| stem(method.name)).collect();
     let diffuse: BTreeSet<String> = splitsum::shade::DIFFUSE.iter().map(|diffuse| stem(diffuse.name)).collect();
-    // The reference has entry points of its own; `none` computes nothing.
+    // A diffuse reference has entry points of its own; `none` computes nothing.
     let has_shader = |name: &String| !["none", "reference"].contains(&name.as_str());
     for (folder, names) in [("brdf", models), ("shade/method", methods), ("shade/diffuse", diffuse)] {
         names.iter().for_each(|name| exists(format!("src/{folder}/{name}.rs")));

@@ -101,7 +101,7 @@ fn printed_direction_of_a_texel() {
 
 #[test]
 fn rational_masking_of_phong_adds_energy() {
-    let albedo = |model: &dyn Brdf, masking, n_dot_v| dfg(model, masking, n_dot_v, 1.0).albedo();
+    let albedo = |model: &'static dyn Brdf, masking, n_dot_v| dfg(model, masking, n_dot_v, 1.0).albedo();
     let separable = MaskingShadowing::Separable;
     assert_figure("phong", albedo(&Phong, separable, 0.1), "1.141");
     assert_figure("beckmann", albedo(&Beckmann, separable, 0.1), "0.905");

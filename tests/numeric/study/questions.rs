@@ -43,8 +43,6 @@ method = ["sampled", "split-sum", "seed0-literal"]
 samples = [4, 16]
 alpha = [0.1, 0.5]
 lod_bias = [0, 1]
-prefilter_size = [[64, 64], [128, 128]]
-prefilter_level_count = [2, 3]
 prefilter_sample_count = [16, 64]
 dfg_size = [16, 32]
 diffuse = ["none"]
@@ -71,6 +69,20 @@ method = ["none"]
 diffuse = ["sh9", "irradiance-map"]
 irradiance_size = [[16, 16], [32, 32]]
 irradiance_sample_count = [[32, 8], [64, 16]]
+"#,
+    r#"
+name = "tables"
+size = [16, 16]
+reference = { method = "ladder-view", samples = 64 }
+[axes]
+environment = ["builtin:sky", "builtin:studio"]
+method = ["split-sum", "reference"]
+samples = [64]
+alpha = [0.1, 0.5]
+prefilter_size = [[64, 64], [128, 128]]
+level_mapping = ["linear", "quadratic"]
+dfg_size = [16, 32]
+diffuse = ["none"]
 "#,
     r#"
 name = "furnace"

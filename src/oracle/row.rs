@@ -1,0 +1,147 @@
+//! The cells of one row of queries, each checked on its own.
+
+use super::ALPHA_MIN;
+use super::queries::{Fault, LENGTH_TOLERANCE};
+use crate::brdf::{Brdf, MODELS, MaskingShadowing};
+use crate::precompute::PrecomputeSettings;
+use crate::precompute::prefilter::{WEIGHTS, Weight};
+use crate::spelling::suggestion;
+use glam::DVec3;
+
+/// Level counts that a table may name.
+const LEVELS: std::ops::RangeInclusive<u32> = 2..=12;
+
+/// One row while it is checked.
+pub(super) struct Row<'a> {
+    pub(super) line: u64,
+    pub(super) columns: &'a [String],
+    pub(super) record: &'a ::csv::StringRecord,
+    pub(super) faults: Vec<Fault>,
+}
+
+impl Row<'_> {
+    pub(super) fn fault(&mut self, column: &str, what: impl Into<String>) {
+        self.faults.push(Fault { line: self.line, column: column.to_owned(), what: what.into() });
+    }
+
+    pub(super) fn optional_cell(&self, column: &str) -> Option<&str> {
+        let index = self.columns.iter().position(|name| name == column)?;
+        self.record.get(index)
+    }
+
+    /// A cell of a required column, which the header has.
+    pub(super) fn cell(&self, column: &str) -> &str {
+        self.optional_cell(column).unwrap_or_default()
+    }
+
+    pub(super) fn number(&mut self, column: &str, text: &str) -> Option<f64> {
+        let number = text.parse::<f64>().ok().filter(|x| x.is_finite());
+        if number.is_none() {
+            self.fault(column, format!("{text:?} is not a finite number"));
+        }
+        number
+    }
+
+    pub(super) fn above_zero_to_one(&mut self, column: &str) -> Option<f64> {
+        let text = self.cell(column).to_owned();
+        let number = self.number(column, &text)?;
+        let is_inside = number > 0.0 && number <= 1.0;
+        if !is_inside {
+            self.fault(column, format!("{text} is outside (0, 1]"));
+        }
+        is_inside.then_some(number)
+    }
+
+    pub(super) fn alpha(&mut self) -> Option<f64> {
+        let (text, alpha) = (self.cell("alpha").to_owned(), self.above_zero_to_one("alpha")?);
+        if alpha < ALPHA_MIN {
+            self.fault("alpha", format!("{text} is below {ALPHA_MIN}, the narrowest lobe that is integrated"));
+        }
+        (alpha >= ALPHA_MIN).then_some(alpha)
+    }
+
+    /// `x`, or `R:G:B`.
+    pub(super) fn f0(&mut self) -> Option<DVec3> {
+        let text = self.cell("f0").to_owned();
+        let parts: Vec<&str> = text.split(':').collect();
+        let channels: Option<Vec<f64>> = parts.iter().map(|part| self.number("f0", part)).collect();
+        let f0 = match channels?[..] {
+            [x] => DVec3::splat(x),
+            [r, g, b] => DVec3::new(r, g, b),
+            _ => {
+                self.fault("f0", format!("{text:?} is neither a number nor R:G:B"));
+                return None;
+            }
+        };
+        let is_inside = f0.cmpge(DVec3::ZERO).all() && f0.cmple(DVec3::ONE).all();
+        if !is_inside {
+            self.fault("f0", format!("{text} is outside [0, 1]"));
+        }
+        is_inside.then_some(f0)
+    }
+
+    pub(super) fn model(&mut self) -> Option<&'static dyn Brdf> {
+        let known: Vec<_> = MODELS.iter().map(|model| (model.name(), *model)).collect();
+        let name = self.cell("brdf").to_owned();
+        self.named("brdf", "BRDF model", &name, &known)
+    }
+
+    /// Levels of a prefiltered map; those of the default tables where none are given.
+    pub(super) fn levels(&mut self) -> Option<u32> {
+        let Some(text) = self.optional_cell("levels").filter(|text| !text.is_empty()).map(str::to_owned) else {
+            return Some(PrecomputeSettings::default().prefilter_level_count);
+        };
+        let levels = text.parse().ok().filter(|levels| LEVELS.contains(levels));
+        if levels.is_none() {
+            let (least, most) = (LEVELS.start(), LEVELS.end());
+            self.fault("levels", format!("{text:?} is not a count from {least} to {most}"));
+        }
+        levels
+    }
+
+    pub(super) fn masking(&mut self) -> Option<MaskingShadowing> {
+        self.optional_name("masking", "masking-shadowing", MaskingShadowing::ALL)
+    }
+
+    pub(super) fn weight(&mut self) -> Option<&'static Weight> {
+        let known: Vec<_> = WEIGHTS.iter().map(|weight| (weight.name, weight)).collect();
+        self.optional_name("weight", "prefilter weight", &known)
+    }
+
+    /// What the cell names, or the first of `known`, the default, where the cell or its column is not there.
+    pub(super) fn optional_name<T: Copy>(&mut self, column: &str, what: &str, known: &[(&str, T)]) -> Option<T> {
+        let name = self.optional_cell(column).filter(|name| !name.is_empty()).unwrap_or(known[0].0).to_owned();
+        self.named(column, what, &name, known)
+    }
+
+    pub(super) fn named<T: Copy>(&mut self, column: &str, what: &str, name: &str, known: &[(&str, T)]) -> Option<T> {
+        let found = known.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+        if found.is_none() {
+            let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+            let near = suggestion(name, &names);
+            self.fault(column, format!("{name:?} is not a {what}; expected {}{near}", names.join(", ")));
+        }
+        found
+    }
+
+    /// A unit vector out of three columns, normalised in f64.
+    pub(super) fn direction(&mut self, columns: [&str; 3]) -> Option<DVec3> {
+        let numbers = columns.map(|column| {
+            let text = self.cell(column).to_owned();
+            self.number(column, &text)
+        });
+        let [Some(x), Some(y), Some(z)] = numbers else { return None };
+        let (vector, place) = (DVec3::new(x, y, z), columns.join(","));
+        let length = vector.length();
+        if length == 0.0 {
+            self.fault(&place, "the vector is zero; expected a unit vector");
+            return None;
+        }
+        if (length - 1.0).abs() > LENGTH_TOLERANCE {
+            let what = format!("({x}, {y}, {z}) has length {length}; expected 1 within {LENGTH_TOLERANCE}");
+            self.fault(&place, what);
+            return None;
+        }
+        Some(vector / length)
+    }
+}
