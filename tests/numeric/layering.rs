@@ -229,7 +229,7 @@ fn listed_names_are_file_stems() {
     };
     let stem = |name: &str| name.replace('-', "_");
     let models: BTreeSet<String> = splitsum::brdf::MODELS.iter().map(|model| stem(model.name())).collect();
-    let (integrals, methods): (Vec<_>, Vec<_>) =
+    let (integrals, methods): (Vec<&splitsum::shade::Method>, Vec<_>) =
         splitsum::shade::METHODS.iter().partition(|method| method.is_integrated());
     integrals.iter().for_each(|method| exists(format!("shaders/shade/lobe/{}.glsl", stem(method.lobe.unwrap()))));
     let methods: BTreeSet<String> = methods.iter().map(|method| stem(method.name)).collect();
