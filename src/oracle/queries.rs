@@ -1,6 +1,6 @@
 //! Reading a table of queries: every row is checked, and every fault is told with its line and column.
 
-use super::row::Row;
+use super::row::{Fault, Row};
 use super::{Kind, KindColumns, Query};
 use crate::environment::{Environment, LoadOptions};
 use crate::files::{TEXT_BYTES_MAX, read_given};
@@ -10,9 +10,6 @@ use crate::spelling::suggestion;
 use crate::table::csv::{Cell, unguarded};
 use std::fmt;
 use std::path::{Path, PathBuf};
-
-/// Largest departure of a direction's length from 1; within it the direction is normalised. Five digits a coordinate suffice.
-pub const LENGTH_TOLERANCE: f64 = 1e-5;
 
 /// A checked table of queries with the environments that it names.
 #[derive(Debug)]
@@ -31,14 +28,6 @@ pub struct Queries {
 pub struct QueryFaults {
     path: PathBuf,
     faults: Vec<Fault>,
-}
-
-#[derive(Debug)]
-pub(super) struct Fault {
-    pub(super) line: u64,
-    /// Empty when the line as a whole is meant.
-    pub(super) column: String,
-    pub(super) what: String,
 }
 
 impl fmt::Display for QueryFaults {

@@ -1,12 +1,23 @@
 //! The cells of one row of queries, each checked on its own.
 
 use super::ALPHA_MIN;
-use super::queries::{Fault, LENGTH_TOLERANCE};
 use crate::brdf::{Brdf, MODELS, MaskingShadowing};
 use crate::precompute::PrecomputeSettings;
 use crate::precompute::prefilter::{WEIGHTS, Weight};
 use crate::spelling::suggestion;
 use glam::DVec3;
+
+/// Largest departure of a direction's length from 1; within it the direction is normalised. Five digits a coordinate suffice.
+pub const LENGTH_TOLERANCE: f64 = 1e-5;
+
+/// What is wrong with a cell.
+#[derive(Debug)]
+pub(super) struct Fault {
+    pub(super) line: u64,
+    /// Empty when the line as a whole is meant.
+    pub(super) column: String,
+    pub(super) what: String,
+}
 
 /// Level counts that a table may name.
 const LEVELS: std::ops::RangeInclusive<u32> = 2..=12;

@@ -157,11 +157,9 @@ fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &
     let place = label(&[ENVIRONMENT, ALPHA], &worst.row.key(&[ENVIRONMENT, ALPHA]));
     let tables = words(parameters, &best.tables);
     let mut text = match worst.share() <= SHARE {
-        true => format!(
-            "Ship **{tables}**: in `{metric}` they err by at most {share} of what the split itself does ({place})."
-        ),
+        true => format!("Ship **{tables}**: their `{metric}` is at most {share} of the split's own ({place})."),
         false => format!(
-            "No tried tables are enough at every alpha; the best, {tables}, err by {share} of what the split does ({place})."
+            "No tried tables are enough: the best, {tables}, err by {share} of the split's own `{metric}` ({place})."
         ),
     };
     // The longest run of alphas up to the largest at which the smallest tables do.

@@ -46,7 +46,7 @@ fn tables_are_enough_where_they_err_by_a_tenth_of_the_split() {
         told(&finding, "0.5", ["tables", "share at most", "where"]),
         ["16x16, 64 samples, linear mapping", "9.5 %", "sky"]
     );
-    assert_eq!(told(&finding, "0.1", ["tables", "share at most"]), ["32x32, 64 samples, linear mapping", "0.20 %"]);
+    assert_eq!(told(&finding, "0.1", ["tables", "share at most"]), ["32x32, 64 samples, linear mapping", "0.10 %"]);
     assert_eq!(told(&finding, "all", ["tables", "share at most"]), ["64x64, 64 samples, quadratic mapping", "6.0 %"]);
     let own = [("alpha", "0.5"), ("environment", "builtin:sky"), ("prefilter_size", "16x16")];
     let row = only(&finding.table, &own);
