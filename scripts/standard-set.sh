@@ -6,12 +6,13 @@
 # Runs go to runs/standard/NAME (gitignored), the small files of each to results/NAME, and results/README.md is written from the answers of
 # all published runs; a run of an earlier plan is replaced. A set that was stopped goes on where it stopped. Under 40 minutes on two quiet
 # cores with a software driver.
-# diffuse-measured needs maps of others in experiments/environments and is left out, with a word, where that folder is missing.
+# Answers about light rest on the ten measured maps of experiments/environments.csv, which are not part of the repository: save each as
+# experiments/environments/NAME_1k.hdr. Where one is missing, or is another file, the set says so and runs without it.
 set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
-set_names="quick break-even sample-count source-document-0 level-bias printed-slips energy diffuse diffuse-measured tables exposure-and-contrast dynamic-range better-method timing"
+set_names="quick break-even sample-count source-document-0 level-bias printed-slips energy diffuse tables exposure-and-contrast dynamic-range better-method timing"
 runs=runs/standard
 results=results
 while [ $# -gt 0 ]; do
@@ -39,17 +40,36 @@ say "building (the first time takes a few minutes)"
 cargo build --release --locked
 require_device
 
+# Measured maps that are what the table says, as values of an axis.
+maps=""
+while IFS=, read -r name hash _; do
+    [ "$name" = name ] && continue
+    map=experiments/environments/${name}_1k.hdr
+    if [ ! -f "$map" ]; then
+        say "$map: missing; the set runs without it"
+    elif [ "$(sha256sum "$map" | cut -d" " -f1)" != "$hash" ]; then
+        say "$map: not the file that experiments/environments.csv names; the set runs without it"
+    else
+        maps="$maps,$map"
+    fi
+done <experiments/environments.csv
+
+# Lights of an experiment: its formulas, then the measured maps. Nothing for one that asks about formulas or pictures.
+lights_of() {
+    case $1 in
+    break-even | better-method | sample-count | level-bias | tables | dynamic-range) echo "builtin:studio,builtin:sky$maps" ;;
+    diffuse) echo "builtin:sky,builtin:sky:elevation_deg=88,builtin:studio,builtin:checker,builtin:cap$maps" ;;
+    esac
+}
+
 # A run with failed cells (exit 4) is published with what it has; any other fault ends the set.
 status=0
 folders=""
 for name in $set_names; do
-    if [ "$name" = diffuse-measured ] && [ ! -d experiments/environments ]; then
-        say "$name: skipped, there is no folder experiments/environments; experiments/diffuse-measured.toml says what belongs there"
-        continue
-    fi
     say "$name"
     code=0
-    target/release/splitsum run "experiments/$name.toml" --out "$runs/$name" >/dev/null || code=$?
+    lights=$(lights_of "$name")
+    target/release/splitsum run "experiments/$name.toml" ${lights:+--set "environment=$lights"} --out "$runs/$name" >/dev/null || code=$?
     case $code in
     0) ;;
     4) status=4 ;;
