@@ -3,13 +3,14 @@
 //! A map with coefficients `L_lm`, convolved with a kernel that depends on the angle γ alone, has `k_l L_lm` with
 //! `k_l = 2π ∫ K(γ) P_l(cos γ) sin γ dγ` (the theorem of Funk and Hecke): no samples and no noise.
 //!
-//! Analysis: the real FFT of each row; the tent between columns is the factor `sinc²(m/W)`; between rows the map is linear, so that two
-//! Gauss nodes an interval integrate it against the Legendre functions. Synthesis: Legendre sums on rows at twice the rate of the highest
+//! Analysis: the real FFT of each row; the tent between columns is the factor `sinc²(m/W)`; between rows the map is linear, and
+//! Gauss nodes integrate it against the Legendre functions. Synthesis: Legendre sums on rows at twice the rate of the highest
 //! degree, the inverse FFT, and Lagrange's interpolation of order 8 in between, which runs across the poles.
 //!
 //! The functions are `P_lm(cos θ) exp(i m φ)`, orthonormal, with `φ = 2π u` and `θ = π v` of the map; orders m < 0 are conjugates.
 
 use super::equirect::uv_from_direction;
+use super::quadrature::GaussLegendre;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use realfft::RealFftPlanner;
@@ -57,7 +58,7 @@ impl Harmonics {
     /// The coefficients of a map of `width` x `height` texels (row 0 at v = 0).
     pub fn new(width: usize, height: usize, degree: usize, texel: impl Fn(usize, usize) -> [f32; 3] + Sync) -> Self {
         let spectra = spectra(width, height, degree, texel);
-        let pairs = gauss_pairs(height);
+        let pairs = gauss_pairs(height, degree);
         let of_order = |m: usize| {
             let mut sums = vec![[0.0; 6]; degree + 1 - m];
             for block in pairs.chunks(LANES) {
@@ -208,22 +209,27 @@ fn spectra(
     (0..height).into_par_iter().map(row).collect()
 }
 
-/// Two Gauss nodes in each interval between centres of rows of the northern half; beyond the first row the map is constant.
-fn gauss_pairs(height: usize) -> Vec<Pair> {
-    let rows = height as f64;
+/// Gauss nodes between centres of rows of the northern half, three a radian of the highest degree; beyond the first row the map is constant.
+fn gauss_pairs(height: usize, degree: usize) -> Vec<Pair> {
+    let (rows, rule) = (height as f64, GaussLegendre::<3>::new());
+    let pieces = (PI * degree as f64 / rows).ceil().max(1.0);
     let mut pairs = Vec::new();
     // In units of rows, centres at whole numbers: from the pole at -1/2 to the equator at (H - 1)/2.
     let mut low = -0.5;
     let end = 0.5 * (rows - 1.0);
     while low < end {
         let high = f64::min(low.floor() + 1.0, end);
-        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        for node in [middle - half / 3f64.sqrt(), middle + half / 3f64.sqrt()] {
+        let half = 0.5 * (high - low) / pieces;
+        let middle = |piece: usize| low + half * (2 * piece + 1) as f64;
+        let of_piece = |piece| {
+            rule.nodes.iter().zip(&rule.weights).map(move |(x, weight)| (middle(piece) + half * x, half * weight))
+        };
+        for (node, weight) in (0..pieces as usize).flat_map(of_piece) {
             let theta = PI * (node + 0.5) / rows;
             let row = node.floor().max(0.0);
             let next = (row as usize + 1).min(height - 1);
             let rows_of = if node < 0.0 { [0; 2] } else { [row as usize, next] };
-            let weight = half * PI / rows * theta.sin();
+            let weight = weight * PI / rows * theta.sin();
             pairs.push(Pair { cos: theta.cos(), sin: theta.sin(), weight, rows: rows_of, part: node - row });
         }
         low = high;

@@ -8,6 +8,7 @@
 //!
 //! A name carries the constant that makes the number comparable: four tools call four formulas "relMSE".
 
+pub mod attribution;
 mod bias;
 mod bias_variance;
 mod bins;

@@ -7,6 +7,7 @@ use super::RenderRequest;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::environment::layout::MapLayout;
+use crate::precompute::PrefilterBy;
 use crate::precompute::prefilter::pass::Recipe;
 use crate::precompute::prefilter::{self, Kernel};
 use crate::precompute::{dfg, filtered, irradiance, mips, sh9};
@@ -85,11 +86,12 @@ impl<'a> IrradianceInputs<'a> {
 
 /// The prefiltered map, from the environment's levels.
 pub(super) struct PrefilterInputs<'a> {
-    environment: &'a Environment,
+    pub(super) environment: &'a Environment,
     pub(super) layout: &'static MapLayout,
     pub(super) recipe: Recipe,
     pub(super) size: [u32; 2],
     pub(super) level_count: u32,
+    pub(super) by: PrefilterBy,
     pub(super) sample_count: u32,
 }
 
@@ -102,18 +104,21 @@ impl<'a> PrefilterInputs<'a> {
             recipe: Recipe::of(request.brdf, request.masking_shadowing, settings),
             size: settings.prefilter_size,
             level_count: settings.prefilter_level_count,
+            by: settings.prefilter,
             sample_count: settings.prefilter_sample_count,
         }
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { environment, layout, recipe, size, level_count, sample_count } = self;
+        let Self { environment, layout, recipe, size, level_count, by, sample_count } = self;
         let Recipe { kernel: Kernel { brdf, weight, masking }, mapping, lod_bias } = recipe;
-        let (map, by, model) = (&environment.hash, layout.name, brdf.name());
+        let (map, faces, model) = (&environment.hash, layout.name, brdf.name());
         let inputs = format!(
-            "environment={map}\nlayout={by}\nbrdf={model}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n\
-             mapping={}\nweight={}\nmasking={masking:?}\nlod_bias={lod_bias}\n",
-            mapping.name, weight.name,
+            "environment={map}\nlayout={faces}\nbrdf={model}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n\
+             mapping={}\nweight={}\nmasking={masking:?}\nlod_bias={lod_bias}\nby={}\n",
+            mapping.name,
+            weight.name,
+            by.name(),
         );
         let shaders = [level_shaders(layout), vec![prefilter::pass::shader(*brdf, layout)]].concat();
         SharedKey { kind: "prefilter", inputs, shaders }

@@ -10,11 +10,12 @@ use crate::environment::layout::MapLayout;
 use crate::gbuffer::design;
 use crate::gbuffer::pass::{self as gbuffer_pass, GbufferImages, SceneData};
 use crate::gpu::{Buffer, Format, Gpu, GpuError, Image, Report};
+use crate::math::harmonics::Harmonics;
 use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pixels::GrayImage;
 use crate::precompute::mips::level_count;
 use crate::precompute::points::Points;
-use crate::precompute::{HALF_MAX, StorageFormat, dfg, filtered, irradiance, mips, prefilter, sh9};
+use crate::precompute::{HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, mips, prefilter, sh9};
 use crate::scene::Camera;
 use crate::shade::pass::{Tables, light_data};
 use crate::shade::reference_pass::{DistributionBuffers, Lobe, ScramblePlan, Sums};
@@ -30,6 +31,8 @@ pub(super) struct Resources {
     coefficients: Recent<String, Buffer>,
     irradiance_maps: Recent<String, Levels>,
     prefiltered: Recent<String, Levels>,
+    /// Spherical harmonics of environments, by their degree.
+    harmonics: Recent<String, Arc<Harmonics>>,
     dfg_tables: Recent<String, Levels>,
     /// Copies of tables in the format that a request asks for.
     halves: Recent<String, Image>,
@@ -84,6 +87,7 @@ impl Resources {
             coefficients: Recent::new(8),
             irradiance_maps: Recent::new(4),
             prefiltered: Recent::new(6),
+            harmonics: Recent::new(2),
             dfg_tables: Recent::new(9),
             halves: Recent::new(9),
             points: Recent::new(16),
@@ -102,6 +106,7 @@ impl Resources {
         self.coefficients.clear();
         self.irradiance_maps.clear();
         self.prefiltered.clear();
+        self.harmonics.clear();
         self.dfg_tables.clear();
         self.halves.clear();
     }
@@ -257,10 +262,22 @@ impl Resources {
         environment: &Image,
     ) -> Result<Image, PipelineError> {
         let (gpu, key) = (maker.gpu, inputs.key());
-        let points = self.points(gpu, inputs.sample_count, &SEQUENCES[0], 0)?;
+        let is_harmonic = inputs.by == PrefilterBy::Harmonic;
+        let sample_count = if is_harmonic { 1 } else { inputs.sample_count };
+        let points = self.points(gpu, sample_count, &SEQUENCES[0], 0)?;
+        let transforms = &mut self.harmonics;
         let empty = || prefilter::pass::map(gpu, inputs.layout, inputs.size, inputs.level_count).map(Levels::all);
         let made = maker.table(&mut self.prefiltered, &key, empty, |map| {
-            prefilter::pass::run(gpu, inputs.recipe, inputs.layout, environment, &points, &map.image)
+            let (recipe, layout) = (inputs.recipe, inputs.layout);
+            if !is_harmonic {
+                return prefilter::pass::run(gpu, recipe, layout, environment, &points, &map.image);
+            }
+            let degree = prefilter::harmonic::degree(recipe.mapping.alpha_from_mip(1.0, inputs.level_count));
+            let name = format!("{} {degree}", inputs.environment.hash);
+            let make =
+                || Ok::<_, GpuError>(Arc::new(prefilter::harmonic::harmonics(&inputs.environment.image, degree)));
+            let harmonics = transforms.get_or_make(name, make)?;
+            prefilter::pass::run_harmonic(gpu, recipe, layout, environment, (&points, &harmonics), &map.image)
         })?;
         self.stored(gpu, &key, made.image, storage)
     }

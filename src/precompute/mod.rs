@@ -8,7 +8,7 @@ pub mod prefilter;
 mod settings;
 pub mod sh9;
 
-pub use settings::{HALF_MAX, PrecomputeSettings, SettingsError, StorageFormat};
+pub use settings::{HALF_MAX, PrecomputeSettings, PrefilterBy, SettingsError, StorageFormat};
 
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::pixels::RgbImage;

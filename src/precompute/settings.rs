@@ -1,6 +1,6 @@
 //! Sizes and sample counts of the precompute passes, and which of them go together.
 
-use super::prefilter::{LEVEL_MAPPINGS, LevelMapping, WEIGHTS, Weight};
+use super::prefilter::{LEVEL_MAPPINGS, LevelMapping, WEIGHTS, Weight, harmonic};
 use crate::environment::layout::{LAYOUTS, MapLayout};
 
 /// In which numbers the prefiltered map, the DFG table and the irradiance map are kept on the device.
@@ -27,6 +27,29 @@ impl StorageFormat {
     }
 }
 
+/// How the texels of the prefiltered map are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PrefilterBy {
+    /// By samples on the device, as engines do.
+    #[default]
+    Sampled,
+    /// By convolution in spherical harmonics on the host: without noise.
+    Harmonic,
+}
+
+impl PrefilterBy {
+    /// Every way with its name.
+    pub const ALL: &[(&str, Self)] = &[(Self::Sampled.name(), Self::Sampled), (Self::Harmonic.name(), Self::Harmonic)];
+
+    /// Name in files and tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sampled => "sampled",
+            Self::Harmonic => "harmonic",
+        }
+    }
+}
+
 /// The largest half. Brighter texels (a sun) are cut off here, as engines do: an infinite one would spoil every texel filtered with it.
 pub const HALF_MAX: f32 = 65504.0;
 
@@ -38,6 +61,7 @@ pub struct PrecomputeSettings {
     /// Width and height of a face of level 0 of the prefiltered map.
     pub prefilter_size: [u32; 2],
     pub prefilter_level_count: u32,
+    pub prefilter: PrefilterBy,
     pub prefilter_sample_count: u32,
     /// Which perceptual roughness each level holds.
     pub level_mapping: &'static LevelMapping,
@@ -60,6 +84,7 @@ impl PrecomputeSettings {
         let product = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
         let texels = |size| product(size) * f64::from(self.layout.face_count);
         match table {
+            "prefilter" if self.prefilter == PrefilterBy::Harmonic => None,
             "prefilter" => {
                 // Each level has a quarter of the texels of the one before.
                 let levels = (0..self.prefilter_level_count).map(|level| 0.25_f64.powi(level as i32)).sum::<f64>();
@@ -78,6 +103,7 @@ impl Default for PrecomputeSettings {
             layout: &LAYOUTS[0],
             prefilter_size: LAYOUTS[0].prefilter_size,
             prefilter_level_count: 5,
+            prefilter: PrefilterBy::default(),
             prefilter_sample_count: 256,
             level_mapping: &LEVEL_MAPPINGS[0],
             prefilter_weight: &WEIGHTS[0],
@@ -104,6 +130,13 @@ pub enum SettingsError {
         size[0], size[1]
     )]
     TooManyLevels { levels: u32, size: [u32; 2], last: u32, least: u32, most: u32 },
+    #[error(
+        "prefilter is harmonic, but level 1 of {levels} by level_mapping {mapping} is narrower than alpha {:.4}, which takes degree {}; expected \
+         fewer levels, or prefilter = sampled",
+        harmonic::ALPHA_MIN,
+        harmonic::DEGREE_MAX
+    )]
+    NarrowLevel { levels: u32, mapping: &'static str },
     #[error("{field} is {}x{}; the faces of layout {layout} are square: {}x{}", size[0], size[1], size[1], size[1])]
     NotSquare { field: &'static str, layout: &'static str, size: [u32; 2] },
     #[error("prefilter_size is {}x{}; expected at least {} texels on the short side, for two levels", size[0], size[1], 2 * least)]
@@ -115,7 +148,7 @@ impl SettingsError {
     pub fn field(&self) -> &'static str {
         match self {
             Self::Zero { field } | Self::NotSquare { field, .. } => field,
-            Self::TooFewLevels(_) | Self::TooManyLevels { .. } => "prefilter_level_count",
+            Self::TooFewLevels(_) | Self::TooManyLevels { .. } | Self::NarrowLevel { .. } => "prefilter_level_count",
             Self::SmallMap { .. } => "prefilter_size",
         }
     }
@@ -154,6 +187,10 @@ impl PrecomputeSettings {
             let most = (2..levels).take_while(|count| halved(count - 1) >= least).last().unwrap_or(2);
             return Err(SettingsError::TooManyLevels { levels, size, last: halved(levels - 1), least, most });
         }
-        Ok(())
+        let is_narrow = self.level_mapping.alpha_from_mip(1.0, levels) < harmonic::ALPHA_MIN;
+        match self.prefilter == PrefilterBy::Harmonic && is_narrow {
+            true => Err(SettingsError::NarrowLevel { levels, mapping: self.level_mapping.name }),
+            false => Ok(()),
+        }
     }
 }

@@ -10,7 +10,7 @@ use splitsum::math::sequence::SEQUENCES;
 use splitsum::pipeline::{BakeRequest, DiskCache, Frame, Pipeline, RenderRequest};
 use splitsum::pixels::{RgbImage, exr};
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
-use splitsum::precompute::{HALF_MAX, PrecomputeSettings, StorageFormat};
+use splitsum::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat};
 use splitsum::scene::{Camera, CameraKind, Light, LightKind, MaterialOverride};
 use splitsum::shade::{diffuse_by_name, method_by_name};
 use std::path::Path;
@@ -21,6 +21,7 @@ fn small() -> PrecomputeSettings {
         layout: usual_tables().layout,
         prefilter_size: [16; 2],
         prefilter_level_count: 2,
+        prefilter: PrefilterBy::Sampled,
         prefilter_sample_count: 16,
         level_mapping: &LEVEL_MAPPINGS[0],
         prefilter_weight: &WEIGHTS[0],
@@ -111,6 +112,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         layout: own,
         prefilter_size: [width, height],
         prefilter_level_count,
+        prefilter: _,
         prefilter_sample_count,
         level_mapping: _,
         prefilter_weight: _,
@@ -155,6 +157,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         set(&|s| s.prefilter_size = [2 * width, 2 * height]),
         set(&|s| s.prefilter_level_count = prefilter_level_count + 1),
         set(&|s| s.prefilter_sample_count = 2 * prefilter_sample_count),
+        set(&|s| s.prefilter = PrefilterBy::Harmonic),
         set(&|s| s.prefilter_lod_bias = prefilter_lod_bias + 1.0),
         set(&|s| s.dfg_size = 2 * dfg_size),
         set(&|s| s.dfg_sample_count = 2 * dfg_sample_count),

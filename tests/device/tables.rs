@@ -4,10 +4,11 @@ use crate::compare::{Tolerance, Worst, absolute, relative};
 use crate::harness::{
     golden_environment, golden_rows, number, poison_image, poisoned_buffer, read_level, vector, with_gpu, xyz,
 };
+use crate::layouts::{filtered_environment, read_map};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use splitsum::brdf::{self, MODELS, MaskingShadowing};
-use splitsum::environment::layout::{MapLayout, layout_by_name};
+use splitsum::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
 use splitsum::gpu::{Buffer, Format, Gpu, Image};
 use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, uv_from_direction};
 use splitsum::math::quadrature;
@@ -18,7 +19,9 @@ use splitsum::pixels::{Pixels, RgbImage};
 use splitsum::precompute::dfg::{self, reference::dfg};
 use splitsum::precompute::irradiance::{self, reference::irradiance as exact_irradiance};
 use splitsum::precompute::mips::{self, level_count, reference::chain};
-use splitsum::precompute::prefilter::{self, Kernel, LEVEL_MAPPINGS, WEIGHTS, pass::Recipe, reference::prefilter};
+use splitsum::precompute::prefilter::{
+    self, Kernel, LEVEL_MAPPINGS, WEIGHTS, harmonic, pass::Recipe, reference::prefilter,
+};
 use splitsum::precompute::sh9::{self, reference::project_texel_centers};
 use splitsum::precompute::{exact_quadrature, points::Points};
 use std::f64::consts::PI;
@@ -198,6 +201,44 @@ fn prefiltered(
 /// Level 1 is alpha 0.25 at 64 x 32 texels, level 2 alpha 1 at 32 x 16.
 const PREFILTER_SIZE: [u32; 2] = [128, 64];
 const PREFILTER_LEVELS: u32 = 3;
+
+/// Relative; f32 texels, and what the highest degree cuts off of a narrow lobe beside a lamp.
+const HARMONIC: f64 = 1e-4;
+
+#[test]
+fn harmonic_levels_are_the_exact_integral_in_every_layout() {
+    with_gpu(|gpu| {
+        let environment = golden_environment();
+        let image = environment_image(gpu, &environment.image);
+        let exact = exact_quadrature(&environment.image);
+        let points = Points::upload(gpu, 1, &SEQUENCES[0], 0).unwrap();
+        for ((layout, model), mapping) in LAYOUTS.iter().zip(MODELS).zip(LEVEL_MAPPINGS) {
+            let size = if layout.is_square { [32, 32] } else { [64, 32] };
+            let recipe = Recipe { kernel: Kernel::cosine(*model), mapping, lod_bias: 0.0 };
+            let transform = harmonic::harmonics(&environment.image, harmonic::degree(mapping.alpha_from_mip(1.0, 3)));
+            let filtered = filtered_environment(gpu, layout, &image);
+            let map = prefilter::pass::map(gpu, layout, size, 3).unwrap();
+            prefilter::pass::run_harmonic(gpu, recipe, layout, &filtered, (&points, &transform), &map).unwrap();
+            let map = read_map(gpu, layout, &map);
+            for (level, faces) in map.levels.iter().enumerate().skip(1) {
+                let alpha = mapping.alpha_from_mip(level as f64, 3);
+                let mut worst =
+                    Worst::new(format!("{} {} level {level}", layout.name, model.name()), relative(HARMONIC));
+                for (face, texels) in (0..).zip(faces) {
+                    for i in (0..texels.data.len() as u32).step_by(53) {
+                        let at = [i % texels.width, i / texels.width];
+                        let uv = DVec2::new(f64::from(at[0]) + 0.5, f64::from(at[1]) + 0.5)
+                            / DVec2::new(texels.width.into(), texels.height.into());
+                        let r = (layout.direction)(face, uv);
+                        let expected = prefilter(&exact, recipe.kernel, alpha, r, EXACT).value;
+                        worst.add_rgb(texels.data[i as usize], expected, || format!("face {face} texel {at:?}"));
+                    }
+                }
+                worst.check();
+            }
+        }
+    });
+}
 
 #[test]
 fn prefiltered_levels_converge_to_the_exact_integral() {

@@ -53,6 +53,7 @@ fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
         layout,
         prefilter_size: size(32),
         prefilter_level_count: 3,
+        prefilter: splitsum::precompute::PrefilterBy::Sampled,
         prefilter_sample_count: 64,
         level_mapping: &LEVEL_MAPPINGS[0],
         prefilter_weight: &WEIGHTS[0],

@@ -4,6 +4,7 @@ mod color;
 mod design;
 mod disk_cache;
 mod environment;
+mod harmonics;
 mod layering;
 mod map_layouts;
 mod math;

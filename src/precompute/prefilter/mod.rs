@@ -7,6 +7,7 @@
 //! since half vectors of density `D n_dot_h` give l of density `D n_dot_h / (4 v·h) = D/4` at `v = n`. There is one map for each model.
 //! Which roughness a level holds is its [`LevelMapping`]; level 0 is the mirror, the environment itself.
 
+pub mod harmonic;
 pub mod level_bias;
 mod level_mapping;
 pub mod pass;

@@ -1,13 +1,15 @@
 //! The device pass: one dispatch a level and band of rows.
 
-use super::{Kernel, LevelMapping};
+use super::{Kernel, LevelMapping, harmonic};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::layout::MapLayout;
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::glsl::layout::{PrefilterParams, SharedStruct};
-use crate::gpu::{Bind, Format, Gpu, GpuError, Image, Report, Sampler, face_groups};
+use crate::gpu::{Bind, Format, Gpu, GpuError, Image, PassTime, Report, Sampler, face_groups};
+use crate::math::harmonics::Harmonics;
 use crate::precompute::PrecomputeSettings;
 use crate::precompute::points::Points;
+use std::time::Instant;
 
 /// Name of the pass of each level. Levels halve a side of at most 4096 texels, so there are no more.
 const PASSES: [&str; 12] = [
@@ -51,8 +53,7 @@ impl Recipe {
     }
 }
 
-/// Fills every level of `map` from `points` and the environment's filtered levels of the same layout. A level is made by one dispatch a
-/// range of points, each of which adds to the sums in its texels.
+/// Fills every level of `map` from `points` and the environment's filtered levels of the same layout.
 pub fn run(
     gpu: &Gpu,
     recipe: Recipe,
@@ -61,37 +62,72 @@ pub fn run(
     points: &Points,
     map: &Image,
 ) -> Result<Report, GpuError> {
+    let mut total = Report::default();
+    for level in 0..map.mip_count() {
+        total.add(sample(gpu, recipe, layout, environment, points, map, level)?);
+    }
+    Ok(total)
+}
+
+/// As [`run`], but all levels beyond the mirror are synthesised on the host, whose time they report.
+pub fn run_harmonic(
+    gpu: &Gpu,
+    recipe: Recipe,
+    layout: &MapLayout,
+    environment: &Image,
+    (points, harmonics): (&Points, &Harmonics),
+    map: &Image,
+) -> Result<Report, GpuError> {
+    let mut total = sample(gpu, recipe, layout, environment, points, map, 0)?;
+    for level in 1..map.mip_count() {
+        let start = Instant::now();
+        let alpha = recipe.mapping.alpha_from_mip(f64::from(level), map.mip_count());
+        let texels = harmonic::level(harmonics, recipe.kernel, alpha, layout, map.mip_size(level));
+        gpu.write_image(map, level, &texels)?;
+        let ms = 1e3 * start.elapsed().as_secs_f64();
+        let passes = vec![PassTime { pass: PASSES[(level as usize).min(PASSES.len() - 1)], ms }];
+        total.add(Report { passes, wall_ms: ms, ..Report::default() });
+    }
+    Ok(total)
+}
+
+/// Fills a level by one dispatch a range of points and band of rows, each of which adds to the sums in its texels.
+fn sample(
+    gpu: &Gpu,
+    recipe: Recipe,
+    layout: &MapLayout,
+    environment: &Image,
+    points: &Points,
+    map: &Image,
+    level: u32,
+) -> Result<Report, GpuError> {
     let [source_width, source_height] = environment.mip_size(0);
     let Recipe { kernel, mapping, lod_bias } = recipe;
     let (shader, sample_count) = (shader(kernel.brdf, layout), points.count());
     let constants = [kernel.masking as u32, 0, 0, kernel.weight.code];
+    let [width, height] = map.mip_size(level);
+    let alpha = mapping.alpha_from_mip(f64::from(level), map.mip_count()) as f32;
+    let is_mirror = alpha == 0.0;
+    let points_per_texel = if is_mirror { 1 } else { sample_count.min(POINTS_PER_DISPATCH) };
     let mut total = Report::default();
-    for level in 0..map.mip_count() {
-        let [width, height] = map.mip_size(level);
-        let alpha = mapping.alpha_from_mip(f64::from(level), map.mip_count()) as f32;
-        let is_mirror = alpha == 0.0;
-        let points_per_texel = if is_mirror { 1 } else { sample_count.min(POINTS_PER_DISPATCH) };
-        for rows in gpu.row_bands(height, u64::from(width * map.face_count()) * u64::from(points_per_texel)) {
-            for range in points.ranges().take(if is_mirror { 1 } else { usize::MAX }) {
-                let params = PrefilterParams {
-                    width,
-                    height,
-                    source_width,
-                    source_height,
-                    sample_count,
-                    alpha,
-                    lod_bias,
-                    first_row: rows.start,
-                    first_point: range.first,
-                    point_count: range.count,
-                };
-                let binds = [Bind::Sample(environment, Sampler::MAP), Bind::UpdateFaces(map, level), range.bind()];
-                let groups = face_groups(width, rows.end - rows.start, map.face_count());
-                let name = PASSES[(level as usize).min(PASSES.len() - 1)];
-                total.add(
-                    gpu.submit_pass(name, |r| r.dispatch(&shader, &constants, &binds, &params.to_bytes(), groups))?,
-                );
-            }
+    for rows in gpu.row_bands(height, u64::from(width * map.face_count()) * u64::from(points_per_texel)) {
+        for range in points.ranges().take(if is_mirror { 1 } else { usize::MAX }) {
+            let params = PrefilterParams {
+                width,
+                height,
+                source_width,
+                source_height,
+                sample_count,
+                alpha,
+                lod_bias,
+                first_row: rows.start,
+                first_point: range.first,
+                point_count: range.count,
+            };
+            let binds = [Bind::Sample(environment, Sampler::MAP), Bind::UpdateFaces(map, level), range.bind()];
+            let groups = face_groups(width, rows.end - rows.start, map.face_count());
+            let name = PASSES[(level as usize).min(PASSES.len() - 1)];
+            total.add(gpu.submit_pass(name, |r| r.dispatch(&shader, &constants, &binds, &params.to_bytes(), groups))?);
         }
     }
     Ok(total)

@@ -9,7 +9,7 @@ use crate::environment::layout::{LAYOUTS, layout_by_name};
 use crate::math::sequence::{SEQUENCES, sequence_by_name};
 use crate::precompute::prefilter::level_bias::LEVEL_BIASES;
 use crate::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS, level_mapping_by_name, weight_by_name};
-use crate::precompute::{PrecomputeSettings, StorageFormat};
+use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 use crate::runner::value::{IMAGE_SIZE, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
 use crate::shade::{DIFFUSE, METHODS, REFERENCE};
 
@@ -364,12 +364,30 @@ const LIST: &[Axis] = &[
         ..TABLE
     },
     Axis {
+        name: "prefilter",
+        about: "how the prefiltered map is made: by samples on the device, or by convolution in spherical harmonics, without noise",
+        plural: "ways to prefilter",
+        symbol: Symbol::After("prefilter", "prefilter"),
+        feeds: &[PREFILTER],
+        used: |u| u.method.uses_prefiltered,
+        kind: Kind::Name {
+            what: "way to prefilter",
+            names: || PrefilterBy::ALL.iter().map(|(name, _)| *name).collect(),
+        },
+        default: || Value::Text(PrefilterBy::default().name().to_owned()),
+        apply: |s, v| {
+            let named = PrefilterBy::ALL.iter().find(|(name, _)| *name == v.text());
+            s.precompute.prefilter = named.expect("the plan checked the name").1;
+        },
+        ..TABLE
+    },
+    Axis {
         name: "prefilter_sample_count",
         about: "samples a texel of the prefiltered map",
         plural: "prefilter sample counts",
         symbol: Symbol::After("spp", "samples"),
         feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered,
+        used: |u| u.method.uses_prefiltered && u.has_sampled_prefilter,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
         apply: |s, v| s.precompute.prefilter_sample_count = v.count(),
@@ -410,7 +428,7 @@ const LIST: &[Axis] = &[
         plural: "prefilter level biases",
         symbol: Symbol::Before("prefilter bias"),
         feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered,
+        used: |u| u.method.uses_prefiltered && u.has_sampled_prefilter,
         kind: Kind::NumberOrName {
             range: LEVELS,
             what: "level bias",
@@ -515,6 +533,7 @@ indices! {
     F0 = "f0";
     LAYOUT = "layout";
     PREFILTER_SIZE = "prefilter_size";
+    PREFILTER_BY = "prefilter";
 }
 
 /// The axes whose values name builtins and files.

@@ -13,7 +13,7 @@ use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
 use crate::environment::{Environment, Placement};
 use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pipeline::RenderRequest;
-use crate::precompute::PrecomputeSettings;
+use crate::precompute::{PrecomputeSettings, PrefilterBy};
 use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Scene};
 use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, NONE, diffuse_by_name, method_by_name};
 use crate::tonemap::ToneCurve;
@@ -39,7 +39,6 @@ pub struct Settings {
     pub method: &'static Method,
     pub diffuse: &'static Diffuse,
     pub samples: u32,
-    /// Where a sampled method takes its points from.
     pub sequence: &'static Sequence,
     /// Which set of the sequence.
     pub point_set: u32,
@@ -218,6 +217,8 @@ pub struct Used {
     pub has_diffuse_surface: bool,
     /// Whether any surface may be a dielectric.
     pub has_dielectric: bool,
+    /// Whether the prefiltered map is made of samples.
+    pub has_sampled_prefilter: bool,
 }
 
 impl Used {
@@ -308,7 +309,6 @@ impl Default for Point {
 }
 
 impl Point {
-    /// The value of the axis of that name.
     pub fn get(&self, name: &str) -> &Value {
         &self[index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
     }
@@ -350,7 +350,8 @@ impl Point {
 
     fn where_used(&self, has_lights: bool, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
         let (method, diffuse) = (self.method(), self.diffuse());
-        let used = Used { method, diffuse, has_lights, has_diffuse_surface, has_dielectric };
+        let has_sampled_prefilter = self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name();
+        let used = Used { method, diffuse, has_lights, has_diffuse_surface, has_dielectric, has_sampled_prefilter };
         let value = |(axis, value): (&Axis, &Value)| match (axis.used)(&used) {
             false => Value::Unset,
             true if *value == Value::Unset => axis.unset.map_or(Value::Unset, |of_layout| of_layout(self.layout())),

@@ -22,10 +22,20 @@ use crate::precompute::PrecomputeSettings;
 use crate::precompute::dfg::reference::{Dfg, dfg, weighted_dfg};
 use crate::precompute::prefilter::Kernel;
 use crate::precompute::prefilter::reference::prefilter;
-use crate::shade::EXACT_SPLIT;
 use crate::shade::reference::Surface;
 use crate::shade::twin::{SpecularTwin, Twin};
+use crate::shade::{EXACT_SPLIT, REFERENCE};
 use glam::DVec3;
+
+/// The rungs in order, each with the name of the step that leads to it. The last has all approximations.
+pub const LADDER: [(&str, &str); 6] = [
+    (REFERENCE, ""),
+    (FRESNEL.name, "Fresnel"),
+    (MASKING.name, "masking"),
+    (VIEW.name, "view"),
+    (LEVELS.name, "levels"),
+    (super::split_sum::METHOD.name, "tables"),
+];
 
 /// A rung that the passes of the reference estimate.
 const fn rung(name: &'static str, lobe: &'static str, about: &'static str, twin: SpecularTwin) -> Method {

@@ -1,6 +1,6 @@
 //! The specular methods: what each is called, what changes its result, and its f64 twin.
 
-mod ladder;
+pub mod ladder;
 mod none;
 mod reference;
 mod sampled;

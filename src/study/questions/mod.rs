@@ -50,6 +50,7 @@ questions! {
     effect,
     sample_count,
     tables,
+    ladder,
     n_dot_v,
     visibility,
     dynamic_range,

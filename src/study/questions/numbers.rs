@@ -194,7 +194,7 @@ pub fn by_light(
 }
 
 /// Whether a light is one of the builtin formulas.
-fn is_formula(light: &Value) -> bool {
+pub fn is_formula(light: &Value) -> bool {
     light.to_string().starts_with(BUILTIN_PREFIX)
 }
 

@@ -10,6 +10,7 @@ use splitsum::study::figure::vega::vega;
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::{Frame, Shape};
 use splitsum::study::questions::{Finding, QUESTIONS, Question, SENTENCES_MAX, WORDS_MAX, question};
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// Experiments that together serve every question. Seven environments are enough for intervals.
@@ -85,6 +86,17 @@ dfg_size = [16, 32]
 diffuse = ["none"]
 "#,
     r#"
+name = "ladder"
+size = [16, 16]
+reference = { samples = 64 }
+[axes]
+environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
+method = ["reference", "ladder-fresnel", "ladder-masking", "ladder-view", "ladder-levels", "split-sum"]
+samples = [64]
+alpha = [0.1, 0.5]
+diffuse = ["none"]
+"#,
+    r#"
 name = "furnace"
 size = [16, 16]
 reference = { method = "none", samples = 64, terms = "all" }
@@ -107,11 +119,13 @@ fn runs() -> &'static [Finished] {
     static RUNS: OnceLock<Vec<Finished>> = OnceLock::new();
     RUNS.get_or_init(|| {
         let mut runs = Vec::new();
-        for text in EXPERIMENTS {
-            let dir = tempfile::tempdir().unwrap();
-            finished(&plan(text), dir.path());
-            runs.push(Finished::read(dir.path()).unwrap());
-            let mut varied = Finished::read(dir.path()).unwrap();
+        for (i, text) in EXPERIMENTS.iter().enumerate() {
+            // Some questions read the images of their run, which must outlive this.
+            let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("made-run-{i}"));
+            let _ = std::fs::remove_dir_all(&dir);
+            finished(&plan(text), &dir);
+            runs.push(Finished::read(&dir).unwrap());
+            let mut varied = Finished::read(&dir).unwrap();
             scaled(&mut varied, factor);
             runs.push(varied);
         }
