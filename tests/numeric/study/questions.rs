@@ -91,7 +91,7 @@ size = [16, 16]
 reference = { samples = 64 }
 [axes]
 environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
-method = ["reference", "ladder-fresnel", "ladder-masking", "ladder-view", "ladder-levels", "split-sum"]
+method = ["ladder-fresnel", "ladder-masking", "ladder-view", "ladder-levels", "split-sum", "reference"]
 samples = [64]
 alpha = [0.1, 0.5]
 diffuse = ["none"]
