@@ -106,8 +106,46 @@ fn answer(frame: &Frame) -> Option<Finding> {
         table.row([point.rows[0].cells(&axes), cells![point.range, point.rows.len(), point.error]].concat());
     }
     let own: Vec<&Path> = paths.iter().filter(|path| path.method == *lead).collect();
-    let sentence = sentence(frame, &own);
-    Some(Finding { sentence, table, digest: Some(digest(&paths)), figure: figure(frame, &paths) })
+    let growths = growths(&own);
+    let (sentence, digest) = match growths.is_summed() {
+        true => (summed(frame, &growths, lead), by_method(frame, &paths)),
+        false => (sentence(frame, &own), digest(&paths)),
+    };
+    Some(Finding { sentence, table, digest: Some(digest), figure: figure(frame, &paths, growths.is_summed()) })
+}
+
+/// The factor between the errors at the ends of each path.
+fn growths<'r, 'f>(paths: &[&Path<'r, 'f>]) -> Numbers<'r, 'f> {
+    Numbers::new(paths.iter().map(|path| (path.points[0].rows[0], path.growth())), Middle::Median)
+}
+
+/// The growth of many environments, at the ends of the alphas.
+fn summed(frame: &Frame, growths: &Numbers, lead: &str) -> String {
+    let alphas = growths.values(ALPHA);
+    let ends = [alphas.first(), alphas.last().filter(|_| alphas.len() > 1)].into_iter().flatten();
+    let told = ends.filter_map(|alpha| {
+        let at = label(&[ALPHA], std::slice::from_ref(alpha));
+        let growth = with_interval(&growths.at(ALPHA, alpha).estimate()?);
+        Some(if at.is_empty() { growth } else { format!("{growth} at {at}") })
+    });
+    let (told, metric) = (told.collect::<Vec<_>>().join(" and by "), frame.metric_name());
+    let scope = growths.scope(&[ENVIRONMENT, ALPHA]);
+    format!(
+        "From clipped to whole light the `{metric}` of `{lead}` grows by a factor of {told}, in the median environment.{scope}"
+    )
+}
+
+/// The growth of each method by alpha.
+fn by_method(frame: &Frame, paths: &[Path]) -> Table {
+    let mut rows: Vec<(Vec<Cell>, Numbers)> = Vec::new();
+    for (method, own) in grouped(paths, |path| path.method.clone()) {
+        let own = growths(&own);
+        let row =
+            |alpha: &Value| (cells![method.as_str(), short(ALPHA, alpha), roughness(alpha)], own.at(ALPHA, alpha));
+        rows.extend(own.values(ALPHA).iter().map(row));
+    }
+    let words = |growth: &Estimate| format!("x{}", number(growth.value)) + &interval_words(growth, number);
+    by_light(frame, &[AXES[METHOD].name, AXES[ALPHA].name, ROUGHNESS], &rows, &words)
 }
 
 /// Environments of a sentence; the digest has all.
@@ -159,25 +197,33 @@ fn digest(paths: &[Path]) -> Table {
     table
 }
 
-/// One panel an environment and alpha, one line a method.
-fn figure(frame: &Frame, paths: &[Path]) -> Option<Figure> {
+/// One panel an environment and alpha, one line a method; of many environments one panel a method and alpha, one line an environment.
+fn figure(frame: &Frame, paths: &[Path], is_summed: bool) -> Option<Figure> {
     let methods = distinct_in_order(paths.iter().map(|path| path.method.clone()));
     let line = |path: &&Path| {
         let series = methods.iter().position(|method| *method == path.method).unwrap_or(0);
         let dots = path.points.iter().map(|point| {
-            let tip = format!("{} · {} stops: {}", path.method, number(point.range), number(point.error));
+            let light = short(ENVIRONMENT, &path.condition[0]);
+            let tip = format!("{} · {light} · {} stops: {}", path.method, number(point.range), number(point.error));
             Mark { cell: only(&point.rows), ..Mark::new(Form::Dot([point.range, point.error]), series).tip(tip) }
         });
         joined(dots.collect())
     };
-    let panel =
-        |(condition, own): (Key, Vec<&Path>)| (label(&CONDITION, &condition), own.iter().flat_map(line).collect());
+    let title = |path: &&Path| match is_summed {
+        true => format!("{} · {}", path.method, label(&[ALPHA], &path.condition[1..])),
+        false => label(&CONDITION, &path.condition),
+    };
+    let panel = |(title, own): (String, Vec<&Path>)| (title, own.iter().flat_map(line).collect());
     Chart {
         title: "Error over the dynamic range of the environment",
-        note: format!("{}; the same light with its peaks cut off", frame.metric_name()),
+        note: format!(
+            "{}; the same light with its peaks cut off{}",
+            frame.metric_name(),
+            if is_summed { "; each line is an environment" } else { "" }
+        ),
         x: Along::Linear("dynamic range, stops"),
         y: Along::Log(frame.metric_name()),
-        panels: grouped(paths, |path| path.condition.clone()).into_iter().map(panel).collect(),
+        panels: grouped(paths, title).into_iter().map(panel).collect(),
         series: methods.clone(),
     }
     .figure()

@@ -128,7 +128,7 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
     let times = with_interval(ratio);
     let wins = match numbers.wins() {
         [_, 1] => numbers.place(""),
-        [wins, n] => format!(", less under {wins} of {n} {}", AXES[ENVIRONMENT].plural),
+        [wins, n] => format!("; less under {wins} of {n} {}", AXES[ENVIRONMENT].plural),
     };
     let tried = of.told().len();
     let among = format!("Of {} {}", tried + 1, AXES[of.axis].plural);
@@ -164,7 +164,7 @@ fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
     table.without_empty()
 }
 
-/// One panel an environment: the ratio by alpha, a colour a value.
+/// One panel an environment, after their mean: the ratio by alpha, a colour a value.
 fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
     let judged = distinct_in_order(of.effects.iter().map(|effect| effect.value.clone()));
     let widths = values(of.effects.iter().map(|effect| effect.row), ALPHA);
@@ -180,14 +180,32 @@ fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
             });
             marks.extend(joined(dots.collect()));
         }
-        (short(ENVIRONMENT, &light), marks)
+        (light, marks)
     };
+    let told = of.told();
+    let summed = || {
+        let line = |(value, own): &(Value, Numbers)| {
+            let dots = widths.iter().flat_map(|width| {
+                let name = format!("{}, {}", said(of.axis, value), said(ALPHA, width));
+                let at = |ratio: f64| [step(&widths, width), ratio];
+                own.at(ALPHA, width).marks(step(&judged, value) as usize, at, (&name, &with_interval))
+            });
+            joined(dots.collect())
+        };
+        std::iter::once(Mark::neutral(Form::HorizontalRule(1.0))).chain(told.iter().flat_map(line)).collect()
+    };
+    let lead = told.first().map_or_else(|| Numbers::ratios([]), |(_, own)| own.clone());
+    let lights = grouped(&of.effects, |effect| effect.row.point[ENVIRONMENT].clone()).into_iter().map(panel).collect();
     Chart {
         title: &format!("Effect of {}", AXES[of.axis].name),
-        note: format!("Error over that of `{}`; below 1 is better", short(of.axis, &of.base)),
+        note: format!(
+            "Error over that of {}; below 1 is better{}",
+            short(of.axis, &of.base),
+            if lead.is_summed() { INTERVAL } else { "" }
+        ),
         x: Along::Steps(AXES[ALPHA].name, widths.iter().map(|width| short(ALPHA, width)).collect()),
         y: Along::Log(&format!("{} over that of the base", frame.metric_name())),
-        panels: grouped(&of.effects, |effect| effect.row.point[ENVIRONMENT].clone()).into_iter().map(panel).collect(),
+        panels: light_panels(&lead, summed, lights),
         series: judged.iter().map(|value| said(of.axis, value)).collect(),
     }
     .figure()

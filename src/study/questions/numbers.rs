@@ -5,6 +5,7 @@ use super::words::{count, label, listed, number, range, range_words, scope_sente
 use crate::environment::BUILTIN_PREFIX;
 use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, Part, SAMPLES};
 use crate::runner::value::Value;
+use crate::study::figure::{Mark, Shape as Form};
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
 use crate::study::frame::{Frame, Row, values};
 use crate::study::table::Table;
@@ -33,6 +34,30 @@ impl<'r, 'f> Numbers<'r, 'f> {
     /// Ratios, told by their geometric mean and never averaged over a change of sign.
     pub fn ratios(items: impl IntoIterator<Item = (&'r Row<'f>, f64)>) -> Self {
         Self { is_ratio: true, ..Self::new(items, Middle::GeometricMean) }
+    }
+
+    /// Whether the environment of a row counts; see [`Self::evidence`].
+    pub fn weighs(&self, row: &Row) -> bool {
+        self.evidence().values(ENVIRONMENT).contains(&row.point[ENVIRONMENT])
+    }
+
+    /// Whether environments are enough for an interval: a figure then shows their middle before each of them.
+    pub fn is_summed(&self) -> bool {
+        self.estimate().is_some_and(|all| all.interval.is_some())
+    }
+
+    /// A dot at the middle, named and in words, and a whisker of its interval. `at` gives a number its place.
+    pub fn marks(
+        &self,
+        series: usize,
+        at: impl Fn(f64) -> [f64; 2],
+        (name, words): (&str, &dyn Fn(&Estimate) -> String),
+    ) -> Vec<Mark> {
+        let Some(all) = self.estimate() else { return Vec::new() };
+        let lights = count(all.n, "environment", AXES[ENVIRONMENT].plural);
+        let whisker = all.interval.map(|[lo, hi]| Mark::new(Form::Whisker(at(lo), at(hi)), series));
+        let dot = Mark::new(Form::Dot(at(all.value)), series).tip(format!("{name}: {} · {lights}", words(&all)));
+        std::iter::once(dot).chain(whisker).collect()
     }
 
     /// Those under measured environments, where these are enough for an interval: formulas then stand beside them and count for nothing.
@@ -101,7 +126,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
     /// most; nothing where it changes by less than this factor along both.
     pub fn extremes(&self, subject: &str, factor: f64, words: impl Fn(f64) -> String) -> String {
         let of_axis = |of: usize| {
-            let mut groups = self.along(of);
+            let mut groups = self.evidence().along(of);
             groups.retain(|(_, number)| !number.is_nan());
             // Of equal ones the first.
             let least = groups.iter().cloned().reduce(|a, b| if b.1 < a.1 { b } else { a })?;
@@ -160,8 +185,8 @@ pub fn sides(of: usize, groups: &Along) -> [String; 2] {
     [less, more].map(|own| listed(&own.into_iter().map(words).collect::<Vec<_>>()))
 }
 
-/// A digest whose rows are groups with their first cells: one column an environment and one over all. Where each group has an interval
-/// over environments, that column stands for theirs, with their range beside it.
+/// A digest whose rows are groups with their first cells: one column an environment and one over all. Where each group has environments
+/// enough for an interval, that column stands for theirs, with their range beside it.
 pub fn by_light(
     frame: &Frame,
     names: &[&str],
@@ -172,8 +197,7 @@ pub fn by_light(
     let lights = of(&rows.iter().map(|(_, own)| own.clone()).collect::<Vec<_>>());
     let evidence = of(&rows.iter().map(|(_, own)| own.evidence()).collect::<Vec<_>>());
     let beside: Vec<Value> = lights.iter().filter(|light| !evidence.contains(light)).cloned().collect();
-    let of_rows = |(_, own): &(Vec<Cell>, Numbers)| own.pooled(frame).and_then(|all| all.told_interval()).is_some();
-    let is_summed = rows.iter().all(of_rows);
+    let is_summed = rows.iter().all(|(_, own)| own.is_summed());
     let shown = if is_summed { &beside } else { &lights };
     let has_all = lights.len() > 1;
     let heads = shown.iter().map(|light| match beside.contains(light) {
@@ -186,7 +210,9 @@ pub fn by_light(
     let plain = |end: f64| words(&Estimate { value: end, interval: None, n: 1, ends: [end; 2] });
     for (head, own) in rows {
         let cells = shown.iter().map(|light| own.at(ENVIRONMENT, light).cell(frame, words));
-        let all = has_all.then(|| own.pooled(frame).map(|all| words(&all)).into());
+        // Their range stands beside it, so an interval that is wider than a decade is left out.
+        let told = |all: Estimate| words(&Estimate { interval: all.told_interval(), ..all });
+        let all = has_all.then(|| own.pooled(frame).map(told).into());
         let range = is_summed.then(|| own.estimate().map(|all| range_words(all.ends, plain)).into());
         table.row(head.iter().cloned().chain(cells).chain(all).chain(range).collect());
     }
@@ -194,7 +220,7 @@ pub fn by_light(
 }
 
 /// Whether a light is one of the builtin formulas.
-fn is_formula(light: &Value) -> bool {
+pub fn is_formula(light: &Value) -> bool {
     light.to_string().starts_with(BUILTIN_PREFIX)
 }
 
