@@ -23,6 +23,8 @@ const FIRST_SCREEN_HEIGHT: u32 = 640;
 /// A character of a digest, and what stands beside the text of a cell, pixels: about what report.css makes of them.
 const CHARACTER: f64 = 7.3;
 const CELL_PADDING: f64 = 19.2;
+/// Longer texts wrap.
+const CHARACTERS_MAX: usize = 36;
 
 /// The answers of a run as sections for the template, in order; the first has the number `first` among those of all runs.
 pub fn sections(told: &Told, run: usize, first: usize, here: &Path) -> Vec<Json> {
@@ -94,7 +96,7 @@ fn digest(table: &Table) -> Json {
     // Heads wrap, cells do not.
     let width = |(column, name): (usize, &String)| {
         let words = name.split(['_', ' ']).map(|word| word.chars().count());
-        let cells = rows.iter().map(|row| row[column].chars().count());
+        let cells = rows.iter().map(|row| row[column].chars().count().min(CHARACTERS_MAX));
         words.chain(cells).max().unwrap_or(0) as f64 * CHARACTER + CELL_PADDING
     };
     let width: f64 = table.columns.iter().enumerate().map(width).sum();

@@ -133,7 +133,7 @@ fn sentence(frame: &Frame, axes: &[usize], falls: &[&Fall]) -> Option<String> {
         (Some(least), n) => {
             let (stopping, plural) = (lights(&stopping, &doublings), AXES[ENVIRONMENT].plural);
             let samples = count(least as usize, "sample", "samples");
-            format!(" Under {stopping} of {n} {plural} the error stops falling somewhere, first at {samples}.")
+            format!(" Under {stopping} of {n} {plural} the error of some case stops falling, first at {samples}.")
         }
     };
     Some(text + &end)

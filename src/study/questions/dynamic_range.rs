@@ -123,16 +123,19 @@ fn growths<'r, 'f>(paths: &[&Path<'r, 'f>]) -> Numbers<'r, 'f> {
 fn summed(frame: &Frame, growths: &Numbers, lead: &str) -> String {
     let alphas = growths.values(ALPHA);
     let ends = [alphas.first(), alphas.last().filter(|_| alphas.len() > 1)].into_iter().flatten();
-    let told = ends.filter_map(|alpha| {
+    let mut told = ends.filter_map(|alpha| {
         let at = label(&[ALPHA], std::slice::from_ref(alpha));
-        let growth = with_interval(&growths.at(ALPHA, alpha).estimate()?);
-        Some(if at.is_empty() { growth } else { format!("{growth} at {at}") })
+        let growth = growths.at(ALPHA, alpha).estimate()?;
+        let growth = format!("grows **{} times**{}", number(growth.value), interval_words(&growth, number));
+        Some((at, growth))
     });
-    let (told, metric) = (told.collect::<Vec<_>>().join(" and by "), frame.metric_name());
-    let scope = growths.scope(&[ENVIRONMENT, ALPHA]);
-    format!(
-        "From clipped to whole light the `{metric}` of `{lead}` grows by a factor of {told}, in the median environment.{scope}"
-    )
+    let metric = frame.metric_name();
+    let (at, growth) = told.next().unwrap_or_default();
+    let at = if at.is_empty() { at } else { format!(" at {at}") };
+    let first =
+        format!("From the lowest clip to none the `{metric}` of `{lead}` {growth}{at}, in the median environment.");
+    let rest = told.map(|(at, growth)| format!(" At {at} it {growth}."));
+    std::iter::once(first).chain(rest).chain([growths.scope(&[ENVIRONMENT, ALPHA])]).collect()
 }
 
 /// The growth of each method by alpha.
@@ -144,7 +147,7 @@ fn by_method(frame: &Frame, paths: &[Path]) -> Table {
             |alpha: &Value| (cells![method.as_str(), short(ALPHA, alpha), roughness(alpha)], own.at(ALPHA, alpha));
         rows.extend(own.values(ALPHA).iter().map(row));
     }
-    let words = |growth: &Estimate| format!("x{}", number(growth.value)) + &interval_words(growth, number);
+    let words = |growth: &Estimate| format!("{}×", number(growth.value)) + &interval_words(growth, number);
     by_light(frame, &[AXES[METHOD].name, AXES[ALPHA].name, ROUGHNESS], &rows, &words)
 }
 
@@ -214,6 +217,10 @@ fn figure(frame: &Frame, paths: &[Path], is_summed: bool) -> Option<Figure> {
         false => label(&CONDITION, &path.condition),
     };
     let panel = |(title, own): (String, Vec<&Path>)| (title, own.iter().flat_map(line).collect());
+    let mut shown: Vec<&Path> = paths.iter().collect();
+    if is_summed {
+        shown.sort_by_key(|path| methods.iter().position(|method| *method == path.method));
+    }
     Chart {
         title: "Error over the dynamic range of the environment",
         note: format!(
@@ -223,7 +230,7 @@ fn figure(frame: &Frame, paths: &[Path], is_summed: bool) -> Option<Figure> {
         ),
         x: Along::Linear("dynamic range, stops"),
         y: Along::Log(frame.metric_name()),
-        panels: grouped(paths, title).into_iter().map(panel).collect(),
+        panels: grouped(shown, title).into_iter().map(panel).collect(),
         series: methods.clone(),
     }
     .figure()

@@ -161,7 +161,7 @@ fn figure(frame: &Frame, axes: &[usize], all: &[Case]) -> Option<Figure> {
     Chart {
         title: "How wrong each method is",
         note: match lead.is_summed() {
-            true => format!("{}; first their geometric mean{INTERVAL}; then each dot is an image", frame.metric_name()),
+            true => format!("{}; first the geometric mean{INTERVAL}; other dots are images", frame.metric_name()),
             false => format!("{}; each dot is an image", frame.metric_name()),
         },
         x: if is_by_alpha { Along::Log(AXES[ALPHA].name) } else { Along::Steps("", ways.clone()) },

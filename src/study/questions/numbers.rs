@@ -24,11 +24,13 @@ pub struct Numbers<'r, 'f> {
     middle: Middle,
     /// Whether 1 parts them into better and worse.
     is_ratio: bool,
+    /// Whether it is part of a group in which formulas count for nothing.
+    is_part: bool,
 }
 
 impl<'r, 'f> Numbers<'r, 'f> {
     pub fn new(items: impl IntoIterator<Item = (&'r Row<'f>, f64)>, middle: Middle) -> Self {
-        Self { items: items.into_iter().collect(), middle, is_ratio: false }
+        Self { items: items.into_iter().collect(), middle, is_ratio: false, is_part: false }
     }
 
     /// Ratios, told by their geometric mean and never averaged over a change of sign.
@@ -62,10 +64,15 @@ impl<'r, 'f> Numbers<'r, 'f> {
 
     /// Those under measured environments, where these are enough for an interval: formulas then stand beside them and count for nothing.
     fn evidence(&self) -> Self {
-        let lights = self.values(ENVIRONMENT);
-        let measured: Vec<&Value> = lights.iter().filter(|light| !is_formula(light)).collect();
-        let is_kept = |row: &Row| measured.len() < CLUSTERS_MIN || measured.contains(&&row.point[ENVIRONMENT]);
+        let measured = self.measured();
+        let are_enough = measured >= CLUSTERS_MIN || (self.is_part && measured > 0);
+        let is_kept = |row: &Row| !are_enough || !is_formula(&row.point[ENVIRONMENT]);
         Self { items: self.items.iter().copied().filter(|(row, _)| is_kept(row)).collect(), ..*self }
+    }
+
+    /// How many measured environments there are.
+    fn measured(&self) -> usize {
+        self.values(ENVIRONMENT).iter().filter(|light| !is_formula(light)).count()
     }
 
     /// Under how many environments a ratio is below 1, and how many there are.
@@ -77,7 +84,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
     /// Of the images with this value on an axis.
     pub fn at(&self, of: usize, value: &Value) -> Self {
         let own = self.items.iter().copied().filter(|(row, _)| row.point[of] == *value);
-        Self { items: own.collect(), ..*self }
+        Self { items: own.collect(), is_part: self.is_part || self.measured() >= CLUSTERS_MIN, ..*self }
     }
 
     fn rows(&self) -> impl Iterator<Item = &'r Row<'f>> {
@@ -156,7 +163,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
     /// The estimate in words, as a cell; of ratios on both sides of 1 their range.
     pub fn cell(&self, frame: &Frame, words: &dyn Fn(&Estimate) -> String) -> Cell {
         let is_told = self.pooled(frame).is_some();
-        let both = || format!("both signs, {}", range(self.items.iter().map(|(_, number)| *number)));
+        let both = || range(self.items.iter().map(|(_, number)| *number));
         self.estimate().map(|all| if is_told { words(&all) } else { both() }).into()
     }
 
@@ -185,7 +192,7 @@ pub fn sides(of: usize, groups: &Along) -> [String; 2] {
     [less, more].map(|own| listed(&own.into_iter().map(words).collect::<Vec<_>>()))
 }
 
-/// A digest whose rows are groups with their first cells: one column an environment and one over all. Where each group has environments
+/// A digest whose rows are groups with their first cells: one column an environment and one over all. Where a group has environments
 /// enough for an interval, that column stands for theirs, with their range beside it.
 pub fn by_light(
     frame: &Frame,
@@ -197,7 +204,7 @@ pub fn by_light(
     let lights = of(&rows.iter().map(|(_, own)| own.clone()).collect::<Vec<_>>());
     let evidence = of(&rows.iter().map(|(_, own)| own.evidence()).collect::<Vec<_>>());
     let beside: Vec<Value> = lights.iter().filter(|light| !evidence.contains(light)).cloned().collect();
-    let is_summed = rows.iter().all(|(_, own)| own.is_summed());
+    let is_summed = rows.iter().any(|(_, own)| own.is_summed());
     let shown = if is_summed { &beside } else { &lights };
     let has_all = lights.len() > 1;
     let heads = shown.iter().map(|light| match beside.contains(light) {
@@ -211,8 +218,11 @@ pub fn by_light(
     for (head, own) in rows {
         let cells = shown.iter().map(|light| own.at(ENVIRONMENT, light).cell(frame, words));
         // Their range stands beside it, so an interval that is wider than a decade is left out.
-        let told = |all: Estimate| words(&Estimate { interval: all.told_interval(), ..all });
-        let all = has_all.then(|| own.pooled(frame).map(told).into());
+        let told = |all: &Estimate| words(&Estimate { interval: all.told_interval(), ..*all });
+        let all = has_all.then(|| match own.pooled(frame) {
+            None if is_summed && own.is_ratio => Cell::from("mixed"),
+            all => all.as_ref().map(told).into(),
+        });
         let range = is_summed.then(|| own.estimate().map(|all| range_words(all.ends, plain)).into());
         table.row(head.iter().cloned().chain(cells).chain(all).chain(range).collect());
     }

@@ -166,7 +166,7 @@ fn digest(frame: &Frame, levels: &[Level], told: &Level) -> Table {
     let beside = has_rivals.then_some("beside");
     let names =
         [AXES[METHOD].name].into_iter().chain(beside).chain([AXES[SAMPLES].name]).map(str::to_owned).chain(heads);
-    let last = [ALL, "wins", AXES[ENVIRONMENT].plural, "mean FLIP", "visible", "bias share"].map(str::to_owned);
+    let last = [ALL, "wins under", "mean FLIP", "visible under", "bias share"].map(str::to_owned);
     let mut table = Table::with_names(names.chain(last));
     let words = |estimate: &Estimate| number(estimate.value);
     for level in levels {
@@ -176,8 +176,10 @@ fn digest(frame: &Frame, levels: &[Level], told: &Level) -> Table {
         row.push(level.samples.into());
         row.extend(columns.iter().map(|(of, value)| level.ratios.at(*of, value).cell(frame, &words)));
         row.push(level.ratios.pooled(frame).map(|pooled| with_interval(&pooled)).into());
-        row.extend(level.ratios.wins().map(Cell::from));
-        row.extend(cells![mean(level.flips()).map(number), level.visible(), level.bias()]);
+        let [wins, n] = level.ratios.wins();
+        let flips = level.flips();
+        let visible = (!flips.is_empty()).then(|| format!("{} of {}", level.visible(), flips.len()));
+        row.extend(cells![format!("{wins} of {n}"), mean(flips).map(number), visible, level.bias()]);
         table.row(row);
     }
     table
