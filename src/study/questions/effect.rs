@@ -125,19 +125,22 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
         let ([better, worse], along) = (sides(along, &groups), AXES[along].name);
         return format!("{name} has less `{metric}` than {base} at {along} {better}, and more at {worse}.");
     }
-    let times = with_interval(ratio);
+    let (times, interval) = (number(ratio.value), interval_words(ratio, number));
     let wins = match numbers.wins() {
         [_, 1] => numbers.place(""),
+        [0, n] => format!("; more under each of {n} {}", AXES[ENVIRONMENT].plural),
         [wins, n] => format!("; less under {wins} of {n} {}", AXES[ENVIRONMENT].plural),
     };
     let tried = of.told().len();
     let among = format!("Of {} {}", tried + 1, AXES[of.axis].plural);
     match tried {
-        1 => format!("{name} has **{times} times** the `{metric}` of {base}{wins}."),
+        1 => format!("{name} has **{times} times**{interval} the `{metric}` of {base}{wins}."),
         _ if ratio.value < 1.0 => {
-            format!("{among} {name} errs least: it has {times} times the `{metric}` of {base}{wins}.")
+            format!("{among} {name} errs least: it has {times} times{interval} the `{metric}` of {base}{wins}.")
         }
-        _ => format!("{among} the base {base} errs least; the next, {name}, has {times} times its `{metric}`."),
+        _ => {
+            format!("{among} the base {base} errs least; the next, {name}, has {times} times{interval} its `{metric}`.")
+        }
     }
 }
 

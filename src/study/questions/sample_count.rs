@@ -129,10 +129,11 @@ fn sentence(frame: &Frame, axes: &[usize], told: &Level) -> String {
             ]
         }
         None => {
-            let ratio = told.ratios.estimate().map_or_else(String::new, |ratio| with_interval(&ratio));
+            let times = |ratio: Estimate| format!("{} times{}", number(ratio.value), interval_words(&ratio, number));
+            let times = told.ratios.estimate().map_or_else(String::new, times);
             let [wins, n] = told.ratios.wins();
             let wins = format!("; it wins under {wins} of {n} {lights}");
-            vec![format!("{at} has {ratio} times the `{metric}` of `{fixed}`{}.", told.ratios.place(&wins))]
+            vec![format!("{at} has {times} the `{metric}` of `{fixed}`{}.", told.ratios.place(&wins))]
         }
     };
     if let Some(flip) = mean(told.flips()).map(number) {

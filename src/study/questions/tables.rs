@@ -159,8 +159,7 @@ fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &
     let mut text = match worst.share() <= SHARE {
         true => format!("Ship **{tables}**: their `{metric}` is at most {share} of the split's own ({place})."),
         false => format!(
-            "No tried tables stay below {} of the split's own `{metric}`. The best, {tables}, reach {share} ({place}).",
-            percent(SHARE)
+            "No tried tables are enough. The best, {tables}, reach {share} of the split's own `{metric}` ({place})."
         ),
     };
     // The longest run of alphas up to the largest at which the smallest tables do.
