@@ -156,12 +156,13 @@ fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
     let widths = values(all.iter().flat_map(|of| &of.effects).map(|effect| effect.row), ALPHA);
     let heads = widths.iter().map(|width| heading(ALPHA, width));
     let names = ["axis", "value", "base"].map(str::to_owned).into_iter().chain(heads);
-    let mut table = Table::with_names(names.chain([ALL, "wins", AXES[ENVIRONMENT].plural].map(str::to_owned)));
+    let mut table = Table::with_names(names.chain([ALL, "wins under"].map(str::to_owned)));
     for (of, value, numbers) in told.iter().flat_map(|(of, own)| own.iter().map(move |(value, n)| (of, value, n))) {
         let mut row = cells![AXES[of.axis].name, short(of.axis, value), short(of.axis, &of.base)];
-        row.extend(widths.iter().map(|width| numbers.at(ALPHA, width).cell(frame, words)));
+        row.extend(widths.iter().map(|width| numbers.at(ALPHA, width).cell(frame, &|all| number(all.value))));
         row.push(numbers.pooled(frame).map(|all| words(&all)).into());
-        row.extend(numbers.wins().map(Cell::from));
+        let [wins, n] = numbers.wins();
+        row.push(format!("{wins} of {n}").into());
         table.row(row);
     }
     table.without_empty()

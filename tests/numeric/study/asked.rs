@@ -244,7 +244,7 @@ fn an_effect_is_the_ratio_to_the_first_value_of_its_axis() {
     assert_eq!(numbers(&found.table, "is_resolved"), [1.0, 1.0, 1.0, 0.0]);
     assert!(found.sentence.contains("errs least: it has 0.50 times"), "{}", found.sentence);
     let rows = digest(&found);
-    assert_eq!(rows.iter().map(|row| row[5..].to_vec()).collect::<Vec<_>>(), [["0.50", "1", "1"], ["3.0", "0", "1"]]);
+    assert_eq!(rows.iter().map(|row| row[5..].to_vec()).collect::<Vec<_>>(), [["0.50", "1 of 1"], ["3.0", "0 of 1"]]);
 }
 
 #[test]
