@@ -93,7 +93,8 @@ function notesOf() {
   const sheets = model.runs.flatMap((run) => run.sheets);
   if (sheets.length) {
     const links = sheets.map(([name, link], i) => [i ? " · " : "", h("a", { href: link }, name)]);
-    notes.push(h("p", { class: "note sheets" }, "Contact sheets, every image as a picture: ", links));
+    const head = h("summary", {}, "Contact sheets: every image as a picture");
+    notes.push(h("details", { class: "note sheets" }, head, links));
   }
   return notes;
 }

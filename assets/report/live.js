@@ -186,8 +186,10 @@ class Live {
     const truth = `against ${done.reference} samples${isJudged ? "" : " so far"}`;
     const what = mode === "image" ? image : `${mode === "signed" ? "signed error" : "error"} of ${image} ${truth}`;
     say(this.parts.badge, what);
-    const score = `relMSE of ${NAMES[method]}: ${errors?.[method] ? number(errors[method]) : "not yet known"}`;
-    const noise = errors ? `; half of them against all: ${number(errors.reference, 2)}` : "";
+    const isFinal = isJudged && (method !== "sampled" || done.sampled === render.total("sampled"));
+    const value = errors?.[method] && number(errors[method], isFinal ? undefined : 1);
+    const score = `relMSE of ${NAMES[method]}: ${value ? (isFinal ? "" : "so far about ") + value : "not yet known"}`;
+    const noise = errors ? `; its own noise: ${number(errors.reference, 2)}` : "";
     const more = isJudged ? "" : ", more to come";
     say(this.parts.score, `${score}. Reference: ${done.reference} samples a pixel${more}${noise}.`);
     Object.assign(this.canvas.dataset, { method, mode, relmse: errors?.split ?? "", noise: errors?.reference ?? "" });

@@ -102,7 +102,7 @@ fn values_that_round_to_the_same_keep_their_digits() {
     let text = page.text(".image-table");
     assert!(text.contains("alpha 0.22361") && text.contains("alpha 0.22362"), "{text}");
     // A bare number in a label says what it is.
-    assert!(text.contains("1.292 (godot)") && !text.contains("1.2924"), "{text}");
+    assert!(text.contains("bias 1.292") && !text.contains("1.29248"), "{text}");
     assert_clean(&page);
 }
 

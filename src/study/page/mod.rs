@@ -140,6 +140,7 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
     let answers: Vec<Json> = runs.iter().enumerate().flat_map(|(run, told)| sections::model(told, run)).collect();
     let others = [json_bytes(&light), json_bytes(&answers), json_bytes(&fixed), PROGRAM_BYTES].iter().sum::<usize>();
     let images = images::collect(runs, options.images, options.budget.saturating_sub(others + row_bytes(runs)))?;
+    let design = model::has_design(&axes).then(|| format!("Images of the scene design: {}.", model::DESIGN));
     let model = json!({
         "headline": frames[0].metric_name(),
         "runs": fixed["runs"].as_array().into_iter().flatten().map(for_scripts).collect::<Vec<_>>(),
@@ -149,7 +150,7 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
         "rows": model::rows(runs, &axes, &metrics, frames[0].metric, &images),
         "answers": answers,
         "images": images.images,
-        "image_notes": images.notes,
+        "image_notes": design.iter().chain(&images.notes).collect::<Vec<_>>(),
         "colors": model::colors(),
     });
     let html = render::render(&fixed, &model, &images, &light)?;

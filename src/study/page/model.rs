@@ -3,8 +3,9 @@
 use super::images::ImageSet;
 use super::told::{Told, score};
 use crate::metrics::{METRICS, Metric, verdict};
-use crate::runner::axis::{AXES, Part};
+use crate::runner::axis::{AXES, Part, SCENE};
 use crate::runner::value::{Kind, Value};
+use crate::scene::is_design;
 use crate::study::finished::FinishedCell;
 use crate::study::frame::axis;
 use crate::study::questions::words::{self, label};
@@ -122,13 +123,24 @@ pub fn roughness(index: usize, value: &Value) -> Option<String> {
     }
 }
 
+/// What an image of a design is.
+pub const DESIGN: &str = "each pixel an experiment of its own, no picture";
+
+/// Whether some scene is a design.
+pub fn has_design(axes: &[PageAxis]) -> bool {
+    axes.iter().any(|axis| axis.index == Some(SCENE) && axis.values.iter().any(|name| is_design(name)))
+}
+
 /// What all cells share and no default says: "size 128x128, diffuse none".
 pub fn shared(axes: &[PageAxis]) -> String {
     let says = |axis: &&PageAxis| {
         let Some(index) = axis.index.filter(|_| axis.role == Role::Fixed) else { return false };
         index == crate::study::frame::axis("size") || (AXES[index].default)().to_string() != axis.values[0]
     };
-    let word = |axis: &PageAxis| format!("{} {}", axis.name.replace('_', " "), axis.labels[0]);
+    let word = |axis: &PageAxis| {
+        let word = format!("{} {}", axis.name.replace('_', " "), axis.labels[0]);
+        if has_design(std::slice::from_ref(axis)) { format!("{word} ({DESIGN})") } else { word }
+    };
     axes.iter().filter(says).map(word).collect::<Vec<_>>().join(", ")
 }
 

@@ -20,6 +20,11 @@ const FOLDER: &str = "answers";
 const DIGEST_ROWS: usize = 24;
 /// A taller figure does not fit the first screen of a laptop, pixels at the desk's width.
 const FIRST_SCREEN_HEIGHT: u32 = 640;
+/// A character of a digest, and what stands beside the text of a cell, pixels: about what report.css makes of them.
+const CHARACTER: f64 = 7.3;
+const CELL_PADDING: f64 = 19.2;
+/// Longer texts wrap.
+const CHARACTERS_MAX: usize = 36;
 
 /// The answers of a run as sections for the template, in order; the first has the number `first` among those of all runs.
 pub fn sections(told: &Told, run: usize, first: usize, here: &Path) -> Vec<Json> {
@@ -88,5 +93,12 @@ fn digest(table: &Table) -> Json {
         let text = if is_alpha(column) { format!("{name} (perceptual roughness)") } else { name.replace('_', " ") };
         json!({ "text": text, "is_number": column > 0 && rows.iter().any(|row| starts_with_digit(&row[column])) })
     };
-    json!({ "columns": table.columns.iter().enumerate().map(head).collect::<Vec<Json>>(), "rows": rows })
+    // Heads wrap, cells do not.
+    let width = |(column, name): (usize, &String)| {
+        let words = name.split(['_', ' ']).map(|word| word.chars().count());
+        let cells = rows.iter().map(|row| row[column].chars().count().min(CHARACTERS_MAX));
+        words.chain(cells).max().unwrap_or(0) as f64 * CHARACTER + CELL_PADDING
+    };
+    let width: f64 = table.columns.iter().enumerate().map(width).sum();
+    json!({ "columns": table.columns.iter().enumerate().map(head).collect::<Vec<Json>>(), "rows": rows, "width": width })
 }

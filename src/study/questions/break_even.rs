@@ -98,7 +98,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     }
     let (names, cases) = pairs.first()?;
     let tried = tried(cases);
-    let numbers = Numbers::new(cases.iter().map(|case| (case.of.fixed, case.number(&tried))), Middle::Median);
+    let numbers = numbers(cases);
     let scope = numbers.scope(&axes);
     let groups = by_condition(frame, numbers);
     let words = |middle: &Estimate| counted(middle.value, &tried) + &interval_words(middle, |n| counted(n, &tried));
@@ -135,6 +135,12 @@ fn by_condition<'r, 'f>(frame: &Frame, all: Numbers<'r, 'f>) -> Vec<(Key, Number
         parts.collect()
     };
     conditions(frame).fold(vec![(Vec::new(), all)], part)
+}
+
+/// The break-even of each case.
+fn numbers<'r, 'f>(cases: &[Case<'r, 'f>]) -> Numbers<'r, 'f> {
+    let tried = tried(cases);
+    Numbers::new(cases.iter().map(|case| (case.of.fixed, case.number(&tried))), Middle::Median)
 }
 
 /// Every tried count, ascending.
@@ -180,7 +186,7 @@ fn sentence(
         return Some(format!("`{sampled}` needs **{low} samples a pixel**{interval} {to_beat}."));
     }
     Some(format!(
-        "`{sampled}` needs **{low} to {high} samples a pixel** {to_beat}. It needs {} at {}, and {} at {}.",
+        "`{sampled}` needs **{low} to {high} samples a pixel** {to_beat}. Fewest: {} at {}; most: {} at {}.",
         words(&least.1),
         least.0,
         words(&most.1),
@@ -188,11 +194,16 @@ fn sentence(
     ))
 }
 
-/// One panel a pair of methods: the break-even of each case, one row a case, coloured by model.
+/// One panel a pair of methods, coloured by model: one row a case; one row a condition, where environments are summed up.
 fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> Option<Figure> {
     let models = if frame.shape.is_swept(BRDF) { &frame.shape.values[BRDF][..] } else { &[] };
+    let is_summed = pairs.iter().all(|(_, cases)| numbers(cases).is_summed());
+    let is_named = |of: usize| match is_summed {
+        true => of != BRDF && conditions(frame).any(|condition| condition == of),
+        false => models.is_empty() || of != BRDF,
+    };
     let name = |case: &Case| {
-        let rest = axes.iter().zip(&case.of.key).filter(|(axis, _)| models.is_empty() || **axis != BRDF);
+        let rest = axes.iter().zip(&case.of.key).filter(|(axis, _)| is_named(**axis));
         let (axes, key): (Vec<usize>, Vec<Value>) = rest.map(|(axis, value)| (*axis, value.clone())).unzip();
         label(&axes, &key)
     };
@@ -201,17 +212,32 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> 
         let tried = tried(cases);
         let largest = f64::from(tried[tried.len() - 1]);
         let mut marks = vec![Mark::neutral(Form::VerticalRule(largest))];
+        let place = |row: &Row| models.iter().position(|model| *model == row.point[BRDF]).unwrap_or(0);
+        if is_summed {
+            let words = |all: &Estimate| counted(all.value, &tried) + &interval_words(all, |n| counted(n, &tried));
+            let of: Vec<usize> = conditions(frame).collect();
+            for (key, own) in by_condition(frame, numbers(cases)) {
+                let Some(first) = cases.iter().find(|case| case.of.fixed.key(&of) == key) else { continue };
+                let at = |n: f64| [up(n, &tried).min(2.0 * largest), step(&rows, &name(first))];
+                let tip = label(&of, &key);
+                marks.extend(own.marks(place(first.of.fixed), at, (&tip, &words)));
+            }
+            return (format!("{sampled} over {fixed}"), marks);
+        }
         marks.extend(cases.iter().map(|case| {
             let x = case.break_even.map_or(2.0 * largest, f64::from);
-            let series = models.iter().position(|model| *model == case.of.fixed.point[BRDF]).unwrap_or(0);
             let tip = format!("{}: {} samples", label(axes, &case.of.key), counted(case.number(&tried), &tried));
-            dot([x, step(&rows, &name(case))], series, tip, case.of.fixed)
+            dot([x, step(&rows, &name(case))], place(case.of.fixed), tip, case.of.fixed)
         }));
         (format!("{sampled} over {fixed}"), marks)
     };
     Chart {
         title: "Samples a pixel from which on sampling errs less",
-        note: format!("{}; beyond the line: not up to the largest tried count", frame.metric_name()),
+        note: format!(
+            "{}{}; beyond the line: not up to the largest tried count",
+            frame.metric_name(),
+            if is_summed { ", median environment; whiskers: 95 %" } else { "" }
+        ),
         panels: pairs.iter().map(panel).collect(),
         x: Along::Log("samples a pixel"),
         y: Along::Steps("", rows.clone()),

@@ -1,10 +1,16 @@
 //! Figures of questions: small multiples whose panels share their scales, and maps of tiles.
 
+use super::numbers::{Numbers, is_formula};
+use super::words::{count, short};
+use crate::runner::axis::{AXES, ENVIRONMENT};
+use crate::runner::value::Value;
 use crate::study::figure::{Figure, Mark, Panel, Ramp, Scale, Series, Shape as Form};
 use crate::study::frame::Row;
 
 /// Panels of a figure; the table has the others.
 const PANELS_MAX: usize = 12;
+/// What is added to a note where marks have [`Numbers::marks`].
+pub const INTERVAL: &str = "; whiskers: 95 % over environments";
 
 /// A direction of a chart with its label.
 pub enum Along<'n> {
@@ -79,6 +85,21 @@ pub fn dot(at: [f64; 2], series: usize, tip: String, row: &Row) -> Mark {
 /// The image to which a mark of several leads: none, unless it is alone.
 pub fn only(rows: &[&Row]) -> Option<String> {
     if let [only] = rows { Some(only.cell.id.clone()) } else { None }
+}
+
+/// Panels of environments by name; after one of all of them where these are summed up, and then the formulas last.
+pub fn light_panels(
+    all: &Numbers,
+    summed: impl Fn() -> Vec<Mark>,
+    mut lights: Vec<(Value, Vec<Mark>)>,
+) -> Vec<(String, Vec<Mark>)> {
+    let first = all.estimate().filter(|_| all.is_summed());
+    if first.is_some() {
+        lights.sort_by_key(|(light, _)| is_formula(light));
+    }
+    let first = first.map(|all| (count(all.n, "", AXES[ENVIRONMENT].plural), summed()));
+    let name = |light: &Value| if *light == Value::Unset { String::new() } else { short(ENVIRONMENT, light) };
+    first.into_iter().chain(lights.into_iter().map(|(light, marks)| (name(&light), marks))).collect()
 }
 
 /// Dots of one series, joined by a line.

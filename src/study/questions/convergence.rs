@@ -97,9 +97,9 @@ fn doublings<'r, 'f>(falls: &[&Fall<'r, 'f>]) -> Numbers<'r, 'f> {
     Numbers::new(factors, Middle::Median)
 }
 
-/// How many environments these curves have.
-fn lights(falls: &[&Fall]) -> usize {
-    values(falls.iter().map(|fall| fall.curve.first()), ENVIRONMENT).len()
+/// How many environments that count these curves have.
+fn lights(falls: &[&Fall], all: &Numbers) -> usize {
+    values(falls.iter().map(|fall| fall.curve.first()).filter(|row| all.weighs(row)), ENVIRONMENT).len()
 }
 
 /// Factors that differ by less are told as one.
@@ -118,9 +118,10 @@ fn sentence(frame: &Frame, axes: &[usize], falls: &[&Fall]) -> Option<String> {
         number(-middle.value.log2()),
         doublings.extremes("the factor", CHANGE_MIN, number)
     );
-    let stopping: Vec<&Fall> = falls.iter().copied().filter(|fall| fall.stops_at.is_some()).collect();
+    let stops = |fall: &&Fall| fall.stops_at.is_some() && doublings.weighs(fall.curve.first());
+    let stopping: Vec<&Fall> = falls.iter().copied().filter(stops).collect();
     let from = stopping.iter().filter_map(|fall| fall.stops_at).min();
-    let end = match (from, lights(falls)) {
+    let end = match (from, lights(falls, &doublings)) {
         (None, _) => doublings.scope(axes),
         (Some(least), 1) => {
             let samples = count(least as usize, "sample", "samples");
@@ -130,8 +131,9 @@ fn sentence(frame: &Frame, axes: &[usize], falls: &[&Fall]) -> Option<String> {
             format!(" It stops falling{at}, from {samples} on.")
         }
         (Some(least), n) => {
-            let (stopping, plural) = (lights(&stopping), AXES[ENVIRONMENT].plural);
-            format!(" Under {stopping} of {n} {plural} it stops falling, from {least} samples on.")
+            let (stopping, plural) = (lights(&stopping, &doublings), AXES[ENVIRONMENT].plural);
+            let samples = count(least as usize, "sample", "samples");
+            format!(" Under {stopping} of {n} {plural} the error of some case stops falling, first at {samples}.")
         }
     };
     Some(text + &end)
@@ -179,9 +181,13 @@ fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
 const FLOOR_WITHIN: f64 = 100.0;
 const FLOOR: &str = "noise floor";
 
-/// Small multiples by alpha and environment; lines of one panel and method differ in the other axes of cases.
+/// Small multiples by alpha and environment; lines of one panel and method differ in the other axes of cases. Where environments are
+/// summed up, by alpha alone: one line a method.
 fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Option<Figure> {
-    let of_panel: Vec<usize> = axes.iter().copied().filter(|of| [ALPHA, ENVIRONMENT].contains(of)).collect();
+    let errors = falls.iter().flat_map(|fall| fall.curve.points.iter().map(|point| (fall.curve.first(), point.error)));
+    let is_summed = Numbers::new(errors, Middle::GeometricMean).is_summed();
+    let is_panel = |of: &usize| *of == ALPHA || (*of == ENVIRONMENT && !is_summed);
+    let of_panel: Vec<usize> = axes.iter().copied().filter(is_panel).collect();
     let sampled = distinct_in_order(falls.iter().map(|fall| fall.curve.method.to_string()));
     let errors = falls.iter().flat_map(|fall| &fall.curve.points).map(|point| point.error);
     let least = errors.filter(|error| *error > 0.0).fold(f64::INFINITY, f64::min);
@@ -193,6 +199,17 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
     let index = |name: &str| series.iter().position(|known| known == name).unwrap_or(0);
     let panel = |(key, own): (Key, Vec<&Fall>)| {
         let mut marks: Vec<Mark> = Vec::new();
+        if is_summed {
+            marks = summed(&own, &|name| index(name));
+            let fixed = fixed.iter().filter(|row| fits(&row.key(&of_panel), &key));
+            for (name, rows) in grouped(fixed, |row| row.text(METHOD)) {
+                let errors = rows.iter().filter_map(|row| Some((**row, frame.error(row)?)));
+                marks.extend(rule(&name, Numbers::new(errors, Middle::GeometricMean), index(&name)));
+            }
+            let floors = own.iter().filter_map(|fall| Some((fall.curve.first(), floor(fall)?)));
+            marks.extend(rule(FLOOR, Numbers::new(floors, Middle::GeometricMean), index(FLOOR)));
+            return (label(&of_panel, &key), marks);
+        }
         for fall in &own {
             let dots = fall.curve.points.iter().filter(|point| point.error > 0.0).map(|point| {
                 let row = point.rows[0];
@@ -215,9 +232,10 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
     let panels = grouped(falls, |fall| fall.curve.first().key(&of_panel)).into_iter().map(panel).collect();
     let figure = Chart {
         title: "Error over sample count",
-        note: match dashed.is_empty() {
-            true => frame.metric_name().to_owned(),
-            false => format!("{}; dashed: {}", frame.metric_name(), dashed.join(", ")),
+        note: {
+            let mean = if is_summed { format!(", geometric mean{INTERVAL}") } else { String::new() };
+            let dashes = if dashed.is_empty() { String::new() } else { format!("; dashed: {}", dashed.join(", ")) };
+            format!("{}{mean}{dashes}", frame.metric_name())
         },
         x: Along::Log("samples a pixel"),
         y: Along::Log(frame.metric_name()),
@@ -227,4 +245,26 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
     let mut figure = figure.figure()?;
     figure.series.iter_mut().skip(sampled.len()).for_each(|series| series.is_dashed = true);
     Some(figure)
+}
+
+/// Of each method the mean error over environments by count.
+fn summed(own: &[&Fall], index: &dyn Fn(&str) -> usize) -> Vec<Mark> {
+    let of_method = |(method, falls): (Value, Vec<&&Fall>)| {
+        let points = || falls.iter().flat_map(|fall| fall.curve.points.iter().map(|point| (fall.curve.first(), point)));
+        let by_count = grouped(points(), |(_, point)| point.samples);
+        let dots = by_count.into_iter().flat_map(|(samples, own)| {
+            let errors = own.iter().map(|(row, point)| (*row, point.error)).filter(|(_, error)| *error > 0.0);
+            let name = format!("{method} {samples}");
+            let at = |error: f64| [f64::from(samples), error];
+            Numbers::new(errors, Middle::GeometricMean).marks(index(&method.to_string()), at, (&name, &with_interval))
+        });
+        joined(dots.collect())
+    };
+    grouped(own, |fall| fall.curve.method.clone()).into_iter().flat_map(of_method).collect()
+}
+
+/// A line across at the mean over environments.
+fn rule(name: &str, own: Numbers, series: usize) -> Option<Mark> {
+    let mean = own.estimate()?;
+    Some(Mark::new(Form::HorizontalRule(mean.value), series).tip(format!("{name}: {}", with_interval(&mean))))
 }

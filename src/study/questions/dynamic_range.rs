@@ -106,8 +106,49 @@ fn answer(frame: &Frame) -> Option<Finding> {
         table.row([point.rows[0].cells(&axes), cells![point.range, point.rows.len(), point.error]].concat());
     }
     let own: Vec<&Path> = paths.iter().filter(|path| path.method == *lead).collect();
-    let sentence = sentence(frame, &own);
-    Some(Finding { sentence, table, digest: Some(digest(&paths)), figure: figure(frame, &paths) })
+    let growths = growths(&own);
+    let (sentence, digest) = match growths.is_summed() {
+        true => (summed(frame, &growths, lead), by_method(frame, &paths)),
+        false => (sentence(frame, &own), digest(&paths)),
+    };
+    Some(Finding { sentence, table, digest: Some(digest), figure: figure(frame, &paths, growths.is_summed()) })
+}
+
+/// The factor between the errors at the ends of each path.
+fn growths<'r, 'f>(paths: &[&Path<'r, 'f>]) -> Numbers<'r, 'f> {
+    Numbers::new(paths.iter().map(|path| (path.points[0].rows[0], path.growth())), Middle::Median)
+}
+
+/// The growth of many environments, at the ends of the alphas.
+fn summed(frame: &Frame, growths: &Numbers, lead: &str) -> String {
+    let alphas = growths.values(ALPHA);
+    let ends = [alphas.first(), alphas.last().filter(|_| alphas.len() > 1)].into_iter().flatten();
+    let mut told = ends.filter_map(|alpha| {
+        let at = label(&[ALPHA], std::slice::from_ref(alpha));
+        let growth = growths.at(ALPHA, alpha).estimate()?;
+        let growth = format!("grows **{} times**{}", number(growth.value), interval_words(&growth, number));
+        Some((at, growth))
+    });
+    let metric = frame.metric_name();
+    let (at, growth) = told.next().unwrap_or_default();
+    let at = if at.is_empty() { at } else { format!(" at {at}") };
+    let first =
+        format!("From the lowest clip to none the `{metric}` of `{lead}` {growth}{at}, in the median environment.");
+    let rest = told.map(|(at, growth)| format!(" At {at} it {growth}."));
+    std::iter::once(first).chain(rest).chain([growths.scope(&[ENVIRONMENT, ALPHA])]).collect()
+}
+
+/// The growth of each method by alpha.
+fn by_method(frame: &Frame, paths: &[Path]) -> Table {
+    let mut rows: Vec<(Vec<Cell>, Numbers)> = Vec::new();
+    for (method, own) in grouped(paths, |path| path.method.clone()) {
+        let own = growths(&own);
+        let row =
+            |alpha: &Value| (cells![method.as_str(), short(ALPHA, alpha), roughness(alpha)], own.at(ALPHA, alpha));
+        rows.extend(own.values(ALPHA).iter().map(row));
+    }
+    let words = |growth: &Estimate| format!("{}×", number(growth.value)) + &interval_words(growth, number);
+    by_light(frame, &[AXES[METHOD].name, AXES[ALPHA].name, ROUGHNESS], &rows, &words)
 }
 
 /// Environments of a sentence; the digest has all.
@@ -159,25 +200,37 @@ fn digest(paths: &[Path]) -> Table {
     table
 }
 
-/// One panel an environment and alpha, one line a method.
-fn figure(frame: &Frame, paths: &[Path]) -> Option<Figure> {
+/// One panel an environment and alpha, one line a method; of many environments one panel a method and alpha, one line an environment.
+fn figure(frame: &Frame, paths: &[Path], is_summed: bool) -> Option<Figure> {
     let methods = distinct_in_order(paths.iter().map(|path| path.method.clone()));
     let line = |path: &&Path| {
         let series = methods.iter().position(|method| *method == path.method).unwrap_or(0);
         let dots = path.points.iter().map(|point| {
-            let tip = format!("{} · {} stops: {}", path.method, number(point.range), number(point.error));
+            let light = short(ENVIRONMENT, &path.condition[0]);
+            let tip = format!("{} · {light} · {} stops: {}", path.method, number(point.range), number(point.error));
             Mark { cell: only(&point.rows), ..Mark::new(Form::Dot([point.range, point.error]), series).tip(tip) }
         });
         joined(dots.collect())
     };
-    let panel =
-        |(condition, own): (Key, Vec<&Path>)| (label(&CONDITION, &condition), own.iter().flat_map(line).collect());
+    let title = |path: &&Path| match is_summed {
+        true => format!("{} · {}", path.method, label(&[ALPHA], &path.condition[1..])),
+        false => label(&CONDITION, &path.condition),
+    };
+    let panel = |(title, own): (String, Vec<&Path>)| (title, own.iter().flat_map(line).collect());
+    let mut shown: Vec<&Path> = paths.iter().collect();
+    if is_summed {
+        shown.sort_by_key(|path| methods.iter().position(|method| *method == path.method));
+    }
     Chart {
         title: "Error over the dynamic range of the environment",
-        note: format!("{}; the same light with its peaks cut off", frame.metric_name()),
+        note: format!(
+            "{}; the same light with its peaks cut off{}",
+            frame.metric_name(),
+            if is_summed { "; each line is an environment" } else { "" }
+        ),
         x: Along::Linear("dynamic range, stops"),
         y: Along::Log(frame.metric_name()),
-        panels: grouped(paths, |path| path.condition.clone()).into_iter().map(panel).collect(),
+        panels: grouped(shown, title).into_iter().map(panel).collect(),
         series: methods.clone(),
     }
     .figure()

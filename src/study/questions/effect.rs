@@ -125,19 +125,22 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
         let ([better, worse], along) = (sides(along, &groups), AXES[along].name);
         return format!("{name} has less `{metric}` than {base} at {along} {better}, and more at {worse}.");
     }
-    let times = with_interval(ratio);
+    let (times, interval) = (number(ratio.value), interval_words(ratio, number));
     let wins = match numbers.wins() {
         [_, 1] => numbers.place(""),
-        [wins, n] => format!(", less under {wins} of {n} {}", AXES[ENVIRONMENT].plural),
+        [0, n] => format!("; more under each of {n} {}", AXES[ENVIRONMENT].plural),
+        [wins, n] => format!("; less under {wins} of {n} {}", AXES[ENVIRONMENT].plural),
     };
     let tried = of.told().len();
-    let among = format!("Of {} {}", tried + 1, AXES[of.axis].plural);
+    let among = format!("Of the {}", AXES[of.axis].plural);
     match tried {
-        1 => format!("{name} has **{times} times** the `{metric}` of {base}{wins}."),
+        1 => format!("{name} has **{times} times**{interval} the `{metric}` of {base}{wins}."),
         _ if ratio.value < 1.0 => {
-            format!("{among} {name} errs least: it has {times} times the `{metric}` of {base}{wins}.")
+            format!("{among} {name} errs least: it has {times} times{interval} the `{metric}` of {base}{wins}.")
         }
-        _ => format!("{among} the base {base} errs least; the next, {name}, has {times} times its `{metric}`."),
+        _ => {
+            format!("{among} the base {base} errs least; the next, {name}, has {times} times{interval} its `{metric}`.")
+        }
     }
 }
 
@@ -153,18 +156,19 @@ fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
     let widths = values(all.iter().flat_map(|of| &of.effects).map(|effect| effect.row), ALPHA);
     let heads = widths.iter().map(|width| heading(ALPHA, width));
     let names = ["axis", "value", "base"].map(str::to_owned).into_iter().chain(heads);
-    let mut table = Table::with_names(names.chain([ALL, "wins", AXES[ENVIRONMENT].plural].map(str::to_owned)));
+    let mut table = Table::with_names(names.chain([ALL, "wins under"].map(str::to_owned)));
     for (of, value, numbers) in told.iter().flat_map(|(of, own)| own.iter().map(move |(value, n)| (of, value, n))) {
         let mut row = cells![AXES[of.axis].name, short(of.axis, value), short(of.axis, &of.base)];
-        row.extend(widths.iter().map(|width| numbers.at(ALPHA, width).cell(frame, words)));
+        row.extend(widths.iter().map(|width| numbers.at(ALPHA, width).cell(frame, &|all| number(all.value))));
         row.push(numbers.pooled(frame).map(|all| words(&all)).into());
-        row.extend(numbers.wins().map(Cell::from));
+        let [wins, n] = numbers.wins();
+        row.push(format!("{wins} of {n}").into());
         table.row(row);
     }
     table.without_empty()
 }
 
-/// One panel an environment: the ratio by alpha, a colour a value.
+/// One panel an environment, after their mean: the ratio by alpha, a colour a value.
 fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
     let judged = distinct_in_order(of.effects.iter().map(|effect| effect.value.clone()));
     let widths = values(of.effects.iter().map(|effect| effect.row), ALPHA);
@@ -180,14 +184,32 @@ fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
             });
             marks.extend(joined(dots.collect()));
         }
-        (short(ENVIRONMENT, &light), marks)
+        (light, marks)
     };
+    let told = of.told();
+    let summed = || {
+        let line = |(value, own): &(Value, Numbers)| {
+            let dots = widths.iter().flat_map(|width| {
+                let name = format!("{}, {}", said(of.axis, value), said(ALPHA, width));
+                let at = |ratio: f64| [step(&widths, width), ratio];
+                own.at(ALPHA, width).marks(step(&judged, value) as usize, at, (&name, &with_interval))
+            });
+            joined(dots.collect())
+        };
+        std::iter::once(Mark::neutral(Form::HorizontalRule(1.0))).chain(told.iter().flat_map(line)).collect()
+    };
+    let lead = told.first().map_or_else(|| Numbers::ratios([]), |(_, own)| own.clone());
+    let lights = grouped(&of.effects, |effect| effect.row.point[ENVIRONMENT].clone()).into_iter().map(panel).collect();
     Chart {
         title: &format!("Effect of {}", AXES[of.axis].name),
-        note: format!("Error over that of `{}`; below 1 is better", short(of.axis, &of.base)),
+        note: format!(
+            "Error over that of {}; below 1 is better{}",
+            short(of.axis, &of.base),
+            if lead.is_summed() { INTERVAL } else { "" }
+        ),
         x: Along::Steps(AXES[ALPHA].name, widths.iter().map(|width| short(ALPHA, width)).collect()),
         y: Along::Log(&format!("{} over that of the base", frame.metric_name())),
-        panels: grouped(&of.effects, |effect| effect.row.point[ENVIRONMENT].clone()).into_iter().map(panel).collect(),
+        panels: light_panels(&lead, summed, lights),
         series: judged.iter().map(|value| said(of.axis, value)).collect(),
     }
     .figure()

@@ -107,7 +107,8 @@ fn sentence(frame: &Frame, axes: &[usize], lead: &str, all: &[Case]) -> Option<S
     let (value, percent) = (number(mean.value), rms_percent(frame, mean.value));
     let rms = percent.map_or_else(String::new, |percent| format!(", about **{} % rms**", number(percent)));
     let value = if percent.is_some() { value } else { format!("**{value}**") };
-    let interval = interval_words(&mean, number);
+    // The range of the environments is told next.
+    let interval = mean.told_interval().map_or_else(String::new, |_| interval_words(&mean, number));
     let text = format!("`{lead}` errs by a `{}` of {value}{interval}{rms}{scope}.", frame.metric_name());
     let extremes = errors.extremes("it", CHANGE_MIN, |error| with_rms(frame, error));
     let end = match all.iter().any(|case| case.way == lead && case.is_resolved) {
@@ -120,7 +121,7 @@ fn sentence(frame: &Frame, axes: &[usize], lead: &str, all: &[Case]) -> Option<S
 /// Ways of one method that differ in their sample count: the fewest, the middle one and the most.
 const COUNTS_SHOWN: usize = 3;
 
-/// Dots by alpha, else by way, one panel an environment.
+/// Dots by alpha, else by way, one panel an environment, after their mean.
 fn figure(frame: &Frame, axes: &[usize], all: &[Case]) -> Option<Figure> {
     let ways = shown_ways(all);
     let shown = all.iter().filter(|case| ways.contains(&case.way));
@@ -135,15 +136,37 @@ fn figure(frame: &Frame, axes: &[usize], all: &[Case]) -> Option<Figure> {
         Some(dot([x, case.error], series, tip, case.row))
     };
     let panel = |(light, own): (Value, Vec<&Case>)| {
-        let marks: Vec<Mark> = own.into_iter().filter_map(mark).collect();
-        (if frame.shape.is_swept(ENVIRONMENT) { short(ENVIRONMENT, &light) } else { String::new() }, marks)
+        let light = if frame.shape.is_swept(ENVIRONMENT) { light } else { Value::Unset };
+        (light, own.into_iter().filter_map(mark).collect())
     };
+    let words = |mean: &Estimate| with_rms(frame, mean.value) + &interval_words(mean, number);
+    let summed = || {
+        let of_way = |(series, way): (usize, &String)| {
+            let own = numbers(all, way);
+            let widths = if is_by_alpha { own.values(ALPHA) } else { vec![Value::Unset] };
+            let marks = widths.iter().flat_map(|width| match width {
+                Value::Number(alpha) => own.at(ALPHA, width).marks(
+                    series,
+                    |error| [*alpha, error],
+                    (&format!("{way}, alpha {alpha}"), &words),
+                ),
+                _ => own.marks(series, |error| [series as f64, error], (way, &words)),
+            });
+            if is_by_alpha { joined(marks.collect()) } else { marks.collect() }
+        };
+        ways.iter().enumerate().flat_map(of_way).collect()
+    };
+    let lead = numbers(all, &ways[0]);
+    let lights = grouped(shown, |case| case.row.point[ENVIRONMENT].clone()).into_iter().map(panel).collect();
     Chart {
         title: "How wrong each method is",
-        note: format!("{}; each dot is an image", frame.metric_name()),
+        note: match lead.is_summed() {
+            true => format!("{}; first the geometric mean{INTERVAL}; other dots are images", frame.metric_name()),
+            false => format!("{}; each dot is an image", frame.metric_name()),
+        },
         x: if is_by_alpha { Along::Log(AXES[ALPHA].name) } else { Along::Steps("", ways.clone()) },
         y: Along::Log(frame.metric_name()),
-        panels: grouped(shown, |case| case.row.point[ENVIRONMENT].clone()).into_iter().map(panel).collect(),
+        panels: light_panels(&lead, summed, lights),
         series: ways.clone(),
     }
     .figure()

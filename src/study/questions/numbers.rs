@@ -5,6 +5,7 @@ use super::words::{count, label, listed, number, range, range_words, scope_sente
 use crate::environment::BUILTIN_PREFIX;
 use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, Part, SAMPLES};
 use crate::runner::value::Value;
+use crate::study::figure::{Mark, Shape as Form};
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
 use crate::study::frame::{Frame, Row, values};
 use crate::study::table::Table;
@@ -23,11 +24,13 @@ pub struct Numbers<'r, 'f> {
     middle: Middle,
     /// Whether 1 parts them into better and worse.
     is_ratio: bool,
+    /// Whether it is part of a group in which formulas count for nothing.
+    is_part: bool,
 }
 
 impl<'r, 'f> Numbers<'r, 'f> {
     pub fn new(items: impl IntoIterator<Item = (&'r Row<'f>, f64)>, middle: Middle) -> Self {
-        Self { items: items.into_iter().collect(), middle, is_ratio: false }
+        Self { items: items.into_iter().collect(), middle, is_ratio: false, is_part: false }
     }
 
     /// Ratios, told by their geometric mean and never averaged over a change of sign.
@@ -35,12 +38,41 @@ impl<'r, 'f> Numbers<'r, 'f> {
         Self { is_ratio: true, ..Self::new(items, Middle::GeometricMean) }
     }
 
+    /// Whether the environment of a row counts; see [`Self::evidence`].
+    pub fn weighs(&self, row: &Row) -> bool {
+        self.evidence().values(ENVIRONMENT).contains(&row.point[ENVIRONMENT])
+    }
+
+    /// Whether environments are enough for an interval: a figure then shows their middle before each of them.
+    pub fn is_summed(&self) -> bool {
+        self.estimate().is_some_and(|all| all.interval.is_some())
+    }
+
+    /// A dot at the middle, named and in words, and a whisker of its interval. `at` gives a number its place.
+    pub fn marks(
+        &self,
+        series: usize,
+        at: impl Fn(f64) -> [f64; 2],
+        (name, words): (&str, &dyn Fn(&Estimate) -> String),
+    ) -> Vec<Mark> {
+        let Some(all) = self.estimate() else { return Vec::new() };
+        let lights = count(all.n, "environment", AXES[ENVIRONMENT].plural);
+        let whisker = all.interval.map(|[lo, hi]| Mark::new(Form::Whisker(at(lo), at(hi)), series));
+        let dot = Mark::new(Form::Dot(at(all.value)), series).tip(format!("{name}: {} · {lights}", words(&all)));
+        std::iter::once(dot).chain(whisker).collect()
+    }
+
     /// Those under measured environments, where these are enough for an interval: formulas then stand beside them and count for nothing.
     fn evidence(&self) -> Self {
-        let lights = self.values(ENVIRONMENT);
-        let measured: Vec<&Value> = lights.iter().filter(|light| !is_formula(light)).collect();
-        let is_kept = |row: &Row| measured.len() < CLUSTERS_MIN || measured.contains(&&row.point[ENVIRONMENT]);
+        let measured = self.measured();
+        let are_enough = measured >= CLUSTERS_MIN || (self.is_part && measured > 0);
+        let is_kept = |row: &Row| !are_enough || !is_formula(&row.point[ENVIRONMENT]);
         Self { items: self.items.iter().copied().filter(|(row, _)| is_kept(row)).collect(), ..*self }
+    }
+
+    /// How many measured environments there are.
+    fn measured(&self) -> usize {
+        self.values(ENVIRONMENT).iter().filter(|light| !is_formula(light)).count()
     }
 
     /// Under how many environments a ratio is below 1, and how many there are.
@@ -52,7 +84,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
     /// Of the images with this value on an axis.
     pub fn at(&self, of: usize, value: &Value) -> Self {
         let own = self.items.iter().copied().filter(|(row, _)| row.point[of] == *value);
-        Self { items: own.collect(), ..*self }
+        Self { items: own.collect(), is_part: self.is_part || self.measured() >= CLUSTERS_MIN, ..*self }
     }
 
     fn rows(&self) -> impl Iterator<Item = &'r Row<'f>> {
@@ -101,7 +133,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
     /// most; nothing where it changes by less than this factor along both.
     pub fn extremes(&self, subject: &str, factor: f64, words: impl Fn(f64) -> String) -> String {
         let of_axis = |of: usize| {
-            let mut groups = self.along(of);
+            let mut groups = self.evidence().along(of);
             groups.retain(|(_, number)| !number.is_nan());
             // Of equal ones the first.
             let least = groups.iter().cloned().reduce(|a, b| if b.1 < a.1 { b } else { a })?;
@@ -131,7 +163,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
     /// The estimate in words, as a cell; of ratios on both sides of 1 their range.
     pub fn cell(&self, frame: &Frame, words: &dyn Fn(&Estimate) -> String) -> Cell {
         let is_told = self.pooled(frame).is_some();
-        let both = || format!("both signs, {}", range(self.items.iter().map(|(_, number)| *number)));
+        let both = || range(self.items.iter().map(|(_, number)| *number));
         self.estimate().map(|all| if is_told { words(&all) } else { both() }).into()
     }
 
@@ -160,8 +192,8 @@ pub fn sides(of: usize, groups: &Along) -> [String; 2] {
     [less, more].map(|own| listed(&own.into_iter().map(words).collect::<Vec<_>>()))
 }
 
-/// A digest whose rows are groups with their first cells: one column an environment and one over all. Where each group has an interval
-/// over environments, that column stands for theirs, with their range beside it.
+/// A digest whose rows are groups with their first cells: one column an environment and one over all. Where a group has environments
+/// enough for an interval, that column stands for theirs, with their range beside it.
 pub fn by_light(
     frame: &Frame,
     names: &[&str],
@@ -172,8 +204,7 @@ pub fn by_light(
     let lights = of(&rows.iter().map(|(_, own)| own.clone()).collect::<Vec<_>>());
     let evidence = of(&rows.iter().map(|(_, own)| own.evidence()).collect::<Vec<_>>());
     let beside: Vec<Value> = lights.iter().filter(|light| !evidence.contains(light)).cloned().collect();
-    let of_rows = |(_, own): &(Vec<Cell>, Numbers)| own.pooled(frame).and_then(|all| all.told_interval()).is_some();
-    let is_summed = rows.iter().all(of_rows);
+    let is_summed = rows.iter().any(|(_, own)| own.is_summed());
     let shown = if is_summed { &beside } else { &lights };
     let has_all = lights.len() > 1;
     let heads = shown.iter().map(|light| match beside.contains(light) {
@@ -186,7 +217,12 @@ pub fn by_light(
     let plain = |end: f64| words(&Estimate { value: end, interval: None, n: 1, ends: [end; 2] });
     for (head, own) in rows {
         let cells = shown.iter().map(|light| own.at(ENVIRONMENT, light).cell(frame, words));
-        let all = has_all.then(|| own.pooled(frame).map(|all| words(&all)).into());
+        // Their range stands beside it, so an interval that is wider than a decade is left out.
+        let told = |all: &Estimate| words(&Estimate { interval: all.told_interval(), ..*all });
+        let all = has_all.then(|| match own.pooled(frame) {
+            None if is_summed && own.is_ratio => Cell::from("mixed"),
+            all => all.as_ref().map(told).into(),
+        });
         let range = is_summed.then(|| own.estimate().map(|all| range_words(all.ends, plain)).into());
         table.row(head.iter().cloned().chain(cells).chain(all).chain(range).collect());
     }

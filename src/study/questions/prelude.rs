@@ -1,6 +1,6 @@
 //! What every question is made of: numbers, words and charts, rows of the frame, axes, cells.
 
-pub use super::chart::{Along, Chart, Tile, dot, joined, only, step, tiles};
+pub use super::chart::{Along, Chart, INTERVAL, Tile, dot, joined, light_panels, only, step, tiles};
 pub use super::numbers::{ALL, Numbers, ROUGHNESS, by_light, from_usual, heading, is_formula, roughness, sides};
 pub use super::words::*;
 pub use super::{Finding, Question};

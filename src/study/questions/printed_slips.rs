@@ -82,13 +82,13 @@ fn sentence(costs: &[Cost]) -> Option<String> {
     let most = costs.first()?;
     let seen = costs.iter().filter(|cost| is_seen(cost)).count();
     Some(format!(
-        "{seen} of {} printed slips change light by {SEEN}. The costliest, {} in document {}, makes {} {} instead of {}.",
+        "{seen} of {} printed slips change light by {SEEN}. The costliest, {} in document {}, gives {} instead of {} for {}.",
         costs.len(),
         most.slip.printed.split(',').next().unwrap_or_default(),
         most.document,
-        most.figure.quantity,
         number(most.figure.printed),
-        number(most.figure.right)
+        number(most.figure.right),
+        most.figure.quantity
     ))
 }
 

@@ -52,9 +52,10 @@ struct Level<'c, 'r, 'f> {
 }
 
 impl Level<'_, '_, '_> {
-    /// Mean FLIP under each environment.
+    /// Mean FLIP under each environment that counts.
     fn flips(&self) -> Vec<f64> {
-        let by_light = grouped(&self.cases, |case| case.of.fixed.point[ENVIRONMENT].clone());
+        let own = self.cases.iter().filter(|case| self.ratios.weighs(case.of.fixed));
+        let by_light = grouped(own, |case| case.of.fixed.point[ENVIRONMENT].clone());
         by_light.iter().filter_map(|(_, own)| mean(own.iter().filter_map(|case| case.flip))).collect()
     }
 
@@ -128,10 +129,11 @@ fn sentence(frame: &Frame, axes: &[usize], told: &Level) -> String {
             ]
         }
         None => {
-            let ratio = told.ratios.estimate().map_or_else(String::new, |ratio| with_interval(&ratio));
+            let times = |ratio: Estimate| format!("{} times{}", number(ratio.value), interval_words(&ratio, number));
+            let times = told.ratios.estimate().map_or_else(String::new, times);
             let [wins, n] = told.ratios.wins();
             let wins = format!("; it wins under {wins} of {n} {lights}");
-            vec![format!("{at} has {ratio} times the `{metric}` of `{fixed}`{}.", told.ratios.place(&wins))]
+            vec![format!("{at} has {times} the `{metric}` of `{fixed}`{}.", told.ratios.place(&wins))]
         }
     };
     if let Some(flip) = mean(told.flips()).map(number) {
@@ -140,10 +142,10 @@ fn sentence(frame: &Frame, axes: &[usize], told: &Level) -> String {
             1 => if visible > 0 { "visible" } else { "hidden" }.to_owned(),
             n => format!("visible under {visible} of {n} {lights}"),
         };
-        parts.push(format!("The difference is {seen} (mean FLIP {flip})."));
+        parts.push(format!("The difference from the reference is {seen} (mean FLIP {flip})."));
     }
     if let Some(share) = told.bias() {
-        parts.push(format!("Bias, which more samples leave, is {share} of the square error."));
+        parts.push(format!("More samples do not help against {share} of its square error, which is bias."));
     }
     parts.push(told.ratios.scope(axes).trim().to_owned());
     parts.retain(|part| !part.is_empty());
@@ -160,23 +162,32 @@ fn digest(frame: &Frame, levels: &[Level], told: &Level) -> Table {
     let columns: Vec<(usize, Value)> =
         of.into_iter().flat_map(|of| values(rows(), of).into_iter().map(move |value| (of, value))).collect();
     let heads = columns.iter().map(|(of, value)| heading(*of, value));
-    let names = [AXES[METHOD].name, "beside", AXES[SAMPLES].name].map(str::to_owned).into_iter().chain(heads);
-    let last = [ALL, "wins", AXES[ENVIRONMENT].plural, "mean FLIP", "visible", "bias share"].map(str::to_owned);
+    // What all have in common is in the sentence.
+    let has_rivals = levels.iter().any(|level| level.names[1] != told.names[1]);
+    let beside = has_rivals.then_some("beside");
+    let names =
+        [AXES[METHOD].name].into_iter().chain(beside).chain([AXES[SAMPLES].name]).map(str::to_owned).chain(heads);
+    let last = [ALL, "wins under", "mean FLIP", "visible under", "bias share"].map(str::to_owned);
     let mut table = Table::with_names(names.chain(last));
     let words = |estimate: &Estimate| number(estimate.value);
     for level in levels {
         let [sampled, fixed] = level.names.each_ref().map(String::as_str);
-        let mut row = cells![sampled, fixed, level.samples];
+        let mut row = cells![sampled];
+        row.extend(has_rivals.then(|| Cell::from(fixed)));
+        row.push(level.samples.into());
         row.extend(columns.iter().map(|(of, value)| level.ratios.at(*of, value).cell(frame, &words)));
         row.push(level.ratios.pooled(frame).map(|pooled| with_interval(&pooled)).into());
-        row.extend(level.ratios.wins().map(Cell::from));
-        row.extend(cells![mean(level.flips()).map(number), level.visible(), level.bias()]);
+        let [wins, n] = level.ratios.wins();
+        let flips = level.flips();
+        let visible = (!flips.is_empty()).then(|| format!("{} of {}", level.visible(), flips.len()));
+        row.extend(cells![format!("{wins} of {n}"), mean(flips).map(number), visible, level.bias()]);
         table.row(row);
     }
     table
 }
 
-/// The ratio over the sample count: one panel a pair of methods and environment, one line a case, coloured by alpha.
+/// The ratio over the sample count, coloured by alpha: one panel a pair of methods and environment with one line a case; one panel a pair,
+/// where environments are summed up.
 fn figure(frame: &Frame, axes: &[usize], levels: &[Level]) -> Option<Figure> {
     let cases = || levels.iter().flat_map(|level| level.cases.iter().map(move |case| (level, case)));
     let widths = values(cases().map(|(_, case)| case.of.fixed), ALPHA);
@@ -198,12 +209,34 @@ fn figure(frame: &Frame, axes: &[usize], levels: &[Level]) -> Option<Figure> {
         (title, std::iter::once(Mark::neutral(Form::HorizontalRule(1.0))).chain(dots).collect())
     };
     let shown = cases().filter(|(_, case)| case.ratio > 0.0);
+    let is_summed = levels.iter().all(|level| level.ratios.is_summed());
+    let sum = |(names, own): ([String; 2], Vec<&Level>)| {
+        let line = |(series, width): (usize, &Value)| {
+            let dots = own.iter().flat_map(|level| {
+                let samples = count(level.samples as usize, "sample", "samples");
+                let name = format!("{samples}, {}", label(&[ALPHA], std::slice::from_ref(width)));
+                let at = |ratio: f64| [f64::from(level.samples), ratio];
+                level.ratios.at(ALPHA, width).marks(series, at, (&name, &with_interval))
+            });
+            joined(dots.collect())
+        };
+        let lines = widths.iter().enumerate().flat_map(line);
+        (names.join(" over "), std::iter::once(Mark::neutral(Form::HorizontalRule(1.0))).chain(lines).collect())
+    };
+    let panels = match is_summed {
+        true => grouped(levels, |level| level.names.clone()).into_iter().map(sum).collect(),
+        false => grouped(shown, title).into_iter().map(panel).collect(),
+    };
     Chart {
         title: "Error of sampling over that of the method without samples",
-        note: format!("{}; below 1 sampling is closer to the reference", frame.metric_name()),
+        note: format!(
+            "{}; below 1 sampling is closer to the reference{}",
+            frame.metric_name(),
+            if is_summed { INTERVAL } else { "" }
+        ),
         x: Along::Log("samples a pixel"),
         y: Along::Log("ratio of errors"),
-        panels: grouped(shown, title).into_iter().map(panel).collect(),
+        panels,
         series: match is_by_alpha {
             true => widths.iter().map(|width| heading(ALPHA, width)).collect(),
             false => vec!["ratio".to_owned()],

@@ -159,7 +159,7 @@ fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &
     let mut text = match worst.share() <= SHARE {
         true => format!("Ship **{tables}**: their `{metric}` is at most {share} of the split's own ({place})."),
         false => format!(
-            "No tried tables are enough: the best, {tables}, err by {share} of the split's own `{metric}` ({place})."
+            "No tried tables are enough. The best, {tables}, reach {share} of the split's own `{metric}` ({place})."
         ),
     };
     // The longest run of alphas up to the largest at which the smallest tables do.
@@ -200,7 +200,8 @@ fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], by_alpha: &ByAlp
     table
 }
 
-/// One panel an alpha, one dot a combination and condition, coloured by the first setting that is no size.
+/// One panel an alpha, one dot a combination and condition, coloured by the first setting that is no size. Where environments are summed
+/// up, one dot a combination at its worst, which decides, over a whisker of all conditions.
 fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure> {
     let is_kind = |axis: &&usize| frame.shape.values[**axis].iter().all(|value| matches!(value, Value::Text(_)));
     let kind = parameters.iter().find(is_kind).copied();
@@ -216,17 +217,33 @@ fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure>
         let place = series.iter().position(|other| *other == name(one))?;
         Some(dot([size(parameters, &one.tables), one.share()], place, tip, one.row))
     };
-    let panel = |(alpha, own): (Value, Vec<&Tried>)| {
-        let rule = [Mark::neutral(Form::HorizontalRule(SHARE))];
-        (heading(ALPHA, &alpha), rule.into_iter().chain(own.iter().filter_map(mark)).collect())
+    let is_summed = Numbers::new(all.iter().map(|one| (one.row, one.share())), Middle::GeometricMean).is_summed();
+    let panel = |(alpha, mut own): (Value, Vec<&Tried>)| {
+        let mut marks = vec![Mark::neutral(Form::HorizontalRule(SHARE))];
+        if is_summed {
+            let by_tables = grouped(own.iter().copied(), |one| one.tables.clone()).into_iter();
+            let ends = by_tables.filter_map(|(_, mut all)| {
+                all.sort_by(|a, b| a.share().total_cmp(&b.share()));
+                Some([*all.first()?, *all.last()?])
+            });
+            let ends: Vec<[&Tried; 2]> = ends.collect();
+            marks.extend(ends.iter().filter_map(|ends| {
+                let [from, to] = ends.map(|one| [size(parameters, &one.tables), one.share()]);
+                Some(Mark::new(Form::Whisker(from, to), series.iter().position(|other| *other == name(ends[1]))?))
+            }));
+            own = ends.into_iter().map(|[_, worst]| worst).collect();
+        }
+        marks.extend(own.iter().filter_map(mark));
+        (heading(ALPHA, &alpha), marks)
     };
     let mut by_alpha = grouped(all.iter().copied(), |one| one.row.point[ALPHA].clone());
     by_alpha.sort_by(|(a, _), (b, _)| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
     Chart {
         title: "What tables cost beside the split",
         note: format!(
-            "{} of tables over that of the split itself; below the line the split makes the error",
-            frame.metric_name()
+            "{} of tables over that of the split itself{}; below the line the split makes the error",
+            frame.metric_name(),
+            if is_summed { "; dots: the worst condition, whiskers: to the best" } else { "" }
         ),
         x: Along::Log("texels times levels times samples"),
         y: Along::Log("share of the split's error"),

@@ -116,7 +116,7 @@ fn sentence(own: &[Curve]) -> Option<String> {
     let groups = grouped(contrasts, |(_, words)| words.clone());
     let part = |(words, own): &(String, Vec<(Value, String)>)| {
         let at = listed(&own.iter().map(|(contrast, _)| contrast.to_string()).collect::<Vec<_>>());
-        if groups.len() == 1 { format!("at {words}") } else { format!("at {words} (contrast {at})") }
+        if groups.len() == 1 { format!("at {words}") } else { format!("at {words} with contrast {at}") }
     };
     Some(format!(
         "The error of `{}` shows most at {}: mean FLIP {}{over}. It is visible {}.",

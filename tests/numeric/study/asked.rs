@@ -5,6 +5,7 @@ use crate::runner::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use crate::runner::runs;
 use splitsum::runner::axis::Point;
 use splitsum::runner::value::Value;
+use splitsum::study::figure::{Mark, Panel, Shape};
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::Finding;
 
@@ -64,7 +65,7 @@ fn the_break_even_is_the_first_count_from_which_all_are_better() {
     // Each alpha has its own answer, and none is pooled over them.
     let told: Vec<String> = digest(&found).iter().map(|row| row[2].clone()).collect();
     assert_eq!(told, ["1", "64", "more than 256", "more than 256"]);
-    assert!(found.sentence.contains("It needs 1 at alpha 0.1, and more than 256 at alpha 0.3."), "{}", found.sentence);
+    assert!(found.sentence.contains("1 at alpha 0.1; most: more than 256 at alpha 0.3."), "{}", found.sentence);
 }
 
 /// Errors 4/n under environments whose split sum has an error that breaks even at these counts.
@@ -86,6 +87,42 @@ fn a_median_has_an_interval_from_six_environments_on() {
     // An interval that is open, or wider than a decade, is not told.
     let open = finding(&under(&[0.3, 1e-6, 0.3, 0.3, 1e-6, 0.3, 0.3, 1e-6]), "break-even");
     assert!(!open.sentence.contains("95 %"), "{}", open.sentence);
+}
+
+#[test]
+fn a_figure_of_many_environments_shows_their_middle_first() {
+    let errors: [f64; 8] = [0.3, 2.0, 0.3, 0.3, 2.0, 0.3, 0.3, 2.0];
+    let run = under(&errors);
+    let dots = |panel: &Panel| -> Vec<[f64; 2]> {
+        let at = |mark: &Mark| if let Shape::Dot(at) = mark.shape { Some(at) } else { None };
+        panel.marks.iter().filter_map(at).collect()
+    };
+    let whiskers = |panel: &Panel| -> Vec<[[f64; 2]; 2]> {
+        let ends = |mark: &Mark| if let Shape::Whisker(a, b) = mark.shape { Some([a, b]) } else { None };
+        panel.marks.iter().filter_map(ends).collect()
+    };
+    // The counts at which 4/n falls below each error: 16 five times, 4 three times.
+    let figure = finding(&run, "break-even").figure.unwrap();
+    assert_eq!(
+        (dots(&figure.panels[0]), whiskers(&figure.panels[0])),
+        (vec![[16.0, 0.0]], vec![[[4.0, 0.0], [16.0, 0.0]]])
+    );
+    // The split sum's geometric mean is the last of the first panel's dots; Student's interval of the logarithms is around it.
+    let figure = finding(&run, "error").figure.unwrap();
+    assert_eq!(figure.panels.len(), 1 + errors.len());
+    let mean = errors.iter().map(|error| error.ln()).sum::<f64>() / 8.0;
+    let variance = errors.iter().map(|error| (error.ln() - mean).powi(2)).sum::<f64>() / 7.0;
+    let half = 2.365 * (variance / 8.0).sqrt();
+    let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-9;
+    let ([.., dot], [.., [from, to]]) = (&dots(&figure.panels[0])[..], &whiskers(&figure.panels[0])[..]) else {
+        panic!()
+    };
+    assert!(near(dot[1], mean.exp()), "{dot:?}");
+    assert!(near(from[1], (mean - half).exp()) && near(to[1], (mean + half).exp()), "{from:?} {to:?}");
+    // In all of them the sampled error is 4/n; by count it stands once.
+    let figure = finding(&run, "convergence").figure.unwrap();
+    assert_eq!(figure.panels.len(), 1);
+    assert!(dots(&figure.panels[0]).iter().all(|[n, error]| near(*error, 4.0 / n)));
 }
 
 #[test]
@@ -207,7 +244,7 @@ fn an_effect_is_the_ratio_to_the_first_value_of_its_axis() {
     assert_eq!(numbers(&found.table, "is_resolved"), [1.0, 1.0, 1.0, 0.0]);
     assert!(found.sentence.contains("errs least: it has 0.50 times"), "{}", found.sentence);
     let rows = digest(&found);
-    assert_eq!(rows.iter().map(|row| row[5..].to_vec()).collect::<Vec<_>>(), [["0.50", "1", "1"], ["3.0", "0", "1"]]);
+    assert_eq!(rows.iter().map(|row| row[5..].to_vec()).collect::<Vec<_>>(), [["0.50", "1 of 1"], ["3.0", "0 of 1"]]);
 }
 
 #[test]
@@ -258,7 +295,7 @@ fn so_many_samples_are_held_against_the_split_sum_and_the_eye() {
         "{}",
         found.sentence
     );
-    assert!(found.sentence.contains("25 % of the square error"), "{}", found.sentence);
+    assert!(found.sentence.contains("25 % of its square error"), "{}", found.sentence);
 }
 
 #[test]
