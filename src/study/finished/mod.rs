@@ -160,6 +160,25 @@ impl Finished {
         Some(format!("{}: under way: {} of {planned} cells", self.dir.display(), self.cells.len()))
     }
 
+    /// The same run judged by the pixels with n·v from `lo` to `hi` alone; `None` where no cell has such bins. Bins are weighed by their pixels,
+    /// so that only metrics that are means over pixels keep their meaning. Noise floors are not known by bin.
+    pub fn seen_at(&self, [lo, hi]: [f64; 2]) -> Option<Self> {
+        let cell = |cell: &FinishedCell| {
+            let own: Vec<&Bin> =
+                cell.bins.iter().filter(|bin| bin.lo >= lo && bin.hi <= hi && bin.pixel_count > 0).collect();
+            let pixels = own.iter().map(|bin| bin.pixel_count as f64).sum::<f64>();
+            let mean = |name: &str| {
+                let sum =
+                    own.iter().map(|bin| Some(bin.scores.get(name)? * bin.pixel_count as f64)).sum::<Option<f64>>()?;
+                Some(sum / pixels).filter(|mean| mean.is_finite())
+            };
+            let scores = cell.scores.as_ref().map(|_| MetricValues::of(mean));
+            FinishedCell { scores, noise_floors: MetricValues::of(|_| None), bins: Vec::new(), ..cell.clone() }
+        };
+        let has_bins = self.cells.iter().any(|cell| !cell.bins.is_empty());
+        has_bins.then(|| Self { cells: self.cells.iter().map(cell).collect(), ..self.clone() })
+    }
+
     /// Whether images are pictures; those of a design mean nothing to a reader.
     pub fn has_pictures(&self) -> bool {
         self.cells.iter().any(|cell| !crate::scene::is_design(&cell.point[SCENE].to_string()))

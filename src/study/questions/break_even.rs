@@ -5,18 +5,24 @@
 //! tried N such that e(M) < f for every tried M >= N. A count that wins while a larger one loses does not count: it was luck. The
 //! *crossing* is where log e over log N meets log f between two tried counts; it is interpolated, the break-even is measured.
 //!
+//! So does the angle of view: at grazing views the split sum errs most, so that few samples beat it. On the scene `design` each band of n·v has
+//! its own answer, by the mean of its bins.
+//!
 //! Models and alphas oppose each other (ggx 256 where beckmann needs 8), so each has its own answer: the median over environments of the
 //! crossing, rounded up to a tried count, with "above the largest tried count" last. Its interval is rounded alike: it may hold the truth
 //! more often than it says, as counts move in steps.
 
 use super::prelude::*;
 use super::{FIXED, SAMPLED};
+use crate::scene::is_design;
 use crate::study::frame::curve::{Beside, beside};
 
 pub const QUESTION: Question = Question {
     name: "break-even",
     asks: "From how many samples a pixel on is sampling closer to the reference than a method without samples?",
     columns: &[
+        column("n_dot_v_from", "Pixels with n·v from here; 0 with `n_dot_v_to` 1 is the whole image."),
+        column("n_dot_v_to", "To here. Only the scene `design` is told by n·v: there each band sees the whole map."),
         SAMPLED,
         FIXED,
         column("break_even", "Least tried count from which on sampling errs less; empty above the largest tried."),
@@ -89,21 +95,17 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let (axes, images) = (frame.case_axes(), frame.images());
     let pairs = pairs(beside(frame, &images, &axes));
     let mut table = Table::new(&axes, QUESTION.columns);
-    for ([sampled, fixed], case) in pairs.iter().flat_map(|(names, cases)| cases.iter().map(move |case| (names, case)))
-    {
-        let mut row: Vec<Cell> = case.of.key.iter().map(Cell::from).collect();
-        row.extend(cells![sampled.as_str(), fixed.as_str(), case.break_even, case.of.curve.tried()[1]]);
-        row.extend(cells![case.crossing(), case.of.error, case.is_resolved(frame)]);
-        table.row(row);
-    }
+    add_cases(frame, &pairs, [0.0, 1.0], &mut table);
     let (names, cases) = pairs.first()?;
     let tried = tried(cases);
     let numbers = numbers(cases);
     let scope = numbers.scope(&axes);
     let groups = by_condition(frame, numbers);
+    let views = views(frame, &images, &axes, &mut table);
     let words = |middle: &Estimate| counted(middle.value, &tried) + &interval_words(middle, |n| counted(n, &tried));
     let of: Vec<usize> = conditions(frame).collect();
-    let heads = of.iter().flat_map(|of| [Some(AXES[*of].name), (*of == ALPHA).then_some(ROUGHNESS)]).flatten();
+    let heads = of.iter().flat_map(|of| [Some(AXES[*of].name), (*of == ALPHA).then_some(ROUGHNESS)]);
+    let heads: Vec<&str> = heads.flatten().collect();
     let mut rows: Vec<(Vec<Cell>, Numbers)> = Vec::new();
     for (key, own) in &groups {
         let cells = of.iter().zip(key).flat_map(|(of, value)| {
@@ -111,12 +113,97 @@ fn answer(frame: &Frame) -> Option<Finding> {
         });
         rows.push((cells.flatten().collect(), own.clone()));
     }
+    let digest = if views.is_empty() {
+        by_light(frame, &heads, &rows, &words)
+    } else {
+        let names = heads.iter().map(|head| head.to_string()).chain(views.iter().map(View::head));
+        let mut digest = Table::with_names(names.chain(["all n·v".to_owned()]));
+        for ((key, _), (head, own)) in groups.iter().zip(rows) {
+            let by_view = views.iter().map(|view| Cell::from(view.median(key).map(|n| counted(n, &tried))));
+            let all = own.estimate().map(|all| words(&all));
+            digest.row(head.into_iter().chain(by_view).chain([all.into()]).collect());
+        }
+        digest
+    };
+    let pooled = sentence(frame, names, &groups, &words)?;
     Some(Finding {
-        sentence: sentence(frame, names, &groups, &words)? + &scope,
-        digest: Some(by_light(frame, &heads.collect::<Vec<_>>(), &rows, &words)),
+        sentence: view_sentence(frame, names, &views, &tried).unwrap_or(pooled) + &scope,
+        digest: Some(digest),
         table,
         figure: figure(frame, &axes, &pairs),
     })
+}
+
+fn add_cases(frame: &Frame, pairs: &[([String; 2], Vec<Case>)], seen: [f64; 2], table: &mut Table) {
+    for ([sampled, fixed], case) in pairs.iter().flat_map(|(names, cases)| cases.iter().map(move |case| (names, case)))
+    {
+        let mut row: Vec<Cell> = case.of.key.iter().map(Cell::from).collect();
+        row.extend(cells![seen[0], seen[1], sampled.as_str(), fixed.as_str(), case.break_even]);
+        row.extend(cells![case.of.curve.tried()[1], case.crossing(), case.of.error, case.is_resolved(frame)]);
+        table.row(row);
+    }
+}
+
+/// Bands of n·v with an answer of their own, where each sees the whole map: at grazing views the split sum errs most.
+const VIEWS: [[f64; 2]; 5] = [[0.0, 0.2], [0.2, 0.4], [0.4, 0.6], [0.6, 0.8], [0.8, 1.0]];
+
+/// The break-even of one band of n·v.
+struct View {
+    seen: [f64; 2],
+    /// Medians over environments by condition.
+    medians: Vec<(Key, f64)>,
+}
+
+impl View {
+    fn head(&self) -> String {
+        format!("n·v {} to {}", self.seen[0], self.seen[1])
+    }
+
+    fn median(&self, key: &Key) -> Option<f64> {
+        self.medians.iter().find(|(own, _)| own == key).map(|(_, median)| *median)
+    }
+
+    /// The least and the largest median.
+    fn ends(&self) -> [f64; 2] {
+        let medians = || self.medians.iter().map(|(_, median)| *median);
+        [medians().fold(f64::INFINITY, f64::min), medians().fold(0.0, f64::max)]
+    }
+}
+
+/// The answers by n·v, whose cases join the table. None where the scene has a camera: there n·v is tied to a place on the map.
+fn views(frame: &Frame, images: &[&Row], axes: &[usize], table: &mut Table) -> Vec<View> {
+    if images.iter().any(|row| !is_design(&row.text(SCENE))) {
+        return Vec::new();
+    }
+    let view = |seen: [f64; 2]| {
+        let run = frame.run.seen_at(seen)?;
+        let own = Frame::new(&run, Some(frame.metric_name()));
+        let images = own.images();
+        let pairs = pairs(beside(&own, &images, axes));
+        add_cases(&own, &pairs, seen, table);
+        let (_, cases) = pairs.first()?;
+        let medians = by_condition(&own, numbers(cases)).into_iter();
+        let medians = medians.filter_map(|(key, own)| Some((key, own.estimate()?.value))).collect();
+        Some(View { seen, medians })
+    };
+    VIEWS.into_iter().filter_map(view).collect()
+}
+
+/// The answer at the most grazing and at the steepest views.
+fn view_sentence(frame: &Frame, [sampled, fixed]: &[String; 2], views: &[View], tried: &[u32]) -> Option<String> {
+    let told = |view: &View| {
+        let [low, high] = view.ends().map(|n| counted(n, tried));
+        if low == high { low } else { format!("{low} to {high}") }
+    };
+    let (first, last) = (views.first()?, views.last()?);
+    Some(format!(
+        "`{sampled}` needs **{} samples a pixel** at {} and **{}** at {} to beat `{fixed}` in `{}`, in the median environment.",
+        told(first),
+        first.head(),
+        told(last),
+        last.head(),
+        frame.metric_name()
+    ))
 }
 
 /// The axes of which each value has its own answer.

@@ -175,10 +175,14 @@ fn joined_words(words: &[String]) -> String {
     words.iter().filter(|word| !word.is_empty()).cloned().collect::<Vec<_>>().join(", ")
 }
 
+/// Shares below this are written as 0.
+const NOISE: f64 = 5e-4;
+
 /// "97 % ± 3", "-2.1 %".
 fn told(mean: &Mean) -> String {
-    let half = mean.half.map_or(String::new(), |half| format!(" ± {}", number(100.0 * half)));
-    format!("{}{half}", percent(mean.value))
+    let rounded = |share: f64| if share.abs() < NOISE { 0.0 } else { share };
+    let half = mean.half.map_or(String::new(), |half| format!(" ± {}", number(100.0 * rounded(half))));
+    format!("{}{half}", percent(rounded(mean.value)))
 }
 
 fn digest(groups: &[Group]) -> Table {

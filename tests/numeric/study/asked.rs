@@ -1,12 +1,12 @@
 //! Break-even, convergence, error and sample count of made-up runs whose answers are known.
 
-use super::paper::{F64, Made, column, finding, finished, numbers};
+use super::paper::{F64, Made, Paper, column, finding, finished, numbers, only};
 use crate::runner::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use crate::runner::runs;
 use splitsum::runner::axis::Point;
 use splitsum::runner::value::Value;
 use splitsum::study::figure::{Mark, Panel, Shape};
-use splitsum::study::finished::Finished;
+use splitsum::study::finished::{Bin, Finished, MetricValues};
 use splitsum::study::questions::Finding;
 
 fn samples(point: &Point) -> Option<f64> {
@@ -420,4 +420,36 @@ fn a_map_with_sizes_of_its_own_stands_beside_coefficients() {
         .map(|(_, ratio)| ratio)
         .collect();
     assert_eq!(methods, [0.25]);
+}
+
+/// The runs of one band of n·v have that band's errors: at grazing views 1 sample is enough, at steep ones 16 are not.
+#[test]
+fn break_even_on_a_design_is_told_by_the_angle_of_view() {
+    let mut paper = Paper::new(&["scene", "environment", "method", "samples"]);
+    for light in ["builtin:sky", "builtin:studio"] {
+        for (method, samples, error) in [
+            ("sampled", "1", [1.0, 1.0]),
+            ("sampled", "4", [0.5, 0.5]),
+            ("sampled", "16", [0.2, 0.2]),
+            ("split-sum", "", [2.0, 0.1]),
+        ] {
+            let bin = |lo: f64, error: f64| Bin {
+                lo,
+                hi: lo + 0.2,
+                pixel_count: 8,
+                scores: MetricValues::of(|_| Some(error)),
+            };
+            paper.add(&["design", light, method, samples], 0.5 * (error[0] + error[1])).bins =
+                vec![bin(0.0, error[0]), bin(0.8, error[1])];
+        }
+    }
+    let finding = paper.finding("break-even");
+    let row = |from: &str| only(&finding.table, &[("n_dot_v_from", from), ("environment", "builtin:sky")]);
+    let whole = only(&finding.table, &[("n_dot_v_to", "1"), ("n_dot_v_from", "0"), ("environment", "builtin:sky")]);
+    assert_eq!(column(&whole, "break_even"), ["1"]);
+    assert_eq!(column(&row("0.8"), "break_even"), [""]);
+    assert_eq!(
+        column(&only(&finding.table, &[("n_dot_v_to", "0.2"), ("environment", "builtin:sky")]), "break_even"),
+        ["1"]
+    );
 }
