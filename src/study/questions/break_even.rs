@@ -130,7 +130,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
         sentence: view_sentence(frame, names, &views, &tried).unwrap_or(pooled) + &scope,
         digest: Some(digest),
         table,
-        figure: figure(frame, &axes, &pairs),
+        figure: view_figure(frame, &views, &tried).or_else(|| figure(frame, &axes, &pairs)),
     })
 }
 
@@ -187,6 +187,48 @@ fn views(frame: &Frame, images: &[&Row], axes: &[usize], table: &mut Table) -> V
         Some(View { seen, medians })
     };
     VIEWS.into_iter().filter_map(view).collect()
+}
+
+/// One panel a model and F0, a line an alpha: the median over environments by n·v.
+fn view_figure(frame: &Frame, views: &[View], tried: &[u32]) -> Option<Figure> {
+    let of: Vec<usize> = conditions(frame).collect();
+    let keys = &views.first()?.medians;
+    let rest = |key: &Key| -> String {
+        let (axes, values): (Vec<usize>, Vec<Value>) =
+            of.iter().copied().zip(key.iter().cloned()).filter(|(axis, _)| *axis != ALPHA).unzip();
+        label(&axes, &values)
+    };
+    let alpha = |key: &Key| {
+        let own = of.iter().zip(key).find(|(axis, _)| **axis == ALPHA);
+        own.map_or(String::new(), |(axis, value)| label(&[*axis], std::slice::from_ref(value)))
+    };
+    let series = distinct_in_order(keys.iter().map(|(key, _)| alpha(key)));
+    let largest = f64::from(*tried.last()?);
+    let line = |key: &Key| {
+        let dot = |(x, view): (usize, &View)| {
+            let median = view.median(key)?;
+            let tip = format!("{}: {} samples · {}", view.head(), counted(median, tried), label(&of, key));
+            let at = [x as f64, up(median, tried).min(2.0 * largest)];
+            Some(Mark::new(Form::Dot(at), step(&series, &alpha(key)) as usize).tip(tip))
+        };
+        joined(views.iter().enumerate().filter_map(dot).collect())
+    };
+    let panel = |(name, own): (String, Vec<&(Key, f64)>)| {
+        let rule = [Mark::neutral(Form::HorizontalRule(largest))];
+        (name, rule.into_iter().chain(own.into_iter().flat_map(|(key, _)| line(key))).collect())
+    };
+    Chart {
+        title: "Samples a pixel from which on sampling errs less",
+        note: format!(
+            "{}, median environment; beyond the line: not up to the largest tried count",
+            frame.metric_name()
+        ),
+        x: Along::Steps("n·v", views.iter().map(|view| format!("{} to {}", view.seen[0], view.seen[1])).collect()),
+        y: Along::Log("samples a pixel"),
+        panels: grouped(keys, |(key, _)| rest(key)).into_iter().map(panel).collect(),
+        series,
+    }
+    .figure()
 }
 
 /// The answer at the most grazing and at the steepest views.
