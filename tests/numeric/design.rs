@@ -3,7 +3,7 @@
 use glam::DVec3;
 use splitsum::brdf::reflect;
 use splitsum::gbuffer::design::{frame, gbuffer};
-use splitsum::scene::{Camera, CameraKind, Scene};
+use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 
 const SIZE: [u32; 2] = [96, 96];
@@ -87,5 +87,17 @@ fn planes_of_incidence_are_turned_evenly() {
             let [cos, sin] = [turned(f64::cos), turned(f64::sin)];
             assert!(cos.abs() < 0.02 && sin.abs() < 0.02, "n_dot_v from {low}, degree {k}: {cos} {sin}");
         }
+    }
+}
+
+#[test]
+fn a_metal_reflects_its_albedo() {
+    let [f0, albedo] = [[0.04, 0.1, 0.2], [0.9, 0.5, 0.3]];
+    let material =
+        MaterialOverride { f0: Some(f0), albedo: Some(albedo), metallic: Some(0.25), ..MaterialOverride::default() };
+    let texels = gbuffer(&Scene::load("design", Path::new(".")).unwrap().apply(&material), [4, 4]);
+    for texel in &texels.f0_material.data {
+        let off = (0..3).map(|c| (texel[c] - (0.75 * f0[c] + 0.25 * albedo[c])).abs()).fold(0.0, f32::max);
+        assert!(off < 1e-6, "{texel:?}");
     }
 }

@@ -528,3 +528,13 @@ mod orientations {
         }
     }
 }
+
+#[test]
+fn a_clip_cuts_each_channel_by_itself() {
+    let plain = Environment::load("builtin:studio", Path::new("."), &LoadOptions::default()).unwrap();
+    let clipped = plain.clipped(0.5);
+    let pairs = plain.image.data.iter().zip(&clipped.image.data);
+    assert!(pairs.clone().all(|(before, after)| *after == before.map(|channel| channel.min(0.5))));
+    // Some texel has channels on both sides of the limit, so that the brightest alone would not do.
+    assert!(pairs.clone().any(|(before, _)| before.iter().any(|c| *c > 0.5) && before.iter().any(|c| *c < 0.5)));
+}
