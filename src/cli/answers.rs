@@ -1,10 +1,8 @@
 //! `splitsum answers`.
 
-use super::report::line;
+use super::report::{known_metric, line};
 use super::{Failure, print, tell};
 use clap::Args;
-use splitsum::metrics::{METRICS, metric};
-use splitsum::spelling::suggestion;
 use splitsum::study::finished::{Finished, notes};
 use splitsum::study::page::{PageOptions, Told, is_page, write};
 use splitsum::study::publish::{PublishError, check, publish, write_page, write_readme};
@@ -34,14 +32,6 @@ pub struct Arguments {
     /// Publishes over a run of the same name and another plan.
     #[arg(long, requires = "publish")]
     replace: bool,
-}
-
-pub fn known_metric(name: &str) -> Result<String, String> {
-    let names: Vec<&str> = METRICS.iter().map(|metric| metric.description().name).collect();
-    match metric(name) {
-        Some(_) => Ok(name.to_owned()),
-        None => Err(format!("{name:?} is not a metric{}", suggestion(name, &names))),
-    }
 }
 
 impl From<PublishError> for Failure {

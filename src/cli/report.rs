@@ -1,8 +1,9 @@
 //! `splitsum report`.
 
-use super::answers::known_metric;
 use super::{Failure, print, tell};
 use clap::Args;
+use splitsum::metrics::{METRICS, metric};
+use splitsum::spelling::suggestion;
 use splitsum::study::finished::{Finished, notes};
 use splitsum::study::page::images::{BUDGET_BYTES, Choice, Window};
 use splitsum::study::page::{PAGE_FILE, PageError, PageOptions, Told, Written, check_out, write};
@@ -38,6 +39,15 @@ fn window(text: &str) -> Result<Window, String> {
     match numbers.as_deref() {
         Ok(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Window { x, y, width, height }),
         _ => Err("expected X,Y,W,H: four whole numbers, W and H at least 1".to_owned()),
+    }
+}
+
+/// The value of `--metric`.
+pub fn known_metric(name: &str) -> Result<String, String> {
+    let names: Vec<&str> = METRICS.iter().map(|metric| metric.description().name).collect();
+    match metric(name) {
+        Some(_) => Ok(name.to_owned()),
+        None => Err(format!("{name:?} is not a metric{}", suggestion(name, &names))),
     }
 }
 

@@ -127,7 +127,8 @@ fn answer(frame: &Frame) -> Option<Finding> {
     };
     let pooled = sentence(frame, names, &groups, &words)?;
     Some(Finding {
-        sentence: view_sentence(frame, names, &views, &tried).unwrap_or(pooled) + &scope,
+        sentence: view_sentence(frame, names, &views, &tried)
+            .map_or(pooled + &scope, |text| text + &scope.replacen("Over", "Medians over", 1)),
         digest: Some(digest),
         table,
         figure: view_figure(frame, &views, &tried).or_else(|| figure(frame, &axes, &pairs)),
@@ -239,12 +240,12 @@ fn view_sentence(frame: &Frame, [sampled, fixed]: &[String; 2], views: &[View], 
     };
     let (first, last) = (views.first()?, views.last()?);
     Some(format!(
-        "`{sampled}` needs **{} samples a pixel** at {} and **{}** at {} to beat `{fixed}` in `{}`, in the median environment.",
+        "`{sampled}` beats `{fixed}` in `{}` from **{} samples a pixel** on at n·v below {} and from **{}** above {}.",
+        frame.metric_name(),
         told(first),
-        first.head(),
+        first.seen[1],
         told(last),
-        last.head(),
-        frame.metric_name()
+        last.seen[0],
     ))
 }
 

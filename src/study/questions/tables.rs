@@ -159,7 +159,8 @@ fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &
     let mut text = match worst.share() <= SHARE {
         true => format!("Ship **{tables}**: their `{metric}` is at most {share} of the split's own ({place})."),
         false => format!(
-            "No tried tables are enough. The best, {tables}, reach {share} of the split's own `{metric}` ({place})."
+            "No tried tables err by a tenth of the split's own `{metric}` or less. The best, {tables}, reach {:.1} % ({place}).",
+            100.0 * worst.share()
         ),
     };
     // The longest run of alphas up to the largest at which the smallest tables do.
@@ -172,7 +173,7 @@ fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &
         let from = if rest == 0 { "At every alpha".to_owned() } else { format!("From {} on", heading(ALPHA, alpha)) };
         let own = all[0].numbers(|one| one.split).estimate().map_or(String::new(), |mean| with_rms(frame, mean.value));
         text += &format!(
-            " {from} no table helps: with the smallest tried the split makes the error, {own} at {}.",
+            " {from} the smallest tried are enough: the split itself has a `{metric}` of {own} at {}.",
             label(&[ALPHA], std::slice::from_ref(alpha))
         );
     }
