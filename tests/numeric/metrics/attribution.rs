@@ -35,7 +35,7 @@ fn assert_near(found: &[f64], expected: &[f64]) {
 #[test]
 fn shares_of_made_steps_are_found() {
     // Orthogonal steps of sizes 3 and 1, halves of opposite sign: shares are those of the squares.
-    let even = |x: f32| if (64.0 * x) as u32 % 2 == 0 { 0.3 } else { -0.3 };
+    let even = |x: f32| if ((64.0 * x) as u32).is_multiple_of(2) { 0.3 } else { -0.3 };
     let half = |x: f32| if x < 0.5 { 0.1 } else { -0.1 };
     assert_near(&shares(&[even, half]), &[0.9, 0.1]);
     // Steps of one shape add up, one that changes nothing has no share, one that goes back cancels.
