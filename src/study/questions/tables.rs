@@ -13,6 +13,7 @@
 
 use super::prelude::*;
 use crate::shade::{EXACT_SPLIT, REFERENCE};
+use crate::table::markdown::significant;
 
 pub const QUESTION: Question = Question {
     name: "tables",
@@ -119,6 +120,11 @@ fn chosen<'c, 't, 'r, 'f>(all: &'c [Combination<'t, 'r, 'f>]) -> Option<&'c Comb
     all.iter().find(|one| one.worst().share() <= SHARE).or_else(|| all.iter().min_by(by_worst))
 }
 
+/// In percent; a third digit where it is not enough, so that 10.5 % does not read as 10 %.
+fn told_share(share: f64) -> String {
+    if share > SHARE { format!("{} %", significant(100.0 * share, 3)) } else { percent(share) }
+}
+
 /// "64x64, 6 levels".
 fn words(parameters: &[usize], tables: &Key) -> String {
     let set = parameters.iter().zip(tables).filter(|(_, value)| **value != Value::Unset);
@@ -153,14 +159,13 @@ type ByAlpha<'t, 'r, 'f> = [(Value, Vec<Combination<'t, 'r, 'f>>)];
 
 fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &ByAlpha) -> String {
     let (worst, metric) = (best.worst(), frame.metric_name());
-    let share = percent(worst.share());
+    let share = told_share(worst.share());
     let place = label(&[ENVIRONMENT, ALPHA], &worst.row.key(&[ENVIRONMENT, ALPHA]));
     let tables = words(parameters, &best.tables);
     let mut text = match worst.share() <= SHARE {
         true => format!("Ship **{tables}**: their `{metric}` is at most {share} of the split's own ({place})."),
         false => format!(
-            "No tried tables err by a tenth of the split's own `{metric}` or less. The best, {tables}, reach {:.1} % ({place}).",
-            100.0 * worst.share()
+            "No tried tables err by a tenth of the split's own `{metric}` or less. The best, {tables}, reach {share} ({place})."
         ),
     };
     // The longest run of alphas up to the largest at which the smallest tables do.
@@ -195,7 +200,7 @@ fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], by_alpha: &ByAlp
         let tables = if worst.share() <= SHARE { tables } else { format!("none; best {tables}") };
         let place: Vec<usize> = scope.iter().copied().filter(|of| alpha == ALL || *of != ALPHA).collect();
         let place = label(&place, &worst.row.key(&place));
-        let errors = cells![told(|one| one.error), told(|one| one.split), percent(worst.share()), place];
+        let errors = cells![told(|one| one.error), told(|one| one.split), told_share(worst.share()), place];
         table.row([cells![alpha, rough, tables], errors].concat());
     }
     table

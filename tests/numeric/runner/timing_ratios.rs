@@ -137,19 +137,18 @@ fn records_of_other_sizes_and_devices_change_no_ratio() {
 
 #[test]
 fn the_published_ratios_are_those_of_their_records() {
-    for name in ["timing", "break-even", "quick"] {
-        let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("results").join(name);
-        let published = Table::read(&dir.join("timing_ratios.csv")).unwrap();
-        let (columns, rows) = timing_ratios(&Finished::read(&dir).unwrap().timings);
-        let made = tempfile::tempdir().unwrap();
-        Store::at(made.path()).write_table("made.csv", &columns, rows.into_iter().map(Ok)).unwrap();
-        let mut made = Table::read(&made.path().join("made.csv")).unwrap();
-        // The run has its records in plan order, the folder by the names of their files.
-        let mut rows = published.rows.clone();
-        made.rows.sort();
-        rows.sort();
-        assert_eq!((made.columns, made.rows), (published.columns, rows), "{name}");
-    }
+    let name = "timing";
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("results").join(name);
+    let published = Table::read(&dir.join("timing_ratios.csv")).unwrap();
+    let (columns, rows) = timing_ratios(&Finished::read(&dir).unwrap().timings);
+    let made = tempfile::tempdir().unwrap();
+    Store::at(made.path()).write_table("made.csv", &columns, rows.into_iter().map(Ok)).unwrap();
+    let mut made = Table::read(&made.path().join("made.csv")).unwrap();
+    // The run has its records in plan order, the folder by the names of their files.
+    let mut rows = published.rows.clone();
+    made.rows.sort();
+    rows.sort();
+    assert_eq!((made.columns, made.rows), (published.columns, rows), "{name}");
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn where_no_tables_are_enough_the_best_are_named() {
         }
     }
     let finding = paper.finding("tables");
-    assert_eq!(told(&finding, "0.1", ["tables", "share at most"]), ["none; best 256 samples", "50 %"]);
+    assert_eq!(told(&finding, "0.1", ["tables", "share at most"]), ["none; best 256 samples", "50.0 %"]);
     assert_eq!(told(&finding, "0.5", ["tables"]), ["64 samples"]);
 }
 
