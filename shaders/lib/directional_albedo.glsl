@@ -19,7 +19,7 @@
 // at 1.6 is a kink.
 const uint ALBEDO_PHI_COUNT = 16;
 
-// Nodes of the rungs of the ladder, whose factors are exact: they leave less than 1e-5.
+// Nodes of the rungs of the ladder, whose factors stand for exact ones: twice as many as leave 3e-5.
 const uint LADDER_NODES = 2048;
 
 // Node i of count of the periodising rule on [0, 1], and its weight. [Sidi93, the sin^2 transformation]
