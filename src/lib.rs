@@ -25,6 +25,8 @@
 //!   Revisited", Journal of Computer Graphics Techniques 6(1), 2017.
 //! - Dupuy23: J. Dupuy and A. Benyoub, "Sampling Visible GGX Normals with Spherical Caps", Computer Graphics Forum 42(8), 2023.
 //! - Efron79: B. Efron, "Bootstrap Methods: Another Look at the Jackknife", The Annals of Statistics 7(1), 1979.
+//! - FaigleKern92: U. Faigle and W. Kern, "The Shapley Value for Cooperative Games under Precedence Constraints", International Journal of
+//!   Game Theory 21(3), 1992.
 //! - Heitz14: E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics
 //!   Techniques 3(2), 2014.
 //! - Heitz18: E. Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer Graphics Techniques 7(4), 2018.
@@ -57,6 +59,7 @@
 //! - Schlick94: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics Forum 13(3), 1994.
 //! - Sen68: P. K. Sen, "Estimates of the Regression Coefficient Based on Kendall's Tau", Journal of the American Statistical Association
 //!   63(324), 1968.
+//! - Shapley53: L. S. Shapley, "A Value for n-Person Games", Contributions to the Theory of Games II, Princeton, 1953.
 //! - Shoemake92: K. Shoemake, "Uniform Random Rotations", Graphics Gems III, 1992.
 //! - Sidi93: A. Sidi, "A New Variable Transformation for Numerical Integration", Numerical Integration IV, 1993.
 //! - Sobol67: I. M. Sobol', "On the Distribution of Points in a Cube and the Approximate Evaluation of Integrals", USSR Computational
@@ -96,6 +99,8 @@ pub mod tonemap;
 
 pub mod metrics;
 pub mod table;
+
+pub mod ladder;
 
 pub mod oracle;
 pub mod pipeline;

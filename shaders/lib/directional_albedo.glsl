@@ -34,9 +34,10 @@ float ggx_r(float sin2, float cos2, float alpha2) {
     return sqrt(alpha2 * cos2 / (sin2 + alpha2 * cos2));
 }
 
-// (A, B), and in z the mean of the weight w(l) over h of density D (n.h): what normalises the kernel D (n.h) w / (4 v.h).
+// (A, B), and in zw the means of the weight w(l) and of Fc w(l) over h of density D (n.h): what normalises the kernels D (n.h) w / (4 v.h)
+// and Fc times that.
 // 1024 nodes leave at most 3e-5 for n_dot_v >= 0.004 and alpha >= ALPHA_MIN.
-vec3 directional_albedo(float n_dot_v, float alpha, uint node_count, uint masking) {
+vec4 directional_albedo(float n_dot_v, float alpha, uint node_count, uint masking) {
     float alpha2 = alpha * alpha;
     float sin_v = sqrt(max(1.0 - n_dot_v * n_dot_v, 0.0));
     float g1_v = g1(n_dot_v, alpha, masking);
@@ -46,7 +47,7 @@ vec3 directional_albedo(float n_dot_v, float alpha, uint node_count, uint maskin
     vec3 r_ends = vec3(1.0, ggx_r(low2, high2, alpha2), ggx_r(high2, low2, alpha2));
     uint r_count = max(node_count / (2u * ALBEDO_PHI_COUNT), 1u);
 
-    vec3 sum = vec3(0.0);
+    vec4 sum = vec4(0.0);
     for (uint range = 0u; range < 2u; ++range) {
         for (uint i = 0u; i < r_count; ++i) {
             vec2 r_node = periodic_node(i, r_count);
@@ -74,7 +75,8 @@ vec3 directional_albedo(float n_dot_v, float alpha, uint node_count, uint maskin
                 float n_dot_l = 2.0 * v_dot_h * cos_h - n_dot_v;
                 float gv = g2_from_g1(g1_v, g1(n_dot_l, alpha, masking), masking) * v_dot_h / (n_dot_v * cos_h);
                 float fc = schlick_weight(v_dot_h);
-                sum += r_weight * phi_node.y * vec3(gv * (1.0 - fc), gv * fc, prefilter_weight(n_dot_l, alpha));
+                float weight = prefilter_weight(n_dot_l, alpha);
+                sum += r_weight * phi_node.y * vec4(gv * (1.0 - fc), gv * fc, weight, weight * fc);
             }
         }
     }

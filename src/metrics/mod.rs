@@ -8,7 +8,6 @@
 //!
 //! A name carries the constant that makes the number comparable: four tools call four formulas "relMSE".
 
-pub mod attribution;
 mod bias;
 mod bias_variance;
 mod bins;
@@ -27,7 +26,7 @@ mod ssim;
 mod tail;
 
 pub use bias_variance::{BiasVariance, Repeats};
-pub use bins::{BinRow, N_DOT_V_BIN_EDGES};
+pub use bins::{BinRow, N_DOT_V_BIN_EDGES, VIEWS};
 pub use comparison::{Comparison, Displayed, MetricsError};
 pub use epsilon::Epsilon;
 pub use flip::PIXELS_PER_DEGREE;

@@ -16,12 +16,18 @@ impl<K: PartialEq, V: Clone> Recent<K, V> {
         self.entries.clear();
     }
 
+    /// The value of `key`, if it is there.
+    pub(super) fn get(&mut self, key: &K) -> Option<V> {
+        let index = self.entries.iter().position(|(known, _)| known == key)?;
+        let entry = self.entries.remove(index);
+        let value = entry.1.clone();
+        self.entries.push(entry);
+        Some(value)
+    }
+
     /// The value of `key`, made by `make` if it is not there.
     pub(super) fn get_or_make<E>(&mut self, key: K, make: impl FnOnce() -> Result<V, E>) -> Result<V, E> {
-        if let Some(index) = self.entries.iter().position(|(known, _)| *known == key) {
-            let entry = self.entries.remove(index);
-            let value = entry.1.clone();
-            self.entries.push(entry);
+        if let Some(value) = self.get(&key) {
             return Ok(value);
         }
         // The old value goes first, so that both never take memory at once.

@@ -9,6 +9,7 @@ mod disk_cache;
 mod fit;
 mod inputs;
 mod kept_reference;
+mod ladder;
 mod light_tables;
 mod prepare;
 mod request;

@@ -2,6 +2,7 @@
 
 use super::cache::Recent;
 use super::inputs::{DfgInputs, IrradianceInputs, PrefilterInputs, SharedKey, filtered_key, mips_key, sh9_key};
+use super::ladder::{KeptAlbedos, KeptRadiance};
 use super::shared_work::{Kept, Levels, Maker};
 use super::{PipelineError, RenderRequest};
 use crate::environment::Environment;
@@ -37,6 +38,9 @@ pub(super) struct Resources {
     /// Copies of tables in the format that a request asks for.
     halves: Recent<String, Image>,
     points: Recent<(u32, &'static str, u32), Points>,
+    /// Radiance by the steps of the ladder.
+    pub(super) steps: Recent<String, KeptRadiance>,
+    pub(super) albedos: Recent<String, KeptAlbedos>,
     scenes: Recent<String, Arc<SceneData>>,
     /// By the scene's hash, the camera and the size.
     targets: Recent<(String, Camera, [u32; 2]), Arc<Target>>,
@@ -91,6 +95,8 @@ impl Resources {
             dfg_tables: Recent::new(9),
             halves: Recent::new(9),
             points: Recent::new(16),
+            steps: Recent::new(6),
+            albedos: Recent::new(32),
             scenes: Recent::new(4),
             targets: Recent::new(4),
             blank_image: gpu.image("blank", [1, 1], 1, Format::Rgba32Float)?,
@@ -116,6 +122,7 @@ impl Resources {
         self.forget_tables();
         self.distributions.clear();
         self.points.clear();
+        self.steps.clear();
         self.scenes.clear();
         self.targets.clear();
     }
@@ -273,10 +280,7 @@ impl Resources {
                 return prefilter::pass::run(gpu, recipe, layout, environment, &points, &map.image);
             }
             let degree = prefilter::harmonic::degree(recipe.mapping.alpha_from_mip(1.0, inputs.level_count));
-            let name = format!("{} {degree}", inputs.environment.hash);
-            let make =
-                || Ok::<_, GpuError>(Arc::new(prefilter::harmonic::harmonics(&inputs.environment.image, degree)));
-            let harmonics = transforms.get_or_make(name, make)?;
+            let harmonics = harmonics(transforms, inputs.environment, degree)?;
             prefilter::pass::run_harmonic(gpu, recipe, layout, environment, (&points, &harmonics), &map.image)
         })?;
         self.stored(gpu, &key, made.image, storage)
@@ -310,6 +314,15 @@ impl Resources {
         }
     }
 
+    /// The environment's coefficients up to a degree.
+    pub(super) fn harmonics(
+        &mut self,
+        environment: &Environment,
+        degree: usize,
+    ) -> Result<Arc<Harmonics>, PipelineError> {
+        Ok(harmonics(&mut self.harmonics, environment, degree)?)
+    }
+
     /// The scene on the device and what its camera sees of it.
     pub(super) fn view(
         &mut self,
@@ -339,6 +352,15 @@ impl Resources {
         })?;
         Ok((scene, target))
     }
+}
+
+fn harmonics(
+    known: &mut Recent<String, Arc<Harmonics>>,
+    environment: &Environment,
+    degree: usize,
+) -> Result<Arc<Harmonics>, GpuError> {
+    let name = format!("{} {degree}", environment.hash);
+    known.get_or_make(name, || Ok(Arc::new(prefilter::harmonic::harmonics(&environment.image, degree))))
 }
 
 /// The same texels in halves, each at most [`HALF_MAX`].

@@ -43,6 +43,25 @@ pub const BINS: &[Column] = &[
     column("pixel_count", "Pixels in the bin."),
 ];
 
+/// Of `steps.csv`, beside the cell, its axes and the columns of [`BINS`].
+pub const STEPS: &[Column] = &[column("step", "What is approximated: see docs/estimators.md, \"The ladder\".")];
+
+/// The numbers of `steps.csv`.
+pub const STEP_NUMBERS: &[Column] = &[
+    column(
+        "share",
+        "Covariance share of the split sum's `relmse` in the ladder's order; shares of a cell and band sum to 1.",
+    ),
+    column("rung_error", "`relmse` after this step and all before it."),
+    column("first_in", "`relmse` that the step adds when it is made first, after those that it needs."),
+    column(
+        "last_out",
+        "`relmse` that goes when it alone is made exact, with those that need it; below 0 it hides error of others.",
+    ),
+    column("shapley", "The mean of what the step adds over all orders; the steps' numbers sum to the error."),
+    column("noise", "`relmse` of an exact image, from the reference's standard error."),
+];
+
 /// Of `timings.csv`, beside the cell and the axes that cost time.
 pub const TIMINGS: &[Column] = &[
     column("phase", "`frame` for passes of every frame, `precompute` for tables that are made once."),
@@ -123,6 +142,11 @@ pub const TABLES: &[(&str, &[Column], &str)] = &[
         "One row a cell. Besides: every axis, every metric, and `METRIC_noise_floor`, the score of an exact image.",
     ),
     ("errors_by_n_dot_v.csv", BINS, "One row a cell and bin of n·v. Besides: every axis and every metric."),
+    (
+        "steps.csv",
+        STEPS,
+        "One row a cell, band of n·v and step. Only with `[ladder]`. Besides: every axis, the band, its pixels.",
+    ),
     ("timings.csv", TIMINGS, "One row a timed configuration and pass. Besides: the axes that cost time."),
     (
         "timing_ratios.csv",

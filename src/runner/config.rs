@@ -99,6 +99,10 @@ pub struct Config {
     pub timing: Option<Timing>,
     /// Renders with further point sets for each image of a sampled method, to part bias from variance.
     pub repeats: Option<u32>,
+    /// Samples a pixel of what the steps of the split sum's error are drawn by, where they are asked for.
+    pub ladder: Option<u32>,
+    /// Where that was written.
+    pub ladder_place: Place,
     pub lights: Vec<Light>,
     /// Where each light was written.
     pub light_places: Vec<Place>,
@@ -137,6 +141,7 @@ pub(super) const KEYS: &[&str] = &[
     "exclude",
     "timing",
     "bias_variance",
+    "ladder",
     "precompute",
     "lights",
     "printed_slips",
@@ -265,6 +270,7 @@ impl Config {
             "exclude" => self.read_exclusions(value, faults),
             "timing" => self.read_timing(value, faults),
             "bias_variance" => self.read_bias_variance(value, faults),
+            "ladder" => self.read_ladder(value, faults),
             "precompute" => self.read_precompute(value, faults),
             "lights" => self.read_lights(value, faults),
             _ => match index_of(key).filter(|&axis| AXES[axis].is_key) {

@@ -213,6 +213,11 @@ impl Plan {
         repeats_of(&self.config, point)
     }
 
+    /// Samples by which the steps of a point's error are drawn, where they are asked for.
+    pub fn ladder_of(&self, point: &Point) -> Option<u32> {
+        ladder_of(&self.config, &self.inputs, point)
+    }
+
     /// Width and height of a cell's images.
     pub fn size_of(&self, cell: &Cell) -> [u32; 2] {
         cell.point[SIZE].pair()
@@ -278,7 +283,8 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
         let reference = radiance_id(&config, &inputs, &judge, config.seed, config.reference.relative_error);
         let point = point.collapsed(has_lights);
         let radiance = radiance_id(&config, &inputs, &point, cell_seed(&config, &point), cell_error(&config, &point));
-        let id = cell_id(&radiance, &reference, &point, repeats_of(&config, &point));
+        let ladder = ladder_of(&config, &inputs, &point);
+        let id = cell_id(&radiance, &reference, &point, repeats_of(&config, &point), ladder);
         if seen.insert(id.clone()) {
             cells.push(Cell { id, point, radiance, reference });
         } else {
@@ -337,9 +343,15 @@ fn repeats_of(config: &Config, point: &Point) -> Option<u32> {
     config.repeats.filter(|_| point.settings().method.uses_point_set)
 }
 
-fn cell_id(radiance: &str, reference: &str, point: &Point, repeats: Option<u32>) -> String {
+/// The split sum has steps, on the scene whose frames tell all views alike.
+fn ladder_of(config: &Config, inputs: &Inputs, point: &Point) -> Option<u32> {
+    config.ladder.filter(|_| point.method().has_ladder && inputs.scene(point[SCENE].text()).is_design)
+}
+
+fn cell_id(radiance: &str, reference: &str, point: &Point, repeats: Option<u32>, ladder: Option<u32>) -> String {
     let mut lines = vec![format!("radiance={radiance}"), format!("reference={reference}")];
     lines.extend(repeats.map(|repeats| format!("repeats={repeats}")));
+    lines.extend(ladder.map(|samples| format!("ladder={samples}")));
     let display = AXES.iter().zip(&point.0).filter(|(axis, _)| !axis.changes_radiance());
     lines.extend(display.map(|(axis, value)| format!("{}={value}", axis.name)));
     hash_lines(&lines)

@@ -1,5 +1,7 @@
 //! Records of cells and references.
 
+use super::columns::STEP_NUMBERS;
+use crate::ladder::{Attribution, STEPS, Step, StepNumbers};
 use crate::metrics::METRICS;
 use crate::pipeline::{FrameTimings, PassTime};
 use crate::precompute::table_of;
@@ -90,6 +92,9 @@ pub struct CellRecord {
     pub reference: Option<ReferenceStop>,
     pub verdict: String,
     pub bins: Vec<BinRecord>,
+    /// Where the error comes from, where the experiment asks for it.
+    #[serde(default)]
+    pub steps: Vec<StepRecord>,
     pub device: String,
     pub driver: String,
     #[serde(default)]
@@ -106,6 +111,9 @@ pub struct Spent {
     pub image_ms: Option<f64>,
     /// Its reference, without tables; nothing where that was not rendered.
     pub reference_ms: Option<f64>,
+    /// The steps of its error.
+    #[serde(default)]
+    pub ladder_ms: Option<f64>,
     /// Device time of each kind of table that was made.
     pub tables_ms: BTreeMap<String, f64>,
     /// The tone curve of test and reference.
@@ -135,10 +143,37 @@ pub struct BinRecord {
     pub scores: Scores,
 }
 
+/// One step of a cell's error over the pixels with n·v in [`lo`, `hi`): as `ladder::StepNumbers`.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct StepRecord {
+    pub lo: f64,
+    pub hi: f64,
+    pub pixel_count: usize,
+    pub step: String,
+    /// By column of `steps.csv`.
+    pub numbers: Scores,
+}
+
+impl StepRecord {
+    /// The steps of some attributions.
+    pub fn of(attributions: &[Attribution]) -> Vec<Self> {
+        let of_one = |one: &Attribution| {
+            let ([lo, hi], pixel_count, noise) = (one.seen_at, one.pixel_count, one.noise);
+            let record = move |(step, own): (&Step, &StepNumbers)| {
+                let numbers = [own.share, own.error, own.first_in, own.last_out, own.shapley, noise];
+                let numbers = STEP_NUMBERS.iter().zip(numbers).map(|(column, x)| (column.name.to_owned(), Exact(x)));
+                Self { lo, hi, pixel_count, step: step.name.to_owned(), numbers: numbers.collect() }
+            };
+            STEPS.iter().zip(&one.steps).map(record).collect::<Vec<_>>()
+        };
+        attributions.iter().flat_map(of_one).collect()
+    }
+}
+
 impl CellRecord {
     /// The part that a run keeps in memory, for its tables and sheets. The plan knows the axes, the disk the rest.
     pub fn in_memory(self) -> Self {
-        Self { axes: BTreeMap::new(), bins: Vec::new(), files: BTreeMap::new(), ..self }
+        Self { axes: BTreeMap::new(), bins: Vec::new(), steps: Vec::new(), files: BTreeMap::new(), ..self }
     }
 
     /// Whether every metric has a score. A record of another program may lack some.

@@ -1,5 +1,6 @@
 //! The renderer as a run sees it, so that runs can be tested without a device.
 
+use crate::ladder::Attribution;
 use crate::pipeline::{
     DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, SharedWork, TimingSamples,
 };
@@ -29,6 +30,13 @@ pub trait Renderer {
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault>;
     /// The tables that light a surface, without the levels of the environment that are wider than `width_max` texels.
     fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, RenderFault>;
+    /// The error of a split sum on the scene `design` by steps, over all pixels and over bands of n·v; what is drawn takes `samples` a pixel.
+    fn attributions(
+        &mut self,
+        request: &RenderRequest,
+        samples: u32,
+        bands: &[[f64; 2]],
+    ) -> Result<Vec<Attribution>, RenderFault>;
     /// Times of the passes that run for every frame, or of those that make its tables; `warmup` executions come first and do not count.
     fn time(
         &mut self,
@@ -70,6 +78,15 @@ impl Renderer for Pipeline {
 
     fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, RenderFault> {
         Ok(Pipeline::light_tables(self, request, width_max)?)
+    }
+
+    fn attributions(
+        &mut self,
+        request: &RenderRequest,
+        samples: u32,
+        bands: &[[f64; 2]],
+    ) -> Result<Vec<Attribution>, RenderFault> {
+        Ok(Pipeline::attributions(self, request, samples, bands)?)
     }
 
     fn time(

@@ -3,7 +3,7 @@
 use super::images::{self, STANDARD_ERROR_LAYER};
 use super::plan::{Cell, Plan};
 use super::renderer::RenderFault;
-use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, Spent, Store, StoreError};
+use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, Spent, StepRecord, Store, StoreError};
 use super::tables::HEADLINE;
 use crate::files::content_hash;
 use crate::metrics::{
@@ -135,6 +135,7 @@ pub struct Rendered<'p> {
     /// Display images of test and reference.
     pub pictures: [Arc<Rgb8Image>; 2],
     pub bias_variance: Option<BiasVariance>,
+    pub steps: Arc<Vec<StepRecord>>,
     /// Scores and files that cells share which differ in the tone curve only.
     pub linear: Arc<Mutex<Option<Linear>>>,
     pub spent: Spent,
@@ -236,6 +237,7 @@ impl Rendered<'_> {
             scores,
             bias_variance: by_name(bias_variance.into_iter().flatten().collect()),
             bins,
+            steps: self.steps.to_vec(),
             device: device.name.clone(),
             driver: device.driver.clone(),
             spent: Spent { score_ms: started.elapsed().as_secs_f64() * 1e3, ..self.spent.clone() },

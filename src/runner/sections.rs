@@ -1,15 +1,18 @@
 //! The sections of an experiment file beside its axes: exclusions, timing, bias and variance, tables.
 
-use super::axis::{AXES, Named, is_precompute};
+use super::axis::{AXES, Named, SAMPLES, is_precompute};
 use super::config::{Config, Exclusion, Placed, Timing, Warmup, axis_names};
 use super::fault::Faults;
 use super::toml_tree::{at, checked, checked_as, list, raw, section, table, unknown_key};
 use super::value::{Kind, Raw};
+use crate::shade::reference_pass::ScramblePlan;
 use toml::Spanned;
 use toml::de::DeValue;
 
 /// Enough for a variance within about 40 % at two sigma of one pixel, and far better over an image.
 const REPEATS_DEFAULT: u32 = 16;
+/// Leaves the drawn steps noise far below themselves.
+const LADDER_SAMPLES_DEFAULT: u32 = 2048;
 
 impl Config {
     pub(super) fn read_exclusions(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
@@ -75,6 +78,19 @@ impl Config {
             repeats = found.map_or(repeats, |v| v.count());
         }
         self.repeats = Some(repeats);
+    }
+
+    pub(super) fn read_ladder(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        let mut samples = LADDER_SAMPLES_DEFAULT;
+        for (_, value, place) in section(value, "ladder", &["samples"], faults) {
+            let found = checked(AXES[SAMPLES].kind, "ladder.samples", value, faults);
+            samples = found.map_or(samples, |v| v.count());
+            if let Err(error) = ScramblePlan::exact(samples) {
+                faults.add(&place, format!("ladder.samples: {error}"));
+            }
+        }
+        self.ladder = Some(samples);
+        self.ladder_place = at(value);
     }
 
     pub(super) fn read_precompute(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {

@@ -4,11 +4,11 @@ pub use crate::metrics::{DISPLAY_HEADLINE, HEADLINE};
 
 use super::axis::named::{columns, fields};
 use super::axis::{AXES, METHOD, SAMPLES, SIZE};
-use super::columns::{BINS, CELL, Column, ERRORS, RATIOS, TIMINGS};
+use super::columns::{BINS, CELL, Column, ERRORS, RATIOS, STEP_NUMBERS, STEPS, TIMINGS};
 use super::host::UNKNOWN;
 use super::plan::{Cell, Plan};
 use super::statistics::median;
-use super::store::{BinRecord, CellRecord, FailureRecord, ReferenceStop, Scores, Store, StoreError};
+use super::store::{BinRecord, CellRecord, FailureRecord, ReferenceStop, Scores, StepRecord, Store, StoreError};
 use super::timing::{Key, TimingRecord, summarize, swept_axes};
 use super::timing_ratios::{Ratio, TableCost, ratios};
 use crate::metrics::{BiasVariance, METRICS, linear_metrics};
@@ -103,6 +103,37 @@ pub fn errors_by_n_dot_v(
         };
         match bins {
             Ok(bins) => bins.into_iter().filter(|bin| bin.pixel_count > 0).map(row).collect(),
+            Err(error) => vec![Err(error)],
+        }
+    };
+    (columns, done.flat_map(rows))
+}
+
+/// `steps.csv`: one row a finished cell, band of n·v and step, from the records on disk.
+pub fn steps(
+    plan: &Plan,
+    results: &Results,
+    store: &Store,
+) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
+    let mut columns = cell_columns(plan);
+    columns.extend(names_of(BINS).chain(names_of(STEPS)).chain(names_of(STEP_NUMBERS)));
+    let done = plan.cells.iter().filter(|cell| matches!(results.get(&cell.id), Some(CellResult::Done(_))));
+    let names: Vec<&str> = STEP_NUMBERS.iter().map(|column| column.name).collect();
+    let rows = move |cell: &Cell| {
+        let steps = store.cell(&cell.id).map(|record| record.map_or_else(Vec::new, |record| record.steps));
+        let row = |step: StepRecord| {
+            let mut row = cell_fields(plan, cell);
+            row.extend([
+                step.lo.into(),
+                step.hi.into(),
+                Field::Integer(step.pixel_count as u64),
+                step.step.as_str().into(),
+            ]);
+            row.extend(score_fields(&step.numbers, &names));
+            Ok(row)
+        };
+        match steps {
+            Ok(steps) => steps.into_iter().map(row).collect(),
             Err(error) => vec![Err(error)],
         }
     };

@@ -12,7 +12,7 @@ use crate::math::quadrature::{Bounded, Tolerance};
 use crate::math::sequence::Sequence;
 use crate::math::spherical_harmonics::COUNT;
 use crate::pixels::Pixels;
-use crate::pixels::lookup::{Wrap, bilinear, trilinear};
+use crate::pixels::lookup::{Wrap, trilinear};
 use crate::precompute::prefilter::LevelMapping;
 use crate::precompute::{PrecomputeSettings, dfg};
 use glam::{DVec2, DVec3};
@@ -87,9 +87,7 @@ impl Light {
 
     /// (A, B) of the DFG table: the lobe reflects `f0 A + B` of constant radiance.
     pub fn dfg(&self, n_dot_v: f64, alpha: f64) -> DVec2 {
-        let side = self.dfg.width;
-        let uv = dfg::texel_from_parameters(DVec2::new(n_dot_v, alpha), side) / f64::from(side);
-        bilinear(&self.dfg, uv, Wrap::Clamp, |pair| pair.extend(0.0)).truncate()
+        dfg::lookup(&self.dfg, n_dot_v, alpha)
     }
 
     /// Irradiance over π from the irradiance map.

@@ -10,6 +10,7 @@ mod gbuffer;
 mod golden;
 mod harness;
 mod kept;
+mod ladder;
 mod layer;
 mod layouts;
 mod lights;

@@ -5,6 +5,7 @@ mod design;
 mod disk_cache;
 mod environment;
 mod harmonics;
+mod ladder;
 mod layering;
 mod map_layouts;
 mod math;

@@ -1,6 +1,5 @@
 //! Every metric on images worked by hand, its invariants, its bins and its noise floor.
 
-mod attribution;
 mod display;
 
 use splitsum::metrics::{

@@ -15,7 +15,7 @@ LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
 }
 
 vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
-    vec3 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
+    vec4 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
     return (s.f0 * albedo.x + albedo.y) / albedo.z;
 }
 

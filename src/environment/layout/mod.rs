@@ -52,6 +52,26 @@ pub fn layout_by_name(name: &str) -> Option<&'static MapLayout> {
 }
 
 impl MapLayout {
+    /// The texels (face, column, row) of faces of that size that linear filtering reads in a direction, across all edges, and their weights.
+    pub fn stencil(&self, d: DVec3, size: [u32; 2]) -> [([u32; 3], f64); 4] {
+        let (face, uv) = (self.place)(d);
+        let at = uv * DVec2::new(size[0].into(), size[1].into()) - 0.5;
+        let (low, part) = (at.floor(), at - at.floor());
+        let corner = |dx: i64, dy: i64| (self.texel)(face, [low.x as i64 + dx, low.y as i64 + dy], size);
+        let corners = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+        let weights = [[1.0 - part.x, part.x].map(|x| x * (1.0 - part.y)), [1.0 - part.x, part.x].map(|x| x * part.y)];
+        let weights = [weights[0][0], weights[0][1], weights[1][0], weights[1][1]];
+        // Where three faces meet there is no fourth texel: the mean of the three stands for it.
+        match corners.iter().position(Option::is_none) {
+            None => std::array::from_fn(|i| (corners[i].unwrap_or_default(), weights[i])),
+            Some(lost) => {
+                let more = weights[lost] / 3.0;
+                let there = corners[(lost + 1) % 4].unwrap_or_default();
+                std::array::from_fn(|i| corners[i].map_or((there, 0.0), |texel| (texel, weights[i] + more)))
+            }
+        }
+    }
+
     /// Whether it is the environment's own, so that its levels are the environment's mips.
     pub fn is_environments(&self) -> bool {
         *self == equirect::LAYOUT
@@ -99,19 +119,7 @@ impl FilteredMap {
 
     fn level_value(&self, d: DVec3, level: usize) -> DVec3 {
         let faces = &self.levels[level];
-        let size = [faces[0].width, faces[0].height];
-        let (face, uv) = (self.layout.place)(d);
-        let at = uv * DVec2::new(size[0].into(), size[1].into()) - 0.5;
-        let (low, part) = (at.floor(), at - at.floor());
-        let fetch = |dx: i64, dy: i64| {
-            let place = [low.x as i64 + dx, low.y as i64 + dy];
-            (self.layout.texel)(face, place, size).map(|[face, x, y]| faces[face as usize].get(x, y))
-        };
-        let corners = [fetch(0, 0), fetch(1, 0), fetch(0, 1), fetch(1, 1)];
-        let there = corners.iter().flatten();
-        // Where three faces meet there is no fourth texel: the mean of the three stands for it.
-        let mean = there.clone().copied().sum::<DVec3>() / there.count() as f64;
-        let [a, b, c, d] = corners.map(|texel| texel.unwrap_or(mean));
-        a.lerp(b, part.x).lerp(c.lerp(d, part.x), part.y)
+        let stencil = self.layout.stencil(d, [faces[0].width, faces[0].height]);
+        stencil.into_iter().map(|([face, x, y], weight)| weight * faces[face as usize].get(x, y)).sum()
     }
 }

@@ -11,6 +11,8 @@ pub mod pass;
 pub mod reference;
 
 use crate::brdf::{alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
+use crate::pixels::Pixels;
+use crate::pixels::lookup::{Wrap, bilinear};
 use glam::DVec2;
 
 /// `(n_dot_v, alpha)` at a position of the table, in texels (centres at half integers). Inverse: [`texel_from_parameters`].
@@ -22,4 +24,10 @@ pub fn parameters_from_texel(texel: DVec2, size: u32) -> DVec2 {
 /// Inverse of [`parameters_from_texel`].
 pub fn texel_from_parameters(parameters: DVec2, size: u32) -> DVec2 {
     DVec2::new(parameters.x, perceptual_roughness_from_alpha(parameters.y)) * f64::from(size)
+}
+
+/// (A, B) as looked up in a table.
+pub fn lookup(table: &Pixels<DVec2>, n_dot_v: f64, alpha: f64) -> DVec2 {
+    let uv = texel_from_parameters(DVec2::new(n_dot_v, alpha), table.width) / f64::from(table.width);
+    bilinear(table, uv, Wrap::Clamp, |pair| pair.extend(0.0)).truncate()
 }

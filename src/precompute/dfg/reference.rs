@@ -9,7 +9,7 @@
 //! - φ as a fraction of its limit.
 
 use crate::brdf::{Brdf, MaskingShadowing, g2, schlick_weight};
-use crate::math::quadrature::{Rectangle, Tolerance, integrate_rectangle};
+use crate::math::quadrature::{Bounded, Rectangle, Tolerance, integrate_rectangle};
 use crate::precompute::prefilter::Kernel;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -19,8 +19,6 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub struct Dfg {
     pub f0_scale: f64,
     pub f90_scale: f64,
-    /// Mean of the weight w(l) over half vectors of density `D n_dot_h`: what normalises the kernel `D n_dot_h / (4 v·h) w(l)`.
-    pub mean_weight: f64,
     /// Upper estimate of the absolute error of each.
     pub error: f64,
 }
@@ -35,14 +33,33 @@ impl Dfg {
 /// Facets nearer to the normal than `alpha exp(-12)` are 4e-11 of a lobe.
 const LOG_WIDTH_BELOW: f64 = 12.0;
 
-/// The pair for `n_dot_v` in (0, 1] and `alpha` in (0, 1], with the default weight.
+/// The pair for `n_dot_v` in (0, 1] and `alpha` in (0, 1].
 pub fn dfg(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64) -> Dfg {
-    weighted_dfg(Kernel::cosine(model), masking, n_dot_v, alpha)
+    let integral = mean_over_facets(model, n_dot_v, alpha, |h, v_dot_h, n_dot_l| {
+        let weight = g2(model, n_dot_v, n_dot_l, alpha, masking) * v_dot_h / (n_dot_v * h.z);
+        DVec3::new(weight, weight * schlick_weight(v_dot_h), 0.0)
+    });
+    let [albedo, f90_scale, _] = integral.value.to_array();
+    Dfg { f0_scale: albedo - f90_scale, f90_scale, error: integral.error.x }
 }
 
-/// The same with the weight of a prefiltered map's kernel.
-pub fn weighted_dfg(kernel: Kernel, masking: MaskingShadowing, n_dot_v: f64, alpha: f64) -> Dfg {
-    let model = kernel.brdf;
+/// What normalises the kernel `D n_dot_h / (4 v·h) w(l)` of prefiltered maps at a view: the means of `(1 - Fc) w` and of `Fc w` over half
+/// vectors of density `D n_dot_h`.
+pub fn weight_means(kernel: Kernel, n_dot_v: f64, alpha: f64) -> [f64; 2] {
+    let integral = mean_over_facets(kernel.brdf, n_dot_v, alpha, |_, v_dot_h, n_dot_l| {
+        let weight = kernel.weight(alpha, n_dot_l);
+        DVec3::new(weight, weight * schlick_weight(v_dot_h), 0.0)
+    });
+    [integral.value.x - integral.value.y, integral.value.y]
+}
+
+/// The mean of `f(h, v·h, n·l)` over half vectors of density `D n_dot_h`, 0 where l is below the horizon.
+fn mean_over_facets(
+    model: &'static dyn Brdf,
+    n_dot_v: f64,
+    alpha: f64,
+    f: impl Fn(DVec3, f64, f64) -> DVec3,
+) -> Bounded {
     const TOLERANCE: Tolerance = Tolerance { relative: 5e-7, max_part_count: 100_000 };
     let v = DVec3::new(((1.0 - n_dot_v) * (1.0 + n_dot_v)).sqrt(), 0.0, n_dot_v);
     let theta_v = v.x.atan2(v.z);
@@ -51,21 +68,18 @@ pub fn weighted_dfg(kernel: Kernel, masking: MaskingShadowing, n_dot_v: f64, alp
     // A grazing view may end the first range within the lobe's core.
     let t_low = t_full.min(alpha.ln()) - LOG_WIDTH_BELOW;
 
-    // Integrand per dt and per fraction of the azimuth's limit: (A + B, B, the mean weight).
+    // Integrand per dt and per fraction of the azimuth's limit.
     let integrand = |t: f64, fraction: f64, phi_limit: f64| {
         let (sin_theta, cos_theta) = t.exp().atan().sin_cos();
         let (sin_phi, cos_phi) = (phi_limit * fraction).sin_cos();
         let h = DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta);
         let v_dot_h = v.dot(h);
-        let n_dot_l = 2.0 * v_dot_h * h.z - v.z;
-        let weight = g2(model, n_dot_v, n_dot_l, alpha, masking) * v_dot_h / (n_dot_v * h.z);
         // dω = sin θ dθ dφ = sin² θ cos θ dt dφ, both signs of φ.
         let measure = 2.0 * phi_limit * sin_theta * sin_theta * cos_theta;
-        let density = model.d(h, alpha) * h.z * measure;
-        density * DVec3::new(weight, weight * schlick_weight(v_dot_h), kernel.weight(alpha, n_dot_l))
+        model.d(h, alpha) * h.z * measure * f(h, v_dot_h, 2.0 * v_dot_h * h.z - v.z)
     };
     let unit = Rectangle { low: DVec2::ZERO, high: DVec2::ONE };
-    let integral = integrate_rectangle(unit, TOLERANCE, |p| {
+    integrate_rectangle(unit, TOLERANCE, |p| {
         let full = (t_full - t_low) * integrand(t_low + (t_full - t_low) * p.x, p.y, PI);
         let (sin, cos) = (FRAC_PI_2 * p.x).sin_cos();
         let t = t_full + (t_none - t_full) * sin * sin;
@@ -78,7 +92,5 @@ pub fn weighted_dfg(kernel: Kernel, masking: MaskingShadowing, n_dot_v: f64, alp
             DVec3::ZERO
         };
         full + cut
-    });
-    let [albedo, f90_scale, mean_weight] = integral.value.to_array();
-    Dfg { f0_scale: albedo - f90_scale, f90_scale, mean_weight, error: integral.error.x.max(integral.error.z) }
+    })
 }

@@ -5,6 +5,7 @@
 //! the kernel at the horizon.
 
 use super::Kernel;
+use crate::brdf::Brdf;
 use crate::environment::layout::MapLayout;
 use crate::math::harmonics::Harmonics;
 use crate::math::quadrature::GaussLegendre;
@@ -33,6 +34,11 @@ pub fn harmonics(environment: &RgbImage, degree: usize) -> Harmonics {
 
 /// `k_l` for l up to a degree: the mean of `P_l(cos γ)` over the kernel.
 pub fn factors(kernel: Kernel, alpha: f64, degree: usize) -> Vec<f64> {
+    factors_of(kernel.brdf, alpha, degree, |n_dot_l| kernel.weight(alpha, n_dot_l))
+}
+
+/// The same of the kernel `D w(n·l)`.
+pub fn factors_of(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
     // In t = ln tan(γ/2), where a lobe of any width has the same shape; below it holds 4e-11.
     let low = alpha.ln() - 12.0;
     // Panels no longer than a radian of the highest degree.
@@ -40,12 +46,13 @@ pub fn factors(kernel: Kernel, alpha: f64, degree: usize) -> Vec<f64> {
     let (rule, step) = (GaussLegendre::<6>::new(), -low / count as f64);
     let mut sums = vec![0.0; degree + 1];
     for panel in 0..count {
-        for (node, weight) in rule.nodes.iter().zip(rule.weights) {
+        for (node, step_share) in rule.nodes.iter().zip(rule.weights) {
             let t = low + step * (panel as f64 + 0.5 * (1.0 + node));
             // sin γ = 1/cosh t, cos γ = -tanh t, dω = 2π sin² γ dt.
             let (sin, cos) = (1.0 / t.cosh(), -t.tanh());
             let h = (DVec3::new(sin, 0.0, cos) + DVec3::Z).normalize();
-            let value = 0.5 * step * weight * TAU * sin * sin * kernel.brdf.d(h, alpha) * kernel.weight(alpha, cos);
+            let own_weight = if cos > 0.0 { weight(cos) } else { 0.0 };
+            let value = 0.5 * step * step_share * TAU * sin * sin * brdf.d(h, alpha) * own_weight;
             // (l + 1) P_l+1 = (2l + 1) cos γ P_l - l P_l-1.
             let (mut last, mut own) = (0.0, 1.0);
             for (l, sum) in sums.iter_mut().enumerate() {

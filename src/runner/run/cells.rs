@@ -5,7 +5,7 @@
 
 use super::{Progress, Run, RunError, milliseconds, of_cell};
 use crate::files::content_hash;
-use crate::metrics::{BiasVariance, Repeats};
+use crate::metrics::{BiasVariance, Repeats, VIEWS};
 use crate::pipeline::{DeviceInfo, Frame, FrameTimings, RenderRequest};
 use crate::pixels::Rgb8Image;
 use crate::runner::axis::Point;
@@ -13,7 +13,7 @@ use crate::runner::images;
 use crate::runner::plan::{Cell, Plan, ReferenceGroup};
 use crate::runner::renderer::Renderer;
 use crate::runner::scoring::{CellFault, ReferenceImage, Rendered};
-use crate::runner::store::{CellRecord, Spent, Store, StoreError};
+use crate::runner::store::{CellRecord, Spent, StepRecord, Store, StoreError};
 use crate::tonemap::ToneCurve;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -35,6 +35,13 @@ struct Desk<'p> {
     /// Gone when all is handed in.
     jobs: Option<SyncSender<Rendered<'p>>>,
     answers: Receiver<Scored<'p>>,
+}
+
+/// The image of a point and what else was made of it.
+struct Made {
+    frame: Arc<Frame>,
+    bias_variance: Option<BiasVariance>,
+    steps: Arc<Vec<StepRecord>>,
 }
 
 /// The display images of a reference, by tone curve.
@@ -91,7 +98,7 @@ impl<'p> Run<'p> {
             let todo: Vec<&Cell> = cells.iter().copied().filter(|cell| !self.is_done(cell)).collect();
             let (Some(first), false) = (todo.first(), self.is_stopped()) else { continue };
             let rendered = match reference.rendered.as_ref().filter(|_| *id == group.id) {
-                Some(frame) => Ok((frame.clone(), None)),
+                Some(frame) => Ok(Made { frame: frame.clone(), bias_variance: None, steps: Arc::default() }),
                 None => of_cell(self.radiance(&first.point, &reference, renderer, &mut spent))?,
             };
             let linear = Arc::default();
@@ -99,7 +106,7 @@ impl<'p> Run<'p> {
                 if self.is_stopped() {
                     return Ok(());
                 }
-                let (frame, bias_variance) = match &rendered {
+                let Made { frame, bias_variance, steps } = match &rendered {
                     Ok(rendered) => rendered,
                     Err(reason) => {
                         self.fail(&[cell], reason, progress)?;
@@ -116,6 +123,7 @@ impl<'p> Run<'p> {
                         reference: reference.clone(),
                         pictures,
                         bias_variance: *bias_variance,
+                        steps: steps.clone(),
                         linear: Arc::clone(&linear),
                         spent: std::mem::take(&mut spent),
                     }),
@@ -140,19 +148,26 @@ impl<'p> Run<'p> {
         reference: &ReferenceImage,
         renderer: &mut dyn Renderer,
         spent: &mut Spent,
-    ) -> Result<(Arc<Frame>, Option<BiasVariance>), CellFault> {
+    ) -> Result<Made, CellFault> {
         let started = Instant::now();
         let frame = Arc::new(self.render(point, point.settings().point_set, renderer)?);
         spent.add(|spent| &mut spent.image_ms, &frame.timings, milliseconds(started));
         let started = Instant::now();
-        let Some(repeats) = self.plan.repeats_of(point) else { return Ok((frame, None)) };
+        let mut made = Made { frame, bias_variance: None, steps: Arc::default() };
+        if let Some(samples) = self.plan.ladder_of(point) {
+            let steps = renderer.attributions(&self.plan.request(point), samples, &VIEWS)?;
+            made.steps = Arc::new(StepRecord::of(&steps));
+            spent.ladder_ms = Some(milliseconds(started));
+        }
+        let Some(repeats) = self.plan.repeats_of(point) else { return Ok(made) };
         let mut images = Repeats::new(&reference.mask)?;
         for set in 1..=repeats {
             images.add(&self.render(point, set, renderer)?.radiance)?;
         }
         let parts = images.finish(&reference.radiance, reference.standard_error.as_ref(), reference.epsilon)?;
         spent.add(|spent| &mut spent.image_ms, &FrameTimings::default(), milliseconds(started));
-        Ok((frame, parts))
+        made.bias_variance = parts;
+        Ok(made)
     }
 
     /// Whether the image of a reference is what a finished cell was judged against, byte for byte. Without such a cell nothing vouches for

@@ -306,7 +306,12 @@ impl<'p> Run<'p> {
     fn write_tables(&mut self) -> Result<(), RunError> {
         self.write_errors()?;
         let (columns, rows) = tables::errors_by_n_dot_v(self.plan, &self.results, &self.store);
-        Ok(self.store.write_table("errors_by_n_dot_v.csv", &columns, rows)?)
+        self.store.write_table("errors_by_n_dot_v.csv", &columns, rows)?;
+        if self.plan.config.ladder.is_some() {
+            let (columns, rows) = tables::steps(self.plan, &self.results, &self.store);
+            self.store.write_table("steps.csv", &columns, rows)?;
+        }
+        Ok(())
     }
 
     /// Tables and contact sheets of all that is done.

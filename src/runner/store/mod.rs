@@ -4,7 +4,9 @@ mod fault;
 mod identity;
 mod lock;
 
-pub use super::record::{BinRecord, CellRecord, Exact, FailureRecord, ReferenceStop, Scores, Spent, StopReason};
+pub use super::record::{
+    BinRecord, CellRecord, Exact, FailureRecord, ReferenceStop, Scores, Spent, StepRecord, StopReason,
+};
 pub use fault::StoreError;
 pub use identity::Extension;
 

@@ -14,12 +14,12 @@
 //! is known far better than either.
 
 use super::Method;
-use crate::brdf::{g2, reflect};
+use crate::brdf::{g2, reflect, schlick_weight};
 use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
 use crate::math::frame::Frame;
 use crate::math::quadrature::{Bounded, Tolerance};
 use crate::precompute::PrecomputeSettings;
-use crate::precompute::dfg::reference::{Dfg, dfg, weighted_dfg};
+use crate::precompute::dfg::reference::{Dfg, dfg, weight_means};
 use crate::precompute::prefilter::Kernel;
 use crate::precompute::prefilter::reference::prefilter;
 use crate::shade::reference::Surface;
@@ -38,8 +38,8 @@ pub const LADDER: [(&str, &str); 6] = [
 ];
 
 /// A rung that the passes of the reference estimate.
-const fn rung(name: &'static str, lobe: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
-    Method { uses_samples: true, lobe: Some(lobe), ..Method::plain(name, about, twin) }
+const fn rung(name: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
+    Method { uses_samples: true, lobe: Some(name), ..Method::plain(name, about, twin) }
 }
 
 const fn weighted(rung: Method) -> Method {
@@ -47,7 +47,6 @@ const fn weighted(rung: Method) -> Method {
 }
 
 pub const FRESNEL: Method = rung(
-    "ladder-fresnel",
     "ladder-fresnel",
     "the reference with Fresnel outside the integral",
     Twin::Mean(|environment, surface, _, tolerance| {
@@ -67,7 +66,6 @@ pub const FRESNEL: Method = rung(
 
 pub const MASKING: Method = weighted(rung(
     "ladder-masking",
-    "ladder-masking",
     "as ladder-fresnel, with the weight of prefiltered maps (n.l) for the masking",
     Twin::Mean(|environment, surface, settings, tolerance| {
         let Surface { alpha, n, v, .. } = *surface;
@@ -81,15 +79,41 @@ pub const MASKING: Method = weighted(rung(
                 weight => kernel.brdf.d(h, alpha) * h.z / (4.0 * v_local.dot(h)) * weight,
             }]
         };
-        let exact = weighted_dfg(kernel, surface.masking, v_local.z, alpha);
-        let factor = reflectance(surface, &exact) / exact.mean_weight;
+        let [below, grazing] = weight_means(kernel, v_local.z, alpha);
+        let factor = reflectance(surface, &exact_albedo(surface)) / (below + grazing);
         environment.integrate(value, &[mirror_focus(surface)], tolerance).combine([factor])
+    }),
+));
+
+/// No rung: masking approximated before Fresnel, each part of Fresnel by its own mean.
+pub const MASKING_ALONE: Method = weighted(rung(
+    "ladder-masking-alone",
+    "the reference with the weight of prefiltered maps (n.l) for the masking: f0 A <K (1-Fc), L> + B <K Fc, L>",
+    Twin::Mean(|environment, surface, settings, tolerance| {
+        let Surface { alpha, n, v, .. } = *surface;
+        let (frame, kernel) = (Frame::from_normal(n), kernel(surface, settings));
+        let v_local = frame.to_local(v);
+        let value = |l: DVec3| {
+            let l_local = frame.to_local(l);
+            let h = (v_local + l_local).normalize();
+            let v_dot_h = v_local.dot(h);
+            match kernel.weight(alpha, l_local.z) {
+                0.0 => [0.0; 2],
+                weight => {
+                    let value = kernel.brdf.d(h, alpha) * h.z / (4.0 * v_dot_h) * weight;
+                    let fc = schlick_weight(v_dot_h);
+                    [value * (1.0 - fc), value * fc]
+                }
+            }
+        };
+        let (exact, [below, grazing]) = (exact_albedo(surface), weight_means(kernel, v_local.z, alpha));
+        let factors = [surface.f0 * exact.f0_scale / below, DVec3::splat(exact.f90_scale / grazing)];
+        environment.integrate(value, &[mirror_focus(surface)], tolerance).combine(factors)
     }),
 ));
 
 pub const VIEW: Method = weighted(rung(
     EXACT_SPLIT,
-    "ladder-view",
     "as ladder-masking for n = v = r: the split sum with exact factors",
     Twin::Mean(|environment, surface, settings, tolerance| {
         let r = reflect(surface.v, surface.n);
@@ -101,7 +125,6 @@ pub const VIEW: Method = weighted(rung(
 pub const LEVELS: Method = Method {
     uses_levels: true,
     ..weighted(rung(
-        "ladder-levels",
         "ladder-levels",
         "as ladder-view, blended from the widths of the prefiltered map's levels",
         Twin::Mean(|environment, surface, settings, tolerance| {

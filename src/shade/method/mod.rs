@@ -36,6 +36,8 @@ pub struct Method {
     pub uses_levels: bool,
     /// The weight of a prefiltered map, if not the map.
     pub uses_weight: bool,
+    /// Whether its error has the steps of the ladder (`crate::ladder`).
+    pub has_ladder: bool,
     /// The integrand, where the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,
 }
@@ -50,6 +52,7 @@ pub static METHODS: &[Method] = &[
     reference::METHOD,
     ladder::FRESNEL,
     ladder::MASKING,
+    ladder::MASKING_ALONE,
     ladder::VIEW,
     ladder::LEVELS,
 ];
@@ -68,6 +71,7 @@ impl Method {
             uses_dfg: false,
             uses_levels: false,
             uses_weight: false,
+            has_ladder: false,
             lobe: None,
         }
     }

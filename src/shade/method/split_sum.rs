@@ -8,6 +8,7 @@ use crate::shade::twin::Twin;
 pub const METHOD: Method = Method {
     uses_prefiltered: true,
     uses_dfg: true,
+    has_ladder: true,
     ..Method::plain(
         "split-sum",
         "prefiltered map (n = v = r, n.l weight) times the DFG table",

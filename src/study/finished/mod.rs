@@ -43,6 +43,19 @@ pub struct Bin {
     pub scores: MetricValues,
 }
 
+/// One step of an error over the pixels with n·v in `seen`: see `runner::columns::STEP_NUMBERS`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepRow {
+    pub seen: [f64; 2],
+    pub step: String,
+    pub share: f64,
+    pub rung_error: f64,
+    pub first_in: f64,
+    pub last_out: f64,
+    pub shapley: f64,
+    pub noise: f64,
+}
+
 /// Where the reference of a cell stopped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
@@ -73,6 +86,8 @@ pub struct FinishedCell {
     pub bias_variance: Option<[f64; 2]>,
     pub reference: Option<Stop>,
     pub bins: Vec<Bin>,
+    /// Where its error comes from, with `[ladder]` in the experiment: steps in order, over all n·v and then band by band.
+    pub steps: Vec<StepRow>,
     pub images: Option<CellImages>,
 }
 

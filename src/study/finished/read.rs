@@ -1,6 +1,6 @@
 //! A finished run from the files of its folder, published or not. The tables are parsed here and nowhere else.
 
-use super::{Bin, CellImages, Finished, FinishedCell, Light, MetricValues, Stop, point_of};
+use super::{Bin, CellImages, Finished, FinishedCell, Light, MetricValues, StepRow, Stop, point_of};
 use crate::files::read_regular;
 use crate::metrics::BiasVariance;
 use crate::runner::config::Config;
@@ -60,7 +60,7 @@ impl Finished {
         let images = table("images.csv")?.map_or_else(|| Ok(BTreeMap::new()), |table| images(&table))?;
         Ok(Self {
             config: config(&experiment, &provenance),
-            cells: cells(&errors, bins.as_ref(), &images),
+            cells: cells(&errors, bins.as_ref(), table("steps.csv")?.as_ref(), &images),
             lights: table("environments.csv")?.map(|table| lights(&table)).unwrap_or_default(),
             timings: of_store(dir, TIMINGS_FOLDER, Store::timing)?,
             failures: of_store(dir, "failed", Store::failure)?,
@@ -97,7 +97,18 @@ fn rows(table: &Table) -> impl Iterator<Item = Fields<'_>> {
     table.rows.iter().map(move |row| Fields { table, row })
 }
 
-fn cells(errors: &Table, bins: Option<&Table>, images: &BTreeMap<String, CellImages>) -> Vec<FinishedCell> {
+fn cells(
+    errors: &Table,
+    bins: Option<&Table>,
+    steps: Option<&Table>,
+    images: &BTreeMap<String, CellImages>,
+) -> Vec<FinishedCell> {
+    let mut steps_of: BTreeMap<String, Vec<StepRow>> = BTreeMap::new();
+    for fields in steps.into_iter().flat_map(rows) {
+        if let (Some(cell), Some(step)) = (fields.text("cell"), step(&fields)) {
+            steps_of.entry(cell).or_default().push(step);
+        }
+    }
     let mut bins_of: BTreeMap<String, Vec<Bin>> = BTreeMap::new();
     for fields in bins.into_iter().flat_map(rows) {
         let numbers = ["n_dot_v_from", "n_dot_v_to", "pixel_count"].map(|name| fields.number(name));
@@ -117,11 +128,25 @@ fn cells(errors: &Table, bins: Option<&Table>, images: &BTreeMap<String, CellIma
             bias_variance: bias.zip(variance).map(|(bias, variance)| [bias, variance]),
             reference: stop(&fields),
             bins: bins_of.remove(&id).unwrap_or_default(),
+            steps: steps_of.remove(&id).unwrap_or_default(),
             images: images.get(&id).cloned(),
             id,
         }
     };
     rows(errors).map(cell).collect()
+}
+
+fn step(fields: &Fields) -> Option<StepRow> {
+    Some(StepRow {
+        seen: [fields.number("n_dot_v_from")?, fields.number("n_dot_v_to")?],
+        step: fields.text("step")?,
+        share: fields.number("share")?,
+        rung_error: fields.number("rung_error")?,
+        first_in: fields.number("first_in")?,
+        last_out: fields.number("last_out")?,
+        shapley: fields.number("shapley")?,
+        noise: fields.number("noise")?,
+    })
 }
 
 fn stop(fields: &Fields) -> Option<Stop> {

@@ -4,7 +4,7 @@
 //! of each other. So rows are first summed up within their environment, and an interval comes from the environments' numbers alone, however
 //! many rows each has. Below [`CLUSTERS_MIN`] environments there is no interval: print the rows.
 //!
-//! - Geometric mean: Student's interval of the mean logarithm.
+//! - Mean: Student's interval; geometric mean: that of the mean logarithm.
 //! - Median: order statistics hold it with a known chance whatever the distribution, but few pairs of them come near 95 %; between the
 //!   two pairs around it the logarithm is interpolated [HettmanspergerSheather86].
 //!
@@ -20,12 +20,14 @@ pub const CLUSTERS_MIN: usize = 6;
 /// An interval wider than this factor says nothing: print the rows.
 const WIDTH_MAX: f64 = 10.0;
 
-/// How positive numbers are summed up, within an environment and over environments.
+/// How numbers are summed up, within an environment and over environments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Middle {
     GeometricMean,
     /// Of an even count the geometric mean of the two in the middle; infinity is a number, above all others.
     Median,
+    /// Of shares, which may have either sign.
+    Mean,
 }
 
 /// A number of a group of rows.
@@ -69,6 +71,7 @@ impl Middle {
         let n = values.len();
         match self {
             Self::GeometricMean => geometric_mean(values),
+            Self::Mean => values.iter().sum::<f64>() / n as f64,
             Self::Median if n == 0 => f64::NAN,
             Self::Median => {
                 let sorted = sorted(values);
@@ -82,12 +85,10 @@ impl Middle {
     fn interval(self, values: &[f64]) -> Option<[f64; 2]> {
         let n = values.len();
         match self {
+            Self::Mean => Some(student(values)),
             Self::GeometricMean => {
                 let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
-                let mean = logs.iter().sum::<f64>() / n as f64;
-                let variance = logs.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1) as f64;
-                let half = t_95(n - 1) * (variance / n as f64).sqrt();
-                Some([mean - half, mean + half].map(f64::exp))
+                Some(student(&logs).map(f64::exp))
             }
             Self::Median => {
                 let (k, sorted) = (median_order(n)?, sorted(values));
@@ -100,6 +101,15 @@ impl Middle {
             }
         }
     }
+}
+
+/// Student's 95 % interval of a mean.
+fn student(values: &[f64]) -> [f64; 2] {
+    let n = values.len();
+    let mean = Middle::Mean.of(values);
+    let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1) as f64;
+    let half = t_95(n - 1) * (variance / n as f64).sqrt();
+    [mean - half, mean + half]
 }
 
 /// A part of the way from a to b, on a scale of logarithms. Where one is infinite there is no number between: a stands.

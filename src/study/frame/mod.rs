@@ -302,6 +302,17 @@ pub fn ascending(mut values: Vec<Value>) -> Vec<Value> {
     values
 }
 
+/// Groups by the value of their rows on an axis, ascending.
+pub fn grouped_ascending<'r, 'f: 'r, T>(
+    items: impl IntoIterator<Item = T>,
+    of: usize,
+    row: impl Fn(&T) -> &'r Row<'f>,
+) -> Vec<(Value, Vec<T>)> {
+    let mut groups = grouped(items, |item| row(item).point[of].clone());
+    groups.sort_by(|(a, _), (b, _)| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
+    groups
+}
+
 /// A number, a count, or the product of a pair; nothing for names and colours.
 pub fn size_of(value: &Value) -> Option<f64> {
     match value {

@@ -14,6 +14,7 @@ pub struct Shape {
     pub values: Vec<Vec<Value>>,
     pub has_timing: bool,
     pub has_printed_slips: bool,
+    pub has_ladder: bool,
     /// Name of the method that judges.
     pub reference_method: String,
     /// Whether the reference has all terms, whatever the cell has; taken for granted where the experiment is not known.
@@ -40,6 +41,7 @@ impl Shape {
                 values: set_only(values),
                 has_timing: !run.timings.is_empty(),
                 has_printed_slips: false,
+                has_ladder: false,
                 reference_method: run.text("/reference/method"),
                 judges_all_terms: true,
             },
@@ -51,6 +53,7 @@ impl Shape {
             values: set_only(values),
             has_timing: config.timing.is_some(),
             has_printed_slips: config.has_printed_slips,
+            has_ladder: config.ladder.is_some(),
             reference_method: config.reference.method.clone(),
             judges_all_terms: config.reference.terms == Terms::All,
         }

@@ -14,7 +14,7 @@
 
 use super::prelude::*;
 use super::{FIXED, SAMPLED};
-use crate::scene::is_design;
+use crate::metrics::VIEWS;
 use crate::study::frame::curve::{Beside, beside};
 
 pub const QUESTION: Question = Question {
@@ -144,9 +144,6 @@ fn add_cases(frame: &Frame, pairs: &[([String; 2], Vec<Case>)], seen: [f64; 2], 
         table.row(row);
     }
 }
-
-/// Bands of n·v with an answer of their own, where each sees the whole map: at grazing views the split sum errs most.
-const VIEWS: [[f64; 2]; 5] = [[0.0, 0.2], [0.2, 0.4], [0.4, 0.6], [0.6, 0.8], [0.8, 1.0]];
 
 /// The break-even of one band of n·v.
 struct View {

@@ -1,29 +1,36 @@
 //! At which step does the split sum's error arise?
 //!
-//! The rungs of the ladder lead from the reference to the split sum; each replaces one exact step by its approximation
-//! ([`LADDER`], docs/estimators.md). In a case (environment, model, alpha, f0) let E_i be the images of the rungs, `δ_i = E_i - E_(i-1)`,
-//! `e = Σ δ_i` and `w = 1/(r² + ε)` with r = E_0, as in `relmse`. The *share* of a step is `Σ w δ_i e / Σ w e²` over all pixels and channels.
-//! Shares sum to 1; a negative one cancels error of the others. Means are over environments, with Student's interval.
+//! Eight approximations lead from the specular integral to the split sum (`crate::ladder::STEPS`, docs/estimators.md). What each makes of the
+//! error hangs on which others were made before, so that it has four numbers: its covariance share in the ladder's order, the `relmse`
+//! that it adds first and takes away last, and the mean of what it adds over all orders, its Shapley value (`ladder::attribution`).
 //!
-//! Rungs draw the same points, so that their noise cancels in δ. It is read from the images of the run: a published run has none.
+//! They are told by environment, model, alpha, f0 and n·v, from `steps.csv`. Means are over environments with Student's interval; where
+//! environments disagree about the sign, their range stands instead.
 
 use super::prelude::*;
-use crate::metrics::attribution::{Step, steps};
-use crate::pixels::{Decoded, exr};
-use crate::shade::method::ladder::LADDER;
-use crate::study::frame::estimate::CLUSTERS_MIN;
-use crate::study::frame::line::t_95;
+use crate::metrics::VIEWS;
+use crate::study::finished::StepRow;
 
 pub const QUESTION: Question = Question {
     name: "ladder",
     asks: "At which step does the split sum's error arise?",
     columns: &[
-        column("step", "What is approximated: Fresnel, masking, view (n = v = r), levels, tables."),
+        column("n_dot_v_from", "Lower end of n·v."),
+        column("n_dot_v_to", "Upper end of n·v."),
+        column("rung", "What is approximated: see docs/estimators.md, \"The ladder\"."),
         column(
             "share",
-            "Covariance share of the split sum's error; shares of a case sum to 1, a negative one cancels others.",
+            "Covariance share of the split sum's `relmse`; shares of a case sum to 1, a negative one cancels others.",
         ),
-        column("error", "relmse of the image after the step against the reference with the same points."),
+        column("share_lo", "Lower end of its 95 % interval over environments; empty for one environment."),
+        column("share_hi", "Upper end of that interval."),
+        column("first_in", "`relmse` that the step adds when it is made first, after those that it needs."),
+        column("last_out", "`relmse` that goes when it alone is made exact, with those that need it."),
+        column(
+            "shapley",
+            "The mean of the `relmse` that it adds over all orders; the rungs' numbers sum to the error.",
+        ),
+        column("error", "`relmse` of the split sum."),
     ],
     uses_times: false,
     lacks,
@@ -31,140 +38,150 @@ pub const QUESTION: Question = Question {
 };
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    let has_all = LADDER.iter().all(|(rung, _)| shape.methods().any(|method| method.name == *rung));
-    (!has_all).then_some(
-        "axes.method does not have every rung: reference, ladder-fresnel, -masking, -view, -levels, split-sum",
-    )
+    match () {
+        () if !shape.has_ladder => Some("the experiment has no section [ladder]"),
+        () if !shape.methods().any(|method| method.has_ladder) => Some("axes.method has no split-sum"),
+        () if !shape.values[SCENE].iter().any(|scene| is_design(&scene.to_string())) => {
+            Some("no scene is design: only there every view sees the whole map")
+        }
+        () => None,
+    }
 }
 
-/// A case, by the row of its split sum.
-struct Case<'r, 'f> {
+/// Errors below this many times the reference's noise are not told apart: under constant light the split is exact.
+const RESOLVED: f64 = 10.0;
+
+/// One step of one image over a band of n·v.
+#[derive(Clone, Copy)]
+struct Told<'r, 'f> {
     row: &'r Row<'f>,
-    steps: Vec<Step>,
+    step: &'f StepRow,
+    error: f64,
 }
 
-fn cases<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Vec<Case<'r, 'f>> {
-    let others: Vec<usize> =
-        (0..AXES.len()).filter(|of| AXES[*of].changes_radiance() && ![METHOD, SAMPLES].contains(of)).collect();
-    let case = |row: &'r Row<'f>| {
-        let rung = |(name, _): &(&str, &str)| -> Option<Decoded> {
-            let own =
-                images.iter().filter(|one| one.text(METHOD) == *name && fits(&one.key(&others), &row.key(&others)));
-            let most = own.max_by_key(|one| one.samples())?;
-            exr::read(&frame.run.dir.join("images").join(&most.cell.images.as_ref()?.radiance)).ok()
+fn told<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<Told<'r, 'f>> {
+    let of_image = |row: &'r Row<'f>| {
+        let bands = grouped(&row.cell.steps, |step| step.seen.map(f64::to_bits));
+        let of_band = |(_, steps): (_, Vec<&'f StepRow>)| {
+            let error = steps.last().map_or(0.0, |last| last.rung_error);
+            let is_resolved = steps.iter().all(|step| error > RESOLVED * step.noise);
+            steps.into_iter().filter(|_| is_resolved).map(|step| Told { row, step, error }).collect::<Vec<_>>()
         };
-        let chain = LADDER.iter().map(rung).collect::<Option<Vec<Decoded>>>()?;
-        let mask = chain[0].alpha.as_ref()?;
-        let found =
-            steps(&chain.iter().map(|image| &image.rgb).collect::<Vec<_>>(), mask, frame.run.epsilon(&row.point));
-        found.iter().all(|step| step.share.is_finite()).then_some(Case { row, steps: found })
+        bands.into_iter().flat_map(of_band).collect::<Vec<_>>()
     };
-    let (last, _) = LADDER[LADDER.len() - 1];
-    // An error within the reference's noise has no steps: constant light, where the split is exact.
-    let is_told = |row: &&&'r Row<'f>| row.text(METHOD) == last && frame.is_resolved(row);
-    images.iter().filter(is_told).filter_map(|row| case(row)).collect()
+    images.iter().flat_map(|row| of_image(row)).collect()
 }
 
-/// A mean over environments.
-struct Mean {
-    value: f64,
-    /// Half of the 95 % interval; nothing for too few environments.
-    half: Option<f64>,
+/// The images of one model, f0 and whatever else is no light, at one alpha and in one band of n·v.
+struct Group<'r, 'f> {
+    /// "ggx · F0 1".
+    name: String,
+    alpha: Value,
+    seen: [f64; 2],
+    own: Vec<Told<'r, 'f>>,
 }
 
-/// The mean share of a step; measured environments alone where they are enough.
-fn mean(cases: &[&Case], step: usize) -> Mean {
-    let by_light = grouped(cases.iter().copied(), |case| case.row.point[ENVIRONMENT].clone());
-    let measured: Vec<_> = by_light.iter().filter(|(light, _)| !is_formula(light)).collect();
-    let own = if measured.len() >= CLUSTERS_MIN { measured } else { by_light.iter().collect() };
-    let of_light =
-        |(_, own): &&(Value, Vec<&Case>)| own.iter().map(|case| case.steps[step].share).sum::<f64>() / own.len() as f64;
-    let shares: Vec<f64> = own.iter().map(of_light).collect();
-    let n = shares.len() as f64;
-    let value = shares.iter().sum::<f64>() / n;
-    let variance = shares.iter().map(|share| (share - value).powi(2)).sum::<f64>() / (n - 1.0);
-    Mean { value, half: (shares.len() >= CLUSTERS_MIN).then(|| t_95(shares.len() - 1) * (variance / n).sqrt()) }
+const ALL_VIEWS: [f64; 2] = [0.0, 1.0];
+
+impl<'r, 'f> Group<'r, 'f> {
+    fn numbers(&self, step: &str, of: fn(&Told) -> f64) -> Numbers<'r, 'f> {
+        let own = self.own.iter().filter(|told| told.step.step == step);
+        Numbers::new(own.map(|told| (told.row, of(told))), Middle::Mean)
+    }
+
+    fn share(&self, step: &str) -> Option<Estimate> {
+        self.numbers(step, |told| told.step.share).estimate()
+    }
+
+    fn mean(&self, step: &str) -> f64 {
+        self.share(step).map_or(0.0, |share| share.value)
+    }
+
+    fn place(&self) -> String {
+        joined_words(&[self.name.clone(), heading(ALPHA, &self.alpha)])
+    }
 }
 
-/// Names of the steps.
-fn names() -> Vec<&'static str> {
-    LADDER.iter().skip(1).map(|(_, step)| *step).collect()
+fn groups<'r, 'f>(frame: &Frame, told: &[Told<'r, 'f>]) -> Vec<Group<'r, 'f>> {
+    let others: Vec<usize> = frame.case_axes().into_iter().filter(|of| ![ALPHA, ENVIRONMENT].contains(of)).collect();
+    let of_name = |(key, own): (Key, Vec<Told<'r, 'f>>)| {
+        let name = label(&others, &key);
+        let by_alpha = grouped_ascending(own, ALPHA, |told| told.row).into_iter();
+        by_alpha.flat_map(move |(alpha, own)| {
+            let group = |seen: [f64; 2]| {
+                let own: Vec<_> = own.iter().filter(|told| told.step.seen == seen).copied().collect();
+                Group { name: name.clone(), alpha: alpha.clone(), seen, own }
+            };
+            let all = std::iter::once(ALL_VIEWS).chain(VIEWS).map(group);
+            all.filter(|group| !group.own.is_empty()).collect::<Vec<_>>()
+        })
+    };
+    grouped(told.iter().copied(), |told| told.row.key(&others)).into_iter().flat_map(of_name).collect()
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let images = frame.images();
-    let cases = cases(frame, &images);
+    let told = told(&frame.images());
+    let groups = groups(frame, &told);
+    let steps: Vec<&str> = distinct_in_order(told.iter().map(|told| told.step.step.as_str()));
     let axes = frame.case_axes();
     let mut table = Table::new(&axes, QUESTION.columns);
-    for case in &cases {
-        for (name, step) in names().into_iter().zip(&case.steps) {
-            table.row([case.row.cells(&axes), cells![name, step.share, step.relmse]].concat());
+    for Told { row, step, error } in &told {
+        let interval = [Cell::Missing, Cell::Missing];
+        let own = cells![step.seen[0], step.seen[1], step.step.as_str(), step.share];
+        let rest = cells![step.first_in, step.last_out, step.shapley, *error];
+        table.row([row.cells(&axes), own, interval.to_vec(), rest].concat());
+    }
+    // Over environments, where these are enough for an interval.
+    for group in &groups {
+        for step in &steps {
+            let Some(Estimate { value, interval: Some([lo, hi]), .. }) = group.share(step) else { continue };
+            let mean = |of| group.numbers(step, of).estimate().map(|all| all.value);
+            let head = axes.iter().map(|&of| match of {
+                ENVIRONMENT => ALL.into(),
+                _ => (&group.own[0].row.point[of]).into(),
+            });
+            let own = cells![group.seen[0], group.seen[1], *step, value, lo, hi];
+            let rest = cells![
+                mean(|told| told.step.first_in),
+                mean(|told| told.step.last_out),
+                mean(|told| told.step.shapley),
+                mean(|told| told.error)
+            ];
+            table.row(head.chain(own).chain(rest).collect());
         }
     }
-    let groups = groups(frame, &cases);
     Some(Finding {
-        sentence: sentence(frame, &groups, &cases)?,
-        digest: Some(digest(&groups)),
-        figure: figure(&groups),
+        sentence: sentence(frame, &groups, &steps, &told)?,
+        digest: Some(digest(&groups, &steps)),
+        figure: figure(&groups, &steps),
         table,
     })
 }
 
-/// The cases of one model, f0 and whatever else is no light, by alpha.
-struct Group<'c, 'r, 'f> {
-    /// "ggx · F0 1".
-    name: String,
-    alpha: Value,
-    cases: Vec<&'c Case<'r, 'f>>,
-}
-
-fn groups<'c, 'r, 'f>(frame: &Frame, cases: &'c [Case<'r, 'f>]) -> Vec<Group<'c, 'r, 'f>> {
-    let others: Vec<usize> = frame.case_axes().into_iter().filter(|of| ![ALPHA, ENVIRONMENT].contains(of)).collect();
-    let of_name = |(key, own): (Key, Vec<&'c Case<'r, 'f>>)| {
-        let mut by_alpha = grouped(own, |case| case.row.point[ALPHA].clone());
-        by_alpha.sort_by(|(a, _), (b, _)| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
-        let name = label(&others, &key);
-        by_alpha.into_iter().map(move |(alpha, cases)| Group { name: name.clone(), alpha, cases })
+fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], told: &[Told]) -> Option<String> {
+    let at = |seen: [f64; 2]| groups.iter().filter(move |group| group.seen == seen);
+    let total = |step: &str| at(ALL_VIEWS).map(|group| group.mean(step)).sum::<f64>();
+    let lead = *steps.iter().max_by(|a, b| total(a).total_cmp(&total(b)))?;
+    let ends = |seen: [f64; 2], step: &str| {
+        let least = at(seen).min_by(|a, b| a.mean(step).total_cmp(&b.mean(step)))?;
+        let most = at(seen).max_by(|a, b| a.mean(step).total_cmp(&b.mean(step)))?;
+        Some([least, most].map(|group| (percent(group.mean(step)), group)))
     };
-    grouped(cases, |case| case.row.key(&others)).into_iter().flat_map(of_name).collect()
-}
-
-fn sentence(frame: &Frame, groups: &[Group], cases: &[Case]) -> Option<String> {
-    let share = |group: &Group, step: usize| mean(&group.cases, step).value;
-    let total = |step: usize| groups.iter().map(|group| share(group, step)).sum::<f64>();
-    let lead = (0..names().len()).max_by(|a, b| total(*a).total_cmp(&total(*b)))?;
-    let least = groups.iter().min_by(|a, b| share(a, lead).total_cmp(&share(b, lead)))?;
-    let most = groups.iter().max_by(|a, b| share(a, lead).total_cmp(&share(b, lead)))?;
-    let place = |group: &Group| joined_words(&[group.name.clone(), heading(ALPHA, &group.alpha)]);
-    let lights = Numbers::new(cases.iter().map(|case| (case.row, 1.0)), Middle::GeometricMean);
-    let mut text = format!(
-        "**The {} makes {}** of the split sum's `relmse` ({})",
-        says(names()[lead]),
-        percent(share(least, lead)),
-        place(least)
-    );
-    if groups.len() > 1 {
-        text = format!(
-            "**The {} makes {} to {}** of the split sum's `relmse`, least at {}.",
-            says(names()[lead]),
-            percent(share(least, lead)),
-            percent(share(most, lead)),
-            place(least),
-        );
-    } else {
-        text += ".";
+    let [(least, place), (most, _)] = ends(ALL_VIEWS, lead)?;
+    let share = if at(ALL_VIEWS).count() > 1 { format!("{least} to {most}") } else { least };
+    let at_least = if at(ALL_VIEWS).count() > 1 { ", least at " } else { " at " };
+    let mut text =
+        format!("**The {} makes {share}** of the split sum's `relmse`{at_least}{}.", says(lead), place.place());
+    // The views at which it makes least of the error.
+    let by_view = VIEWS.into_iter().filter_map(|seen| Some((seen, ends(seen, lead)?)));
+    let weakest = by_view.min_by(|(_, [a, _]), (_, [b, _])| a.1.mean(lead).total_cmp(&b.1.mean(lead)));
+    if let Some((seen, [(least, group), _])) = weakest {
+        let other = steps.iter().filter(|step| **step != lead);
+        let next = other.max_by(|a, b| group.mean(a).total_cmp(&group.mean(b)));
+        let next = next.map_or(String::new(), |step| format!(", {} {}", step, percent(group.mean(step))));
+        text += &format!(" At n·v {} to {} and {} it makes {least}{next}.", seen[0], seen[1], group.place());
     }
-    let other =
-        (0..names().len()).filter(|step| *step != lead).flat_map(|step| groups.iter().map(move |group| (step, group)));
-    let next = other.max_by(|(a, one), (b, two)| share(one, *a).abs().total_cmp(&share(two, *b).abs()));
-    if let Some((step, group)) = next {
-        text += &format!(
-            " The next largest share is {} of {}, at {}.",
-            percent(share(group, step)),
-            names()[step],
-            place(group)
-        );
-    }
+    let lights = Numbers::new(told.iter().map(|told| (told.row, 1.0)), Middle::GeometricMean);
     Some(text + &lights.scope(&frame.case_axes()))
 }
 
@@ -180,40 +197,63 @@ fn joined_words(words: &[String]) -> String {
 /// Shares below this are written as 0.
 const NOISE: f64 = 5e-4;
 
-/// "97 % ± 3", "-2.1 %".
-fn told(mean: &Mean) -> String {
+/// "97 % ± 3", "-2.1 %"; where environments disagree about the sign, "-19 to 24 %".
+fn share_words(share: &Estimate) -> String {
     let rounded = |share: f64| if share.abs() < NOISE { 0.0 } else { share };
-    let half = mean.half.map_or(String::new(), |half| format!(" ± {}", number(100.0 * rounded(half))));
-    format!("{}{half}", percent(rounded(mean.value)))
+    let [lo, hi] = share.ends.map(rounded);
+    if lo < 0.0 && hi > 0.0 && hi - lo > 2.0 * NOISE {
+        return range_words([lo, hi], |x| number(100.0 * x)) + " %";
+    }
+    let half = share.interval.map_or(String::new(), |[lo, hi]| format!(" ± {}", number(50.0 * rounded(hi - lo))));
+    format!("{}{half}", percent(rounded(share.value)))
 }
 
-fn digest(groups: &[Group]) -> Table {
-    let heads = ["case", AXES[ALPHA].name, ROUGHNESS].into_iter().map(str::to_owned);
-    let mut table = Table::with_names(heads.chain(names().into_iter().map(str::to_owned)));
-    for group in groups {
-        let head = cells![group.name.as_str(), short(ALPHA, &group.alpha), roughness(&group.alpha)];
-        let shares = (0..names().len()).map(|step| Cell::from(told(&mean(&group.cases, step))));
-        table.row(head.into_iter().chain(shares).collect());
+/// One row an alpha over all views, then one a band of n·v with the range over alphas.
+fn digest(groups: &[Group], steps: &[&str]) -> Table {
+    let heads = ["case", AXES[ALPHA].name, ROUGHNESS, "n·v"].into_iter().map(str::to_owned);
+    let mut table = Table::with_names(heads.chain(steps.iter().map(|step| step.to_string())));
+    for (name, own) in grouped(groups, |group| group.name.clone()) {
+        for group in own.iter().filter(|group| group.seen == ALL_VIEWS) {
+            let head = cells![name.as_str(), short(ALPHA, &group.alpha), roughness(&group.alpha), ALL];
+            let shares = steps.iter().map(|step| Cell::from(group.share(step).as_ref().map(share_words)));
+            table.row(head.into_iter().chain(shares).collect());
+        }
+        for seen in VIEWS {
+            let band: Vec<_> = own.iter().filter(|group| group.seen == seen).collect();
+            let range = |step: &&str| {
+                let means = || band.iter().map(|group| group.mean(step));
+                let ends = [means().fold(f64::INFINITY, f64::min), means().fold(f64::NEG_INFINITY, f64::max)];
+                Cell::from((!band.is_empty()).then(|| range_words(ends, |x| number(100.0 * x)) + " %"))
+            };
+            let head = cells![name.as_str(), ALL, Cell::Missing, format!("{} to {}", seen[0], seen[1])];
+            table.row(head.into_iter().chain(steps.iter().map(range)).collect());
+        }
     }
     table.without_empty()
 }
 
-/// Bars of shares by alpha, one panel a model: to the right of 0 what adds error, to the left what cancels it.
-fn figure(groups: &[Group]) -> Option<Figure> {
+/// Bars of shares by alpha, a panel a model: to the right of 0 what adds error, to the left what cancels it. Over all views, then at the
+/// ends of n·v.
+fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
     let alphas = ascending(distinct_in_order(groups.iter().map(|group| group.alpha.clone())));
     let marks = |group: &Group| {
         let (y, mut ends) = (step(&alphas, &group.alpha), [0.0, 0.0]);
         let bar = |i: usize| {
-            let mean = mean(&group.cases, i);
-            let end = &mut ends[usize::from(mean.value < 0.0)];
+            let share = group.share(steps[i])?;
+            let end = &mut ends[usize::from(share.value < 0.0)];
             let base = *end;
-            *end += mean.value;
-            let tip = format!("{}: {} · {}", names()[i], told(&mean), heading(ALPHA, &group.alpha));
-            Mark::new(Form::HorizontalBar { y, base, to: base + mean.value }, i).tip(tip)
+            *end += share.value;
+            let tip = format!("{}: {} · {}", steps[i], share_words(&share), heading(ALPHA, &group.alpha));
+            Some(Mark::new(Form::HorizontalBar { y, base, to: base + share.value }, i).tip(tip))
         };
-        (0..names().len()).map(bar).collect::<Vec<_>>()
+        (0..steps.len()).filter_map(bar).collect::<Vec<_>>()
     };
-    let panels = grouped(groups, |group| group.name.clone());
+    let views = [ALL_VIEWS, VIEWS[0], VIEWS[VIEWS.len() - 1]];
+    let shown = views.into_iter().flat_map(|seen| groups.iter().filter(move |group| group.seen == seen));
+    let title = |group: &Group| match group.seen == ALL_VIEWS {
+        true => group.name.clone(),
+        false => joined_words(&[group.name.clone(), format!("n·v {} to {}", group.seen[0], group.seen[1])]),
+    };
     let panel = |(name, own): (String, Vec<&Group>)| {
         let rule = [Mark::neutral(Form::VerticalRule(0.0)), Mark::neutral(Form::VerticalRule(1.0))];
         (name, own.into_iter().flat_map(marks).chain(rule).collect())
@@ -223,10 +263,10 @@ fn figure(groups: &[Group]) -> Option<Figure> {
         note: "share of relmse by step, mean over environments; left of 0 a step cancels error".to_owned(),
         x: Along::Linear("share of the error"),
         y: Along::Steps("", alphas.iter().map(|alpha| heading(ALPHA, alpha)).collect()),
-        panels: panels.into_iter().map(panel).collect(),
-        series: names()
-            .into_iter()
-            .map(|step| if step == "view" { "view (n = v = r)".to_owned() } else { step.to_owned() })
+        panels: grouped(shown, |group| title(group)).into_iter().map(panel).collect(),
+        series: steps
+            .iter()
+            .map(|step| if *step == "view" { "view (n = v = r)".to_owned() } else { step.to_string() })
             .collect(),
     }
     .figure()

@@ -1,28 +1,38 @@
 //! Which tables does one ship?
 //!
 //! Tables are judged against what they approximate: the split sum with exact factors, `P(r, alpha) (f0 A + B)`, which is the method
-//! [`EXACT_SPLIT`]. Against the truth a fault of the tables may cancel one of the split. In each *condition* (environment, model, alpha, f0):
+//! [`EXACT_SPLIT`]. Against the truth a fault of the tables may cancel one of the split. In each *condition* (environment, model, alpha, f0, and
+//! on the scene `design` each band of n·v: facing the viewer the split errs least, so that tables matter most):
 //!
-//! - `error`: of the tables against the exact split;
+//! - `error`: of the tables against the exact split, which is also what relative metrics divide by;
 //! - `split_error`: of the truth (method `reference`) against the exact split, in the same metric;
 //! - `share`: the first over the second.
 //!
-//! A *combination* is one value of each swept setting of tables. It is *enough* at an alpha where its share is at most [`SHARE`] in every
-//! condition: the split itself then makes the error, and better tables cannot help. Shipped is the smallest combination that is enough at
-//! every alpha, by the sum over its tables of texels times levels times samples; of equal ones that with the least share at its worst.
+//! A *combination* is one value of each swept setting of tables. It is *enough* at an alpha where its share is at most [`enough`] in every
+//! condition: the split itself then makes the error, and better tables cannot help. Shipped is the combination of fewest texels that is enough
+//! at every alpha; of equally large ones that with the least share at its worst.
 
 use super::prelude::*;
+use crate::metrics::VIEWS;
+use crate::precompute::PrecomputeSettings;
 use crate::shade::{EXACT_SPLIT, REFERENCE};
 use crate::table::markdown::significant;
+use std::collections::HashMap;
 
 pub const QUESTION: Question = Question {
     name: "tables",
     asks: "Which tables does one ship, and from which roughness on does no table help?",
     columns: &[
-        column("error", "Error of the tables against the split sum with exact factors, in the metric of the question."),
+        column("n_dot_v_from", "Lower end of n·v."),
+        column("n_dot_v_to", "Upper end of n·v."),
+        column(
+            "error",
+            "Error of the tables against the split sum with exact factors, in the metric of the question; relative metrics divide by that split.",
+        ),
         column("split_error", "Error of the truth against the same: what the split itself costs."),
         column("share", "The first over the second."),
-        column("is_enough", "1 where the share is at most 0.1, else 0."),
+        column("is_enough", "1 where the share is at most 0.1 of a mean square, 0.32 of a mean magnitude, else 0."),
+        column("texels", "Texels of all levels and faces of the tables that the combination sizes."),
         column("is_resolved", "1 where the error stands clear of the reference's noise, else 0."),
     ],
     uses_times: false,
@@ -30,8 +40,16 @@ pub const QUESTION: Question = Question {
     answer,
 };
 
-/// Tables that err by at most this share of what the split itself errs by are enough.
-pub const SHARE: f64 = 0.1;
+/// Tables that err by at most this share of the split's own mean square error are enough: they add 5 % to it at most.
+const SHARE: f64 = 0.1;
+
+/// The same share in the metric of the question: a third of an error that is no square.
+fn enough(frame: &Frame) -> f64 {
+    SHARE.powf(0.5 * frame.metric.description().power)
+}
+
+/// All n·v.
+const ALL_VIEWS: [f64; 2] = [0.0, 1.0];
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
     let draws_truth = shape.methods().any(|method| method.name == REFERENCE);
@@ -53,6 +71,8 @@ fn parameters(shape: &Shape) -> Vec<usize> {
 /// One combination in one condition.
 struct Tried<'r, 'f> {
     row: &'r Row<'f>,
+    /// Ends of n·v.
+    seen: [f64; 2],
     /// Values of the parameters.
     tables: Key,
     error: f64,
@@ -65,14 +85,38 @@ impl Tried<'_, '_> {
     }
 }
 
-/// Texels times levels times samples, over the tables that the parameters feed.
-fn size(parameters: &[usize], tables: &Key) -> f64 {
-    let counts = parameters.iter().zip(tables).filter(|(_, value)| matches!(value, Value::Count(_) | Value::Pair(_)));
-    let by_table = grouped(counts, |(axis, _)| AXES[**axis].feeds);
-    by_table.iter().map(|(_, own)| own.iter().filter_map(|(_, value)| size_of(value)).product::<f64>()).sum()
+impl Tried<'_, '_> {
+    /// Texels of the tables of the row.
+    fn texels(&self) -> f64 {
+        texels(&self.row.point.settings().precompute)
+    }
 }
 
+/// Texels of all levels and faces of the prefiltered map and of the DFG table.
+fn texels(settings: &PrecomputeSettings) -> f64 {
+    let [width, height] = settings.prefilter_size.map(f64::from);
+    // Each level has a quarter of the texels of the one before.
+    let levels = (0..settings.prefilter_level_count).map(|level| 0.25_f64.powi(level as i32)).sum::<f64>();
+    f64::from(settings.layout.face_count) * width * height * levels + f64::from(settings.dfg_size).powi(2)
+}
+
+/// Over all views, and on a design in each band of n·v.
 fn tried<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize]) -> Vec<Tried<'r, 'f>> {
+    let mut all = seen_at(frame, images, parameters, ALL_VIEWS);
+    if images.iter().all(|row| is_design(&row.text(SCENE))) {
+        for seen in VIEWS {
+            let Some(run) = frame.run.seen_at(seen) else { continue };
+            all.extend(seen_at(&Frame::new(&run, Some(frame.metric_name())), images, parameters, seen));
+        }
+    }
+    all
+}
+
+/// By the scores of a frame, which may be of some views alone.
+fn seen_at<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize], seen: [f64; 2]) -> Vec<Tried<'r, 'f>> {
+    let errors: HashMap<&str, f64> =
+        frame.rows.iter().filter_map(|row| Some((row.cell.id.as_str(), frame.error(row)?))).collect();
+    let error = |row: &Row| errors.get(row.cell.id.as_str()).copied();
     let of_truth = |row: &Row, truth: &Row| {
         let is_case = |axis: &usize| AXES[*axis].part == Part::Case;
         (0..AXES.len()).filter(is_case).all(|axis| fits(&row.key(&[axis]), &truth.key(&[axis])))
@@ -80,9 +124,9 @@ fn tried<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize]) ->
     let truths: Vec<&&Row> = images.iter().filter(|row| row.text(METHOD) == REFERENCE).collect();
     let one = |&row: &&'r Row<'f>| {
         let tables = row.key(parameters);
-        let split = frame.error(truths.iter().find(|truth| of_truth(row, truth))?)?;
+        let split = error(truths.iter().find(|truth| of_truth(row, truth))?)?;
         let is_asked = tables.iter().any(|value| *value != Value::Unset);
-        is_asked.then_some(Tried { row, tables, error: frame.error(row)?, split })
+        is_asked.then_some(Tried { row, seen, tables, error: error(row)?, split })
     };
     images.iter().filter_map(one).filter(|one| one.share().is_finite()).collect()
 }
@@ -99,30 +143,41 @@ impl Combination<'_, '_, '_> {
     }
 
     fn numbers(&self, of: fn(&Tried) -> f64) -> Numbers<'_, '_> {
-        Numbers::new(self.own.iter().map(|one| (one.row, of(one))), Middle::GeometricMean)
+        let all_views = self.own.iter().filter(|one| one.seen == ALL_VIEWS);
+        Numbers::new(all_views.map(|one| (one.row, of(one))), Middle::GeometricMean)
     }
 }
 
 /// Every combination that was tried in all conditions of these rows, the smallest first.
-fn combinations<'t, 'r, 'f>(parameters: &[usize], own: &[&'t Tried<'r, 'f>]) -> Vec<Combination<'t, 'r, 'f>> {
+fn combinations<'t, 'r, 'f>(own: &[&'t Tried<'r, 'f>]) -> Vec<Combination<'t, 'r, 'f>> {
     let groups = grouped(own.iter().copied(), |one| one.tables.clone());
     let most = groups.iter().map(|(_, own)| own.len()).max();
     let whole = groups.into_iter().filter(|(_, own)| Some(own.len()) == most);
     let mut all: Vec<_> = whole.map(|(tables, own)| Combination { tables, own }).collect();
-    let size = |one: &Combination| size(parameters, &one.tables);
+    let size = |one: &Combination| one.worst().texels();
     all.sort_by(|a, b| size(a).total_cmp(&size(b)).then(a.worst().share().total_cmp(&b.worst().share())));
     all
 }
 
 /// The smallest that is enough, else the one with the least share at its worst.
-fn chosen<'c, 't, 'r, 'f>(all: &'c [Combination<'t, 'r, 'f>]) -> Option<&'c Combination<'t, 'r, 'f>> {
+fn chosen<'c, 't, 'r, 'f>(enough: f64, all: &'c [Combination<'t, 'r, 'f>]) -> Option<&'c Combination<'t, 'r, 'f>> {
     let by_worst = |a: &&Combination, b: &&Combination| a.worst().share().total_cmp(&b.worst().share());
-    all.iter().find(|one| one.worst().share() <= SHARE).or_else(|| all.iter().min_by(by_worst))
+    all.iter().find(|one| one.worst().share() <= enough).or_else(|| all.iter().min_by(by_worst))
 }
 
 /// In percent; a third digit where it is not enough, so that 10.5 % does not read as 10 %.
-fn told_share(share: f64) -> String {
-    if share > SHARE { format!("{} %", significant(100.0 * share, 3)) } else { percent(share) }
+fn told_share(enough: f64, share: f64) -> String {
+    if share > enough { format!("{} %", significant(100.0 * share, 3)) } else { percent(share) }
+}
+
+/// "qwantani, alpha 0.1, n·v 0.8 to 1".
+fn place(one: &Tried, axes: &[usize]) -> String {
+    let seen = (one.seen != ALL_VIEWS).then(|| format!("n·v {} to {}", one.seen[0], one.seen[1]));
+    [Some(label(axes, &one.row.key(axes))).filter(|text| !text.is_empty()), seen]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// "64x64, 6 levels".
@@ -138,17 +193,17 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let axes = [&[METHOD], &scope[..], &parameters].concat();
     let mut table = Table::new(&axes, QUESTION.columns);
     for one in &tried {
-        let is_enough = one.share() <= SHARE;
-        let own = cells![one.error, one.split, one.share(), is_enough, frame.is_resolved(one.row)];
+        let is_enough = one.share() <= enough(frame);
+        let own = cells![one.seen[0], one.seen[1], one.error, one.split, one.share(), is_enough, one.texels()];
+        let own = [own, cells![frame.is_resolved(one.row)]].concat();
         table.row([one.row.cells(&axes), own].concat());
     }
     let all: Vec<&Tried> = tried.iter().collect();
-    let mut by_alpha = grouped(all.iter().copied(), |one| one.row.point[ALPHA].clone());
-    by_alpha.sort_by(|(a, _), (b, _)| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
-    let by_alpha: Vec<_> = by_alpha.into_iter().map(|(alpha, own)| (alpha, combinations(&parameters, &own))).collect();
-    let whole = combinations(&parameters, &all);
+    let by_alpha = grouped_ascending(all.iter().copied(), ALPHA, |one| one.row).into_iter();
+    let by_alpha: Vec<_> = by_alpha.map(|(alpha, own)| (alpha, combinations(&own))).collect();
+    let whole = combinations(&all);
     Some(Finding {
-        sentence: sentence(frame, &parameters, chosen(&whole)?, &by_alpha),
+        sentence: sentence(frame, &parameters, chosen(enough(frame), &whole)?, &by_alpha),
         digest: Some(digest(frame, &parameters, &scope, &by_alpha, &whole)),
         figure: figure(frame, &parameters, &all),
         table,
@@ -159,17 +214,19 @@ type ByAlpha<'t, 'r, 'f> = [(Value, Vec<Combination<'t, 'r, 'f>>)];
 
 fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &ByAlpha) -> String {
     let (worst, metric) = (best.worst(), frame.metric_name());
-    let share = told_share(worst.share());
-    let place = label(&[ENVIRONMENT, ALPHA], &worst.row.key(&[ENVIRONMENT, ALPHA]));
+    let enough = enough(frame);
+    let share = told_share(enough, worst.share());
+    let place = place(worst, &[ENVIRONMENT, ALPHA]);
     let tables = words(parameters, &best.tables);
-    let mut text = match worst.share() <= SHARE {
+    let mut text = match worst.share() <= enough {
         true => format!("Ship **{tables}**: their `{metric}` is at most {share} of the split's own ({place})."),
         false => format!(
-            "No tried tables err by a tenth of the split's own `{metric}` or less. The best, {tables}, reach {share} ({place})."
+            "No tried tables keep to {} of the split's own `{metric}`. The best, {tables}, reach {share} ({place}).",
+            percent(enough)
         ),
     };
     // The longest run of alphas up to the largest at which the smallest tables do.
-    let is_enough = |all: &[Combination]| all.first().is_some_and(|least| least.worst().share() <= SHARE);
+    let is_enough = |all: &[Combination]| all.first().is_some_and(|least| least.worst().share() <= enough);
     let rest = by_alpha.iter().rposition(|(_, all)| !is_enough(all)).map_or(0, |last| last + 1);
     if let Some((alpha, all)) = by_alpha.get(rest)
         && *alpha != Value::Unset
@@ -190,18 +247,19 @@ fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], by_alpha: &ByAlp
     let names =
         [AXES[ALPHA].name, ROUGHNESS, "tables", "their error", "the split's own error", "share at most", "where"];
     let mut table = Table::with_names(names);
+    let enough = enough(frame);
     let rows = by_alpha.iter().filter(|(alpha, _)| *alpha != Value::Unset);
     let rows = rows.map(|(alpha, all)| (short(ALPHA, alpha), roughness(alpha), &all[..]));
     for (alpha, rough, all) in rows.chain([(ALL.to_owned(), None, whole)]) {
-        let Some(best) = chosen(all) else { continue };
+        let Some(best) = chosen(enough, all) else { continue };
         let worst = best.worst();
         let told = |of| best.numbers(of).estimate().map(|mean| with_rms(frame, mean.value));
         let tables = words(parameters, &best.tables);
-        let tables = if worst.share() <= SHARE { tables } else { format!("none; best {tables}") };
+        let tables = if worst.share() <= enough { tables } else { format!("none; best {tables}") };
         let place: Vec<usize> = scope.iter().copied().filter(|of| alpha == ALL || *of != ALPHA).collect();
-        let place = label(&place, &worst.row.key(&place));
-        let errors = cells![told(|one| one.error), told(|one| one.split), told_share(worst.share()), place];
-        table.row([cells![alpha, rough, tables], errors].concat());
+        let errors = cells![told(|one| one.error), told(|one| one.split)];
+        let worst = cells![told_share(enough, worst.share()), self::place(worst, &place)];
+        table.row([cells![alpha, rough, tables], errors, worst].concat());
     }
     table
 }
@@ -218,14 +276,14 @@ fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure>
             "{}: {} of the split's error · {}",
             words(parameters, &one.tables),
             percent(one.share()),
-            label(&[ENVIRONMENT], &one.row.key(&[ENVIRONMENT]))
+            self::place(one, &[ENVIRONMENT])
         );
         let place = series.iter().position(|other| *other == name(one))?;
-        Some(dot([size(parameters, &one.tables), one.share()], place, tip, one.row))
+        Some(dot([one.texels(), one.share()], place, tip, one.row))
     };
     let is_summed = Numbers::new(all.iter().map(|one| (one.row, one.share())), Middle::GeometricMean).is_summed();
     let panel = |(alpha, mut own): (Value, Vec<&Tried>)| {
-        let mut marks = vec![Mark::neutral(Form::HorizontalRule(SHARE))];
+        let mut marks = vec![Mark::neutral(Form::HorizontalRule(enough(frame)))];
         if is_summed {
             let by_tables = grouped(own.iter().copied(), |one| one.tables.clone()).into_iter();
             let ends = by_tables.filter_map(|(_, mut all)| {
@@ -234,7 +292,7 @@ fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure>
             });
             let ends: Vec<[&Tried; 2]> = ends.collect();
             marks.extend(ends.iter().filter_map(|ends| {
-                let [from, to] = ends.map(|one| [size(parameters, &one.tables), one.share()]);
+                let [from, to] = ends.map(|one| [one.texels(), one.share()]);
                 Some(Mark::new(Form::Whisker(from, to), series.iter().position(|other| *other == name(ends[1]))?))
             }));
             own = ends.into_iter().map(|[_, worst]| worst).collect();
@@ -242,8 +300,7 @@ fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure>
         marks.extend(own.iter().filter_map(mark));
         (heading(ALPHA, &alpha), marks)
     };
-    let mut by_alpha = grouped(all.iter().copied(), |one| one.row.point[ALPHA].clone());
-    by_alpha.sort_by(|(a, _), (b, _)| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
+    let by_alpha = grouped_ascending(all.iter().copied(), ALPHA, |one| one.row);
     Chart {
         title: "What tables cost beside the split",
         note: format!(
@@ -251,7 +308,7 @@ fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure>
             frame.metric_name(),
             if is_summed { "; dots: the worst condition, whiskers: to the best" } else { "" }
         ),
-        x: Along::Log("texels times levels times samples"),
+        x: Along::Log("texels"),
         y: Along::Log("share of the split's error"),
         panels: by_alpha.into_iter().map(panel).collect(),
         series,

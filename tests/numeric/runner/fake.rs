@@ -1,5 +1,6 @@
 //! A renderer made of formulas: an analytic sphere whose error is known for every method.
 
+use splitsum::ladder::Attribution;
 use splitsum::pipeline::{
     DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, SharedWork, Tally, TimingSamples,
 };
@@ -122,6 +123,10 @@ impl Renderer for Fake {
             // What comes from a cache has no passes; this was rendered.
             timings: FrameTimings { frame: vec![PassTime { pass: "gbuffer", ms: 1.0 }], ..FrameTimings::default() },
         })
+    }
+
+    fn attributions(&mut self, _: &RenderRequest, _: u32, _: &[[f64; 2]]) -> Result<Vec<Attribution>, RenderFault> {
+        Ok(Vec::new())
     }
 
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault> {

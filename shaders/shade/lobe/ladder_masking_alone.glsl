@@ -1,0 +1,31 @@
+// `ladder-masking-alone`: the weight w(l) of prefiltered maps for the masking with Fresnel left inside, each part by its own mean:
+//     f0 A <K (1 - Fc), L> + B <K Fc, L>, K = D (n.h) / (4 v.h) w(l).
+#ifndef LOBE_LADDER_MASKING_ALONE_GLSL
+#define LOBE_LADDER_MASKING_ALONE_GLSL
+
+#include "lib/directional_albedo.glsl"
+#include "lib/microfacet_lobe.glsl"
+
+// B over what normalises K Fc.
+float grazing_scale(vec4 albedo) {
+    return albedo.y / albedo.w;
+}
+
+// The lobe's f0 holds that of K (1 - Fc), over `grazing_scale`.
+Lobe lobe_at(Surface s, ShadeParams params) {
+    vec4 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
+    return microfacet_lobe(s.n, s.v, s.alpha, s.f0 * albedo.x / ((albedo.z - albedo.w) * grazing_scale(albedo)));
+}
+
+LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
+    LobeValue found = weighted_kernel(lobe, l_local);
+    float fc = schlick_weight(dot(lobe.v_local, normalize(lobe.v_local + l_local)));
+    found.value_cos *= mix(lobe.f0, vec3(1.0), fc);
+    return found;
+}
+
+vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
+    return vec3(grazing_scale(directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING)));
+}
+
+#endif

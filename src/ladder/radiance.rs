@@ -1,0 +1,346 @@
+//! The radiance of every coalition of steps.
+//!
+//! Let K be the coalition's kernel, `<K, L> = ∫ K L dl / ∫ K dl`, A and B the directional albedo, exact or from the table, and
+//! `Fc = (1 - v·h)⁵`. The outgoing radiance is
+//!
+//! - with Fresnel approximated `(f0 A + B) <K, L>`,
+//! - else `f0 A <K (1 - Fc), L> + B <K Fc, L>`, which is the specular integral when nothing else is approximated.
+//!
+//! K is `D G2 / (4 n·v)`, or with masking approximated `D n·h / (4 v·h) w(l)`; with n = v = r it is `D/4` times G1(l) or w(l). Before n = v = r
+//! the means are drawn by the reference's passes. After it K is isotropic about r, so that a mean is a convolution, exact by spherical
+//! harmonics, `m(r, alpha)`. Then, in this order, whichever is approximated:
+//!
+//! - samples: `m` is the prefilter's estimate, for whatever direction and width;
+//! - storage: `m` is rounded to the format;
+//! - texels: `m` is linear between the texels of a level, both levels around alpha by their shares, else taken at r;
+//! - levels: a level has its own width, else each has alpha.
+
+use super::game::Coalition;
+use super::{FRESNEL, LEVELS, MASKING, SAMPLES, STORAGE, TABLE, TEXELS, VIEW};
+use crate::brdf::{Brdf, MaskingShadowing, reflect, schlick_weight};
+use crate::environment::Environment;
+use crate::environment::layout::{FilteredMap, lod_from_solid_angles};
+use crate::math::frame::Frame;
+use crate::math::harmonics::{Harmonics, SmoothMap};
+use crate::math::sequence::SEQUENCES;
+use crate::precompute::dfg::reference::{dfg, weight_means};
+use crate::precompute::prefilter::{Kernel, harmonic, weight_by_name};
+use crate::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat};
+use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
+use half::f16;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// What a lobe reflects of constant radiance, by n·v.
+pub struct Albedos {
+    /// `[A, B, ∫ K (1 - Fc), ∫ K Fc]`, K with masking approximated, at n·v = s² for s evenly from [`Albedos::S_MIN`] to 1.
+    nodes: Vec<DVec4>,
+}
+
+impl Albedos {
+    const COUNT: usize = 65;
+    /// Smaller n·v count as its square.
+    const S_MIN: f64 = 0.01;
+
+    /// By adaptive quadrature, 10 ms a node.
+    pub fn new(kernel: Kernel, masking: MaskingShadowing, alpha: f64) -> Self {
+        let node = |i: usize| {
+            let s = Self::S_MIN + (1.0 - Self::S_MIN) * i as f64 / (Self::COUNT - 1) as f64;
+            let (exact, [below, grazing]) =
+                (dfg(kernel.brdf, masking, s * s, alpha), weight_means(kernel, s * s, alpha));
+            DVec4::new(exact.f0_scale, exact.f90_scale, below, grazing)
+        };
+        Self { nodes: (0..Self::COUNT).into_par_iter().map(node).collect() }
+    }
+
+    /// Cubic between nodes.
+    fn at(&self, n_dot_v: f64) -> DVec4 {
+        let last = (Self::COUNT - 1) as f64;
+        let place = ((n_dot_v.sqrt() - Self::S_MIN) / (1.0 - Self::S_MIN) * last).clamp(0.0, last);
+        let first = (place.floor() - 1.0).clamp(0.0, last - 3.0);
+        let t = place - first;
+        let weight =
+            |i: usize| -> f64 { (0..4).filter(|j| *j != i).map(|j| (t - j as f64) / (i as f64 - j as f64)).product() };
+        (0..4).map(|i| weight(i) * self.nodes[first as usize + i]).sum()
+    }
+
+    /// (A, B).
+    pub fn exact(&self, n_dot_v: f64) -> DVec2 {
+        self.at(n_dot_v).xy()
+    }
+
+    /// `∫ K (1 - Fc)` and `∫ K Fc`.
+    pub fn weighted(&self, n_dot_v: f64) -> DVec2 {
+        self.at(n_dot_v).zw()
+    }
+}
+
+/// One model and width under one light.
+pub struct Setting<'a> {
+    pub model: &'static dyn Brdf,
+    pub masking: MaskingShadowing,
+    pub alpha: f64,
+    pub albedos: &'a Albedos,
+    pub tables: &'a PrecomputeSettings,
+    pub environment: &'a Environment,
+    /// Multiplies the environment's radiance.
+    pub scale: f64,
+    /// Of the environment, to the degree of the narrowest lobe.
+    pub harmonics: &'a Harmonics,
+    /// What the prefilter reads.
+    pub filtered: &'a FilteredMap,
+    /// (A, B) as looked up in the DFG table, by pixel.
+    pub table: Vec<DVec2>,
+    /// Normal and view of each pixel in the environment's frame.
+    pub frames: &'a [[DVec3; 2]],
+    /// Radiance before n = v = r, drawn: with masking exact and approximated, each for f0 = 0 and 1.
+    pub drawn: [[Vec<DVec3>; 2]; 2],
+}
+
+/// `<K, L>`, `<K (1 - Fc), L>` and `<K Fc, L>`.
+type Means = [DVec3; 3];
+/// The means of both kernels: masking exact, then approximated.
+type Stored = [Means; 2];
+
+/// Radiance by coalition, for any f0.
+pub struct Radiance {
+    scale: f64,
+    exact: Vec<DVec2>,
+    table: Vec<DVec2>,
+    /// `∫ K (1 - Fc)` and `∫ K Fc` with masking approximated.
+    weighted: Vec<DVec2>,
+    drawn: [[Vec<DVec3>; 2]; 2],
+    /// Means after n = v = r by pixel, by which of [`TABULATED`] are approximated.
+    tabulated: HashMap<Coalition, Vec<Stored>>,
+}
+
+/// The steps that act on tables.
+const TABULATED: [usize; 4] = [LEVELS, TEXELS, SAMPLES, STORAGE];
+
+fn has(coalition: Coalition, step: usize) -> bool {
+    coalition >> step & 1 == 1
+}
+
+impl Radiance {
+    pub fn new(setting: Setting) -> Self {
+        let n_dot_v: Vec<f64> = setting.frames.iter().map(|[n, v]| n.dot(*v)).collect();
+        let tabulated = Tables::new(&setting).all();
+        Self {
+            scale: setting.scale,
+            exact: n_dot_v.iter().map(|n_dot_v| setting.albedos.exact(*n_dot_v)).collect(),
+            weighted: n_dot_v.iter().map(|n_dot_v| setting.albedos.weighted(*n_dot_v)).collect(),
+            table: setting.table,
+            drawn: setting.drawn,
+            tabulated,
+        }
+    }
+
+    /// Radiance of a feasible coalition by pixel.
+    pub fn of(&self, coalition: Coalition, f0: DVec3) -> Vec<DVec3> {
+        let albedo = if has(coalition, TABLE) { &self.table } else { &self.exact };
+        let pixels = 0..self.exact.len();
+        let radiance = |means: Means, albedo: DVec2| {
+            let [whole, below, grazing] = means;
+            match has(coalition, FRESNEL) {
+                true => (f0 * albedo.x + albedo.y) * whole,
+                false => f0 * albedo.x * below + albedo.y * grazing,
+            }
+        };
+        if has(coalition, VIEW) {
+            let acts = TABULATED.iter().filter(|step| has(coalition, **step)).fold(0, |all, step| all | 1 << step);
+            let stored = &self.tabulated[&acts];
+            let kernel = usize::from(has(coalition, MASKING));
+            return pixels.map(|pixel| self.scale * radiance(stored[pixel][kernel], albedo[pixel])).collect();
+        }
+        let [grazing, both] = &self.drawn[usize::from(has(coalition, MASKING))];
+        let parts = if has(coalition, MASKING) { &self.weighted } else { &self.exact };
+        let of_pixel = |pixel: usize| {
+            let (exact, parts) = (self.exact[pixel], parts[pixel]);
+            let (below, grazing) = ((both[pixel] - grazing[pixel]) / exact.x, grazing[pixel] / exact.y);
+            let whole = (parts.x * below + parts.y * grazing) / parts.element_sum();
+            radiance([whole, below, grazing], albedo[pixel])
+        };
+        pixels.map(of_pixel).collect()
+    }
+}
+
+/// What is looked up at a pixel: which of some directions, and their shares.
+type Stencil = Vec<(usize, f64)>;
+
+/// Directions of lookups, and what each pixel makes of them.
+struct Place {
+    directions: Vec<DVec3>,
+    stencils: Vec<Stencil>,
+    /// Width and height of a face of the level; of none at r itself.
+    size: [u32; 2],
+}
+
+/// One of the two levels around alpha.
+struct Level {
+    alpha: f64,
+    share: f64,
+    /// At r, and at the level's texels.
+    places: [usize; 2],
+}
+
+struct Tables<'a> {
+    setting: &'a Setting<'a>,
+    kernels: [Kernel; 2],
+    places: [Place; 3],
+    levels: [Level; 2],
+}
+
+impl<'a> Tables<'a> {
+    fn new(setting: &'a Setting<'a>) -> Self {
+        let tables = setting.tables;
+        let masked = weight_by_name("masking").expect("a listed weight");
+        let kernels =
+            [masked, tables.prefilter_weight].map(|weight| Kernel::new(setting.model, weight, setting.masking));
+        let r: Vec<DVec3> = setting.frames.iter().map(|[n, v]| reflect(*v, *n)).collect();
+        let (mapping, count) = (tables.level_mapping, tables.prefilter_level_count);
+        let mip = mapping.mip_from_alpha(setting.alpha, count);
+        let low = mip.floor().min(f64::from(count) - 2.0);
+        let level = |place: usize| {
+            let at = low + place as f64 - 1.0;
+            let share = 1.0 - (mip - at).abs();
+            Level { alpha: mapping.alpha_from_mip(at, count), share, places: [0, place] }
+        };
+        let size = |level: f64| tables.prefilter_size.map(|side| side >> level as u32);
+        let mirrored = Place {
+            stencils: (0..r.len()).map(|pixel| vec![(pixel, 1.0)]).collect(),
+            directions: r.clone(),
+            size: size(low),
+        };
+        let places = [mirrored, texels(tables, &r, size(low)), texels(tables, &r, size(low + 1.0))];
+        Self { setting, kernels, places, levels: [level(1), level(2)] }
+    }
+
+    /// By the steps that act.
+    fn all(&self) -> HashMap<Coalition, Vec<Stored>> {
+        let mut known = HashMap::new();
+        let subsets = (0..1 << TABULATED.len()).map(|bits: usize| {
+            TABULATED.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1).fold(0, |all, (_, step)| all | 1 << step)
+        });
+        subsets.map(|acts| (acts, self.means(acts, &mut known))).collect()
+    }
+
+    fn means(&self, acts: Coalition, known: &mut HashMap<(u64, usize, bool), Vec<Stored>>) -> Vec<Stored> {
+        let mut sums = vec![Stored::default(); self.setting.frames.len()];
+        for level in self.levels.iter().filter(|level| level.share > 0.0) {
+            let alpha = if has(acts, LEVELS) { level.alpha } else { self.setting.alpha };
+            let place = level.places[usize::from(has(acts, TEXELS))];
+            let by_samples = has(acts, SAMPLES);
+            let stored = known
+                .entry((alpha.to_bits(), place, by_samples))
+                .or_insert_with(|| self.stored(alpha, &self.places[place], by_samples));
+            let is_half = has(acts, STORAGE) && self.setting.tables.storage == StorageFormat::F16;
+            for (sum, stencil) in sums.iter_mut().zip(&self.places[place].stencils) {
+                for &(at, weight) in stencil {
+                    for (sum, means) in sum.iter_mut().flatten().zip(stored[at].iter().flatten()) {
+                        *sum += level.share * weight * if is_half { rounded(*means) } else { *means };
+                    }
+                }
+            }
+        }
+        sums
+    }
+
+    /// The means in the directions of a place.
+    fn stored(&self, alpha: f64, place: &Place, by_samples: bool) -> Vec<Stored> {
+        let (setting, is_sampled) = (self.setting, self.setting.tables.prefilter == PrefilterBy::Sampled);
+        match (alpha == 0.0, by_samples) {
+            (true, true) => {
+                let sides = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
+                let lod = 0.5 * (sides(setting.filtered.size()) / sides(place.size)).log2();
+                let value = |direction: &DVec3| [[setting.filtered.value(*direction, lod.max(0.0)); 3]; 2];
+                place.directions.par_iter().map(value).collect()
+            }
+            (true, false) => {
+                place.directions.iter().map(|direction| [[setting.environment.radiance(*direction); 3]; 2]).collect()
+            }
+            (false, true) if is_sampled => self.sampled(alpha, &place.directions),
+            (false, _) => self.convolved(alpha, &place.directions),
+        }
+    }
+
+    /// By spherical harmonics.
+    fn convolved(&self, alpha: f64, directions: &[DVec3]) -> Vec<Stored> {
+        let harmonics = self.setting.harmonics;
+        let degree = harmonic::degree(alpha).min(harmonics.degree());
+        let map = |kernel: &Kernel, part: fn(f64) -> f64| -> SmoothMap {
+            let weight = |n_dot_l: f64| kernel.weight(alpha, n_dot_l) * part(n_dot_l);
+            harmonics.convolved(&harmonic::factors_of(kernel.brdf, alpha, degree, weight))
+        };
+        let maps = self.kernels.each_ref().map(|kernel| PARTS.map(|part| map(kernel, part)));
+        directions.par_iter().map(|d| maps.each_ref().map(|maps| maps.each_ref().map(|map| map.value(*d)))).collect()
+    }
+
+    /// By the prefilter's samples.
+    fn sampled(&self, alpha: f64, directions: &[DVec3]) -> Vec<Stored> {
+        let (setting, model) = (self.setting, self.setting.model);
+        let count = setting.tables.prefilter_sample_count;
+        let of_point = |i: u32| {
+            let h = model.sample_d((SEQUENCES[0].point)(i, count, 0), alpha);
+            let l = reflect(DVec3::Z, h);
+            let weights = self.kernels.each_ref().map(|kernel| PARTS.map(|part| kernel.weight(alpha, l.z) * part(l.z)));
+            (l, 4.0 / (f64::from(count) * model.d(h, alpha)), weights)
+        };
+        let points: Vec<_> = (0..count).map(of_point).filter(|(l, ..)| l.z > 0.0).collect();
+        let mean = |direction: &DVec3| -> Stored {
+            let frame = Frame::from_normal(*direction);
+            let (mut sums, mut wholes) = (Stored::default(), [[0.0; 3]; 2]);
+            for (l_local, omega_s, weights) in &points {
+                let l = frame.to_world(*l_local);
+                let omega_p = setting.filtered.texel_solid_angle(l, *omega_s);
+                let lod = lod_from_solid_angles(*omega_s, omega_p) + f64::from(setting.tables.prefilter_lod_bias);
+                let value = setting.filtered.value(l, lod.max(0.0));
+                for (kernel, weights) in weights.iter().enumerate() {
+                    for (part, weight) in weights.iter().enumerate() {
+                        sums[kernel][part] += *weight * value;
+                        wholes[kernel][part] += weight;
+                    }
+                }
+            }
+            let mirror = || setting.filtered.value(*direction, 0.0);
+            let mean = |kernel: usize, part: usize| match wholes[kernel][part] {
+                0.0 => mirror(),
+                whole => sums[kernel][part] / whole,
+            };
+            std::array::from_fn(|kernel| std::array::from_fn(|part| mean(kernel, part)))
+        };
+        directions.par_iter().map(mean).collect()
+    }
+}
+
+/// 1, 1 - Fc and Fc by n·l at n = v.
+const PARTS: [fn(f64) -> f64; 3] = [|_| 1.0, |n_dot_l| 1.0 - grazing(n_dot_l), grazing];
+
+/// Fc at n = v: `v·h = cos(θ_l/2)`.
+fn grazing(n_dot_l: f64) -> f64 {
+    schlick_weight((0.5 * (1.0 + n_dot_l)).sqrt())
+}
+
+/// In half precision, as tables are stored.
+fn rounded(value: DVec3) -> DVec3 {
+    let half = |x: f64| f16::from_f32((x as f32).min(HALF_MAX)).to_f64();
+    DVec3::new(half(value.x), half(value.y), half(value.z))
+}
+
+/// The texels of a level that lookups at these directions read.
+fn texels(tables: &PrecomputeSettings, r: &[DVec3], size: [u32; 2]) -> Place {
+    let (mut places, mut directions) = (HashMap::new(), Vec::new());
+    let extent = DVec2::new(size[0].into(), size[1].into());
+    let stencil = |r: &DVec3| -> Stencil {
+        let texel = |(texel, weight): ([u32; 3], f64)| {
+            let at = *places.entry(texel).or_insert_with(|| {
+                let [face, x, y] = texel;
+                let centre = DVec2::new(x.into(), y.into()) + 0.5;
+                directions.push((tables.layout.direction)(face, centre / extent));
+                directions.len() - 1
+            });
+            (at, weight)
+        };
+        tables.layout.stencil(*r, size).into_iter().map(texel).collect()
+    };
+    Place { stencils: r.iter().map(stencil).collect(), directions, size }
+}

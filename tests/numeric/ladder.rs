@@ -1,0 +1,319 @@
+//! Steps of the split sum's error: the game, attributions of made data, and the radiance of coalitions against other formulas.
+
+use crate::oracle::golden_environment;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use splitsum::brdf::{MODELS, MaskingShadowing, g2, reflect, schlick_weight};
+use splitsum::environment::Environment;
+use splitsum::environment::layout::{FilteredMap, LAYOUTS};
+use splitsum::gbuffer::design;
+use splitsum::ladder::attribution::{Attribution, Case, attributions};
+use splitsum::ladder::game::{Coalition, before, coalitions, is_feasible, shapley, without};
+use splitsum::ladder::radiance::{Albedos, Radiance, Setting};
+use splitsum::ladder::{FRESNEL, LEVELS, MASKING, STEPS, STORAGE, TABLE, TEXELS, VIEW, needs};
+use splitsum::math::frame::Frame;
+use splitsum::metrics::Epsilon;
+use splitsum::pixels::{Pixels, RgbImage};
+use splitsum::precompute::dfg::reference::dfg;
+use splitsum::precompute::prefilter::{Kernel, WEIGHTS, harmonic};
+use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature};
+use splitsum::shade::method::ladder;
+use splitsum::shade::reference::{Surface, TOLERANCE};
+use splitsum::shade::twin::Twin;
+use std::f64::consts::{PI, TAU};
+
+/// A number of a coalition without any order in it.
+fn scattered(coalition: Coalition) -> f64 {
+    (f64::from(coalition) * 0.754_877_666).fract() + f64::from(coalition.count_ones())
+}
+
+/// Every order in which each comes after whom it needs.
+fn orders(needs: &[Coalition], so_far: &[usize]) -> Vec<Vec<usize>> {
+    let there = so_far.iter().fold(0, |all, player| all | 1 << player);
+    if so_far.len() == needs.len() {
+        return vec![so_far.to_vec()];
+    }
+    let can_join = |player: &usize| there >> player & 1 == 0 && needs[*player] & !there == 0;
+    (0..needs.len()).filter(can_join).flat_map(|player| orders(needs, &[so_far, &[player]].concat())).collect()
+}
+
+/// What each player adds, averaged over these.
+fn by_orders(needs: &[Coalition], value: fn(Coalition) -> f64) -> Vec<f64> {
+    let orders = orders(needs, &[]);
+    let mut sums = vec![0.0; needs.len()];
+    for order in &orders {
+        let mut there = 0;
+        for player in order {
+            sums[*player] += (value(there | 1 << player) - value(there)) / orders.len() as f64;
+            there |= 1 << player;
+        }
+    }
+    sums
+}
+
+#[test]
+fn coalitions_have_whom_they_need() {
+    let needs = needs();
+    let all = coalitions(&needs);
+    // Three free steps beside n = v = r: 2³; with it four more: 2³ · 2⁴.
+    assert_eq!(all.len(), 8 + 128);
+    let rungs = (0..=STEPS.len()).map(|count| (1u32 << count) - 1);
+    assert!(rungs.clone().all(|rung| is_feasible(rung, &needs)), "the ladder's order is one of them");
+    for step in 0..STEPS.len() {
+        let (least, most) = (before(step, &needs), without(step, &needs));
+        assert!(is_feasible(least | 1 << step, &needs) && is_feasible(most, &needs), "{step}");
+        assert!(all.iter().filter(|one| *one >> step & 1 == 1).all(|one| one & least == least), "{step}: least");
+        assert!(all.iter().filter(|one| *one >> step & 1 == 0).all(|one| one & !most == 0), "{step}: most");
+    }
+}
+
+#[test]
+fn shapley_values_are_means_over_all_orders() {
+    for needs in [vec![0; 4], vec![0, 1, 1, 0b110, 0], vec![0, 1, 0b10]] {
+        let (found, right) = (shapley(&needs, scattered), by_orders(&needs, scattered));
+        let all = (1 << needs.len()) - 1;
+        assert!((found.iter().sum::<f64>() - scattered(all) + scattered(0)).abs() < 1e-12, "{needs:?}: the sum");
+        assert!(found.iter().zip(&right).all(|(a, b)| (a - b).abs() < 1e-12), "{needs:?}: {found:?}, {right:?}");
+    }
+}
+
+/// Pixels with n·v from 0 to 1.
+const PIXELS: usize = 400;
+
+/// Attributions of images that are a constant plus what each step adds to each pixel.
+fn made(added: &dyn Fn(usize, usize) -> f64, bands: &[[f64; 2]]) -> Vec<Attribution> {
+    let radiance = |coalition: Coalition| -> Vec<DVec3> {
+        let sum = |pixel| (0..STEPS.len()).filter(|i| coalition >> i & 1 == 1).map(|i| added(i, pixel)).sum::<f64>();
+        (0..PIXELS).map(|pixel| DVec3::splat(1.0 + sum(pixel))).collect()
+    };
+    let n_dot_v: Vec<f64> = (0..PIXELS).map(|i| (i as f64 + 0.5) / PIXELS as f64).collect();
+    let case = Case {
+        n_dot_v: &n_dot_v,
+        radiance: &radiance,
+        standard_error: &[DVec3::splat(1e-3); PIXELS],
+        epsilon: Epsilon::of_light(0.0),
+    };
+    attributions(&case, bands)
+}
+
+#[test]
+fn steps_that_do_not_meet_keep_what_they_make() {
+    // Each step acts on pixels of its own; the last does nothing.
+    let size = |step: usize| if step == TABLE { 0.0 } else { 0.01 * (step + 1) as f64 };
+    let [all] = &made(&|step, pixel| if pixel % STEPS.len() == step { size(step) } else { 0.0 }, &[])[..] else {
+        panic!("one band")
+    };
+    let whole: f64 = (0..STEPS.len()).map(|step| size(step).powi(2)).sum();
+    for (step, found) in all.steps.iter().enumerate() {
+        let own = size(step).powi(2);
+        let mean = own / STEPS.len() as f64;
+        assert!((found.share - own / whole).abs() < 1e-12, "{step}: share {}", found.share);
+        for (name, x) in [("first", found.first_in), ("last", found.last_out), ("shapley", found.shapley)] {
+            // Making n = v = r exact takes what needs it along.
+            let with_others = step == VIEW && name == "last";
+            let right = if with_others { (VIEW..TABLE).map(|i| size(i).powi(2)).sum::<f64>() / 8.0 } else { mean };
+            assert!((x - right).abs() < 1e-12, "{step}: {name} {x}, not {right}");
+        }
+    }
+    assert!((all.error - whole / 8.0).abs() < 1e-12 && (all.noise - 1e-6).abs() < 1e-15);
+}
+
+#[test]
+fn a_step_that_undoes_another_has_a_negative_share() {
+    // Two steps of the same pixels: 0.3 and -0.1, so that 0.2 is left: shares 1.5 and -0.5.
+    let added = |step: usize, _| [0.3, -0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0][step];
+    let found = made(&added, &[[0.0, 0.5], [0.5, 1.0], [1.0, 1.0]]);
+    assert_eq!(found.iter().map(|one| one.pixel_count).collect::<Vec<_>>(), [PIXELS, PIXELS / 2, PIXELS / 2]);
+    for one in &found {
+        let [fresnel, masking] = [one.steps[FRESNEL], one.steps[MASKING]];
+        assert!((fresnel.share - 1.5).abs() < 1e-12 && (masking.share + 0.5).abs() < 1e-12);
+        assert!((fresnel.first_in - 0.09).abs() < 1e-12 && (fresnel.last_out - 0.03).abs() < 1e-12);
+        assert!((masking.first_in - 0.01).abs() < 1e-12 && (masking.last_out + 0.05).abs() < 1e-12);
+        assert!((fresnel.shapley - 0.06).abs() < 1e-12 && (masking.shapley + 0.02).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn albedos_between_nodes_are_those_of_the_quadrature() {
+    for model in MODELS {
+        for (alpha, masking) in [(0.1, MaskingShadowing::Separable), (0.7, MaskingShadowing::HeightCorrelated)] {
+            let kernel = Kernel::cosine(*model);
+            let albedos = Albedos::new(kernel, masking, alpha);
+            for n_dot_v in [0.002, 0.013, 0.11, 0.37, 0.62, 0.883, 0.9999] {
+                let (found, right) = (albedos.exact(n_dot_v), dfg(*model, masking, n_dot_v, alpha));
+                let error = (found - DVec2::new(right.f0_scale, right.f90_scale)).abs().max_element();
+                assert!(error < 5e-5, "{} alpha {alpha} n.v {n_dot_v}: {error:e}", model.name());
+            }
+        }
+    }
+}
+
+/// The frames of some pixels of a design.
+fn frames(count: u32) -> Vec<[DVec3; 2]> {
+    (0..count).map(|i| design::frame(i, count)).collect()
+}
+
+/// The map itself as a filtered one of one level.
+fn one_level(environment: &Environment, side: u32) -> FilteredMap {
+    let layout = &LAYOUTS[0];
+    let face = |face| {
+        Pixels::from_fn(side, side, |x, y| {
+            let uv = (DVec2::new(x.into(), y.into()) + 0.5) / f64::from(side);
+            environment.radiance((layout.direction)(face, uv))
+        })
+    };
+    FilteredMap { layout, levels: vec![(0..layout.face_count).map(face).collect()] }
+}
+
+/// The radiance of coalitions of GGX at one alpha, with the drawn parts taken from the quadrature.
+fn radiance(environment: &Environment, alpha: f64, frames: &[[DVec3; 2]], tables: &PrecomputeSettings) -> Radiance {
+    let (model, masking) = (MODELS[0], MaskingShadowing::Separable);
+    let exact = exact_quadrature(&environment.image);
+    let mean = |method: &splitsum::shade::Method, f0: f64| -> Vec<DVec3> {
+        let Twin::Mean(twin) = method.twin else { panic!("{} is no integral", method.name) };
+        let of_frame = |[n, v]: &[DVec3; 2]| {
+            let surface = Surface { model, masking, alpha, f0: DVec3::splat(f0), n: *n, v: *v };
+            twin(&exact, &surface, tables, TOLERANCE).value
+        };
+        frames.par_iter().map(of_frame).collect()
+    };
+    let reference = splitsum::shade::method_by_name("reference").unwrap();
+    let drawn = [reference, &ladder::MASKING_ALONE].map(|method| [mean(method, 0.0), mean(method, 1.0)]);
+    let albedos = Albedos::new(Kernel::cosine(model), masking, alpha);
+    let harmonics = harmonic::harmonics(&environment.image, harmonic::degree(alpha.min(0.0625)));
+    Radiance::new(Setting {
+        model,
+        masking,
+        alpha,
+        albedos: &albedos,
+        tables,
+        environment,
+        scale: 1.0,
+        harmonics: &harmonics,
+        filtered: &one_level(environment, 32),
+        table: frames.iter().map(|[n, v]| albedos.exact(n.dot(*v))).collect(),
+        frames,
+        drawn,
+    })
+}
+
+fn harmonic_tables() -> PrecomputeSettings {
+    PrecomputeSettings { prefilter: PrefilterBy::Harmonic, prefilter_size: [64; 2], ..PrecomputeSettings::default() }
+}
+
+fn of(steps: &[usize]) -> Coalition {
+    steps.iter().fold(0, |all, step| all | 1 << step)
+}
+
+#[test]
+fn rungs_are_their_f64_twins() {
+    let environment = Environment::from_image("golden", golden_environment());
+    let (frames, tables, f0) = (frames(24), harmonic_tables(), DVec3::new(0.04, 0.3, 1.0));
+    let exact = exact_quadrature(&environment.image);
+    for alpha in [0.1, 0.45] {
+        let found = radiance(&environment, alpha, &frames, &tables);
+        let rungs = [
+            (&ladder::FRESNEL, of(&[FRESNEL])),
+            (&ladder::MASKING, of(&[FRESNEL, MASKING])),
+            (&ladder::VIEW, of(&[FRESNEL, MASKING, VIEW])),
+            (&ladder::LEVELS, of(&[FRESNEL, MASKING, VIEW, LEVELS])),
+            // Nothing is rounded and nothing sampled here, and the table is exact.
+            (&ladder::LEVELS, of(&[FRESNEL, MASKING, VIEW, LEVELS, STORAGE, TABLE])),
+        ];
+        for (method, coalition) in rungs {
+            let Twin::Mean(twin) = method.twin else { panic!("{} is no integral", method.name) };
+            for (pixel, own) in found.of(coalition, f0).iter().enumerate() {
+                let [n, v] = frames[pixel];
+                let surface = Surface { model: MODELS[0], masking: MaskingShadowing::Separable, alpha, f0, n, v };
+                let right = twin(&exact, &surface, &tables, TOLERANCE).value;
+                let error = ((*own - right) / right).abs().max_element();
+                assert!(error < 2e-4, "{} alpha {alpha} pixel {pixel}: {own}, not {right}", method.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_view_alone_is_the_lobe_about_r() {
+    // f0 A <K (1 - Fc), L> + B <K Fc, L> with K = D/4 G1(l) for n = v = r, by sums over latitude and longitude.
+    let environment = Environment::from_image("golden", golden_environment());
+    let (alpha, f0, frames) = (0.45, DVec3::new(0.04, 0.3, 1.0), frames(6));
+    let found = radiance(&environment, alpha, &frames, &harmonic_tables()).of(of(&[VIEW]), f0);
+    let (model, masking) = (MODELS[0], MaskingShadowing::Separable);
+    for ([n, v], own) in frames.iter().zip(&found) {
+        let frame = Frame::from_normal(reflect(*v, *n));
+        let (mut sums, mut wholes) = ([DVec3::ZERO; 2], [0.0; 2]);
+        let (rows, columns) = (400, 400);
+        for row in 0..rows {
+            let theta = 0.5 * PI * (f64::from(row) + 0.5) / f64::from(rows);
+            for column in 0..columns {
+                let phi = TAU * (f64::from(column) + 0.5) / f64::from(columns);
+                let l = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+                let h = (l + DVec3::Z).normalize();
+                let value = model.d(h, alpha) * g2(model, 1.0, l.z, alpha, masking) * theta.sin();
+                let fc = schlick_weight(h.z);
+                let light = environment.radiance(frame.to_world(l));
+                for (i, part) in [1.0 - fc, fc].into_iter().enumerate() {
+                    sums[i] += value * part * light;
+                    wholes[i] += value * part;
+                }
+            }
+        }
+        let albedo = dfg(model, masking, n.dot(*v), alpha);
+        let right = f0 * albedo.f0_scale * sums[0] / wholes[0] + albedo.f90_scale * sums[1] / wholes[1];
+        assert!(((*own - right) / right).abs().max_element() < 1e-3, "{own}, not {right}");
+    }
+}
+
+#[test]
+fn constant_light_has_no_step_but_the_table() {
+    let image = RgbImage::from_fn(64, 32, |_, _| [0.5, 1.0, 2.0]);
+    let environment = Environment::from_image("constant", image);
+    let (frames, f0) = (frames(16), DVec3::new(0.04, 0.3, 1.0));
+    let found = radiance(&environment, 0.3, &frames, &harmonic_tables());
+    let exact = found.of(0, f0);
+    for coalition in coalitions(&needs()) {
+        for (own, right) in found.of(coalition, f0).iter().zip(&exact) {
+            assert!(((own - right) / right).abs().max_element() < 2e-5, "{coalition:b}: {own}, not {right}");
+        }
+    }
+}
+
+#[test]
+fn texels_blur_a_small_lamp() {
+    // Linear filtering keeps the mean over the sphere and lowers the peak.
+    let image =
+        RgbImage::from_fn(128, 64, |x, y| [if (60..64).contains(&x) && (30..34).contains(&y) { 50.0 } else { 0.1 }; 3]);
+    let environment = Environment::from_image("lamp", image);
+    let (frames, f0) = (frames(2000), DVec3::ONE);
+    let tables = PrecomputeSettings { prefilter_size: [16; 2], prefilter_level_count: 3, ..harmonic_tables() };
+    let drawn = vec![DVec3::ONE; frames.len()];
+    let albedos = Albedos::new(
+        Kernel::new(MODELS[0], &WEIGHTS[0], MaskingShadowing::Separable),
+        MaskingShadowing::Separable,
+        0.25,
+    );
+    let found = Radiance::new(Setting {
+        model: MODELS[0],
+        masking: MaskingShadowing::Separable,
+        alpha: 0.25,
+        albedos: &albedos,
+        tables: &tables,
+        environment: &environment,
+        scale: 1.0,
+        harmonics: &harmonic::harmonics(&environment.image, harmonic::degree(0.25)),
+        filtered: &one_level(&environment, 32),
+        table: frames.iter().map(|[n, v]| albedos.exact(n.dot(*v))).collect(),
+        frames: &frames,
+        drawn: [[drawn.clone(), drawn.clone()], [drawn.clone(), drawn]],
+    });
+    let without_albedo = |coalition| -> Vec<f64> {
+        let image = found.of(coalition, f0);
+        image.iter().zip(&frames).map(|(rgb, [n, v])| rgb.x / albedos.exact(n.dot(*v)).element_sum()).collect()
+    };
+    let [sharp, blurred] = [of(&[FRESNEL, MASKING, VIEW]), of(&[FRESNEL, MASKING, VIEW, TEXELS])].map(without_albedo);
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let peak = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+    assert!((mean(&blurred) / mean(&sharp) - 1.0).abs() < 0.02, "{} {}", mean(&blurred), mean(&sharp));
+    assert!(peak(&blurred) < 0.99 * peak(&sharp), "{} {}", peak(&blurred), peak(&sharp));
+}
