@@ -11,6 +11,8 @@ pub mod radiance;
 
 pub use attribution::{Attribution, StepNumbers};
 
+use crate::shade::Method;
+use crate::shade::method::{ladder as rungs, split_sum};
 use game::Coalition;
 
 /// One approximation.
@@ -19,6 +21,8 @@ pub struct Step {
     pub name: &'static str,
     /// What replaces what.
     pub about: &'static str,
+    /// The method whose frame is the rung after the step; that of texels has three rungs, by the axes of tables.
+    pub rung: &'static Method,
     /// The steps that must have been made before, as a coalition.
     pub needs: Coalition,
 }
@@ -35,22 +39,22 @@ pub const TABLE: usize = 7;
 /// The approximations in the ladder's order. Only what depends on one direction alone can be tabulated: levels, texels, samples and
 /// storage need n = v = r.
 pub const STEPS: [Step; 8] = [
-    free("Fresnel", "Fresnel's factor leaves the integral: f0 A + B times a mean"),
-    free("masking", "the weight of the prefiltered map, n·l by default, for masking-shadowing"),
-    free("view", "n = v = r: the lobe about r of a view along it"),
-    tabulated("levels", "a linear blend of the widths of two levels for the width"),
-    tabulated("texels", "linear filtering between texels for the direction"),
-    tabulated("samples", "the finite prefilter for the integral in each texel"),
-    tabulated("storage", "the format in which texels are kept"),
-    free("table", "the DFG table as looked up for A and B"),
+    free("Fresnel", &rungs::FRESNEL, "Fresnel's factor leaves the integral: f0 A + B times a mean"),
+    free("masking", &rungs::MASKING, "the weight of the prefiltered map, n·l by default, for masking-shadowing"),
+    free("view", &rungs::VIEW, "n = v = r: the lobe about r of a view along it"),
+    tabulated("levels", &rungs::LEVELS, "a linear blend of the widths of two levels for the width"),
+    tabulated("texels", &rungs::TEXELS, "linear filtering between texels for the direction"),
+    tabulated("samples", &rungs::TEXELS, "the finite prefilter for the integral in each texel"),
+    tabulated("storage", &rungs::TEXELS, "the format in which texels are kept"),
+    free("table", &split_sum::METHOD, "the DFG table as looked up for A and B"),
 ];
 
-const fn free(name: &'static str, about: &'static str) -> Step {
-    Step { name, about, needs: 0 }
+const fn free(name: &'static str, rung: &'static Method, about: &'static str) -> Step {
+    Step { name, about, rung, needs: 0 }
 }
 
-const fn tabulated(name: &'static str, about: &'static str) -> Step {
-    Step { name, about, needs: 1 << VIEW }
+const fn tabulated(name: &'static str, rung: &'static Method, about: &'static str) -> Step {
+    Step { name, about, rung, needs: 1 << VIEW }
 }
 
 /// What each step needs.

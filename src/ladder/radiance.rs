@@ -23,57 +23,13 @@ use crate::environment::layout::{FilteredMap, lod_from_solid_angles};
 use crate::math::frame::Frame;
 use crate::math::harmonics::{Harmonics, SmoothMap};
 use crate::math::sequence::SEQUENCES;
-use crate::precompute::dfg::reference::{dfg, weight_means};
+use crate::precompute::dfg::Albedos;
 use crate::precompute::prefilter::{Kernel, harmonic, weight_by_name};
 use crate::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat};
-use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
+use glam::{DVec2, DVec3};
 use half::f16;
 use rayon::prelude::*;
 use std::collections::HashMap;
-
-/// What a lobe reflects of constant radiance, by n·v.
-pub struct Albedos {
-    /// `[A, B, ∫ K (1 - Fc), ∫ K Fc]`, K with masking approximated, at n·v = s² for s evenly from [`Albedos::S_MIN`] to 1.
-    nodes: Vec<DVec4>,
-}
-
-impl Albedos {
-    const COUNT: usize = 65;
-    /// Smaller n·v count as its square.
-    const S_MIN: f64 = 0.01;
-
-    /// By adaptive quadrature, 10 ms a node.
-    pub fn new(kernel: Kernel, masking: MaskingShadowing, alpha: f64) -> Self {
-        let node = |i: usize| {
-            let s = Self::S_MIN + (1.0 - Self::S_MIN) * i as f64 / (Self::COUNT - 1) as f64;
-            let (exact, [below, grazing]) =
-                (dfg(kernel.brdf, masking, s * s, alpha), weight_means(kernel, s * s, alpha));
-            DVec4::new(exact.f0_scale, exact.f90_scale, below, grazing)
-        };
-        Self { nodes: (0..Self::COUNT).into_par_iter().map(node).collect() }
-    }
-
-    /// Cubic between nodes.
-    fn at(&self, n_dot_v: f64) -> DVec4 {
-        let last = (Self::COUNT - 1) as f64;
-        let place = ((n_dot_v.sqrt() - Self::S_MIN) / (1.0 - Self::S_MIN) * last).clamp(0.0, last);
-        let first = (place.floor() - 1.0).clamp(0.0, last - 3.0);
-        let t = place - first;
-        let weight =
-            |i: usize| -> f64 { (0..4).filter(|j| *j != i).map(|j| (t - j as f64) / (i as f64 - j as f64)).product() };
-        (0..4).map(|i| weight(i) * self.nodes[first as usize + i]).sum()
-    }
-
-    /// (A, B).
-    pub fn exact(&self, n_dot_v: f64) -> DVec2 {
-        self.at(n_dot_v).xy()
-    }
-
-    /// `∫ K (1 - Fc)` and `∫ K Fc`.
-    pub fn weighted(&self, n_dot_v: f64) -> DVec2 {
-        self.at(n_dot_v).zw()
-    }
-}
 
 /// One model and width under one light.
 pub struct Setting<'a> {
@@ -171,7 +127,8 @@ type Stencil = Vec<(usize, f64)>;
 struct Place {
     directions: Vec<DVec3>,
     stencils: Vec<Stencil>,
-    /// Width and height of a face of the level; of none at r itself.
+    /// Whether they are texels of a level, with faces of `size`; else they are r.
+    is_level: bool,
     size: [u32; 2],
 }
 
@@ -209,7 +166,8 @@ impl<'a> Tables<'a> {
         let mirrored = Place {
             stencils: (0..r.len()).map(|pixel| vec![(pixel, 1.0)]).collect(),
             directions: r.clone(),
-            size: size(low),
+            is_level: false,
+            size: [0; 2],
         };
         let places = [mirrored, texels(tables, &r, size(low)), texels(tables, &r, size(low + 1.0))];
         Self { setting, kernels, places, levels: [level(1), level(2)] }
@@ -249,13 +207,14 @@ impl<'a> Tables<'a> {
     fn stored(&self, alpha: f64, place: &Place, by_samples: bool) -> Vec<Stored> {
         let (setting, is_sampled) = (self.setting, self.setting.tables.prefilter == PrefilterBy::Sampled);
         match (alpha == 0.0, by_samples) {
-            (true, true) => {
+            // A texel of the mirror's level is the map filtered to its size, whatever makes the others.
+            (true, _) if place.is_level => {
                 let sides = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
                 let lod = 0.5 * (sides(setting.filtered.size()) / sides(place.size)).log2();
                 let value = |direction: &DVec3| [[setting.filtered.value(*direction, lod.max(0.0)); 3]; 2];
                 place.directions.par_iter().map(value).collect()
             }
-            (true, false) => {
+            (true, _) => {
                 place.directions.iter().map(|direction| [[setting.environment.radiance(*direction); 3]; 2]).collect()
             }
             (false, true) if is_sampled => self.sampled(alpha, &place.directions),
@@ -342,5 +301,5 @@ fn texels(tables: &PrecomputeSettings, r: &[DVec3], size: [u32; 2]) -> Place {
         };
         tables.layout.stencil(*r, size).into_iter().map(texel).collect()
     };
-    Place { stencils: r.iter().map(stencil).collect(), directions, size }
+    Place { stencils: r.iter().map(stencil).collect(), directions, is_level: true, size }
 }

@@ -43,11 +43,12 @@ pub const BINS: &[Column] = &[
     column("pixel_count", "Pixels in the bin."),
 ];
 
-/// Of `steps.csv`, beside the cell, its axes and the columns of [`BINS`].
-pub const STEPS: &[Column] = &[column("step", "What is approximated: see docs/estimators.md, \"The ladder\".")];
-
-/// The numbers of `steps.csv`.
-pub const STEP_NUMBERS: &[Column] = &[
+/// Of `steps.csv`, beside the cell and its axes.
+pub const STEPS: &[Column] = &[
+    BINS[0],
+    BINS[1],
+    BINS[2],
+    column("step", "What is approximated: see docs/estimators.md, \"The ladder\"."),
     column(
         "share",
         "Covariance share of the split sum's `relmse` in the ladder's order; shares of a cell and band sum to 1.",
@@ -58,9 +59,12 @@ pub const STEP_NUMBERS: &[Column] = &[
         "last_out",
         "`relmse` that goes when it alone is made exact, with those that need it; below 0 it hides error of others.",
     ),
-    column("shapley", "The mean of what the step adds over all orders; the steps' numbers sum to the error."),
+    column("shapley", "The mean of what the step adds over all legal orders; the steps' numbers sum to the error."),
     column("noise", "`relmse` of an exact image, from the reference's standard error."),
 ];
+
+/// The numbers of `steps.csv`.
+pub const STEP_NUMBERS: &[Column] = STEPS.split_at(4).1;
 
 /// Of `timings.csv`, beside the cell and the axes that cost time.
 pub const TIMINGS: &[Column] = &[
@@ -142,11 +146,7 @@ pub const TABLES: &[(&str, &[Column], &str)] = &[
         "One row a cell. Besides: every axis, every metric, and `METRIC_noise_floor`, the score of an exact image.",
     ),
     ("errors_by_n_dot_v.csv", BINS, "One row a cell and bin of n·v. Besides: every axis and every metric."),
-    (
-        "steps.csv",
-        STEPS,
-        "One row a cell, band of n·v and step. Only with `[ladder]`. Besides: every axis, the band, its pixels.",
-    ),
+    ("steps.csv", STEPS, "One row a cell, band of n·v and step. Only with `[ladder]`. Besides: every axis."),
     ("timings.csv", TIMINGS, "One row a timed configuration and pass. Besides: the axes that cost time."),
     (
         "timing_ratios.csv",

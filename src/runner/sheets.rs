@@ -4,14 +4,16 @@
 //! swept, each display image has its FLIP map, and the linear map stands once below all of them.
 
 use super::axis::{AXES, METHOD, POINT_SET, SAMPLES, Sheet};
-use super::images::{error_name, flip_name, picture_name, reference_picture_name, short_text, sweeps_display};
+use super::images::{
+    error_name, flip_name, linear_files, picture_name, reference_picture_name, short_text, sweeps_display,
+};
 use super::plan::{Cell, Plan};
 use super::rows;
 use super::store::{CellRecord, Store, StoreError};
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
 use crate::files::names_in;
-use crate::pixels::png;
-use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
+use crate::pixels::{GrayImage, PixelsError, Rgb8Image, exr, png};
+use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR, SIGNED_ERROR};
 use crate::table::contact_sheet::{ContactSheet, Legend, Tile};
 use crate::table::markdown::significant;
 use rayon::prelude::*;
@@ -230,6 +232,12 @@ impl Page<'_> {
                 sheet.row_group_starts.push(sheet.rows.len());
             }
             self.row(&mut sheet, "relative error".to_owned(), &shared, Kind::RelativeError);
+            if self.plan.config.ladder.is_some() {
+                self.steps(&mut sheet, &shared);
+            }
+        }
+        if self.plan.config.ladder.is_some() {
+            sheet.legends.push(Legend { label: "signed step".to_owned(), scale: SIGNED_ERROR });
         }
         sheet
     }
@@ -256,6 +264,43 @@ impl Page<'_> {
         }));
         sheet.row_labels.push(label);
         sheet.rows.push(tiles);
+    }
+
+    /// Adds a row with what each column adds to the one before, over the reference: the steps of the ladder.
+    fn steps(&self, sheet: &mut ContactSheet, cells: &[&Cell]) {
+        let mut tiles = vec![Tile::Blank];
+        let of_column =
+            |column: &[&'_ Cell]| cells.iter().find(|cell| same(cell, column[0], self.column_axes)).copied();
+        let own: Vec<Option<&Cell>> = self.columns.iter().map(|column| of_column(column)).collect();
+        for (i, cell) in own.iter().enumerate() {
+            tiles.push(match cell.map(|cell| self.step(cell, if i > 0 { own[i - 1] } else { None })) {
+                Some(Ok(image)) => {
+                    let image =
+                        self.tiles.shrunk(self.columns.len() + 1).map_or(image.clone(), |[w, h]| image.shrunk(w, h));
+                    Tile::Image { image, note: String::new() }
+                }
+                Some(Err(error)) => Tile::Missing(error.to_string()),
+                None => Tile::Missing("excluded".to_owned()),
+            });
+        }
+        sheet.row_labels.push("signed step".to_owned());
+        sheet.rows.push(tiles);
+    }
+
+    /// The difference of an image to the one before, else to the reference, over the root of `r² + ε`, mean over channels.
+    fn step(&self, cell: &Cell, before: Option<&Cell>) -> Result<Rgb8Image, PixelsError> {
+        let [own, reference] = linear_files(self.plan, cell);
+        let before = before.map_or(reference.clone(), |before| linear_files(self.plan, before)[0].clone());
+        let read = |name: String| exr::read(&self.store.image_path(&name));
+        let (own, before, reference) = (read(own)?, read(before)?, read(reference)?);
+        let epsilon = self.plan.request(&cell.point).epsilon().beside_square();
+        let map = GrayImage::from_fn(own.rgb.width, own.rgb.height, |x, y| {
+            let [own, before, r] = [&own, &before, &reference].map(|image| image.rgb.get(x, y).map(f64::from));
+            let mean: f64 = (0..3).map(|c| (own[c] - before[c]) / (r[c] * r[c] + epsilon).sqrt() / 3.0).sum();
+            mean as f32
+        });
+        let mask = reference.alpha.unwrap_or_else(|| map.map(|_| 1.0));
+        Ok(SIGNED_ERROR.image(&map, &mask))
     }
 
     fn done(&self, cell: &Cell) -> Option<&CellRecord> {

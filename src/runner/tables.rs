@@ -116,7 +116,7 @@ pub fn steps(
     store: &Store,
 ) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
     let mut columns = cell_columns(plan);
-    columns.extend(names_of(BINS).chain(names_of(STEPS)).chain(names_of(STEP_NUMBERS)));
+    columns.extend(names_of(STEPS));
     let done = plan.cells.iter().filter(|cell| matches!(results.get(&cell.id), Some(CellResult::Done(_))));
     let names: Vec<&str> = STEP_NUMBERS.iter().map(|column| column.name).collect();
     let rows = move |cell: &Cell| {

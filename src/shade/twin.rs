@@ -13,8 +13,9 @@ use crate::math::sequence::Sequence;
 use crate::math::spherical_harmonics::COUNT;
 use crate::pixels::Pixels;
 use crate::pixels::lookup::{Wrap, trilinear};
+use crate::precompute::PrecomputeSettings;
+use crate::precompute::dfg::{self, Albedos};
 use crate::precompute::prefilter::LevelMapping;
-use crate::precompute::{PrecomputeSettings, dfg};
 use glam::{DVec2, DVec3};
 
 /// The f64 twin of a method.
@@ -45,6 +46,8 @@ pub struct Light {
     pub level_mapping: &'static LevelMapping,
     /// The DFG table: what scales f0, and what is added.
     pub dfg: Pixels<DVec2>,
+    /// (A, B) by n·v, exact.
+    pub albedos: Albedos,
     /// Irradiance over π.
     pub irradiance_map: FilteredMap,
     /// Coefficients of radiance.

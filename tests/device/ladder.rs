@@ -4,22 +4,21 @@ use crate::compare::{Worst, relative};
 use crate::harness::{golden_environment, request, scene, with_pipeline};
 use splitsum::environment::Placement;
 use splitsum::environment::layout::LAYOUTS;
-use splitsum::ladder::{LEVELS, STEPS, TABLE};
+use splitsum::ladder::{SAMPLES, STEPS, STORAGE};
 use splitsum::metrics::{Comparison, HEADLINE};
 use splitsum::pipeline::{Pipeline, RenderRequest};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::method::ladder::LADDER;
 use splitsum::shade::method_by_name;
 use splitsum::tonemap::ToneCurve;
 
-const SAMPLES: u32 = 4096;
+const DRAWN: u32 = 4096;
 
 /// `relmse` of a method's frame against that of the reference.
 fn relmse(pipeline: &mut Pipeline, method: &str, request: &RenderRequest) -> f64 {
     let mut frame = |name: &str| {
         let method = method_by_name(name).unwrap();
-        pipeline.render(&RenderRequest { method, samples: SAMPLES, ..request.clone() }).unwrap()
+        pipeline.render(&RenderRequest { method, samples: DRAWN, ..request.clone() }).unwrap()
     };
     let (test, reference) = (frame(method), frame("reference"));
     let comparison =
@@ -54,17 +53,23 @@ fn rungs_have_the_error_of_the_methods_frames() {
                 precompute,
                 placement: Placement { orientation: 3, rotation_deg: 20.0 },
                 environment_scale: 3.0,
-                reference_samples: SAMPLES,
+                reference_samples: DRAWN,
                 ..request(&golden_environment(), scene("design", material), CameraKind::Perspective, [24, 24])
             };
-            let found = pipeline.attributions(&request, SAMPLES, &[]).unwrap();
+            let found = pipeline.attributions(&request, DRAWN, &[]).unwrap();
             let steps = &found[0].steps;
             // The drawn rungs share their points; the others differ from the frames by f32 and by the noise of both.
-            for (rung, (method, _)) in LADDER.iter().enumerate().skip(1) {
-                let step = if rung <= LEVELS + 1 { rung - 1 } else { TABLE };
-                let mut worst = Worst::new(format!("{method}, {}", layout.name), relative(5e-3));
-                let right = relmse(pipeline, method, &request);
-                worst.add(steps[step].error, right, || STEPS[step].name.to_owned());
+            for (i, step) in STEPS.iter().enumerate() {
+                let made = |by: usize| i >= by;
+                let precompute = PrecomputeSettings {
+                    prefilter: if made(SAMPLES) { prefilter } else { PrefilterBy::Harmonic },
+                    storage: if made(STORAGE) { storage } else { StorageFormat::F32 },
+                    ..precompute
+                };
+                let request = RenderRequest { precompute, ..request.clone() };
+                let right = relmse(pipeline, step.rung.name, &request);
+                let mut worst = Worst::new(format!("{}, {}", step.name, layout.name), relative(5e-3));
+                worst.add(steps[i].error, right, || step.rung.name.to_owned());
                 worst.check();
             }
         }

@@ -18,6 +18,7 @@ use splitsum::gpu::Gpu;
 use splitsum::math::frame::Frame as LocalFrame;
 use splitsum::math::sequence::SEQUENCES;
 use splitsum::pipeline::{Frame, RenderRequest};
+use splitsum::precompute::dfg::Albedos;
 use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::pass::Recipe;
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, reference::estimate};
@@ -162,6 +163,7 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
         prefiltered: read_map(gpu, layout, &levels),
         level_mapping: settings.level_mapping,
         dfg: dfg_table(gpu, model, masking, settings.dfg_size, settings.dfg_sample_count).map(DVec3::truncate),
+        albedos: Albedos::new(Kernel::cosine(model), masking, request.scene.materials[0].alpha.into()),
         irradiance_map: read_map(gpu, layout, &map),
         sh9: coefficients(gpu, &image).1,
     }

@@ -7,8 +7,11 @@
 //! `A + B` is the directional albedo of one scattering for F = 1. There is one table for each model and masking variant: x is n_dot_v,
 //! y is perceptual roughness, both at texel centres, so that no texel has `n_dot_v = 0` or `alpha = 0`.
 
+mod albedos;
 pub mod pass;
 pub mod reference;
+
+pub use albedos::Albedos;
 
 use crate::brdf::{alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
 use crate::pixels::Pixels;

@@ -10,7 +10,10 @@
 //! | `ladder-view` | `(f0 A + B) P(r, alpha)`: the same for n = v = r | the view |
 //! | `ladder-levels` | the linear blend of `P(r, alpha_k)` and `P(r, alpha_k+1)`; level 0 is L(r) | alpha by levels |
 //!
-//! The passes of the reference estimate each with its standard error. All draw the same points, so that the difference of two rungs
+//! | `ladder-texels` | the same as looked up in the prefiltered map | directions by texels |
+//!
+//! The last stands for three rungs, by the axes of tables: exact texels (`prefilter = harmonic`), those of samples, and those kept in halves.
+//! From it to `split-sum` the DFG table replaces A and B. The passes of the reference estimate each of the others with its standard error. All draw the same points, so that the difference of two rungs
 //! is known far better than either.
 
 use super::Method;
@@ -22,20 +25,10 @@ use crate::precompute::PrecomputeSettings;
 use crate::precompute::dfg::reference::{Dfg, dfg, weight_means};
 use crate::precompute::prefilter::Kernel;
 use crate::precompute::prefilter::reference::prefilter;
+use crate::shade::EXACT_SPLIT;
 use crate::shade::reference::Surface;
 use crate::shade::twin::{SpecularTwin, Twin};
-use crate::shade::{EXACT_SPLIT, REFERENCE};
 use glam::DVec3;
-
-/// The rungs in order, each with the name of the step that leads to it. The last has all approximations.
-pub const LADDER: [(&str, &str); 6] = [
-    (REFERENCE, ""),
-    (FRESNEL.name, "Fresnel"),
-    (MASKING.name, "masking"),
-    (VIEW.name, "view"),
-    (LEVELS.name, "levels"),
-    (super::split_sum::METHOD.name, "tables"),
-];
 
 /// A rung that the passes of the reference estimate.
 const fn rung(name: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
@@ -132,6 +125,19 @@ pub const LEVELS: Method = Method {
             scaled(blended(environment, surface, settings, tolerance), scale)
         }),
     ))
+};
+
+pub const TEXELS: Method = Method {
+    uses_prefiltered: true,
+    ..Method::plain(
+        "ladder-texels",
+        "the split sum with exact A and B: the prefiltered map as looked up",
+        Twin::Estimator(|surface, light, _| {
+            let albedo = light.albedos.exact(surface.n.dot(surface.v));
+            let r = reflect(surface.v, surface.n);
+            light.mean_radiance(r, surface.alpha) * (surface.f0 * albedo.x + albedo.y)
+        }),
+    )
 };
 
 /// The mean radiance about r, blended from two levels.

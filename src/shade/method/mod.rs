@@ -6,7 +6,7 @@ mod reference;
 mod sampled;
 mod sampled_unfiltered;
 pub mod seed0_literal;
-mod split_sum;
+pub mod split_sum;
 
 use super::NONE;
 use super::diffuse::Diffuse;
@@ -55,6 +55,7 @@ pub static METHODS: &[Method] = &[
     ladder::MASKING_ALONE,
     ladder::VIEW,
     ladder::LEVELS,
+    ladder::TEXELS,
 ];
 
 impl Method {

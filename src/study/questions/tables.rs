@@ -10,7 +10,7 @@
 //!
 //! A *combination* is one value of each swept setting of tables. It is *enough* at an alpha where its share is at most [`enough`] in every
 //! condition: the split itself then makes the error, and better tables cannot help. Shipped is the combination of fewest texels that is enough
-//! at every alpha; of equally large ones that with the least share at its worst.
+//! at every alpha; of equally large ones that with the fewest samples, then that with the least share at its worst.
 
 use super::prelude::*;
 use crate::metrics::VIEWS;
@@ -90,6 +90,11 @@ impl Tried<'_, '_> {
     fn texels(&self) -> f64 {
         texels(&self.row.point.settings().precompute)
     }
+
+    /// Samples that its prefiltered map takes; none by harmonics.
+    fn samples(&self) -> f64 {
+        self.row.point.settings().precompute.samples_of("prefilter").unwrap_or(0.0)
+    }
 }
 
 /// Texels of all levels and faces of the prefiltered map and of the DFG table.
@@ -154,8 +159,10 @@ fn combinations<'t, 'r, 'f>(own: &[&'t Tried<'r, 'f>]) -> Vec<Combination<'t, 'r
     let most = groups.iter().map(|(_, own)| own.len()).max();
     let whole = groups.into_iter().filter(|(_, own)| Some(own.len()) == most);
     let mut all: Vec<_> = whole.map(|(tables, own)| Combination { tables, own }).collect();
-    let size = |one: &Combination| one.worst().texels();
-    all.sort_by(|a, b| size(a).total_cmp(&size(b)).then(a.worst().share().total_cmp(&b.worst().share())));
+    let [texels, samples]: [fn(&Combination) -> f64; 2] = [|one| one.worst().texels(), |one| one.worst().samples()];
+    let by_size =
+        |a: &Combination, b: &Combination| texels(a).total_cmp(&texels(b)).then(samples(a).total_cmp(&samples(b)));
+    all.sort_by(|a, b| by_size(a, b).then(a.worst().share().total_cmp(&b.worst().share())));
     all
 }
 
@@ -221,8 +228,8 @@ fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &
     let mut text = match worst.share() <= enough {
         true => format!("Ship **{tables}**: their `{metric}` is at most {share} of the split's own ({place})."),
         false => format!(
-            "No tried tables keep to {} of the split's own `{metric}`. The best, {tables}, reach {share} ({place}).",
-            percent(enough)
+            "No tried tables err by {} of the split's own `{metric}` or less. The best, {tables}, reach {share} ({place}).",
+            if frame.metric.description().power == 2.0 { "a tenth" } else { "a third" }
         ),
     };
     // The longest run of alphas up to the largest at which the smallest tables do.

@@ -34,7 +34,17 @@ fn empty(name: &str) -> Finished {
 fn cell_of(id: String, point: Point) -> FinishedCell {
     let none = MetricValues::of(|_| None);
     let (bias_variance, reference, bins) = (None, None, Vec::new());
-    FinishedCell { id, point, scores: None, noise_floors: none, bias_variance, reference, bins, images: None }
+    FinishedCell {
+        id,
+        point,
+        scores: None,
+        noise_floors: none,
+        bias_variance,
+        reference,
+        bins,
+        steps: Vec::new(),
+        images: None,
+    }
 }
 
 /// What an experiment file begins with.

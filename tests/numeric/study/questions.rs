@@ -88,11 +88,13 @@ diffuse = ["none"]
     r#"
 name = "ladder"
 size = [16, 16]
+scene = "design"
 reference = { samples = 64 }
+[ladder]
+samples = 64
 [axes]
 environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
-method = ["ladder-fresnel", "ladder-masking", "ladder-view", "ladder-levels", "split-sum", "reference"]
-samples = [64]
+method = ["split-sum"]
 alpha = [0.1, 0.5]
 diffuse = ["none"]
 "#,
