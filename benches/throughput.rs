@@ -4,9 +4,11 @@
 //! `cargo bench -- NAME...` runs only the named sections: `sampled`, `tables`, `reference`, `convergence`.
 
 use splitsum::brdf::{Brdf, MODELS};
+use splitsum::environment::layout::layout_by_name;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::metrics::{Comparison, HEADLINE, metric};
 use splitsum::pipeline::{Frame, Options, Pipeline, RenderRequest};
+use splitsum::precompute::PrefilterBy;
 use splitsum::scene::{CameraKind, MaterialOverride, Scene};
 use splitsum::shade::method_by_name;
 use splitsum::tonemap::ToneCurve;
@@ -91,15 +93,22 @@ fn sampled(pipeline: &mut Pipeline) {
 }
 
 fn tables(pipeline: &mut Pipeline) {
-    for &brdf in MODELS {
+    for (&brdf, (by, prefilter)) in MODELS.iter().flat_map(|brdf| PrefilterBy::ALL.iter().map(move |by| (brdf, by))) {
         let mut request = request(brdf, "split-sum", 0.2, 16, "builtin:studio", [1024, 512]);
+        request.precompute.layout = layout_by_name("equirect").expect("a listed layout");
         request.precompute.prefilter_size = [1024, 512];
+        request.precompute.prefilter = *prefilter;
         request.precompute.dfg_size = 256;
         pipeline.time_precompute(&request, 0, 1).expect("compiled pipelines");
         let (seconds, samples) = cost(|| pipeline.time_precompute(&request, 0, 2).expect("times"));
-        let ms = |name: &str| samples.passes.iter().find(|(pass, _)| *pass == name).map_or(f64::NAN, |(_, ms)| ms[1]);
+        // A pass for each level.
+        let of = |name: &str| samples.passes.iter().filter(|(pass, _)| pass.starts_with(name)).collect::<Vec<_>>();
+        let ms = |name: &str| {
+            assert!(!of(name).is_empty(), "no pass is called {name}: {:?}", samples.passes);
+            of(name).iter().map(|(_, ms)| ms[1]).sum::<f64>()
+        };
         println!(
-            "tables, {}: {:.2} CPU-seconds (device time: prefilter of 1024x512, 5 levels, 256 samples {:.0} ms; DFG 256x256 {:.0} ms)",
+            "tables, {}, {by}: {:.3} CPU-seconds (pass times: prefilter of 1024x512, 5 levels {:.0} ms; DFG 256x256 {:.0} ms)",
             brdf.name(),
             seconds / 2.0,
             ms("prefilter"),

@@ -36,9 +36,9 @@ const SELECTIONS: [(&str, &str); 5] = [
     ("selected/map_layout.glsl", "map_layout"),
 ];
 
-/// Files and folders of `src` whose code makes no number that the device returns: what is done with its results, the f64 twins, and the
-/// models, whose names and shaders count by themselves. Kept tables and references outlive a change of these, and of nothing else.
-const HOST_EXCLUDED: [&str; 14] = [
+/// Files and folders of `src` whose code makes no number that the device returns: what is done with its results, and the f64
+/// twins. Kept tables and references outlive a change of these, and of nothing else.
+const HOST_EXCLUDED: [&str; 13] = [
     "main.rs",
     "cli",
     "study",
@@ -48,7 +48,6 @@ const HOST_EXCLUDED: [&str; 14] = [
     "metrics",
     "table",
     "tonemap",
-    "brdf",
     "shade/method",
     "shade/diffuse",
     "shade/twin.rs",

@@ -6,7 +6,7 @@ use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::gpu::{Gpu, Image};
 use crate::pixels::{GrayImage, Pixels, exr, write_atomically};
-use crate::precompute::PrecomputeSettings;
+use crate::precompute::{PrecomputeSettings, PrefilterBy};
 use crate::scene::{CameraKind, Scene};
 use crate::shade::{diffuse_by_name, method_by_name};
 use serde::Serialize;
@@ -52,9 +52,12 @@ struct BakeFile<'a> {
     prefilter_alphas: Vec<f64>,
     level_mapping: &'static str,
     prefilter_weight: &'static str,
-    prefilter_lod_bias: f32,
     prefilter: &'static str,
-    prefilter_sample_count: u32,
+    /// Of a sampled map only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    prefilter_lod_bias: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    prefilter_sample_count: Option<u32>,
     dfg_sample_count: u32,
     storage_format: &'static str,
     device: &'a str,
@@ -100,6 +103,7 @@ impl Pipeline {
         }
         let names = files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
         let masking = MaskingShadowing::ALL.iter().find(|(_, known)| *known == request.masking_shadowing);
+        let is_sampled = settings.prefilter == PrefilterBy::Sampled;
         let manifest = BakeFile {
             environment: &environment.name,
             environment_hash: &environment.hash,
@@ -114,9 +118,9 @@ impl Pipeline {
                 .collect(),
             level_mapping: settings.level_mapping.name,
             prefilter_weight: settings.prefilter_weight.name,
-            prefilter_lod_bias: settings.prefilter_lod_bias,
             prefilter: settings.prefilter.name(),
-            prefilter_sample_count: settings.prefilter_sample_count,
+            prefilter_lod_bias: is_sampled.then_some(settings.prefilter_lod_bias),
+            prefilter_sample_count: is_sampled.then_some(settings.prefilter_sample_count),
             dfg_sample_count: settings.dfg_sample_count,
             storage_format: settings.storage.name(),
             device: &self.device().name,

@@ -60,11 +60,12 @@ pub(super) fn sh9_key(environment: &Environment) -> SharedKey {
     SharedKey { kind: "sh9", inputs, shaders: sh9::pass::SHADERS.map(str::to_owned).to_vec() }
 }
 
-/// The map of irradiance, from the environment's levels.
+/// The map of irradiance.
 pub(super) struct IrradianceInputs<'a> {
-    environment: &'a Environment,
+    pub(super) environment: &'a Environment,
     pub(super) layout: &'static MapLayout,
     pub(super) size: [u32; 2],
+    pub(super) by: PrefilterBy,
     pub(super) sample_count: [u32; 2],
 }
 
@@ -72,13 +73,13 @@ impl<'a> IrradianceInputs<'a> {
     pub(super) fn of(request: &'a RenderRequest) -> Self {
         let settings = &request.precompute;
         let (size, sample_count) = (settings.irradiance_size, settings.irradiance_sample_count);
-        Self { environment: &request.environment, layout: settings.layout, size, sample_count }
+        Self { environment: &request.environment, layout: settings.layout, size, by: settings.prefilter, sample_count }
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { environment, layout, size, sample_count } = self;
-        let (map, by) = (&environment.hash, layout.name);
-        let inputs = format!("environment={map}\nlayout={by}\nsize={size:?}\nsamples={sample_count:?}\n");
+        let Self { environment, layout, size, by, sample_count } = self;
+        let (map, faces, by) = (&environment.hash, layout.name, by.name());
+        let inputs = format!("environment={map}\nlayout={faces}\nsize={size:?}\nsamples={sample_count:?}\nby={by}\n");
         let shaders = [level_shaders(layout), vec![irradiance::pass::shader(layout)]].concat();
         SharedKey { kind: "irradiance", inputs, shaders }
     }

@@ -16,6 +16,7 @@ use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pixels::GrayImage;
 use crate::precompute::mips::level_count;
 use crate::precompute::points::Points;
+use crate::precompute::prefilter::harmonic;
 use crate::precompute::{HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, mips, prefilter, sh9};
 use crate::scene::Camera;
 use crate::shade::pass::{Tables, light_data};
@@ -255,8 +256,15 @@ impl Resources {
     ) -> Result<Image, PipelineError> {
         let (gpu, key) = (maker.gpu, inputs.key());
         let empty = || irradiance::pass::map(gpu, inputs.layout, inputs.size).map(Levels::all);
-        let made = maker.table(&mut self.irradiance_maps, &key, empty, |map| {
-            irradiance::pass::run(gpu, inputs.layout, environment, inputs.sample_count, &map.image)
+        let transforms = &mut self.harmonics;
+        let made = maker.table(&mut self.irradiance_maps, &key, empty, |map| match inputs.by {
+            PrefilterBy::Sampled => {
+                irradiance::pass::run(gpu, inputs.layout, environment, inputs.sample_count, &map.image)
+            }
+            PrefilterBy::Harmonic => {
+                let harmonics = harmonics(transforms, inputs.environment, harmonic::degree(1.0))?;
+                irradiance::pass::run_harmonic(gpu, inputs.layout, &harmonics, &map.image)
+            }
         })?;
         self.stored(gpu, &key, made.image, storage)
     }
@@ -279,7 +287,7 @@ impl Resources {
             if !is_harmonic {
                 return prefilter::pass::run(gpu, recipe, layout, environment, &points, &map.image);
             }
-            let degree = prefilter::harmonic::degree(recipe.mapping.alpha_from_mip(1.0, inputs.level_count));
+            let degree = harmonic::degree_of_map(recipe.mapping.alpha_from_mip(1.0, inputs.level_count));
             let harmonics = harmonics(transforms, inputs.environment, degree)?;
             prefilter::pass::run_harmonic(gpu, recipe, layout, environment, (&points, &harmonics), &map.image)
         })?;
@@ -354,13 +362,14 @@ impl Resources {
     }
 }
 
+/// The coefficients of an environment up to a degree.
 fn harmonics(
     known: &mut Recent<String, Arc<Harmonics>>,
     environment: &Environment,
     degree: usize,
 ) -> Result<Arc<Harmonics>, GpuError> {
     let name = format!("{} {degree}", environment.hash);
-    known.get_or_make(name, || Ok(Arc::new(prefilter::harmonic::harmonics(&environment.image, degree))))
+    known.get_or_make(name, || Ok(Arc::new(harmonic::harmonics(&environment.image, degree))))
 }
 
 /// The same texels in halves, each at most [`HALF_MAX`].

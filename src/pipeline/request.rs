@@ -6,7 +6,7 @@ use crate::gpu::PassTime;
 use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::metrics::Epsilon;
 use crate::pixels::{GrayImage, RgbImage};
-use crate::precompute::PrecomputeSettings;
+use crate::precompute::{PrecomputeSettings, PrefilterBy};
 use crate::scene::{Camera, CameraKind, Light, Scene};
 use crate::shade::reference_pass::{Convergence, Levels, Lobe, Stop};
 use crate::shade::{Diffuse, Method, NONE, diffuse_by_name, method_by_name};
@@ -93,7 +93,8 @@ impl RenderRequest {
 
     /// Whether the environment's filtered levels reach the frame, by themselves or by a map that is made of them.
     pub fn reads_filtered_levels(&self) -> bool {
-        self.method.uses_lod_bias || self.method.uses_prefiltered || self.diffuse.uses_irradiance_map
+        let is_integrated = self.diffuse.uses_irradiance_map && self.precompute.prefilter == PrefilterBy::Sampled;
+        self.method.uses_lod_bias || self.method.uses_prefiltered || is_integrated
     }
 
     /// Whether a term comes from the reference: then the frame has a standard error.

@@ -27,19 +27,19 @@ impl StorageFormat {
     }
 }
 
-/// How the texels of the prefiltered map are made.
+/// How the texels of the prefiltered map and of the irradiance map are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PrefilterBy {
-    /// By samples on the device, as engines do.
-    #[default]
-    Sampled,
     /// By convolution in spherical harmonics on the host: without noise.
+    #[default]
     Harmonic,
+    /// By samples on the device, as engines do.
+    Sampled,
 }
 
 impl PrefilterBy {
     /// Every way with its name.
-    pub const ALL: &[(&str, Self)] = &[(Self::Sampled.name(), Self::Sampled), (Self::Harmonic.name(), Self::Harmonic)];
+    pub const ALL: &[(&str, Self)] = &[(Self::Harmonic.name(), Self::Harmonic), (Self::Sampled.name(), Self::Sampled)];
 
     /// Name in files and tables.
     pub const fn name(self) -> &'static str {
@@ -84,7 +84,7 @@ impl PrecomputeSettings {
         let product = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
         let texels = |size| product(size) * f64::from(self.layout.face_count);
         match table {
-            "prefilter" if self.prefilter == PrefilterBy::Harmonic => None,
+            "prefilter" | "irradiance" if self.prefilter == PrefilterBy::Harmonic => None,
             "prefilter" => {
                 // Each level has a quarter of the texels of the one before.
                 let levels = (0..self.prefilter_level_count).map(|level| 0.25_f64.powi(level as i32)).sum::<f64>();

@@ -57,7 +57,7 @@ fn plan() -> Plan {
     let text = format!(
         "name = \"live\"\nsize = {RUN_SIZE:?}\ncamera = \"perspective\"\nreference = {{ samples = 32 }}\n[axes]\n\
          environment = {}\nscene = {}\nbrdf = [\"ggx\", \"phong\"]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [12]\n\
-         diffuse = [\"none\"]\nmasking = [\"correlated\"]\nlayout = [\"octahedral\"]\nprefilter_size = [[160, 160]]\nprefilter_sample_count = [{PREFILTER_SAMPLES}]\nlevel_mapping = [\"unity\"]\n\
+         diffuse = [\"none\"]\nmasking = [\"correlated\"]\nlayout = [\"octahedral\"]\nprefilter_size = [[160, 160]]\nprefilter = [\"sampled\"]\nprefilter_sample_count = [{PREFILTER_SAMPLES}]\nlevel_mapping = [\"unity\"]\n\
          environment_orientation = {ORIENTATIONS:?}\nenvironment_rotation_deg = [{ROTATION}]\nlod_bias = [{BIAS}]\nenvironment_scale = [{BRIGHTNESS}]\n",
         json!(ENVIRONMENTS),
         json!(SCENES)

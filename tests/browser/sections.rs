@@ -76,7 +76,7 @@ fn names_tell_the_truth_from_the_method_and_one_image_is_not_the_lowest() {
     assert_eq!(page.eval("document.querySelectorAll('.lowest').length"), json!(0));
     // Without a specular term the diffuse one names the image.
     let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nmethod = [\"none\"]\ndiffuse = [\"sh9\", \"irradiance-map\"]\n\
-                irradiance_size = [[8, 8], [4, 4]]\nirradiance_sample_count = [[16, 8], [32, 8]]";
+                irradiance_size = [[8, 8], [4, 4]]\nirradiance_sample_count = [[16, 8], [32, 8]]\nprefilter = [\"sampled\"]";
     let dir = tempfile::tempdir().unwrap();
     let report = report_of(dir.path(), axes, "");
     page.go(&report, "#images");

@@ -1,8 +1,13 @@
-//! The device pass: a map of irradiance over π by numerical integration.
+//! A map of irradiance over π: synthesised on the host from spherical harmonics, or integrated on the device.
 
 use crate::environment::layout::MapLayout;
 use crate::glsl::layout::{IrradianceParams, SharedStruct};
-use crate::gpu::{Bind, Format, Gpu, GpuError, Image, Report, Sampler, face_groups};
+use crate::gpu::{Bind, Format, Gpu, GpuError, Image, PassTime, Report, Sampler, face_groups};
+use crate::math::harmonics::Harmonics;
+use crate::precompute::prefilter::harmonic::{cosine_factors, texels};
+use std::time::Instant;
+
+const PASS: &str = "irradiance";
 
 /// The shader that makes the map.
 pub fn shader(layout: &MapLayout) -> String {
@@ -28,5 +33,13 @@ pub fn run(
         IrradianceParams { width, height, phi_count, theta_count, source_width, source_height, pad0: 0, pad1: 0 };
     let binds = [Bind::Sample(environment, Sampler::MAP), Bind::StoreFaces(map, 0)];
     let groups = face_groups(width, height, map.face_count());
-    gpu.submit_pass("irradiance", |r| r.dispatch(&shader(layout), &[], &binds, &params.to_bytes(), groups))
+    gpu.submit_pass(PASS, |r| r.dispatch(&shader(layout), &[], &binds, &params.to_bytes(), groups))
+}
+
+/// As [`run`], by the convolution with the cosine; reports the host's time.
+pub fn run_harmonic(gpu: &Gpu, layout: &MapLayout, harmonics: &Harmonics, map: &Image) -> Result<Report, GpuError> {
+    let start = Instant::now();
+    gpu.write_image(map, 0, &texels(harmonics, &cosine_factors(harmonics.degree()), layout, map.mip_size(0)))?;
+    let ms = 1e3 * start.elapsed().as_secs_f64();
+    Ok(Report { passes: vec![PassTime { pass: PASS, ms }], wall_ms: ms, ..Report::default() })
 }

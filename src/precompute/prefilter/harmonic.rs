@@ -1,8 +1,8 @@
 //! Levels without samples: the prefiltered map is a convolution, `P(r, alpha) = (K * L)(r)` with the kernel `K(γ) = D(γ/2) w(cos γ)` over
 //! its integral. In spherical harmonics it is a product, `P_lm = k_l L_lm`.
 //!
-//! Tails of GGX are the longest: `k_l` falls as `exp(-2 alpha l)`. Degrees up to 8/alpha leave 1e-7 of it, at least 128 the edge of
-//! the kernel at the horizon.
+//! Tails of GGX are the longest: `k_l` falls as `exp(-2 alpha l)`, and degrees up to 8/alpha leave 1e-7 of it. Lobes are cut off
+//! at the horizon, the wider the harder: from there `k_l` of wide ones falls as a power of l. docs/estimators.md has what is left.
 
 use super::Kernel;
 use crate::brdf::Brdf;
@@ -18,12 +18,16 @@ use std::f64::consts::TAU;
 pub const DEGREE_MAX: usize = 1024;
 /// Narrower lobes reach beyond that degree: it would leave more than `exp(-10)` of them.
 pub const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
-/// Lowest one that serves wide lobes, which end at the horizon.
-const DEGREE_MIN: usize = 128;
 
-/// Up to which degree a lobe of that width counts.
+/// Up to which degree a lobe of that width counts: for the tail of a narrow one, and for the edge at the horizon of a wide one.
 pub fn degree(alpha: f64) -> usize {
-    ((8.0 / alpha).ceil() as usize).clamp(DEGREE_MIN, DEGREE_MAX)
+    let counts = f64::max(8.0 / alpha, 192.0 * alpha.sqrt());
+    (counts.ceil() as usize).clamp(128, DEGREE_MAX)
+}
+
+/// Up to which degree a map counts whose narrowest level has this width; the widest has 1.
+pub fn degree_of_map(alpha: f64) -> usize {
+    degree(alpha).max(degree(1.0))
 }
 
 /// The coefficients of an environment up to a degree.
@@ -41,13 +45,16 @@ pub fn factors(kernel: Kernel, alpha: f64, degree: usize) -> Vec<f64> {
 pub fn factors_of(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
     // In t = ln tan(γ/2), where a lobe of any width has the same shape; below it holds 4e-11.
     let low = alpha.ln() - 12.0;
-    // Panels no longer than a radian of the highest degree.
-    let count = (-low / f64::min(0.25, 1.5 / degree as f64)).ceil() as usize;
-    let (rule, step) = (GaussLegendre::<6>::new(), -low / count as f64);
+    let rule = GaussLegendre::<6>::new();
+    let steps: Vec<[f64; 2]> =
+        (0..=degree).map(|l| [(2 * l + 1) as f64, l as f64].map(|x| x / (l + 1) as f64)).collect();
     let mut sums = vec![0.0; degree + 1];
-    for panel in 0..count {
+    let mut high = 0.0_f64;
+    while high > low {
+        // Panels no longer than a radian and a half of the highest degree: dγ = sin γ dt.
+        let step = f64::min(0.25, 1.5 * high.cosh() / degree as f64);
         for (node, step_share) in rule.nodes.iter().zip(rule.weights) {
-            let t = low + step * (panel as f64 + 0.5 * (1.0 + node));
+            let t = high - 0.5 * step * (1.0 + node);
             // sin γ = 1/cosh t, cos γ = -tanh t, dω = 2π sin² γ dt.
             let (sin, cos) = (1.0 / t.cosh(), -t.tanh());
             let h = (DVec3::new(sin, 0.0, cos) + DVec3::Z).normalize();
@@ -55,31 +62,58 @@ pub fn factors_of(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f6
             let value = 0.5 * step * step_share * TAU * sin * sin * brdf.d(h, alpha) * own_weight;
             // (l + 1) P_l+1 = (2l + 1) cos γ P_l - l P_l-1.
             let (mut last, mut own) = (0.0, 1.0);
-            for (l, sum) in sums.iter_mut().enumerate() {
+            for (sum, [a, b]) in sums.iter_mut().zip(&steps) {
                 *sum += value * own;
-                let l = l as f64;
-                (last, own) = (own, ((2.0 * l + 1.0) * cos * own - l * last) / (l + 1.0));
+                (last, own) = (own, a * cos * own - b * last);
             }
         }
+        high -= step;
     }
     let whole = sums[0];
     sums.iter_mut().for_each(|sum| *sum /= whole);
     sums
 }
 
-/// The texels of a level, face after face.
-pub fn level(harmonics: &Harmonics, kernel: Kernel, alpha: f64, layout: &MapLayout, size: [u32; 2]) -> Vec<[f32; 4]> {
-    let map = harmonics.convolved(&factors(kernel, alpha, degree(alpha).min(harmonics.degree())));
+/// `k_l` of the cosine lobe in closed form: 1, 2/3, 0 for other odd l, `2 (-1)^(l/2-1) l! / ((l + 2)(l - 1) 2^l (l/2)!²)` for even l
+/// [Ramamoorthi01, eq. 19].
+pub fn cosine_factors(degree: usize) -> Vec<f64> {
+    // l!/(2^l (l/2)!²) with the sign, by its ratio.
+    let mut central = -1.0;
+    let mut of = |l: usize| match l {
+        0 => 1.0,
+        1 => 2.0 / 3.0,
+        l if l % 2 == 1 => 0.0,
+        l => {
+            let l = l as f64;
+            central *= -(l - 1.0) / l;
+            2.0 * central / ((l + 2.0) * (l - 1.0))
+        }
+    };
+    (0..=degree).map(&mut of).collect()
+}
+
+/// The texels of what a kernel of these `k_l` makes of a map, face after face.
+pub fn texels(harmonics: &Harmonics, factors: &[f64], layout: &MapLayout, size: [u32; 2]) -> Vec<[f32; 4]> {
+    // The sum of a series may ring below 0 by rounding.
+    let texel = |value: DVec3| value.max(DVec3::ZERO).as_vec3().extend(1.0).to_array();
+    if layout.is_environments() {
+        let [width, height] = size.map(|side| side as usize);
+        return harmonics.synthesized(factors, width, height).into_iter().map(texel).collect();
+    }
+    let map = harmonics.convolved(factors);
     let extent = DVec2::new(size[0].into(), size[1].into());
     let rows: Vec<(u32, u32)> = (0..layout.face_count).flat_map(|face| (0..size[1]).map(move |y| (face, y))).collect();
     let row = |&(face, y): &(u32, u32)| {
         let texel = |x: u32| {
             let at = DVec2::new(x.into(), y.into()) + 0.5;
-            // The sum of a series may ring below 0 by rounding.
-            let rgb = map.value((layout.direction)(face, at / extent)).max(DVec3::ZERO).as_vec3();
-            [rgb.x, rgb.y, rgb.z, 1.0]
+            texel(map.value((layout.direction)(face, at / extent)))
         };
         (0..size[0]).map(texel).collect::<Vec<_>>()
     };
     rows.par_iter().flat_map_iter(row).collect()
+}
+
+/// The texels of a level.
+pub fn level(harmonics: &Harmonics, kernel: Kernel, alpha: f64, layout: &MapLayout, size: [u32; 2]) -> Vec<[f32; 4]> {
+    texels(harmonics, &factors(kernel, alpha, degree(alpha).min(harmonics.degree())), layout, size)
 }

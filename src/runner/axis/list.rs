@@ -365,11 +365,12 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "prefilter",
-        about: "how the prefiltered map is made: by samples on the device, or by convolution in spherical harmonics, without noise",
+        about: "how the prefiltered map and the irradiance map are made: by convolution in spherical harmonics, without noise, or by \
+                samples on the device",
         plural: "ways to prefilter",
         symbol: Symbol::After("prefilter", "prefilter"),
-        feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered,
+        feeds: &[PREFILTER, IRRADIANCE],
+        used: |u| u.method.uses_prefiltered || u.uses_irradiance_map(),
         kind: Kind::Name {
             what: "way to prefilter",
             names: || PrefilterBy::ALL.iter().map(|(name, _)| *name).collect(),
@@ -383,11 +384,11 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "prefilter_sample_count",
-        about: "samples a texel of the prefiltered map",
+        about: "samples a texel of the prefiltered map, where prefilter is sampled",
         plural: "prefilter sample counts",
         symbol: Symbol::After("spp", "samples"),
         feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered && u.has_sampled_prefilter,
+        used: |u| u.method.uses_prefiltered && u.has_sampled_tables,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
         apply: |s, v| s.precompute.prefilter_sample_count = v.count(),
@@ -424,11 +425,11 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "prefilter_lod_bias",
-        about: "added to the mip level of each lookup that makes the prefiltered map; names are those of `splitsum list level-biases`",
+        about: "added to the mip level of each lookup that makes a sampled prefiltered map; names are those of `splitsum list level-biases`",
         plural: "prefilter level biases",
         symbol: Symbol::Before("prefilter bias"),
         feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered && u.has_sampled_prefilter,
+        used: |u| u.method.uses_prefiltered && u.has_sampled_tables,
         kind: Kind::NumberOrName {
             range: LEVELS,
             what: "level bias",
@@ -479,11 +480,11 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "irradiance_sample_count",
-        about: "azimuth and polar samples a texel of the irradiance map",
+        about: "azimuth and polar samples a texel of the irradiance map, where prefilter is sampled",
         plural: "irradiance sample counts",
         symbol: Symbol::After("irradiance spp", "irradiance samples"),
         feeds: &[IRRADIANCE],
-        used: Used::uses_irradiance_map,
+        used: |u| u.uses_irradiance_map() && u.has_sampled_tables,
         kind: Kind::Pair { min: 1, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
         apply: |s, v| s.precompute.irradiance_sample_count = v.pair(),

@@ -217,8 +217,8 @@ pub struct Used {
     pub has_diffuse_surface: bool,
     /// Whether any surface may be a dielectric.
     pub has_dielectric: bool,
-    /// Whether the prefiltered map is made of samples.
-    pub has_sampled_prefilter: bool,
+    /// Whether the filtered tables are made of samples.
+    pub has_sampled_tables: bool,
 }
 
 impl Used {
@@ -350,8 +350,8 @@ impl Point {
 
     fn where_used(&self, has_lights: bool, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
         let (method, diffuse) = (self.method(), self.diffuse());
-        let has_sampled_prefilter = self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name();
-        let used = Used { method, diffuse, has_lights, has_diffuse_surface, has_dielectric, has_sampled_prefilter };
+        let has_sampled_tables = self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name();
+        let used = Used { method, diffuse, has_lights, has_diffuse_surface, has_dielectric, has_sampled_tables };
         let value = |(axis, value): (&Axis, &Value)| match (axis.used)(&used) {
             false => Value::Unset,
             true if *value == Value::Unset => axis.unset.map_or(Value::Unset, |of_layout| of_layout(self.layout())),

@@ -163,7 +163,7 @@ fn every_number_of_a_pair_or_colour_is_checked() {
 
 #[test]
 fn level_biases_have_names_and_sequences_and_formats_are_checked() {
-    let text = "name = \"x\"\n[axes]\nmethod = [\"split-sum\"]\nprefilter_lod_bias = [\"filament\", 0.5, \"khronos-sampler\"]\n";
+    let text = "name = \"x\"\n[axes]\nmethod = [\"split-sum\"]\nprefilter = [\"sampled\"]\nprefilter_lod_bias = [\"filament\", 0.5, \"khronos-sampler\"]\n";
     let plan = Plan::from_text(Path::new("e.toml"), text, &[]).unwrap();
     let biases: Vec<f32> =
         plan.cells.iter().map(|cell| plan.request(&cell.point).precompute.prefilter_lod_bias).collect();

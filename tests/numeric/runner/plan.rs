@@ -132,8 +132,10 @@ fn the_reference_inherits_the_axes_of_cases_alone() {
             }
             _ => "0.25, 0.5".to_owned(),
         };
+        // Counts of samples count where the tables take some.
+        let by = if axis.name == "prefilter" { "" } else { "prefilter = [\"sampled\"]\n" };
         let plan = plan(&format!(
-            "name = \"x\"\n[axes]\n{} = [{values}]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [4]\n\
+            "name = \"x\"\n[axes]\n{by}{} = [{values}]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [4]\n\
                  diffuse = [\"irradiance-map\"]\n",
             axis.name
         ));
@@ -180,7 +182,11 @@ fn with_all_terms_a_cell_without_one_is_judged_against_the_complete_image() {
 #[test]
 fn what_a_method_ignores_collapses() {
     let cells = |head: &str, axes: &str| plan(&format!("name = \"x\"\n{head}\n[axes]\n{axes}\n")).cells.len();
-    let tables = "dfg_size = [8, 16]\nprefilter_sample_count = [1, 2, 3]\nirradiance_sample_count = [[4, 4], [8, 8]]";
+    let counts = "dfg_size = [8, 16]\nprefilter_sample_count = [1, 2, 3]\nirradiance_sample_count = [[4, 4], [8, 8]]";
+    // By convolution no sample is taken.
+    assert_eq!(cells("", &format!("method = [\"split-sum\"]\ndiffuse = [\"none\"]\n{counts}")), 2);
+    assert_eq!(cells("", &format!("method = [\"none\"]\ndiffuse = [\"irradiance-map\"]\n{counts}")), 1);
+    let tables = format!("{counts}\nprefilter = [\"sampled\"]");
     assert_eq!(cells("", &format!("method = [\"sampled\"]\ndiffuse = [\"none\"]\n{tables}")), 1);
     assert_eq!(cells("", &format!("method = [\"sampled\"]\ndiffuse = [\"sh9\"]\n{tables}")), 2);
     assert_eq!(cells("", &format!("method = [\"split-sum\"]\ndiffuse = [\"none\"]\n{tables}")), 2 * 3);

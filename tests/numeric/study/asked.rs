@@ -397,7 +397,7 @@ fn an_effect_on_both_sides_of_one_has_no_mean() {
 fn a_map_with_sizes_of_its_own_stands_beside_coefficients() {
     // Neither size is the default: the first one run stands for it.
     let axes = "environment = [\"builtin:sky\"]\nmethod = [\"none\"]\nirradiance_size = [[18, 18], [5, 5]]\n\
-                irradiance_sample_count = [[128, 32], [32, 8]]\n";
+                irradiance_sample_count = [[128, 32], [32, 8]]\nprefilter = [\"sampled\"]\n";
     let text = |point: &Point, name: &str| point.get(name).to_string();
     let run = super::paper::finished_of(
         &format!(

@@ -5,8 +5,15 @@ use splitsum::study::questions::Finding;
 
 /// A run that is judged by this method.
 fn judged_by(method: &str) -> Paper {
-    let mut paper =
-        Paper::new(&["environment", "alpha", "method", "prefilter_size", "prefilter_sample_count", "level_mapping"]);
+    let mut paper = Paper::new(&[
+        "environment",
+        "alpha",
+        "method",
+        "prefilter_size",
+        "prefilter_sample_count",
+        "level_mapping",
+        "prefilter",
+    ]);
     paper.run.provenance["reference"]["method"] = method.into();
     paper
 }
@@ -22,18 +29,18 @@ fn run() -> Paper {
     let mut paper = judged_by("ladder-view");
     for (light, of_light) in [("builtin:studio", 1.0), ("builtin:sky", 2.0)] {
         for (alpha, split) in [("0.1", 1.0), ("0.5", 4.0)] {
-            paper.add(&[light, alpha, "reference", "", "", ""], split);
+            paper.add(&[light, alpha, "reference", "", "", "", ""], split);
             for (size, samples, mapping, error) in [
                 ("16x16", "64", "linear", 0.19),
                 ("64x64", "64", "linear", 0.04),
                 ("64x64", "64", "quadratic", 0.03),
                 ("64x64", "256", "linear", 0.01),
             ] {
-                paper.add(&[light, alpha, "split-sum", size, samples, mapping], of_light * error);
+                paper.add(&[light, alpha, "split-sum", size, samples, mapping, "sampled"], of_light * error);
             }
         }
         // Tried under one alpha only.
-        paper.add(&[light, "0.1", "split-sum", "32x32", "64", "linear"], 1e-3);
+        paper.add(&[light, "0.1", "split-sum", "32x32", "64", "linear", "sampled"], 1e-3);
     }
     paper
 }
@@ -59,9 +66,9 @@ fn tables_are_enough_where_they_err_by_a_tenth_of_the_split() {
 fn where_no_tables_are_enough_the_best_are_named() {
     let mut paper = judged_by("ladder-view");
     for (alpha, split) in [("0.1", 0.01), ("0.5", 1.0)] {
-        paper.add(&["builtin:sky", alpha, "reference", "", "", ""], split);
+        paper.add(&["builtin:sky", alpha, "reference", "", "", "", ""], split);
         for (samples, error) in [("64", 0.02), ("256", 0.005)] {
-            paper.add(&["builtin:sky", alpha, "split-sum", "64x64", samples, "linear"], error);
+            paper.add(&["builtin:sky", alpha, "split-sum", "64x64", samples, "linear", "sampled"], error);
         }
     }
     let finding = paper.finding("tables");
@@ -76,9 +83,9 @@ fn only_the_exact_split_judges_tables() {
     let mut without_truth = judged_by("ladder-view");
     for paper in [&mut by_truth, &mut without_truth] {
         for samples in ["64", "256"] {
-            paper.add(&["builtin:sky", "0.1", "split-sum", "64x64", samples, "linear"], 1.0);
+            paper.add(&["builtin:sky", "0.1", "split-sum", "64x64", samples, "linear", "sampled"], 1.0);
         }
     }
-    by_truth.add(&["builtin:sky", "0.1", "reference", "", "", ""], 1.0);
+    by_truth.add(&["builtin:sky", "0.1", "reference", "", "", "", ""], 1.0);
     assert!(by_truth.lacks("tables").is_some() && without_truth.lacks("tables").is_some());
 }

@@ -1,0 +1,76 @@
+//! The associated Legendre functions of many rows at once: orthonormal, by the recurrence in the degree.
+
+use std::f64::consts::PI;
+
+/// Row pairs that one recurrence runs for.
+pub(super) const LANES: usize = 4;
+/// What the recurrence of `P_lm` needs, for all rows alike.
+#[derive(Clone, Debug)]
+pub(super) struct Legendre {
+    /// Of order m: the logarithm of `P_mm / sin^m θ`, which may be as small as 1e-300.
+    first: Vec<f64>,
+    /// Of order m and l from m on: a and b of `P_l+1 = a cos θ P_l - b P_l-1`.
+    steps: Vec<Vec<[f64; 2]>>,
+}
+
+/// Rows at θ and their mirrors at π - θ: sum and difference serve the degrees of even and of odd l + m.
+pub(super) struct Block {
+    cos: [f64; LANES],
+    sin: [f64; LANES],
+}
+
+/// Rows with `m > degree sin θ` by this much have no part in an order: functions up to the degree are below 1e-12 there.
+pub fn margin(degree: usize) -> f64 {
+    7.0 * (degree as f64).cbrt().max(4.0)
+}
+
+impl Block {
+    /// The northern rows of so many at `π (i + 1/2)/count`, to the equator; filled up with the last.
+    pub(super) fn all(count: usize) -> Vec<Self> {
+        let pairs = count.div_ceil(2);
+        let of = |first: usize| {
+            let theta: [f64; LANES] =
+                std::array::from_fn(|lane| PI * ((first + lane).min(pairs - 1) as f64 + 0.5) / count as f64);
+            Self { cos: theta.map(f64::cos), sin: theta.map(f64::sin) }
+        };
+        (0..pairs).step_by(LANES).map(of).collect()
+    }
+}
+
+impl Legendre {
+    pub(super) fn new(degree: usize) -> Self {
+        // P_mm = sqrt((2m + 1)/4π Π (2k - 1)/2k) sin^m θ.
+        let halves = |m: usize| -> f64 { (1..=m).map(|k| 0.5 * ((2 * k - 1) as f64 / (2 * k) as f64).ln()).sum() };
+        let first = |m: usize| 0.5 * ((2 * m + 1) as f64 / (4.0 * PI)).ln() + halves(m);
+        // P_l+1 = a_l+1 (cos θ P_l - P_l-1 / a_l), a_l² = (4 l² - 1)/(l² - m²).
+        let of_order = |m: usize| {
+            let factor = |l: f64| ((4.0 * l * l - 1.0) / (l * l - (m * m) as f64)).sqrt();
+            let mut last = f64::INFINITY;
+            let step = |l: usize| {
+                let own = factor((l + 1) as f64);
+                let step = [own, own / last];
+                last = own;
+                step
+            };
+            (m..degree).map(step).collect()
+        };
+        Self { first: (0..=degree).map(first).collect(), steps: (0..=degree).map(of_order).collect() }
+    }
+
+    /// `P_lm` for l = m to `degree` at the rows of a block; false where all are as good as 0.
+    pub(super) fn fill(&self, m: usize, degree: usize, block: &Block, found: &mut Vec<[f64; LANES]>) -> bool {
+        let reach = degree as f64;
+        if block.sin.iter().all(|sin| m as f64 > reach * sin + margin(degree)) {
+            return false;
+        }
+        let (mut last, mut own) = ([0.0; LANES], block.sin.map(|sin| (self.first[m] + m as f64 * sin.ln()).exp()));
+        found.clear();
+        found.push(own);
+        for [a, b] in &self.steps[m][..degree - m] {
+            let next = std::array::from_fn(|lane| a * block.cos[lane] * own[lane] - b * last[lane]);
+            (last, own) = (own, next);
+            found.push(own);
+        }
+        true
+    }
+}
