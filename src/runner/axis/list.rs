@@ -358,7 +358,7 @@ const LIST: &[Axis] = &[
         symbol: Symbol::After("lv", "levels"),
         feeds: &[PREFILTER],
         used: |u| u.method.uses_prefiltered || u.method.uses_levels,
-        kind: Kind::Count { min: 2, max: 12 },
+        kind: Kind::Count { min: 2, max: 11 },
         default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
         apply: |s, v| s.precompute.prefilter_level_count = v.count(),
         ..TABLE

@@ -72,6 +72,12 @@ impl<'r, 'f> OfAxis<'r, 'f> {
         grouped(resolved, |effect| effect.value.clone()).into_iter().map(numbers).collect()
     }
 
+    /// ", 2 within the noise": environments beyond the n that have a resolved ratio.
+    fn unresolved(&self, n: usize) -> String {
+        let [_, all] = Numbers::ratios(self.effects.iter().map(|effect| (effect.row, effect.ratio))).wins();
+        if all > n { format!(", {} within the noise", all - n) } else { String::new() }
+    }
+
     /// The value that errs least next to the base, or less than it.
     fn best(&self) -> Option<Best<'r, 'f>> {
         let rivals = self.told().into_iter().filter_map(|(value, own)| Some((value, own.estimate()?, own)));
@@ -128,8 +134,8 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
     let (times, interval) = (number(ratio.value), interval_words(ratio, number));
     let wins = match numbers.wins() {
         [_, 1] => numbers.place(""),
-        [0, n] => format!("; more under each of {n} {}", AXES[ENVIRONMENT].plural),
-        [wins, n] => format!("; less under {wins} of {n} {}", AXES[ENVIRONMENT].plural),
+        [0, n] => format!("; more under each of {n} {}{}", AXES[ENVIRONMENT].plural, of.unresolved(n)),
+        [wins, n] => format!("; less under {wins} of {n} {}{}", AXES[ENVIRONMENT].plural, of.unresolved(n)),
     };
     let tried = of.told().len();
     let among = format!("Of the {}", AXES[of.axis].plural);
