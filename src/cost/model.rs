@@ -16,6 +16,9 @@ use crate::shade::pass::{specular_constants, specular_shader};
 /// Pixels of the frame that a millisecond bound is for.
 pub const FRAME: [u32; 2] = [1920, 1080];
 
+/// Sample counts above are not tried.
+pub const AFFORDED_MAX: u32 = 1 << 16;
+
 /// Two ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
@@ -61,9 +64,22 @@ impl Pass {
 
     /// Cycles of a compute unit a pixel.
     pub fn cycles(&self, family: &Family, texel: Texel, sample_count: u32) -> Bound {
-        let counts = self.executed(sample_count);
-        let clocks = |end| family.generation.clocks(&counts, texel, self.wave, end);
+        self.cycles_of(&self.executed(sample_count), family, texel)
+    }
+
+    /// Cycles of a part of what a pixel executes.
+    pub fn cycles_of(&self, counts: &Counts, family: &Family, texel: Texel) -> Bound {
+        let clocks = |end| family.generation.clocks(counts, texel, self.wave, end);
         Bound { least: clocks(0).into_iter().fold(0.0, f64::max), most: clocks(1).into_iter().sum() }
+    }
+
+    /// Most samples a pixel that this pass takes at the cost of another one: where its upper end meets the other's lower end, and the reverse.
+    /// Up to [`AFFORDED_MAX`].
+    pub fn afforded(&self, family: &Family, texel: Texel, other: Bound) -> [u32; 2] {
+        let most_where = |fits: &dyn Fn(Bound) -> bool| {
+            (1..=AFFORDED_MAX).take_while(|n| fits(self.cycles(family, texel, *n))).last().unwrap_or(0)
+        };
+        [most_where(&|own| own.most <= other.least), most_where(&|own| own.least <= other.most)]
     }
 
     /// The unit that sets the lower end.

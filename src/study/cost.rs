@@ -121,6 +121,9 @@ impl Costs {
                     self.bounds(family, card)
                 );
             }
+            if let Some(table) = self.afforded(family) {
+                text += &format!("\nSamples a pixel at equal model cost, between the ends of both bounds:\n\n{table}");
+            }
         }
         text
     }
@@ -133,10 +136,9 @@ impl Costs {
         columns.push(("model cycles", Align::Right));
         let mut table = MarkdownTable::new(&columns);
         for shaded in family {
-            let Pass { counts, wave, vector_registers, waves } = shaded.pass;
+            let Pass { counts, vector_registers, waves, .. } = shaded.pass;
             let part = |part: &str, counts: Counts| {
-                let alone = |end| shaded.family.generation.clocks(&counts, self.texel.1, wave, end);
-                let bound = Bound { least: alone(0).into_iter().fold(0.0, f64::max), most: alone(1).into_iter().sum() };
+                let bound = shaded.pass.cycles_of(&counts, shaded.family, self.texel.1);
                 let mut row = vec![shaded.name(), part.to_owned()];
                 row.extend(classes(&counts).map(|count| count.to_string()));
                 row.extend([vector_registers.to_string(), waves.to_string(), range(bound)]);
@@ -160,6 +162,24 @@ impl Costs {
             table.row(&std::iter::once(samples.to_string()).chain(cells).collect::<Vec<_>>());
         }
         table
+    }
+
+    /// How many samples each method that samples takes at the cost of each that does not.
+    fn afforded(&self, family: &[Shaded]) -> Option<MarkdownTable> {
+        let (sampling, fixed): (Vec<_>, Vec<_>) = family.iter().partition(|shaded| shaded.uses_samples);
+        let names: Vec<String> = fixed.iter().map(|shaded| format!("at {}", shaded.name())).collect();
+        let columns = names.iter().map(|name| (name.as_str(), Align::Right));
+        let mut table =
+            MarkdownTable::new(&std::iter::once(("method", Align::Left)).chain(columns).collect::<Vec<_>>());
+        let texel = self.texel.1;
+        for own in &sampling {
+            let cells = fixed.iter().map(|other| {
+                let [least, most] = own.pass.afforded(own.family, texel, other.pass.cycles(other.family, texel, 1));
+                format!("{least} to {most}")
+            });
+            table.row(&std::iter::once(own.name()).chain(cells).collect::<Vec<_>>());
+        }
+        (!sampling.is_empty() && !fixed.is_empty()).then_some(table)
     }
 
     /// Both ends over N, a panel a card. `None` without two sample counts.

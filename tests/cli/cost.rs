@@ -76,13 +76,13 @@ fn a_shader_of_known_size_is_counted_right() {
 /// A shader that a software driver swallows and AMD's compiler does not would fail here first.
 #[test]
 fn every_pipeline_compiles_for_every_family_and_twice_to_the_same_bytes() {
-    let compute = shader_names().filter(|name| name.contains(".comp"));
-    let maskings = MaskingShadowing::ALL.iter().map(|(_, masking)| *masking as u32);
-    let mut jobs: Vec<Job> = compute
-        .flat_map(|shader| maskings.clone().map(|masking| Job { shader: shader.to_owned(), constants: vec![masking] }))
-        .collect();
-    jobs.extend(PIPELINES.map(|draw| Job { shader: draw.shaders[1].to_owned(), constants: Vec::new() }));
-    for family in families() {
+    for (turn, family) in families().into_iter().enumerate() {
+        // A masking a shader and family; over the families each shader has every one.
+        let masking = |index: usize| MaskingShadowing::ALL[(index + turn) % MaskingShadowing::ALL.len()].1 as u32;
+        let compute = shader_names().filter(|name| name.contains(".comp")).enumerate();
+        let compute = compute.map(|(index, shader)| Job { shader: shader.to_owned(), constants: vec![masking(index)] });
+        let draws = PIPELINES.map(|draw| Job { shader: draw.shaders[1].to_owned(), constants: Vec::new() });
+        let jobs: Vec<Job> = compute.chain(draws).collect();
         let compiled = compile(program(), family, &jobs).unwrap();
         assert_eq!(compiled.len(), jobs.len());
         for (job, compiled) in jobs.iter().zip(&compiled) {
@@ -96,9 +96,9 @@ fn every_pipeline_compiles_for_every_family_and_twice_to_the_same_bytes() {
             }
         }
         // Not through a cache: the second child compiles anew.
-        let some: Vec<Job> = jobs.iter().step_by(40).cloned().collect();
+        let some: Vec<Job> = jobs.iter().step_by(20).cloned().collect();
         let again = compile(program(), family, &some).unwrap();
-        assert!(again.iter().eq(compiled.iter().step_by(40)), "{}", family.name);
+        assert!(again.iter().eq(compiled.iter().step_by(20)), "{}", family.name);
     }
 }
 
@@ -134,7 +134,7 @@ fn the_command_writes_its_tables_and_figure() {
 fn bad_names_and_a_missing_compiler_are_told() {
     let dir = tempfile::tempdir().unwrap();
     let ends = |arguments: &[&str], parts: &[&str]| assert_ends(&splitsum(dir.path(), arguments), 2, parts);
-    ends(&["cost", "--family", "navi12"], &["navi12", "did you mean \"navi10\"?", "gfx1100"]);
+    ends(&["cost", "--family", "navi12"], &["navi12", "did you mean \"navi21\"?", "gfx1100"]);
     ends(&["cost", "--method", "reference"], &["no method with a shading pass", "split-sum"]);
     ends(&["cost", "--samples", "0"], &["--samples"]);
     ends(&["cost", "--texel", "rgba8"], &["rgba16f"]);
