@@ -5,6 +5,7 @@ use clap::Args;
 use splitsum::brdf::{Brdf, MODELS};
 use splitsum::cost::child::{CompileFault, available, compile, serve};
 use splitsum::cost::family::{FAMILIES, Family, Texel, family_by_name};
+use splitsum::cost::isa::Counts;
 use splitsum::cost::model::{Pass, job};
 use splitsum::environment::layout::{LAYOUTS, MapLayout};
 use splitsum::shade::{METHODS, Method};
@@ -138,6 +139,9 @@ fn costs(arguments: &Arguments) -> Result<Costs, Failure> {
             let fault = |text: String| Failure::failed(format!("{}: '{}': {text}", family.name, job.shader));
             let pass = Pass::new(compiled).ok_or_else(|| fault("the driver gives no assembly".to_owned()))?;
             let pass = pass.map_err(|error| fault(error.to_string()))?;
+            if method.uses_samples && pass.counts.inside == Counts::default() {
+                return Err(fault("no loop over samples is found in its assembly".to_owned()));
+            }
             if pass.counts.other_loops > 0 {
                 tell(&format!(
                     "{}: '{}' has {} more loops; the model counts each once",

@@ -1,7 +1,7 @@
 //! Counts of the instructions in AMD assembly text, inside and outside the loop over samples.
 //!
 //! The text is what RADV gives: labels `BBn:`, one instruction a line, `(then repeated k times)` for k more of the line before. A loop is the
-//! natural loop of a back edge; the loop over samples is the outermost one with a lookup through a sampler.
+//! natural loop of a back edge; the loop over samples is the outermost one with a lookup in an image.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
@@ -60,9 +60,9 @@ impl Counts {
         }
     }
 
-    /// Lookups through a sampler.
-    pub fn filtered(&self) -> f64 {
-        self.bilinear + self.trilinear
+    /// Lookups in images, with or without a filter.
+    fn lookups(&self) -> f64 {
+        self.unfiltered + self.bilinear + self.trilinear
     }
 }
 
@@ -162,7 +162,7 @@ struct Block {
 pub fn count(assembly: &str) -> Result<ShaderCounts, IsaFault> {
     let blocks = blocks(assembly)?;
     let loops = loops(assembly, &blocks)?;
-    let has_lookup = |body: &&BTreeSet<usize>| body.iter().any(|block| blocks[*block].counts.filtered() > 0.0);
+    let has_lookup = |body: &&BTreeSet<usize>| body.iter().any(|block| blocks[*block].counts.lookups() > 0.0);
     // The outermost one that looks up; of several, which none of today's shaders has, the longest.
     let samples = loops.values().filter(has_lookup).max_by_key(|body| body.len());
     let mut counts = ShaderCounts { other_loops: loops.len() - usize::from(samples.is_some()), ..Default::default() };

@@ -121,12 +121,12 @@ fn until_zero(bytes: &[u8]) -> String {
 fn statistic(told: &vk::PipelineExecutableStatisticKHR<'_>) -> Statistic {
     use vk::PipelineExecutableStatisticFormatKHR as Format;
     // SAFETY: every member of the union is plain bits, all of which are initialised.
-    let [whole, signed, real] = unsafe { [told.value.u64 as f64, told.value.i64 as f64, told.value.f64] };
+    let bits = unsafe { told.value.u64 };
     let value = match told.format {
-        Format::BOOL32 => f64::from(whole as u64 as u32),
-        Format::INT64 => signed,
-        Format::FLOAT64 => real,
-        _ => whole,
+        Format::BOOL32 => f64::from(bits as u32),
+        Format::INT64 => bits as i64 as f64,
+        Format::FLOAT64 => f64::from_bits(bits),
+        _ => bits as f64,
     };
     Statistic { name: text(told.name_as_c_str()), value }
 }

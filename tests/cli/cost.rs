@@ -1,13 +1,15 @@
 //! `splitsum cost` and the compiler for GPUs that are not here. Without Mesa's RADV one line says what is skipped.
 
 use super::{assert_ends, command, entries, ok, splitsum};
-use splitsum::brdf::MaskingShadowing;
+use splitsum::brdf::{MODELS, MaskingShadowing};
 use splitsum::cost::child::{CompileFault, Job, available, compile};
 use splitsum::cost::family::Family;
 use splitsum::cost::isa::Counts;
-use splitsum::cost::model::Pass;
+use splitsum::cost::model::{Pass, job};
+use splitsum::environment::layout::LAYOUTS;
 use splitsum::gbuffer::pass::PIPELINES;
 use splitsum::gpu::shader_names;
+use splitsum::shade::METHODS;
 use std::path::Path;
 
 fn program() -> &'static Path {
@@ -127,6 +129,34 @@ fn the_command_writes_its_tables_and_figure() {
         let is_sampled = &row[column("method")] == "sampled";
         let lookups = ["outside_bilinear", "outside_trilinear", "inside_trilinear"].map(|name| number(row, name));
         assert_eq!(lookups, if is_sampled { [0.0, 0.0, 1.0] } else { [1.0, 1.0, 0.0] });
+    }
+}
+
+/// What the loop over samples of each method is, under each layout of maps: one lookup a sample, however it is filtered.
+#[test]
+fn every_sampling_method_has_its_loop_under_every_layout() {
+    for family in families() {
+        let methods = METHODS.iter().filter(|method| method.has_pass() && method.uses_samples);
+        let asked: Vec<_> =
+            methods.flat_map(|m| LAYOUTS.iter().map(move |layout| (m.name, job(layout, m, MODELS[0])))).collect();
+        let jobs: Vec<Job> = asked.iter().map(|(_, job)| job.clone()).collect();
+        for ((method, job), compiled) in asked.iter().zip(compile(program(), family, &jobs).unwrap()) {
+            let counts = Pass::new(&compiled).unwrap().unwrap().counts;
+            assert!(
+                counts.inside.alu > 50.0 && counts.other_loops == 0,
+                "{} {method} {}: {counts:?}",
+                family.name,
+                job.shader
+            );
+            let filtered = counts.inside.bilinear + counts.inside.trilinear;
+            // An octahedral map is filtered by the shader: four texels of two levels.
+            assert!(
+                filtered == 1.0 || (filtered, counts.inside.unfiltered) == (0.0, 8.0),
+                "{}: {counts:?}",
+                job.shader
+            );
+            assert_eq!(counts.outside.bilinear + counts.outside.trilinear, 0.0, "{}", job.shader);
+        }
     }
 }
 
