@@ -95,6 +95,12 @@ fn the_bound_is_the_busiest_unit_and_their_sum() {
     let bound = pass.cycles(family("navi21"), Texel::Rgba32f, 10);
     assert_eq!(bound.least, 61.0 / 4.0);
     assert!((bound.most - (23.0 / 64.0 + 21.0 / 16.0 + 51.0 / 128.0 + 121.0 / 4.0 + 24.0 / 128.0)).abs() < 1e-12);
+    // Quarter-rate work keeps GCN's ALU busy, runs beside RDNA's, and RDNA 3 may pair the rest.
+    let counts = Counts { alu: 64.0, quarter: 8.0, ..Counts::default() };
+    for (name, least) in [("vega10", 1.5), ("navi21", 1.0), ("gfx1100", 0.5)] {
+        let bound = pass.cycles_of(&counts, family(name), Texel::Rgba16f);
+        assert_eq!((bound.least, bound.most), (least, 1.5), "{name}");
+    }
     // One sample on 8 compute units at 1600 MHz: the texture unit's (1 + 3) / 4 clocks a pixel.
     let deck = family("vangogh");
     let time = pass.cycles(deck, Texel::Rgba16f, 1).milliseconds(&deck.cards[0]);
