@@ -2,8 +2,8 @@
 //!
 //! | constant | source |
 //! |---|---|
-//! | vector lanes | 64 a clock and compute unit: four 16-wide units [Lottes16], two 32-wide ones [AmdRdnaPaper19]; RDNA 3 up to 128 [RocmProfiler25] |
-//! | quarter rate | rcp, rsq, sqrt, log, exp, sin, cos and integer products [LlvmAmdgpu20]; beside other work from RDNA on [AmdRdnaPaper19] |
+//! | vector lanes | 64 a clock: four 16-wide units [Lottes16], two 32-wide ones [AmdRdnaPaper19]; RDNA 3 up to 128 [RocmProfiler25] |
+//! | quarter rate | which instructions [LlvmAmdgpu20]; beside other work from RDNA on [AmdRdnaPaper19] |
 //! | scalar | one a clock and unit on GCN, two from RDNA on [AmdRdnaPaper19] |
 //! | unfiltered texels | four of 128 bits a clock [Lottes16] |
 //! | filtered texels | GCN: 32 bits of four pixels a clock [Lottes16]; RDNA: 64 bits, twice of that [AmdRdna19] |
@@ -22,8 +22,8 @@ pub struct Generation {
     shares_quarter: bool,
     /// Scalar instructions a clock.
     scalars: f64,
-    /// Clocks in which four pixels' bilinear lookups are filtered, by [`Texel`]. Nothing is published for 128-bit texels on RDNA: between the
-    /// rate that their width suggests and GCN's.
+    /// Clocks in which four pixels' bilinear lookups are filtered, by [`Texel`]. Nothing is published for 128-bit texels on RDNA: between
+    /// the rate that their width suggests and GCN's.
     quad_clocks: [[f64; 2]; 2],
     /// Bytes of the first-level vector cache a clock.
     cache_bytes: f64,

@@ -1,7 +1,7 @@
 //! Counts of the instructions in AMD assembly text, inside and outside the loop over samples.
 //!
-//! The text is what RADV gives: labels `BBn:`, one instruction a line, `(then repeated k times)` for k more of the line before. A loop is the
-//! natural loop of a back edge; the loop over samples is the outermost one with a lookup in an image.
+//! The text is what RADV gives: labels `BBn:`, one instruction a line, `(then repeated k times)` for k more of the line before. A loop is
+//! the natural loop of a back edge; the loop over samples is the outermost one with a lookup in an image.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;

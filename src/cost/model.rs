@@ -1,7 +1,7 @@
 //! The bound: between units that overlap perfectly and units that never do.
 //!
-//! A pixel executes `o ceil(N / P) + i N` instructions, o outside and i inside the loop over samples; a dispatch takes P points. Its cycles lie
-//! between the busiest unit's and the sum over all units, for as long as waves hide each other's latency and caches hold what is read.
+//! A pixel executes `o ceil(N / P) + i N` instructions, o outside and i inside the loop over samples; a dispatch takes P points. Its cycles
+//! lie between the busiest unit's and the sum over all units, for as long as waves hide each other's latency and caches hold what is read.
 
 use super::child::{ASSEMBLY, Compiled, Job};
 use super::family::{Card, Family, Texel, UNITS};
@@ -73,8 +73,8 @@ impl Pass {
         Bound { least: clocks(0).into_iter().fold(0.0, f64::max), most: clocks(1).into_iter().sum() }
     }
 
-    /// Most samples a pixel that this pass takes at the cost of another one: where its upper end meets the other's lower end, and the reverse.
-    /// Up to [`AFFORDED_MAX`].
+    /// Most samples a pixel that this pass takes at the cost of another one: where its upper end meets the other's lower end, and the
+    /// reverse. Up to [`AFFORDED_MAX`].
     pub fn afforded(&self, family: &Family, texel: Texel, other: Bound) -> [u32; 2] {
         let most_where = |fits: &dyn Fn(Bound) -> bool| {
             (1..=AFFORDED_MAX).take_while(|n| fits(self.cycles(family, texel, *n))).last().unwrap_or(0)
@@ -91,7 +91,7 @@ impl Pass {
 }
 
 impl Bound {
-    /// Milliseconds that a card takes for [`FRAME`] at these cycles a pixel: the lower end at its boost clock, the upper end at the lower one.
+    /// Milliseconds that a card takes for [`FRAME`] at these cycles a pixel: the lower end at its boost clock, the upper one at the other.
     pub fn milliseconds(self, card: &Card) -> Self {
         let pixels = f64::from(FRAME[0]) * f64::from(FRAME[1]);
         let of = |cycles: f64, mhz: f64| cycles * pixels / (f64::from(card.compute_units) * mhz * 1e3);

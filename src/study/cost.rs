@@ -31,8 +31,8 @@ pub struct Costs {
 }
 
 /// The caveat that stands wherever numbers do.
-pub const CAVEAT: &str = "A model, not a measurement: no GPU ran. A bound lies between perfect overlap of all units and none, with full waves and \
-                          caches that always hit; memory traffic beyond them is left out (docs/cost.md).";
+pub const CAVEAT: &str = "A model, not a measurement: no GPU ran. A bound lies between perfect overlap of all units and none, with full \
+                          waves and caches that always hit; memory traffic beyond them is left out (docs/cost.md).";
 
 const CLASSES: [&str; 7] = ["alu", "quarter_rate", "scalar", "unfiltered", "bilinear", "trilinear", "memory_bytes"];
 

@@ -57,8 +57,8 @@ fn instructions_are_counted_by_class_inside_and_outside_the_loop() {
 
 #[test]
 fn the_loop_over_samples_is_the_outermost_that_looks_up() {
-    let nested = "BB0:\n v_mov_b32 v0, 0\nBB1:\n v_mov_b32 v0, 0\nBB2:\n image_sample v0, v1\n s_cbranch_scc0 BB2\nBB3:\n s_cbranch_scc0 BB1\n\
-                  BB4:\n s_add_u32 s0, s0, 1\n s_cbranch_scc0 BB4\nBB5:\n s_endpgm\n";
+    let nested = "BB0:\n v_mov_b32 v0, 0\nBB1:\n v_mov_b32 v0, 0\nBB2:\n image_sample v0, v1\n s_cbranch_scc0 BB2\nBB3:\n \
+                  s_cbranch_scc0 BB1\nBB4:\n s_add_u32 s0, s0, 1\n s_cbranch_scc0 BB4\nBB5:\n s_endpgm\n";
     let counts = count(nested).unwrap();
     assert_eq!((counts.outside.alu, counts.inside.alu, counts.inside.trilinear), (1.0, 1.0, 1.0));
     // The inner loop and the one after it.
