@@ -6,6 +6,9 @@
 //!
 //! Keys in square brackets, such as those of the formulas' sources, stand for:
 //!
+//! - AmdCards22: AMD, specifications of Radeon RX Vega 64, RX 5700 XT, RX 6800 XT and RX 7900 XTX, amd.com, 2017 to 2022.
+//! - AmdRdna19: AMD, "RDNA Architecture", presentation, gpuopen.com, 2019.
+//! - AmdRdnaPaper19: AMD, "Introducing RDNA Architecture", white paper, 2019.
 //! - Andersson20: P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, "FLIP: A Difference
 //!   Evaluator for Alternating Images", Proc. ACM on Computer Graphics and Interactive Techniques 3(2), 2020.
 //! - BT709: Recommendation ITU-R BT.709-6, "Parameter values for the HDTV standards for production and international programme
@@ -47,6 +50,8 @@
 //!   in quotation marks beside the key are its headings.
 //! - Knuth97: D. E. Knuth, "The Art of Computer Programming", volume 2, 3rd edition, 1997.
 //! - Lam85: K. M. Lam, "Metamerism and Colour Constancy", doctoral thesis, University of Bradford, 1985.
+//! - LlvmAmdgpu20: LLVM, scheduling model of the AMDGPU target (`SISchedule.td`), 2020.
+//! - Lottes16: T. Lottes, "Understanding Memory Coalescing on GCN", gpuopen.com, 2016.
 //! - Malley88: T. J. V. Malley, "A Shading Method for Computer Generated Images", master's thesis, University of Utah, 1988.
 //! - Owen97: A. B. Owen, "Monte Carlo Variance of Scrambled Net Quadrature", SIAM Journal on Numerical Analysis 34(5), 1997.
 //! - PharrJakobHumphreys23: M. Pharr, W. Jakob and G. Humphreys, "Physically Based Rendering: From Theory to Implementation",
@@ -54,6 +59,7 @@
 //! - Preetham99: A. J. Preetham, P. Shirley and B. Smits, "A Practical Analytic Model for Daylight", SIGGRAPH 99.
 //! - Ramamoorthi01: R. Ramamoorthi and P. Hanrahan, "An Efficient Representation for Irradiance Environment Maps", SIGGRAPH 2001.
 //! - Roberts18: M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", extremelearning.com.au, 2018.
+//! - RocmProfiler25: AMD, "ROCm Compute Profiler: Workgroup processor (WGP)", rocm.docs.amd.com, 2025.
 //! - Rousselle11: F. Rousselle, C. Knaus and M. Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", ACM
 //!   Transactions on Graphics 30(6), 2011.
 //! - Schlick94: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics Forum 13(3), 1994.
@@ -65,6 +71,7 @@
 //! - Sobol67: I. M. Sobol', "On the Distribution of Points in a Cube and the Approximate Evaluation of Integrals", USSR Computational
 //!   Mathematics and Mathematical Physics 7(4), 1967.
 //! - Steele14: G. L. Steele, D. Lea and C. H. Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
+//! - Valve22: Valve, "Steam Deck: Tech Specs", steamdeck.com, 2022.
 //! - VeachGuibas95: E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 95.
 //! - Vegdahl21: N. Vegdahl, "Building a Better LK Hash", psychopath.io, 2021.
 //! - Walter07: B. Walter, S. R. Marschner, H. Li and K. E. Torrance, "Microfacet Models for Refraction through Rough Surfaces",
@@ -102,6 +109,7 @@ pub mod table;
 
 pub mod ladder;
 
+pub mod cost;
 pub mod oracle;
 pub mod pipeline;
 pub mod slips;

@@ -4,6 +4,7 @@ mod answers;
 mod bake;
 mod cache;
 mod compare;
+mod cost;
 mod devices;
 mod estimate;
 mod flags;
@@ -21,6 +22,7 @@ mod stop;
 mod subject;
 
 use clap::{Parser, Subcommand};
+use splitsum::cost::child::COMMAND;
 use splitsum::runner::chunk::ChunkError;
 use splitsum::runner::{RenderFault, RunError};
 use splitsum::spelling::printable;
@@ -50,6 +52,10 @@ enum Command {
     Render(Box<render::Arguments>),
     Compare(compare::Arguments),
     Bake(bake::Arguments),
+    Cost(cost::Arguments),
+    /// Compiles shaders for `cost`.
+    #[command(name = COMMAND, hide = true)]
+    CompileShaders,
     /// Lists the Vulkan devices.
     Devices,
     List(list::Arguments),
@@ -141,6 +147,8 @@ pub fn main() -> ExitCode {
         Command::Render(arguments) => render::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Bake(arguments) => bake::execute(&arguments),
+        Command::Cost(arguments) => cost::execute(&arguments),
+        Command::CompileShaders => cost::compile_shaders(),
         Command::Devices => devices::execute(),
         Command::List(arguments) => list::execute(&arguments),
         Command::Integrate(arguments) => integrate::execute(&arguments),

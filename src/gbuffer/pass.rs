@@ -15,9 +15,12 @@ const SPHERES: GraphicsDescription =
 const MESHES: GraphicsDescription =
     GraphicsDescription { shaders: ["gbuffer/mesh.vert", "gbuffer/mesh.frag"], attributes: &[3, 3, 2], strip: false };
 
+/// Every draw of the pass.
+pub const PIPELINES: [GraphicsDescription; 2] = [SPHERES, MESHES];
+
 /// Every shader of the pass.
 pub fn shaders() -> impl Iterator<Item = &'static str> {
-    [SPHERES, MESHES].into_iter().flat_map(|description| description.shaders)
+    PIPELINES.into_iter().flat_map(|description| description.shaders)
 }
 
 /// A scene on the device.

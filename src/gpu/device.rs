@@ -4,11 +4,11 @@ use super::inject::{Injector, Site};
 use super::instance::Instance;
 use super::kept_pipeline::Pipelines;
 use super::{DeviceInfo, GpuError, Options, Sampler};
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
 use std::collections::HashMap;
-use std::ffi::CString;
+use std::ffi::{CStr, CString};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -39,6 +39,8 @@ pub(super) struct Shared {
     pub(super) samplers: Mutex<HashMap<Sampler, vk::Sampler>>,
     allocator: Mutex<Option<Allocator>>,
     debug: Option<ext::debug_utils::Device>,
+    /// What the driver's compiler made, where [`Options::executables`] asks for it.
+    pub(super) executables: Option<khr::pipeline_executable_properties::Device>,
     /// Dropped last.
     instance: Instance,
 }
@@ -50,7 +52,7 @@ impl Gpu {
         let instance = Instance::new(options.validation)?;
         let (physical, info) = instance.choose(options.device)?;
         let (queue_family, timestamp_mask) = queue_family(&instance, physical, &info)?;
-        let raw = create_device(&instance, physical, &info, queue_family)?;
+        let raw = create_device(&instance, physical, &info, queue_family, options.executables)?;
         // SAFETY: the queue was asked for in `create_device`.
         let queue = unsafe { raw.get_device_queue(queue_family, 0) };
         let debug = instance.has_debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &raw));
@@ -58,6 +60,8 @@ impl Gpu {
         let limits = unsafe { instance.raw.get_physical_device_properties(physical) }.limits;
 
         // From here on the device is owned by `Shared`, whose drop frees it if a later step fails.
+        let executables =
+            options.executables.then(|| khr::pipeline_executable_properties::Device::new(&instance.raw, &raw));
         let mut shared = Shared {
             raw,
             queue,
@@ -72,6 +76,7 @@ impl Gpu {
             samplers: Mutex::default(),
             allocator: Mutex::new(None),
             debug,
+            executables,
             instance,
         };
         let allocator = Allocator::new(&AllocatorCreateDesc {
@@ -213,6 +218,7 @@ fn create_device(
     physical: vk::PhysicalDevice,
     info: &DeviceInfo,
     family: u32,
+    has_executables: bool,
 ) -> Result<ash::Device, GpuError> {
     let missing = |feature: &str| GpuError::MissingFeature { device: info.name.clone(), feature: feature.into() };
     // SAFETY: the physical device belongs to the instance.
@@ -253,7 +259,20 @@ fn create_device(
         .synchronization2(true)
         .maintenance4(true)
         .shader_demote_to_helper_invocation(true);
-    let create = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features);
-    // SAFETY: every pointer outlives the call, and every feature was checked above.
+    let mut create = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features);
+    let mut report =
+        vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
+    let names = [khr::pipeline_executable_properties::NAME];
+    let name_pointers = names.map(CStr::as_ptr);
+    if has_executables {
+        // SAFETY: the physical device belongs to the instance.
+        let extensions = unsafe { instance.raw.enumerate_device_extension_properties(physical) }
+            .map_err(GpuError::call("vkEnumerateDeviceExtensionProperties", &info.name))?;
+        if !extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(names[0])) {
+            return Err(missing("VK_KHR_pipeline_executable_properties"));
+        }
+        create = create.enabled_extension_names(&name_pointers).push_next(&mut report);
+    }
+    // SAFETY: every pointer outlives the call, and every feature and extension was checked above.
     unsafe { instance.raw.create_device(physical, &create, None) }.map_err(GpuError::call("vkCreateDevice", &info.name))
 }

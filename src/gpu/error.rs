@@ -11,6 +11,10 @@ pub enum GpuError {
         "the Vulkan loader found no device; install a driver (Debian, without a GPU: apt-get install mesa-vulkan-drivers) or check VK_DRIVER_FILES and VK_ICD_FILENAMES"
     )]
     NoDevice,
+    #[error("no device of Mesa's RADV")]
+    NoRadv,
+    #[error("'{shader}': {what}")]
+    Reflection { shader: String, what: String },
     #[error(
         "the Vulkan loader's {call} failed with {result:?}; the manifest of a driver or layer may be damaged: check VK_DRIVER_FILES, VK_ICD_FILENAMES and VK_LAYER_PATH"
     )]

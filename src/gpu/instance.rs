@@ -13,6 +13,8 @@ pub enum DeviceChoice {
     Default,
     /// By the index that [`devices`] lists.
     Index(usize),
+    /// The first one of Mesa's driver for AMD GPUs.
+    Radv,
 }
 
 /// How to open a device.
@@ -21,6 +23,8 @@ pub struct Options {
     pub device: DeviceChoice,
     /// Runs under the Khronos validation layer with synchronization validation; see [`super::Gpu::validation_messages`].
     pub validation: bool,
+    /// Lets [`super::Gpu::executables`] tell what the driver's compiler made.
+    pub executables: bool,
 }
 
 /// What is known of a device.
@@ -40,6 +44,8 @@ pub struct DeviceInfo {
     pub has_exact_filter: bool,
     /// Whether cubes are filtered across their edges in compute shaders. SwiftShader shows black there.
     pub has_seamless_cubes: bool,
+    /// Whether the driver is Mesa's for AMD GPUs.
+    pub is_radv: bool,
 }
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
@@ -154,6 +160,7 @@ impl Instance {
             timestamp_period_ns: core.limits.timestamp_period,
             has_exact_filter: driver_id == vk::DriverId::MESA_LLVMPIPE,
             has_seamless_cubes: driver_id != vk::DriverId::GOOGLE_SWIFTSHADER,
+            is_radv: driver_id == vk::DriverId::MESA_RADV,
             memory_bytes: local.map(|heap| heap.size).max().unwrap_or(0),
         }
     }
@@ -165,6 +172,7 @@ impl Instance {
         let index = match choice {
             DeviceChoice::Index(index) if index < count => index,
             DeviceChoice::Index(index) => return Err(GpuError::NoSuchDevice { index, count }),
+            DeviceChoice::Radv => all.iter().position(|(_, info)| info.is_radv).ok_or(GpuError::NoRadv)?,
             DeviceChoice::Default => {
                 let rank = |info: &DeviceInfo| match info.device_type {
                     "discrete-gpu" => 0,

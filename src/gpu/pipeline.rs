@@ -100,19 +100,29 @@ impl Shared {
         interface: Interface,
     ) -> Result<Arc<Pipeline>, GpuError> {
         self.pipeline(&[shader], constants, interface, |interface| {
-            let pipeline = Pipeline::new(self, shader, interface, vk::ShaderStageFlags::COMPUTE)?;
-            let module = Module::new(self, shader)?;
-            let entries: Vec<_> = (0..constants.len() as u32)
-                .map(|id| vk::SpecializationMapEntry { constant_id: id, offset: 4 * id, size: 4 })
-                .collect();
-            let specialization =
-                vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
-            let stage = module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&specialization);
-            let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(pipeline.layout)];
-            // SAFETY: module and layout are alive; the description is complete.
-            let made = unsafe { self.raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
-            pipeline.finish(self, ("vkCreateComputePipelines", shader), made)
+            self.make_compute_pipeline(shader, constants, interface, vk::PipelineCreateFlags::empty())
         })
+    }
+
+    pub(super) fn make_compute_pipeline(
+        &self,
+        shader: &str,
+        constants: &[u32],
+        interface: Interface,
+        flags: vk::PipelineCreateFlags,
+    ) -> Result<Pipeline, GpuError> {
+        let pipeline = Pipeline::new(self, shader, interface, vk::ShaderStageFlags::COMPUTE)?;
+        let module = Module::new(self, shader)?;
+        let entries: Vec<_> = (0..constants.len() as u32)
+            .map(|id| vk::SpecializationMapEntry { constant_id: id, offset: 4 * id, size: 4 })
+            .collect();
+        let specialization =
+            vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
+        let stage = module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&specialization);
+        let info = [vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(pipeline.layout)];
+        // SAFETY: module and layout are alive; the description is complete.
+        let made = unsafe { self.raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
+        pipeline.finish(self, ("vkCreateComputePipelines", shader), made)
     }
 
     /// The graphics pipeline of a description for `color_count` colour targets.
@@ -123,7 +133,7 @@ impl Shared {
         interface: Interface,
     ) -> Result<Arc<Pipeline>, GpuError> {
         self.pipeline(&description.shaders, &[], interface, |interface| {
-            self.make_graphics_pipeline(description, color_count, interface)
+            self.make_graphics_pipeline(description, color_count, interface, vk::PipelineCreateFlags::empty())
         })
     }
 
@@ -146,11 +156,12 @@ impl Shared {
         Ok(pipeline)
     }
 
-    fn make_graphics_pipeline(
+    pub(super) fn make_graphics_pipeline(
         &self,
         description: GraphicsDescription<'_>,
         color_count: usize,
         interface: Interface,
+        flags: vk::PipelineCreateFlags,
     ) -> Result<Pipeline, GpuError> {
         const STAGES: [vk::ShaderStageFlags; 2] = [vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT];
         let GraphicsDescription { shaders: [vertex_shader, name], attributes, strip } = description;
@@ -194,6 +205,7 @@ impl Shared {
             .color_attachment_formats(&formats)
             .depth_attachment_format(Format::Depth32Float.raw());
         let info = [vk::GraphicsPipelineCreateInfo::default()
+            .flags(flags)
             .stages(&stages)
             .vertex_input_state(&vertex_input)
             .input_assembly_state(&assembly)

@@ -117,6 +117,19 @@ pub(super) fn with_gbuffer<'a>(gbuffer: &'a GbufferImages, rest: &[Bind<'a>]) ->
 /// The shader of the background.
 pub const BACKGROUND_SHADER: &str = "shade/background.comp";
 
+/// The shader of a method's specular pass; one that does not use the model has none for each.
+pub fn specular_shader(layout: &MapLayout, method: &Method, brdf: &dyn Brdf) -> String {
+    let general = format!("shade/specular.comp:{}:{}", layout.name, method.name);
+    let special = format!("{general}:{}", brdf.name());
+    if has_shader(&special) { special } else { general }
+}
+
+/// Its specialization constants.
+pub fn specular_constants(masking_shadowing: MaskingShadowing, level_mapping: &LevelMapping) -> [u32; 3] {
+    // The second one is the reference's.
+    [masking_shadowing as u32, 0, (level_mapping.bend as f32).to_bits()]
+}
+
 /// The shader of analytic lights.
 pub fn lights_shader(brdf: &dyn Brdf) -> String {
     format!("shade/lights.comp:{}", brdf.name())
@@ -148,9 +161,7 @@ impl Shading<'_> {
         points: PointRange<'_>,
         rows: Range<u32>,
     ) -> Result<(), GpuError> {
-        let general = format!("shade/specular.comp:{}:{}", self.layout.name, method.name);
-        let special = format!("{general}:{}", brdf.name());
-        let shader = if has_shader(&special) { special } else { general };
+        let shader = specular_shader(self.layout, method, brdf);
         let Tables { environment, filtered, prefiltered, dfg, .. } = self.tables;
         let rest = [
             Bind::Sample(environment, Sampler::MAP),
@@ -160,8 +171,7 @@ impl Shading<'_> {
             points.bind(),
         ];
         let params = ShadeParams { point_count: points.count, ..self.settings.params(self.gbuffer.size, rows.start) };
-        // The second one is the reference's.
-        let constants = [masking_shadowing as u32, 0, (self.settings.level_mapping.bend as f32).to_bits()];
+        let constants = specular_constants(masking_shadowing, self.settings.level_mapping);
         self.dispatch(recorder, &shader, &constants, &rest, &params.to_bytes(), rows.end - rows.start)
     }
 

@@ -1,6 +1,7 @@
 //! What finished runs say: questions with their answers, figures, the page. Needs no device.
 
 pub mod columns;
+pub mod cost;
 pub mod figure;
 pub mod finished;
 pub mod frame;

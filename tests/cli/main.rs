@@ -4,6 +4,7 @@ mod bad_input;
 mod cache;
 #[cfg(unix)]
 mod chunks;
+mod cost;
 mod end_to_end;
 mod faults;
 mod hostile;

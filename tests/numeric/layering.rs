@@ -17,7 +17,7 @@ const ROWS: &[&[&[&str]]] = &[
     &[&["brdf", "environment", "scene"], &["gpu"]],
     &[&["precompute", "gbuffer", "shade", "tonemap"]],
     &[&["metrics"], &["table"]],
-    &[&["pipeline"], &["oracle"], &["slips"]],
+    &[&["pipeline"], &["oracle"], &["slips"], &["cost"]],
     &[&["runner"]],
     &[&["study"]],
 ];

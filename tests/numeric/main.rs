@@ -1,6 +1,7 @@
 //! numeric tests
 mod brdf;
 mod color;
+mod cost;
 mod design;
 mod disk_cache;
 mod environment;

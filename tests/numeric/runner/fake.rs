@@ -75,6 +75,7 @@ impl Renderer for Fake {
             memory_bytes: 0,
             has_exact_filter: true,
             has_seamless_cubes: true,
+            is_radv: false,
         }
     }
 

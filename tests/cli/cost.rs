@@ -1,0 +1,174 @@
+//! `splitsum cost` and the compiler for GPUs that are not here. Without Mesa's RADV one line says what is skipped.
+
+use super::{assert_ends, command, entries, ok, splitsum};
+use splitsum::brdf::{MODELS, MaskingShadowing};
+use splitsum::cost::child::{CompileFault, Job, available, compile};
+use splitsum::cost::family::Family;
+use splitsum::cost::isa::Counts;
+use splitsum::cost::model::{Pass, job};
+use splitsum::environment::layout::LAYOUTS;
+use splitsum::gbuffer::pass::PIPELINES;
+use splitsum::gpu::shader_names;
+use splitsum::shade::METHODS;
+use std::path::Path;
+
+fn program() -> &'static Path {
+    Path::new(env!("CARGO_BIN_EXE_splitsum"))
+}
+
+/// The families that can be compiled for; without any, a line says so.
+fn families() -> Vec<&'static Family> {
+    match available(program()) {
+        Ok(found) => found.into_iter().map(|(family, _)| family).collect(),
+        Err(error @ CompileFault::NoRadv { .. }) => {
+            eprintln!("skipped: {error}");
+            Vec::new()
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn counted(family: &'static Family, constants: [u32; 5]) -> Pass {
+    let job = Job { shader: "probe/counted.comp".to_owned(), constants: constants.to_vec() };
+    let compiled = compile(program(), family, &[job]).unwrap();
+    Pass::new(&compiled[0]).unwrap().unwrap()
+}
+
+#[test]
+fn a_shader_of_known_size_is_counted_right() {
+    for family in families() {
+        let base = counted(family, [1, 1, 1, 1, 1]).counts;
+        assert_eq!(
+            (base.outside.bilinear, base.outside.trilinear, base.outside.quarter),
+            (1.0, 0.0, 0.0),
+            "{}",
+            family.name
+        );
+        assert_eq!(
+            (base.inside.bilinear, base.inside.trilinear, base.inside.quarter),
+            (0.0, 1.0, 1.0),
+            "{}",
+            family.name
+        );
+        assert_eq!(base.other_loops, 0);
+        let more = |constants| counted(family, constants).counts;
+        // Products alone are full-rate arithmetic, at their place and nowhere else.
+        let products = more([4, 6, 1, 1, 1]);
+        let alu = |counts: Counts, alu: f64| Counts { alu: counts.alu + alu, ..counts };
+        assert_eq!(
+            Counts { scalar: 0.0, ..products.outside },
+            Counts { scalar: 0.0, ..alu(base.outside, 3.0) },
+            "{}",
+            family.name
+        );
+        assert_eq!(
+            Counts { scalar: 0.0, ..products.inside },
+            Counts { scalar: 0.0, ..alu(base.inside, 5.0) },
+            "{}",
+            family.name
+        );
+        let lookups = more([1, 1, 3, 5, 1]);
+        assert_eq!((lookups.outside.bilinear, lookups.outside.trilinear), (3.0, 0.0), "{}", family.name);
+        assert_eq!((lookups.inside.bilinear, lookups.inside.trilinear), (0.0, 5.0), "{}", family.name);
+        assert_eq!(more([1, 1, 1, 1, 4]).inside.quarter, 4.0, "{}", family.name);
+        assert_eq!(base.outside.memory_bytes, 16.0, "{}", family.name);
+    }
+}
+
+/// A shader that a software driver swallows and AMD's compiler does not would fail here first.
+#[test]
+fn every_pipeline_compiles_for_every_family_and_twice_to_the_same_bytes() {
+    for (turn, family) in families().into_iter().enumerate() {
+        // A masking a shader and family; over the families each shader has every one.
+        let masking = |index: usize| MaskingShadowing::ALL[(index + turn) % MaskingShadowing::ALL.len()].1 as u32;
+        let compute = shader_names().filter(|name| name.contains(".comp")).enumerate();
+        let compute = compute.map(|(index, shader)| Job { shader: shader.to_owned(), constants: vec![masking(index)] });
+        let draws = PIPELINES.map(|draw| Job { shader: draw.shaders[1].to_owned(), constants: Vec::new() });
+        let jobs: Vec<Job> = compute.chain(draws).collect();
+        let compiled = compile(program(), family, &jobs).unwrap();
+        assert_eq!(compiled.len(), jobs.len());
+        for (job, compiled) in jobs.iter().zip(&compiled) {
+            for stage in &compiled.executables {
+                let text = stage.text("Assembly").unwrap_or_default();
+                let counts = splitsum::cost::isa::count(text)
+                    .unwrap_or_else(|error| panic!("{}: {}: {error}", family.name, job.shader));
+                assert!(text.contains("s_endpgm"), "{}: {}", family.name, job.shader);
+                let spilled = stage.statistic("Spilled VGPRs");
+                assert_eq!(spilled, Some(0.0), "{}: {}: {counts:?}", family.name, job.shader);
+            }
+        }
+        // Not through a cache: the second child compiles anew.
+        let some: Vec<Job> = jobs.iter().step_by(20).cloned().collect();
+        let again = compile(program(), family, &some).unwrap();
+        assert!(again.iter().eq(compiled.iter().step_by(20)), "{}", family.name);
+    }
+}
+
+#[test]
+fn the_command_writes_its_tables_and_figure() {
+    if families().is_empty() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let arguments =
+        ["cost", "--method", "split-sum", "--method", "sampled", "--samples", "1,8,64", "--family", "navi21"];
+    let text = ok(dir.path(), &[&arguments[..], &["--out", "costs"]].concat());
+    assert!(text.contains("A model, not a measurement") && text.contains("Radeon RX 6800 XT"), "{text}");
+    assert_eq!(text, ok(dir.path(), &arguments));
+    assert_eq!(entries(&dir.path().join("costs")), ["cost.md", "cost.svg", "costs.csv"]);
+    let mut rows = csv::Reader::from_path(dir.path().join("costs/costs.csv")).unwrap();
+    let headers = rows.headers().unwrap().clone();
+    let column = |name: &str| headers.iter().position(|known| known == name).unwrap();
+    let rows: Vec<csv::StringRecord> = rows.records().map(Result::unwrap).collect();
+    // One for the table's method, one a count for the other.
+    assert_eq!(rows.len(), 4);
+    let number = |row: &csv::StringRecord, name: &str| row[column(name)].parse::<f64>().unwrap();
+    for row in &rows {
+        assert!(number(row, "model_ms_least") < number(row, "model_ms_most"));
+        // A map and a table, or a lookup a sample.
+        let is_sampled = &row[column("method")] == "sampled";
+        let lookups = ["outside_bilinear", "outside_trilinear", "inside_trilinear"].map(|name| number(row, name));
+        assert_eq!(lookups, if is_sampled { [0.0, 0.0, 1.0] } else { [1.0, 1.0, 0.0] });
+    }
+}
+
+/// What the loop over samples of each method is, under each layout of maps: one lookup a sample, however it is filtered.
+#[test]
+fn every_sampling_method_has_its_loop_under_every_layout() {
+    for family in families() {
+        let methods = METHODS.iter().filter(|method| method.has_pass() && method.uses_samples);
+        let asked: Vec<_> =
+            methods.flat_map(|m| LAYOUTS.iter().map(move |layout| (m.name, job(layout, m, MODELS[0])))).collect();
+        let jobs: Vec<Job> = asked.iter().map(|(_, job)| job.clone()).collect();
+        for ((method, job), compiled) in asked.iter().zip(compile(program(), family, &jobs).unwrap()) {
+            let counts = Pass::new(&compiled).unwrap().unwrap().counts;
+            assert!(
+                counts.inside.alu > 50.0 && counts.other_loops == 0,
+                "{} {method} {}: {counts:?}",
+                family.name,
+                job.shader
+            );
+            let filtered = counts.inside.bilinear + counts.inside.trilinear;
+            // An octahedral map is filtered by the shader: four texels of two levels.
+            assert!(
+                filtered == 1.0 || (filtered, counts.inside.unfiltered) == (0.0, 8.0),
+                "{}: {counts:?}",
+                job.shader
+            );
+            assert_eq!(counts.outside.bilinear + counts.outside.trilinear, 0.0, "{}", job.shader);
+        }
+    }
+}
+
+#[test]
+fn bad_names_and_a_missing_compiler_are_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let ends = |arguments: &[&str], parts: &[&str]| assert_ends(&splitsum(dir.path(), arguments), 2, parts);
+    ends(&["cost", "--family", "navi12"], &["navi12", "did you mean \"navi21\"?", "gfx1100"]);
+    ends(&["cost", "--method", "reference"], &["no method with a shading pass", "split-sum"]);
+    ends(&["cost", "--samples", "0"], &["--samples"]);
+    ends(&["cost", "--texel", "rgba8"], &["rgba16f"]);
+    let mut blind = command(dir.path(), &["cost"]);
+    blind.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
+    assert_ends(&blind.output().unwrap(), 2, &["RADV", "mesa-vulkan-drivers", "VK_DRIVER_FILES"]);
+}
