@@ -64,6 +64,7 @@
 //! - Steele14: G. L. Steele, D. Lea and C. H. Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
 //! - VeachGuibas95: E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 95.
 //! - Vegdahl21: N. Vegdahl, "Building a Better LK Hash", psychopath.io, 2021.
+//! - Vulkan13: The Khronos Group, "Vulkan 1.3, A Specification", 2022.
 //! - Walter07: B. Walter, S. R. Marschner, H. Li and K. E. Torrance, "Microfacet Models for Refraction through Rough Surfaces",
 //!   Eurographics Symposium on Rendering 2007.
 //! - Wang04: Z. Wang, A. C. Bovik, H. R. Sheikh and E. P. Simoncelli, "Image Quality Assessment: From Error Visibility to Structural
@@ -96,6 +97,8 @@ pub mod tonemap;
 
 pub mod metrics;
 pub mod table;
+
+pub mod bakes;
 
 pub mod oracle;
 pub mod pipeline;

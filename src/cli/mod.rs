@@ -3,6 +3,7 @@
 mod answers;
 mod bake;
 mod cache;
+mod check_bake;
 mod compare;
 mod devices;
 mod estimate;
@@ -50,6 +51,7 @@ enum Command {
     Render(Box<render::Arguments>),
     Compare(compare::Arguments),
     Bake(bake::Arguments),
+    CheckBake(Box<check_bake::Arguments>),
     /// Lists the Vulkan devices.
     Devices,
     List(list::Arguments),
@@ -141,6 +143,7 @@ pub fn main() -> ExitCode {
         Command::Render(arguments) => render::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Bake(arguments) => bake::execute(&arguments),
+        Command::CheckBake(arguments) => check_bake::execute(&arguments),
         Command::Devices => devices::execute(),
         Command::List(arguments) => list::execute(&arguments),
         Command::Integrate(arguments) => integrate::execute(&arguments),

@@ -6,7 +6,7 @@
 
 use super::Kernel;
 use crate::environment::layout::MapLayout;
-use crate::math::harmonics::Harmonics;
+use crate::math::harmonics::{Harmonics, SmoothMap};
 use crate::math::quadrature::GaussLegendre;
 use crate::pixels::RgbImage;
 use glam::{DVec2, DVec3};
@@ -60,9 +60,14 @@ pub fn factors(kernel: Kernel, alpha: f64, degree: usize) -> Vec<f64> {
     sums
 }
 
+/// The prefiltered radiance by direction.
+pub fn prefiltered(harmonics: &Harmonics, kernel: Kernel, alpha: f64) -> SmoothMap {
+    harmonics.convolved(&factors(kernel, alpha, degree(alpha).min(harmonics.degree())))
+}
+
 /// The texels of a level, face after face.
 pub fn level(harmonics: &Harmonics, kernel: Kernel, alpha: f64, layout: &MapLayout, size: [u32; 2]) -> Vec<[f32; 4]> {
-    let map = harmonics.convolved(&factors(kernel, alpha, degree(alpha).min(harmonics.degree())));
+    let map = prefiltered(harmonics, kernel, alpha);
     let extent = DVec2::new(size[0].into(), size[1].into());
     let rows: Vec<(u32, u32)> = (0..layout.face_count).flat_map(|face| (0..size[1]).map(move |y| (face, y))).collect();
     let row = |&(face, y): &(u32, u32)| {
