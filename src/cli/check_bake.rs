@@ -334,7 +334,7 @@ fn as_json(arguments: &Arguments, checked: &Checked) -> Value {
                 "found": worst.found.to_array(),
                 "exact": worst.exact.to_array(),
             },
-            "fit": score.fit.map(|fit| json!({ "alpha": fit.alpha, "gain": fit.gain, "relmse": fit.relmse })),
+            "fit": score.fit.map(|fit| json!({ "alpha": fit.alpha, "gain": fit.gain, "left": fit.left })),
             "verdict": score.verdict,
         })
     };

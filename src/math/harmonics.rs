@@ -94,6 +94,32 @@ impl Harmonics {
         self.degree
     }
 
+    /// The part of each degree up to `degree` at unit directions: `Σ_m L_lm Y_lm(d)` for l = 0 on. With it a convolution by any zonal kernel
+    /// is `Σ k_l` times these, so many kernels at few directions cost little.
+    pub fn bands(&self, degree: usize, directions: &[DVec3]) -> Vec<Vec<DVec3>> {
+        let degree = degree.min(self.degree);
+        let of_block = |block: &[DVec3]| {
+            let pair = |d: &DVec3| Pair { cos: d.y, sin: d.x.hypot(d.z).max(1e-12), weight: 1.0, rows: [0; 2], part: 0.0 };
+            let pairs: Vec<Pair> = block.iter().map(pair).collect();
+            let mut bands = vec![vec![DVec3::ZERO; degree + 1]; block.len()];
+            for m in (0..=degree).filter(|m| !is_beyond(*m, degree, &pairs)) {
+                // Orders -m are conjugates: they double the real part.
+                let twice = if m == 0 { 1.0 } else { 2.0 };
+                let azimuth = |d: &DVec3| m as f64 * TAU * uv_from_direction(*d).x;
+                let turns: Vec<(f64, f64)> = block.iter().map(|d| azimuth(d).sin_cos()).collect();
+                legendre(m, degree, &pairs, |l, p| {
+                    let value = &self.orders[m][l - m];
+                    for ((bands, (sin, cos)), p) in bands.iter_mut().zip(&turns).zip(p) {
+                        let part = |i: usize| value[i] * cos - value[i + 3] * sin;
+                        bands[l] += twice * p * DVec3::new(part(0), part(1), part(2));
+                    }
+                });
+            }
+            bands
+        };
+        directions.par_chunks(LANES).flat_map_iter(of_block).collect()
+    }
+
     /// What a kernel of these `k_l` makes of the map; `factors` has one for each degree that counts.
     pub fn convolved(&self, factors: &[f64]) -> SmoothMap {
         let degree = self.degree.min(factors.len() - 1);

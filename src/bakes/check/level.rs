@@ -51,7 +51,8 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
             false => mirror(truth, &directions, faces[0].height, map.layout.face_count),
         };
         let (errors, worst) = errors_and_worst(truth, &directions, &found, &exact);
-        let fit = (errors.relmse > GOOD).then(|| fit::fit(truth, &directions, &found, alpha));
+        let is_wrong = errors.relmse > GOOD;
+        let fit = is_wrong.then(|| fit::fit(truth, &directions, &found, alpha)).flatten();
         let verdict = verdict(errors, fit, alpha, level_of);
         LevelScore { size: [faces[0].width, faces[0].height], alpha, errors, worst, fit, verdict }
     };
@@ -65,13 +66,13 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
     let exact = values(&truth.irradiance(), &directions);
     let (own, worst) = errors_and_worst(truth, &directions, &found, &exact);
     // A gain alone: irradiance has no width.
-    let gain = 1.0 + own.bias_rel;
-    let left = || errors(&directions, &found, &exact, truth.epsilon(), 1.0 / gain).relmse;
-    let fit = (own.relmse > GOOD && gain > 0.0).then(|| Fit { alpha: 1.0, gain, relmse: left() });
+    let gain = fit::gain(&directions, &found, &exact, truth.epsilon());
+    let left = errors(&directions, &found, &exact, truth.epsilon(), 1.0 / gain).relmse / own.relmse;
+    let fit = (own.relmse > GOOD).then_some(Fit { alpha: 1.0, gain, left });
     let verdict = match fit {
-        None if own.relmse <= GOOD => good(own),
-        Some(fit) if fit.relmse <= own.relmse * EXPLAINED => in_words(vec![gain_in_words(fit.gain)]),
-        _ => "wrong, and no gain explains it".to_owned(),
+        None => good(own),
+        Some(fit) if fit.left <= EXPLAINED => gain_in_words(fit.gain),
+        Some(_) => unexplained(own, "no gain explains it"),
     };
     LevelScore { size: [faces[0].width, faces[0].height], alpha: 1.0, errors: own, worst, fit, verdict }
 }
@@ -114,13 +115,14 @@ fn between(alphas: &[f64], alpha: f64) -> Option<f64> {
 }
 
 /// Share of the error that a fit may leave and still explain it.
-const EXPLAINED: f64 = 0.25;
+pub(super) const EXPLAINED: f64 = 0.25;
 
 fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) -> Option<f64>) -> String {
-    let Some(fit) = fit else { return good(errors) };
-    if fit.relmse > errors.relmse * EXPLAINED {
-        let left = 100.0 * fit.relmse / errors.relmse;
-        return format!("wrong, and no width or gain explains it: the best fit leaves {left:.0} % of the error");
+    let Some(fit) = fit else {
+        return good(errors);
+    };
+    if fit.left > EXPLAINED {
+        return unexplained(errors, &format!("no width or gain explains it, the best leave {:.0} %", 100.0 * fit.left));
     }
     let mut parts = Vec::new();
     let shift = level_of(fit.alpha).zip(level_of(alpha)).map(|(found, own)| found - own);
@@ -142,7 +144,12 @@ fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) 
 const SHIFT: f64 = 0.05;
 
 fn good(errors: Errors) -> String {
-    format!("good: {:.2} % rms", 100.0 * errors.relmse.sqrt())
+    let rms = format!("{:.2} % rms", 100.0 * errors.relmse.sqrt());
+    if errors.relmse <= GOOD { format!("good: {rms}") } else { rms }
+}
+
+fn unexplained(errors: Errors, why: &str) -> String {
+    format!("{:.1} % rms: {why}", 100.0 * errors.relmse.sqrt())
 }
 
 fn in_words(parts: Vec<String>) -> String {

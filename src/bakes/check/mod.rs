@@ -36,15 +36,27 @@ impl<'a> Truth<'a> {
     /// Prepares the exact integrals for levels of these widths.
     pub fn new(environment: &'a Environment, kernel: Kernel, alphas: &[f64]) -> Self {
         let widths = alphas.iter().filter(|alpha| has_width(**alpha));
+        let degree = widths.map(|alpha| harmonic::degree(*alpha)).max().unwrap_or_default();
         // A fit asks for narrower lobes than the levels' own.
-        let degree = widths.map(|alpha| harmonic::degree(alpha / fit::REACH)).max();
-        let degree = degree.unwrap_or_default().max(harmonic::degree(1.0));
+        let degree = degree.max(fit::DEGREE_MAX).max(harmonic::degree(1.0));
         Self { environment, kernel, harmonics: harmonic::harmonics(&environment.image, degree) }
     }
 
     /// Prefiltered radiance of a width that [`has_width`].
     pub fn prefiltered(&self, alpha: f64) -> SmoothMap {
         harmonic::prefiltered(&self.harmonics, self.kernel, alpha)
+    }
+
+    /// The part of each degree of the light at directions.
+    fn bands(&self, directions: &[DVec3], degree: usize) -> Vec<Vec<DVec3>> {
+        self.harmonics.bands(degree, directions)
+    }
+
+    /// Prefiltered radiance from the [`Self::bands`] at directions.
+    fn of_bands(&self, bands: &[Vec<DVec3>], alpha: f64) -> Vec<DVec3> {
+        let degree = bands.first().map_or(0, |bands| bands.len() - 1);
+        let factors = harmonic::factors(self.kernel, alpha, degree.min(harmonic::degree(alpha)));
+        bands.iter().map(|bands| bands.iter().zip(&factors).map(|(band, factor)| *band * *factor).sum()).collect()
     }
 
     /// Irradiance over π.

@@ -42,8 +42,13 @@ pub fn dfg(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, al
 
 /// The same with the weight of a prefiltered map's kernel.
 pub fn weighted_dfg(kernel: Kernel, masking: MaskingShadowing, n_dot_v: f64, alpha: f64) -> Dfg {
+    dfg_within(kernel, masking, n_dot_v, alpha, 5e-7)
+}
+
+/// The same within a relative error.
+pub fn dfg_within(kernel: Kernel, masking: MaskingShadowing, n_dot_v: f64, alpha: f64, relative: f64) -> Dfg {
     let model = kernel.brdf;
-    const TOLERANCE: Tolerance = Tolerance { relative: 5e-7, max_part_count: 100_000 };
+    let tolerance = Tolerance { relative, max_part_count: 100_000 };
     let v = DVec3::new(((1.0 - n_dot_v) * (1.0 + n_dot_v)).sqrt(), 0.0, n_dot_v);
     let theta_v = v.x.atan2(v.z);
     let t_full = (0.5 * (FRAC_PI_2 - theta_v)).tan().ln();
@@ -65,7 +70,7 @@ pub fn weighted_dfg(kernel: Kernel, masking: MaskingShadowing, n_dot_v: f64, alp
         density * DVec3::new(weight, weight * schlick_weight(v_dot_h), kernel.weight(alpha, n_dot_l))
     };
     let unit = Rectangle { low: DVec2::ZERO, high: DVec2::ONE };
-    let integral = integrate_rectangle(unit, TOLERANCE, |p| {
+    let integral = integrate_rectangle(unit, tolerance, |p| {
         let full = (t_full - t_low) * integrand(t_low + (t_full - t_low) * p.x, p.y, PI);
         let (sin, cos) = (FRAC_PI_2 * p.x).sin_cos();
         let t = t_full + (t_none - t_full) * sin * sin;
