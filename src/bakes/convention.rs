@@ -20,7 +20,9 @@ impl Axes {
     /// Those of a text such as `-z+y+x`.
     pub fn parse(text: &str) -> Result<Self, String> {
         Self::all().find(|axes| axes.to_string() == text).ok_or_else(|| {
-            format!("{text:?} names no axes; expected the file's axis of the world's x, y and z, such as +x+y+z or -z+y+x")
+            format!(
+                "{text:?} names no axes; expected the file's axis of the world's x, y and z, such as +x+y+z or -z+y+x"
+            )
         })
     }
 

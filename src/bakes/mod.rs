@@ -6,6 +6,7 @@
 pub mod check;
 pub mod container;
 pub mod convention;
+pub mod page;
 mod parts;
 pub mod sh;
 pub mod source;

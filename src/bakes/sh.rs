@@ -36,7 +36,8 @@ fn from_json(text: &str) -> Result<Coefficients, Fault> {
     struct File {
         radiance: Vec<[f64; 3]>,
     }
-    let file: File = serde_json::from_str(text).map_err(|error| Fault::new(format!("is not read ({error})"), EXPECTED))?;
+    let file: File =
+        serde_json::from_str(text).map_err(|error| Fault::new(format!("is not read ({error})"), EXPECTED))?;
     let count = file.radiance.len();
     let radiance = <[[f64; 3]; COUNT]>::try_from(file.radiance)
         .map_err(|_| Fault::new(format!("\"radiance\" has {count} triples"), EXPECTED))?;
@@ -46,7 +47,8 @@ fn from_json(text: &str) -> Result<Coefficients, Fault> {
 /// cmgen's lines `( r, g, b); // L00, irradiance, pre-scaled base`: each stands before its polynomial, such as `3 z² - 1`, in the sum that
 /// is irradiance over π.
 fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
-    const EXPECTED: &str = "nine lines such as \"( 0.5, 0.4, 0.6); // L00, irradiance, pre-scaled base\", as cmgen writes them";
+    const EXPECTED: &str =
+        "nine lines such as \"( 0.5, 0.4, 0.6); // L00, irradiance, pre-scaled base\", as cmgen writes them";
     let mut found = Vec::new();
     for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
         let numbers = line.trim_start().strip_prefix('(').and_then(|rest| rest.split_once(')'));

@@ -163,8 +163,11 @@ fn face_of(name: &str) -> Option<(usize, usize)> {
 
 fn read_faces(path: &Path, names: &[String]) -> Result<Map, PixelsError> {
     let refuse = |what: String| {
-        Fault::new(what, "one file a face, m0_px.exr, m0_nx.exr, ... of each level from 0, or the folder of splitsum bake")
-            .at(path)
+        Fault::new(
+            what,
+            "one file a face, m0_px.exr, m0_nx.exr, ... of each level from 0, or the folder of splitsum bake",
+        )
+        .at(path)
     };
     let mut found: Vec<Vec<Option<RgbImage>>> = Vec::new();
     let mut faces: Vec<_> = names.iter().filter_map(|name| Some((face_of(name)?, name))).collect();
@@ -218,7 +221,8 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     let refuse = |what: String| Fault::new(what, "the bake.json of splitsum bake").at(&manifest);
     let text = read_text(&manifest, RECORD_BYTES_MAX).map_err(|error| refuse(format!("cannot be read ({error})")))?;
     let file: File = serde_json::from_str(&text).map_err(|error| refuse(format!("is not read ({error})")))?;
-    let layout = layout_by_name(&file.layout).ok_or_else(|| refuse(format!("it names the layout {:?}", file.layout)))?;
+    let layout =
+        layout_by_name(&file.layout).ok_or_else(|| refuse(format!("it names the layout {:?}", file.layout)))?;
     let image = |name: &str| -> Result<RgbImage, PixelsError> {
         Ok(read_texture(&path.join(name))?.levels.swap_remove(0).swap_remove(0))
     };

@@ -10,6 +10,7 @@ use splitsum::bakes::check::sh::ShScore;
 use splitsum::bakes::check::table::{self, TableScore};
 use splitsum::bakes::check::{self, Truth};
 use splitsum::bakes::convention::{Axes, Convention, PRESETS, TABLE_AXES, TABLE_CHANNELS, preset_by_name};
+use splitsum::bakes::page::{self, Row};
 use splitsum::bakes::source::{Reading, read};
 use splitsum::bakes::{Bake, Told};
 use splitsum::brdf::{self, Brdf, MaskingShadowing};
@@ -18,7 +19,7 @@ use splitsum::environment::{Environment, LoadOptions};
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, level_mapping_by_name, weight_by_name};
 use splitsum::spelling::suggestion;
 use splitsum::table::markdown::{Align, MarkdownTable};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Scores tables that any tool baked against their exact integrals, level by level.
 #[derive(Args, Debug)]
@@ -83,6 +84,9 @@ pub struct Arguments {
     /// Prints JSON for programs.
     #[arg(long)]
     json: bool,
+    /// Writes the scores as a page, too.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
     /// Ends with exit code 1 where the relmse of a level, of irradiance or of SH is above X.
     #[arg(long, value_name = "X")]
     fail_above: Option<f64>,
@@ -102,7 +106,11 @@ fn presets_help() -> String {
 /// The entry of that name, or a message that knows the nearest.
 fn named<T>(flag: &str, name: &str, found: Option<T>, known: Vec<&str>) -> Result<T, Failure> {
     found.ok_or_else(|| {
-        Failure::input(format!("{flag} {name:?} is unknown{}; expected one of {}", suggestion(name, &known), known.join(", ")))
+        Failure::input(format!(
+            "{flag} {name:?} is unknown{}; expected one of {}",
+            suggestion(name, &known),
+            known.join(", ")
+        ))
     })
 }
 
@@ -119,11 +127,14 @@ struct Checked {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let model = named("--brdf", &arguments.brdf, brdf::by_name(&arguments.brdf), names(brdf::MODELS, |model| model.name()))?;
-    let layout = arguments.layout.as_deref().map(|name| {
-        named("--layout", name, layout_by_name(name), names(LAYOUTS, |layout| layout.name))
-    });
-    let bake = read(&arguments.files, Reading { layout: layout.transpose()?, brdf: model.name() }).map_err(Failure::input)?;
+    let model =
+        named("--brdf", &arguments.brdf, brdf::by_name(&arguments.brdf), names(brdf::MODELS, |model| model.name()))?;
+    let layout = arguments
+        .layout
+        .as_deref()
+        .map(|name| named("--layout", name, layout_by_name(name), names(LAYOUTS, |layout| layout.name)));
+    let bake =
+        read(&arguments.files, Reading { layout: layout.transpose()?, brdf: model.name() }).map_err(Failure::input)?;
     let convention = convention(arguments, &bake.told)?;
     let weight = arguments.weight.as_deref().or(bake.told.weight.as_deref()).unwrap_or(WEIGHTS[0].name);
     let weight = named("--weight", weight, weight_by_name(weight), names(WEIGHTS, |weight| weight.name))?;
@@ -133,7 +144,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 
     let kernel = Kernel::new(model, weight, convention.masking);
     let alphas = match &bake.specular {
-        Some(map) => convention.alphas(map.levels.len()).map_err(|fault| Failure::input(format!("--alphas: {fault}")))?,
+        Some(map) => {
+            convention.alphas(map.levels.len()).map_err(|fault| Failure::input(format!("--alphas: {fault}")))?
+        }
         None => Vec::new(),
     };
     let truth = Truth::new(&environment, kernel, &alphas);
@@ -143,6 +156,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         print_data(&(text + "\n"))?;
     } else {
         print(&as_text(arguments, &checked))?;
+    }
+    if let Some(path) = &arguments.html {
+        page::write(path, &arguments.files, &as_json(arguments, &checked), &rows(&checked))
+            .map_err(|error| Failure::input(format!("--html: {error}")))?;
     }
     judge(arguments, &checked)
 }
@@ -154,7 +171,8 @@ fn names<T>(list: &[T], name: fn(&T) -> &'static str) -> Vec<&'static str> {
 /// The preset's conventions, what the files say, and the flags, in this order.
 fn convention(arguments: &Arguments, told: &Told) -> Result<Convention, Failure> {
     let preset = preset_by_name(&arguments.preset);
-    let mut convention = named("--preset", &arguments.preset, preset, names(PRESETS, |preset| preset.name))?.convention();
+    let mut convention =
+        named("--preset", &arguments.preset, preset, names(PRESETS, |preset| preset.name))?.convention();
     convention.alphas = arguments.alphas.clone().or_else(|| told.alphas.clone());
     if let Some(name) = arguments.masking.as_ref().or(told.masking.as_ref()) {
         let found = MaskingShadowing::ALL.iter().find(|(known, _)| known == name);
@@ -215,7 +233,10 @@ fn check(
             (convention.table_axes, convention.table_channels) = (best.axes, best.channels);
             convention.masking = best.masking.1;
             let way = |way: &table::Fitting| {
-                format!("axes {}, channels {}, masking {}: rms {:.1e}", way.axes.name, way.channels.name, way.masking.0, way.rms)
+                format!(
+                    "axes {}, channels {}, masking {}: rms {:.1e}",
+                    way.axes.name, way.channels.name, way.masking.0, way.rms
+                )
             };
             table_way = Some(format!("{}; next {}", way(best), way(&found[1])));
         }
@@ -275,30 +296,16 @@ fn as_text(arguments: &Arguments, checked: &Checked) -> String {
             ("worst direction: found for exact", Align::Left),
             ("verdict", Align::Left),
         ]);
-        let numbered = checked.levels.iter().enumerate().map(|(k, score)| (k.to_string(), score));
-        for (name, score) in numbered.chain(checked.irradiance.iter().map(|score| ("irradiance".to_owned(), score))) {
-            let worst = &score.worst;
-            let [x, y, z] = worst.direction.to_array();
-            let mean = |rgb: DVec3| rgb.element_sum() / 3.0;
-            let [face, column, row] = worst.texel;
-            table.row(&[
-                name,
-                format!("{}x{}", score.size[0], score.size[1]),
-                format!("{:.4}", score.alpha),
-                format!("{:.2e}", score.errors.relmse),
-                format!("{:+.2}", 100.0 * score.errors.bias_rel),
-                format!(
-                    "({x:.2}, {y:.2}, {z:.2}), face {face} texel {column},{row}: {:.3} for {:.3}",
-                    mean(worst.found),
-                    mean(worst.exact)
-                ),
-                score.verdict.clone(),
-            ]);
+        for row in rows(checked) {
+            let size = format!("{}x{}", row.size[0], row.size[1]);
+            table.row(&[row.name, size, row.alpha, row.relmse, row.bias, row.worst, row.verdict]);
         }
         text += &format!("{table}");
     }
     if let Some(off) = checked.spot_check {
-        text += &format!("The integrals agree with adaptive cubature within {off:.0e} at three directions of the worst level.\n");
+        text += &format!(
+            "The integrals agree with adaptive cubature within {off:.0e} at three directions of the worst level.\n"
+        );
     }
     if let Some(dfg) = &checked.dfg {
         text += &format!(
@@ -316,6 +323,29 @@ fn as_text(arguments: &Arguments, checked: &Checked) -> String {
         );
     }
     text
+}
+
+/// The scores of maps as people read them.
+fn rows(checked: &Checked) -> Vec<Row> {
+    let numbered = checked.levels.iter().enumerate().map(|(k, score)| (k.to_string(), score));
+    let all = numbered.chain(checked.irradiance.iter().map(|score| ("irradiance".to_owned(), score)));
+    let mean = |rgb: DVec3| rgb.element_sum() / 3.0;
+    let row = |(name, score): (String, &LevelScore)| {
+        let worst = &score.worst;
+        let ([x, y, z], [face, column, row]) = (worst.direction.to_array(), worst.texel);
+        let values = format!("{:.3} for {:.3}", mean(worst.found), mean(worst.exact));
+        Row {
+            name,
+            size: score.size,
+            alpha: format!("{:.4}", score.alpha),
+            relmse: format!("{:.2e}", score.errors.relmse),
+            log: score.errors.relmse.max(1e-6).log10(),
+            bias: format!("{:+.2}", 100.0 * score.errors.bias_rel),
+            worst: format!("({x:.2}, {y:.2}, {z:.2}), face {face} texel {column},{row}: {values}"),
+            verdict: score.verdict.clone(),
+        }
+    };
+    all.map(row).collect()
 }
 
 fn as_json(arguments: &Arguments, checked: &Checked) -> Value {
@@ -339,8 +369,11 @@ fn as_json(arguments: &Arguments, checked: &Checked) -> Value {
         })
     };
     let axes = checked.axes.iter().map(|(what, fits)| {
-        let best: Vec<Value> =
-            fits.iter().take(4).map(|fit| json!({ "axes": fit.axes.to_string(), "correlation": fit.correlation })).collect();
+        let best: Vec<Value> = fits
+            .iter()
+            .take(4)
+            .map(|fit| json!({ "axes": fit.axes.to_string(), "correlation": fit.correlation }))
+            .collect();
         json!({ "of": what, "best": best, "warning": doubt(fits, checked.convention.axes) })
     });
     json!({
@@ -373,7 +406,10 @@ fn judge(arguments: &Arguments, checked: &Checked) -> Result<(), Failure> {
     let irradiance = checked.irradiance.iter().map(|score| ("irradiance".to_owned(), score.errors.relmse));
     let sh = checked.sh.iter().map(|score| ("SH".to_owned(), score.errors.relmse));
     let of_maps = levels.chain(irradiance).chain(sh).map(|(name, value)| (name, "relmse", value, arguments.fail_above));
-    let table = checked.dfg.iter().map(|score| ("DFG table".to_owned(), "max error", score.max_error, arguments.fail_table_above));
+    let table = checked
+        .dfg
+        .iter()
+        .map(|score| ("DFG table".to_owned(), "max error", score.max_error, arguments.fail_table_above));
     let failed: Vec<String> = of_maps
         .chain(table)
         .filter_map(|(name, what, value, limit)| Some((name, what, value, limit?)))

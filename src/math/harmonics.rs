@@ -99,7 +99,8 @@ impl Harmonics {
     pub fn bands(&self, degree: usize, directions: &[DVec3]) -> Vec<Vec<DVec3>> {
         let degree = degree.min(self.degree);
         let of_block = |block: &[DVec3]| {
-            let pair = |d: &DVec3| Pair { cos: d.y, sin: d.x.hypot(d.z).max(1e-12), weight: 1.0, rows: [0; 2], part: 0.0 };
+            let pair =
+                |d: &DVec3| Pair { cos: d.y, sin: d.x.hypot(d.z).max(1e-12), weight: 1.0, rows: [0; 2], part: 0.0 };
             let pairs: Vec<Pair> = block.iter().map(pair).collect();
             let mut bands = vec![vec![DVec3::ZERO; degree + 1]; block.len()];
             for m in (0..=degree).filter(|m| !is_beyond(*m, degree, &pairs)) {

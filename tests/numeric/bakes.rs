@@ -16,7 +16,7 @@ use splitsum::environment::layout::LAYOUTS;
 use splitsum::math::equirect::direction_from_uv;
 use splitsum::math::spherical_harmonics::irradiance;
 use splitsum::pixels::{GrayImage, RgbImage, exr};
-use splitsum::precompute::dfg::reference::dfg;
+use splitsum::precompute::dfg::reference::dfg_within;
 use splitsum::precompute::prefilter::{Kernel, harmonic};
 use std::path::Path;
 
@@ -129,7 +129,8 @@ fn hostile_files_are_refused_with_the_fact() {
     refused("x.ktx2", &huge, "which take");
     refused("x.ktx2", &with(&good, 28, 4), "a depth of 4");
     refused("x.ktx2", &with(&good, 36, 5), "5 faces");
-    refused("x.ktx2", &with(&good, 40, 4), "4 levels of 4x4");
+    refused("x.ktx2", &with(&good, 40, 400), "no whole KTX 2 file");
+    refused("x.ktx2", &with(&with(&good, 20, 2), 24, 2), "3 levels of 2x2");
     let first = u32::from_le_bytes(good[80..84].try_into().unwrap());
     refused("x.ktx2", &with(&good, 104, first), "share bytes");
     refused("x.ktx2", &good[..good.len() - 1], "no whole KTX 2 file");
@@ -243,7 +244,8 @@ fn a_fit_finds_the_width_and_the_gain_that_were_baked() {
 
     let mut noisy = exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0));
     for (i, texel) in noisy.levels.iter_mut().flatten().flat_map(|face| &mut face.data).enumerate() {
-        *texel = texel.map(|value| value * if i % 2 == 0 { 0.7 } else { 1.3 });
+        let is_up = (i as u32).wrapping_mul(2_654_435_769) >> 31 == 1;
+        *texel = texel.map(|value| value * if is_up { 1.3 } else { 0.7 });
     }
     for score in level::score(&truth, &noisy, &convention).unwrap() {
         // d = 0.3 r where r² is far above ε.
@@ -262,7 +264,8 @@ fn bands_are_the_convolution() {
     let harmonics = harmonic::harmonics(&light.image, 160);
     let factors = harmonic::factors(Kernel::cosine(&Ggx), 0.1, 160);
     let map = harmonics.convolved(&factors);
-    let directions: Vec<DVec3> = Axes::all().map(|axes| axes.to_world(DVec3::new(0.2, 0.5, -0.9).normalize())).collect();
+    let directions: Vec<DVec3> =
+        Axes::all().map(|axes| axes.to_world(DVec3::new(0.2, 0.5, -0.9).normalize())).collect();
     for (direction, bands) in directions.iter().zip(harmonics.bands(160, &directions)) {
         let sum: DVec3 = bands.iter().zip(&factors).map(|(band, factor)| *band * *factor).sum();
         assert!((sum - map.value(*direction)).abs().max_element() < 1e-7, "{sum} {}", map.value(*direction));
@@ -272,7 +275,8 @@ fn bands_are_the_convolution() {
 /// cmgen's polynomials give irradiance over π; ours the same from what was read.
 #[test]
 fn coefficients_of_cmgen_are_irradiance_by_its_polynomials() {
-    let numbers: [[f64; 3]; 9] = std::array::from_fn(|k| [0.5 - 0.1 * k as f64, 0.2 + 0.05 * k as f64, -0.3 + 0.11 * k as f64]);
+    let numbers: [[f64; 3]; 9] =
+        std::array::from_fn(|k| [0.5 - 0.1 * k as f64, 0.2 + 0.05 * k as f64, -0.3 + 0.11 * k as f64]);
     let line = |[r, g, b]: &[f64; 3]| format!("({r:.15}, {g:.15}, {b:.15}); // L, irradiance, pre-scaled base\n");
     let text: String = numbers.iter().map(line).collect();
     let found = sh::parse(Path::new("sh.txt"), &text).unwrap();
@@ -300,7 +304,8 @@ fn coefficients_of_cmgen_are_irradiance_by_its_polynomials() {
 fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
     let light = marked_light();
     let truth = Truth::new(&light, Kernel::cosine(&Ggx), &[]);
-    let quadrature = splitsum::math::equirect_quadrature::EquirectQuadrature::new(128, 64, |x, y| light.image.get(x, y));
+    let quadrature =
+        splitsum::math::equirect_quadrature::EquirectQuadrature::new(128, 64, |x, y| light.image.get(x, y));
     let radiance = splitsum::precompute::sh9::reference::project_bilinear(&quadrature);
     let of = |radiance| sh_score::score(&truth, &sh::Coefficients { radiance, form: "radiance" }, Axes::SAME);
     let exact = of(radiance);
@@ -317,13 +322,13 @@ fn conventions_of_a_table_are_found() {
         RgbImage::from_fn(16, 16, |x, y| {
             let uv = (DVec2::new(x.into(), f64::from(y) + shift) + 0.5) / 16.0;
             let at = TABLE_AXES[way].parameters(uv).clamp(DVec2::splat(1e-3), DVec2::ONE);
-            let exact = dfg(&Ggx, masking, at.x, at.y * at.y);
+            let exact = dfg_within(Kernel::cosine(&Ggx), masking, at.x, at.y * at.y, 1e-4);
             let (a, b) = (exact.f0_scale as f32, exact.f90_scale as f32);
             [[a, b, 0.0], [b, a, 0.0], [b, a + b, 0.0]][channels]
         })
     };
     let correlated = MaskingShadowing::Correlated;
-    for way in 0..TABLE_AXES.len() {
+    for way in [1, 4, 6] {
         let found = table::search(&table(way, way % 3, correlated, 0.0), &Ggx).swap_remove(0);
         let names = (found.axes.name, found.channels.name, found.masking.0);
         assert_eq!(names, (TABLE_AXES[way].name, TABLE_CHANNELS[way % 3].name, "correlated"), "{:e}", found.rms);
@@ -331,7 +336,7 @@ fn conventions_of_a_table_are_found() {
     let mut convention = PRESETS[0].convention();
     convention.masking = correlated;
     let exact = table::score(&table(0, 0, correlated, 0.0), &Ggx, &convention);
-    assert!(exact.max_error < 1e-4 && exact.verdict.starts_with("good"), "{exact:?}");
+    assert!(exact.max_error < 2e-4 && exact.verdict.starts_with("good"), "{exact:?}");
     let shifted = table::score(&table(0, 0, correlated, 1.0), &Ggx, &convention);
     assert!(shifted.verdict.contains("0 texels right and -1 down"), "{shifted:?}");
 }
@@ -342,7 +347,8 @@ fn folders_and_images_are_found_by_their_form() {
     let dir = tempfile::tempdir().unwrap();
     let path = |name: &str| dir.path().join(name).to_string_lossy().into_owned();
     let write = |name: &str, image: &RgbImage| {
-        exr::write_rgba(Path::new(&path(name)), image, &GrayImage::filled(image.width, image.height, 1.0), &[]).unwrap();
+        exr::write_rgba(Path::new(&path(name)), image, &GrayImage::filled(image.width, image.height, 1.0), &[])
+            .unwrap();
     };
     let reading = Reading { layout: None, brdf: "ggx" };
     let (_, seen) = marker(&TEXELS[3], 6);
@@ -360,7 +366,9 @@ fn folders_and_images_are_found_by_their_form() {
     write("b.exr", &lat_long(4));
     write("table.exr", &RgbImage::filled(4, 4, [0.5, 0.25, 0.0]));
     write("strip.exr", &RgbImage::from_fn(2, 12, |x, y| [x as f32, y as f32, 2.0]));
-    let bake = read(&[path("a.exr"), path("b.exr"), path("table.exr"), format!("irradiance={}", path("strip.exr"))], reading).unwrap();
+    let bake =
+        read(&[path("a.exr"), path("b.exr"), path("table.exr"), format!("irradiance={}", path("strip.exr"))], reading)
+            .unwrap();
     assert_eq!(bake.specular.unwrap().levels, [[lat_long(8)], [lat_long(4)]]);
     assert_eq!(bake.dfg.unwrap().get(3, 3), [0.5, 0.25, 0.0]);
     let cube = bake.irradiance.unwrap();

@@ -24,7 +24,13 @@ impl Directions {
         let count = layout.face_count as usize * size[0] as usize * size[1] as usize;
         let file: Vec<DVec3> = (0..count).into_par_iter().map(of).collect();
         let weights = file.iter().map(|direction| (layout.texel_solid_angle)(*direction, size, 0.0)).collect();
-        Self { world: file.into_iter().map(|direction| axes.to_world(direction)).collect(), weights, layout, axes, size }
+        Self {
+            world: file.into_iter().map(|direction| axes.to_world(direction)).collect(),
+            weights,
+            layout,
+            axes,
+            size,
+        }
     }
 
     /// Face, column and row of a texel.
@@ -38,9 +44,8 @@ impl Directions {
         let points: Vec<DVec2> =
             (0..n * n).map(|k| DVec2::new(f64::from(k % n) + 0.5, f64::from(k / n) + 0.5) / f64::from(n)).collect();
         let mean = |index: usize| {
-            let values = points.iter().map(|point| {
-                value(self.axes.to_world(place(self.layout, self.size, index, *point)))
-            });
+            let values =
+                points.iter().map(|point| value(self.axes.to_world(place(self.layout, self.size, index, *point))));
             values.sum::<DVec3>() / points.len() as f64
         };
         (0..self.world.len()).into_par_iter().map(mean).collect()

@@ -2,8 +2,8 @@
 
 use super::Truth;
 use super::directions::Directions;
-use crate::bakes::parts::Map;
 use crate::bakes::convention::{Axes, Convention};
+use crate::bakes::parts::Map;
 use crate::environment::layout::{FilteredMap, LAYOUTS};
 use crate::pixels::RgbImage;
 use glam::DVec3;
@@ -61,9 +61,8 @@ fn ranked(truth: &Truth, map: &Map, level: usize, light: impl Fn(DVec3) -> DVec3
 }
 
 fn correlation(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {
-    let mean = |values: &[f64]| {
-        weights.iter().zip(values).map(|(w, x)| w * x).sum::<f64>() / weights.iter().sum::<f64>()
-    };
+    let mean =
+        |values: &[f64]| weights.iter().zip(values).map(|(w, x)| w * x).sum::<f64>() / weights.iter().sum::<f64>();
     let (mean_a, mean_b) = (mean(a), mean(b));
     let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
     for ((w, a), b) in weights.iter().zip(a).zip(b) {

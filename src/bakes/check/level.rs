@@ -3,9 +3,10 @@
 use super::directions::{Directions, texels};
 use super::fit::{self, Fit};
 use super::{Errors, GOOD, Truth, errors, has_width, relative_square};
-use crate::bakes::parts::Map;
 use crate::bakes::convention::{Axes, Convention};
+use crate::bakes::parts::Map;
 use crate::math::harmonics::SmoothMap;
+use crate::pixels::RgbImage;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -44,11 +45,11 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         None if count > 1 => Some(convention.mapping.mip_from_alpha(alpha, count as u32)),
         _ => between(&alphas, alpha),
     };
-    let of = |(faces, &alpha): (&Vec<_>, &f64)| {
+    let of = |(faces, &alpha): (&Vec<RgbImage>, &f64)| {
         let (directions, found) = level_texels(map, faces, convention.axes, convention.scale);
         let exact = match has_width(alpha) {
             true => values(&truth.prefiltered(alpha), &directions),
-            false => mirror(truth, &directions, faces[0].height, map.layout.face_count),
+            false => mirror(truth, &directions, &faces[0], map.layout.face_count),
         };
         let (errors, worst) = errors_and_worst(truth, &directions, &found, &exact);
         let is_wrong = errors.relmse > GOOD;
@@ -77,7 +78,7 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
     LevelScore { size: [faces[0].width, faces[0].height], alpha: 1.0, errors: own, worst, fit, verdict }
 }
 
-fn level_texels(map: &Map, faces: &[crate::pixels::RgbImage], axes: Axes, scale: f64) -> (Directions, Vec<DVec3>) {
+fn level_texels(map: &Map, faces: &[RgbImage], axes: Axes, scale: f64) -> (Directions, Vec<DVec3>) {
     (Directions::new(map.layout, axes, [faces[0].width, faces[0].height]), texels(faces, scale))
 }
 
@@ -86,11 +87,12 @@ fn values(map: &SmoothMap, directions: &Directions) -> Vec<DVec3> {
 }
 
 /// The environment, averaged over each texel by two points or more a texel of its own.
-fn mirror(truth: &Truth, directions: &Directions, height: u32, face_count: u32) -> Vec<DVec3> {
-    // Texels of a level from pole to pole.
-    let rows = if face_count > 1 { 2 * height } else { height };
-    let n = (2 * truth.environment.image.height).div_ceil(rows).clamp(2, 16);
-    directions.means(n, |direction| truth.environment.radiance(direction))
+fn mirror(truth: &Truth, directions: &Directions, face: &RgbImage, face_count: u32) -> Vec<DVec3> {
+    let map = &truth.environment.image;
+    // A cube has two faces from pole to pole and four around.
+    let (rows, columns) = if face_count > 1 { (2, 4) } else { (1, 1) };
+    let finer = (map.height.div_ceil(rows * face.height)).max(map.width.div_ceil(columns * face.width));
+    directions.means((2 * finer).clamp(2, 16), |direction| truth.environment.radiance(direction))
 }
 
 fn errors_and_worst(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> (Errors, Worst) {
@@ -158,7 +160,15 @@ fn in_words(parts: Vec<String>) -> String {
 
 /// A gain, by the factor that was forgotten where it is one.
 pub(super) fn gain_in_words(gain: f64) -> String {
-    let known = [("pi", PI), ("1/pi", 1.0 / PI), ("4 pi", 4.0 * PI), ("1/4pi", 0.25 / PI), ("2 pi", 2.0 * PI), ("2", 2.0), ("1/2", 0.5)];
+    let known = [
+        ("pi", PI),
+        ("1/pi", 1.0 / PI),
+        ("4 pi", 4.0 * PI),
+        ("1/4pi", 0.25 / PI),
+        ("2 pi", 2.0 * PI),
+        ("2", 2.0),
+        ("1/2", 0.5),
+    ];
     match known.iter().find(|(_, factor)| (gain / factor - 1.0).abs() < 0.02) {
         Some((name, _)) => format!("a factor of {name} too much"),
         None if gain > 1.0 => format!("{:.1} % too bright", 100.0 * (gain - 1.0)),

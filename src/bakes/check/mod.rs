@@ -116,4 +116,3 @@ fn relative_square(found: DVec3, exact: DVec3, epsilon: f64) -> f64 {
     let d = found - exact;
     (d * d / (exact * exact + epsilon)).element_sum() / 3.0
 }
-

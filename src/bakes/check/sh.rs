@@ -45,7 +45,8 @@ pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
     let max_error = largest_error.fold(0.0, f64::max) / largest.max(f64::MIN_POSITIVE);
     let best = Axes::all().map(|axes| (score(axes).relmse, axes)).min_by(|a, b| a.0.total_cmp(&b.0));
     let window = window(&turned, &exact);
-    let left = turned.iter().zip(&exact).zip(DEGREE).map(|((own, exact), l)| (*own - *exact * window[l]).length_squared());
+    let left =
+        turned.iter().zip(&exact).zip(DEGREE).map(|((own, exact), l)| (*own - *exact * window[l]).length_squared());
     let off = turned.iter().zip(&exact).map(|(own, exact)| (*own - *exact).length_squared()).sum::<f64>();
     let verdict = match best {
         _ if errors.relmse <= GOOD => format!("good: {:.2} % rms", 100.0 * errors.relmse.sqrt()),

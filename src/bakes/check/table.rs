@@ -110,7 +110,8 @@ pub fn search(table: &RgbImage, brdf: &'static dyn Brdf) -> Vec<Fitting> {
     let key = |at: DVec2| [at.x.to_bits(), at.y.to_bits()];
     let round = |at: DVec2| (at * 65536.0).round() / 65536.0;
     let at = |axes: &TableAxes, place: &Place| round(axes.parameters(place.uv));
-    let mut wanted: Vec<DVec2> = TABLE_AXES.iter().flat_map(|axes| places.iter().map(move |place| at(axes, place))).collect();
+    let mut wanted: Vec<DVec2> =
+        TABLE_AXES.iter().flat_map(|axes| places.iter().map(move |place| at(axes, place))).collect();
     wanted.sort_by_key(|at| key(*at));
     wanted.dedup();
     let table_of = |masking: MaskingShadowing| -> HashMap<[u64; 2], DVec2> {
@@ -148,7 +149,11 @@ fn places(table: &RgbImage, lines: u32) -> Vec<Place> {
         let texel = DVec3::from_array(table.get(x, y).map(f64::from));
         Place { uv: (DVec2::new(x.into(), y.into()) + 0.5) / size, texel: texel.truncate() }
     };
-    pick(table.height).into_iter().flat_map(|y| columns.iter().map(move |x| (*x, y))).map(|(x, y)| place(x, y)).collect()
+    pick(table.height)
+        .into_iter()
+        .flat_map(|y| columns.iter().map(move |x| (*x, y)))
+        .map(|(x, y)| place(x, y))
+        .collect()
 }
 
 /// A and B at n·v and perceptual roughness.

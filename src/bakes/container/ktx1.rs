@@ -19,7 +19,9 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     let header = bytes.get(..HEADER).filter(|header| header.starts_with(&IDENTIFIER)).ok_or_else(whole)?;
     let words: Vec<u32> =
         header[IDENTIFIER.len()..].as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
-    let [order, .., internal, _, width, height, depth, layers, faces, levels, keys] = words[..] else { return Err(whole()) };
+    let [order, .., internal, _, width, height, depth, layers, faces, levels, keys] = words[..] else {
+        return Err(whole());
+    };
     if order != LITTLE_ENDIAN {
         return Err(Fault::new(format!("its byte order is {order:#010x}"), "a little-endian file, 0x04030201"));
     }
@@ -45,7 +47,9 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         let needed = face_bytes * faces;
         let data = data.get(..needed).ok_or_else(|| truncated(level, needed, data.len()))?;
         let [width, height] = claim.size(level);
-        read.push(data.chunks_exact(face_bytes).map(|face| texel.image(width, height, face)).collect::<Result<_, _>>()?);
+        read.push(
+            data.chunks_exact(face_bytes).map(|face| texel.image(width, height, face)).collect::<Result<_, _>>()?,
+        );
         // Lengths of these formats are multiples of 2; levels begin at multiples of 4.
         at += 4 + needed.next_multiple_of(4);
     }

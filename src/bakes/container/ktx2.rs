@@ -40,7 +40,9 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
             return Err(truncated(level, needed, data.len()));
         }
         let [width, height] = claim.size(level);
-        read.push(data.chunks_exact(face_bytes).map(|face| texel.image(width, height, face)).collect::<Result<_, _>>()?);
+        read.push(
+            data.chunks_exact(face_bytes).map(|face| texel.image(width, height, face)).collect::<Result<_, _>>()?,
+        );
     }
     Ok(Texture { levels: read, texel: texel.name })
 }
@@ -53,7 +55,10 @@ fn check_apart(bytes: &[u8], levels: &[&[u8]]) -> Result<(), Fault> {
     for pair in ranges.windows(2) {
         let [(from, length, a), (next, _, b)] = [pair[0], pair[1]];
         if from + length > next {
-            return Err(Fault::new(format!("levels {a} and {b} share bytes {next} to {}", from + length), "levels apart"));
+            return Err(Fault::new(
+                format!("levels {a} and {b} share bytes {next} to {}", from + length),
+                "levels apart",
+            ));
         }
     }
     Ok(())
@@ -71,7 +76,10 @@ fn unpacked(packed: &[u8], needed: usize, level: u32) -> Result<Vec<u8>, Fault> 
     // One byte more tells a level that is too long.
     decoder.take(needed as u64 + 1).read_to_end(&mut data).map_err(|error| refuse(&error))?;
     if data.len() > needed {
-        return Err(Fault::new(format!("level {level} unpacks to more than its {needed} bytes"), "zstd data of its size"));
+        return Err(Fault::new(
+            format!("level {level} unpacks to more than its {needed} bytes"),
+            "zstd data of its size",
+        ));
     }
     Ok(data)
 }

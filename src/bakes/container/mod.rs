@@ -57,8 +57,18 @@ pub static FORMATS: &[Format] = &[
         about: "KTX 2: one image or a cube with its levels, plain or zstd",
         read: ktx2::read,
     },
-    Format { name: "ktx", extension: "ktx", about: "KTX 1, as cmgen writes it: a cube with its levels", read: ktx1::read },
-    Format { name: "dds", extension: "dds", about: "DDS: one image, a face of a cube, or a cube with its levels", read: dds::read },
+    Format {
+        name: "ktx",
+        extension: "ktx",
+        about: "KTX 1, as cmgen writes it: a cube with its levels",
+        read: ktx1::read,
+    },
+    Format {
+        name: "dds",
+        extension: "dds",
+        about: "DDS: one image, a face of a cube, or a cube with its levels",
+        read: dds::read,
+    },
 ];
 
 /// Extensions of every file that [`read_texture`] reads.
@@ -181,5 +191,8 @@ impl Claim {
 
 /// A file that ends before its texels do.
 fn truncated(level: u32, needed: usize, found: usize) -> Fault {
-    Fault::new(format!("level {level} needs {needed} bytes, and {found} are there"), "a whole file; it is probably truncated")
+    Fault::new(
+        format!("level {level} needs {needed} bytes, and {found} are there"),
+        "a whole file; it is probably truncated",
+    )
 }

@@ -77,7 +77,8 @@ pub fn dds(texel: &Texel, side: u32, levels: &[Level]) -> Vec<u8> {
         alpha_mode: ddsfile::AlphaMode::Opaque,
     })
     .unwrap();
-    file.data = (0..levels[0].len()).flat_map(|face| levels.iter().flat_map(move |level| level[face].clone())).collect();
+    file.data =
+        (0..levels[0].len()).flat_map(|face| levels.iter().flat_map(move |level| level[face].clone())).collect();
     let mut bytes = Vec::new();
     file.write(&mut bytes).unwrap();
     bytes

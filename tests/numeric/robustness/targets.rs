@@ -87,7 +87,10 @@ fn texture(name: &str, bytes: &[u8]) {
             let texels: usize = images().map(|image| image.data.len()).sum();
             assert!(texels as u64 <= TEXELS_MAX, "{texels} texels");
             assert!(images().all(|image| image.data.len() == image.width as usize * image.height as usize));
-            assert!(images().flat_map(|image| image.data.as_flattened()).all(|x| x.is_finite()), "no number came through");
+            assert!(
+                images().flat_map(|image| image.data.as_flattened()).all(|x| x.is_finite()),
+                "no number came through"
+            );
             assert!(texture.levels.iter().all(|level| level.len() == texture.levels[0].len()));
         }
         Err(error) => assert_names(&error.to_string(), name),
