@@ -254,7 +254,7 @@ fn a_fit_finds_the_width_and_the_gain_that_were_baked() {
     }
     let lost = exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0 / std::f64::consts::PI));
     let score = &level::score(&truth, &lost, &convention).unwrap()[0];
-    assert!(score.verdict.contains("a factor of 1/pi too much"), "{}", score.verdict);
+    assert!(score.verdict.contains("1/pi times what it should be"), "{}", score.verdict);
     assert!((score.errors.bias_rel - (1.0 / std::f64::consts::PI - 1.0)).abs() < 1e-6, "{score:?}");
 }
 

@@ -170,7 +170,7 @@ pub(super) fn gain_in_words(gain: f64) -> String {
         ("1/2", 0.5),
     ];
     match known.iter().find(|(_, factor)| (gain / factor - 1.0).abs() < 0.02) {
-        Some((name, _)) => format!("a factor of {name} too much"),
+        Some((name, _)) => format!("{name} times what it should be"),
         None if gain > 1.0 => format!("{:.1} % too bright", 100.0 * (gain - 1.0)),
         None => format!("{:.1} % too dark", 100.0 * (1.0 - gain)),
     }

@@ -11,11 +11,11 @@ mod texel;
 pub use texel::{TEXELS, Texel};
 
 use crate::environment::{FORMATS as IMAGES, Format as Image};
-use crate::pixels::{Decoded, ENVIRONMENT_TEXELS_MAX, Fault, PixelsError, RgbImage, png, read_bounded};
+use crate::pixels::{Decoded, Fault, PixelsError, RgbImage, png, read_bounded};
 use std::path::Path;
 
-/// Most texels of all levels and faces, 384 MiB as radiance: a cube of 2048 with its levels.
-pub const TEXELS_MAX: u64 = ENVIRONMENT_TEXELS_MAX + ENVIRONMENT_TEXELS_MAX / 3;
+/// Most texels of all levels and faces, 128 MiB as radiance: a cube of 1024 with its levels has 8.4 million. A score takes seven times as much.
+pub const TEXELS_MAX: u64 = (1 << 25) / 3;
 /// Longest chain of levels: those of the longest side.
 const LEVELS_MAX: u32 = 16;
 
@@ -114,6 +114,12 @@ fn read_with(reader: &Reader, path: &Path, bytes: &[u8]) -> Result<Texture, Pixe
         Reader::Image(format) => image(format.read(path, bytes)?, format.name),
         Reader::Png => image(png::read_linear(path, bytes)?, PNG),
     };
+    // Containers are asked before they are read; images may be as large as an environment.
+    let texels: usize = texture.levels.iter().flatten().map(|face| face.data.len()).sum();
+    if texels as u64 > TEXELS_MAX {
+        let fault = Fault::new(format!("it has {texels} texels"), format!("at most {TEXELS_MAX}; bake a smaller map"));
+        return Err(fault.at(path));
+    }
     first_oddity(&texture).map_or(Ok(()), |fault| Err(fault.at(path)))?;
     Ok(texture)
 }
