@@ -1,16 +1,15 @@
 //! `splitsum check-bake`: how wrong the tables are that some tool baked.
 
-use super::{Failure, print, print_data, tell};
+use super::bake_scores::{Checked, as_json, as_text, rows};
+use super::{Failure, print, print_data};
 use clap::Args;
 use glam::DVec3;
-use serde_json::{Value, json};
-use splitsum::bakes::check::guess::{self, AxesFit};
-use splitsum::bakes::check::level::{self, LevelScore};
-use splitsum::bakes::check::sh::ShScore;
-use splitsum::bakes::check::table::{self, TableScore};
+use splitsum::bakes::check::guess;
+use splitsum::bakes::check::level;
+use splitsum::bakes::check::table;
 use splitsum::bakes::check::{self, Truth};
 use splitsum::bakes::convention::{Axes, Convention, PRESETS, TABLE_AXES, TABLE_CHANNELS, preset_by_name};
-use splitsum::bakes::page::{self, Row};
+use splitsum::bakes::page;
 use splitsum::bakes::source::{Reading, read};
 use splitsum::bakes::{Bake, Told};
 use splitsum::brdf::{self, Brdf, MaskingShadowing};
@@ -18,18 +17,17 @@ use splitsum::environment::layout::{LAYOUTS, layout_by_name};
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, level_mapping_by_name, weight_by_name};
 use splitsum::spelling::suggestion;
-use splitsum::table::markdown::{Align, MarkdownTable};
 use std::path::{Path, PathBuf};
 
 /// Scores tables that any tool baked against their exact integrals, level by level.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    after_help = "FILES are of one bake: .ktx2, .ktx or .dds cubes, a folder of faces (m0_px.exr, m0_nx.exr, ...), lat-long .exr or .hdr levels \
-    in order, a folder of `splitsum bake`, a square .png, .exr or .dds DFG table, and SH as .txt or .json. What is not told by its form \
+    after_help = "FILES are of one bake: .ktx2, .ktx or .dds cubes, a folder of faces (m0_px.exr, m0_nx.exr, ...), lat-long .exr or .hdr \
+    levels in order, a folder of `splitsum bake`, a square .png, .exr or .dds DFG table, and SH as .txt or .json. What is not told by its form \
     is named: irradiance=FILE, specular=FILE, dfg=FILE, sh=FILE.\n\n\
-    relmse is 0.001 at an error of about 3 % rms. A level above that is fitted by width and gain, and the verdict names them where they explain \
-    the error. Level 0 is the mirror: it is held against the environment itself, averaged over each texel.\n\n\
+    relmse is 0.001 at an error of about 3 % rms. A level above that is fitted by width and gain, and the verdict names them where they \
+    explain the error. Level 0 is the mirror: it is held against the environment itself, averaged over each texel.\n\n\
     Unsure of a convention? --guess tries them.\n\n\
     Examples:\n  splitsum check-bake studio_ibl.ktx studio_sh.txt --environment studio.hdr --preset cmgen\n  \
     splitsum check-bake specular.ktx2 lut_ggx.png --environment studio.hdr --preset khronos --guess\n  \
@@ -114,18 +112,6 @@ fn named<T>(flag: &str, name: &str, found: Option<T>, known: Vec<&str>) -> Resul
     })
 }
 
-/// What a bake is held against, and what was found.
-struct Checked {
-    convention: Convention,
-    axes: Vec<(&'static str, Vec<AxesFit>)>,
-    table_way: Option<String>,
-    levels: Vec<LevelScore>,
-    irradiance: Option<LevelScore>,
-    dfg: Option<TableScore>,
-    sh: Option<ShScore>,
-    spot_check: Option<f64>,
-}
-
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let model =
         named("--brdf", &arguments.brdf, brdf::by_name(&arguments.brdf), names(brdf::MODELS, |model| model.name()))?;
@@ -152,14 +138,20 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let truth = Truth::new(&environment, kernel, &alphas);
     let checked = check(&truth, &bake, model, convention, arguments.guess).map_err(Failure::input)?;
     if arguments.json {
-        let text = serde_json::to_string_pretty(&as_json(arguments, &checked)).map_err(Failure::failed)?;
+        let text = serde_json::to_string_pretty(&as_json(&arguments.environment, &arguments.preset, &checked))
+            .map_err(Failure::failed)?;
         print_data(&(text + "\n"))?;
     } else {
-        print(&as_text(arguments, &checked))?;
+        print(&as_text(&checked, arguments.guess))?;
     }
     if let Some(path) = &arguments.html {
-        page::write(path, &arguments.files, &as_json(arguments, &checked), &rows(&checked))
-            .map_err(|error| Failure::input(format!("--html: {error}")))?;
+        page::write(
+            path,
+            &arguments.files,
+            &as_json(&arguments.environment, &arguments.preset, &checked),
+            &rows(&checked),
+        )
+        .map_err(|error| Failure::input(format!("--html: {error}")))?;
     }
     judge(arguments, &checked)
 }
@@ -262,144 +254,6 @@ fn check(
     })
 }
 
-/// What the axes that fit best say of those that were used.
-fn doubt(fits: &[AxesFit], used: Axes) -> Option<String> {
-    let own = *fits.iter().find(|fit| fit.axes == used)?;
-    let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own);
-    is_doubtful.then(|| {
-        format!(
-            "axes {} fit it far better than {used} (correlation {:.4}, not {:.4}): --axes={} or --guess",
-            fits[0].axes, fits[0].correlation, own.correlation, fits[0].axes
-        )
-    })
-}
-
-fn as_text(arguments: &Arguments, checked: &Checked) -> String {
-    let mut text = String::new();
-    for (what, fits) in &checked.axes {
-        match doubt(fits, checked.convention.axes) {
-            Some(doubt) => tell(&format!("warning: {what}: {doubt}")),
-            None if arguments.guess => text += &format!("{what}: {}\n", guess::in_words(fits)),
-            None => {}
-        }
-    }
-    if let Some(way) = &checked.table_way {
-        text += &format!("DFG table: {way}\n");
-    }
-    if !checked.levels.is_empty() || checked.irradiance.is_some() {
-        let mut table = MarkdownTable::new(&[
-            ("level", Align::Left),
-            ("size", Align::Right),
-            ("alpha", Align::Right),
-            ("relmse", Align::Right),
-            ("bias %", Align::Right),
-            ("worst direction: found for exact", Align::Left),
-            ("verdict", Align::Left),
-        ]);
-        for row in rows(checked) {
-            let size = format!("{}x{}", row.size[0], row.size[1]);
-            table.row(&[row.name, size, row.alpha, row.relmse, row.bias, row.worst, row.verdict]);
-        }
-        text += &format!("{table}");
-    }
-    if let Some(off) = checked.spot_check {
-        text += &format!(
-            "The integrals agree with adaptive cubature within {off:.0e} at three directions of the worst level.\n"
-        );
-    }
-    if let Some(dfg) = &checked.dfg {
-        text += &format!(
-            "DFG table: max error {:.2e}, rms {:.1e}, worst at n·v {:.3}, perceptual roughness {:.3} of {} texels: {}\n",
-            dfg.max_error, dfg.rms, dfg.worst.x, dfg.worst.y, dfg.count, dfg.verdict
-        );
-    }
-    if let Some(sh) = &checked.sh {
-        text += &format!(
-            "SH: relmse {:.2e} of its irradiance, bias {:+.2} %, largest error of a coefficient {:.2e} of the largest: {}\n",
-            sh.errors.relmse,
-            100.0 * sh.errors.bias_rel,
-            sh.max_error,
-            sh.verdict
-        );
-    }
-    text
-}
-
-/// The scores of maps as people read them.
-fn rows(checked: &Checked) -> Vec<Row> {
-    let numbered = checked.levels.iter().enumerate().map(|(k, score)| (k.to_string(), score));
-    let all = numbered.chain(checked.irradiance.iter().map(|score| ("irradiance".to_owned(), score)));
-    let mean = |rgb: DVec3| rgb.element_sum() / 3.0;
-    let row = |(name, score): (String, &LevelScore)| {
-        let worst = &score.worst;
-        let ([x, y, z], [face, column, row]) = (worst.direction.to_array(), worst.texel);
-        let values = format!("{:.3} for {:.3}", mean(worst.found), mean(worst.exact));
-        Row {
-            name,
-            size: score.size,
-            alpha: format!("{:.4}", score.alpha),
-            relmse: format!("{:.2e}", score.errors.relmse),
-            log: score.errors.relmse.max(1e-6).log10(),
-            bias: format!("{:+.2}", 100.0 * score.errors.bias_rel),
-            worst: format!("({x:.2}, {y:.2}, {z:.2}), face {face} texel {column},{row}: {values}"),
-            verdict: score.verdict.clone(),
-        }
-    };
-    all.map(row).collect()
-}
-
-fn as_json(arguments: &Arguments, checked: &Checked) -> Value {
-    let level = |score: &LevelScore| {
-        let worst = &score.worst;
-        json!({
-            "size": score.size,
-            "alpha": score.alpha,
-            "relmse": score.errors.relmse,
-            "bias_rel": score.errors.bias_rel,
-            "worst": {
-                "direction": worst.direction.to_array(),
-                "face": worst.texel[0],
-                "column": worst.texel[1],
-                "row": worst.texel[2],
-                "found": worst.found.to_array(),
-                "exact": worst.exact.to_array(),
-            },
-            "fit": score.fit.map(|fit| json!({ "alpha": fit.alpha, "gain": fit.gain, "left": fit.left })),
-            "verdict": score.verdict,
-        })
-    };
-    let axes = checked.axes.iter().map(|(what, fits)| {
-        let best: Vec<Value> = fits
-            .iter()
-            .take(4)
-            .map(|fit| json!({ "axes": fit.axes.to_string(), "correlation": fit.correlation }))
-            .collect();
-        json!({ "of": what, "best": best, "warning": doubt(fits, checked.convention.axes) })
-    });
-    json!({
-        "environment": arguments.environment,
-        "preset": arguments.preset,
-        "axes": checked.convention.axes.to_string(),
-        "axes_fits": axes.collect::<Vec<_>>(),
-        "levels": checked.levels.iter().map(level).collect::<Vec<_>>(),
-        "spot_check": checked.spot_check,
-        "irradiance": checked.irradiance.as_ref().map(level),
-        "dfg": checked.dfg.as_ref().map(|dfg| json!({
-            "max_error": dfg.max_error,
-            "rms": dfg.rms,
-            "worst": { "n_dot_v": dfg.worst.x, "perceptual_roughness": dfg.worst.y },
-            "texels": dfg.count,
-            "verdict": dfg.verdict,
-        })),
-        "sh": checked.sh.as_ref().map(|sh| json!({
-            "relmse": sh.errors.relmse,
-            "bias_rel": sh.errors.bias_rel,
-            "max_error": sh.max_error,
-            "verdict": sh.verdict,
-        })),
-    })
-}
-
 /// Whether the bake passes `--fail-above` and `--fail-table-above`.
 fn judge(arguments: &Arguments, checked: &Checked) -> Result<(), Failure> {
     let levels = checked.levels.iter().enumerate().map(|(k, score)| (format!("level {k}"), score.errors.relmse));
@@ -414,7 +268,7 @@ fn judge(arguments: &Arguments, checked: &Checked) -> Result<(), Failure> {
         .chain(table)
         .filter_map(|(name, what, value, limit)| Some((name, what, value, limit?)))
         // A score that is no number is no pass.
-        .filter(|(_, _, value, limit)| !(*value <= *limit))
+        .filter(|(_, _, value, limit)| value.is_nan() || value > limit)
         .map(|(name, what, value, limit)| format!("{name}: {what} {value:.2e} is above {limit:.2e}"))
         .collect();
     if failed.is_empty() { Ok(()) } else { Err(Failure::failed(failed.join("\n"))) }

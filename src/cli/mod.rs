@@ -2,6 +2,7 @@
 
 mod answers;
 mod bake;
+mod bake_scores;
 mod cache;
 mod check_bake;
 mod compare;

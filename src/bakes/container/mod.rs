@@ -14,7 +14,8 @@ use crate::environment::{FORMATS as IMAGES, Format as Image};
 use crate::pixels::{Decoded, Fault, PixelsError, RgbImage, png, read_bounded};
 use std::path::Path;
 
-/// Most texels of all levels and faces, 128 MiB as radiance: a cube of 1024 with its levels has 8.4 million. A score takes seven times as much.
+/// Most texels of all levels and faces, 128 MiB as radiance: a cube of 1024 with its levels has 8.4 million. A score takes seven times
+/// as much.
 pub const TEXELS_MAX: u64 = (1 << 25) / 3;
 /// Longest chain of levels: those of the longest side.
 const LEVELS_MAX: u32 = 16;
