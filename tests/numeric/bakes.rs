@@ -134,7 +134,7 @@ fn hostile_files_are_refused_with_the_fact() {
     let first = u32::from_le_bytes(good[80..84].try_into().unwrap());
     refused("x.ktx2", &with(&good, 104, first), "share bytes");
     refused("x.ktx2", &good[..good.len() - 1], "no whole KTX 2 file");
-    refused("x.ktx2", &with(&good, 12, 37), "its pixel format is Some(R8G8B8A8_UNORM)");
+    refused("x.ktx2", &with(&good, 12, 37), "R8G8B8A8_UNORM");
 
     // Of 64 MiB of zeros a few kilobytes; the header says 4 x 4 texels.
     let mut bomb = levels.clone();

@@ -22,7 +22,8 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     };
     let faces = claim.check()?;
     let texel = TEXELS.iter().find(|texel| Some(texel.vulkan) == header.format).ok_or_else(|| {
-        Fault::new(format!("its pixel format is {:?}", header.format), format!("one of {}", texel::names()))
+        let found = header.format.map_or("undefined".to_owned(), |format| format!("{format:?}"));
+        Fault::new(format!("its pixel format is {found}"), format!("one of {}", texel::names()))
     })?;
     let is_zstd = match header.supercompression_scheme {
         None => false,
