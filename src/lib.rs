@@ -74,6 +74,7 @@
 //! - Valve22: Valve, "Steam Deck: Tech Specs", steamdeck.com, 2022.
 //! - VeachGuibas95: E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 95.
 //! - Vegdahl21: N. Vegdahl, "Building a Better LK Hash", psychopath.io, 2021.
+//! - Vulkan13: The Khronos Group, "Vulkan 1.3, A Specification", 2022.
 //! - Walter07: B. Walter, S. R. Marschner, H. Li and K. E. Torrance, "Microfacet Models for Refraction through Rough Surfaces",
 //!   Eurographics Symposium on Rendering 2007.
 //! - Wang04: Z. Wang, A. C. Bovik, H. R. Sheikh and E. P. Simoncelli, "Image Quality Assessment: From Error Visibility to Structural
@@ -109,7 +110,9 @@ pub mod table;
 
 pub mod ladder;
 
+pub mod bakes;
 pub mod cost;
+
 pub mod oracle;
 pub mod pipeline;
 pub mod slips;

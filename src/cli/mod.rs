@@ -2,7 +2,9 @@
 
 mod answers;
 mod bake;
+mod bake_scores;
 mod cache;
+mod check_bake;
 mod compare;
 mod cost;
 mod devices;
@@ -56,6 +58,7 @@ enum Command {
     /// Compiles shaders for `cost`.
     #[command(name = COMMAND, hide = true)]
     CompileShaders,
+    CheckBake(Box<check_bake::Arguments>),
     /// Lists the Vulkan devices.
     Devices,
     List(list::Arguments),
@@ -149,6 +152,7 @@ pub fn main() -> ExitCode {
         Command::Bake(arguments) => bake::execute(&arguments),
         Command::Cost(arguments) => cost::execute(&arguments),
         Command::CompileShaders => cost::compile_shaders(),
+        Command::CheckBake(arguments) => check_bake::execute(&arguments),
         Command::Devices => devices::execute(),
         Command::List(arguments) => list::execute(&arguments),
         Command::Integrate(arguments) => integrate::execute(&arguments),

@@ -21,6 +21,13 @@ pub struct Format {
     read: Reader,
 }
 
+impl Format {
+    /// The main image in the bytes of the file at `path`.
+    pub(crate) fn read(&self, path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
+        (self.read)(path, bytes, None)
+    }
+}
+
 /// Every format; the extension of the file chooses.
 pub static FORMATS: &[Format] = &[
     Format {

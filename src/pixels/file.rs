@@ -32,7 +32,7 @@ pub struct PixelsError {
 
 /// A [`PixelsError`] before the path is known.
 #[derive(Debug)]
-pub(super) struct Fault {
+pub(crate) struct Fault {
     pub what: String,
     pub expected: String,
 }
@@ -87,7 +87,7 @@ pub(super) fn check_claim(
 }
 
 /// An empty vector with room for `count` values of an image, or what is missing: a process that is out of memory must say so.
-pub(super) fn reserved<T>(count: usize) -> Result<Vec<T>, Fault> {
+pub(crate) fn reserved<T>(count: usize) -> Result<Vec<T>, Fault> {
     let mut data = Vec::new();
     data.try_reserve_exact(count).map_err(|_| {
         let mebibytes = count.saturating_mul(size_of::<T>()) >> 20;

@@ -12,7 +12,7 @@ pub mod radiance;
 mod shrink;
 
 pub use file::PixelsError;
-pub(crate) use file::{ENVIRONMENT_TEXELS_MAX, PART_PREFIX, Staged, read_bounded, write_atomically};
+pub(crate) use file::{ENVIRONMENT_TEXELS_MAX, Fault, PART_PREFIX, Staged, read_bounded, reserved, write_atomically};
 
 /// What a reader of float images returns.
 #[derive(Clone, Debug)]

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod cache;
+mod check_bake;
 #[cfg(unix)]
 mod chunks;
 mod cost;

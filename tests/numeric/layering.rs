@@ -17,6 +17,7 @@ const ROWS: &[&[&[&str]]] = &[
     &[&["brdf", "environment", "scene"], &["gpu"]],
     &[&["precompute", "gbuffer", "shade", "tonemap"]],
     &[&["metrics"], &["table"]],
+    &[&["bakes"], &["ladder"]],
     &[&["pipeline"], &["oracle"], &["slips"], &["cost"]],
     &[&["runner"]],
     &[&["study"]],

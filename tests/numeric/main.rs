@@ -1,4 +1,5 @@
 //! numeric tests
+mod bakes;
 mod brdf;
 mod color;
 mod cost;

@@ -88,6 +88,22 @@ fn folders_of_runs() {
     check("report");
 }
 
+#[test]
+fn textures() {
+    for name in ["ktx2", "ktx", "dds"] {
+        check(name);
+        for (seed, bytes) in seeds::seeds(name) {
+            let path = PathBuf::from(format!("{seed}.{name}"));
+            splitsum::bakes::container::from_bytes(&path, &bytes).unwrap_or_else(|error| panic!("{error}"));
+            // A file that ends early is no smaller texture.
+            for length in 0..bytes.len() {
+                let cut = splitsum::bakes::container::from_bytes(&path, &bytes[..length]);
+                assert!(cut.is_err(), "{seed}.{name} of {length} bytes");
+            }
+        }
+    }
+}
+
 /// The seeds must be right files, or mutation starts from refusals only.
 #[test]
 fn seeds_are_read() {

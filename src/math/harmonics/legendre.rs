@@ -1,5 +1,6 @@
 //! The associated Legendre functions of many rows at once: orthonormal, by the recurrence in the degree.
 
+use glam::DVec3;
 use std::f64::consts::PI;
 
 /// Row pairs that one recurrence runs for.
@@ -34,6 +35,14 @@ impl Block {
             Self { cos: theta.map(f64::cos), sin: theta.map(f64::sin) }
         };
         (0..pairs).step_by(LANES).map(of).collect()
+    }
+}
+
+impl Block {
+    /// The rows of at most [`LANES`] unit directions; filled up with the last.
+    pub(super) fn at(directions: &[DVec3]) -> Self {
+        let own: [DVec3; LANES] = std::array::from_fn(|lane| directions[lane.min(directions.len() - 1)]);
+        Self { cos: own.map(|d| d.y), sin: own.map(|d| d.x.hypot(d.z).max(1e-12)) }
     }
 }
 

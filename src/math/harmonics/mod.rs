@@ -18,6 +18,7 @@ mod smooth_map;
 pub use legendre::margin;
 pub use smooth_map::SmoothMap;
 
+use super::equirect::uv_from_direction;
 use glam::DVec3;
 use legendre::{Block, LANES, Legendre};
 use rayon::prelude::*;
@@ -70,6 +71,32 @@ impl Harmonics {
 
     pub fn degree(&self) -> usize {
         self.orders.len() - 1
+    }
+
+    /// The part of each degree up to `degree` at unit directions: `Σ_m L_lm Y_lm(d)` for l = 0 on. With it a convolution by any zonal kernel
+    /// is `Σ k_l` times these, so many kernels at few directions cost little.
+    pub fn bands(&self, degree: usize, directions: &[DVec3]) -> Vec<Vec<DVec3>> {
+        let degree = degree.min(self.degree());
+        let of_block = |own: &[DVec3]| {
+            let block = Block::at(own);
+            let (mut bands, mut p) = (vec![vec![DVec3::ZERO; degree + 1]; own.len()], Vec::new());
+            for m in 0..=degree {
+                if !self.legendre.fill(m, degree, &block, &mut p) {
+                    continue;
+                }
+                // Orders -m are conjugates: they double the real part.
+                let twice = if m == 0 { 1.0 } else { 2.0 };
+                for (lane, (bands, d)) in bands.iter_mut().zip(own).enumerate() {
+                    let (sin, cos) = (m as f64 * TAU * uv_from_direction(*d).x).sin_cos();
+                    for ((band, value), p) in bands[m..].iter_mut().zip(&self.orders[m]).zip(&p) {
+                        let part = |i: usize| value[i] * cos - value[i + 3] * sin;
+                        *band += twice * p[lane] * DVec3::new(part(0), part(1), part(2));
+                    }
+                }
+            }
+            bands
+        };
+        directions.par_chunks(LANES).flat_map_iter(of_block).collect()
     }
 
     /// What a kernel of these `k_l` makes of the map; `factors` has one for each degree that counts.

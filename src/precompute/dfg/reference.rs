@@ -33,9 +33,17 @@ impl Dfg {
 /// Facets nearer to the normal than `alpha exp(-12)` are 4e-11 of a lobe.
 const LOG_WIDTH_BELOW: f64 = 12.0;
 
+/// Relative error of the quadrature.
+const EXACT: f64 = 5e-7;
+
 /// The pair for `n_dot_v` in (0, 1] and `alpha` in (0, 1].
 pub fn dfg(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64) -> Dfg {
-    let integral = mean_over_facets(model, n_dot_v, alpha, |h, v_dot_h, n_dot_l| {
+    dfg_within(model, masking, n_dot_v, alpha, EXACT)
+}
+
+/// The same within a relative error.
+pub fn dfg_within(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64, relative: f64) -> Dfg {
+    let integral = mean_over_facets(model, n_dot_v, alpha, relative, |h, v_dot_h, n_dot_l| {
         let weight = g2(model, n_dot_v, n_dot_l, alpha, masking) * v_dot_h / (n_dot_v * h.z);
         DVec3::new(weight, weight * schlick_weight(v_dot_h), 0.0)
     });
@@ -46,7 +54,7 @@ pub fn dfg(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, al
 /// What normalises the kernel `D n_dot_h / (4 v·h) w(l)` of prefiltered maps at a view: the means of `(1 - Fc) w` and of `Fc w` over half
 /// vectors of density `D n_dot_h`.
 pub fn weight_means(kernel: Kernel, n_dot_v: f64, alpha: f64) -> [f64; 2] {
-    let integral = mean_over_facets(kernel.brdf, n_dot_v, alpha, |_, v_dot_h, n_dot_l| {
+    let integral = mean_over_facets(kernel.brdf, n_dot_v, alpha, EXACT, |_, v_dot_h, n_dot_l| {
         let weight = kernel.weight(alpha, n_dot_l);
         DVec3::new(weight, weight * schlick_weight(v_dot_h), 0.0)
     });
@@ -58,9 +66,10 @@ fn mean_over_facets(
     model: &'static dyn Brdf,
     n_dot_v: f64,
     alpha: f64,
+    relative: f64,
     f: impl Fn(DVec3, f64, f64) -> DVec3,
 ) -> Bounded {
-    const TOLERANCE: Tolerance = Tolerance { relative: 5e-7, max_part_count: 100_000 };
+    let tolerance = Tolerance { relative, max_part_count: 100_000 };
     let v = DVec3::new(((1.0 - n_dot_v) * (1.0 + n_dot_v)).sqrt(), 0.0, n_dot_v);
     let theta_v = v.x.atan2(v.z);
     let t_full = (0.5 * (FRAC_PI_2 - theta_v)).tan().ln();
@@ -79,7 +88,7 @@ fn mean_over_facets(
         model.d(h, alpha) * h.z * measure * f(h, v_dot_h, 2.0 * v_dot_h * h.z - v.z)
     };
     let unit = Rectangle { low: DVec2::ZERO, high: DVec2::ONE };
-    integrate_rectangle(unit, TOLERANCE, |p| {
+    integrate_rectangle(unit, tolerance, |p| {
         let full = (t_full - t_low) * integrand(t_low + (t_full - t_low) * p.x, p.y, PI);
         let (sin, cos) = (FRAC_PI_2 * p.x).sin_cos();
         let t = t_full + (t_none - t_full) * sin * sin;

@@ -1,9 +1,11 @@
 //! Small right files of every kind of input, made here: what fuzzing and mutation start from.
 
+use crate::bakes::files;
 use exr::prelude::{
     AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
     WritableImage, f16,
 };
+use splitsum::bakes::container::TEXELS;
 use std::io::Cursor;
 
 /// The seeds of one target, with their names.
@@ -16,8 +18,28 @@ pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
         "experiment" => texts(EXPERIMENTS),
         "queries" => texts(QUERIES),
         "report" => texts(REPORTS),
+        "ktx2" | "ktx" | "dds" => textures(target),
         other => panic!("there is no target {other}"),
     }
+}
+
+/// A cube of 4 with its levels in each pixel format, all texels of the same bytes.
+fn textures(target: &str) -> Vec<(String, Vec<u8>)> {
+    let mut seeds = Vec::new();
+    for texel in TEXELS.iter().filter(|texel| target != "dds" || texel.dxgi.is_some()) {
+        let level = |side: usize| vec![vec![0x3b; side * side * texel.bytes]; 6];
+        let levels = [level(4), level(2), level(1)];
+        let mut seed = |name: &str, bytes: Vec<u8>| seeds.push((format!("{}{name}", texel.name), bytes));
+        match target {
+            "ktx2" => {
+                seed("", files::ktx2(texel, 4, &levels, false));
+                seed("-zstd", files::ktx2(texel, 4, &levels, true));
+            }
+            "ktx" => seed("", files::ktx1(texel, 4, &levels)),
+            _ => seed("", files::dds(texel, 4, &levels)),
+        }
+    }
+    seeds
 }
 
 fn hdr() -> Vec<(String, Vec<u8>)> {

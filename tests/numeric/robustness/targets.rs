@@ -3,6 +3,7 @@
 //! They panic when a promise is broken: a result that later code could not trust, or a message that does not name the file.
 //! `fuzz/fuzz_targets` and the tests beside this file share them.
 
+use splitsum::bakes::container::{TEXELS_MAX, from_bytes};
 use splitsum::environment::{Environment, EnvironmentError, LoadOptions};
 use splitsum::oracle::{Kind, Queries};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
@@ -30,6 +31,9 @@ pub const TARGETS: &[Target] = &[
     Target { name: "experiment", run: experiment },
     Target { name: "queries", run: queries },
     Target { name: "report", run: report },
+    Target { name: "ktx2", run: ktx2 },
+    Target { name: "ktx", run: ktx },
+    Target { name: "dds", run: dds },
 ];
 
 /// A Radiance picture.
@@ -56,6 +60,38 @@ fn environment(name: &str, bytes: &[u8]) {
                 Err(EnvironmentError::InvalidTexels { .. }) => {}
                 Err(error) => panic!("read only the first time: {error}"),
             }
+        }
+        Err(error) => assert_names(&error.to_string(), name),
+    }
+}
+
+/// A KTX 2 texture.
+pub fn ktx2(bytes: &[u8]) {
+    texture("x.ktx2", bytes);
+}
+
+/// A KTX 1 texture.
+pub fn ktx(bytes: &[u8]) {
+    texture("x.ktx", bytes);
+}
+
+/// A DDS texture.
+pub fn dds(bytes: &[u8]) {
+    texture("x.dds", bytes);
+}
+
+fn texture(name: &str, bytes: &[u8]) {
+    match from_bytes(Path::new(name), bytes) {
+        Ok(texture) => {
+            let images = || texture.levels.iter().flatten();
+            let texels: usize = images().map(|image| image.data.len()).sum();
+            assert!(texels as u64 <= TEXELS_MAX, "{texels} texels");
+            assert!(images().all(|image| image.data.len() == image.width as usize * image.height as usize));
+            assert!(
+                images().flat_map(|image| image.data.as_flattened()).all(|x| x.is_finite()),
+                "no number came through"
+            );
+            assert!(texture.levels.iter().all(|level| level.len() == texture.levels[0].len()));
         }
         Err(error) => assert_names(&error.to_string(), name),
     }

@@ -1,0 +1,85 @@
+//! The directions of a level's texels, with their shares of the sphere.
+
+use crate::bakes::convention::Axes;
+use crate::environment::layout::MapLayout;
+use crate::pixels::RgbImage;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// Texels of a level, face after face and row after row.
+pub struct Directions {
+    /// In the world.
+    pub world: Vec<DVec3>,
+    /// Solid angle of each, sr.
+    pub weights: Vec<f64>,
+    layout: &'static MapLayout,
+    axes: Axes,
+    size: [u32; 2],
+}
+
+impl Directions {
+    /// Those of faces of `size` texels.
+    pub fn new(layout: &'static MapLayout, axes: Axes, size: [u32; 2]) -> Self {
+        let of = |index: usize| place(layout, size, index, DVec2::splat(0.5));
+        let count = layout.face_count as usize * size[0] as usize * size[1] as usize;
+        let file: Vec<DVec3> = (0..count).into_par_iter().map(of).collect();
+        let weights = file.iter().map(|direction| (layout.texel_solid_angle)(*direction, size, 0.0)).collect();
+        Self {
+            world: file.into_iter().map(|direction| axes.to_world(direction)).collect(),
+            weights,
+            layout,
+            axes,
+            size,
+        }
+    }
+
+    /// Face, column and row of a texel.
+    pub fn texel(&self, index: usize) -> [usize; 3] {
+        let [width, height] = self.size.map(|side| side as usize);
+        [index / (width * height), index % width, index / width % height]
+    }
+
+    /// Means of a function over `n` x `n` points of each texel.
+    pub fn means(&self, n: u32, value: impl Fn(DVec3) -> DVec3 + Sync) -> Vec<DVec3> {
+        let points: Vec<DVec2> =
+            (0..n * n).map(|k| DVec2::new(f64::from(k % n) + 0.5, f64::from(k / n) + 0.5) / f64::from(n)).collect();
+        let mean = |index: usize| {
+            let values =
+                points.iter().map(|point| value(self.axes.to_world(place(self.layout, self.size, index, *point))));
+            values.sum::<DVec3>() / points.len() as f64
+        };
+        (0..self.world.len()).into_par_iter().map(mean).collect()
+    }
+
+    /// Every `stride`-th texel of each row and column.
+    pub fn subset(&self, stride: usize) -> Vec<usize> {
+        let is_in = |index: &usize| {
+            let [_, x, y] = self.texel(*index);
+            x % stride == stride / 2 && y % stride == stride / 2
+        };
+        (0..self.world.len()).filter(is_in).collect()
+    }
+
+    /// The directions of some of the texels.
+    pub fn only(&self, chosen: &[usize]) -> Self {
+        Self {
+            world: chosen.iter().map(|index| self.world[*index]).collect(),
+            weights: chosen.iter().map(|index| self.weights[*index]).collect(),
+            ..*self
+        }
+    }
+}
+
+/// The file's direction at a point of a texel.
+fn place(layout: &MapLayout, [width, height]: [u32; 2], index: usize, point: DVec2) -> DVec3 {
+    let (w, h) = (width as usize, height as usize);
+    let (face, x, y) = (index / (w * h), index % w, index / w % h);
+    let at = (DVec2::new(x as f64, y as f64) + point) / DVec2::new(width.into(), height.into());
+    (layout.direction)(face as u32, at)
+}
+
+/// The texels of a level in the same order, times a scale.
+pub fn texels(faces: &[RgbImage], scale: f64) -> Vec<DVec3> {
+    let texel = |texel: &[f32; 3]| DVec3::from_array(texel.map(f64::from)) * scale;
+    faces.iter().flat_map(|face| &face.data).map(texel).collect()
+}

@@ -1,0 +1,72 @@
+//! Which width and gain would explain what a level holds.
+
+use super::directions::Directions;
+use super::{Truth, errors};
+use glam::DVec3;
+
+/// How much narrower or wider than a level's own the lobes are that are tried.
+const REACH: f64 = 4.0;
+/// Directions that a fit looks at, about.
+const DIRECTIONS: usize = 600;
+/// Highest degree that a fit looks at.
+pub const DEGREE_MAX: usize = 320;
+/// Narrower lobes are not tried: they reach beyond that degree.
+const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
+/// Widths that are tried on the grid, and by bisection about the best of them.
+const GRID: i32 = 12;
+const REFINED: u32 = 8;
+
+/// The lobe that comes nearest to a level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// Its width.
+    pub alpha: f64,
+    /// What the level is of it: 1.1 is 10 % too bright.
+    pub gain: f64,
+    /// relMSE that is left, as a share of what the lobe of the level's own width leaves with a gain of 1.
+    pub left: f64,
+}
+
+/// Fits a level of the width `alpha`; `found` are its texels at `directions`. None for lobes too narrow to fit.
+pub fn fit(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) -> Option<Fit> {
+    if alpha < ALPHA_MIN {
+        return None;
+    }
+    let side = (directions.world.len() as f64 / DIRECTIONS as f64).sqrt();
+    let chosen = directions.subset((side.round() as usize).max(1));
+    let found: Vec<DVec3> = chosen.iter().map(|index| found[*index]).collect();
+    let directions = directions.only(&chosen);
+    let bands = truth.bands(&directions.world, DEGREE_MAX);
+    let epsilon = truth.epsilon();
+    let own = errors(&directions, &found, &truth.of_bands(&bands, alpha), epsilon, 1.0).relmse;
+    let at = |alpha: f64| {
+        let exact = truth.of_bands(&bands, alpha);
+        let gain = gain(&directions, &found, &exact, epsilon);
+        Fit { alpha, gain, left: errors(&directions, &found, &exact, epsilon, 1.0 / gain).relmse / own }
+    };
+    let (low, high) = ((alpha / REACH).max(ALPHA_MIN), (alpha * REACH).min(1.0));
+    let widths = (0..=GRID).map(|k| low * (high / low).powf(f64::from(k) / f64::from(GRID)));
+    let mut best = widths.map(at).min_by(|a, b| a.left.total_cmp(&b.left))?;
+    let mut step = (high / low).powf(0.5 / f64::from(GRID));
+    for _ in 0..REFINED {
+        for alpha in [best.alpha / step, best.alpha * step] {
+            let next = at(alpha.clamp(low, high));
+            if next.left < best.left {
+                best = next;
+            }
+        }
+        step = step.sqrt();
+    }
+    Some(best)
+}
+
+/// The gain g of least mean `(found - g exact)²/(exact² + ε)`.
+pub fn gain(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: f64) -> f64 {
+    let (mut product, mut square) = (0.0, 0.0);
+    for ((weight, found), exact) in directions.weights.iter().zip(found).zip(exact) {
+        let scale = *weight / (*exact * *exact + epsilon);
+        product += (scale * *found * *exact).element_sum();
+        square += (scale * *exact * *exact).element_sum();
+    }
+    if square > 0.0 && product > 0.0 { product / square } else { 1.0 }
+}

@@ -1,0 +1,177 @@
+//! The score of a level: errors, the worst direction, and what would explain them.
+
+use super::directions::{Directions, texels};
+use super::fit::{self, Fit};
+use super::{Errors, GOOD, Truth, errors, has_width, relative_square};
+use crate::bakes::convention::{Axes, Convention};
+use crate::bakes::parts::Map;
+use crate::math::harmonics::SmoothMap;
+use crate::pixels::RgbImage;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// The direction of a level's largest relative error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Worst {
+    /// In the world.
+    pub direction: DVec3,
+    /// Face, column and row.
+    pub texel: [usize; 3],
+    /// Radiance of the bake and of the integral.
+    pub found: DVec3,
+    pub exact: DVec3,
+}
+
+/// How wrong a level is.
+#[derive(Clone, Debug)]
+pub struct LevelScore {
+    pub size: [u32; 2],
+    pub alpha: f64,
+    pub errors: Errors,
+    pub worst: Worst,
+    /// Where the level is not [`GOOD`].
+    pub fit: Option<Fit>,
+    /// In words.
+    pub verdict: String,
+}
+
+/// Scores every level of a prefiltered map.
+pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<LevelScore>, String> {
+    let alphas = convention.alphas(map.levels.len())?;
+    let count = alphas.len();
+    // The level that a width belongs to, real, on the convention's own scale.
+    let level_of = |alpha: f64| match &convention.alphas {
+        None if count > 1 => Some(convention.mapping.mip_from_alpha(alpha, count as u32)),
+        _ => between(&alphas, alpha),
+    };
+    let of = |(faces, &alpha): (&Vec<RgbImage>, &f64)| {
+        let (directions, found) = level_texels(map, faces, convention.axes, convention.scale);
+        let exact = match has_width(alpha) {
+            true => values(&truth.prefiltered(alpha), &directions),
+            false => mirror(truth, &directions, &faces[0], map.layout.face_count),
+        };
+        let (errors, worst) = errors_and_worst(truth, &directions, &found, &exact);
+        let is_wrong = errors.relmse > GOOD;
+        let fit = is_wrong.then(|| fit::fit(truth, &directions, &found, alpha)).flatten();
+        let verdict = verdict(errors, fit, alpha, level_of);
+        LevelScore { size: [faces[0].width, faces[0].height], alpha, errors, worst, fit, verdict }
+    };
+    Ok(map.levels.iter().zip(&alphas).map(of).collect())
+}
+
+/// Scores a map of irradiance over π.
+pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> LevelScore {
+    let faces = &map.levels[0];
+    let (directions, found) = level_texels(map, faces, convention.axes, convention.irradiance_scale);
+    let exact = values(&truth.irradiance(), &directions);
+    let (own, worst) = errors_and_worst(truth, &directions, &found, &exact);
+    // A gain alone: irradiance has no width.
+    let gain = fit::gain(&directions, &found, &exact, truth.epsilon());
+    let left = errors(&directions, &found, &exact, truth.epsilon(), 1.0 / gain).relmse / own.relmse;
+    let fit = (own.relmse > GOOD).then_some(Fit { alpha: 1.0, gain, left });
+    let verdict = match fit {
+        None => good(own),
+        Some(fit) if fit.left <= EXPLAINED => gain_in_words(fit.gain),
+        Some(_) => unexplained(own, "no gain explains it"),
+    };
+    LevelScore { size: [faces[0].width, faces[0].height], alpha: 1.0, errors: own, worst, fit, verdict }
+}
+
+fn level_texels(map: &Map, faces: &[RgbImage], axes: Axes, scale: f64) -> (Directions, Vec<DVec3>) {
+    (Directions::new(map.layout, axes, [faces[0].width, faces[0].height]), texels(faces, scale))
+}
+
+fn values(map: &SmoothMap, directions: &Directions) -> Vec<DVec3> {
+    directions.world.par_iter().map(|direction| map.value(*direction)).collect()
+}
+
+/// The environment, averaged over each texel by two points or more a texel of its own.
+fn mirror(truth: &Truth, directions: &Directions, face: &RgbImage, face_count: u32) -> Vec<DVec3> {
+    let map = &truth.environment.image;
+    // A cube has two faces from pole to pole and four around.
+    let (rows, columns) = if face_count > 1 { (2, 4) } else { (1, 1) };
+    let finer = (map.height.div_ceil(rows * face.height)).max(map.width.div_ceil(columns * face.width));
+    directions.means((2 * finer).clamp(2, 16), |direction| truth.environment.radiance(direction))
+}
+
+fn errors_and_worst(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> (Errors, Worst) {
+    let epsilon = truth.epsilon();
+    let square = |index: usize| relative_square(found[index], exact[index], epsilon);
+    let index = (0..found.len()).max_by(|a, b| square(*a).total_cmp(&square(*b))).expect("a level has texels");
+    let worst = Worst {
+        direction: directions.world[index],
+        texel: directions.texel(index),
+        found: found[index],
+        exact: exact[index],
+    };
+    (errors(directions, found, exact, epsilon, 1.0), worst)
+}
+
+/// The real level of a width among levels of any widths.
+fn between(alphas: &[f64], alpha: f64) -> Option<f64> {
+    let after = alphas.iter().position(|known| *known >= alpha)?.max(1);
+    let (low, high) = (*alphas.get(after - 1)?, *alphas.get(after)?);
+    // Roughness is nearly even from level to level.
+    (high > low).then(|| (after - 1) as f64 + (alpha.sqrt() - low.sqrt()) / (high.sqrt() - low.sqrt()))
+}
+
+/// Share of the error that a fit may leave and still explain it.
+pub(super) const EXPLAINED: f64 = 0.25;
+
+fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) -> Option<f64>) -> String {
+    let Some(fit) = fit else {
+        return good(errors);
+    };
+    if fit.left > EXPLAINED {
+        return unexplained(errors, &format!("no width or gain explains it, the best leave {:.0} %", 100.0 * fit.left));
+    }
+    let mut parts = Vec::new();
+    let shift = level_of(fit.alpha).zip(level_of(alpha)).map(|(found, own)| found - own);
+    let widths = format!("alpha {:.3} for {alpha:.3}", fit.alpha);
+    match shift {
+        Some(shift) if shift >= SHIFT => parts.push(format!("{shift:.1} levels too blurred ({widths})")),
+        Some(shift) if shift <= -SHIFT => parts.push(format!("{:.1} levels too sharp ({widths})", -shift)),
+        None if fit.alpha > 1.1 * alpha => parts.push(format!("too blurred ({widths})")),
+        None if fit.alpha < 0.9 * alpha => parts.push(format!("too sharp ({widths})")),
+        _ => {}
+    }
+    if (fit.gain - 1.0).abs() >= 0.01 {
+        parts.push(gain_in_words(fit.gain));
+    }
+    in_words(parts)
+}
+
+/// Levels that a verdict names.
+const SHIFT: f64 = 0.05;
+
+fn good(errors: Errors) -> String {
+    let rms = format!("{:.2} % rms", 100.0 * errors.relmse.sqrt());
+    if errors.relmse <= GOOD { format!("good: {rms}") } else { rms }
+}
+
+fn unexplained(errors: Errors, why: &str) -> String {
+    format!("{:.1} % rms: {why}", 100.0 * errors.relmse.sqrt())
+}
+
+fn in_words(parts: Vec<String>) -> String {
+    if parts.is_empty() { "slightly off".to_owned() } else { parts.join("; ") }
+}
+
+/// A gain, by the factor that was forgotten where it is one.
+pub(super) fn gain_in_words(gain: f64) -> String {
+    let known = [
+        ("pi", PI),
+        ("1/pi", 1.0 / PI),
+        ("4 pi", 4.0 * PI),
+        ("1/4pi", 0.25 / PI),
+        ("2 pi", 2.0 * PI),
+        ("2", 2.0),
+        ("1/2", 0.5),
+    ];
+    match known.iter().find(|(_, factor)| (gain / factor - 1.0).abs() < 0.02) {
+        Some((name, _)) => format!("{name} times what it should be"),
+        None if gain > 1.0 => format!("{:.1} % too bright", 100.0 * (gain - 1.0)),
+        None => format!("{:.1} % too dark", 100.0 * (1.0 - gain)),
+    }
+}

@@ -1,0 +1,85 @@
+//! The score of SH: its irradiance beside that of the exact coefficients.
+
+use super::directions::Directions;
+use super::level::{EXPLAINED, gain_in_words};
+use super::{Errors, GOOD, Truth, errors};
+use crate::bakes::convention::Axes;
+use crate::bakes::sh::Coefficients;
+use crate::environment::layout::LAYOUTS;
+use crate::math::equirect_quadrature::EquirectQuadrature;
+use crate::math::spherical_harmonics::{DEGREE, basis, irradiance};
+use crate::precompute::sh9::reference::{Sh9, project_bilinear};
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Side of the cube of normals.
+const SIDE: u32 = 16;
+
+/// How wrong SH is.
+#[derive(Clone, Debug)]
+pub struct ShScore {
+    /// Of the irradiance, against that of the exact coefficients up to degree 2.
+    pub errors: Errors,
+    /// Largest error of a coefficient over the largest coefficient.
+    pub max_error: f64,
+    pub verdict: String,
+}
+
+/// Scores coefficients; `axes` are those of the maps of the bake.
+pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
+    let image = &truth.environment.image;
+    let exact = project_bilinear(&EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y)));
+    let directions = Directions::new(&LAYOUTS[0], Axes::SAME, [SIDE; 2]);
+    let of = |sh: &Sh9, turn: &dyn Fn(DVec3) -> DVec3| -> Vec<DVec3> {
+        directions.world.iter().map(|normal| irradiance(sh, turn(*normal)) / PI).collect()
+    };
+    let exact_values = of(&exact, &|normal| normal);
+    let score = |axes: Axes| {
+        let values = of(&found.radiance, &|normal| axes.to_file(normal));
+        errors(&directions, &values, &exact_values, truth.epsilon(), 1.0)
+    };
+    let errors = score(axes);
+    let largest = exact.iter().map(|value| value.abs().max_element()).fold(0.0, f64::max);
+    let turned = turned(found, axes);
+    let largest_error = turned.iter().zip(&exact).map(|(own, exact)| (*own - *exact).abs().max_element());
+    let max_error = largest_error.fold(0.0, f64::max) / largest.max(f64::MIN_POSITIVE);
+    let best = Axes::all().map(|axes| (score(axes).relmse, axes)).min_by(|a, b| a.0.total_cmp(&b.0));
+    let window = window(&turned, &exact);
+    let left =
+        turned.iter().zip(&exact).zip(DEGREE).map(|((own, exact), l)| (*own - *exact * window[l]).length_squared());
+    let off = turned.iter().zip(&exact).map(|(own, exact)| (*own - *exact).length_squared()).sum::<f64>();
+    let verdict = match best {
+        _ if errors.relmse <= GOOD => format!("good: {:.2} % rms", 100.0 * errors.relmse.sqrt()),
+        Some((relmse, better)) if better != axes && relmse < EXPLAINED * errors.relmse => {
+            format!("axes {better} fit better: relmse {relmse:.1e}")
+        }
+        _ if left.sum::<f64>() > EXPLAINED * off => "wrong, and no factor a degree explains it".to_owned(),
+        _ if (window[0] - 1.0).abs() < 0.05 => {
+            format!("windowed against ringing: degree 1 times {:.2}, degree 2 times {:.2}", window[1], window[2])
+        }
+        _ => gain_in_words(window[0]),
+    };
+    ShScore { errors, max_error, verdict }
+}
+
+/// Of each degree the factor of the exact coefficients that comes nearest.
+fn window(own: &Sh9, exact: &Sh9) -> [f64; 3] {
+    let (mut products, mut squares) = ([0.0; 3], [f64::MIN_POSITIVE; 3]);
+    for ((own, exact), l) in own.iter().zip(exact).zip(DEGREE) {
+        products[l] += own.dot(*exact);
+        squares[l] += exact.length_squared();
+    }
+    std::array::from_fn(|l| products[l] / squares[l])
+}
+
+/// The coefficients in the world's axes, by projection over the cube of normals: of degree 2 it is exact to its quadrature.
+fn turned(found: &Coefficients, axes: Axes) -> Sh9 {
+    let directions = Directions::new(&LAYOUTS[0], Axes::SAME, [64; 2]);
+    let mut sums = Sh9::default();
+    for (world, weight) in directions.world.iter().zip(&directions.weights) {
+        let (own, file) = (basis(*world), basis(axes.to_file(*world)));
+        let value: DVec3 = found.radiance.iter().zip(file).map(|(value, y)| *value * y).sum();
+        (0..own.len()).for_each(|k| sums[k] += *weight * own[k] * value);
+    }
+    sums
+}

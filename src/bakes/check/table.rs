@@ -1,0 +1,162 @@
+//! The score of a DFG table, and which conventions would fit it better.
+
+use crate::bakes::convention::{Convention, TABLE_AXES, TABLE_CHANNELS, TableAxes, TableChannels};
+use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
+use crate::pixels::RgbImage;
+use crate::precompute::dfg::reference::dfg_within;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Rows and columns of a table that are compared, about; the outermost are among them.
+const LINES: u32 = 17;
+/// The same for a search of conventions.
+const SEARCHED: u32 = 7;
+
+/// How wrong a table is.
+#[derive(Clone, Debug)]
+pub struct TableScore {
+    /// Largest error of A or B at the texels that were compared.
+    pub max_error: f64,
+    pub rms: f64,
+    /// n·v and perceptual roughness of the largest.
+    pub worst: DVec2,
+    /// Texels that were compared.
+    pub count: usize,
+    pub verdict: String,
+}
+
+/// Relative error of the integrals of a score, and of a search.
+const SCORED_WITHIN: f64 = 1e-5;
+const SEARCHED_WITHIN: f64 = 1e-3;
+
+/// Error of a table that is as its integral: what 8 bits round to.
+const GOOD: f64 = 1.0 / 255.0;
+
+/// Scores a table against the integrals in f64 at texel centres.
+pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention) -> TableScore {
+    let Convention { table_axes, table_channels, masking, .. } = convention;
+    let places = places(table, LINES);
+    let errors: Vec<(DVec2, f64, f64)> = places
+        .par_iter()
+        .map(|place| {
+            let at = table_axes.parameters(place.uv);
+            let d = (table_channels.pair)(place.texel) - exact(brdf, *masking, at, SCORED_WITHIN);
+            (at, d.abs().max_element(), 0.5 * d.length_squared())
+        })
+        .collect();
+    let (worst, max_error, _) =
+        errors.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((DVec2::ZERO, 0.0, 0.0));
+    let rms = (errors.iter().map(|(_, _, square)| square).sum::<f64>() / errors.len() as f64).sqrt();
+    let verdict = if max_error <= GOOD {
+        "good: within what 8 bits round to".to_owned()
+    } else {
+        explained(table, brdf, convention, rms)
+    };
+    TableScore { max_error, rms, worst, count: errors.len(), verdict }
+}
+
+/// What would explain the error of a table.
+fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention, rms: f64) -> String {
+    let Convention { table_axes, table_channels, masking, .. } = convention;
+    let found = search(table, brdf).swap_remove(0);
+    let is_own =
+        found.axes.name == table_axes.name && found.channels.name == table_channels.name && found.masking.1 == *masking;
+    if !is_own && found.rms < 0.5 * rms {
+        return format!(
+            "--table-axes {} --table-channels {} --masking {} fit better: rms {:.1e}",
+            found.axes.name, found.channels.name, found.masking.0, found.rms
+        );
+    }
+    // Tables of texel corners or of another row: parameters that lie up to a texel elsewhere.
+    let places = places(table, SEARCHED);
+    let texel = DVec2::new(1.0 / f64::from(table.width), 1.0 / f64::from(table.height));
+    let sides = [-1.0, -0.5, 0.5, 1.0];
+    let along = |axis: DVec2| sides.iter().map(move |side| axis * *side);
+    let shifts: Vec<DVec2> = [DVec2::ZERO].into_iter().chain(along(DVec2::X)).chain(along(DVec2::Y)).collect();
+    let rms_at = |shift: &DVec2| {
+        let square = |place: &Place| {
+            let at = table_axes.parameters(place.uv + *shift * texel).clamp(DVec2::splat(1e-3), DVec2::ONE);
+            ((table_channels.pair)(place.texel) - exact(brdf, *masking, at, SEARCHED_WITHIN)).length_squared()
+        };
+        (0.5 * places.iter().map(square).sum::<f64>() / places.len() as f64).sqrt()
+    };
+    let all: Vec<f64> = shifts.par_iter().map(rms_at).collect();
+    let own = all[0];
+    let best = (0..all.len()).min_by(|a, b| all[*a].total_cmp(&all[*b])).expect("shifts");
+    if all[best] < 0.5 * own {
+        let shift = shifts[best];
+        return format!(
+            "its values lie {} texels right and {} down of their places: shifted back, rms {:.1e} for {own:.1e}",
+            -shift.x, -shift.y, all[best]
+        );
+    }
+    "differs, and no other convention fits better".to_owned()
+}
+
+/// Conventions of a table and what they leave.
+pub struct Fitting {
+    pub axes: &'static TableAxes,
+    pub channels: &'static TableChannels,
+    pub masking: (&'static str, MaskingShadowing),
+    pub rms: f64,
+}
+
+/// Every way to read a table, best first.
+pub fn search(table: &RgbImage, brdf: &'static dyn Brdf) -> Vec<Fitting> {
+    let places = places(table, SEARCHED);
+    // Eight ways of axes look at the same parameters, as the places are symmetric: each is integrated once.
+    let key = |at: DVec2| [at.x.to_bits(), at.y.to_bits()];
+    let round = |at: DVec2| (at * 65536.0).round() / 65536.0;
+    let at = |axes: &TableAxes, place: &Place| round(axes.parameters(place.uv));
+    let mut wanted: Vec<DVec2> =
+        TABLE_AXES.iter().flat_map(|axes| places.iter().map(move |place| at(axes, place))).collect();
+    wanted.sort_by_key(|at| key(*at));
+    wanted.dedup();
+    let table_of = |masking: MaskingShadowing| -> HashMap<[u64; 2], DVec2> {
+        wanted.par_iter().map(|at| (key(*at), exact(brdf, masking, *at, SEARCHED_WITHIN))).collect()
+    };
+    let fits_of = |masking: &(&'static str, MaskingShadowing)| {
+        let known = table_of(masking.1);
+        let fit = |axes: &'static TableAxes, channels: &'static TableChannels| {
+            let square = |place: &Place| ((channels.pair)(place.texel) - known[&key(at(axes, place))]).length_squared();
+            let sum: f64 = places.iter().map(square).sum();
+            Fitting { axes, channels, masking: *masking, rms: (0.5 * sum / places.len() as f64).sqrt() }
+        };
+        let pairs = TABLE_AXES.iter().flat_map(|axes| TABLE_CHANNELS.iter().map(move |channels| (axes, channels)));
+        pairs.map(|(axes, channels)| fit(axes, channels)).collect::<Vec<_>>()
+    };
+    let mut fits: Vec<Fitting> = MaskingShadowing::ALL.iter().flat_map(fits_of).collect();
+    fits.sort_by(|a, b| a.rms.total_cmp(&b.rms));
+    fits
+}
+
+struct Place {
+    uv: DVec2,
+    texel: DVec2,
+}
+
+/// About `lines` x `lines` texels, evenly, with the edges.
+fn places(table: &RgbImage, lines: u32) -> Vec<Place> {
+    let pick = |side: u32| -> Vec<u32> {
+        let count = side.min(lines);
+        (0..count).map(|k| if count == 1 { 0 } else { k * (side - 1) / (count - 1) }).collect()
+    };
+    let columns = pick(table.width);
+    let size = DVec2::new(table.width.into(), table.height.into());
+    let place = |x: u32, y: u32| {
+        let texel = DVec3::from_array(table.get(x, y).map(f64::from));
+        Place { uv: (DVec2::new(x.into(), y.into()) + 0.5) / size, texel: texel.truncate() }
+    };
+    pick(table.height)
+        .into_iter()
+        .flat_map(|y| columns.iter().map(move |x| (*x, y)))
+        .map(|(x, y)| place(x, y))
+        .collect()
+}
+
+/// A and B at n·v and perceptual roughness.
+fn exact(brdf: &'static dyn Brdf, masking: MaskingShadowing, at: DVec2, within: f64) -> DVec2 {
+    let found = dfg_within(brdf, masking, at.x, alpha_from_perceptual_roughness(at.y), within);
+    DVec2::new(found.f0_scale, found.f90_scale)
+}

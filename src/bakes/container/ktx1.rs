@@ -1,0 +1,57 @@
+//! KTX 1, as Filament's cmgen writes it. No maintained crate reads it.
+//!
+//! A header of 64 bytes, pairs of keys and values, then the levels, largest first: the length of one face, and the faces
+//! [KTX 1 file format, section 2].
+
+use super::texel::{self, TEXELS};
+use super::{Claim, Texture, truncated};
+use crate::pixels::Fault;
+
+const IDENTIFIER: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
+/// The byte order of the file, as a little-endian file has it.
+const LITTLE_ENDIAN: u32 = 0x0403_0201;
+/// Words of the header behind the identifier.
+const WORDS: usize = 13;
+const HEADER: usize = IDENTIFIER.len() + 4 * WORDS;
+
+pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
+    let whole = || Fault::new("has no whole KTX 1 header", "a KTX 1 file");
+    let header = bytes.get(..HEADER).filter(|header| header.starts_with(&IDENTIFIER)).ok_or_else(whole)?;
+    let words: Vec<u32> =
+        header[IDENTIFIER.len()..].as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
+    let [order, .., internal, _, width, height, depth, layers, faces, levels, keys] = words[..] else {
+        return Err(whole());
+    };
+    if order != LITTLE_ENDIAN {
+        return Err(Fault::new(format!("its byte order is {order:#010x}"), "a little-endian file, 0x04030201"));
+    }
+    let claim = Claim { width, height, depth, layers, faces, levels: levels.max(1) };
+    let faces = claim.check()?;
+    let texel = TEXELS.iter().find(|texel| texel.gl == internal).ok_or_else(|| {
+        Fault::new(format!("its glInternalFormat is {internal:#06x}"), format!("one of {}", texel::names()))
+    })?;
+    let mut at = HEADER.saturating_add(keys as usize);
+    let mut read = Vec::new();
+    for level in 0..claim.levels {
+        let face_bytes = claim.face_bytes(level, texel);
+        let rest = bytes.get(at..).unwrap_or_default();
+        let Some((length, data)) = rest.split_first_chunk() else { return Err(truncated(level, 4, rest.len())) };
+        // The length is that of one face of a cube; a level of one image is its own face.
+        let length = u32::from_le_bytes(*length) as usize;
+        if length != face_bytes {
+            return Err(Fault::new(
+                format!("level {level} claims {length} bytes a face"),
+                format!("{face_bytes}, of its size in {}", texel.name),
+            ));
+        }
+        let needed = face_bytes * faces;
+        let data = data.get(..needed).ok_or_else(|| truncated(level, needed, data.len()))?;
+        let [width, height] = claim.size(level);
+        read.push(
+            data.chunks_exact(face_bytes).map(|face| texel.image(width, height, face)).collect::<Result<_, _>>()?,
+        );
+        // Lengths of these formats are multiples of 2; levels begin at multiples of 4.
+        at += 4 + needed.next_multiple_of(4);
+    }
+    Ok(Texture { levels: read, texel: texel.name })
+}

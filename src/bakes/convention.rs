@@ -1,0 +1,226 @@
+//! What the numbers of a bake stand for, as data: each convention by name, and the presets of known tools.
+
+use crate::brdf::MaskingShadowing;
+use crate::precompute::prefilter::{LevelMapping, level_mapping_by_name};
+use glam::{DVec2, DVec3};
+use std::fmt;
+
+/// The world's axes in those of the file, such as `-z+y+x`: the world's x is the file's -z. A file's own axes are those of a cube map in
+/// Vulkan, or of our lat-long map ([`crate::math::equirect`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Axes {
+    /// Of each axis of the world: that of the file, and whether it is turned about.
+    of: [(usize, bool); 3],
+}
+
+impl Axes {
+    /// The file's axes are the world's.
+    pub const SAME: Self = Self { of: [(0, false), (1, false), (2, false)] };
+
+    /// Those of a text such as `-z+y+x`.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        Self::all().find(|axes| axes.to_string() == text).ok_or_else(|| {
+            format!(
+                "{text:?} names no axes; expected the file's axis of the world's x, y and z, such as +x+y+z or -z+y+x"
+            )
+        })
+    }
+
+    /// All 48, turns and mirrors.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        orders.into_iter().flat_map(|order| {
+            (0..8).map(move |signs| Self { of: std::array::from_fn(|i| (order[i], signs >> i & 1 == 1)) })
+        })
+    }
+
+    /// The file's direction of one in the world. Inverse: [`Self::to_world`].
+    pub fn to_file(self, world: DVec3) -> DVec3 {
+        let mut file = DVec3::ZERO;
+        (0..3).for_each(|i| file[self.of[i].0] = self.sign(i) * world[i]);
+        file
+    }
+
+    /// Inverse of [`Self::to_file`].
+    pub fn to_world(self, file: DVec3) -> DVec3 {
+        DVec3::from_array(std::array::from_fn(|i| self.sign(i) * file[self.of[i].0]))
+    }
+
+    /// Whether it mirrors.
+    pub fn is_mirror(self) -> bool {
+        let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| self.to_world(axis));
+        x.cross(y).dot(z) < 0.0
+    }
+
+    fn sign(self, i: usize) -> f64 {
+        if self.of[i].1 { -1.0 } else { 1.0 }
+    }
+}
+
+impl fmt::Display for Axes {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.of.iter().try_for_each(|(axis, is_turned)| {
+            write!(f, "{}{}", if *is_turned { '-' } else { '+' }, ["x", "y", "z"][*axis])
+        })
+    }
+}
+
+/// Which way the parameters of a DFG table run.
+#[derive(Debug)]
+pub struct TableAxes {
+    /// What runs to the right and then what runs down, `n` for n·v and `r` for perceptual roughness, `-` where it falls.
+    pub name: &'static str,
+    is_transposed: bool,
+    falls: [bool; 2],
+}
+
+const fn table_axes(name: &'static str, is_transposed: bool, falls: [bool; 2]) -> TableAxes {
+    TableAxes { name, is_transposed, falls }
+}
+
+/// Every way; the first is ours.
+pub static TABLE_AXES: &[TableAxes] = &[
+    table_axes("n+r+", false, [false, false]),
+    table_axes("n+r-", false, [false, true]),
+    table_axes("n-r+", false, [true, false]),
+    table_axes("n-r-", false, [true, true]),
+    table_axes("r+n+", true, [false, false]),
+    table_axes("r+n-", true, [false, true]),
+    table_axes("r-n+", true, [true, false]),
+    table_axes("r-n-", true, [true, true]),
+];
+
+impl TableAxes {
+    /// n·v and perceptual roughness of texture coordinates.
+    pub fn parameters(&self, uv: DVec2) -> DVec2 {
+        let [u, v] = [(uv.x, self.falls[0]), (uv.y, self.falls[1])].map(|(t, falls)| if falls { 1.0 - t } else { t });
+        if self.is_transposed { DVec2::new(v, u) } else { DVec2::new(u, v) }
+    }
+}
+
+/// What the first two channels of a DFG table hold, of the scale A of f0 and the bias B.
+#[derive(Debug)]
+pub struct TableChannels {
+    pub name: &'static str,
+    /// One phrase for docs and help.
+    pub about: &'static str,
+    /// A and B of the channels.
+    pub pair: fn(DVec2) -> DVec2,
+}
+
+/// Every way; the first is ours.
+pub static TABLE_CHANNELS: &[TableChannels] = &[
+    TableChannels { name: "scale-bias", about: "A, B", pair: |texel| texel },
+    TableChannels { name: "bias-scale", about: "B, A", pair: |texel| DVec2::new(texel.y, texel.x) },
+    TableChannels {
+        name: "bias-albedo",
+        about: "B, A + B: Filament's table for several scatterings",
+        pair: |texel| DVec2::new(texel.y - texel.x, texel.x),
+    },
+];
+
+/// What a bake's numbers stand for.
+#[derive(Clone, Debug)]
+pub struct Convention {
+    pub axes: Axes,
+    /// Perceptual roughness of each level, where `alphas` does not say it.
+    pub mapping: &'static LevelMapping,
+    /// Width of each level.
+    pub alphas: Option<Vec<f64>>,
+    /// Radiance of a texel of 1.
+    pub scale: f64,
+    /// Irradiance over π of a texel of 1 in an irradiance map.
+    pub irradiance_scale: f64,
+    pub table_axes: &'static TableAxes,
+    pub table_channels: &'static TableChannels,
+    pub masking: MaskingShadowing,
+}
+
+/// The conventions of a tool.
+#[derive(Debug)]
+pub struct Preset {
+    pub name: &'static str,
+    /// One sentence for help and docs.
+    pub about: &'static str,
+    axes: &'static str,
+    mapping: &'static str,
+    table_axes: &'static str,
+    masking: MaskingShadowing,
+}
+
+/// Every preset; the first is the default.
+pub static PRESETS: &[Preset] = &[
+    Preset {
+        name: "splitsum",
+        about: "what splitsum bake writes; bake.json is read",
+        axes: "+x+y+z",
+        mapping: "linear",
+        table_axes: "n+r+",
+        masking: MaskingShadowing::Separable,
+    },
+    Preset {
+        name: "cmgen",
+        about: "Filament's cmgen as it mirrors by default; --axes -x+y+z for its --no-mirror",
+        axes: "+x+y+z",
+        mapping: "quadratic",
+        table_axes: "n+r-",
+        masking: MaskingShadowing::Correlated,
+    },
+    Preset {
+        name: "khronos",
+        about: "glTF-IBL-Sampler: roughness level/(levels - 1), y down, a quarter turn from ours",
+        axes: "-z+y+x",
+        mapping: "linear",
+        table_axes: "n+r+",
+        masking: MaskingShadowing::Correlated,
+    },
+    Preset {
+        name: "bevy",
+        about: "cubes as Bevy looks them up, (x, y, -z): not checked against a bake of its own",
+        axes: "+x+y-z",
+        mapping: "linear",
+        table_axes: "n+r+",
+        masking: MaskingShadowing::Correlated,
+    },
+    Preset {
+        name: "unity",
+        about: "left-handed cubes with Unity's 7 levels: from its shaders, not checked against a bake",
+        axes: "-x+y+z",
+        mapping: "unity",
+        table_axes: "n+r+",
+        masking: MaskingShadowing::Correlated,
+    },
+];
+
+/// The preset of that name.
+pub fn preset_by_name(name: &str) -> Option<&'static Preset> {
+    PRESETS.iter().find(|preset| preset.name == name)
+}
+
+impl Preset {
+    /// Its conventions.
+    pub fn convention(&self) -> Convention {
+        Convention {
+            axes: Axes::parse(self.axes).expect("a preset's axes"),
+            mapping: level_mapping_by_name(self.mapping).expect("a preset's mapping"),
+            alphas: None,
+            scale: 1.0,
+            irradiance_scale: 1.0,
+            table_axes: TABLE_AXES.iter().find(|axes| axes.name == self.table_axes).expect("a preset's table"),
+            table_channels: &TABLE_CHANNELS[0],
+            masking: self.masking,
+        }
+    }
+}
+
+impl Convention {
+    /// Width of each of `count` levels.
+    pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
+        match &self.alphas {
+            Some(alphas) if alphas.len() == count => Ok(alphas.clone()),
+            Some(alphas) => Err(format!("{} widths are named for {count} levels", alphas.len())),
+            None if count == 1 => Ok(vec![0.0]),
+            None => Ok((0..count).map(|level| self.mapping.alpha_from_mip(level as f64, count as u32)).collect()),
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Nine coefficients of spherical harmonics in files: cmgen's text and our JSON.
+
+use crate::files::{TEXT_BYTES_MAX, read_text};
+use crate::math::spherical_harmonics::{COSINE_LOBE, COUNT, DEGREE, basis};
+use crate::pixels::{Fault, PixelsError};
+use crate::precompute::sh9::reference::Sh9;
+use glam::DVec3;
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Coefficients of radiance in the order and signs of [`crate::math::spherical_harmonics`], in the file's own axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coefficients {
+    pub radiance: Sh9,
+    /// What the file's numbers are.
+    pub form: &'static str,
+}
+
+/// Reads the coefficients at `path`: `.json` is ours, other text cmgen's.
+pub fn read(path: &Path) -> Result<Coefficients, PixelsError> {
+    let text = read_text(path, TEXT_BYTES_MAX)
+        .map_err(|error| Fault::new(format!("cannot be read ({error})"), "a text of nine coefficients").at(path))?;
+    parse(path, &text)
+}
+
+/// As [`read`], of the text of the file at `path`.
+pub fn parse(path: &Path, text: &str) -> Result<Coefficients, PixelsError> {
+    let is_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    let found = if is_json { from_json(text) } else { from_cmgen(text) };
+    found.map_err(|fault| fault.at(path))
+}
+
+fn from_json(text: &str) -> Result<Coefficients, Fault> {
+    const EXPECTED: &str = "the sh9.json of splitsum bake: \"radiance\" with 9 triples";
+    #[derive(serde::Deserialize)]
+    struct File {
+        radiance: Vec<[f64; 3]>,
+    }
+    let file: File =
+        serde_json::from_str(text).map_err(|error| Fault::new(format!("is not read ({error})"), EXPECTED))?;
+    let count = file.radiance.len();
+    let radiance = <[[f64; 3]; COUNT]>::try_from(file.radiance)
+        .map_err(|_| Fault::new(format!("\"radiance\" has {count} triples"), EXPECTED))?;
+    finite(Coefficients { radiance: radiance.map(DVec3::from_array), form: "radiance" })
+}
+
+/// cmgen's lines `( r, g, b); // L00, irradiance, pre-scaled base`: each stands before its polynomial, such as `3 z² - 1`, in the sum that
+/// is irradiance over π.
+fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
+    const EXPECTED: &str =
+        "nine lines such as \"( 0.5, 0.4, 0.6); // L00, irradiance, pre-scaled base\", as cmgen writes them";
+    let mut found = Vec::new();
+    for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
+        let numbers = line.trim_start().strip_prefix('(').and_then(|rest| rest.split_once(')'));
+        let triple: Option<Vec<f64>> =
+            numbers.and_then(|(inside, _)| inside.split(',').map(|number| number.trim().parse().ok()).collect());
+        let triple = triple.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+        // A radiance basis would need other factors, and no guess should choose between them.
+        match triple.filter(|_| line.contains("irradiance") && line.contains("pre-scaled")) {
+            Some(triple) => found.push(DVec3::from_array(triple)),
+            None => return Err(Fault::new(format!("line {number} is no coefficient of irradiance"), EXPECTED)),
+        }
+    }
+    let count = found.len();
+    let scaled = Sh9::try_from(found).map_err(|_| Fault::new(format!("it has {count} coefficients"), EXPECTED))?;
+    let factors = prescaled();
+    finite(Coefficients {
+        radiance: std::array::from_fn(|k| scaled[k] / factors[k]),
+        form: "irradiance over pi, times the constants of the basis",
+    })
+}
+
+/// Of each function: what cmgen's coefficient is of ours, `A_l / π` times the constant before the function's polynomial.
+pub fn prescaled() -> [f64; COUNT] {
+    // At z = 1 the polynomials z and 3 z² - 1 are 1 and 2; at a diagonal those of two letters are 1/2.
+    let (z, xy, yz, xz) =
+        (basis(DVec3::Z), DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 1.0), DVec3::new(1.0, 0.0, 1.0));
+    let two = |diagonal: DVec3, k: usize| 2.0 * basis(diagonal.normalize())[k];
+    let constants = [
+        z[0],
+        basis(DVec3::Y)[1],
+        z[2],
+        basis(DVec3::X)[3],
+        two(xy, 4),
+        two(yz, 5),
+        0.5 * z[6],
+        two(xz, 7),
+        basis(DVec3::X)[8],
+    ];
+    std::array::from_fn(|k| constants[k] * COSINE_LOBE[DEGREE[k]] / PI)
+}
+
+fn finite(found: Coefficients) -> Result<Coefficients, Fault> {
+    match found.radiance.iter().position(|triple| !triple.is_finite()) {
+        Some(k) => Err(Fault::new(format!("coefficient {k} is {:?}", found.radiance[k].to_array()), "finite numbers")),
+        None => Ok(found),
+    }
+}

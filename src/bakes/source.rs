@@ -1,0 +1,253 @@
+//! Finding the parts of a bake in files and folders.
+//!
+//! A cube or lat-long map is prefiltered radiance, or irradiance where it has one level; a square image is a DFG table; text is SH. What
+//! is meant otherwise is named: `irradiance=FILE`.
+
+use super::container::{FACE_COUNT, Texture, read_texture};
+use super::parts::{Bake, Map, Told};
+use super::sh;
+use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
+use crate::files::{RECORD_BYTES_MAX, names_in, read_text};
+use crate::pixels::{Fault, Pixels, PixelsError, RgbImage};
+use std::path::{Path, PathBuf};
+
+/// A part of a bake.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    Specular,
+    Irradiance,
+    Dfg,
+    Sh,
+}
+
+/// Names before `=` of a file.
+pub const PARTS: &[(&str, Part)] =
+    &[("specular", Part::Specular), ("irradiance", Part::Irradiance), ("dfg", Part::Dfg), ("sh", Part::Sh)];
+
+/// How [`read`] takes what does not say what it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading<'a> {
+    /// The layout of images that are no cube and no table.
+    pub layout: Option<&'static MapLayout>,
+    /// The model whose tables are taken from a folder of several.
+    pub brdf: &'a str,
+}
+
+/// Reads the parts of a bake from `FILE`, `FOLDER` or `PART=FILE`. Images of one level make a chain in the order given.
+pub fn read(files: &[String], reading: Reading) -> Result<Bake, PixelsError> {
+    let mut bake = Bake::default();
+    for file in files {
+        let (part, path) = part_and_path(file);
+        if path.is_dir() {
+            read_folder(&path, part, reading, &mut bake)?;
+            continue;
+        }
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        let is_text = matches!(extension.as_deref(), Some("txt" | "json"));
+        if part == Some(Part::Sh) || (part.is_none() && is_text) {
+            once(&mut bake.sh, sh::read(&path)?, "SH", &path)?;
+            continue;
+        }
+        add_texture(&mut bake, read_texture(&path)?, part, reading, &path)?;
+    }
+    Ok(bake)
+}
+
+fn part_and_path(file: &str) -> (Option<Part>, PathBuf) {
+    let named = file.split_once('=').filter(|_| !Path::new(file).exists());
+    let found = named.and_then(|(name, path)| Some((PARTS.iter().find(|(known, _)| *known == name)?.1, path)));
+    found.map_or_else(|| (None, file.into()), |(part, path)| (Some(part), path.into()))
+}
+
+fn once<T>(place: &mut Option<T>, value: T, what: &str, path: &Path) -> Result<(), PixelsError> {
+    match place.replace(value) {
+        None => Ok(()),
+        Some(_) => Err(Fault::new(format!("is the second {what} of this bake"), "one; check them one by one").at(path)),
+    }
+}
+
+fn add_texture(
+    bake: &mut Bake,
+    texture: Texture,
+    part: Option<Part>,
+    reading: Reading,
+    path: &Path,
+) -> Result<(), PixelsError> {
+    let Texture { mut levels, .. } = texture;
+    let first = &levels[0][0];
+    let (width, height, faces, count) = (first.width, first.height, levels[0].len(), levels.len());
+    let is_square_image = faces == 1 && width == height;
+    if part == Some(Part::Dfg) || (part.is_none() && is_square_image && reading.layout.is_none()) {
+        if faces != 1 {
+            return Err(Fault::new("is a cube", "one image for a DFG table").at(path));
+        }
+        return once(&mut bake.dfg, levels.swap_remove(0).swap_remove(0), "DFG table", path);
+    }
+    let layout = match (faces, reading.layout) {
+        (FACE_COUNT, _) => cube(),
+        (_, Some(layout)) => layout,
+        _ if width == 2 * height => layout_by_name("equirect").expect("a listed layout"),
+        _ if height == FACE_COUNT as u32 * width => cube(),
+        _ => {
+            return Err(Fault::new(
+                format!("it is one image of {width}x{height}"),
+                "a lat-long map (2:1), a cube as six faces below each other (1:6) or a square DFG table; --layout names another",
+            )
+            .at(path));
+        }
+    };
+    let split = |image: RgbImage| split(image, layout).map_err(|fault| fault.at(path));
+    if faces == 1 {
+        levels = levels.into_iter().map(|mut level| split(level.swap_remove(0))).collect::<Result<_, _>>()?;
+    }
+    let map = Map { layout, levels };
+    // A single level in a cube or in a container is irradiance; images are files of one level each.
+    let is_irradiance = part.map_or(faces == FACE_COUNT && count == 1, |part| part == Part::Irradiance);
+    match &mut bake.specular {
+        _ if is_irradiance => once(&mut bake.irradiance, map, "irradiance map", path),
+        Some(chain) if chain.layout == layout && count == 1 => {
+            chain.levels.extend(map.levels);
+            Ok(())
+        }
+        place => once(place, map, "prefiltered map", path),
+    }
+}
+
+fn cube() -> &'static MapLayout {
+    &LAYOUTS[0]
+}
+
+/// The faces of a level that lie below each other in one image.
+fn split(image: RgbImage, layout: &'static MapLayout) -> Result<Vec<RgbImage>, Fault> {
+    let Pixels { width, height, data } = image;
+    let side = height / layout.face_count;
+    if side == 0 || height % layout.face_count != 0 || (layout.is_square && side != width) {
+        return Err(Fault::new(
+            format!("it is one image of {width}x{height}"),
+            format!("the layout {}: {}", layout.name, layout.mapping),
+        ));
+    }
+    let faces = data.chunks_exact(width as usize * side as usize);
+    Ok(faces.map(|face| Pixels::new(width, side, face.to_vec())).collect())
+}
+
+fn read_folder(path: &Path, part: Option<Part>, reading: Reading, bake: &mut Bake) -> Result<(), PixelsError> {
+    let names = names_in(path);
+    if names.iter().any(|name| name == MANIFEST) {
+        return read_ours(path, &names, reading, bake);
+    }
+    let map = read_faces(path, &names)?;
+    let is_irradiance = part.map_or(map.levels.len() == 1, |part| part == Part::Irradiance);
+    if let Some(name) = names.iter().find(|name| *name == "sh.txt") {
+        once(&mut bake.sh, sh::read(&path.join(name))?, "SH", path)?;
+    }
+    let (place, what) = match is_irradiance {
+        true => (&mut bake.irradiance, "irradiance map"),
+        false => (&mut bake.specular, "prefiltered map"),
+    };
+    once(place, map, what, path)
+}
+
+/// Faces by name, in the order of a cube.
+const FACES: [&str; FACE_COUNT] = ["px", "nx", "py", "ny", "pz", "nz"];
+
+/// Level, face and name of the files `mL_px.exr` and so on of cmgen, or `px.exr`.
+fn face_of(name: &str) -> Option<(usize, usize)> {
+    let (stem, _) = name.rsplit_once('.')?;
+    let (level, face) = match stem.rsplit_once('_') {
+        Some((level, face)) => (level.strip_prefix('m')?.parse().ok()?, face),
+        None => (0, stem),
+    };
+    Some((level, FACES.iter().position(|known| *known == face)?))
+}
+
+fn read_faces(path: &Path, names: &[String]) -> Result<Map, PixelsError> {
+    let refuse = |what: String| {
+        Fault::new(
+            what,
+            "one file a face, m0_px.exr, m0_nx.exr, ... of each level from 0, or the folder of splitsum bake",
+        )
+        .at(path)
+    };
+    let mut found: Vec<Vec<Option<RgbImage>>> = Vec::new();
+    let mut faces: Vec<_> = names.iter().filter_map(|name| Some((face_of(name)?, name))).collect();
+    faces.sort();
+    for ((level, face), name) in faces {
+        if level > found.len() || (level == found.len() && face > 0) {
+            return Err(refuse(format!("there is {name}, but not every face before it")));
+        }
+        if level == found.len() {
+            found.push(vec![None; FACE_COUNT]);
+        }
+        let file = path.join(name);
+        let texture = read_texture(&file)?;
+        let image = &texture.levels[0][0];
+        let side = found[level].iter().flatten().next().map_or(image.width, |first| first.width);
+        if texture.is_cube() || texture.levels.len() > 1 || [image.width, image.height] != [side; 2] {
+            let (levels, size) = (texture.levels.len(), [image.width, image.height]);
+            let what = format!("it is {levels} levels of {}x{}", size[0], size[1]);
+            return Err(Fault::new(what, format!("one square face of {side}x{side}")).at(&file));
+        }
+        let image = texture.levels.into_iter().flatten().next();
+        if found[level][face].is_some() {
+            return Err(refuse(format!("{name} is the second file of its face")));
+        }
+        found[level][face] = image;
+    }
+    if found.is_empty() {
+        return Err(refuse("it holds no faces and no bake.json".to_owned()));
+    }
+    let whole = |(level, faces): (usize, Vec<Option<RgbImage>>)| {
+        let missing: Vec<&str> = FACES.iter().zip(&faces).filter(|(_, face)| face.is_none()).map(|(n, _)| *n).collect();
+        let all: Option<Vec<RgbImage>> = faces.into_iter().collect();
+        all.ok_or_else(|| refuse(format!("level {level} lacks the faces {}", missing.join(", "))))
+    };
+    Ok(Map { layout: cube(), levels: found.into_iter().enumerate().map(whole).collect::<Result<_, _>>()? })
+}
+
+/// What `splitsum bake` names its list of files.
+const MANIFEST: &str = "bake.json";
+
+/// The folder of `splitsum bake`.
+fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -> Result<(), PixelsError> {
+    #[derive(serde::Deserialize)]
+    struct File {
+        layout: String,
+        prefilter_alphas: Vec<f64>,
+        prefilter_weight: String,
+        masking_shadowing: String,
+    }
+    let manifest = path.join(MANIFEST);
+    let refuse = |what: String| Fault::new(what, "the bake.json of splitsum bake").at(&manifest);
+    let text = read_text(&manifest, RECORD_BYTES_MAX).map_err(|error| refuse(format!("cannot be read ({error})")))?;
+    let file: File = serde_json::from_str(&text).map_err(|error| refuse(format!("is not read ({error})")))?;
+    let layout =
+        layout_by_name(&file.layout).ok_or_else(|| refuse(format!("it names the layout {:?}", file.layout)))?;
+    let image = |name: &str| -> Result<RgbImage, PixelsError> {
+        Ok(read_texture(&path.join(name))?.levels.swap_remove(0).swap_remove(0))
+    };
+    let map = |names: &[String]| -> Result<Map, PixelsError> {
+        let level = |name: &String| split(image(name)?, layout).map_err(|fault| fault.at(&path.join(name)));
+        Ok(Map { layout, levels: names.iter().map(level).collect::<Result<_, _>>()? })
+    };
+    let levels: Vec<String> =
+        (0..file.prefilter_alphas.len()).map(|k| format!("prefiltered_{}_{k}.exr", reading.brdf)).collect();
+    once(&mut bake.specular, map(&levels)?, "prefiltered map", path)?;
+    let has = |name: &str| names.iter().any(|found| found == name);
+    let table = format!("dfg_{}.exr", reading.brdf);
+    if has(&table) {
+        once(&mut bake.dfg, image(&table)?, "DFG table", path)?;
+    }
+    if has("sh9.json") {
+        once(&mut bake.sh, sh::read(&path.join("sh9.json"))?, "SH", path)?;
+    }
+    if has("irradiance_over_pi.exr") {
+        once(&mut bake.irradiance, map(&["irradiance_over_pi.exr".to_owned()])?, "irradiance map", path)?;
+    }
+    bake.told = Told {
+        alphas: Some(file.prefilter_alphas),
+        weight: Some(file.prefilter_weight),
+        masking: Some(file.masking_shadowing),
+    };
+    Ok(())
+}

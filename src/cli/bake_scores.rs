@@ -1,0 +1,163 @@
+//! What `splitsum check-bake` found, as text, as JSON and as rows of a page.
+
+use glam::DVec3;
+use serde_json::{Value, json};
+use splitsum::bakes::check::guess::{self, AxesFit};
+use splitsum::bakes::check::level::LevelScore;
+use splitsum::bakes::check::sh::ShScore;
+use splitsum::bakes::check::table::TableScore;
+use splitsum::bakes::convention::{Axes, Convention};
+use splitsum::bakes::page::Row;
+use splitsum::table::markdown::{Align, MarkdownTable};
+
+/// What a bake is held against, and what was found.
+pub struct Checked {
+    pub convention: Convention,
+    pub axes: Vec<(&'static str, Vec<AxesFit>)>,
+    pub table_way: Option<String>,
+    pub levels: Vec<LevelScore>,
+    pub irradiance: Option<LevelScore>,
+    pub dfg: Option<TableScore>,
+    pub sh: Option<ShScore>,
+    pub spot_check: Option<f64>,
+}
+
+/// What the axes that fit best say of those that were used.
+fn doubt(fits: &[AxesFit], used: Axes) -> Option<String> {
+    let own = *fits.iter().find(|fit| fit.axes == used)?;
+    let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own);
+    is_doubtful.then(|| {
+        format!(
+            "axes {} fit it far better than {used} (correlation {:.4}, not {:.4}): --axes={} or --guess",
+            fits[0].axes, fits[0].correlation, own.correlation, fits[0].axes
+        )
+    })
+}
+
+/// For people.
+pub fn as_text(checked: &Checked, is_guessed: bool) -> String {
+    let mut text = String::new();
+    for (what, fits) in &checked.axes {
+        match doubt(fits, checked.convention.axes) {
+            Some(doubt) => super::warn(what, &doubt),
+            None if is_guessed => text += &format!("{what}: {}\n", guess::in_words(fits)),
+            None => {}
+        }
+    }
+    if let Some(way) = &checked.table_way {
+        text += &format!("DFG table: {way}\n");
+    }
+    if !checked.levels.is_empty() || checked.irradiance.is_some() {
+        let mut table = MarkdownTable::new(&[
+            ("level", Align::Left),
+            ("size", Align::Right),
+            ("alpha", Align::Right),
+            ("relmse", Align::Right),
+            ("bias %", Align::Right),
+            ("worst direction: found for exact", Align::Left),
+            ("verdict", Align::Left),
+        ]);
+        for row in rows(checked) {
+            let size = format!("{}x{}", row.size[0], row.size[1]);
+            table.row(&[row.name, size, row.alpha, row.relmse, row.bias, row.worst, row.verdict]);
+        }
+        text += &format!("{table}");
+    }
+    if let Some(off) = checked.spot_check {
+        text += &format!(
+            "The integrals agree with adaptive cubature within {off:.0e} at three directions of the worst level.\n"
+        );
+    }
+    if let Some(dfg) = &checked.dfg {
+        text += &format!(
+            "DFG table: max error {:.2e}, rms {:.1e}, worst at n·v {:.3}, perceptual roughness {:.3} of {} texels: {}\n",
+            dfg.max_error, dfg.rms, dfg.worst.x, dfg.worst.y, dfg.count, dfg.verdict
+        );
+    }
+    if let Some(sh) = &checked.sh {
+        text += &format!(
+            "SH: relmse {:.2e} of its irradiance, bias {:+.2} %, largest error of a coefficient {:.2e} of the largest: {}\n",
+            sh.errors.relmse,
+            100.0 * sh.errors.bias_rel,
+            sh.max_error,
+            sh.verdict
+        );
+    }
+    text
+}
+
+/// The scores of maps as people read them.
+pub fn rows(checked: &Checked) -> Vec<Row> {
+    let numbered = checked.levels.iter().enumerate().map(|(k, score)| (k.to_string(), score));
+    let all = numbered.chain(checked.irradiance.iter().map(|score| ("irradiance".to_owned(), score)));
+    let mean = |rgb: DVec3| rgb.element_sum() / 3.0;
+    let row = |(name, score): (String, &LevelScore)| {
+        let worst = &score.worst;
+        let ([x, y, z], [face, column, row]) = (worst.direction.to_array(), worst.texel);
+        let values = format!("{:.3} for {:.3}", mean(worst.found), mean(worst.exact));
+        Row {
+            name,
+            size: score.size,
+            alpha: format!("{:.4}", score.alpha),
+            relmse: format!("{:.2e}", score.errors.relmse),
+            log: score.errors.relmse.max(1e-6).log10(),
+            bias: format!("{:+.2}", 100.0 * score.errors.bias_rel),
+            worst: format!("({x:.2}, {y:.2}, {z:.2}), face {face} texel {column},{row}: {values}"),
+            verdict: score.verdict.clone(),
+        }
+    };
+    all.map(row).collect()
+}
+
+/// For programs.
+pub fn as_json(environment: &str, preset: &str, checked: &Checked) -> Value {
+    let level = |score: &LevelScore| {
+        let worst = &score.worst;
+        json!({
+            "size": score.size,
+            "alpha": score.alpha,
+            "relmse": score.errors.relmse,
+            "bias_rel": score.errors.bias_rel,
+            "worst": {
+                "direction": worst.direction.to_array(),
+                "face": worst.texel[0],
+                "column": worst.texel[1],
+                "row": worst.texel[2],
+                "found": worst.found.to_array(),
+                "exact": worst.exact.to_array(),
+            },
+            "fit": score.fit.map(|fit| json!({ "alpha": fit.alpha, "gain": fit.gain, "left": fit.left })),
+            "verdict": score.verdict,
+        })
+    };
+    let axes = checked.axes.iter().map(|(what, fits)| {
+        let best: Vec<Value> = fits
+            .iter()
+            .take(4)
+            .map(|fit| json!({ "axes": fit.axes.to_string(), "correlation": fit.correlation }))
+            .collect();
+        json!({ "of": what, "best": best, "warning": doubt(fits, checked.convention.axes) })
+    });
+    json!({
+        "environment": environment,
+        "preset": preset,
+        "axes": checked.convention.axes.to_string(),
+        "axes_fits": axes.collect::<Vec<_>>(),
+        "levels": checked.levels.iter().map(level).collect::<Vec<_>>(),
+        "spot_check": checked.spot_check,
+        "irradiance": checked.irradiance.as_ref().map(level),
+        "dfg": checked.dfg.as_ref().map(|dfg| json!({
+            "max_error": dfg.max_error,
+            "rms": dfg.rms,
+            "worst": { "n_dot_v": dfg.worst.x, "perceptual_roughness": dfg.worst.y },
+            "texels": dfg.count,
+            "verdict": dfg.verdict,
+        })),
+        "sh": checked.sh.as_ref().map(|sh| json!({
+            "relmse": sh.errors.relmse,
+            "bias_rel": sh.errors.bias_rel,
+            "max_error": sh.max_error,
+            "verdict": sh.verdict,
+        })),
+    })
+}

@@ -1,0 +1,59 @@
+//! Bakes through the binary: our own score near zero, what fails says so, bad input ends with its fact.
+
+use super::end_to_end::folder;
+use super::{assert_ends, ok, splitsum};
+use serde_json::Value;
+use splitsum::pixels::{GrayImage, RgbImage, exr};
+
+#[test]
+fn our_own_bakes_score_near_zero_in_every_layout() {
+    let Some(dir) = folder() else { return };
+    for layout in splitsum::environment::layout::LAYOUTS {
+        let sets = ["layout", "brdf", "prefilter", "dfg_size"].into_iter().zip([layout.name, "ggx", "harmonic", "16"]);
+        let sets: Vec<String> = sets.flat_map(|(name, value)| ["--set".into(), format!("{name}={value}")]).collect();
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        ok(dir.path(), &[&["bake", "builtin:gradient", "--out", layout.name], &sets[..]].concat());
+        let arguments = ["check-bake", layout.name, "--environment", "builtin:gradient", "--json"];
+        let limits = ["--fail-above", "1e-4", "--fail-table-above", "2e-3"];
+        let found: Value = serde_json::from_str(&ok(dir.path(), &[&arguments[..], &limits].concat())).unwrap();
+        let levels = found["levels"].as_array().unwrap();
+        assert_eq!(levels.len(), 5);
+        for level in &levels[1..] {
+            assert!(
+                level["relmse"].as_f64().unwrap() < 1e-10 && level["bias_rel"].as_f64().unwrap().abs() < 1e-5,
+                "{level}"
+            );
+        }
+        assert!(found["dfg"]["max_error"].as_f64().unwrap() > 0.0, "{found}");
+    }
+    // The same bake against another light.
+    let arguments = ["check-bake", "cube", "--environment", "builtin:sky", "--fail-above", "0.01"];
+    assert_ends(&splitsum(dir.path(), &arguments), 1, &["level 1: relmse", "is above 1.00e-2"]);
+}
+
+#[test]
+fn what_is_no_bake_is_told_in_a_line() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("x.ktx2"), "no texture").unwrap();
+    std::fs::create_dir(dir.path().join("empty")).unwrap();
+    let map = RgbImage::filled(16, 8, [1.0; 3]);
+    exr::write_rgba(&dir.path().join("x.exr"), &map, &GrayImage::filled(16, 8, 1.0), &[]).unwrap();
+    for (arguments, part) in [
+        (&["x.ktx2"][..], "x.ktx2: is no whole KTX 2 file"),
+        (&["empty"], "empty: it holds no faces and no bake.json"),
+        (&["no.dds"], "no.dds: cannot be read"),
+        (&["x.exr", "--preset", "cmgne"], "did you mean \"cmgen\"?"),
+        (&["x.exr", "--alphas", "0,1"], "--alphas: 2 widths are named for 1 levels"),
+        (&["x.exr", "--alphas", "2"], "--alphas: 2 is outside [0, 1]"),
+        (&["x.exr", "--axes", "+x+x+z"], "names no axes"),
+        (&["x.exr", "--scale", "0"], "--scale 0: expected a finite number above 0"),
+    ] {
+        let arguments = [&["check-bake"], arguments, &["--environment", "builtin:constant"]].concat();
+        assert_ends(&splitsum(dir.path(), &arguments), 2, &[part]);
+    }
+    // A constant map is its own prefiltered map, of any width.
+    let found =
+        ok(dir.path(), &["check-bake", "x.exr", "--alphas", "0.3", "--environment", "builtin:constant", "--json"]);
+    let found: Value = serde_json::from_str(&found).unwrap();
+    assert!(found["levels"][0]["relmse"].as_f64().unwrap() < 1e-12, "{found}");
+}

@@ -1,0 +1,408 @@
+//! Tables of other tools: their files against closed forms, orientations by markers, scores of bakes whose error is known.
+
+pub mod files;
+
+use files::Level;
+use glam::{DVec2, DVec3};
+use half::f16;
+use splitsum::bakes::check::{Truth, guess, level, sh as sh_score, table};
+use splitsum::bakes::container::{TEXELS, Texel, Texture, from_bytes};
+use splitsum::bakes::convention::{Axes, PRESETS, TABLE_AXES, TABLE_CHANNELS};
+use splitsum::bakes::source::{Reading, read};
+use splitsum::bakes::{Map, sh};
+use splitsum::brdf::{Ggx, MaskingShadowing};
+use splitsum::environment::Environment;
+use splitsum::environment::layout::LAYOUTS;
+use splitsum::math::equirect::direction_from_uv;
+use splitsum::math::spherical_harmonics::irradiance;
+use splitsum::pixels::{GrayImage, RgbImage, exr};
+use splitsum::precompute::dfg::reference::dfg_within;
+use splitsum::precompute::prefilter::{Kernel, harmonic};
+use std::path::Path;
+
+/// A texel of a format that stands for small whole numbers of its own, and what it stands for.
+fn encoded(texel: &Texel, [r, g, b]: [u32; 3]) -> (Vec<u8>, [f32; 3]) {
+    let channels = [r, g, b, 1].map(|value| value as f32);
+    let count = match texel.name {
+        name if name.starts_with("rgba") => 4,
+        name if name.starts_with("rgb") => 3,
+        _ => 2,
+    };
+    let seen = |i: usize| if i < count { channels[i] } else { 0.0 };
+    let seen = [seen(0), seen(1), seen(2)];
+    match texel.name {
+        // Mantissas of 9 bits with the exponent of 1: 2^(24 - 15 - 9).
+        "rgb9e5" => ((r | g << 9 | b << 18 | 24 << 27).to_le_bytes().to_vec(), channels[..3].try_into().unwrap()),
+        "r11g11b10f" => {
+            let bits = |value: u32, drop: u32| u32::from(f16::from_f32(value as f32).to_bits()) >> drop;
+            let word = bits(r, 4) | bits(g, 4) << 11 | bits(b, 5) << 22;
+            (word.to_le_bytes().to_vec(), channels[..3].try_into().unwrap())
+        }
+        name if name.ends_with("16f") => {
+            (channels[..count].iter().flat_map(|v| f16::from_f32(*v).to_le_bytes()).collect(), seen)
+        }
+        _ => (channels[..count].iter().flat_map(|v| v.to_le_bytes()).collect(), seen),
+    }
+}
+
+/// Where a texel stands, as a colour: face and level, column, row.
+fn place(face: u32, level: u32, x: u32, y: u32) -> [u32; 3] {
+    [1 + face + 8 * level, 1 + x, 1 + y]
+}
+
+/// A cube of 4 with its levels, each texel of its own colour; as bytes and as what they stand for.
+fn marker(texel: &Texel, faces: u32) -> (Vec<Level>, Vec<Vec<RgbImage>>) {
+    let sides = [4, 2, 1];
+    let bytes = |level: u32, face: u32| {
+        let side = sides[level as usize];
+        (0..side * side).flat_map(|i| encoded(texel, place(face, level, i % side, i / side)).0).collect()
+    };
+    let image = |level: u32, face: u32| {
+        let side = sides[level as usize];
+        RgbImage::from_fn(side, side, |x, y| encoded(texel, place(face, level, x, y)).1)
+    };
+    let of = |level: u32| (0..faces).map(|face| bytes(level, face)).collect();
+    let seen = |level: u32| (0..faces).map(|face| image(level, face)).collect();
+    ((0..3).map(of).collect(), (0..3).map(seen).collect())
+}
+
+#[test]
+fn every_pixel_format_in_every_container_is_what_it_stands_for() {
+    for texel in TEXELS {
+        for faces in [1, 6] {
+            let (bytes, seen) = marker(texel, faces);
+            let expected = Texture { levels: seen, texel: texel.name };
+            let check = |name: &str, file: &[u8]| {
+                let found = from_bytes(Path::new(name), file).unwrap_or_else(|error| panic!("{} {error}", texel.name));
+                assert!(found == expected, "{} in {name}: {found:?}", texel.name);
+            };
+            check("x.ktx2", &files::ktx2(texel, 4, &bytes, false));
+            check("x.ktx2", &files::ktx2(texel, 4, &bytes, true));
+            check("x.ktx", &files::ktx1(texel, 4, &bytes));
+            if texel.dxgi.is_some() {
+                check("x.dds", &files::dds(texel, 4, &bytes));
+            }
+        }
+    }
+}
+
+/// [Vulkan13]: floats of 11 and 10 bits have 6 and 5 bits of mantissa, an exponent of bias 15, and denormals.
+#[test]
+fn packed_floats_are_their_formulas() {
+    let one = |name: &str, word: u32| {
+        let texel = TEXELS.iter().find(|texel| texel.name == name).unwrap();
+        let file = files::ktx2(texel, 1, &[vec![word.to_le_bytes().to_vec()]], false);
+        from_bytes(Path::new("x.ktx2"), &file).unwrap().levels[0][0].get(0, 0).map(f64::from)
+    };
+    let float = |bits: u32, mantissa_bits: u32| {
+        let (mantissa, exponent) = (f64::from(bits & ((1 << mantissa_bits) - 1)), (bits >> mantissa_bits) as i32);
+        let share = mantissa / f64::from(1 << mantissa_bits);
+        if exponent == 0 { share * 2f64.powi(-14) } else { (1.0 + share) * 2f64.powi(exponent - 15) }
+    };
+    for i in 0..2000u32 {
+        let (r, g, b) = ((i * 7) % 1984, (i * 13 + 1) % 1984, (i * 5 + 3) % 992);
+        assert_eq!(one("r11g11b10f", r | g << 11 | b << 22), [float(r, 6), float(g, 6), float(b, 5)]);
+        let (r, g, b, e) = ((i * 7) % 512, (i * 11) % 512, (i * 3) % 512, i % 32);
+        let scale = 2f64.powi(e as i32 - 15 - 9);
+        assert_eq!(one("rgb9e5", r | g << 9 | b << 18 | e << 27), [r, g, b].map(|m| f64::from(m) * scale));
+    }
+}
+
+fn refused(name: &str, bytes: &[u8], part: &str) {
+    let message = from_bytes(Path::new(name), bytes).expect_err(part).to_string();
+    assert!(message.contains(part) && message.contains(name) && message.lines().count() == 1, "{part:?}: {message}");
+}
+
+#[test]
+fn hostile_files_are_refused_with_the_fact() {
+    let texel = &TEXELS[0];
+    let (levels, _) = marker(texel, 6);
+    let good = files::ktx2(texel, 4, &levels, false);
+    let with = |bytes: &[u8], at: usize, word: u32| {
+        let mut changed = bytes.to_vec();
+        changed[at..at + 4].copy_from_slice(&word.to_le_bytes());
+        changed
+    };
+    // Width, height, depth, layers, faces, levels stand from byte 20 on; the level index from 80.
+    refused("x.ktx2", &with(&good, 20, 8), "its faces are 8x4");
+    let huge = with(&with(&good, 20, 1 << 30), 24, 1 << 30);
+    refused("x.ktx2", &huge, "which take");
+    refused("x.ktx2", &with(&good, 28, 4), "a depth of 4");
+    refused("x.ktx2", &with(&good, 36, 5), "5 faces");
+    refused("x.ktx2", &with(&good, 40, 400), "no whole KTX 2 file");
+    refused("x.ktx2", &with(&with(&good, 20, 2), 24, 2), "3 levels of 2x2");
+    let first = u32::from_le_bytes(good[80..84].try_into().unwrap());
+    refused("x.ktx2", &with(&good, 104, first), "share bytes");
+    refused("x.ktx2", &good[..good.len() - 1], "no whole KTX 2 file");
+    refused("x.ktx2", &with(&good, 12, 37), "R8G8B8A8_UNORM");
+
+    // Of 64 MiB of zeros a few kilobytes; the header says 4 x 4 texels.
+    let mut bomb = levels.clone();
+    bomb[0] = vec![vec![0; 1 << 26]];
+    let bomb = with(&files::ktx2(texel, 4, &bomb, true), 36, 6);
+    assert!(bomb.len() < 1 << 14);
+    refused("x.ktx2", &bomb, "unpacks to more than its 768 bytes");
+
+    let good = files::ktx1(texel, 4, &levels);
+    refused("x.ktx", &with(&good, 12, 0x0102_0304), "its byte order");
+    refused("x.ktx", &with(&good, 36, 5), "its faces are 5x4");
+    refused("x.ktx", &with(&good, 60, u32::MAX), "level 0 needs 4 bytes");
+    refused("x.ktx", &with(&good, 76, 1 << 31), "level 0 claims 2147483648 bytes a face");
+    refused("x.ktx", &good[..good.len() - 1], "level 2 needs 48 bytes, and 47 are there");
+
+    let good = files::dds(texel, 4, &levels);
+    refused("x.dds", &good[..good.len() - 1], "truncated");
+    refused("x.dds", &with(&good, 16, 5), "its faces are 5x4");
+    refused("x.dds", &with(&good, 28, 9), "9 levels of 4x4");
+    refused("x.dds", &with(&good, 140, 3), "3 layers");
+
+    let mut infinite = levels.clone();
+    infinite[1][4][..2].copy_from_slice(&f16::INFINITY.to_le_bytes());
+    refused("x.ktx2", &files::ktx2(texel, 4, &infinite, false), "level 1, face 4, column 0, row 0");
+    refused("x.tga", &good, "its extension is \"tga\"");
+}
+
+/// Six broad lights of their own colours on a floor, and a small hot one off every axis and plane of symmetry.
+fn marked_light() -> Environment {
+    let lights = [
+        (DVec3::X, DVec3::new(4.0, 0.5, 0.5)),
+        (-DVec3::X, DVec3::new(0.5, 2.0, 2.5)),
+        (DVec3::Y, DVec3::new(0.5, 6.0, 0.5)),
+        (-DVec3::Y, DVec3::new(1.0, 0.2, 1.0)),
+        (DVec3::Z, DVec3::new(0.5, 0.5, 8.0)),
+        (-DVec3::Z, DVec3::new(3.0, 3.0, 0.2)),
+    ];
+    let hot = DVec3::new(0.35, 0.6, 0.72).normalize();
+    let image = RgbImage::from_fn(128, 64, |x, y| {
+        let d = direction_from_uv((DVec2::new(x.into(), y.into()) + 0.5) / DVec2::new(128.0, 64.0));
+        let broad: DVec3 = lights.iter().map(|(axis, color)| *color * (8.0 * (d.dot(*axis) - 1.0)).exp()).sum();
+        let sharp = DVec3::splat(60.0) * (200.0 * (d.dot(hot) - 1.0)).exp();
+        (broad + sharp + 0.05).as_vec3().to_array()
+    });
+    Environment::from_image("marked", image)
+}
+
+const ALPHAS: [f64; 3] = [0.1, 0.2, 0.6];
+
+/// The exact levels of the marked light as a file of those axes has them.
+fn exact_map(truth: &Truth, layout: usize, axes: Axes, change: impl Fn(f64) -> (f64, f64)) -> Map {
+    let layout = &LAYOUTS[layout];
+    let level = |alpha: &f64| {
+        let (alpha, gain) = change(*alpha);
+        let map = truth.prefiltered(alpha);
+        let [width, height] = if layout.name == "equirect" { [48, 24] } else { [24, 24] };
+        let texel = |face: u32, x: u32, y: u32| {
+            let uv = (DVec2::new(x.into(), y.into()) + 0.5) / DVec2::new(width.into(), height.into());
+            (gain * map.value(axes.to_world((layout.direction)(face, uv)))).as_vec3().to_array()
+        };
+        (0..layout.face_count).map(|face| RgbImage::from_fn(width, height, |x, y| texel(face, x, y))).collect()
+    };
+    Map { layout, levels: ALPHAS.iter().map(level).collect() }
+}
+
+#[test]
+fn every_orientation_is_found_in_every_layout() {
+    let light = marked_light();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &ALPHAS);
+    let mut convention = PRESETS[0].convention();
+    convention.alphas = Some(ALPHAS.to_vec());
+    assert_eq!(Axes::all().count(), 48);
+    for (i, axes) in Axes::all().enumerate() {
+        assert_eq!(Axes::parse(&axes.to_string()), Ok(axes));
+        let d = DVec3::new(0.3, -0.5, 0.8);
+        assert_eq!(axes.to_world(axes.to_file(d)), d);
+        let map = exact_map(&truth, i % LAYOUTS.len(), axes, |alpha| (alpha, 1.0));
+        let fits = guess::axes(&truth, &map, &convention).unwrap();
+        assert_eq!(fits[0].axes, axes, "{}", guess::in_words(&fits));
+        assert!(fits[0].correlation > 0.99 && guess::is_clear(fits[0], fits[1]), "{}", guess::in_words(&fits));
+        convention.axes = axes;
+        for score in level::score(&truth, &map, &convention).unwrap() {
+            assert!(score.errors.relmse < 1e-12 && score.errors.bias_rel.abs() < 1e-6, "{score:?}");
+        }
+    }
+}
+
+/// A bake of another width and gain is told by both; one of noise by neither.
+#[test]
+fn a_fit_finds_the_width_and_the_gain_that_were_baked() {
+    let light = marked_light();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &ALPHAS);
+    let mut convention = PRESETS[0].convention();
+    convention.alphas = Some(ALPHAS.to_vec());
+    let map = exact_map(&truth, 0, Axes::SAME, |alpha| (1.5 * alpha, 1.25));
+    for score in level::score(&truth, &map, &convention).unwrap() {
+        let fit = score.fit.unwrap();
+        assert!((fit.alpha / (1.5 * score.alpha) - 1.0).abs() < 0.01, "{score:?}");
+        assert!((fit.gain - 1.25).abs() < 0.003 && fit.left < 1e-3, "{score:?}");
+        assert!(score.verdict.contains("25.0 % too bright"), "{}", score.verdict);
+    }
+    let verdicts: Vec<String> =
+        level::score(&truth, &map, &convention).unwrap().into_iter().map(|score| score.verdict).collect();
+    // From 0.1 to 0.15 of the next level's 0.2, in perceptual roughness.
+    let shift = (0.15f64.sqrt() - 0.1f64.sqrt()) / (0.2f64.sqrt() - 0.1f64.sqrt());
+    assert!(verdicts[0].starts_with(&format!("{shift:.1} levels too blurred")), "{verdicts:?}");
+
+    let mut noisy = exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0));
+    for (i, texel) in noisy.levels.iter_mut().flatten().flat_map(|face| &mut face.data).enumerate() {
+        let is_up = (i as u32).wrapping_mul(2_654_435_769) >> 31 == 1;
+        *texel = texel.map(|value| value * if is_up { 1.3 } else { 0.7 });
+    }
+    for score in level::score(&truth, &noisy, &convention).unwrap() {
+        // d = 0.3 r where r² is far above ε.
+        assert!(score.errors.relmse > 0.04 && score.errors.relmse < 0.09, "{score:?}");
+        assert!(score.verdict.contains("no width or gain explains it"), "{}", score.verdict);
+    }
+    let lost = exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0 / std::f64::consts::PI));
+    let score = &level::score(&truth, &lost, &convention).unwrap()[0];
+    assert!(score.verdict.contains("1/pi times what it should be"), "{}", score.verdict);
+    assert!((score.errors.bias_rel - (1.0 / std::f64::consts::PI - 1.0)).abs() < 1e-6, "{score:?}");
+}
+
+#[test]
+fn bands_are_the_convolution() {
+    let light = marked_light();
+    let harmonics = harmonic::harmonics(&light.image, 160);
+    let factors = harmonic::factors(Kernel::cosine(&Ggx), 0.1, 160);
+    let map = harmonics.convolved(&factors);
+    let directions: Vec<DVec3> =
+        Axes::all().map(|axes| axes.to_world(DVec3::new(0.2, 0.5, -0.9).normalize())).collect();
+    for (direction, bands) in directions.iter().zip(harmonics.bands(160, &directions)) {
+        let sum: DVec3 = bands.iter().zip(&factors).map(|(band, factor)| *band * *factor).sum();
+        assert!((sum - map.value(*direction)).abs().max_element() < 1e-7, "{sum} {}", map.value(*direction));
+    }
+}
+
+/// cmgen's polynomials give irradiance over π; ours the same from what was read.
+#[test]
+fn coefficients_of_cmgen_are_irradiance_by_its_polynomials() {
+    let numbers: [[f64; 3]; 9] =
+        std::array::from_fn(|k| [0.5 - 0.1 * k as f64, 0.2 + 0.05 * k as f64, -0.3 + 0.11 * k as f64]);
+    let line = |[r, g, b]: &[f64; 3]| format!("({r:.15}, {g:.15}, {b:.15}); // L, irradiance, pre-scaled base\n");
+    let text: String = numbers.iter().map(line).collect();
+    let found = sh::parse(Path::new("sh.txt"), &text).unwrap();
+    for axes in Axes::all() {
+        let n = axes.to_world(DVec3::new(0.48, -0.6, 0.64));
+        let DVec3 { x, y, z } = n;
+        let polynomials = [1.0, y, z, x, y * x, y * z, 3.0 * z * z - 1.0, z * x, x * x - y * y];
+        let expected: DVec3 = numbers.iter().zip(polynomials).map(|(c, p)| DVec3::from_array(*c) * p).sum();
+        let own = irradiance(&found.radiance, n) / std::f64::consts::PI;
+        assert!((own - expected).abs().max_element() < 1e-12, "{own} {expected}");
+    }
+    for (name, text, part) in [
+        ("sh.txt", "", "it has 0 coefficients"),
+        ("sh.txt", "(1, 2); // irradiance, pre-scaled", "line 1 is no coefficient"),
+        ("sh.txt", "( 1, 2, 3); // L00, radiance", "line 1 is no coefficient"),
+        ("sh.json", "{\"radiance\": [[1, 2, 3]]}", "\"radiance\" has 1 triples"),
+        ("sh.json", "{", "is not read"),
+    ] {
+        let message = sh::parse(Path::new(name), text).unwrap_err().to_string();
+        assert!(message.contains(part) && message.contains(name), "{message}");
+    }
+}
+
+#[test]
+fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
+    let light = marked_light();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &[]);
+    let quadrature =
+        splitsum::math::equirect_quadrature::EquirectQuadrature::new(128, 64, |x, y| light.image.get(x, y));
+    let radiance = splitsum::precompute::sh9::reference::project_bilinear(&quadrature);
+    let of = |radiance| sh_score::score(&truth, &sh::Coefficients { radiance, form: "radiance" }, Axes::SAME);
+    let exact = of(radiance);
+    assert!(exact.errors.relmse < 1e-12 && exact.max_error < 1e-3 && exact.verdict.starts_with("good"), "{exact:?}");
+    let window = [1.0, 0.9, 0.9, 0.9, 0.6, 0.6, 0.6, 0.6, 0.6];
+    let windowed = of(std::array::from_fn(|k| radiance[k] * window[k]));
+    assert!(windowed.verdict.contains("degree 1 times 0.90, degree 2 times 0.60"), "{windowed:?}");
+}
+
+/// A table of any axes, channels and masking is told by the search, and a shifted one by its shift.
+#[test]
+fn conventions_of_a_table_are_found() {
+    let table = |way: usize, channels: usize, masking: MaskingShadowing, shift: f64| {
+        RgbImage::from_fn(16, 16, |x, y| {
+            let uv = (DVec2::new(x.into(), f64::from(y) + shift) + 0.5) / 16.0;
+            let at = TABLE_AXES[way].parameters(uv).clamp(DVec2::splat(1e-3), DVec2::ONE);
+            let exact = dfg_within(&Ggx, masking, at.x, at.y * at.y, 1e-4);
+            let (a, b) = (exact.f0_scale as f32, exact.f90_scale as f32);
+            [[a, b, 0.0], [b, a, 0.0], [b, a + b, 0.0]][channels]
+        })
+    };
+    let correlated = MaskingShadowing::Correlated;
+    for way in [1, 4, 6] {
+        let found = table::search(&table(way, way % 3, correlated, 0.0), &Ggx).swap_remove(0);
+        let names = (found.axes.name, found.channels.name, found.masking.0);
+        assert_eq!(names, (TABLE_AXES[way].name, TABLE_CHANNELS[way % 3].name, "correlated"), "{:e}", found.rms);
+    }
+    let mut convention = PRESETS[0].convention();
+    convention.masking = correlated;
+    let exact = table::score(&table(0, 0, correlated, 0.0), &Ggx, &convention);
+    assert!(exact.max_error < 2e-4 && exact.verdict.starts_with("good"), "{exact:?}");
+    let shifted = table::score(&table(0, 0, correlated, 1.0), &Ggx, &convention);
+    assert!(shifted.verdict.contains("0 texels right and -1 down"), "{shifted:?}");
+}
+
+/// Faces, lat-long levels and tables through files and the roles of their names.
+#[test]
+fn folders_and_images_are_found_by_their_form() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name).to_string_lossy().into_owned();
+    let write = |name: &str, image: &RgbImage| {
+        exr::write_rgba(Path::new(&path(name)), image, &GrayImage::filled(image.width, image.height, 1.0), &[])
+            .unwrap();
+    };
+    let reading = Reading { layout: None, brdf: "ggx" };
+    let (_, seen) = marker(&TEXELS[3], 6);
+    std::fs::create_dir(dir.path().join("faces")).unwrap();
+    for (level, faces) in seen.iter().enumerate() {
+        for (name, face) in ["px", "nx", "py", "ny", "pz", "nz"].iter().zip(faces) {
+            write(&format!("faces/m{level}_{name}.exr"), face);
+        }
+    }
+    let bake = read(&[path("faces")], reading).unwrap();
+    assert_eq!(bake.specular.unwrap().levels, seen);
+
+    let lat_long = |side: u32| RgbImage::from_fn(2 * side, side, |x, y| [x as f32, y as f32, 1.0]);
+    write("a.exr", &lat_long(8));
+    write("b.exr", &lat_long(4));
+    write("table.exr", &RgbImage::filled(4, 4, [0.5, 0.25, 0.0]));
+    write("strip.exr", &RgbImage::from_fn(2, 12, |x, y| [x as f32, y as f32, 2.0]));
+    let bake =
+        read(&[path("a.exr"), path("b.exr"), path("table.exr"), format!("irradiance={}", path("strip.exr"))], reading)
+            .unwrap();
+    assert_eq!(bake.specular.unwrap().levels, [[lat_long(8)], [lat_long(4)]]);
+    assert_eq!(bake.dfg.unwrap().get(3, 3), [0.5, 0.25, 0.0]);
+    let cube = bake.irradiance.unwrap();
+    assert_eq!((cube.layout.name, cube.levels[0].len(), cube.levels[0][5].get(1, 0)), ("cube", 6, [1.0, 10.0, 2.0]));
+
+    let refuse = |files: &[String], part: &str| {
+        let message = read(files, reading).unwrap_err().to_string();
+        assert!(message.contains(part), "{part}: {message}");
+    };
+    std::fs::remove_file(dir.path().join("faces/m2_ny.exr")).unwrap();
+    refuse(&[path("faces")], "level 2 lacks the faces ny");
+    std::fs::remove_file(dir.path().join("faces/m1_px.exr")).unwrap();
+    refuse(&[path("faces")], "there is m1_nx.exr, but not every face before it");
+    write("faces/m0_ny.exr", &lat_long(2));
+    refuse(&[path("faces")], "one square face of 4x4");
+    write("odd.exr", &RgbImage::filled(5, 3, [0.0; 3]));
+    refuse(&[path("odd.exr")], "it is one image of 5x3");
+    refuse(&[path("table.exr"), path("table.exr")], "the second DFG table");
+    refuse(&[path("none.ktx2")], "cannot be read");
+}
+
+/// Grey and alpha, 8 bits and 16.
+#[test]
+fn png_tables_keep_their_samples() {
+    use image::{DynamicImage, ImageBuffer, ImageFormat};
+    let read = |image: DynamicImage| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image.write_to(&mut bytes, ImageFormat::Png).unwrap();
+        from_bytes(Path::new("x.png"), bytes.get_ref()).unwrap().levels[0][0].get(1, 0)
+    };
+    let eight = ImageBuffer::from_fn(2, 2, |x, _| image::Rgb([(51 * x) as u8, 255, 7]));
+    assert_eq!(read(DynamicImage::ImageRgb8(eight)), [0.2, 1.0, 7.0 / 255.0]);
+    let sixteen = ImageBuffer::from_fn(2, 2, |x, _| image::Rgba([(12345 * x) as u16, 65535, 1, 9]));
+    assert_eq!(read(DynamicImage::ImageRgba16(sixteen)), [12345.0 / 65535.0, 1.0, 1.0 / 65535.0]);
+    let pair = ImageBuffer::from_fn(2, 2, |x, _| image::LumaA([(100 * x) as u16, 4000]));
+    assert_eq!(read(DynamicImage::ImageLumaA16(pair)), [100.0 / 65535.0, 4000.0 / 65535.0, 0.0]);
+}

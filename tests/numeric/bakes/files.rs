@@ -1,0 +1,85 @@
+//! Files of every container, made here.
+
+use ktx2::{Header, Index, LevelIndex, SupercompressionScheme};
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+use splitsum::bakes::container::Texel;
+
+/// A level's faces, each as its bytes.
+pub type Level = Vec<Vec<u8>>;
+
+/// A KTX 2 file of square levels, smallest first as the custom is.
+pub fn ktx2(texel: &Texel, side: u32, levels: &[Level], is_zstd: bool) -> Vec<u8> {
+    let index_end = Header::LENGTH + LevelIndex::LENGTH * levels.len();
+    let header = Header {
+        format: Some(texel.vulkan),
+        type_size: 4,
+        pixel_width: side,
+        pixel_height: side,
+        pixel_depth: 0,
+        layer_count: 0,
+        face_count: levels[0].len() as u32,
+        level_count: levels.len() as u32,
+        supercompression_scheme: is_zstd.then_some(SupercompressionScheme::Zstandard),
+        index: Index {
+            dfd_byte_offset: index_end as u32,
+            dfd_byte_length: 4,
+            kvd_byte_offset: 0,
+            kvd_byte_length: 0,
+            sgd_byte_offset: 0,
+            sgd_byte_length: 0,
+        },
+    };
+    let mut body = 4u32.to_le_bytes().to_vec();
+    let mut index = vec![Vec::new(); levels.len()];
+    for (level, faces) in levels.iter().enumerate().rev() {
+        let plain = faces.concat();
+        let stored = if is_zstd { compress_to_vec(&plain[..], CompressionLevel::Fastest) } else { plain.clone() };
+        let entry = LevelIndex {
+            byte_offset: (index_end + body.len()) as u64,
+            byte_length: stored.len() as u64,
+            uncompressed_byte_length: plain.len() as u64,
+        };
+        index[level] = entry.as_bytes().to_vec();
+        body.extend(stored);
+    }
+    [&header.as_bytes()[..], &index.concat(), &body].concat()
+}
+
+/// A KTX 1 file as cmgen writes it.
+pub fn ktx1(texel: &Texel, side: u32, levels: &[Level]) -> Vec<u8> {
+    let faces = levels[0].len() as u32;
+    let keys = *b"\x06\0\0\0sh\x001\n\0\0\0";
+    let words = [0x0403_0201, 0, 1, 0x1907, texel.gl, texel.gl, side, side, 0, 0, faces, levels.len() as u32, 12];
+    let mut bytes = b"\xabKTX 11\xbb\r\n\x1a\n".to_vec();
+    bytes.extend(words.iter().flat_map(|word: &u32| word.to_le_bytes()));
+    bytes.extend(&keys[..12]);
+    for level in levels {
+        bytes.extend((level[0].len() as u32).to_le_bytes());
+        bytes.extend(level.concat());
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+    }
+    bytes
+}
+
+/// A DDS file with the later header: face after face with its levels.
+pub fn dds(texel: &Texel, side: u32, levels: &[Level]) -> Vec<u8> {
+    let is_cube = levels[0].len() == 6;
+    let mut file = ddsfile::Dds::new_dxgi(ddsfile::NewDxgiParams {
+        height: side,
+        width: side,
+        depth: None,
+        format: texel.dxgi.unwrap(),
+        mipmap_levels: Some(levels.len() as u32),
+        array_layers: is_cube.then_some(6),
+        caps2: is_cube.then_some(ddsfile::Caps2::CUBEMAP | ddsfile::Caps2::CUBEMAP_ALLFACES),
+        is_cubemap: is_cube,
+        resource_dimension: ddsfile::D3D10ResourceDimension::Texture2D,
+        alpha_mode: ddsfile::AlphaMode::Opaque,
+    })
+    .unwrap();
+    file.data =
+        (0..levels[0].len()).flat_map(|face| levels.iter().flat_map(move |level| level[face].clone())).collect();
+    let mut bytes = Vec::new();
+    file.write(&mut bytes).unwrap();
+    bytes
+}
