@@ -5,6 +5,7 @@
 //! mean of its estimator, within its standard error.
 
 use super::reference::Surface;
+use crate::brdf::reflect;
 use crate::environment::layout::FilteredMap;
 use crate::math::equirect::uv_from_direction;
 use crate::math::equirect_quadrature::EquirectQuadrature;
@@ -14,8 +15,8 @@ use crate::math::spherical_harmonics::COUNT;
 use crate::pixels::Pixels;
 use crate::pixels::lookup::{Wrap, bilinear, trilinear};
 use crate::precompute::prefilter::LevelMapping;
-use crate::precompute::{PrecomputeSettings, dfg};
-use glam::{DVec2, DVec3};
+use crate::precompute::{PrecomputeSettings, dfg, lobe_shape};
+use glam::{DVec2, DVec3, DVec4};
 
 /// The f64 twin of a method.
 #[derive(Clone, Copy, Debug)]
@@ -45,10 +46,19 @@ pub struct Light {
     pub level_mapping: &'static LevelMapping,
     /// The DFG table: what scales f0, and what is added.
     pub dfg: Pixels<DVec2>,
+    /// The table of lobe shapes.
+    pub lobe_shapes: Pixels<DVec4>,
     /// Irradiance over π.
     pub irradiance_map: FilteredMap,
     /// Coefficients of radiance.
     pub sh9: [DVec3; COUNT],
+}
+
+/// What one lookup of the prefiltered map stands for.
+#[derive(Clone, Copy, Debug)]
+pub struct Lookup {
+    pub direction: DVec3,
+    pub alpha: f64,
 }
 
 /// The points of a sampled method, and what moves the level of its lookups.
@@ -90,6 +100,38 @@ impl Light {
         let side = self.dfg.width;
         let uv = dfg::texel_from_parameters(DVec2::new(n_dot_v, alpha), side) / f64::from(side);
         bilinear(&self.dfg, uv, Wrap::Clamp, |pair| pair.extend(0.0)).truncate()
+    }
+
+    /// The split sum by a lookup of that direction and width: `P(direction, width) (f0 A + B)`.
+    pub fn split_sum(&self, surface: &Surface, direction: DVec3, width: f64) -> DVec3 {
+        let pair = self.dfg(surface.n.dot(surface.v), surface.alpha);
+        self.mean_radiance(direction, width) * (surface.f0 * pair.x + pair.y)
+    }
+
+    /// The same at alpha along `normalize(mix(n, r, t))`, t by n·v and alpha.
+    pub fn split_sum_between(&self, surface: &Surface, share_of_r: fn(f64, f64) -> f64) -> DVec3 {
+        let Surface { n, v, alpha, .. } = *surface;
+        self.split_sum(surface, n.lerp(reflect(v, n), share_of_r(n.dot(v), alpha)).normalize(), alpha)
+    }
+
+    /// The first moment of the lobe as a direction, and the width that fits it.
+    pub fn lobe_shape(&self, surface: &Surface) -> Lookup {
+        let Surface { n, v, alpha, f0, .. } = *surface;
+        let n_dot_v = n.dot(v);
+        let part = |part: u32, channels: fn(DVec4) -> DVec3| {
+            bilinear(&self.lobe_shapes, lobe_shape::uv_from_parameters(n_dot_v, alpha, part), Wrap::Clamp, channels)
+        };
+        let pair = self.dfg(n_dot_v, alpha);
+        let share = pair.y / (f0.element_sum() / 3.0 * pair.x + pair.y);
+        let [of_a, of_b] = [part(0, |t| DVec3::new(t.x, t.y, 0.0)), part(0, |t| DVec3::new(t.z, t.w, 0.0))];
+        let moment = of_a.lerp(of_b, share);
+        let [low, middle, high] = part(1, DVec4::truncate).to_array();
+        // The parabola through the three.
+        let ratio = low + share * ((4.0 * middle - 3.0 * low - high) + share * 2.0 * (low - 2.0 * middle + high));
+        Lookup {
+            direction: (moment.x * reflect(v, n) + moment.y * n).normalize(),
+            alpha: (alpha * ratio * ratio).min(1.0),
+        }
     }
 
     /// Irradiance over π from the irradiance map.
