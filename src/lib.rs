@@ -25,6 +25,8 @@
 //!   Revisited", Journal of Computer Graphics Techniques 6(1), 2017.
 //! - Dupuy23: J. Dupuy and A. Benyoub, "Sampling Visible GGX Normals with Spherical Caps", Computer Graphics Forum 42(8), 2023.
 //! - Efron79: B. Efron, "Bootstrap Methods: Another Look at the Jackknife", The Annals of Statistics 7(1), 1979.
+//! - Green07: P. Green, J. Kautz and F. Durand, "Efficient Reflectance and Visibility Approximations for Environment Map Rendering",
+//!   Computer Graphics Forum 26(3), 2007.
 //! - Heitz14: E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics
 //!   Techniques 3(2), 2014.
 //! - Heitz18: E. Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer Graphics Techniques 7(4), 2018.
@@ -41,9 +43,12 @@
 //!   Importance Sampling", ACM Transactions on Graphics 38(6), 2019.
 //! - KastenYoung89: F. Kasten and A. T. Young, "Revised Optical Air Mass Tables and Approximation Formula", Applied Optics 28(22),
 //!   1989.
+//! - KautzMcCool00: J. Kautz and M. D. McCool, "Approximation of Glossy Reflection with Prefiltered Environment Maps", Graphics Interface
+//!   2000.
 //! - Kim22: M. Kim, "Project 3: Image-Based Lighting", report for the course CS562, 2022. This is "source document 0"; the words
 //!   in quotation marks beside the key are its headings.
 //! - Knuth97: D. E. Knuth, "The Art of Computer Programming", volume 2, 3rd edition, 1997.
+//! - Lagarde14: S. Lagarde and C. de Rousiers, "Moving Frostbite to Physically Based Rendering 3.0", SIGGRAPH 2014 course notes.
 //! - Lam85: K. M. Lam, "Metamerism and Colour Constancy", doctoral thesis, University of Bradford, 1985.
 //! - Malley88: T. J. V. Malley, "A Shading Method for Computer Generated Images", master's thesis, University of Utah, 1988.
 //! - Owen97: A. B. Owen, "Monte Carlo Variance of Scrambled Net Quadrature", SIAM Journal on Numerical Analysis 34(5), 1997.

@@ -24,4 +24,18 @@ vec3 lobe_direction(Surface s, float share) {
     return normalize(moment.x * reflect(-s.v, s.n) + moment.y * s.n);
 }
 
+// Perceptual roughness of the kernel that fits the lobe, by a part of the table that holds widths.
+float lobe_roughness(Surface s, float share, float part) {
+    // At shares 0, 1/2 and 1, a parabola between.
+    vec3 basis = vec3((1.0 - share) * (1.0 - 2.0 * share), 4.0 * share * (1.0 - share), share * (2.0 * share - 1.0));
+    return min(dot(lobe_shape(s, part).xyz, basis) * perceptual_roughness_from_alpha(s.alpha), 1.0);
+}
+
+// The split sum along the first moment at such a width.
+vec3 fitted_split_sum(Surface s, float part) {
+    vec2 a_b = albedo_pair(s);
+    float share = share_of_f90(s, a_b);
+    return prefiltered_radiance(lobe_direction(s, share), lobe_roughness(s, share, part)) * (s.f0 * a_b.x + a_b.y);
+}
+
 #endif

@@ -1,7 +1,9 @@
 //! What a request needs before it can be shaded: tables, scene, targets.
 
 use super::cache::Recent;
-use super::inputs::{DfgInputs, IrradianceInputs, LobeShapeInputs, PrefilterInputs, SharedKey, filtered_key, mips_key, sh9_key};
+use super::inputs::{
+    DfgInputs, IrradianceInputs, LobeShapeInputs, PrefilterInputs, SharedKey, filtered_key, mips_key, sh9_key,
+};
 use super::shared_work::{Kept, Levels, Maker};
 use super::{PipelineError, RenderRequest};
 use crate::environment::Environment;
@@ -15,7 +17,9 @@ use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pixels::GrayImage;
 use crate::precompute::mips::level_count;
 use crate::precompute::points::Points;
-use crate::precompute::{HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, lobe_shape, mips, prefilter, sh9};
+use crate::precompute::{
+    HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, lobe_shape, mips, prefilter, sh9,
+};
 use crate::scene::Camera;
 use crate::shade::pass::{Tables, light_data};
 use crate::shade::reference_pass::{DistributionBuffers, Lobe, ScramblePlan, Sums};
@@ -310,10 +314,15 @@ impl Resources {
         storage: StorageFormat,
     ) -> Result<Image, PipelineError> {
         let (gpu, key) = (maker.gpu, inputs.key());
-        let made = maker.table(&mut self.lobe_shapes, &key, || lobe_shape::table(gpu).map(Levels::all), |table| {
-            gpu.write_image(&table.image, 0, &lobe_shape::texels(inputs.kernel, inputs.masking))?;
-            Ok(Report::default())
-        })?;
+        let made = maker.table(
+            &mut self.lobe_shapes,
+            &key,
+            || lobe_shape::table(gpu).map(Levels::all),
+            |table| {
+                gpu.write_image(&table.image, 0, &lobe_shape::texels(inputs.kernel, inputs.masking))?;
+                Ok(Report::default())
+            },
+        )?;
         self.stored(gpu, &key, made.image, storage)
     }
 

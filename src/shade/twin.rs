@@ -14,8 +14,9 @@ use crate::math::sequence::Sequence;
 use crate::math::spherical_harmonics::COUNT;
 use crate::pixels::Pixels;
 use crate::pixels::lookup::{Wrap, bilinear, trilinear};
+use crate::precompute::lobe_shape::{self, OBJECTIVES, Objective};
 use crate::precompute::prefilter::LevelMapping;
-use crate::precompute::{PrecomputeSettings, dfg, lobe_shape};
+use crate::precompute::{PrecomputeSettings, dfg};
 use glam::{DVec2, DVec3, DVec4};
 
 /// The f64 twin of a method.
@@ -52,13 +53,6 @@ pub struct Light {
     pub irradiance_map: FilteredMap,
     /// Coefficients of radiance.
     pub sh9: [DVec3; COUNT],
-}
-
-/// What one lookup of the prefiltered map stands for.
-#[derive(Clone, Copy, Debug)]
-pub struct Lookup {
-    pub direction: DVec3,
-    pub alpha: f64,
 }
 
 /// The points of a sampled method, and what moves the level of its lookups.
@@ -114,24 +108,34 @@ impl Light {
         self.split_sum(surface, n.lerp(reflect(v, n), share_of_r(n.dot(v), alpha)).normalize(), alpha)
     }
 
-    /// The first moment of the lobe as a direction, and the width that fits it.
-    pub fn lobe_shape(&self, surface: &Surface) -> Lookup {
-        let Surface { n, v, alpha, f0, .. } = *surface;
-        let n_dot_v = n.dot(v);
-        let part = |part: u32, channels: fn(DVec4) -> DVec3| {
-            bilinear(&self.lobe_shapes, lobe_shape::uv_from_parameters(n_dot_v, alpha, part), Wrap::Clamp, channels)
-        };
-        let pair = self.dfg(n_dot_v, alpha);
-        let share = pair.y / (f0.element_sum() / 3.0 * pair.x + pair.y);
-        let [of_a, of_b] = [part(0, |t| DVec3::new(t.x, t.y, 0.0)), part(0, |t| DVec3::new(t.z, t.w, 0.0))];
-        let moment = of_a.lerp(of_b, share);
-        let [low, middle, high] = part(1, DVec4::truncate).to_array();
+    /// The direction of the lobe's first moment, colours by their mean.
+    pub fn lobe_direction(&self, surface: &Surface) -> DVec3 {
+        let of = |channels| self.lobe_shape(surface, 0, channels);
+        let [of_a, of_b] = [of(|t| DVec3::new(t.x, t.y, 0.0)), of(|t| DVec3::new(t.z, t.w, 0.0))];
+        let moment = of_a.lerp(of_b, self.share_of_f90(surface));
+        (moment.x * reflect(surface.v, surface.n) + moment.y * surface.n).normalize()
+    }
+
+    /// The split sum along that direction, at the width of an objective.
+    pub fn fitted_split_sum(&self, surface: &Surface, objective: Objective) -> DVec3 {
+        let part = 1 + OBJECTIVES.iter().position(|listed| *listed == objective).expect("a listed objective") as u32;
+        let [low, middle, high] = self.lobe_shape(surface, part, DVec4::truncate).to_array();
+        let share = self.share_of_f90(surface);
         // The parabola through the three.
         let ratio = low + share * ((4.0 * middle - 3.0 * low - high) + share * 2.0 * (low - 2.0 * middle + high));
-        Lookup {
-            direction: (moment.x * reflect(v, n) + moment.y * n).normalize(),
-            alpha: (alpha * ratio * ratio).min(1.0),
-        }
+        self.split_sum(surface, self.lobe_direction(surface), (surface.alpha * ratio * ratio).min(1.0))
+    }
+
+    /// Three channels of a part of the table of lobe shapes.
+    fn lobe_shape(&self, surface: &Surface, part: u32, channels: fn(DVec4) -> DVec3) -> DVec3 {
+        let uv = lobe_shape::uv_from_parameters(surface.n.dot(surface.v), surface.alpha, part);
+        bilinear(&self.lobe_shapes, uv, Wrap::Clamp, channels)
+    }
+
+    /// How much of what the lobe reflects has the weight Fc.
+    fn share_of_f90(&self, surface: &Surface) -> f64 {
+        let pair = self.dfg(surface.n.dot(surface.v), surface.alpha);
+        pair.y / (surface.f0.element_sum() / 3.0 * pair.x + pair.y)
     }
 
     /// Irradiance over π from the irradiance map.

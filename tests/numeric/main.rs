@@ -6,6 +6,7 @@ mod disk_cache;
 mod environment;
 mod harmonics;
 mod layering;
+mod lobe_shape;
 mod map_layouts;
 mod math;
 mod metrics;

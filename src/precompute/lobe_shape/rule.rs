@@ -1,6 +1,6 @@
 //! A lobe as a weighted set of directions, by the quadrature of `shaders/lib/directional_albedo.glsl`, which has its derivation.
 
-use crate::brdf::{Brdf, MaskingShadowing, g2, schlick_weight};
+use crate::brdf::{Brdf, MaskingShadowing, eval_without_fresnel, g2, schlick_weight};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -10,12 +10,14 @@ const R_COUNT: u32 = 16;
 
 /// The lobe of a view at `(sin θ, 0, cos θ)`; its mirror image in y is left out.
 pub struct Lobe {
+    model: &'static dyn Brdf,
+    masking: MaskingShadowing,
     pub alpha: f64,
     v: DVec3,
     /// Directions, and what each adds to A and to B.
-    pub nodes: Vec<(DVec3, DVec2)>,
+    nodes: Vec<(DVec3, DVec2)>,
     /// (A, B).
-    pub albedos: DVec2,
+    albedos: DVec2,
 }
 
 /// Node of `[0, 1]` and weight of the midpoint rule after the sin² transformation [Sidi93].
@@ -25,7 +27,7 @@ fn periodic_node(i: u32, count: u32) -> (f64, f64) {
 }
 
 impl Lobe {
-    pub fn new(model: &dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64) -> Self {
+    pub fn new(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64) -> Self {
         let alpha2 = alpha * alpha;
         let v = DVec3::new(((1.0 - n_dot_v) * (1.0 + n_dot_v)).sqrt(), 0.0, n_dot_v);
         let low2 = 0.5 * n_dot_v * n_dot_v / (1.0 + v.x);
@@ -62,12 +64,22 @@ impl Lobe {
                 }
             }
         }
-        Self { alpha, v, nodes, albedos }
+        Self { model, masking, alpha, v, nodes, albedos }
     }
 
     /// The mirror direction.
     pub fn mirror(&self) -> DVec3 {
         DVec3::new(-self.v.x, 0.0, self.v.z)
+    }
+
+    /// The normalised lobe in a direction, its part of weight Fc having that share.
+    pub fn density(&self, share: f64, l: DVec3) -> f64 {
+        if l.z <= 0.0 {
+            return 0.0;
+        }
+        let fc = schlick_weight(self.v.dot((self.v + l).normalize()));
+        let parts = DVec2::new((1.0 - share) * (1.0 - fc), share * fc) / self.albedos;
+        eval_without_fresnel(self.model, self.v, l, self.alpha, self.masking) * l.z * parts.element_sum()
     }
 
     /// First moment over its integral of each part, as its shares of r and of n.

@@ -13,6 +13,7 @@ mod split_sum_frostbite;
 mod split_sum_godot;
 mod split_sum_moment;
 mod split_sum_nrd;
+mod split_sum_relative;
 mod split_sum_unity;
 
 use super::NONE;
@@ -62,6 +63,7 @@ pub static METHODS: &[Method] = &[
     split_sum_unity::METHOD,
     split_sum_moment::METHOD,
     split_sum_fitted::METHOD,
+    split_sum_relative::METHOD,
     none::METHOD,
     reference::METHOD,
     ladder::FRESNEL,

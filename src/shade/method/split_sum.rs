@@ -13,7 +13,5 @@ pub(super) const fn shifted(name: &'static str, about: &'static str, twin: Specu
 pub const METHOD: Method = shifted(
     "split-sum",
     "prefiltered map (n = v = r, n.l weight) times the DFG table",
-    Twin::Estimator(|surface, light, _| {
-        light.split_sum(surface, reflect(surface.v, surface.n), surface.alpha)
-    }),
+    Twin::Estimator(|surface, light, _| light.split_sum(surface, reflect(surface.v, surface.n), surface.alpha)),
 );

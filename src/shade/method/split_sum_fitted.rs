@@ -5,16 +5,14 @@
 
 use super::Method;
 use super::split_sum::shifted;
+use crate::precompute::lobe_shape::Objective;
 use crate::shade::twin::Twin;
 
 pub const METHOD: Method = Method {
     uses_lobe_shapes: true,
     ..shifted(
         "split-sum-fitted",
-        "the split sum along the first moment of the lobe at the width that fits it best, by a table",
-        Twin::Estimator(|surface, light, _| {
-            let shape = light.lobe_shape(surface);
-            light.split_sum(surface, shape.direction, shape.alpha)
-        }),
+        "the split sum along the first moment of the lobe at the width of least squared error, by a table",
+        Twin::Estimator(|surface, light, _| light.fitted_split_sum(surface, Objective::Square)),
     )
 };
