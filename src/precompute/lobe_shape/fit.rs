@@ -17,7 +17,7 @@ pub enum Objective {
     Relative,
 }
 
-/// Flux of the light from all around, over that of the lamp. Chosen on five maps, and as good on five others.
+/// Flux of the light from all around, over that of the lamp. Chosen on five maps.
 pub const AMBIENT: f64 = 4.0;
 
 impl Objective {
@@ -33,11 +33,14 @@ impl Objective {
 /// Widths that are tried; between them the objective is a parabola in ln a.
 const PER_OCTAVE: f64 = 8.0;
 
+/// Octaves below the lobe's alpha from which the search starts.
+const OCTAVES_BELOW: f64 = 3.0;
+
 /// Rings about the lookup's direction, a panel in `t = ln tan(γ/2)`; the kernel ends at t = 0, the horizon.
 const PANEL: f64 = 0.5;
 const RINGS: usize = 4;
 /// Panels below `ln alpha`, and nodes of a ring over half a turn.
-const PANELS_BELOW: f64 = 8.0;
+const PANELS_BELOW: f64 = 10.0;
 const PHI_COUNT: u32 = 16;
 
 /// The kernels of a prefiltered map on rings about its direction.
@@ -49,7 +52,7 @@ pub struct Widths {
 }
 
 impl Widths {
-    /// From alpha 1 down to a quarter of the least that is shaded.
+    /// From alpha 1 down to a sixteenth of the least that is shaded.
     pub fn new(kernel: Kernel) -> Self {
         let rule = GaussLegendre::<RINGS>::new();
         let narrowest = f64::from(ALPHA_MIN).ln() - PANEL * PANELS_BELOW;
@@ -67,7 +70,7 @@ impl Widths {
             let integral: f64 = values.iter().zip(&rings).map(|(value, ring)| value * ring.2).sum();
             (alpha, values.into_iter().map(|value| value / integral).collect())
         };
-        let octaves = 2.0 - f64::from(ALPHA_MIN).log2();
+        let octaves = OCTAVES_BELOW + 1.0 - f64::from(ALPHA_MIN).log2();
         Self { rows: (0..=(octaves * PER_OCTAVE) as u32).map(row).collect(), rings }
     }
 
@@ -94,11 +97,12 @@ impl Widths {
         })
     }
 
-    /// The width of the least objective, downhill from the lobe's own alpha: far away a kernel so wide that it misses all may do as well.
+    /// The narrowest width at which the objective is least in its surroundings. Beyond it a kernel that leaks everywhere may get better
+    /// with its width again, until it is so wide that it shows nothing.
     fn least(&self, alpha: f64, objective: impl Fn(&[f64]) -> f64) -> f64 {
         let objective = |k: usize| objective(&self.rows[k].1);
         let last = self.rows.len() - 1;
-        let mut k = ((-alpha.log2() * PER_OCTAVE).round() as usize).clamp(1, last - 1);
+        let mut k = (((OCTAVES_BELOW - alpha.log2()) * PER_OCTAVE).round() as usize).clamp(1, last - 1);
         let mut around = [objective(k - 1), objective(k), objective(k + 1)];
         while around[0] < around[1] && k > 1 {
             k -= 1;
