@@ -30,6 +30,8 @@
 //! - Efron79: B. Efron, "Bootstrap Methods: Another Look at the Jackknife", The Annals of Statistics 7(1), 1979.
 //! - FaigleKern92: U. Faigle and W. Kern, "The Shapley Value for Cooperative Games under Precedence Constraints", International Journal of
 //!   Game Theory 21(3), 1992.
+//! - Green07: P. Green, J. Kautz and F. Durand, "Efficient Reflectance and Visibility Approximations for Environment Map Rendering",
+//!   Computer Graphics Forum 26(3), 2007.
 //! - Heitz14: E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics
 //!   Techniques 3(2), 2014.
 //! - Heitz18: E. Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer Graphics Techniques 7(4), 2018.
@@ -46,9 +48,12 @@
 //!   Importance Sampling", ACM Transactions on Graphics 38(6), 2019.
 //! - KastenYoung89: F. Kasten and A. T. Young, "Revised Optical Air Mass Tables and Approximation Formula", Applied Optics 28(22),
 //!   1989.
+//! - KautzMcCool00: J. Kautz and M. D. McCool, "Approximation of Glossy Reflection with Prefiltered Environment Maps", Graphics Interface
+//!   2000.
 //! - Kim22: M. Kim, "Project 3: Image-Based Lighting", report for the course CS562, 2022. This is "source document 0"; the words
 //!   in quotation marks beside the key are its headings.
 //! - Knuth97: D. E. Knuth, "The Art of Computer Programming", volume 2, 3rd edition, 1997.
+//! - Lagarde14: S. Lagarde and C. de Rousiers, "Moving Frostbite to Physically Based Rendering 3.0", SIGGRAPH 2014 course notes.
 //! - Lam85: K. M. Lam, "Metamerism and Colour Constancy", doctoral thesis, University of Bradford, 1985.
 //! - LlvmAmdgpu20: LLVM, scheduling model of the AMDGPU target (`SISchedule.td`), 2020.
 //! - Lottes16: T. Lottes, "Understanding Memory Coalescing on GCN", gpuopen.com, 2016.

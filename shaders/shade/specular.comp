@@ -1,7 +1,7 @@
 // One invocation adds the specular image-based radiance of one pixel, or what this dispatch's points give of it; pixels with mask 0 are left alone.
 // Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 environment
-// with its mips; 5 its filtered levels; 6 prefiltered map with its levels; 7 DFG table; 8 sample points of this dispatch
-// (lib/sampling.glsl); 9 radiance, a vec4 a pixel, row-major.
+// with its mips; 5 its filtered levels; 6 prefiltered map with its levels; 7 DFG table; 8 lobe shapes; 9 sample points of this dispatch
+// (lib/sampling.glsl); 10 radiance, a vec4 a pixel, row-major.
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -25,10 +25,11 @@ layout(set = 0, binding = 4) uniform sampler2D environment;
 layout(set = 0, binding = 5) uniform FILTERED_MAP filtered_environment;
 layout(set = 0, binding = 6) uniform FILTERED_MAP prefiltered;
 layout(set = 0, binding = 7) uniform sampler2D dfg;
-layout(std140, set = 0, binding = 8) uniform Points {
+layout(set = 0, binding = 8) uniform sampler2D lobe_shapes;
+layout(std140, set = 0, binding = 9) uniform Points {
     vec4 points[POINTS_PER_DISPATCH];
 };
-layout(std430, set = 0, binding = 9) buffer Radiance {
+layout(std430, set = 0, binding = 10) buffer Radiance {
     vec4 radiance[];
 };
 

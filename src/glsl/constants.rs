@@ -53,6 +53,10 @@ constants! {
     GUIDE_FLOOR: f32 = 0.002;
     /// Narrower lobes guide as if they were as wide as this: they fit between the mean directions of neighbouring cells.
     GUIDE_ALPHA_MIN: f32 = 0.15;
+    /// Nodes of the table of lobe shapes, a side; see `precompute::lobe_shape`.
+    LOBE_SHAPE_SIDE: u32 = 32;
+    /// Its parts: first moments, widths of least squared error, widths of least relative error.
+    LOBE_SHAPE_PARTS: u32 = 3;
     /// Number of real spherical harmonics up to degree 2.
     SH9_COUNT: u32 = 9;
     /// Masking-shadowing variants; the order is that of `brdf::MaskingShadowing`.

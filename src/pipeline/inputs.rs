@@ -146,3 +146,25 @@ impl DfgInputs {
         SharedKey { kind: "dfg", inputs, shaders: vec![dfg::pass::shader(*brdf)] }
     }
 }
+
+/// The table of lobe shapes.
+pub(super) struct LobeShapeInputs {
+    /// That of the prefiltered map.
+    pub(super) kernel: Kernel,
+    pub(super) masking: MaskingShadowing,
+}
+
+impl LobeShapeInputs {
+    pub(super) fn of(request: &RenderRequest) -> Self {
+        let RenderRequest { brdf, masking_shadowing: masking, precompute, .. } = *request;
+        Self { kernel: Kernel::new(brdf, precompute.prefilter_weight, masking), masking }
+    }
+
+    pub(super) fn key(&self) -> SharedKey {
+        let Self { kernel: Kernel { brdf, weight, masking: of_weight }, masking } = self;
+        let (model, weight) = (brdf.name(), weight.name);
+        let inputs = format!("brdf={model}\nweight={weight}\nweight_masking={of_weight:?}\nmasking={masking:?}\n");
+        // Made on the host; the model's text stands for the model.
+        SharedKey { kind: "lobe-shapes", inputs, shaders: vec![dfg::pass::shader(*brdf)] }
+    }
+}

@@ -1,7 +1,9 @@
 //! What a request needs before it can be shaded: tables, scene, targets.
 
 use super::cache::Recent;
-use super::inputs::{DfgInputs, IrradianceInputs, PrefilterInputs, SharedKey, filtered_key, mips_key, sh9_key};
+use super::inputs::{
+    DfgInputs, IrradianceInputs, LobeShapeInputs, PrefilterInputs, SharedKey, filtered_key, mips_key, sh9_key,
+};
 use super::ladder::{KeptAlbedos, KeptRadiance};
 use super::shared_work::{Kept, Levels, Maker};
 use super::{PipelineError, RenderRequest};
@@ -17,7 +19,9 @@ use crate::pixels::GrayImage;
 use crate::precompute::mips::level_count;
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::harmonic;
-use crate::precompute::{HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, mips, prefilter, sh9};
+use crate::precompute::{
+    HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, lobe_shape, mips, prefilter, sh9,
+};
 use crate::scene::Camera;
 use crate::shade::pass::{Tables, light_data};
 use crate::shade::reference_pass::{DistributionBuffers, Lobe, ScramblePlan, Sums};
@@ -36,6 +40,7 @@ pub(super) struct Resources {
     /// Spherical harmonics of environments, by their degree.
     harmonics: Recent<String, Arc<Harmonics>>,
     dfg_tables: Recent<String, Levels>,
+    lobe_shapes: Recent<String, Levels>,
     /// Copies of tables in the format that a request asks for.
     halves: Recent<String, Image>,
     points: Recent<(u32, &'static str, u32), Points>,
@@ -94,6 +99,7 @@ impl Resources {
             prefiltered: Recent::new(6),
             harmonics: Recent::new(2),
             dfg_tables: Recent::new(9),
+            lobe_shapes: Recent::new(9),
             halves: Recent::new(9),
             points: Recent::new(16),
             steps: Recent::new(6),
@@ -115,6 +121,7 @@ impl Resources {
         self.prefiltered.clear();
         self.harmonics.clear();
         self.dfg_tables.clear();
+        self.lobe_shapes.clear();
         self.halves.clear();
     }
 
@@ -163,6 +170,10 @@ impl Resources {
             true => self.dfg_table(maker, DfgInputs::of(request), storage)?,
             false => self.blank_image.clone(),
         };
+        let lobe_shapes = match request.method.uses_lobe_shapes {
+            true => self.lobe_shapes(maker, LobeShapeInputs::of(request), storage)?,
+            false => self.blank_image.clone(),
+        };
         let points = self.points(gpu, samples_per_pixel, request.sequence, request.point_set)?;
         let (scene, target) = self.view(gpu, request)?;
         // A light-free scene binds no such pass.
@@ -170,7 +181,7 @@ impl Resources {
         let lobes = request.reference_lobes();
         let reference = if lobes.is_empty() { None } else { Some(self.reference_data(gpu, request)?) };
         Ok(Prepared {
-            tables: Tables { environment, filtered, prefiltered, dfg, irradiance_map, sh9, points },
+            tables: Tables { environment, filtered, prefiltered, dfg, lobe_shapes, irradiance_map, sh9, points },
             scene,
             target,
             lights: lights.transpose()?,
@@ -305,6 +316,25 @@ impl Resources {
         let made = maker.table(&mut self.dfg_tables, &key, empty, |table| {
             dfg::pass::run(gpu, inputs.brdf, inputs.masking, inputs.sample_count, &table.image)
         })?;
+        self.stored(gpu, &key, made.image, storage)
+    }
+
+    fn lobe_shapes(
+        &mut self,
+        maker: &mut Maker,
+        inputs: LobeShapeInputs,
+        storage: StorageFormat,
+    ) -> Result<Image, PipelineError> {
+        let (gpu, key) = (maker.gpu, inputs.key());
+        let made = maker.table(
+            &mut self.lobe_shapes,
+            &key,
+            || lobe_shape::table(gpu).map(Levels::all),
+            |table| {
+                gpu.write_image(&table.image, 0, &lobe_shape::texels(inputs.kernel, inputs.masking))?;
+                Ok(Report::default())
+            },
+        )?;
         self.stored(gpu, &key, made.image, storage)
     }
 

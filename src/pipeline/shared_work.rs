@@ -15,7 +15,7 @@ pub struct Tally {
     pub read: usize,
 }
 
-/// A tally for each kind: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `reference`.
+/// A tally for each kind: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `lobe-shapes`, `reference`.
 pub type SharedWork = BTreeMap<String, Tally>;
 
 /// The disk, if there is a cache, and what was shared so far.

@@ -2,6 +2,7 @@
 pub mod dfg;
 pub mod filtered;
 pub mod irradiance;
+pub mod lobe_shape;
 pub mod mips;
 pub mod points;
 pub mod prefilter;

@@ -38,6 +38,8 @@ pub struct Tables {
     pub filtered: Image,
     pub prefiltered: Image,
     pub dfg: Image,
+    /// Where lobes point and how wide they are.
+    pub lobe_shapes: Image,
     pub irradiance_map: Image,
     pub sh9: Buffer,
     pub points: Points,
@@ -162,12 +164,13 @@ impl Shading<'_> {
         rows: Range<u32>,
     ) -> Result<(), GpuError> {
         let shader = specular_shader(self.layout, method, brdf);
-        let Tables { environment, filtered, prefiltered, dfg, .. } = self.tables;
+        let Tables { environment, filtered, prefiltered, dfg, lobe_shapes, .. } = self.tables;
         let rest = [
             Bind::Sample(environment, Sampler::MAP),
             Bind::Sample(filtered, Sampler::MAP),
             Bind::Sample(prefiltered, Sampler::MAP),
             Bind::Sample(dfg, TABLE),
+            Bind::Sample(lobe_shapes, TABLE),
             points.bind(),
         ];
         let params = ShadeParams { point_count: points.count, ..self.settings.params(self.gbuffer.size, rows.start) };

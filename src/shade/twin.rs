@@ -5,6 +5,7 @@
 //! mean of its estimator, within its standard error.
 
 use super::reference::Surface;
+use crate::brdf::reflect;
 use crate::environment::layout::FilteredMap;
 use crate::math::equirect::uv_from_direction;
 use crate::math::equirect_quadrature::EquirectQuadrature;
@@ -12,11 +13,12 @@ use crate::math::quadrature::{Bounded, Tolerance};
 use crate::math::sequence::Sequence;
 use crate::math::spherical_harmonics::COUNT;
 use crate::pixels::Pixels;
-use crate::pixels::lookup::{Wrap, trilinear};
+use crate::pixels::lookup::{Wrap, bilinear, trilinear};
 use crate::precompute::PrecomputeSettings;
 use crate::precompute::dfg::{self, Albedos};
+use crate::precompute::lobe_shape::{self, OBJECTIVES, Objective};
 use crate::precompute::prefilter::LevelMapping;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 /// The f64 twin of a method.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +50,8 @@ pub struct Light {
     pub dfg: Pixels<DVec2>,
     /// (A, B) by n·v, exact.
     pub albedos: Albedos,
+    /// The table of lobe shapes.
+    pub lobe_shapes: Pixels<DVec4>,
     /// Irradiance over π.
     pub irradiance_map: FilteredMap,
     /// Coefficients of radiance.
@@ -91,6 +95,48 @@ impl Light {
     /// (A, B) of the DFG table: the lobe reflects `f0 A + B` of constant radiance.
     pub fn dfg(&self, n_dot_v: f64, alpha: f64) -> DVec2 {
         dfg::lookup(&self.dfg, n_dot_v, alpha)
+    }
+
+    /// The split sum by a lookup of that direction and width: `P(direction, width) (f0 A + B)`.
+    pub fn split_sum(&self, surface: &Surface, direction: DVec3, width: f64) -> DVec3 {
+        let pair = self.dfg(surface.n.dot(surface.v), surface.alpha);
+        self.mean_radiance(direction, width) * (surface.f0 * pair.x + pair.y)
+    }
+
+    /// The same at alpha along `normalize(mix(n, r, t))`, t by n·v and alpha.
+    pub fn split_sum_between(&self, surface: &Surface, share_of_r: fn(f64, f64) -> f64) -> DVec3 {
+        let Surface { n, v, alpha, .. } = *surface;
+        self.split_sum(surface, n.lerp(reflect(v, n), share_of_r(n.dot(v), alpha)).normalize(), alpha)
+    }
+
+    /// The direction of the lobe's first moment, colours by their mean.
+    pub fn lobe_direction(&self, surface: &Surface) -> DVec3 {
+        let of = |channels| self.lobe_shape(surface, 0, channels);
+        let [of_a, of_b] = [of(|t| DVec3::new(t.x, t.y, 0.0)), of(|t| DVec3::new(t.z, t.w, 0.0))];
+        let moment = of_a.lerp(of_b, self.share_of_f90(surface));
+        (moment.x * reflect(surface.v, surface.n) + moment.y * surface.n).normalize()
+    }
+
+    /// The split sum along that direction, at the width of an objective.
+    pub fn fitted_split_sum(&self, surface: &Surface, objective: Objective) -> DVec3 {
+        let part = 1 + OBJECTIVES.iter().position(|listed| *listed == objective).expect("a listed objective") as u32;
+        let [low, middle, high] = self.lobe_shape(surface, part, DVec4::truncate).to_array();
+        let share = self.share_of_f90(surface);
+        // The parabola through the three.
+        let ratio = low + share * ((4.0 * middle - 3.0 * low - high) + share * 2.0 * (low - 2.0 * middle + high));
+        self.split_sum(surface, self.lobe_direction(surface), (surface.alpha * ratio * ratio).min(1.0))
+    }
+
+    /// Three channels of a part of the table of lobe shapes.
+    fn lobe_shape(&self, surface: &Surface, part: u32, channels: fn(DVec4) -> DVec3) -> DVec3 {
+        let uv = lobe_shape::uv_from_parameters(surface.n.dot(surface.v), surface.alpha, part);
+        bilinear(&self.lobe_shapes, uv, Wrap::Clamp, channels)
+    }
+
+    /// How much of what the lobe reflects has the weight Fc.
+    fn share_of_f90(&self, surface: &Surface) -> f64 {
+        let pair = self.dfg(surface.n.dot(surface.v), surface.alpha);
+        pair.y / (surface.f0.element_sum() / 3.0 * pair.x + pair.y)
     }
 
     /// Irradiance over π from the irradiance map.

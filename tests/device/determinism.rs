@@ -107,6 +107,7 @@ fn the_reference_reads_nothing_it_has_not_written() {
             filtered: blank.clone(),
             prefiltered: blank.clone(),
             dfg: blank.clone(),
+            lobe_shapes: blank.clone(),
             irradiance_map: blank,
             sh9: gpu.buffer("blank", 256).unwrap(),
             points: Points::upload(gpu, 1, request.sequence, 0).unwrap(),

@@ -13,12 +13,14 @@ use rayon::prelude::*;
 use splitsum::brdf::{Brdf, MODELS, MaskingShadowing};
 use splitsum::environment::layout::{FilteredMap, LAYOUTS, MapLayout, lod_from_solid_angles};
 use splitsum::environment::{Environment, LoadOptions, Placement};
-use splitsum::glsl::constants::POINTS_PER_DISPATCH;
+use splitsum::glsl::constants::{LOBE_SHAPE_PARTS, LOBE_SHAPE_SIDE, POINTS_PER_DISPATCH};
 use splitsum::gpu::Gpu;
 use splitsum::math::frame::Frame as LocalFrame;
 use splitsum::math::sequence::SEQUENCES;
 use splitsum::pipeline::{Frame, RenderRequest};
+use splitsum::pixels::Pixels;
 use splitsum::precompute::dfg::Albedos;
+use splitsum::precompute::lobe_shape;
 use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::pass::Recipe;
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, reference::estimate};
@@ -164,9 +166,17 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
         level_mapping: settings.level_mapping,
         dfg: dfg_table(gpu, model, masking, settings.dfg_size, settings.dfg_sample_count).map(DVec3::truncate),
         albedos: Albedos::new(Kernel::cosine(model), masking, request.scene.materials[0].alpha.into()),
+        lobe_shapes: lobe_shapes(model, masking, settings),
         irradiance_map: read_map(gpu, layout, &map),
         sh9: coefficients(gpu, &image).1,
     }
+}
+
+/// The table that the pipeline writes to the device.
+fn lobe_shapes(model: &'static dyn Brdf, masking: MaskingShadowing, settings: &PrecomputeSettings) -> Pixels<DVec4> {
+    let texels = lobe_shape::texels(Kernel::new(model, settings.prefilter_weight, masking), masking);
+    let of_texel = |texel: &[f32; 4]| DVec4::from_array(texel.map(f64::from));
+    Pixels::new(LOBE_SHAPE_SIDE, LOBE_SHAPE_PARTS * LOBE_SHAPE_SIDE, texels.iter().map(of_texel).collect())
 }
 
 /// What the device's g-buffer holds.

@@ -9,6 +9,7 @@ mod environment;
 mod harmonics;
 mod ladder;
 mod layering;
+mod lobe_shape;
 mod map_layouts;
 mod math;
 mod metrics;

@@ -7,6 +7,14 @@ mod sampled;
 mod sampled_unfiltered;
 pub mod seed0_literal;
 pub mod split_sum;
+mod split_sum_filament;
+mod split_sum_fitted;
+mod split_sum_frostbite;
+mod split_sum_godot;
+mod split_sum_moment;
+mod split_sum_nrd;
+mod split_sum_relative;
+mod split_sum_unity;
 
 use super::NONE;
 use super::diffuse::Diffuse;
@@ -32,6 +40,8 @@ pub struct Method {
     pub uses_prefiltered: bool,
     /// The DFG table, for the specular term itself; see [`Method::needs_dfg`].
     pub uses_dfg: bool,
+    /// The table of lobe shapes.
+    pub uses_lobe_shapes: bool,
     /// The widths of the prefiltered map's levels, if not the map.
     pub uses_levels: bool,
     /// The weight of a prefiltered map, if not the map.
@@ -48,6 +58,14 @@ pub static METHODS: &[Method] = &[
     sampled_unfiltered::METHOD,
     seed0_literal::METHOD,
     split_sum::METHOD,
+    split_sum_filament::METHOD,
+    split_sum_frostbite::METHOD,
+    split_sum_godot::METHOD,
+    split_sum_nrd::METHOD,
+    split_sum_unity::METHOD,
+    split_sum_moment::METHOD,
+    split_sum_fitted::METHOD,
+    split_sum_relative::METHOD,
     none::METHOD,
     reference::METHOD,
     ladder::FRESNEL,
@@ -70,6 +88,7 @@ impl Method {
             uses_lod_bias: false,
             uses_prefiltered: false,
             uses_dfg: false,
+            uses_lobe_shapes: false,
             uses_levels: false,
             uses_weight: false,
             has_ladder: false,

@@ -3,18 +3,18 @@
 
 use super::Method;
 use crate::brdf::reflect;
-use crate::shade::twin::Twin;
+use crate::shade::twin::{SpecularTwin, Twin};
+
+/// A split sum by some lookup of the prefiltered map.
+pub(super) const fn shifted(name: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
+    Method { uses_prefiltered: true, uses_dfg: true, ..Method::plain(name, about, twin) }
+}
 
 pub const METHOD: Method = Method {
-    uses_prefiltered: true,
-    uses_dfg: true,
     has_ladder: true,
-    ..Method::plain(
+    ..shifted(
         "split-sum",
         "prefiltered map (n = v = r, n.l weight) times the DFG table",
-        Twin::Estimator(|surface, light, _| {
-            let pair = light.dfg(surface.n.dot(surface.v), surface.alpha);
-            light.mean_radiance(reflect(surface.v, surface.n), surface.alpha) * (surface.f0 * pair.x + pair.y)
-        }),
+        Twin::Estimator(|surface, light, _| light.split_sum(surface, reflect(surface.v, surface.n), surface.alpha)),
     )
 };

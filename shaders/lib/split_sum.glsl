@@ -1,0 +1,24 @@
+// The two factors of a split sum, looked up in the tables that shade/specular.comp binds.
+#ifndef SPLIT_SUM_GLSL
+#define SPLIT_SUM_GLSL
+
+#include "lib/prefilter_mapping.glsl"
+#include "lib/surface.glsl"
+
+// Mean radiance of the lobe of that perceptual roughness for n = v = direction.
+vec3 prefiltered_radiance(vec3 direction, float perceptual_roughness) {
+    float lod = lod_from_perceptual_roughness(perceptual_roughness, params.prefilter_level_count);
+    return map_radiance(prefiltered, map_place(direction), lod);
+}
+
+// (A, B): of constant radiance the lobe reflects f0 A + B.
+vec2 albedo_pair(Surface s) {
+    return textureLod(dfg, dfg_uv(s.n_dot_v, s.alpha), 0.0).rg;
+}
+
+vec3 reflectance(Surface s) {
+    vec2 a_b = albedo_pair(s);
+    return s.f0 * a_b.x + a_b.y;
+}
+
+#endif
