@@ -12,7 +12,7 @@ pub mod radiance;
 pub use attribution::{Attribution, StepNumbers};
 
 use crate::shade::Method;
-use crate::shade::method::{ladder as rungs, split_sum};
+use crate::shade::method::{ladder as rungs, ladder_texels, split_sum};
 use game::Coalition;
 
 /// One approximation.
@@ -43,9 +43,9 @@ pub const STEPS: [Step; 8] = [
     free("masking", &rungs::MASKING, "the weight of the prefiltered map, n·l by default, for masking-shadowing"),
     free("view", &rungs::VIEW, "n = v = r: the lobe about r of a view along it"),
     tabulated("levels", &rungs::LEVELS, "a linear blend of the widths of two levels for the width"),
-    tabulated("texels", &rungs::TEXELS, "linear filtering between texels for the direction"),
-    tabulated("samples", &rungs::TEXELS, "the finite prefilter for the integral in each texel"),
-    tabulated("storage", &rungs::TEXELS, "the format in which texels are kept"),
+    tabulated("texels", &ladder_texels::METHOD, "linear filtering between texels for the direction"),
+    tabulated("samples", &ladder_texels::METHOD, "the finite prefilter for the integral in each texel"),
+    tabulated("storage", &ladder_texels::METHOD, "the format in which texels are kept"),
     free("table", &split_sum::METHOD, "the DFG table as looked up for A and B"),
 ];
 

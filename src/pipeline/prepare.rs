@@ -1,3 +1,5 @@
+//! Long because each table has its entry, its recipe and its key here, side by side.
+//!
 //! What a request needs before it can be shaded: tables, scene, targets.
 
 use super::cache::Recent;

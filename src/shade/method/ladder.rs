@@ -81,7 +81,7 @@ pub const MASKING: Method = weighted(rung(
 /// No rung: masking approximated before Fresnel, each part of Fresnel by its own mean.
 pub const MASKING_ALONE: Method = weighted(rung(
     "ladder-masking-alone",
-    "the reference with the weight of prefiltered maps (n.l) for the masking: f0 A <K (1-Fc), L> + B <K Fc, L>",
+    "the reference with the weight of prefiltered maps (n.l) for the masking, each part of Fresnel by its own mean",
     Twin::Mean(|environment, surface, settings, tolerance| {
         let Surface { alpha, n, v, .. } = *surface;
         let (frame, kernel) = (Frame::from_normal(n), kernel(surface, settings));
@@ -125,19 +125,6 @@ pub const LEVELS: Method = Method {
             scaled(blended(environment, surface, settings, tolerance), scale)
         }),
     ))
-};
-
-pub const TEXELS: Method = Method {
-    uses_prefiltered: true,
-    ..Method::plain(
-        "ladder-texels",
-        "the split sum with exact A and B: the prefiltered map as looked up",
-        Twin::Estimator(|surface, light, _| {
-            let albedo = light.albedos.exact(surface.n.dot(surface.v));
-            let r = reflect(surface.v, surface.n);
-            light.mean_radiance(r, surface.alpha) * (surface.f0 * albedo.x + albedo.y)
-        }),
-    )
 };
 
 /// The mean radiance about r, blended from two levels.

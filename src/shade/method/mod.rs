@@ -1,6 +1,7 @@
 //! The specular methods: what each is called, what changes its result, and its f64 twin.
 
 pub mod ladder;
+pub mod ladder_texels;
 mod none;
 mod reference;
 mod sampled;
@@ -73,7 +74,7 @@ pub static METHODS: &[Method] = &[
     ladder::MASKING_ALONE,
     ladder::VIEW,
     ladder::LEVELS,
-    ladder::TEXELS,
+    ladder_texels::METHOD,
 ];
 
 impl Method {

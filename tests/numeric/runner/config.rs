@@ -182,7 +182,7 @@ fn level_biases_have_names_and_sequences_and_formats_are_checked() {
             "e.toml:6:13: axes.lod_bias: ",
             "e.toml:7:18: axes.level_mapping: \"cmgen\" is not a level mapping",
             "e.toml:8:21: axes.prefilter_weight: \"cosin\" is not a prefilter weight; did you mean \"cosine\"?",
-            "e.toml:9:26: axes.prefilter_level_count: 1 is outside [2, 12]",
+            "e.toml:9:26: axes.prefilter_level_count: 1 is outside [2, 11]",
         ],
     );
 }
