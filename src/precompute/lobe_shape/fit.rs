@@ -31,7 +31,7 @@ impl Objective {
 }
 
 /// Widths that are tried; between them the objective is a parabola in ln a.
-const PER_OCTAVE: f64 = 8.0;
+const PER_OCTAVE: f64 = 16.0;
 
 /// Octaves below the lobe's alpha from which the search starts.
 const OCTAVES_BELOW: f64 = 3.0;

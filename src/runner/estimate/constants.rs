@@ -9,7 +9,7 @@ pub const SAMPLES_PER_SECOND: f64 = 60e6;
 const NS: f64 = 1e-9;
 
 /// A device's work: kind, ns a pixel, ns a sample.
-const DEVICE_NS: [(&str, f64, f64); 11] = [
+const DEVICE_NS: [(&str, f64, f64); 12] = [
     ("image", 120.0, 15.0),
     ("image split-sum", 250.0, 15.0),
     ("image none", 250.0, 15.0),
@@ -21,6 +21,7 @@ const DEVICE_NS: [(&str, f64, f64); 11] = [
     ("table prefilter", 0.0, 2.5),
     ("table dfg", 0.0, 9.0),
     ("table irradiance", 0.0, 11.0),
+    ("ladder", 0.0, 400.0),
 ];
 /// The host's work in seconds, and files in bytes: kind, for each item, for each pixel.
 const HOST: [(&str, f64, f64); 10] = [

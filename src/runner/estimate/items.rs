@@ -68,6 +68,11 @@ impl Item {
         Self { times, ..Self::new(Part::Images, kind_of("image", point), amount(plan, point)) }
     }
 
+    /// The steps of the error of a point.
+    pub fn ladder(plan: &Plan, point: &Point) -> Option<Self> {
+        Some(Self::new(Part::Images, "ladder", ladder_amount(plan, point)?))
+    }
+
     /// The reference of a cell: at most, where a relative error may end it earlier.
     pub fn reference(plan: &Plan, cell: &Cell) -> Self {
         let point = plan.reference_point(&cell.point);
@@ -133,6 +138,12 @@ pub fn amount(plan: &Plan, point: &Point) -> Amount {
     Amount { pixels, samples: pixels * (f64::from(specular) + f64::from(diffuse)) }
 }
 
+/// What is drawn for the steps of a point's error.
+pub fn ladder_amount(plan: &Plan, point: &Point) -> Option<Amount> {
+    let (samples, pixels) = (plan.ladder_of(point)?, amount(plan, point).pixels);
+    Some(Amount { pixels, samples: pixels * f64::from(samples) })
+}
+
 /// Frames that a warm-up until the times settle is taken to need: twice the window that is compared.
 const STABLE_WARMUP_FRAMES: u32 = 64;
 
@@ -182,6 +193,7 @@ pub fn items(plan: &Plan, cells: &[&Cell], jobs: &[TimingJob], kept: &BTreeSet<&
         let is_first = seen.insert(cell.radiance.clone());
         if is_first {
             items.push(Item::image(plan, &cell.point));
+            items.extend(Item::ladder(plan, &cell.point));
         }
         for (key, table) in Item::tables(plan, &cell.point).into_iter().chain(Item::tables(plan, &reference)) {
             if seen.insert(key) {

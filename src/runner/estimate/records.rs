@@ -1,7 +1,7 @@
 //! Speeds from the records of runs: what their cells and timings took, and how large their files are.
 
 use super::constants::constants;
-use super::items::{all_tables, amount, file_kind, kind_of};
+use super::items::{all_tables, amount, ladder_amount, file_kind, kind_of};
 use super::speeds::{Amount, Speeds};
 use crate::files::names_in;
 use crate::pipeline::DeviceInfo;
@@ -58,6 +58,9 @@ impl Found<'_> {
         if let Some(ms) = spent.image_ms {
             let times = f64::from(1 + plan.repeats_of(&point).unwrap_or(0));
             add(kind_of("image", &point), size, ms / times);
+        }
+        if let (Some(ms), Some(drawn)) = (spent.ladder_ms, ladder_amount(plan, &point)) {
+            add("ladder".to_owned(), drawn, ms);
         }
         if let Some(ms) = spent.reference_ms {
             add(kind_of("reference", &reference), amount(plan, &reference), ms);
