@@ -11,6 +11,7 @@ mod page_live;
 mod paper;
 mod published;
 mod questions;
+mod steps;
 mod tables;
 mod times;
 mod told;

@@ -1,7 +1,7 @@
 //! Speeds from the records of runs: what their cells and timings took, and how large their files are.
 
 use super::constants::constants;
-use super::items::{all_tables, amount, ladder_amount, file_kind, kind_of};
+use super::items::{all_tables, amount, file_kind, kind_of, ladder_amount};
 use super::speeds::{Amount, Speeds};
 use crate::files::names_in;
 use crate::pipeline::DeviceInfo;

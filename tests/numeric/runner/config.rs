@@ -378,3 +378,26 @@ fn a_point_light_stands_outside_of_every_sphere() {
     let directional = text("sphere", "[0, 0.5, 0]").replace("point", "directional").replace("position", "direction");
     assert_faults(&faults(&directional, &[]), &[]);
 }
+
+/// A column of zipped axes is one combination: values may stand twice in a row, but not the whole column.
+#[test]
+fn zipped_rows_may_repeat_values() {
+    let text = |samples: &str| {
+        format!(
+            "name = \"x\"\nsize = [8, 8]\nreference = {{ samples = 32 }}\n[axes]\nmethod = [\"sampled\"]\ndiffuse = [\"none\"]\n\
+             alpha = [0.1, 0.1, 0.2]\nsamples = {samples}\n[[zip]]\naxes = [\"alpha\", \"samples\"]\n"
+        )
+    };
+    let plan = super::runs::plan(&text("[1, 2, 2]"));
+    let told = |axis: &str| -> Vec<String> {
+        let axis = splitsum::runner::axis::index_of(axis).unwrap();
+        plan.cells.iter().map(|cell| cell.point[axis].to_string()).collect()
+    };
+    assert_eq!(
+        (told("alpha"), told("samples")),
+        (
+            vec!["0.1", "0.1", "0.2"].iter().map(|s| s.to_string()).collect(),
+            vec!["1", "2", "2"].iter().map(|s| s.to_string()).collect()
+        )
+    );
+}
