@@ -86,10 +86,10 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     /// Ends with exit code 1 where the relmse of a level, of irradiance or of SH is above X.
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = threshold)]
     fail_above: Option<f64>,
     /// The same for the largest error of the DFG table.
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = threshold)]
     fail_table_above: Option<f64>,
     /// Sets NaN, infinite and negative texels of the environment to 0, with a warning, instead of refusing them.
     #[arg(long)]
@@ -272,4 +272,9 @@ fn judge(arguments: &Arguments, checked: &Checked) -> Result<(), Failure> {
         .map(|(name, what, value, limit)| format!("{name}: {what} {value:.2e} is above {limit:.2e}"))
         .collect();
     if failed.is_empty() { Ok(()) } else { Err(Failure::failed(failed.join("\n"))) }
+}
+
+fn threshold(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
+    number.ok_or_else(|| "expected a number of at least 0".to_owned())
 }

@@ -1,10 +1,10 @@
 //! The radiance of every coalition of steps.
 //!
-//! Let K be the coalition's kernel, `<K, L> = ∫ K L dl / ∫ K dl`, A and B the directional albedo, exact or from the table, and
-//! `Fc = (1 - v·h)⁵`. The outgoing radiance is
+//! Let K be the coalition's kernel, `<K, L> = ∫ K L dl / ∫ K dl`, A and B the directional albedo, exact or from the table, and F Schlick's
+//! factor `f0 (1 - Fc) + Fc`, `Fc = (1 - v·h)⁵`. The outgoing radiance is
 //!
 //! - with Fresnel approximated `(f0 A + B) <K, L>`,
-//! - else `f0 A <K (1 - Fc), L> + B <K Fc, L>`, which is the specular integral when nothing else is approximated.
+//! - else `(f0 A + B) <K F, L>`, which is the specular integral when nothing else is approximated. For f0 = 1 the two are one.
 //!
 //! K is `D G2 / (4 n·v)`, or with masking approximated `D n·h / (4 v·h) w(l)`; with n = v = r it is `D/4` times G1(l) or w(l). Before n = v = r
 //! the means are drawn by the reference's passes. After it K is isotropic about r, so that a mean is a convolution, exact by spherical
@@ -55,6 +55,8 @@ pub struct Setting<'a> {
 
 /// `<K, L>`, `<K (1 - Fc), L>` and `<K Fc, L>`.
 type Means = [DVec3; 3];
+/// `∫ K (1 - Fc)` and `∫ K Fc`, but for a common factor.
+type Split = DVec2;
 /// The means of both kernels: masking exact, then approximated.
 type Stored = [Means; 2];
 
@@ -63,11 +65,25 @@ pub struct Radiance {
     scale: f64,
     exact: Vec<DVec2>,
     table: Vec<DVec2>,
-    /// `∫ K (1 - Fc)` and `∫ K Fc` with masking approximated.
-    weighted: Vec<DVec2>,
+    /// With masking approximated.
+    weighted: Vec<Split>,
     drawn: [[Vec<DVec3>; 2]; 2],
-    /// Means after n = v = r by pixel, by which of [`TABULATED`] are approximated.
-    tabulated: HashMap<Coalition, Vec<Stored>>,
+    /// Both levels after n = v = r, by which of [`TABULATED`] are approximated.
+    tabulated: HashMap<Coalition, [Looked; 2]>,
+}
+
+/// One of the two levels around alpha, as looked up.
+struct Looked {
+    share: f64,
+    /// Of each kernel at the level's width.
+    splits: [Split; 2],
+    /// By pixel; empty for a level of no share.
+    means: Vec<Stored>,
+}
+
+/// `<K F, L>`, or `<K, L>` with Fresnel approximated.
+fn mean([whole, below, grazing]: Means, split: Split, f0: DVec3, is_outside: bool) -> DVec3 {
+    if is_outside { whole } else { (f0 * split.x * below + split.y * grazing) / (f0 * split.x + split.y) }
 }
 
 /// The steps that act on tables.
@@ -94,27 +110,26 @@ impl Radiance {
     /// Radiance of a feasible coalition by pixel.
     pub fn of(&self, coalition: Coalition, f0: DVec3) -> Vec<DVec3> {
         let albedo = if has(coalition, TABLE) { &self.table } else { &self.exact };
-        let pixels = 0..self.exact.len();
-        let radiance = |means: Means, albedo: DVec2| {
-            let [whole, below, grazing] = means;
-            match has(coalition, FRESNEL) {
-                true => (f0 * albedo.x + albedo.y) * whole,
-                false => f0 * albedo.x * below + albedo.y * grazing,
-            }
-        };
+        let (pixels, is_outside) = (0..self.exact.len(), has(coalition, FRESNEL));
+        let reflectance = |pixel: usize| f0 * albedo[pixel].x + albedo[pixel].y;
         if has(coalition, VIEW) {
             let acts = TABULATED.iter().filter(|step| has(coalition, **step)).fold(0, |all, step| all | 1 << step);
-            let stored = &self.tabulated[&acts];
             let kernel = usize::from(has(coalition, MASKING));
-            return pixels.map(|pixel| self.scale * radiance(stored[pixel][kernel], albedo[pixel])).collect();
+            let levels = self.tabulated[&acts].iter().filter(|level| level.share > 0.0);
+            let of_level = |level: &Looked, pixel: usize| {
+                level.share * mean(level.means[pixel][kernel], level.splits[kernel], f0, is_outside)
+            };
+            let of_pixel = |pixel| levels.clone().map(|level| of_level(level, pixel)).sum::<DVec3>();
+            return pixels.map(|pixel| self.scale * reflectance(pixel) * of_pixel(pixel)).collect();
         }
-        let [grazing, both] = &self.drawn[usize::from(has(coalition, MASKING))];
-        let parts = if has(coalition, MASKING) { &self.weighted } else { &self.exact };
+        // Drawn are `B <K Fc, L>` and `(A + B) <K, L>`.
+        let [grazing, white] = &self.drawn[usize::from(has(coalition, MASKING))];
+        let splits = if has(coalition, MASKING) { &self.weighted } else { &self.exact };
         let of_pixel = |pixel: usize| {
-            let (exact, parts) = (self.exact[pixel], parts[pixel]);
-            let (below, grazing) = ((both[pixel] - grazing[pixel]) / exact.x, grazing[pixel] / exact.y);
-            let whole = (parts.x * below + parts.y * grazing) / parts.element_sum();
-            radiance([whole, below, grazing], albedo[pixel])
+            let (exact, split) = (self.exact[pixel], splits[pixel]);
+            let (whole, grazing) = (white[pixel] / exact.element_sum(), grazing[pixel] / exact.y);
+            let below = (split.element_sum() * whole - split.y * grazing) / split.x;
+            reflectance(pixel) * mean([whole, below, grazing], split, f0, is_outside)
         };
         pixels.map(of_pixel).collect()
     }
@@ -174,7 +189,7 @@ impl<'a> Tables<'a> {
     }
 
     /// By the steps that act.
-    fn all(&self) -> HashMap<Coalition, Vec<Stored>> {
+    fn all(&self) -> HashMap<Coalition, [Looked; 2]> {
         let mut known = HashMap::new();
         let subsets = (0..1 << TABULATED.len()).map(|bits: usize| {
             TABULATED.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1).fold(0, |all, (_, step)| all | 1 << step)
@@ -182,10 +197,14 @@ impl<'a> Tables<'a> {
         subsets.map(|acts| (acts, self.means(acts, &mut known))).collect()
     }
 
-    fn means(&self, acts: Coalition, known: &mut HashMap<(u64, usize, bool), Vec<Stored>>) -> Vec<Stored> {
-        let mut sums = vec![Stored::default(); self.setting.frames.len()];
-        for level in self.levels.iter().filter(|level| level.share > 0.0) {
+    fn means(&self, acts: Coalition, known: &mut HashMap<(u64, usize, bool), Vec<Stored>>) -> [Looked; 2] {
+        self.levels.each_ref().map(|level| {
             let alpha = if has(acts, LEVELS) { level.alpha } else { self.setting.alpha };
+            let splits = self.kernels.map(|kernel| split(kernel, alpha));
+            if level.share == 0.0 {
+                return Looked { share: 0.0, splits, means: Vec::new() };
+            }
+            let mut sums = vec![Stored::default(); self.setting.frames.len()];
             let place = level.places[usize::from(has(acts, TEXELS))];
             let by_samples = has(acts, SAMPLES);
             let stored = known
@@ -195,12 +214,12 @@ impl<'a> Tables<'a> {
             for (sum, stencil) in sums.iter_mut().zip(&self.places[place].stencils) {
                 for &(at, weight) in stencil {
                     for (sum, means) in sum.iter_mut().flatten().zip(stored[at].iter().flatten()) {
-                        *sum += level.share * weight * if is_half { rounded(*means) } else { *means };
+                        *sum += weight * if is_half { rounded(*means) } else { *means };
                     }
                 }
             }
-        }
-        sums
+            Looked { share: level.share, splits, means: sums }
+        })
     }
 
     /// The means in the directions of a place.
@@ -269,6 +288,18 @@ impl<'a> Tables<'a> {
         };
         directions.par_iter().map(mean).collect()
     }
+}
+
+/// That of a kernel at n = v; a mirror has no grazing part.
+fn split(kernel: Kernel, alpha: f64) -> Split {
+    if alpha == 0.0 {
+        return DVec2::X;
+    }
+    let of = |part: fn(f64) -> f64| -> f64 {
+        let weight = |n_dot_l: f64| kernel.weight(alpha, n_dot_l) * part(n_dot_l);
+        harmonic::integrals(kernel.brdf, alpha, 1, weight)[0]
+    };
+    DVec2::new(of(PARTS[1]), of(PARTS[2]))
 }
 
 /// 1, 1 - Fc and Fc by n·l at n = v.

@@ -1,11 +1,12 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
 
-use super::axis::{AXES, PREFILTER_SIZE, Point, SAMPLES, SIZE, index_of};
+use super::axis::{ALPHA, AXES, PREFILTER_SIZE, Point, SAMPLES, SIZE, index_of};
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
 use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
+use crate::precompute::prefilter::harmonic;
 use crate::shade::reference_pass::ScramblePlan;
 use crate::spelling::suggestion;
 
@@ -16,6 +17,7 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
         let judge = point.reference(&config.reference, has_lights);
         let point = point.collapsed(has_lights);
         check_reference_counts(config, &point, &judge, faults);
+        check_ladder(config, &point, faults);
         if let Err(error) = point.settings().precompute.validate() {
             let partners = index_of(error.field()).into_iter().chain([PREFILTER_SIZE]);
             let place = partners.map(|axis| config.place_of(axis, &point)).find(|place| *place != Place::Default);
@@ -40,6 +42,21 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
             );
             faults.add(&place, text);
         }
+    }
+}
+
+/// Steps are told of lobes whose harmonics are known.
+fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
+    let alpha = f64::from(point.settings().material.alpha.unwrap_or(1.0));
+    if config.ladder.is_some() && point.method().has_ladder && alpha < harmonic::ALPHA_MIN {
+        let place = config.place_of(ALPHA, point);
+        faults.add(
+            &place,
+            format!(
+                "alpha: {alpha} is too narrow for the steps of [ladder]; expected at least {:.4}",
+                harmonic::ALPHA_MIN
+            ),
+        );
     }
 }
 

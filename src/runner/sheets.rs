@@ -251,7 +251,11 @@ impl Page<'_> {
         } else {
             format!("Below each image: its {HEADLINE}; below it, relative error against the reference.")
         };
-        format!("{} {below}", self.plan.config.question)
+        let step = match self.plan.config.ladder {
+            Some(_) => " Signed step: what an image adds to the one before it, over the reference.",
+            None => "",
+        };
+        format!("{} {below}{step}", self.plan.config.question)
     }
 
     /// Adds a row: of all `cells` of a column, the first that was done stands for it.

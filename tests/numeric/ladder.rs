@@ -242,7 +242,7 @@ fn rungs_are_their_f64_twins() {
 
 #[test]
 fn the_view_alone_is_the_lobe_about_r() {
-    // f0 A <K (1 - Fc), L> + B <K Fc, L> with K = D/4 G1(l) for n = v = r, by sums over latitude and longitude.
+    // (f0 A + B) <K F, L> with K = D/4 G1(l) for n = v = r, by sums over latitude and longitude.
     let environment = Environment::from_image("golden", golden_environment());
     let (alpha, f0, frames) = (0.45, DVec3::new(0.04, 0.3, 1.0), frames(6));
     let found = radiance(&environment, alpha, &frames, &harmonic_tables()).of(of(&[VIEW]), f0);
@@ -267,8 +267,21 @@ fn the_view_alone_is_the_lobe_about_r() {
             }
         }
         let albedo = dfg(model, masking, n.dot(*v), alpha);
-        let right = f0 * albedo.f0_scale * sums[0] / wholes[0] + albedo.f90_scale * sums[1] / wholes[1];
+        let mean = (f0 * sums[0] + sums[1]) / (f0 * wholes[0] + wholes[1]);
+        let right = (f0 * albedo.f0_scale + albedo.f90_scale) * mean;
         assert!(((*own - right) / right).abs().max_element() < 1e-3, "{own}, not {right}");
+    }
+}
+
+#[test]
+fn a_white_lobe_has_no_step_of_fresnel() {
+    let environment = Environment::from_image("golden", golden_environment());
+    let found = radiance(&environment, 0.3, &frames(12), &harmonic_tables());
+    for coalition in coalitions(&needs()).into_iter().filter(|one| one >> FRESNEL & 1 == 0) {
+        let [inside, outside] = [coalition, coalition | 1 << FRESNEL].map(|one| found.of(one, DVec3::ONE));
+        for (inside, outside) in inside.iter().zip(&outside) {
+            assert!(((*inside - *outside) / *outside).abs().max_element() < 1e-9, "{coalition:b}: {inside} {outside}");
+        }
     }
 }
 

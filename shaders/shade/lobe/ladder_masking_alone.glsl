@@ -1,20 +1,13 @@
-// `ladder-masking-alone`: the weight w(l) of prefiltered maps for the masking with Fresnel left inside, each part by its own mean:
-//     f0 A <K (1 - Fc), L> + B <K Fc, L>, K = D (n.h) / (4 v.h) w(l).
+// `ladder-masking-alone`: the weight w(l) of prefiltered maps for the masking with Fresnel left inside,
+//     (f0 A + B) <K F, L>, K = D (n.h) / (4 v.h) w(l).
 #ifndef LOBE_LADDER_MASKING_ALONE_GLSL
 #define LOBE_LADDER_MASKING_ALONE_GLSL
 
 #include "lib/directional_albedo.glsl"
 #include "lib/microfacet_lobe.glsl"
 
-// B over what normalises K Fc.
-float grazing_scale(vec4 albedo) {
-    return albedo.y / albedo.w;
-}
-
-// The lobe's f0 holds that of K (1 - Fc), over `grazing_scale`.
 Lobe lobe_at(Surface s, ShadeParams params) {
-    vec4 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
-    return microfacet_lobe(s.n, s.v, s.alpha, s.f0 * albedo.x / ((albedo.z - albedo.w) * grazing_scale(albedo)));
+    return microfacet_lobe(s.n, s.v, s.alpha, s.f0);
 }
 
 LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
@@ -25,7 +18,8 @@ LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
 }
 
 vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
-    return vec3(grazing_scale(directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING)));
+    vec4 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
+    return (s.f0 * albedo.x + albedo.y) / (s.f0 * (albedo.z - albedo.w) + albedo.w);
 }
 
 #endif

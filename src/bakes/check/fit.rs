@@ -60,13 +60,13 @@ pub fn fit(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) 
     Some(best)
 }
 
-/// The gain g of least mean `(found - g exact)²/(exact² + ε)`.
+/// The gain g of least mean `(found/g - exact)²/(exact² + ε)`.
 pub fn gain(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: f64) -> f64 {
     let (mut product, mut square) = (0.0, 0.0);
     for ((weight, found), exact) in directions.weights.iter().zip(found).zip(exact) {
         let scale = *weight / (*exact * *exact + epsilon);
         product += (scale * *found * *exact).element_sum();
-        square += (scale * *exact * *exact).element_sum();
+        square += (scale * *found * *found).element_sum();
     }
-    if square > 0.0 && product > 0.0 { product / square } else { 1.0 }
+    if square > 0.0 && product > 0.0 { square / product } else { 1.0 }
 }

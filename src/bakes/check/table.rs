@@ -2,6 +2,7 @@
 
 use crate::bakes::convention::{Convention, TABLE_AXES, TABLE_CHANNELS, TableAxes, TableChannels};
 use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
+use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::RgbImage;
 use crate::precompute::dfg::reference::dfg_within;
 use glam::{DVec2, DVec3};
@@ -155,8 +156,8 @@ fn places(table: &RgbImage, lines: u32) -> Vec<Place> {
         .collect()
 }
 
-/// A and B at n·v and perceptual roughness.
+/// A and B at n·v and perceptual roughness, no narrower than is shaded.
 fn exact(brdf: &'static dyn Brdf, masking: MaskingShadowing, at: DVec2, within: f64) -> DVec2 {
-    let found = dfg_within(brdf, masking, at.x, alpha_from_perceptual_roughness(at.y), within);
+    let found = dfg_within(brdf, masking, at.x, alpha_from_perceptual_roughness(at.y).max(ALPHA_MIN.into()), within);
     DVec2::new(found.f0_scale, found.f90_scale)
 }

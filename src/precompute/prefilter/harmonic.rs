@@ -43,6 +43,12 @@ pub fn factors(kernel: Kernel, alpha: f64, degree: usize) -> Vec<f64> {
 
 /// The same of the kernel `D w(n·l)`.
 pub fn factors_of(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
+    let integrals = integrals(brdf, alpha, degree, weight);
+    integrals.iter().map(|integral| integral / integrals[0]).collect()
+}
+
+/// `∫ D w P_l dl` for l up to a degree, at least 1.
+pub fn integrals(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
     // In t = ln tan(γ/2), where a lobe of any width has the same shape; below it holds 4e-11.
     let low = alpha.ln() - 12.0;
     let rule = GaussLegendre::<6>::new();
@@ -69,8 +75,6 @@ pub fn factors_of(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f6
         }
         high -= step;
     }
-    let whole = sums[0];
-    sums.iter_mut().for_each(|sum| *sum /= whole);
     sums
 }
 

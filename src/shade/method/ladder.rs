@@ -78,12 +78,12 @@ pub const MASKING: Method = weighted(rung(
     }),
 ));
 
-/// No rung: masking approximated before Fresnel, each part of Fresnel by its own mean.
+/// No rung: masking approximated before Fresnel.
 pub const MASKING_ALONE: Method = weighted(rung(
     "ladder-masking-alone",
-    "the reference with the weight of prefiltered maps (n.l) for the masking, each part of Fresnel by its own mean",
+    "the reference with the weight of prefiltered maps (n.l) for the masking, and its own albedo",
     Twin::Mean(|environment, surface, settings, tolerance| {
-        let Surface { alpha, n, v, .. } = *surface;
+        let Surface { alpha, n, v, f0, .. } = *surface;
         let (frame, kernel) = (Frame::from_normal(n), kernel(surface, settings));
         let v_local = frame.to_local(v);
         let value = |l: DVec3| {
@@ -99,9 +99,9 @@ pub const MASKING_ALONE: Method = weighted(rung(
                 }
             }
         };
-        let (exact, [below, grazing]) = (exact_albedo(surface), weight_means(kernel, v_local.z, alpha));
-        let factors = [surface.f0 * exact.f0_scale / below, DVec3::splat(exact.f90_scale / grazing)];
-        environment.integrate(value, &[mirror_focus(surface)], tolerance).combine(factors)
+        let [below, grazing] = weight_means(kernel, v_local.z, alpha);
+        let factor = reflectance(surface, &exact_albedo(surface)) / (f0 * below + grazing);
+        environment.integrate(value, &[mirror_focus(surface)], tolerance).combine([f0 * factor, factor])
     }),
 ));
 

@@ -223,6 +223,7 @@ fn digest(groups: &[Group], steps: &[&str]) -> Table {
             let range = |step: &&str| {
                 let means = || band.iter().map(|group| group.mean(step));
                 let ends = [means().fold(f64::INFINITY, f64::min), means().fold(f64::NEG_INFINITY, f64::max)];
+                let ends = ends.map(|share| if share.abs() < NOISE { 0.0 } else { share });
                 Cell::from((!band.is_empty()).then(|| range_words(ends, |x| number(100.0 * x)) + " %"))
             };
             let head = cells![name.as_str(), ALL, Cell::Missing, format!("{} to {}", seen[0], seen[1])];

@@ -222,11 +222,16 @@ type ByAlpha<'t, 'r, 'f> = [(Value, Vec<Combination<'t, 'r, 'f>>)];
 fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &ByAlpha) -> String {
     let (worst, metric) = (best.worst(), frame.metric_name());
     let enough = enough(frame);
-    let share = told_share(enough, worst.share());
+    // A share within the noise of the reference is an upper end.
+    let bound = if frame.is_resolved(worst.row) { "" } else { "at most " };
+    let share = format!("{bound}{}", told_share(enough, worst.share()));
     let place = place(worst, &[ENVIRONMENT, ALPHA]);
     let tables = words(parameters, &best.tables);
     let mut text = match worst.share() <= enough {
-        true => format!("Ship **{tables}**: their `{metric}` is at most {share} of the split's own ({place})."),
+        true => format!(
+            "Ship **{tables}**: their `{metric}` is at most {} of the split's own ({place}).",
+            told_share(enough, worst.share())
+        ),
         false => format!(
             "No tried tables err by {} of the split's own `{metric}` or less. The best, {tables}, reach {share} ({place}).",
             if frame.metric.description().power == 2.0 { "a tenth" } else { "a third" }
