@@ -103,7 +103,9 @@ impl<'r, 'f> Group<'r, 'f> {
 }
 
 fn groups<'r, 'f>(frame: &Frame, told: &[Told<'r, 'f>]) -> Vec<Group<'r, 'f>> {
-    let others: Vec<usize> = frame.case_axes().into_iter().filter(|of| ![ALPHA, ENVIRONMENT].contains(of)).collect();
+    // The scene is the design for all of them.
+    let others: Vec<usize> =
+        frame.case_axes().into_iter().filter(|of| ![ALPHA, ENVIRONMENT, SCENE].contains(of)).collect();
     let of_name = |(key, own): (Key, Vec<Told<'r, 'f>>)| {
         let name = label(&others, &key);
         let by_alpha = grouped_ascending(own, ALPHA, |told| told.row).into_iter();
@@ -204,11 +206,12 @@ fn share_words(share: &Estimate) -> String {
     if lo < 0.0 && hi > 0.0 && hi - lo > 2.0 * NOISE {
         return range_words([lo, hi], |x| number(100.0 * x)) + " %";
     }
-    let half = share.interval.map_or(String::new(), |[lo, hi]| format!(" ± {}", number(50.0 * rounded(hi - lo))));
+    let half = share.interval.map(|[lo, hi]| rounded(0.5 * (hi - lo))).filter(|half| *half > 0.0);
+    let half = half.map_or(String::new(), |half| format!(" ± {}", number(100.0 * half)));
     format!("{}{half}", percent(rounded(share.value)))
 }
 
-/// One row an alpha over all views, then one a band of n·v with the range over alphas.
+/// One row an alpha over all views, then one an end of n·v with the range over alphas.
 fn digest(groups: &[Group], steps: &[&str]) -> Table {
     let heads = ["case", AXES[ALPHA].name, ROUGHNESS, "n·v"].into_iter().map(str::to_owned);
     let mut table = Table::with_names(heads.chain(steps.iter().map(|step| step.to_string())));
@@ -218,7 +221,7 @@ fn digest(groups: &[Group], steps: &[&str]) -> Table {
             let shares = steps.iter().map(|step| Cell::from(group.share(step).as_ref().map(share_words)));
             table.row(head.into_iter().chain(shares).collect());
         }
-        for seen in VIEWS {
+        for seen in [VIEWS[0], VIEWS[VIEWS.len() - 1]] {
             let band: Vec<_> = own.iter().filter(|group| group.seen == seen).collect();
             let range = |step: &&str| {
                 let means = || band.iter().map(|group| group.mean(step));
