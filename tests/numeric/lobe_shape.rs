@@ -74,8 +74,8 @@ fn moments_meet_their_integral() {
     cases.par_iter().for_each(|&(model, masking, (n_dot_v, alpha))| {
         let lobe = Lobe::new(model, masking, n_dot_v, alpha);
         let LobeShape { moments, .. } = LobeShapes::new(Kernel::cosine(model), masking).at(n_dot_v, alpha);
-        for part in 0..2 {
-            let off = close(moments[part], &lobe, part);
+        for (part, moment) in moments.into_iter().enumerate() {
+            let off = close(moment, &lobe, part);
             assert!(off < RULE, "{} {masking:?} n_dot_v {n_dot_v} alpha {alpha} part {part}: {off}", model.name());
         }
     });
