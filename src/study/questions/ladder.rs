@@ -236,8 +236,8 @@ fn digest(groups: &[Group], steps: &[&str]) -> Table {
     table.without_empty()
 }
 
-/// Bars of shares by alpha, a panel a model: to the right of 0 what adds error, to the left what cancels it. Over all views, then at the
-/// ends of n·v.
+/// Bars of shares by alpha, a panel a model: to the right of 0 what adds error, to the left what cancels it. Over all views, which grazing
+/// ones lead, then facing the viewer.
 fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
     let alphas = ascending(distinct_in_order(groups.iter().map(|group| group.alpha.clone())));
     let marks = |group: &Group| {
@@ -252,7 +252,7 @@ fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
         };
         (0..steps.len()).filter_map(bar).collect::<Vec<_>>()
     };
-    let views = [ALL_VIEWS, VIEWS[0], VIEWS[VIEWS.len() - 1]];
+    let views = [ALL_VIEWS, VIEWS[VIEWS.len() - 1]];
     let shown = views.into_iter().flat_map(|seen| groups.iter().filter(move |group| group.seen == seen));
     let title = |group: &Group| match group.seen == ALL_VIEWS {
         true => group.name.clone(),
