@@ -19,8 +19,6 @@ use game::Coalition;
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     pub name: &'static str,
-    /// What replaces what.
-    pub about: &'static str,
     /// The method whose frame is the rung after the step; that of texels has three rungs, by the axes of tables.
     pub rung: &'static Method,
     /// The steps that must have been made before, as a coalition.
@@ -39,22 +37,30 @@ pub const TABLE: usize = 7;
 /// The approximations in the ladder's order. Only what depends on one direction alone can be tabulated: levels, texels, samples and
 /// storage need n = v = r.
 pub const STEPS: [Step; 8] = [
-    free("Fresnel", &rungs::FRESNEL, "Fresnel's factor leaves the integral: f0 A + B times a mean"),
-    free("masking", &rungs::MASKING, "the weight of the prefiltered map, n·l by default, for masking-shadowing"),
-    free("view", &rungs::VIEW, "n = v = r: the lobe about r of a view along it"),
-    tabulated("levels", &rungs::LEVELS, "a linear blend of the widths of two levels for the width"),
-    tabulated("texels", &ladder_texels::METHOD, "linear filtering between texels for the direction"),
-    tabulated("samples", &ladder_texels::METHOD, "the finite prefilter for the integral in each texel"),
-    tabulated("storage", &ladder_texels::METHOD, "the format in which texels are kept"),
-    free("table", &split_sum::METHOD, "the DFG table as looked up for A and B"),
+    // Fresnel's factor leaves the integral: f0 A + B times a mean.
+    free("Fresnel", &rungs::FRESNEL),
+    // The weight of the prefiltered map, n·l by default, for masking-shadowing.
+    free("masking", &rungs::MASKING),
+    // The view, n = v = r: the lobe about r of a view along it.
+    free("view", &rungs::VIEW),
+    // A linear blend of the widths of two levels for the width.
+    tabulated("levels", &rungs::LEVELS),
+    // Linear filtering between texels for the direction.
+    tabulated("texels", &ladder_texels::METHOD),
+    // The finite prefilter for the integral in each texel.
+    tabulated("samples", &ladder_texels::METHOD),
+    // The format in which texels are kept.
+    tabulated("storage", &ladder_texels::METHOD),
+    // The DFG table as looked up for A and B.
+    free("table", &split_sum::METHOD),
 ];
 
-const fn free(name: &'static str, rung: &'static Method, about: &'static str) -> Step {
-    Step { name, about, rung, needs: 0 }
+const fn free(name: &'static str, rung: &'static Method) -> Step {
+    Step { name, rung, needs: 0 }
 }
 
-const fn tabulated(name: &'static str, rung: &'static Method, about: &'static str) -> Step {
-    Step { name, about, rung, needs: 1 << VIEW }
+const fn tabulated(name: &'static str, rung: &'static Method) -> Step {
+    Step { name, rung, needs: 1 << VIEW }
 }
 
 /// What each step needs.

@@ -3,13 +3,10 @@
 #define METHOD_LADDER_TEXELS_GLSL
 
 #include "lib/directional_albedo.glsl"
-#include "lib/prefilter_mapping.glsl"
-#include "lib/surface.glsl"
+#include "lib/split_sum.glsl"
 
 vec3 specular_radiance(Surface s) {
-    vec3 r = reflect(-s.v, s.n);
-    float lod = lod_from_perceptual_roughness(perceptual_roughness_from_alpha(s.alpha), params.prefilter_level_count);
-    vec3 mean_radiance = map_radiance(prefiltered, map_place(r), lod);
+    vec3 mean_radiance = prefiltered_radiance(reflect(-s.v, s.n), perceptual_roughness_from_alpha(s.alpha));
     vec4 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
     return mean_radiance * (s.f0 * albedo.x + albedo.y);
 }

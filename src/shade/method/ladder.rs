@@ -61,20 +61,7 @@ pub const MASKING: Method = weighted(rung(
     "ladder-masking",
     "as ladder-fresnel, with the weight of prefiltered maps (n.l) for the masking",
     Twin::Mean(|environment, surface, settings, tolerance| {
-        let Surface { alpha, n, v, .. } = *surface;
-        let (frame, kernel) = (Frame::from_normal(n), kernel(surface, settings));
-        let v_local = frame.to_local(v);
-        let value = |l: DVec3| {
-            let l_local = frame.to_local(l);
-            let h = (v_local + l_local).normalize();
-            [match kernel.weight(alpha, l_local.z) {
-                0.0 => 0.0,
-                weight => kernel.brdf.d(h, alpha) * h.z / (4.0 * v_local.dot(h)) * weight,
-            }]
-        };
-        let [below, grazing] = weight_means(kernel, v_local.z, alpha);
-        let factor = reflectance(surface, &exact_albedo(surface)) / (below + grazing);
-        environment.integrate(value, &[mirror_focus(surface)], tolerance).combine([factor])
+        unmasked(environment, surface, settings, tolerance, DVec3::ONE)
     }),
 ));
 
@@ -83,27 +70,38 @@ pub const MASKING_ALONE: Method = weighted(rung(
     "ladder-masking-alone",
     "the reference with the weight of prefiltered maps (n.l) for the masking, and its own albedo",
     Twin::Mean(|environment, surface, settings, tolerance| {
-        let Surface { alpha, n, v, f0, .. } = *surface;
-        let (frame, kernel) = (Frame::from_normal(n), kernel(surface, settings));
-        let v_local = frame.to_local(v);
-        let value = |l: DVec3| {
-            let l_local = frame.to_local(l);
-            let h = (v_local + l_local).normalize();
-            let v_dot_h = v_local.dot(h);
-            match kernel.weight(alpha, l_local.z) {
-                0.0 => [0.0; 2],
-                weight => {
-                    let value = kernel.brdf.d(h, alpha) * h.z / (4.0 * v_dot_h) * weight;
-                    let fc = schlick_weight(v_dot_h);
-                    [value * (1.0 - fc), value * fc]
-                }
-            }
-        };
-        let [below, grazing] = weight_means(kernel, v_local.z, alpha);
-        let factor = reflectance(surface, &exact_albedo(surface)) / (f0 * below + grazing);
-        environment.integrate(value, &[mirror_focus(surface)], tolerance).combine([f0 * factor, factor])
+        unmasked(environment, surface, settings, tolerance, surface.f0)
     }),
 ));
+
+/// `(f0 A + B) <K F, L>` with `K = D n·h / (4 v·h) w(l)` and F of reflectance `inside`: 1 for `<K, L>`.
+fn unmasked(
+    environment: &EquirectQuadrature,
+    surface: &Surface,
+    settings: &PrecomputeSettings,
+    tolerance: Tolerance,
+    inside: DVec3,
+) -> Bounded {
+    let Surface { alpha, n, v, .. } = *surface;
+    let (frame, kernel) = (Frame::from_normal(n), kernel(surface, settings));
+    let v_local = frame.to_local(v);
+    let value = |l: DVec3| {
+        let l_local = frame.to_local(l);
+        let h = (v_local + l_local).normalize();
+        let v_dot_h = v_local.dot(h);
+        match kernel.weight(alpha, l_local.z) {
+            0.0 => [0.0; 2],
+            weight => {
+                let value = kernel.brdf.d(h, alpha) * h.z / (4.0 * v_dot_h) * weight;
+                let fc = schlick_weight(v_dot_h);
+                [value * (1.0 - fc), value * fc]
+            }
+        }
+    };
+    let [below, grazing] = weight_means(kernel, v_local.z, alpha);
+    let factor = reflectance(surface, &exact_albedo(surface)) / (inside * below + grazing);
+    environment.integrate(value, &[mirror_focus(surface)], tolerance).combine([inside * factor, factor])
+}
 
 pub const VIEW: Method = weighted(rung(
     EXACT_SPLIT,
