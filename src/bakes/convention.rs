@@ -1,5 +1,6 @@
 //! What the numbers of a bake stand for, as data: each convention by name, and the presets of known tools.
 
+use super::product::{Chain, Product};
 use crate::brdf::MaskingShadowing;
 use crate::precompute::prefilter::{LevelMapping, level_mapping_by_name};
 use glam::{DVec2, DVec3};
@@ -145,7 +146,9 @@ pub struct Preset {
     axes: &'static str,
     mapping: &'static str,
     table_axes: &'static str,
-    masking: MaskingShadowing,
+    pub masking: MaskingShadowing,
+    /// What `splitsum bake --for` writes.
+    pub product: Product,
 }
 
 /// Every preset; the first is the default.
@@ -157,6 +160,17 @@ pub static PRESETS: &[Preset] = &[
         mapping: "linear",
         table_axes: "n+r+",
         masking: MaskingShadowing::Separable,
+        product: Product {
+            engine: "raw",
+            about: "faces as EXR in 32 bits, +x -x +y -y +z -z, a table in four forms: for your own importer",
+            specular: "specular",
+            irradiance: Some("diffuse"),
+            tables: &["dfg.exr", "dfg.ktx2", "dfg.dds", "dfg.png"],
+            sh: Some("sh.txt"),
+            texel: "rgba32f",
+            is_packed: false,
+            chain: Chain::DownTo(4),
+        },
     },
     Preset {
         name: "cmgen",
@@ -165,6 +179,17 @@ pub static PRESETS: &[Preset] = &[
         mapping: "quadratic",
         table_axes: "n+r-",
         masking: MaskingShadowing::Correlated,
+        product: Product {
+            engine: "filament",
+            about: "Filament: a KTX 1 as cmgen writes it, SH in it and beside it",
+            specular: "ibl.ktx",
+            irradiance: None,
+            tables: &["dfg.exr"],
+            sh: Some("sh.txt"),
+            texel: "r11g11b10f",
+            is_packed: false,
+            chain: Chain::DownTo(16),
+        },
     },
     Preset {
         name: "khronos",
@@ -173,6 +198,17 @@ pub static PRESETS: &[Preset] = &[
         mapping: "linear",
         table_axes: "n+r+",
         masking: MaskingShadowing::Correlated,
+        product: Product {
+            engine: "khronos",
+            about: "the glTF Sample Viewer: two KTX 2 cubes and the table",
+            specular: "specular.ktx2",
+            irradiance: Some("diffuse.ktx2"),
+            tables: &["lut_ggx.png"],
+            sh: None,
+            texel: "rgba16f",
+            is_packed: false,
+            chain: Chain::DownTo(4),
+        },
     },
     Preset {
         name: "bevy",
@@ -181,6 +217,36 @@ pub static PRESETS: &[Preset] = &[
         mapping: "linear",
         table_axes: "n+r+",
         masking: MaskingShadowing::Correlated,
+        product: Product {
+            engine: "bevy",
+            about: "EnvironmentMapLight of Bevy: two KTX 2 cubes; features ktx2 and zstd",
+            specular: "specular.ktx2",
+            irradiance: Some("diffuse.ktx2"),
+            tables: &[],
+            sh: None,
+            texel: "rgb9e5",
+            is_packed: true,
+            chain: Chain::DownTo(4),
+        },
+    },
+    Preset {
+        name: "cesium",
+        about: "cubes as Cesium looks them up, x east and z south: from its shader, not checked against a bake",
+        axes: "+x+y+z",
+        mapping: "linear",
+        table_axes: "n+r+",
+        masking: MaskingShadowing::Correlated,
+        product: Product {
+            engine: "cesium",
+            about: "Cesium: a KTX 2 cube for specularEnvironmentMaps, SH for sphericalHarmonicCoefficients, both of one run",
+            specular: "specular.ktx2",
+            irradiance: None,
+            tables: &[],
+            sh: Some("sh.txt"),
+            texel: "rgba16f",
+            is_packed: false,
+            chain: Chain::DownTo(4),
+        },
     },
     Preset {
         name: "unity",
@@ -189,12 +255,23 @@ pub static PRESETS: &[Preset] = &[
         mapping: "unity",
         table_axes: "n+r+",
         masking: MaskingShadowing::Correlated,
+        product: Product {
+            engine: "unity",
+            about: "a DDS cube of 7 levels and the table as DDS; for an importer of your own, as Unity filters what it imports",
+            specular: "specular.dds",
+            irradiance: None,
+            tables: &["dfg.dds"],
+            sh: Some("sh.txt"),
+            texel: "rgba16f",
+            is_packed: false,
+            chain: Chain::Exactly(7),
+        },
     },
 ];
 
-/// The preset of that name.
+/// The preset of that name, or of the engine of that name.
 pub fn preset_by_name(name: &str) -> Option<&'static Preset> {
-    PRESETS.iter().find(|preset| preset.name == name)
+    PRESETS.iter().find(|preset| preset.name == name || preset.product.engine == name)
 }
 
 impl Preset {

@@ -1,6 +1,7 @@
 //! Nine coefficients of spherical harmonics in files: cmgen's text and our JSON.
 
 use crate::files::{TEXT_BYTES_MAX, read_text};
+use crate::math::quadrature::GaussLegendre;
 use crate::math::spherical_harmonics::{COSINE_LOBE, COUNT, DEGREE, basis};
 use crate::pixels::{Fault, PixelsError};
 use crate::precompute::sh9::reference::Sh9;
@@ -88,6 +89,38 @@ pub fn prescaled() -> [f64; COUNT] {
         basis(DVec3::X)[8],
     ];
     std::array::from_fn(|k| constants[k] * COSINE_LOBE[DEGREE[k]] / PI)
+}
+
+/// cmgen's text of coefficients of radiance.
+pub fn to_cmgen(radiance: &Sh9) -> String {
+    const NAMES: [&str; COUNT] = ["L00", "L1-1", "L10", "L11", "L2-2", "L2-1", "L20", "L21", "L22"];
+    let line = |(name, [r, g, b]): (&str, [f64; 3])| {
+        format!("({r:18.15}, {g:18.15}, {b:18.15}); // {name}, irradiance, pre-scaled base\n")
+    };
+    NAMES.into_iter().zip(scaled(radiance)).map(line).collect()
+}
+
+/// cmgen's numbers of coefficients of radiance.
+pub fn scaled(radiance: &Sh9) -> [[f64; 3]; COUNT] {
+    let factors = prescaled();
+    std::array::from_fn(|k| (radiance[k] * factors[k]).to_array())
+}
+
+/// The coefficients of `n -> f(turn(n))`, f given by its own.
+pub fn turned(f: &Sh9, turn: impl Fn(DVec3) -> DVec3) -> Sh9 {
+    // Products of two functions are polynomials of degree 4: six nodes of z and six azimuths are exact.
+    let rule = GaussLegendre::<6>::new();
+    let mut sums = Sh9::default();
+    for (z, weight) in rule.nodes.iter().zip(rule.weights) {
+        for i in 0..6 {
+            let (sin, cos) = (f64::from(i) * PI / 3.0).sin_cos();
+            let s = (1.0 - z * z).sqrt();
+            let n = DVec3::new(s * cos, s * sin, *z);
+            let value: DVec3 = f.iter().zip(basis(turn(n))).map(|(value, y)| *value * y).sum();
+            basis(n).iter().zip(&mut sums).for_each(|(y, sum)| *sum += PI / 3.0 * weight * *y * value);
+        }
+    }
+    sums
 }
 
 fn finite(found: Coefficients) -> Result<Coefficients, Fault> {

@@ -4,7 +4,7 @@
 //! is meant otherwise is named: `irradiance=FILE`.
 
 use super::container::{FACE_COUNT, Texture, read_texture};
-use super::parts::{Bake, Map, Told};
+use super::parts::{Bake, Manifest, Map, Told};
 use super::sh;
 use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
 use crate::files::{RECORD_BYTES_MAX, names_in, read_text};
@@ -149,7 +149,7 @@ fn read_folder(path: &Path, part: Option<Part>, reading: Reading, bake: &mut Bak
 }
 
 /// Faces by name, in the order of a cube.
-const FACES: [&str; FACE_COUNT] = ["px", "nx", "py", "ny", "pz", "nz"];
+pub const FACES: [&str; FACE_COUNT] = ["px", "nx", "py", "ny", "pz", "nz"];
 
 /// Level, face and name of the files `mL_px.exr` and so on of cmgen, or `px.exr`.
 fn face_of(name: &str) -> Option<(usize, usize)> {
@@ -206,7 +206,7 @@ fn read_faces(path: &Path, names: &[String]) -> Result<Map, PixelsError> {
 }
 
 /// What `splitsum bake` names its list of files.
-const MANIFEST: &str = "bake.json";
+pub const MANIFEST: &str = "bake.json";
 
 /// The folder of `splitsum bake`.
 fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -> Result<(), PixelsError> {
@@ -220,6 +220,11 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     let manifest = path.join(MANIFEST);
     let refuse = |what: String| Fault::new(what, "the bake.json of splitsum bake").at(&manifest);
     let text = read_text(&manifest, RECORD_BYTES_MAX).map_err(|error| refuse(format!("cannot be read ({error})")))?;
+    // An engine's names its preset.
+    if serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|file| file.get("preset").is_some()) {
+        let file = serde_json::from_str(&text).map_err(|error| refuse(format!("is not read ({error})")))?;
+        return read_engines(path, file, reading, bake);
+    }
     let file: File = serde_json::from_str(&text).map_err(|error| refuse(format!("is not read ({error})")))?;
     let layout =
         layout_by_name(&file.layout).ok_or_else(|| refuse(format!("it names the layout {:?}", file.layout)))?;
@@ -245,6 +250,40 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
         once(&mut bake.irradiance, map(&["irradiance_over_pi.exr".to_owned()])?, "irradiance map", path)?;
     }
     bake.told = Told {
+        preset: None,
+        alphas: Some(file.prefilter_alphas),
+        weight: Some(file.prefilter_weight),
+        masking: Some(file.masking_shadowing),
+    };
+    Ok(())
+}
+
+/// The folder of `splitsum bake --for`.
+fn read_engines(path: &Path, file: Manifest, reading: Reading, bake: &mut Bake) -> Result<(), PixelsError> {
+    if file.brdf != reading.brdf {
+        let what = format!("it is of the model {}", file.brdf);
+        return Err(Fault::new(what, format!("{}; --brdf names another", reading.brdf)).at(&path.join(MANIFEST)));
+    }
+    let maps = [(Some(&file.specular), Part::Specular), (file.irradiance.as_ref(), Part::Irradiance)];
+    let maps = maps.into_iter().filter_map(|(name, part)| Some((name?, part)));
+    // One of the forms is enough.
+    for (name, part) in maps.chain(file.tables.first().map(|name| (name, Part::Dfg))) {
+        let path = path.join(name);
+        if !path.is_dir() {
+            add_texture(bake, read_texture(&path)?, Some(part), reading, &path)?;
+            continue;
+        }
+        let map = read_faces(&path, &names_in(&path))?;
+        match part {
+            Part::Irradiance => once(&mut bake.irradiance, map, "irradiance map", &path)?,
+            _ => once(&mut bake.specular, map, "prefiltered map", &path)?,
+        }
+    }
+    if let Some(name) = &file.sh {
+        once(&mut bake.sh, sh::read(&path.join(name))?, "SH", path)?;
+    }
+    bake.told = Told {
+        preset: Some(file.preset),
         alphas: Some(file.prefilter_alphas),
         weight: Some(file.prefilter_weight),
         masking: Some(file.masking_shadowing),

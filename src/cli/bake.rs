@@ -1,13 +1,20 @@
 //! `splitsum bake`: what the precompute passes make, as files.
 
+use super::check_bake::named;
 use super::run::open_device;
 use super::{Failure, print};
 use clap::Args;
+use splitsum::bakes::container::TEXELS;
+use splitsum::bakes::convention::{PRESETS, Preset, preset_by_name};
+use splitsum::bakes::make::{self, Making};
 use splitsum::brdf::MODELS;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pipeline::BakeRequest;
 use splitsum::runner::RenderFault;
-use splitsum::runner::axis::{AXES, BRDF, Part, Point};
+use splitsum::runner::axis::{
+    AXES, BRDF, DFG_SIZE, IRRADIANCE_SIZE, MASKING, PREFILTER_LEVEL_COUNT, PREFILTER_SIZE, PREFILTER_WEIGHT, Part,
+    Point, Settings,
+};
 use splitsum::runner::value::Value;
 use splitsum::spelling::suggestion;
 use std::path::{Path, PathBuf};
@@ -19,7 +26,8 @@ use std::sync::Arc;
     allow_negative_numbers = true,
     after_help = "bake.json names the mapping, the axes and the units of every file.\n\n\
     Examples:\n  splitsum bake builtin:sky --out baked\n  \
-    splitsum bake studio.hdr --out baked --set prefilter_size=512x256 --set prefilter_level_count=6 --set brdf=ggx"
+    splitsum bake studio.hdr --out baked --set prefilter_size=512x256 --set prefilter_level_count=6 --set brdf=ggx\n  \
+    splitsum bake studio.hdr --for bevy --out assets/studio"
 )]
 pub struct Arguments {
     /// builtin:NAME, or an .hdr or .exr file.
@@ -36,6 +44,18 @@ pub struct Arguments {
     /// Index of the device, as `splitsum devices` lists them.
     #[arg(long, value_name = "N")]
     device: Option<usize>,
+    /// Writes what an engine takes instead, exact and without a device; --set then takes sizes, level count, brdf, masking and weight.
+    #[arg(long = "for", value_name = "ENGINE", long_help = engines_help())]
+    engine: Option<String>,
+    /// Pixel format of the cubes of --for: rgba16f, rgba32f, rgb9e5, r11g11b10f, ...
+    #[arg(long, value_name = "NAME", requires = "engine")]
+    format: Option<String>,
+}
+
+fn engines_help() -> String {
+    let line = |preset: &Preset| format!("  {}: {}", preset.product.engine, preset.product.about);
+    let lines: Vec<String> = PRESETS.iter().map(line).collect();
+    format!("Writes what an engine takes instead, exact and without a device:\n{}", lines.join("\n"))
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -51,6 +71,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let has_model = arguments.settings.iter().any(|(axis, _)| *axis == BRDF);
     let settings = point.settings();
+    if let Some(engine) = &arguments.engine {
+        return execute_for(engine, arguments, &environment, &settings);
+    }
     settings.precompute.validate().map_err(|error| Failure::input(format!("--set: {error}")))?;
     let mut pipeline = open_device(arguments.device).map_err(Failure::opening)?;
     std::fs::create_dir_all(&arguments.out)
@@ -67,6 +90,62 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         print(&format!("{}\n", path.display()))?;
     }
     Ok(())
+}
+
+/// Bakes by the preset of an engine.
+fn execute_for(
+    engine: &str,
+    arguments: &Arguments,
+    environment: &Environment,
+    settings: &Settings,
+) -> Result<(), Failure> {
+    let engines = PRESETS.iter().map(|preset| preset.product.engine).collect();
+    let preset = named("--for", engine, preset_by_name(engine), engines)?;
+    let product = &preset.product;
+    let known = [BRDF, MASKING, PREFILTER_WEIGHT, PREFILTER_SIZE, PREFILTER_LEVEL_COUNT, IRRADIANCE_SIZE, DFG_SIZE];
+    if let Some((axis, _)) = arguments.settings.iter().find(|(axis, _)| !known.contains(axis)) {
+        let names: Vec<&str> = known.iter().map(|axis| AXES[*axis].name).collect();
+        let name = AXES[*axis].name;
+        return Err(Failure::input(format!("--set {name}: --for {engine} settles it; it takes {}", names.join(", "))));
+    }
+    let value = |axis: usize| arguments.settings.iter().find(|(set, _)| *set == axis).map(|(_, value)| value);
+    let square = |axis: usize, default: u32| match value(axis).map(Value::pair) {
+        None => Ok(default),
+        Some([width, height]) if width == height => Ok(width),
+        Some([width, height]) => {
+            Err(Failure::input(format!("--set {}={width}x{height}: faces are square", AXES[axis].name)))
+        }
+    };
+    let texel = arguments.format.as_deref().unwrap_or(product.texel);
+    let found = TEXELS.iter().find(|known| known.name == texel);
+    let side = square(PREFILTER_SIZE, make::SIDE)?;
+    let making = Making {
+        preset,
+        environment,
+        brdf: settings.brdf,
+        masking: value(MASKING).map_or(preset.masking, |_| settings.masking_shadowing),
+        weight: settings.precompute.prefilter_weight,
+        texel: named("--format", texel, found, TEXELS.iter().map(|texel| texel.name).collect())?,
+        side,
+        irradiance_side: square(IRRADIANCE_SIZE, make::IRRADIANCE_SIDE)?,
+        table_side: value(DFG_SIZE).map_or(make::TABLE_SIDE, Value::count),
+        level_count: value(PREFILTER_LEVEL_COUNT).map_or(product.chain.level_count(side), Value::count),
+    };
+    making.check().map_err(Failure::input)?;
+    std::fs::create_dir_all(&arguments.out)
+        .map_err(|error| Failure::input(format!("--out: {} cannot be made: {error}", arguments.out.display())))?;
+    let baked = make::make(&making, &arguments.out).map_err(Failure::input)?;
+    for path in &baked.files {
+        print(&format!("{}\n", path.display()))?;
+    }
+    for level in &baked.levels {
+        if let Some(why) = &level.why {
+            super::warn(&format!("level {}", level.name), &format!("relmse {:.1e}: {why}", level.relmse));
+        }
+    }
+    let worst = baked.levels.iter().map(|level| level.relmse).fold(0.0, f64::max);
+    let table = baked.table_error.map_or(String::new(), |error| format!(", the table within {error:.0e}"));
+    print(&format!("Read back, every level is within relmse {worst:.1e} of its integral{table}.\n"))
 }
 
 /// `name=value` of an axis that the tables cost by.

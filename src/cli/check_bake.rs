@@ -8,7 +8,7 @@ use splitsum::bakes::check::guess;
 use splitsum::bakes::check::level;
 use splitsum::bakes::check::table;
 use splitsum::bakes::check::{self, Truth};
-use splitsum::bakes::convention::{Axes, Convention, PRESETS, TABLE_AXES, TABLE_CHANNELS, preset_by_name};
+use splitsum::bakes::convention::{Axes, Convention, PRESETS, Preset, TABLE_AXES, TABLE_CHANNELS, preset_by_name};
 use splitsum::bakes::page;
 use splitsum::bakes::source::{Reading, read};
 use splitsum::bakes::{Bake, Told};
@@ -41,8 +41,8 @@ pub struct Arguments {
     #[arg(long, value_name = "MAP")]
     environment: String,
     /// The conventions of a tool; the flags below override them one by one.
-    #[arg(long, value_name = "NAME", default_value_t = PRESETS[0].name.to_owned(), long_help = presets_help())]
-    preset: String,
+    #[arg(long, value_name = "NAME", long_help = presets_help())]
+    preset: Option<String>,
     /// The file's axis of the world's x, y and z, such as -x+y+z; y is up, and the centre of a lat-long map is +z.
     #[arg(long, value_parser = Axes::parse, allow_hyphen_values = true)]
     axes: Option<Axes>,
@@ -98,11 +98,15 @@ pub struct Arguments {
 
 fn presets_help() -> String {
     let lines: Vec<String> = PRESETS.iter().map(|preset| format!("  {}: {}", preset.name, preset.about)).collect();
-    format!("The conventions of a tool; the flags below override them one by one:\n{}", lines.join("\n"))
+    format!(
+        "The conventions of a tool, {} where the files name none; the flags below override them one by one:\n{}",
+        PRESETS[0].name,
+        lines.join("\n")
+    )
 }
 
 /// The entry of that name, or a message that knows the nearest.
-fn named<T>(flag: &str, name: &str, found: Option<T>, known: Vec<&str>) -> Result<T, Failure> {
+pub fn named<T>(flag: &str, name: &str, found: Option<T>, known: Vec<&str>) -> Result<T, Failure> {
     found.ok_or_else(|| {
         Failure::input(format!(
             "{flag} {name:?} is unknown{}; expected one of {}",
@@ -121,7 +125,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         .map(|name| named("--layout", name, layout_by_name(name), names(LAYOUTS, |layout| layout.name)));
     let bake =
         read(&arguments.files, Reading { layout: layout.transpose()?, brdf: model.name() }).map_err(Failure::input)?;
-    let convention = convention(arguments, &bake.told)?;
+    let (preset, convention) = (preset(arguments, &bake.told)?, convention(arguments, &bake.told)?);
     let weight = arguments.weight.as_deref().or(bake.told.weight.as_deref()).unwrap_or(WEIGHTS[0].name);
     let weight = named("--weight", weight, weight_by_name(weight), names(WEIGHTS, |weight| weight.name))?;
     let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
@@ -138,20 +142,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let truth = Truth::new(&environment, kernel, &alphas);
     let checked = check(&truth, &bake, model, convention, arguments.guess).map_err(Failure::input)?;
     if arguments.json {
-        let text = serde_json::to_string_pretty(&as_json(&arguments.environment, &arguments.preset, &checked))
+        let text = serde_json::to_string_pretty(&as_json(&arguments.environment, preset.name, &checked))
             .map_err(Failure::failed)?;
         print_data(&(text + "\n"))?;
     } else {
         print(&as_text(&checked, arguments.guess))?;
     }
     if let Some(path) = &arguments.html {
-        page::write(
-            path,
-            &arguments.files,
-            &as_json(&arguments.environment, &arguments.preset, &checked),
-            &rows(&checked),
-        )
-        .map_err(|error| Failure::input(format!("--html: {error}")))?;
+        page::write(path, &arguments.files, &as_json(&arguments.environment, preset.name, &checked), &rows(&checked))
+            .map_err(|error| Failure::input(format!("--html: {error}")))?;
     }
     judge(arguments, &checked)
 }
@@ -160,11 +159,15 @@ fn names<T>(list: &[T], name: fn(&T) -> &'static str) -> Vec<&'static str> {
     list.iter().map(name).collect()
 }
 
+/// The preset that is named, or that the files name.
+fn preset(arguments: &Arguments, told: &Told) -> Result<&'static Preset, Failure> {
+    let name = arguments.preset.as_deref().or(told.preset.as_deref()).unwrap_or(PRESETS[0].name);
+    named("--preset", name, preset_by_name(name), names(PRESETS, |preset| preset.name))
+}
+
 /// The preset's conventions, what the files say, and the flags, in this order.
 fn convention(arguments: &Arguments, told: &Told) -> Result<Convention, Failure> {
-    let preset = preset_by_name(&arguments.preset);
-    let mut convention =
-        named("--preset", &arguments.preset, preset, names(PRESETS, |preset| preset.name))?.convention();
+    let mut convention = preset(arguments, told)?.convention();
     convention.alphas = arguments.alphas.clone().or_else(|| told.alphas.clone());
     if let Some(name) = arguments.masking.as_ref().or(told.masking.as_ref()) {
         let found = MaskingShadowing::ALL.iter().find(|(known, _)| known == name);

@@ -3,6 +3,7 @@
 use super::end_to_end::folder;
 use super::{assert_ends, ok, splitsum};
 use serde_json::Value;
+use splitsum::bakes::convention::PRESETS;
 use splitsum::pixels::{GrayImage, RgbImage, exr};
 
 #[test]
@@ -29,6 +30,48 @@ fn our_own_bakes_score_near_zero_in_every_layout() {
     // The same bake against another light.
     let arguments = ["check-bake", "cube", "--environment", "builtin:sky", "--fail-above", "0.01"];
     assert_ends(&splitsum(dir.path(), &arguments), 1, &["level 1: relmse", "is above 1.00e-2"]);
+}
+
+/// Without a device: what an engine takes, read with its preset, by itself and file by file.
+#[test]
+fn bakes_for_every_engine_score_as_exact() {
+    let dir = tempfile::tempdir().unwrap();
+    for preset in PRESETS {
+        let product = &preset.product;
+        let set = ["--set", "prefilter_size=64x64", "--set", "dfg_size=8"];
+        ok(
+            dir.path(),
+            &[&["bake", "builtin:sky", "--for", product.engine, "--out", product.engine], &set[..]].concat(),
+        );
+        let limits = ["--environment", "builtin:sky", "--fail-above", "1e-3", "--fail-table-above", "0.003"];
+        let scored = |files: &[&str]| -> Value {
+            let arguments = [&["check-bake"], files, &limits, &["--json"]].concat();
+            serde_json::from_str(&ok(dir.path(), &arguments)).unwrap()
+        };
+        let found = scored(&[product.engine]);
+        assert_eq!(found["preset"], preset.name);
+        assert!(found["axes_fits"].as_array().unwrap().iter().all(|fit| fit["warning"].is_null()), "{found}");
+        assert_eq!(found["irradiance"].is_null(), product.irradiance.is_none());
+        assert_eq!([found["sh"].is_null(), found["dfg"].is_null()], [product.sh.is_none(), product.tables.is_empty()]);
+        // bake.json is not needed.
+        let specular = format!("specular={}/{}", product.engine, product.specular);
+        if let Some(table) = product.tables.last() {
+            let table = format!("dfg={}/{table}", product.engine);
+            let found = scored(&[&specular, &table, "--preset", preset.name]);
+            assert!(!found["levels"].as_array().unwrap().is_empty(), "{found}");
+        }
+    }
+    let refused = |arguments: &[&str], parts: &[&str]| {
+        let all = [&["bake", "builtin:sky"], arguments].concat();
+        assert_ends(&splitsum(dir.path(), &all), 2, parts);
+    };
+    refused(&["--out", "x", "--for", "bevvy"], &["--for \"bevvy\" is unknown; did you mean \"bevy\"?"]);
+    refused(&["--out", "bevy", "--for", "bevy"], &["bevy/specular.ktx2: exists"]);
+    refused(&["--out", "x", "--for", "bevy", "--format", "rg16f"], &["rg16f in ktx2: --for bevy writes rgba16f"]);
+    refused(&["--out", "x", "--for", "unity", "--set", "prefilter_size=32x32"], &["7 levels of faces of 32"]);
+    refused(&["--out", "x", "--for", "bevy", "--set", "prefilter_size=100x100"], &["powers of 2 from 8 to 1024"]);
+    refused(&["--out", "x", "--for", "bevy", "--set", "layout=equirect"], &["--set layout: --for bevy settles it"]);
+    assert!(!dir.path().join("x").exists());
 }
 
 #[test]

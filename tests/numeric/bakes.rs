@@ -1,6 +1,7 @@
 //! Tables of other tools: their files against closed forms, orientations by markers, scores of bakes whose error is known.
 
 pub mod files;
+mod make;
 
 use files::Level;
 use glam::{DVec2, DVec3};

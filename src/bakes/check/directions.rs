@@ -12,9 +12,9 @@ pub struct Directions {
     pub world: Vec<DVec3>,
     /// Solid angle of each, sr.
     pub weights: Vec<f64>,
-    layout: &'static MapLayout,
+    pub(super) layout: &'static MapLayout,
     axes: Axes,
-    size: [u32; 2],
+    pub(super) size: [u32; 2],
 }
 
 impl Directions {

@@ -47,10 +47,7 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
     };
     let of = |(faces, &alpha): (&Vec<RgbImage>, &f64)| {
         let (directions, found) = level_texels(map, faces, convention.axes, convention.scale);
-        let exact = match has_width(alpha) {
-            true => values(&truth.prefiltered(alpha), &directions),
-            false => mirror(truth, &directions, &faces[0], map.layout.face_count),
-        };
+        let exact = exact(truth, &directions, alpha);
         let (errors, worst) = errors_and_worst(truth, &directions, &found, &exact);
         let is_wrong = errors.relmse > GOOD;
         let fit = is_wrong.then(|| fit::fit(truth, &directions, &found, alpha)).flatten();
@@ -64,7 +61,7 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
 pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> LevelScore {
     let faces = &map.levels[0];
     let (directions, found) = level_texels(map, faces, convention.axes, convention.irradiance_scale);
-    let exact = values(&truth.irradiance(), &directions);
+    let exact = exact_irradiance(truth, &directions);
     let (own, worst) = errors_and_worst(truth, &directions, &found, &exact);
     // A gain alone: irradiance has no width.
     let gain = fit::gain(&directions, &found, &exact, truth.epsilon());
@@ -78,6 +75,19 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
     LevelScore { size: [faces[0].width, faces[0].height], alpha: 1.0, errors: own, worst, fit, verdict }
 }
 
+/// What the texels of a level of that width should hold: prefiltered radiance, or the environment, averaged over each texel.
+pub fn exact(truth: &Truth, directions: &Directions, alpha: f64) -> Vec<DVec3> {
+    match has_width(alpha) {
+        true => values(&truth.prefiltered(alpha), directions),
+        false => mirror(truth, directions),
+    }
+}
+
+/// What the texels of an irradiance map should hold: irradiance over π.
+pub fn exact_irradiance(truth: &Truth, directions: &Directions) -> Vec<DVec3> {
+    values(&truth.irradiance(), directions)
+}
+
 fn level_texels(map: &Map, faces: &[RgbImage], axes: Axes, scale: f64) -> (Directions, Vec<DVec3>) {
     (Directions::new(map.layout, axes, [faces[0].width, faces[0].height]), texels(faces, scale))
 }
@@ -87,11 +97,11 @@ fn values(map: &SmoothMap, directions: &Directions) -> Vec<DVec3> {
 }
 
 /// The environment, averaged over each texel by two points or more a texel of its own.
-fn mirror(truth: &Truth, directions: &Directions, face: &RgbImage, face_count: u32) -> Vec<DVec3> {
-    let map = &truth.environment.image;
+fn mirror(truth: &Truth, directions: &Directions) -> Vec<DVec3> {
+    let (map, [width, height]) = (&truth.environment.image, directions.size);
     // A cube has two faces from pole to pole and four around.
-    let (rows, columns) = if face_count > 1 { (2, 4) } else { (1, 1) };
-    let finer = (map.height.div_ceil(rows * face.height)).max(map.width.div_ceil(columns * face.width));
+    let (rows, columns) = if directions.layout.face_count > 1 { (2, 4) } else { (1, 1) };
+    let finer = (map.height.div_ceil(rows * height)).max(map.width.div_ceil(columns * width));
     directions.means((2 * finer).clamp(2, 16), |direction| truth.environment.radiance(direction))
 }
 

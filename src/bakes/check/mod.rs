@@ -99,7 +99,7 @@ pub struct Errors {
 }
 
 /// The errors of `gain` times a map.
-fn errors(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: f64, gain: f64) -> Errors {
+pub fn errors(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: f64, gain: f64) -> Errors {
     let (mut relmse, mut whole, mut sums) = (0.0, 0.0, [0.0; 2]);
     for ((weight, found), exact) in directions.weights.iter().zip(found).zip(exact) {
         let found = *found * gain;

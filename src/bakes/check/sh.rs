@@ -4,10 +4,10 @@ use super::directions::Directions;
 use super::level::{EXPLAINED, gain_in_words};
 use super::{Errors, GOOD, Truth, errors};
 use crate::bakes::convention::Axes;
-use crate::bakes::sh::Coefficients;
+use crate::bakes::sh::{Coefficients, turned};
 use crate::environment::layout::LAYOUTS;
 use crate::math::equirect_quadrature::EquirectQuadrature;
-use crate::math::spherical_harmonics::{DEGREE, basis, irradiance};
+use crate::math::spherical_harmonics::{DEGREE, irradiance};
 use crate::precompute::sh9::reference::{Sh9, project_bilinear};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -40,7 +40,7 @@ pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
     };
     let errors = score(axes);
     let largest = exact.iter().map(|value| value.abs().max_element()).fold(0.0, f64::max);
-    let turned = turned(found, axes);
+    let turned = turned(&found.radiance, |world| axes.to_file(world));
     let largest_error = turned.iter().zip(&exact).map(|(own, exact)| (*own - *exact).abs().max_element());
     let max_error = largest_error.fold(0.0, f64::max) / largest.max(f64::MIN_POSITIVE);
     let best = Axes::all().map(|axes| (score(axes).relmse, axes)).min_by(|a, b| a.0.total_cmp(&b.0));
@@ -70,16 +70,4 @@ fn window(own: &Sh9, exact: &Sh9) -> [f64; 3] {
         squares[l] += exact.length_squared();
     }
     std::array::from_fn(|l| products[l] / squares[l])
-}
-
-/// The coefficients in the world's axes, by projection over the cube of normals: of degree 2 it is exact to its quadrature.
-fn turned(found: &Coefficients, axes: Axes) -> Sh9 {
-    let directions = Directions::new(&LAYOUTS[0], Axes::SAME, [64; 2]);
-    let mut sums = Sh9::default();
-    for (world, weight) in directions.world.iter().zip(&directions.weights) {
-        let (own, file) = (basis(*world), basis(axes.to_file(*world)));
-        let value: DVec3 = found.radiance.iter().zip(file).map(|(value, y)| *value * y).sum();
-        (0..own.len()).for_each(|k| sums[k] += *weight * own[k] * value);
-    }
-    sums
 }

@@ -157,7 +157,7 @@ fn places(table: &RgbImage, lines: u32) -> Vec<Place> {
 }
 
 /// A and B at n·v and perceptual roughness, no narrower than is shaded.
-fn exact(brdf: &'static dyn Brdf, masking: MaskingShadowing, at: DVec2, within: f64) -> DVec2 {
+pub fn exact(brdf: &'static dyn Brdf, masking: MaskingShadowing, at: DVec2, within: f64) -> DVec2 {
     let found = dfg_within(brdf, masking, at.x, alpha_from_perceptual_roughness(at.y).max(ALPHA_MIN.into()), within);
     DVec2::new(found.f0_scale, found.f90_scale)
 }

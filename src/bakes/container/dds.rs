@@ -1,9 +1,9 @@
 //! DDS: face after face, each with all of its levels.
 
 use super::texel::{self, TEXELS};
-use super::{Claim, FACE_COUNT, Texture, truncated};
+use super::{Claim, Encoding, FACE_COUNT, Texture, truncated};
 use crate::pixels::Fault;
-use ddsfile::{Caps2, D3DFormat, Dds, DxgiFormat, MiscFlag};
+use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, D3DFormat, Dds, DxgiFormat, MiscFlag, NewDxgiParams};
 
 pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     let dds = Dds::read(bytes).map_err(|error| Fault::new(format!("is no whole DDS file ({error})"), "a DDS file"))?;
@@ -39,6 +39,31 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         }
     }
     Ok(Texture { levels: read, texel: texel.name })
+}
+
+/// The file of a texture, whose texel has a code here. It has no room for keys.
+pub fn write(encoding: &Encoding) -> Vec<u8> {
+    let Encoding { texel, levels, .. } = encoding;
+    let (first, faces) = (&levels[0][0], levels[0].len());
+    let is_cube = faces == FACE_COUNT;
+    let mut dds = Dds::new_dxgi(NewDxgiParams {
+        height: first.height,
+        width: first.width,
+        depth: None,
+        format: texel.dxgi.expect("a format with a code"),
+        mipmap_levels: Some(levels.len() as u32),
+        // The crate makes room for so many images; a cube of six faces is one in the header.
+        array_layers: is_cube.then_some(FACE_COUNT as u32),
+        caps2: is_cube.then_some(Caps2::CUBEMAP | Caps2::CUBEMAP_ALLFACES),
+        is_cubemap: is_cube,
+        resource_dimension: D3D10ResourceDimension::Texture2D,
+        alpha_mode: AlphaMode::Opaque,
+    })
+    .expect("a texture of known size");
+    dds.data = (0..faces).flat_map(|face| levels.iter().flat_map(move |level| texel.bytes_of(&level[face]))).collect();
+    let mut file = Vec::new();
+    dds.write(&mut file).expect("memory takes all");
+    file
 }
 
 /// The formats that have a code of their own in files without the later header.

@@ -4,7 +4,7 @@
 //! [KTX 1 file format, section 2].
 
 use super::texel::{self, TEXELS};
-use super::{Claim, Texture, truncated};
+use super::{Claim, Encoding, Texture, truncated};
 use crate::pixels::Fault;
 
 const IDENTIFIER: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
@@ -54,4 +54,29 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         at += 4 + needed.next_multiple_of(4);
     }
     Ok(Texture { levels: read, texel: texel.name })
+}
+
+/// The file of a texture.
+pub fn write(encoding: &Encoding) -> Vec<u8> {
+    let Encoding { texel, levels, keys, .. } = encoding;
+    let mut pairs = Vec::new();
+    for (key, value) in keys.iter() {
+        let pair = [key.as_bytes(), b"\0", value.as_bytes(), b"\0"].concat();
+        pairs.extend((pair.len() as u32).to_le_bytes());
+        pairs.extend(pair);
+        pairs.resize(pairs.len().next_multiple_of(4), 0);
+    }
+    let (first, faces) = (&levels[0][0], levels[0].len() as u32);
+    let ((kind, size), format) = (texel.gl_type, texel.gl_format());
+    let (counts, bytes) = ([0, 0, faces, levels.len() as u32], pairs.len() as u32);
+    let words = [LITTLE_ENDIAN, kind, size, format, texel.gl, format, first.width, first.height];
+    let words = words.iter().chain(&counts).chain([&bytes]);
+    let mut file: Vec<u8> = IDENTIFIER.into_iter().chain(words.flat_map(|word| word.to_le_bytes())).collect();
+    file.extend(pairs);
+    for level in *levels {
+        file.extend(((level[0].data.len() * texel.bytes) as u32).to_le_bytes());
+        file.extend(level.iter().flat_map(|face| texel.bytes_of(face)));
+        file.resize(file.len().next_multiple_of(4), 0);
+    }
+    file
 }

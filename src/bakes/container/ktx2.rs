@@ -1,10 +1,12 @@
 //! KTX 2: levels anywhere in the file, smallest first by custom, each plain or compressed by zstd.
 
 use super::texel::{self, TEXELS};
-use super::{Claim, Texture, truncated};
+use super::{Claim, Encoding, Texture, truncated};
 use crate::pixels::{Fault, reserved};
-use ktx2::{Reader, SupercompressionScheme};
+use ktx2::dfd::{Basic, Block};
+use ktx2::{Header, Index, LevelIndex, Reader, SupercompressionScheme};
 use ruzstd::decoding::StreamingDecoder;
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use std::borrow::Cow;
 use std::io::Read;
 
@@ -46,6 +48,66 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         );
     }
     Ok(Texture { levels: read, texel: texel.name })
+}
+
+/// The file of a texture: header, index of levels, what a texel is, keys, and the levels, smallest first [KTX 2.0, section 3].
+pub fn write(encoding: &Encoding) -> Vec<u8> {
+    let Encoding { texel, levels, keys, is_packed } = encoding;
+    let (basic, type_size) = Basic::from_format(texel.vulkan).expect("a format of the list");
+    let block = Block::Basic(basic).to_vec();
+    let dfd = [&(block.len() as u32 + 4).to_le_bytes()[..], &block].concat();
+    let mut kvd = Vec::new();
+    let mut keys: Vec<_> = keys.iter().collect();
+    keys.sort();
+    for (key, value) in keys {
+        let pair = [key.as_bytes(), b"\0", value.as_bytes(), b"\0"].concat();
+        kvd.extend((pair.len() as u32).to_le_bytes());
+        kvd.extend(pair);
+        kvd.resize(kvd.len().next_multiple_of(4), 0);
+    }
+    let dfd_start = Header::LENGTH + LevelIndex::LENGTH * levels.len();
+    let kvd_start = dfd_start + dfd.len();
+    let first = &levels[0][0];
+    let header = Header {
+        format: Some(texel.vulkan),
+        type_size,
+        pixel_width: first.width,
+        pixel_height: first.height,
+        pixel_depth: 0,
+        layer_count: 0,
+        face_count: levels[0].len() as u32,
+        level_count: levels.len() as u32,
+        supercompression_scheme: is_packed.then_some(SupercompressionScheme::Zstandard),
+        index: Index {
+            dfd_byte_offset: dfd_start as u32,
+            dfd_byte_length: dfd.len() as u32,
+            kvd_byte_offset: if kvd.is_empty() { 0 } else { kvd_start as u32 },
+            kvd_byte_length: kvd.len() as u32,
+            sgd_byte_offset: 0,
+            sgd_byte_length: 0,
+        },
+    };
+    // Levels begin at multiples of a texel and of 4, all of which divide 48; packed ones anywhere.
+    let alignment = if *is_packed { 1 } else { 48 };
+    let mut end = kvd_start + kvd.len();
+    let mut data = Vec::new();
+    let mut index = vec![[0; LevelIndex::LENGTH]; levels.len()];
+    for (level, faces) in levels.iter().enumerate().rev() {
+        let plain: Vec<u8> = faces.iter().flat_map(|face| texel.bytes_of(face)).collect();
+        let length = plain.len();
+        let stored = if *is_packed { compress_to_vec(&plain[..], CompressionLevel::Fastest) } else { plain };
+        let start = end.next_multiple_of(alignment);
+        data.resize(data.len() + start - end, 0);
+        end = start + stored.len();
+        index[level] = LevelIndex {
+            byte_offset: start as u64,
+            byte_length: stored.len() as u64,
+            uncompressed_byte_length: length as u64,
+        }
+        .as_bytes();
+        data.extend(stored);
+    }
+    [&header.as_bytes()[..], index.as_flattened(), &dfd, &kvd, &data].concat()
 }
 
 /// Levels that share bytes: a file of a kilobyte could stand for gigabytes.

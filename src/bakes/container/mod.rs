@@ -48,6 +48,22 @@ pub struct Format {
     /// One sentence for help and docs.
     pub about: &'static str,
     read: fn(&[u8]) -> Result<Texture, Fault>,
+    /// Whether it knows pixel formats by DXGI's codes only.
+    pub needs_dxgi: bool,
+    /// The bytes of a file; DDS has no room for keys.
+    pub write: fn(&Encoding) -> Vec<u8>,
+}
+
+/// A texture to write.
+#[derive(Clone, Copy, Debug)]
+pub struct Encoding<'a> {
+    pub texel: &'static Texel,
+    /// Levels, largest first, each with one image or with six faces.
+    pub levels: &'a [Vec<RgbImage>],
+    /// What the file says of itself.
+    pub keys: &'a [(String, String)],
+    /// Whether levels are packed by zstd, where the container can.
+    pub is_packed: bool,
 }
 
 /// Every container; images are those of an environment ([`IMAGES`]) and PNG.
@@ -57,18 +73,24 @@ pub static FORMATS: &[Format] = &[
         extension: "ktx2",
         about: "KTX 2: one image or a cube with its levels, plain or zstd",
         read: ktx2::read,
+        needs_dxgi: false,
+        write: ktx2::write,
     },
     Format {
         name: "ktx",
         extension: "ktx",
         about: "KTX 1, as cmgen writes it: a cube with its levels",
         read: ktx1::read,
+        needs_dxgi: false,
+        write: ktx1::write,
     },
     Format {
         name: "dds",
         extension: "dds",
         about: "DDS: one image, a face of a cube, or a cube with its levels",
         read: dds::read,
+        needs_dxgi: true,
+        write: dds::write,
     },
 ];
 

@@ -534,7 +534,12 @@ indices! {
     F0 = "f0";
     LAYOUT = "layout";
     PREFILTER_SIZE = "prefilter_size";
+    PREFILTER_LEVEL_COUNT = "prefilter_level_count";
+    PREFILTER_WEIGHT = "prefilter_weight";
     PREFILTER_BY = "prefilter";
+    MASKING = "masking";
+    DFG_SIZE = "dfg_size";
+    IRRADIANCE_SIZE = "irradiance_size";
 }
 
 /// The axes whose values name builtins and files.

@@ -1,0 +1,323 @@
+//! Baking what an engine takes: exact levels by the conventions of its preset, written, read back and compared.
+
+use super::check::{Directions, Truth, errors, level, table};
+use super::container::{Encoding, FACE_COUNT, FORMATS, Format, TEXELS, TEXELS_MAX, Texel};
+use super::convention::{Convention, Preset};
+use super::parts::Manifest;
+use super::product::Chain;
+use super::source::{FACES, MANIFEST, Reading, read};
+use super::{parts::Map, sh};
+use crate::brdf::{Brdf, MaskingShadowing};
+use crate::environment::Environment;
+use crate::environment::layout::LAYOUTS;
+use crate::math::equirect_quadrature::EquirectQuadrature;
+use crate::pixels::{Fault, GrayImage, Pixels, PixelsError, Rgb8Image, RgbImage, exr, png, write_atomically};
+use crate::precompute::prefilter::{Kernel, Weight};
+use crate::precompute::sh9::reference::project_bilinear;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// What to bake.
+#[derive(Clone, Debug)]
+pub struct Making<'a> {
+    pub preset: &'static Preset,
+    pub environment: &'a Environment,
+    pub brdf: &'static dyn Brdf,
+    pub masking: MaskingShadowing,
+    pub weight: &'static Weight,
+    /// Pixel format of the cubes.
+    pub texel: &'static Texel,
+    /// Side of a face, of the irradiance map and of the table.
+    pub side: u32,
+    pub irradiance_side: u32,
+    pub table_side: u32,
+    pub level_count: u32,
+}
+
+/// Side of a face, where none is asked for.
+pub const SIDE: u32 = 256;
+pub const IRRADIANCE_SIDE: u32 = 32;
+pub const TABLE_SIDE: u32 = 64;
+/// relMSE up to which a level holds its integral.
+pub const GOOD: f64 = 1e-3;
+/// Relative error of the integrals of a table: below what halves round to.
+const TABLE_WITHIN: f64 = 1e-4;
+
+/// A level as its file has it.
+#[derive(Clone, Debug)]
+pub struct Written {
+    pub name: String,
+    pub side: u32,
+    pub alpha: f64,
+    /// Against its integral.
+    pub relmse: f64,
+    /// Why it is above [`GOOD`].
+    pub why: Option<String>,
+}
+
+/// What was baked.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    pub files: Vec<PathBuf>,
+    pub levels: Vec<Written>,
+    /// Largest error of the table as its first file has it.
+    pub table_error: Option<f64>,
+}
+
+/// A map before it is written.
+struct Planned {
+    name: &'static str,
+    levels: Vec<Vec<RgbImage>>,
+    /// Of each level, what it should hold, and where.
+    exact: Vec<(Directions, Vec<DVec3>)>,
+    alphas: Vec<f64>,
+}
+
+/// Bakes into the folder `out`, which must hold none of the files yet, and `bake.json` last.
+pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
+    let (product, convention) = (&making.preset.product, making.preset.convention());
+    let names = [Some(product.specular), product.irradiance, product.sh, Some(MANIFEST)];
+    for name in names.into_iter().flatten().chain(product.tables.iter().copied()) {
+        if out.join(name).exists() {
+            return Err(Fault::new("exists", "an empty folder; give another, or remove it").at(&out.join(name)));
+        }
+    }
+    let alphas = convention.alphas(making.level_count as usize).expect("a preset names no widths");
+    let truth = Truth::new(making.environment, Kernel::new(making.brdf, making.weight, making.masking), &alphas);
+    let sides = (0..making.level_count).map(|k| (making.side >> k).max(1));
+    let specular = alphas.iter().zip(sides).map(|(alpha, side)| {
+        let directions = Directions::new(&LAYOUTS[0], convention.axes, [side; 2]);
+        let exact = level::exact(&truth, &directions, *alpha);
+        (directions, exact)
+    });
+    let mut maps = vec![planned(product.specular, specular.collect(), alphas.clone())];
+    if let Some(name) = product.irradiance {
+        let directions = Directions::new(&LAYOUTS[0], convention.axes, [making.irradiance_side; 2]);
+        let exact = level::exact_irradiance(&truth, &directions);
+        maps.push(planned(name, vec![(directions, exact)], vec![1.0]));
+    }
+    let image = &making.environment.image;
+    let radiance = project_bilinear(&EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y)));
+    let radiance = sh::turned(&radiance, |file| convention.axes.to_world(file));
+
+    let manifest = manifest(making, &convention, &alphas);
+    let keys = keys(&manifest, &radiance);
+    let mut files = Vec::new();
+    for map in &maps {
+        write_map(making, map, &keys, &out.join(map.name), &mut files)?;
+    }
+    let table = (!product.tables.is_empty()).then(|| dfg(making, &convention));
+    for name in product.tables {
+        let path = out.join(name);
+        write_table(table.as_ref().expect("made above"), &keys[..keys.len() - 1], &path)?;
+        files.push(path);
+    }
+    if let Some(name) = product.sh {
+        let path = out.join(name);
+        write_bytes(&path, sh::to_cmgen(&radiance).as_bytes())?;
+        files.push(path);
+    }
+    let path = out.join(MANIFEST);
+    let text = serde_json::to_string_pretty(&manifest).expect("plain values") + "\n";
+    write_bytes(&path, text.as_bytes())?;
+    files.push(path);
+
+    let bake = read(&[out.display().to_string()], Reading { layout: None, brdf: making.brdf.name() })?;
+    let mut levels = Vec::new();
+    for (map, found) in maps.iter().zip([&bake.specular, &bake.irradiance]) {
+        levels.extend(compared(making, &truth, map, found.as_ref().expect("it was written")));
+    }
+    let error = |(own, found): (&RgbImage, &RgbImage)| {
+        let off = own.data.iter().zip(&found.data).flat_map(|(a, b)| (0..2).map(|i| f64::from((a[i] - b[i]).abs())));
+        off.fold(0.0, f64::max)
+    };
+    Ok(Baked { files, levels, table_error: table.as_ref().zip(bake.dfg.as_ref()).map(error) })
+}
+
+impl Making<'_> {
+    /// What the form cannot hold, in words.
+    pub fn check(&self) -> Result<(), String> {
+        let product = &self.preset.product;
+        let engine = product.engine;
+        let most = self.side.max(1).ilog2() + 1;
+        if !self.side.is_power_of_two() || self.side < 8 || 8 * u64::from(self.side).pow(2) > TEXELS_MAX {
+            return Err(format!("faces of {} texels: --for {engine} writes powers of 2 from 8 to 1024", self.side));
+        }
+        match product.chain {
+            Chain::Exactly(count) if self.level_count != count || count > most => {
+                return Err(format!(
+                    "{} levels of faces of {}: --for {engine} writes {count}, of faces of {} or more",
+                    self.level_count,
+                    self.side,
+                    1 << (count - 1)
+                ));
+            }
+            _ if !(2..=most).contains(&self.level_count) => {
+                return Err(format!("{} levels: faces of {} have 2 to {most}", self.level_count, self.side));
+            }
+            _ => {}
+        }
+        let container = container(product.specular);
+        let known: Vec<&str> = TEXELS.iter().filter(|texel| holds(container, texel)).map(|texel| texel.name).collect();
+        if !known.contains(&self.texel.name) {
+            let form = container.map_or("EXR faces", |format| format.name);
+            return Err(format!("{} in {form}: --for {engine} writes {}", self.texel.name, known.join(", ")));
+        }
+        Ok(())
+    }
+}
+
+/// The container of a file of that name; none for a folder of faces.
+fn container(name: &str) -> Option<&'static Format> {
+    FORMATS.iter().find(|format| name.ends_with(&format!(".{}", format.extension)))
+}
+
+/// Whether colours are written in that format.
+fn holds(container: Option<&Format>, texel: &Texel) -> bool {
+    match container {
+        None => texel.name == "rgba32f",
+        Some(format) => texel.channels >= 3 && (!format.needs_dxgi || texel.dxgi.is_some()),
+    }
+}
+
+fn planned(name: &'static str, exact: Vec<(Directions, Vec<DVec3>)>, alphas: Vec<f64>) -> Planned {
+    let faces = |(_, values): &(Directions, Vec<DVec3>)| -> Vec<RgbImage> {
+        let side = (values.len() / FACE_COUNT).isqrt() as u32;
+        // The sum of a series may ring below 0 by rounding.
+        let texel = |value: &DVec3| value.max(DVec3::ZERO).as_vec3().to_array();
+        let face = |values: &[DVec3]| Pixels::new(side, side, values.iter().map(texel).collect());
+        values.chunks_exact(values.len() / FACE_COUNT).map(face).collect()
+    };
+    Planned { name, levels: exact.iter().map(faces).collect(), exact, alphas }
+}
+
+fn write_map(
+    making: &Making,
+    map: &Planned,
+    keys: &[(String, String)],
+    path: &Path,
+    files: &mut Vec<PathBuf>,
+) -> Result<(), PixelsError> {
+    if let Some(format) = container(map.name) {
+        let is_packed = making.preset.product.is_packed;
+        let encoding = Encoding { texel: making.texel, levels: &map.levels, keys, is_packed };
+        write_bytes(path, &(format.write)(&encoding))?;
+        files.push(path.to_owned());
+        return Ok(());
+    }
+    std::fs::create_dir_all(path)
+        .map_err(|error| Fault::new(format!("cannot be made ({error})"), "a folder of faces").at(path))?;
+    for (k, faces) in map.levels.iter().enumerate() {
+        for (face, name) in faces.iter().zip(FACES) {
+            let path = path.join(format!("m{k}_{name}.exr"));
+            exr::write_rgba(&path, face, &GrayImage::filled(face.width, face.height, 1.0), &[])?;
+            files.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// A and B at the centres of texels, as the preset lays them out.
+fn dfg(making: &Making, convention: &Convention) -> RgbImage {
+    let side = making.table_side;
+    let texel = |index: u32| {
+        let at = (DVec2::new((index % side).into(), (index / side).into()) + 0.5) / f64::from(side);
+        let at = convention.table_axes.parameters(at);
+        let [a, b] = table::exact(making.brdf, making.masking, at, TABLE_WITHIN).as_vec2().to_array();
+        [a, b, 0.0]
+    };
+    Pixels::new(side, side, (0..side * side).into_par_iter().map(texel).collect())
+}
+
+fn write_table(table: &RgbImage, keys: &[(String, String)], path: &Path) -> Result<(), PixelsError> {
+    let channel = |i: usize| table.map(|texel| texel[i]);
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    if let Some(format) = container(&name) {
+        let texel = TEXELS.iter().find(|texel| texel.name == "rg16f").expect("a listed format");
+        let levels = [vec![table.clone()]];
+        return write_bytes(path, &(format.write)(&Encoding { texel, levels: &levels, keys, is_packed: false }));
+    }
+    if name.ends_with(".png") {
+        let byte = |value: f32| (255.0 * value.clamp(0.0, 1.0)).round() as u8;
+        return png::write_rgb8(path, &Rgb8Image::from_fn(table.width, table.height, |x, y| table.get(x, y).map(byte)));
+    }
+    // R and G, because viewers show nothing under the names A and B.
+    exr::write_channels(path, vec![("R".into(), channel(0)), ("G".into(), channel(1))])
+}
+
+fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PixelsError> {
+    write_atomically(path, |file| file.write_all(bytes))
+}
+
+fn manifest(making: &Making, convention: &Convention, alphas: &[f64]) -> Manifest {
+    let product = &making.preset.product;
+    let masking =
+        MaskingShadowing::ALL.iter().find(|(_, known)| *known == making.masking).map_or("?", |(name, _)| name);
+    let owned = |name: &str| name.to_owned();
+    Manifest {
+        version: format!("splitsum {}", env!("CARGO_PKG_VERSION")),
+        engine: owned(product.engine),
+        preset: owned(making.preset.name),
+        environment: making.environment.name.clone(),
+        environment_hash: making.environment.hash.clone(),
+        brdf: owned(making.brdf.name()),
+        masking_shadowing: owned(masking),
+        prefilter_weight: owned(making.weight.name),
+        prefilter_alphas: alphas.to_vec(),
+        level_mapping: owned(convention.mapping.name),
+        axes: convention.axes.to_string(),
+        table_axes: owned(convention.table_axes.name),
+        units: owned("linear Rec.709, radiance as the environment has it; irradiance over pi"),
+        pixel_format: owned(making.texel.name),
+        specular: owned(product.specular),
+        irradiance: product.irradiance.map(owned),
+        tables: product.tables.iter().map(|name| owned(name)).collect(),
+        sh: product.sh.map(owned),
+    }
+}
+
+/// What a container says of itself. SH comes last: Filament's reader looks for it under that key.
+fn keys(manifest: &Manifest, radiance: &crate::precompute::sh9::reference::Sh9) -> Vec<(String, String)> {
+    let alphas: Vec<String> = manifest.prefilter_alphas.iter().map(|alpha| format!("{alpha:.6}")).collect();
+    let own = [
+        ("preset", &manifest.preset),
+        ("source", &manifest.environment),
+        ("source_hash", &manifest.environment_hash),
+        ("brdf", &manifest.brdf),
+        ("masking", &manifest.masking_shadowing),
+        ("weight", &manifest.prefilter_weight),
+        ("mapping", &manifest.level_mapping),
+        ("alphas", &alphas.join(",")),
+        ("axes", &manifest.axes),
+        ("table_axes", &manifest.table_axes),
+        ("units", &manifest.units),
+    ]
+    .map(|(key, value)| (format!("splitsum.{key}"), value.clone()));
+    let lines: String = sh::scaled(radiance).iter().map(|[r, g, b]| format!("{r} {g} {b}\n")).collect();
+    let common = [("KTXorientation", "rd"), ("KTXwriter", &manifest.version)];
+    let common = common.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    common.into_iter().chain(own).chain([("sh".to_owned(), lines)]).collect()
+}
+
+/// The levels of a map as they were read back.
+fn compared(making: &Making, truth: &Truth, map: &Planned, found: &Map) -> Vec<Written> {
+    let is_only = map.levels.len() == 1;
+    let level = |k: usize| {
+        let (directions, exact) = &map.exact[k];
+        let texels = found.levels[k].iter().flat_map(|face| &face.data);
+        let texels: Vec<DVec3> = texels.map(|texel| DVec3::from_array(texel.map(f64::from))).collect();
+        let relmse = errors(directions, &texels, exact, truth.epsilon(), 1.0).relmse;
+        let largest = making.texel.largest;
+        let own = map.levels[k].iter().flat_map(|face| &face.data);
+        let cut = own.filter(|texel| texel.iter().any(|value| *value > largest)).count();
+        let why = (relmse > GOOD).then(|| match cut {
+            0 => format!("{} rounds dark channels beside bright ones; --format names others", making.texel.name),
+            _ => format!("{cut} texels are cut at {largest}, the largest number of {}", making.texel.name),
+        });
+        let name = if is_only { "irradiance".to_owned() } else { k.to_string() };
+        Written { name, side: found.levels[k][0].width, alpha: map.alphas[k], relmse, why }
+    };
+    (0..map.levels.len()).map(level).collect()
+}

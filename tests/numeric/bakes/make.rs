@@ -1,0 +1,179 @@
+//! Bakes for engines: every direction through writer and reader as the engine looks it up, numbers to the nearest, files by their rules.
+
+use super::marked_light;
+use glam::DVec3;
+use half::f16;
+use splitsum::bakes::container::{Encoding, FORMATS, TEXELS, from_bytes};
+use splitsum::bakes::convention::{Axes, PRESETS, preset_by_name};
+use splitsum::bakes::make::{Making, make};
+use splitsum::bakes::product::Chain;
+use splitsum::bakes::sh;
+use splitsum::bakes::source::{Reading, read};
+use splitsum::brdf::Ggx;
+use splitsum::environment::layout::LAYOUTS;
+use splitsum::math::spherical_harmonics::{basis, irradiance};
+use splitsum::pixels::RgbImage;
+use splitsum::precompute::prefilter::WEIGHTS;
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Where each engine's shader looks a direction of the world up (y up, right-handed), by the text of those shaders.
+const LOOKUPS: &[(&str, fn(DVec3) -> DVec3)] = &[
+    ("raw", |d| d),
+    // `textureLod(light_iblSpecular, r, lod)`; cmgen mirrors what it writes so that this is right.
+    ("filament", |d| d),
+    // Of a map whose centre is +z here: the viewer puts its centre at -x, or turns by 90 degrees.
+    ("khronos", |d| DVec3::new(d.z, d.y, -d.x)),
+    // `environment_map.wesl`: cube maps are left-handed, z is negated.
+    ("bevy", |d| DVec3::new(d.x, d.y, -d.z)),
+    // `ImageBasedLightingStageFS.glsl`: y is up in the frame of the lookup.
+    ("cesium", |d| d),
+    // The world is left-handed.
+    ("unity", |d| DVec3::new(-d.x, d.y, d.z)),
+];
+
+fn making<'a>(engine: &str, environment: &'a splitsum::environment::Environment) -> Making<'a> {
+    let preset = preset_by_name(engine).unwrap();
+    let product = &preset.product;
+    Making {
+        preset,
+        environment,
+        brdf: &Ggx,
+        masking: preset.masking,
+        weight: &WEIGHTS[0],
+        texel: TEXELS.iter().find(|texel| texel.name == product.texel).unwrap(),
+        side: 64,
+        irradiance_side: 16,
+        table_side: 8,
+        level_count: if let Chain::Exactly(count) = product.chain { count } else { 4 },
+    }
+}
+
+#[test]
+fn every_direction_is_where_the_engine_looks() {
+    let light = marked_light();
+    assert_eq!(LOOKUPS.len(), PRESETS.len());
+    let hot = DVec3::new(0.35, 0.6, 0.72).normalize();
+    for (engine, lookup) in LOOKUPS {
+        let dir = tempfile::tempdir().unwrap();
+        let making = making(engine, &light);
+        making.check().unwrap();
+        let baked = make(&making, dir.path()).unwrap();
+        assert!(baked.levels.iter().all(|level| level.relmse < 1e-4 && level.why.is_none()), "{engine} {baked:?}");
+        let bake = read(&[dir.path().display().to_string()], Reading { layout: None, brdf: "ggx" }).unwrap();
+        let faces = &bake.specular.as_ref().unwrap().levels[0];
+        let seen = |d: DVec3| {
+            let (face, uv) = (LAYOUTS[0].place)(lookup(d));
+            DVec3::from_array(faces[face as usize].get((uv.x * 64.0) as u32, (uv.y * 64.0) as u32).map(f64::from))
+        };
+        for d in [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z, hot] {
+            let expected = light.radiance(d);
+            assert!(
+                ((seen(d) - expected) / expected).abs().max_element() < 0.06,
+                "{engine} {d}: {} {expected}",
+                seen(d)
+            );
+        }
+        // No other direction is as bright: mirrored or turned, the hot texel would be elsewhere.
+        assert!(Axes::all().skip(1).all(|axes| seen(axes.to_world(hot)).min_element() < 0.5 * seen(hot).min_element()));
+        // SH is of the same axes as the map beside it.
+        if let Some(found) = &bake.sh {
+            let own = |d: DVec3| irradiance(&found.radiance, lookup(d)) / PI;
+            let exact = own(DVec3::Y) - own(-DVec3::Y);
+            assert!(exact.y > 0.5, "{engine}: green shines from +y: {exact}");
+            assert!((own(DVec3::Z) - own(-DVec3::Z)).z > 0.5, "{engine}: blue shines from +z");
+            assert!((own(DVec3::X) - own(-DVec3::X)).x > 0.3, "{engine}: red shines from +x");
+        }
+        // Nothing is written over.
+        assert!(make(&making, dir.path()).unwrap_err().to_string().contains("exists"));
+    }
+}
+
+#[test]
+fn turned_coefficients_are_those_of_the_turned_function() {
+    let f = std::array::from_fn(|k| DVec3::new(1.0 + k as f64, 0.3 - 0.2 * k as f64, (k as f64).sin()));
+    let value = |f: &[DVec3; 9], n: DVec3| -> DVec3 { f.iter().zip(basis(n)).map(|(value, y)| *value * y).sum() };
+    for axes in Axes::all() {
+        let turned = sh::turned(&f, |n| axes.to_file(n));
+        for n in [DVec3::new(0.48, -0.6, 0.64), DVec3::new(-0.8, 0.0, 0.6), DVec3::Y] {
+            assert!((value(&turned, n) - value(&f, axes.to_file(n))).abs().max_element() < 1e-12);
+        }
+    }
+    let text = sh::to_cmgen(&f);
+    let found = sh::parse(Path::new("sh.txt"), &text).unwrap().radiance;
+    assert!(found.iter().zip(&f).all(|(a, b)| (*a - *b).abs().max_element() < 1e-13), "{text}");
+}
+
+/// Numbers of every size, three of a kind and mixed.
+fn numbers() -> Vec<[f32; 3]> {
+    let random = |i: u32| (i.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32;
+    let number = |i: u32| f32::exp2(24.0 * random(i) - 9.0);
+    let mixed = (0..4000).map(|i| [number(3 * i), number(3 * i + 1), number(3 * i + 2)]);
+    let even = (0..300).map(|i| [f32::exp2(i as f32 / 20.0 - 3.0); 3]);
+    mixed.chain(even).chain([[0.0; 3], [511.49, 1.0, 0.0], [511.5, 1.0, 511.0], [1.0; 3], [64512.0; 3]]).collect()
+}
+
+#[test]
+fn numbers_are_written_to_the_nearest() {
+    let numbers = numbers();
+    let side = numbers.len().isqrt() as u32;
+    let image = RgbImage::from_fn(side, side, |x, y| numbers[(y * side + x) as usize]);
+    for texel in TEXELS {
+        for format in FORMATS.iter().filter(|format| !format.needs_dxgi || texel.dxgi.is_some()) {
+            let levels = [vec![image.clone()]];
+            let file =
+                |levels: &[Vec<RgbImage>]| (format.write)(&Encoding { texel, levels, keys: &[], is_packed: false });
+            let name = format!("x.{}", format.extension);
+            let found = from_bytes(Path::new(&name), &file(&levels)).unwrap().levels;
+            for (own, found) in image.data.iter().zip(&found[0][0].data) {
+                let largest = own.iter().copied().fold(0.0, f32::max);
+                for i in 0..texel.channels.min(3) {
+                    // Half of the distance of neighbours.
+                    let floor =
+                        |value: f32, bits: i32| f32::exp2(value.max(f32::exp2(-14.0)).log2().floor() - bits as f32);
+                    let half = match texel.name {
+                        "rgb9e5" if largest < 511.5 => 0.5 * floor(largest, 8),
+                        // A mantissa of 512 counts the exponent up.
+                        "rgb9e5" => floor(largest, 8),
+                        "r11g11b10f" => 0.5 * floor(own[i], if i < 2 { 6 } else { 5 }),
+                        name if name.ends_with("16f") => 0.5 * floor(own[i], 10),
+                        _ => 0.0,
+                    };
+                    let off = (own[i] - found[i]).abs();
+                    assert!(off <= 1.001 * half, "{} in {}: {own:?} {found:?}", texel.name, format.name);
+                }
+            }
+            // What a format holds comes back as it is.
+            assert!(from_bytes(Path::new(&name), &file(&found)).unwrap().levels == found, "{}", texel.name);
+        }
+    }
+    assert_eq!(f16::MAX.to_f32(), TEXELS[0].largest);
+}
+
+/// [KTX 2.0, section 3]: parts in order, levels smallest first at multiples of a texel and of 4, keys sorted and padded.
+#[test]
+fn ktx2_files_are_by_the_rules_of_their_format() {
+    let keys =
+        [("sh", "1 2 3"), ("KTXwriter", "x"), ("KTXorientation", "rd")].map(|(a, b)| (a.to_owned(), b.to_owned()));
+    for texel in TEXELS {
+        for is_packed in [false, true] {
+            let level = |side: u32| vec![RgbImage::from_fn(side, side, |x, y| [x as f32, y as f32, 2.0]); 6];
+            let levels = [level(8), level(4), level(2)];
+            let encoding = Encoding { texel, levels: &levels, keys: &keys, is_packed };
+            let file = (FORMATS[0].write)(&encoding);
+            let reader = ktx2::Reader::new(&file[..]).unwrap();
+            let (header, index) = (reader.header(), reader.header().index);
+            assert_eq!(index.dfd_byte_offset, 80 + 24 * 3);
+            assert_eq!(index.kvd_byte_offset, index.dfd_byte_offset + index.dfd_byte_length);
+            let found: Vec<_> = reader.key_value_data().map(|(key, _)| key.to_owned()).collect();
+            assert_eq!(found, ["KTXorientation", "KTXwriter", "sh"]);
+            let starts: Vec<usize> =
+                reader.levels().map(|level| level.data.as_ptr() as usize - file.as_ptr() as usize).collect();
+            assert!(starts[0] > starts[1] && starts[1] > starts[2], "{starts:?}");
+            assert!(is_packed || starts.iter().all(|start| start % texel.bytes == 0 && start % 4 == 0), "{starts:?}");
+            assert!(starts[2] >= (index.kvd_byte_offset + index.kvd_byte_length) as usize);
+            assert_eq!(header.type_size, if texel.name.ends_with("16f") { 2 } else { 4 }, "{}", texel.name);
+            assert!(from_bytes(Path::new("x.ktx2"), &file).unwrap().is_cube());
+        }
+    }
+}
