@@ -95,7 +95,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let fault = |error| Failure::input(format!("--out: {}: {error}", out.display()));
         std::fs::create_dir_all(out).map_err(fault)?;
         let mut files = vec![("costs.csv", costs.csv()), ("cost.md", text.clone().into_bytes())];
-        files.extend(costs.figure().map(|figure| ("cost.svg", svg(&figure, WIDTHS[0]).into_bytes())));
+        match costs.figure() {
+            Some(figure) => files.push(("cost.svg", svg(&figure, WIDTHS[0]).into_bytes())),
+            None => tell("no cost.svg: it shows costs over sample counts; expected --samples with two or more"),
+        }
         files.into_iter().try_for_each(|(name, bytes)| std::fs::write(out.join(name), bytes)).map_err(fault)?;
     }
     print(&text)

@@ -1,6 +1,6 @@
 //! `splitsum merge`.
 
-use super::run::conclude;
+use super::run::{command_line, conclude};
 use super::stop::STOP;
 use super::{Failure, tell};
 use clap::Args;
@@ -41,7 +41,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let options = RunOptions {
         dir: arguments.out.clone().unwrap_or_else(|| arguments.store.clone()),
         stop: &STOP,
-        command_line: std::env::args().collect(),
+        command_line: command_line(),
         extend: false,
         fail_fast: false,
         trace: arguments.trace,

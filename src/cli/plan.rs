@@ -12,6 +12,8 @@ use splitsum::runner::fault::Lines;
 use splitsum::runner::store::{CELLS_FOLDER, CHUNKS_FOLDER, Extension, Store, StoreError};
 use splitsum::runner::timing;
 use splitsum::runner::{Cell, Plan, RunError};
+use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Shows the cells of an experiment, what is left out and why, what is done, and what the rest will cost; or cuts it into chunks for several machines.
@@ -55,6 +57,8 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 const DONE: &str = "done";
+/// Bytes of JSON that are written in one piece.
+const BLOCK_BYTES: usize = 1 << 16;
 
 /// How far a cell is.
 fn state(store: &Store, cell: &Cell) -> Result<&'static str, StoreError> {
@@ -104,7 +108,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         cost: &cost,
     };
     match arguments.json {
-        true => print_data(&shown.as_json())?,
+        true => shown.write_json()?,
         false => print(&shown.as_text(&dir))?,
     }
     if plan.cells.is_empty() {
@@ -211,13 +215,29 @@ impl Shown<'_> {
         lines
     }
 
-    fn as_json(&self) -> String {
+    /// One object, its cells first, a line each: they are written as they are made.
+    fn write_json(&self) -> Result<(), Failure> {
+        let plan = self.plan;
+        print_data("{\n  \"cells\": [")?;
+        // A block is one write.
+        let mut block = String::new();
+        for (place, (cell, state)) in plan.cells.iter().zip(self.states).enumerate() {
+            let columns = plan.columns_of(cell);
+            let axes: BTreeMap<&str, String> = columns.iter().map(|(name, value)| (*name, value.to_string())).collect();
+            let line = json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state, "axes": axes });
+            let comma = if place == 0 { "" } else { "," };
+            let _ = write!(block, "{comma}\n    {line}");
+            if block.len() > BLOCK_BYTES {
+                print_data(&std::mem::take(&mut block))?;
+            }
+        }
+        let rest = format!("{:#}\n", self.rest());
+        print_data(&format!("{block}\n  ],\n{}", rest.trim_start_matches("{\n")))
+    }
+
+    /// All but the cells.
+    fn rest(&self) -> serde_json::Value {
         let (plan, estimate) = (self.plan, &self.cost.estimate);
-        let cells = plan.cells.iter().zip(self.states).map(|(cell, state)| {
-            let axes: serde_json::Map<String, serde_json::Value> =
-                plan.columns_of(cell).iter().map(|(name, value)| (name.to_string(), json!(value.to_string()))).collect();
-            json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state, "axes": axes })
-        });
         let exclusions =
             self.excluded().map(|(count, why, place)| json!({ "why": why, "count": count, "place": place }));
         let parts = estimate.parts.iter().map(|(part, found)| {
@@ -225,7 +245,7 @@ impl Shown<'_> {
                 found.sources.iter().map(|(source, seconds)| (source.name().to_owned(), json!(seconds))).collect();
             (part.name().to_owned(), json!({ "count": found.count, "seconds": found.seconds, "seconds_from": sources }))
         });
-        let value = json!({
+        json!({
             "name": plan.config.name,
             "plan_hash": plan.hash,
             "extends": self.extension.map(|extension| json!({
@@ -233,7 +253,6 @@ impl Shown<'_> {
                 "cells_kept": extension.kept.len(),
                 "timed_again": extension.timed_again,
             })),
-            "cells": cells.collect::<Vec<_>>(),
             "excluded": exclusions.collect::<Vec<_>>(),
             "collapsed": plan.collapsed,
             "timings": self.timings[0],
@@ -246,7 +265,6 @@ impl Shown<'_> {
                 "parts": parts.collect::<serde_json::Map<_, _>>(),
                 "notes": self.cost.notes,
             },
-        });
-        format!("{value:#}\n")
+        })
     }
 }

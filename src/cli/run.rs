@@ -8,8 +8,8 @@ use super::{Failure, print};
 use clap::Args;
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::runner::chunk::{PlanFile, run_chunk};
-use splitsum::runner::store::FailureRecord;
-use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunOptions, run};
+use splitsum::runner::store::{FailureRecord, Store};
+use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::page::{PageOptions, Told, write};
 use splitsum::study::questions::answers;
@@ -86,6 +86,9 @@ fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure
     }
     let mut progress = begin(&plan)?;
     let options = options(arguments, subject.dir(&plan));
+    if let Some(told) = Store::at(&options.dir).told_when_done(&plan).filter(|_| !arguments.trace) {
+        return print(&told);
+    }
     let outcome = run(&plan, &mut opener(arguments), &options, &mut progress)?;
     let failed = conclude(&plan, &outcome)?;
     if let Some(work) = &outcome.work {
@@ -108,11 +111,20 @@ fn options(arguments: &Arguments, dir: PathBuf) -> RunOptions<'static> {
     RunOptions {
         dir,
         stop: &STOP,
-        command_line: std::env::args().collect(),
+        command_line: command_line(),
         extend: arguments.extend,
         fail_fast: arguments.fail_fast,
         trace: arguments.trace,
     }
+}
+
+/// What the user typed, for the provenance: where the program lies is nobody's business.
+pub fn command_line() -> Vec<String> {
+    let mut words: Vec<String> = std::env::args().collect();
+    if let Some(program) = words.first_mut() {
+        *program = Path::new(program).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    }
+    words
 }
 
 /// Says what is odd about the experiment and takes requests to stop.
@@ -131,12 +143,16 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
     let answers = answers(&run, None);
     let written = Written::new(&run, &answers).map_err(Failure::failed)?;
     written.write().map_err(Failure::failed)?;
-    print(&written.summary)?;
-    print(&format!("Written to {}\n", outcome.dir.display()))?;
+    let told = format!("{}Written to {}\n", written.summary, outcome.dir.display());
+    print(&told)?;
     // The run is kept whatever becomes of its report.
     let options = PageOptions::in_folder(&outcome.dir);
     let report = write(&options, &Told::of_runs(&[(run, answers)]));
-    print(&report.as_ref().map_or_else(|error| format!("No report: {error}\n"), super::report::line))?;
+    let line = report.as_ref().map_or_else(|error| format!("No report: {error}\n"), super::report::line);
+    print(&line)?;
+    if report.is_ok() && outcome.failures.is_empty() && !outcome.is_stopped {
+        Store::at(&outcome.dir).mark_done(plan, &(told + &line)).map_err(RunError::from)?;
+    }
     Ok(cells_failed(&outcome.failures, plan.cells.len()))
 }
 

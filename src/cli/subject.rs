@@ -3,7 +3,7 @@
 use super::{Failure, tell};
 use clap::Args;
 use splitsum::environment::LoadOptions;
-use splitsum::runner::{Plan, frozen};
+use splitsum::runner::{ConfigError, Plan, frozen};
 use splitsum::study::questions::check;
 use std::path::PathBuf;
 
@@ -28,10 +28,21 @@ impl Subject {
     /// The checked experiment.
     pub fn plan(&self) -> Result<Plan, Failure> {
         let options = LoadOptions { clamp_invalid: self.clamp_invalid, ..LoadOptions::default() };
-        let (plan, note) = frozen::load(&self.experiment, &self.overrides, &options).map_err(Failure::input)?;
+        let loaded = frozen::load(&self.experiment, &self.overrides, &options);
+        let (plan, note) = loaded.map_err(|error| Failure::input(self.with_asks(error)))?;
         check(&plan.config).map_err(Failure::input)?;
         note.iter().for_each(|note| tell(note));
         Ok(plan)
+    }
+
+    /// Faults of values together, and of what such an experiment asks: one does not hide the other. Of a file that cannot be read as a
+    /// whole nobody knows what it could answer.
+    fn with_asks(&self, error: ConfigError) -> ConfigError {
+        let Some(config) = frozen::config(&self.experiment, &self.overrides) else { return error };
+        match check(&config) {
+            Err(asks) if error.faults.iter().all(|fault| !asks.faults.contains(fault)) => error.and(asks),
+            _ => error,
+        }
     }
 
     /// The folder of its run.

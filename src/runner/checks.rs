@@ -1,11 +1,12 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
 
-use super::axis::{ALPHA, AXES, PREFILTER_SIZE, Point, SAMPLES, SIZE, index_of};
+use super::axis::{ALPHA, AXES, PREFILTER_BY, PREFILTER_SIZE, Point, SAMPLES, SIZE, index_of};
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
 use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
+use crate::precompute::PrefilterBy;
 use crate::precompute::prefilter::harmonic;
 use crate::shade::reference_pass::ScramblePlan;
 use crate::spelling::suggestion;
@@ -97,6 +98,34 @@ pub fn check_exclusions(config: &Config, faults: &mut Faults) {
 /// Values of exclusions that their axis does not have, each with its place and a sentence.
 pub fn idle_values(config: &Config) -> impl Iterator<Item = (Place, String)> + '_ {
     idle(config).map(|(_, place, text, _)| (place, text))
+}
+
+/// Swept settings of sampled tables that no cell uses, since each makes its tables by harmonics: their values are one cell.
+pub fn idle_sample_counts<'p>(
+    config: &Config,
+    points: impl Iterator<Item = &'p Point> + Clone,
+) -> Vec<(Place, String)> {
+    let is_idle = |axis: usize| points.clone().all(|point| point[axis] == Value::Unset);
+    let would_be_used = |axis: usize| {
+        let sampled = |point: &Point| {
+            let mut point = point.clone();
+            point[PREFILTER_BY] = Value::from(PrefilterBy::Sampled.name());
+            point[axis] = config.values(axis).next().map_or(Value::Unset, |(value, _)| value.clone());
+            point.collapsed(!config.lights.is_empty())[axis] != Value::Unset
+        };
+        points.clone().any(sampled)
+    };
+    let swept = config.axes.iter().filter(|sweep| sweep.values.len() > 1 && is_idle(sweep.axis));
+    let told = swept.filter(|sweep| would_be_used(sweep.axis)).map(|sweep| {
+        let (name, count, of) = (AXES[sweep.axis].name, sweep.values.len(), AXES[PREFILTER_BY].name);
+        let harmonic = PrefilterBy::Harmonic.name();
+        let text = format!(
+            "{name}: its {count} values are one cell, since {of} = \"{harmonic}\" draws no samples; expected {of} = \"{}\"",
+            PrefilterBy::Sampled.name()
+        );
+        (sweep.values[0].place.clone(), text)
+    });
+    told.collect()
 }
 
 /// Axis, place and sentence of each value of an exclusion that its axis does not have, and whether no other one of its condition is there.

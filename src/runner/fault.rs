@@ -38,6 +38,13 @@ pub struct ConfigError {
 }
 
 impl ConfigError {
+    /// These faults and those of another check of the same experiment, in the order of the file.
+    pub fn and(mut self, other: Self) -> Self {
+        self.faults.extend(other.faults);
+        self.faults.sort();
+        Self { more: self.more + other.more, ..self }
+    }
+
     /// A line for each fault, and one for those that are not shown.
     pub fn lines(&self) -> Vec<String> {
         let more = (self.more > 0).then(|| format!("and {} more", self.more));

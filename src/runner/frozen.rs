@@ -2,6 +2,7 @@
 //! `--set` texts took part. So the file in a run's folder can be run again as it stands.
 
 use super::axis::AXES;
+use super::config::Config;
 use super::fault::{ConfigError, Faults, Place};
 use super::plan::{Plan, Source};
 use super::provenance::{self, experiment_hash};
@@ -64,6 +65,14 @@ impl Plan {
 
 fn text_of(bytes: Vec<u8>) -> std::io::Result<String> {
     String::from_utf8(bytes).map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
+}
+
+/// The experiment at `path` as written, where every value of it can be read.
+pub fn config(path: &Path, overrides: &[String]) -> Option<Config> {
+    let text = read_given(path, FILE_BYTES_MAX).and_then(text_of).ok()?;
+    let mut faults = Faults::new(path, &text);
+    let config = Config::parse(path, &text, overrides, &mut faults);
+    faults.is_empty().then_some(config)
 }
 
 /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`. One that a run froze is run as it was then: its

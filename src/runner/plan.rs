@@ -10,7 +10,7 @@ use super::value::Value;
 use crate::environment::LoadOptions;
 use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
 use crate::spelling::short_number;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
 /// Counts up whenever the meaning of a cell changes, so that old records are not taken for new ones.
@@ -160,10 +160,10 @@ impl Plan {
     /// A cell's value on an axis as tables show it: of a file that is an environment, its short name.
     pub fn shown(&self, cell: &Cell, axis: usize) -> Value {
         let name = match &cell.point[axis] {
-            Value::Text(text) if axis == ENVIRONMENT => self.environment_names.get(text),
+            Value::Text(text) if axis == ENVIRONMENT => self.environment_names.get(text.as_str()),
             _ => None,
         };
-        name.map_or_else(|| cell.point[axis].clone(), |name| Value::Text(name.clone()))
+        name.map_or_else(|| cell.point[axis].clone(), |name| Value::from(name.as_str()))
     }
 
     /// A cell's point as tables show it.
@@ -233,14 +233,11 @@ impl Plan {
     /// devices refuse.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Faults::new(&self.config.path, &self.config.text);
-        // What `--set` took away is no slip of the file.
-        let is_set = |axis: usize| self.config.values(axis).any(|(_, place)| matches!(place, Place::Set(_)));
-        let is_aside = |axis: usize| self.config.set_aside.iter().any(|sweep| sweep.axis == axis);
-        let idle = self.config.exclusions.iter().zip(&self.excluded).filter(|(_, count)| **count == 0);
-        let kept =
-            |exclusion: &Exclusion| exclusion.conditions.iter().all(|(axis, _)| !is_set(*axis) && !is_aside(*axis));
-        for (exclusion, _) in idle.filter(|(exclusion, _)| kept(exclusion)) {
+        for exclusion in self.idle_exclusions() {
             warnings.add(&exclusion.place, format!("the exclusion {:?} matches no combination", exclusion.why));
+        }
+        for (place, text) in checks::idle_sample_counts(&self.config, self.cells.iter().map(|cell| &cell.point)) {
+            warnings.add(&place, text);
         }
         for (place, text) in checks::idle_values(&self.config) {
             warnings.add(&place, text);
@@ -263,6 +260,23 @@ impl Plan {
             }
         }
         warnings.into_result().err().map_or_else(Vec::new, |error| error.lines())
+    }
+}
+
+impl Plan {
+    /// Exclusions that leave nothing out, in the file as it stands: what `--set` took away is no slip of it.
+    fn idle_exclusions(&self) -> Vec<&Exclusion> {
+        let config = &self.config;
+        let mut idle: BTreeSet<usize> = (0..self.excluded.len()).filter(|&index| self.excluded[index] == 0).collect();
+        if !idle.is_empty() && !config.overrides.is_empty() {
+            let whole = Config::parse(&config.path, &config.text, &[], &mut Faults::new(&config.path, &config.text));
+            if whole.combination_count() <= COMBINATIONS_MAX {
+                let used: BTreeSet<usize> =
+                    whole.combinations().filter_map(|point| whole.exclusion_of(&point)).collect();
+                idle.retain(|index| !used.contains(index));
+            }
+        }
+        idle.into_iter().map(|index| &config.exclusions[index]).collect()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::columns::STEP_NUMBERS;
 use crate::ladder::{Attribution, STEPS, Step, StepNumbers};
-use crate::metrics::METRICS;
+use crate::metrics::{BiasVariance, METRICS, Metric, linear_metrics};
 use crate::pipeline::{FrameTimings, PassTime};
 use crate::precompute::table_of;
 use crate::shade::reference_pass::Convergence;
@@ -170,12 +170,47 @@ impl StepRecord {
     }
 }
 
-impl CellRecord {
-    /// The part that a run keeps in memory, for its tables and sheets. The plan knows the axes, the disk the rest.
-    pub fn in_memory(self) -> Self {
-        Self { axes: BTreeMap::new(), bins: Vec::new(), steps: Vec::new(), files: BTreeMap::new(), ..self }
+/// What a run keeps of a finished cell in memory, for its tables and sheets: the disk has the rest.
+#[derive(Clone, Debug)]
+pub struct KeptCell {
+    /// In the order of [`METRICS`].
+    pub scores: Box<[Option<f64>]>,
+    /// In the order of [`linear_metrics`].
+    pub noise_floors: Box<[Option<f64>]>,
+    /// In the order of [`BiasVariance::NAMES`].
+    pub bias_variance: [Option<f64>; BiasVariance::NAMES.len()],
+    pub reference: Option<ReferenceStop>,
+    pub verdict: Box<str>,
+}
+
+impl KeptCell {
+    /// Of a whole record.
+    pub fn of(record: &CellRecord) -> Self {
+        let of = |scores: &Scores, name: &str| scores.get(name).map(|score| score.0);
+        let all = |scores: &Scores, metrics: &[&dyn Metric]| -> Box<[Option<f64>]> {
+            metrics.iter().map(|metric| of(scores, metric.description().name)).collect()
+        };
+        Self {
+            scores: all(&record.scores, METRICS),
+            noise_floors: all(&record.noise_floors, &linear_metrics()),
+            bias_variance: BiasVariance::NAMES.map(|name| of(&record.bias_variance, name)),
+            reference: record.reference.clone(),
+            verdict: record.verdict.as_str().into(),
+        }
     }
 
+    /// The score by the metric of that name.
+    pub fn score(&self, metric: &str) -> Option<f64> {
+        self.scores[METRICS.iter().position(|known| known.description().name == metric)?]
+    }
+
+    /// The score of an exact image by the metric of that name.
+    pub fn noise_floor(&self, metric: &str) -> Option<f64> {
+        self.noise_floors[linear_metrics().iter().position(|known| known.description().name == metric)?]
+    }
+}
+
+impl CellRecord {
     /// Whether every metric has a score. A record of another program may lack some.
     pub fn has_all_scores(&self) -> bool {
         METRICS.iter().all(|metric| self.scores.contains_key(metric.description().name))

@@ -3,13 +3,13 @@
 //! Below each display image stands its error. The linear error does not depend on the tone curve: where exposure or contrast is
 //! swept, each display image has its FLIP map, and the linear map stands once below all of them.
 
-use super::axis::{AXES, METHOD, POINT_SET, SAMPLES, Sheet};
+use super::axis::{AXES, METHOD, POINT_SET, SAMPLES, SCENE, Sheet};
 use super::images::{
     error_name, flip_name, linear_files, picture_name, reference_picture_name, short_text, sweeps_display,
 };
 use super::plan::{Cell, Plan};
 use super::rows;
-use super::store::{CellRecord, Store, StoreError};
+use super::store::{KeptCell, Store, StoreError};
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
 use crate::files::names_in;
 use crate::pixels::{GrayImage, PixelsError, Rgb8Image, exr, png};
@@ -36,7 +36,8 @@ const COLUMN_GAP: u32 = 8;
 const SHRUNK_WIDTH_MIN: u32 = 200;
 
 /// One contact sheet for each environment, scene and model: in parts for some of the methods where all would not fit side by side, and in
-/// pages where not all rows would fit below each other. Sheets of an earlier program are removed.
+/// pages where not all rows would fit below each other. None of a design, whose images are no pictures. Sheets of an earlier program are
+/// removed.
 pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(), StoreError> {
     let [sheet_axes, column_axes] = [Sheet::Page, Sheet::Column].map(|place| swept(plan, place));
     let mut written: BTreeSet<PathBuf> = BTreeSet::new();
@@ -102,7 +103,8 @@ pub fn sheet_files(dir: &Path) -> Vec<PathBuf> {
 fn of_first_point_set(plan: &Plan) -> Vec<&Cell> {
     let set = |cell: &&Cell| cell.point[POINT_SET].to_string();
     let first = plan.cells.iter().map(|cell| set(&cell)).find(|set| !set.is_empty());
-    plan.cells.iter().filter(|cell| set(cell).is_empty() || Some(set(cell)) == first).collect()
+    let is_picture = |cell: &&Cell| !plan.inputs.scene(cell.point[SCENE].text()).is_design;
+    plan.cells.iter().filter(|cell| is_picture(cell) && (set(cell).is_empty() || Some(set(cell)) == first)).collect()
 }
 
 /// How images of one size are shown.
@@ -307,7 +309,7 @@ impl Page<'_> {
         Ok(SIGNED_ERROR.image(&map, &mask))
     }
 
-    fn done(&self, cell: &Cell) -> Option<&CellRecord> {
+    fn done(&self, cell: &Cell) -> Option<&KeptCell> {
         match self.results.get(&cell.id) {
             Some(CellResult::Done(record)) => Some(record),
             _ => None,
@@ -321,10 +323,10 @@ impl Page<'_> {
         if kind == Kind::Display {
             return self.picture(&reference_picture_name(self.plan, cell), String::new());
         }
-        match record.noise_floors.get(HEADLINE) {
+        match record.noise_floor(HEADLINE) {
             Some(floor) if kind == Kind::RelativeError => Tile::Missing(format!(
                 "an exact image would have {HEADLINE} {} by the reference's noise",
-                significant(floor.0, 2)
+                significant(floor, 2)
             )),
             _ => Tile::Blank,
         }
@@ -333,8 +335,8 @@ impl Page<'_> {
     fn tile(&self, cells: &[&Cell], kind: Kind) -> Tile {
         let Some(first) = cells.first() else { return Tile::Missing("excluded".to_owned()) };
         if let Some((cell, record)) = cells.iter().find_map(|cell| Some((*cell, self.done(cell)?))) {
-            let score = kind.metric(sweeps_display(self.plan)).and_then(|metric| record.scores.get(metric));
-            let note = score.map_or_else(String::new, |score| significant(score.0, 3));
+            let score = kind.metric(sweeps_display(self.plan)).and_then(|metric| record.score(metric));
+            let note = score.map_or_else(String::new, |score| significant(score, 3));
             return self.picture(&kind.file(self.plan, cell), note);
         }
         Tile::Missing(match self.results.get(&first.id) {

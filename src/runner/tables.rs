@@ -8,18 +8,20 @@ use super::columns::{BINS, CELL, Column, ERRORS, RATIOS, STEP_NUMBERS, STEPS, TI
 use super::host::UNKNOWN;
 use super::plan::{Cell, Plan};
 use super::statistics::median;
-use super::store::{BinRecord, CellRecord, FailureRecord, ReferenceStop, Scores, StepRecord, Store, StoreError};
+use super::store::{BinRecord, FailureRecord, KeptCell, ReferenceStop, Scores, StepRecord, Store, StoreError};
 use super::timing::{Key, TimingRecord, summarize, swept_axes};
 use super::timing_ratios::{Ratio, TableCost, ratios};
 use crate::metrics::{BiasVariance, METRICS, linear_metrics};
 use crate::table::csv::Cell as Field;
 use std::collections::BTreeMap;
 
+/// The verdict on a cell without scores.
+pub const FAILED: &str = "failed";
+
 /// The result of a cell that was tried.
 #[derive(Clone, Debug)]
 pub enum CellResult {
-    /// As [`CellRecord::in_memory`].
-    Done(Box<CellRecord>),
+    Done(Box<KeptCell>),
     Failed(FailureRecord),
 }
 
@@ -65,16 +67,20 @@ pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Ite
     columns.extend(BiasVariance::NAMES.map(str::to_owned));
     columns.extend(floored.iter().map(|name| format!("{name}_noise_floor")));
     columns.extend(names_of(&ERRORS[BiasVariance::NAMES.len()..]));
-    let none = Scores::default();
+    let number_count = names.len() + BiasVariance::NAMES.len() + floored.len();
     let row = move |cell: &Cell| {
-        let (scores, parts, floors, stop, verdict) = match results.get(&cell.id)? {
-            CellResult::Done(r) => (&r.scores, &r.bias_variance, &r.noise_floors, r.reference.as_ref(), &*r.verdict),
-            CellResult::Failed(_) => (&none, &none, &none, None, "failed"),
-        };
         let mut row = cell_fields(plan, cell);
-        row.extend(score_fields(scores, &names));
-        row.extend(score_fields(parts, &BiasVariance::NAMES));
-        row.extend(score_fields(floors, &floored));
+        let (stop, verdict) = match results.get(&cell.id)? {
+            CellResult::Done(kept) => {
+                let numbers = kept.scores.iter().chain(&kept.bias_variance).chain(&kept.noise_floors);
+                row.extend(numbers.map(|number| Field::from(*number)));
+                (kept.reference.as_ref(), &*kept.verdict)
+            }
+            CellResult::Failed(_) => {
+                row.extend(std::iter::repeat_n(Field::Missing, number_count));
+                (None, FAILED)
+            }
+        };
         row.extend(stop_fields(stop));
         row.extend([verdict, DIFFUSE_WEIGHT].map(Field::from));
         Some(Ok(row))

@@ -4,6 +4,7 @@ use crate::glsl::constants;
 use crate::spelling::suggestion;
 use std::fmt;
 use std::hash::{Hash, Hasher};
+use std::sync::Arc;
 
 /// A checked value. Its `Display` text is what tables, cell ids and `--set` use.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +18,20 @@ pub enum Value {
     /// Width and height, or another pair of counts.
     Pair([u32; 2]),
     /// A name out of a list, or the name of an input.
-    Text(String),
+    /// Shared, since a plan has the same texts in each of its cells.
+    Text(Arc<String>),
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Self {
+        text.to_owned().into()
+    }
+}
+
+impl From<String> for Value {
+    fn from(text: String) -> Self {
+        Self::Text(Arc::new(text))
+    }
 }
 
 /// Every checked number is one: no range holds a NaN.
@@ -241,7 +255,7 @@ impl Kind {
                 Raw::String(text) => {
                     let names = names();
                     match names.contains(&text.as_str()) {
-                        true => Ok(Value::Text(text.clone())),
+                        true => Ok(Value::from(text.as_str())),
                         false => Err(not_one_of(what, text, &names, "")),
                     }
                 }
@@ -259,7 +273,7 @@ impl Kind {
                 _ => Self::Number(*range).parse(raw),
             },
             Self::Input => match raw {
-                Raw::String(text) if !text.is_empty() => Ok(Value::Text(text.clone())),
+                Raw::String(text) if !text.is_empty() => Ok(Value::from(text.as_str())),
                 _ => expected("a builtin's name or a file's path in quotes"),
             },
         }

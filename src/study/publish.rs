@@ -16,11 +16,10 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Files of a run that are published beside its answers.
-const FILES: [&str; 9] = [
+const FILES: [&str; 8] = [
     EXPERIMENT_FILE,
     "environments.csv",
     "errors.csv",
-    "errors_by_n_dot_v.csv",
     "steps.csv",
     slips::FILE_NAME,
     "timings.csv",

@@ -7,10 +7,11 @@
 //! R and DuckDB read. A missing value is an empty cell. Text that a spreadsheet would take for a formula is written with an apostrophe
 //! before it, and read back without; see [`guarded`].
 
-use crate::files::read_regular;
+use crate::files::{open_regular, read_regular};
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Write};
+use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// One value of a row.
@@ -273,6 +274,106 @@ impl Table {
             }),
         };
         self.rows.iter().enumerate().map(number).collect()
+    }
+}
+
+/// A table that is read row by row: whole, it may take many times the memory of what is made of it.
+#[derive(Debug)]
+pub struct TableRows {
+    path: PathBuf,
+    columns: Vec<String>,
+    places: HashMap<String, usize>,
+    reader: ::csv::Reader<File>,
+}
+
+/// One row of [`TableRows`].
+#[derive(Clone, Copy, Debug)]
+pub struct Row<'t> {
+    table: &'t TableRows,
+    record: &'t ::csv::StringRecord,
+    /// From 1.
+    number: usize,
+}
+
+impl TableRows {
+    /// Opens a whole table: the last line must be whole.
+    pub fn open(path: &Path) -> Result<Self, TableError> {
+        let io = |source| file_error(path, source);
+        let mut file = open_regular(path).map_err(io)?;
+        if !is_whole(&mut file).map_err(io)? {
+            return Err(TableError::Torn { path: path.to_owned() });
+        }
+        file.rewind().map_err(io)?;
+        let mut reader = ::csv::Reader::from_reader(file);
+        let heads = reader.headers().map_err(|source| TableError::Syntax { path: path.to_owned(), source })?;
+        let columns: Vec<String> = heads.iter().map(|name| unguarded(name).to_owned()).collect();
+        let places = columns.iter().enumerate().rev().map(|(place, name)| (name.clone(), place)).collect();
+        Ok(Self { path: path.to_owned(), columns, places, reader })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
+    /// Refuses a table without this column.
+    pub fn needs(&self, name: &str) -> Result<(), TableError> {
+        let error =
+            || TableError::NoColumn { path: self.path.clone(), column: name.to_owned(), columns: self.columns.clone() };
+        self.places.contains_key(name).then_some(()).ok_or_else(error)
+    }
+
+    /// Calls `see` with each row; every row must have as many cells as the header.
+    pub fn each(&mut self, mut see: impl FnMut(Row) -> Result<(), TableError>) -> Result<(), TableError> {
+        let (mut record, mut number) = (::csv::StringRecord::new(), 0);
+        while self
+            .reader
+            .read_record(&mut record)
+            .map_err(|source| TableError::Syntax { path: self.path.clone(), source })?
+        {
+            number += 1;
+            see(Row { table: self, record: &record, number })?;
+        }
+        Ok(())
+    }
+}
+
+impl<'t> Row<'t> {
+    /// The field of a column; `None` where it is empty or the table has no such column.
+    pub fn text(&self, column: &str) -> Option<&'t str> {
+        Some(unguarded(&self.record[*self.table.places.get(column)?])).filter(|text| !text.is_empty())
+    }
+
+    /// A field as a number, where it is one.
+    pub fn number(&self, column: &str) -> Option<f64> {
+        self.text(column)?.parse().ok()
+    }
+
+    /// As [`Row::number`]; a field that is neither empty nor a number is a fault.
+    pub fn checked_number(&self, column: &str) -> Result<Option<f64>, TableError> {
+        let number = |text: &str| {
+            text.parse().map_err(|_| TableError::Number {
+                path: self.table.path.clone(),
+                row: self.number,
+                column: column.to_owned(),
+                value: text.to_owned(),
+            })
+        };
+        self.text(column).map(number).transpose()
+    }
+}
+
+/// Whether the last line ends, outside quotes.
+fn is_whole(file: &mut File) -> std::io::Result<bool> {
+    let (mut buffer, mut is_quoted, mut last) = (vec![0; 1 << 16], false, b'\n');
+    loop {
+        let count = file.read(&mut buffer)?;
+        let Some(end) = buffer[..count].last() else { return Ok(!is_quoted && last == b'\n') };
+        is_quoted ^= buffer[..count].iter().filter(|byte| **byte == b'"').count() % 2 == 1;
+        last = *end;
     }
 }
 

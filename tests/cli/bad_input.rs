@@ -180,6 +180,16 @@ fn an_experiment_with_faults_lists_them_with_places() {
     }
 }
 
+/// Values that do not go together do not hide a question that cannot be answered.
+#[test]
+fn what_is_asked_and_what_is_set_are_judged_together() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = "name = \"x\"\nasks = [\"tables\"]\nreference = { method = \"reference\", samples = 64 }\n[axes]\nalpha = [0.5]\nmethod = [\"reference\"]\nsamples = [7]\n";
+    std::fs::write(dir.path().join("x.toml"), text).unwrap();
+    let parts = ["x.toml:2:9: asks: \"tables\" cannot be answered", "x.toml:7:12: samples of method reference"];
+    assert_ends(&splitsum(dir.path(), &["plan", "x.toml"]), 2, &parts);
+}
+
 #[test]
 fn an_empty_plan_has_its_own_exit_code() {
     let dir = tempfile::tempdir().unwrap();
@@ -273,9 +283,7 @@ fn a_run_without_a_device_leaves_nothing_behind() {
 fn answers_of_a_run_whose_table_was_emptied_are_refused_and_stay() {
     let dir = tempfile::tempdir().unwrap();
     let published = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("results/timing");
-    for name in
-        ["provenance.json", "experiment.toml", "errors.csv", "errors_by_n_dot_v.csv", "environments.csv", "summary.md"]
-    {
+    for name in ["provenance.json", "experiment.toml", "errors.csv", "environments.csv", "summary.md"] {
         std::fs::copy(published.join(name), dir.path().join(name)).unwrap();
     }
     let answers = || splitsum(dir.path(), &["answers", "."]);

@@ -8,6 +8,7 @@ mod chunks;
 mod cost;
 mod end_to_end;
 mod faults;
+mod growth;
 mod hostile;
 mod integrate;
 #[cfg(unix)]

@@ -16,6 +16,7 @@ mod layouts;
 mod lights;
 mod methods;
 mod placement;
+mod prefilter;
 mod probe;
 mod reference;
 mod scale;

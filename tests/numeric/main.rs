@@ -15,6 +15,7 @@ mod math;
 mod metrics;
 mod oracle;
 mod pixels;
+mod placement;
 mod precompute;
 mod reference;
 mod robustness;

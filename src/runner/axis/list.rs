@@ -78,7 +78,7 @@ const LIST: &[Axis] = &[
         sheet: Sheet::Page,
         needs_memory: true,
         feeds: &[MIPS, SH9, PREFILTER, IRRADIANCE],
-        default: || Value::Text("builtin:sky".to_owned()),
+        default: || Value::from("builtin:sky"),
         apply: |s, v| s.environment = v.text().to_owned(),
         ..PLAIN
     },
@@ -89,7 +89,7 @@ const LIST: &[Axis] = &[
         sheet: Sheet::Page,
         frames_cost: true,
         is_key: true,
-        default: || Value::Text("sphere".to_owned()),
+        default: || Value::from("sphere"),
         apply: |s, v| s.scene = v.text().to_owned(),
         ..PLAIN
     },
@@ -102,7 +102,7 @@ const LIST: &[Axis] = &[
         tables_cost: true,
         feeds: &[PREFILTER, DFG],
         kind: Kind::Name { what: "BRDF model", names: || brdf::MODELS.iter().map(|m| m.name()).collect() },
-        default: || Value::Text("ggx".to_owned()),
+        default: || Value::from("ggx"),
         apply: |s, v| s.brdf = brdf::by_name(v.text()).expect("the plan checked the model's name"),
         ..PLAIN
     },
@@ -117,8 +117,8 @@ const LIST: &[Axis] = &[
         is_compared: true,
         needs_memory: true,
         kind: Kind::Name { what: "method", names: || METHODS.iter().map(|m| m.name).collect() },
-        default: || Value::Text("sampled".to_owned()),
-        reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::Text(r.method.clone()) },
+        default: || Value::from("sampled"),
+        reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::from(r.method.as_str()) },
         apply: |s, v| s.method = method(v.text()),
         ..PLAIN
     },
@@ -132,9 +132,9 @@ const LIST: &[Axis] = &[
         tables_cost: true,
         needs_memory: true,
         kind: Kind::Name { what: "diffuse method", names: || DIFFUSE.iter().map(|d| d.name).collect() },
-        default: || Value::Text("sh9".to_owned()),
+        default: || Value::from("sh9"),
         used: |u| u.has_diffuse_surface,
-        reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::Text(REFERENCE.to_owned()) },
+        reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::from(REFERENCE) },
         apply: |s, v| s.diffuse = diffuse(v.text()),
         ..PLAIN
     },
@@ -160,7 +160,7 @@ const LIST: &[Axis] = &[
         about: "where a sampled method takes its points from; `splitsum list sequences`",
         plural: "sequences",
         kind: Kind::Name { what: "sequence", names: || SEQUENCES.iter().map(|s| s.name).collect() },
-        default: || Value::Text(SEQUENCES[0].name.to_owned()),
+        default: || Value::from(SEQUENCES[0].name),
         used: |u| u.method.uses_point_set,
         apply: |s, v| s.sequence = sequence_by_name(v.text()).expect("the plan checked the sequence's name"),
         ..PLAIN
@@ -305,7 +305,7 @@ const LIST: &[Axis] = &[
             what: "masking-shadowing",
             names: || MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect(),
         },
-        default: || Value::Text("separable".to_owned()),
+        default: || Value::from("separable"),
         apply: |s, v| {
             let named = MaskingShadowing::ALL.iter().find(|(name, _)| *name == v.text());
             s.masking_shadowing = named.expect("the plan checked the masking's name").1;
@@ -334,7 +334,7 @@ const LIST: &[Axis] = &[
         feeds: &[MIPS, PREFILTER, IRRADIANCE],
         used: |u| u.method.uses_lod_bias || u.method.uses_prefiltered || u.uses_irradiance_map(),
         kind: Kind::Name { what: "layout", names: || LAYOUTS.iter().map(|layout| layout.name).collect() },
-        default: || Value::Text(LAYOUTS[0].name.to_owned()),
+        default: || Value::from(LAYOUTS[0].name),
         apply: |s, v| s.precompute.layout = layout_by_name(v.text()).expect("the plan checked the layout's name"),
         ..TABLE
     },
@@ -375,7 +375,7 @@ const LIST: &[Axis] = &[
             what: "way to prefilter",
             names: || PrefilterBy::ALL.iter().map(|(name, _)| *name).collect(),
         },
-        default: || Value::Text(PrefilterBy::default().name().to_owned()),
+        default: || Value::from(PrefilterBy::default().name()),
         apply: |s, v| {
             let named = PrefilterBy::ALL.iter().find(|(name, _)| *name == v.text());
             s.precompute.prefilter = named.expect("the plan checked the name").1;
@@ -402,7 +402,7 @@ const LIST: &[Axis] = &[
         feeds: &[PREFILTER],
         used: |u| u.method.uses_prefiltered || u.method.uses_levels,
         kind: Kind::Name { what: "level mapping", names: || LEVEL_MAPPINGS.iter().map(|m| m.name).collect() },
-        default: || Value::Text(LEVEL_MAPPINGS[0].name.to_owned()),
+        default: || Value::from(LEVEL_MAPPINGS[0].name),
         apply: |s, v| {
             s.precompute.level_mapping = level_mapping_by_name(v.text()).expect("the plan checked the mapping's name");
         },
@@ -417,7 +417,7 @@ const LIST: &[Axis] = &[
         feeds: &[PREFILTER],
         used: |u| u.method.uses_prefiltered || u.method.uses_weight,
         kind: Kind::Name { what: "prefilter weight", names: || WEIGHTS.iter().map(|w| w.name).collect() },
-        default: || Value::Text(WEIGHTS[0].name.to_owned()),
+        default: || Value::from(WEIGHTS[0].name),
         apply: |s, v| {
             s.precompute.prefilter_weight = weight_by_name(v.text()).expect("the plan checked the weight's name");
         },
@@ -499,7 +499,7 @@ const LIST: &[Axis] = &[
         feeds: &[PREFILTER, DFG, IRRADIANCE],
         used: |u| u.method.uses_prefiltered || u.needs_dfg() || u.uses_irradiance_map(),
         kind: Kind::Name { what: "format", names: || StorageFormat::ALL.iter().map(|(name, _)| *name).collect() },
-        default: || Value::Text(StorageFormat::ALL[0].0.to_owned()),
+        default: || Value::from(StorageFormat::ALL[0].0),
         apply: |s, v| {
             let named = StorageFormat::ALL.iter().find(|(name, _)| *name == v.text());
             s.precompute.storage = named.expect("the plan checked the format's name").1;

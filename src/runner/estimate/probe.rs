@@ -23,8 +23,8 @@ const IMAGE_COUNT: usize = 3;
 pub fn samples_per_second(plan: &Plan, renderer: &mut dyn Renderer) -> Result<Option<f64>, RenderFault> {
     let Some(cell) = plan.cells.first() else { return Ok(None) };
     let mut point = cell.point.clone();
-    point[METHOD] = Value::Text(METHODS[0].name.to_owned());
-    point[DIFFUSE_METHOD] = Value::Text(NONE.to_owned());
+    point[METHOD] = Value::from(METHODS[0].name);
+    point[DIFFUSE_METHOD] = Value::from(NONE);
     point[SAMPLES] = Value::Count(SAMPLE_COUNT);
     point[SIZE] = Value::Pair(point[SIZE].pair().map(|side| side.min(SIDE)));
     let request = RenderRequest { precompute: PrecomputeSettings::default(), ..plan.request(&point) };

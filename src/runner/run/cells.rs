@@ -244,7 +244,7 @@ impl<'p> Run<'p> {
             match scored {
                 Ok(record) => {
                     self.store.write_cell(&record)?;
-                    self.remember(record);
+                    self.remember(&record);
                     progress.step(&self.plan.label(cell), None);
                 }
                 Err(reason) => self.fail(&[cell], &reason, progress)?,

@@ -16,7 +16,7 @@ use crate::runner::plan::{Cell, Plan};
 use crate::runner::renderer::{RenderFault, Renderer};
 use crate::runner::scoring::CellFault;
 use crate::runner::sheets;
-use crate::runner::store::{CellRecord, FailureRecord, Store};
+use crate::runner::store::{CellRecord, FailureRecord, KeptCell, Store};
 use crate::runner::tables::{self, CellResult, Results};
 use crate::runner::timing::{self, TimingJob, TimingRecord};
 use crate::runner::trace;
@@ -57,8 +57,10 @@ pub trait Progress {
 /// Makes the renderer when the first step needs it, so that a finished run needs no device.
 pub type MakeRenderer<'a> = dyn FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'a;
 
-/// The tables are rewritten at most this often while cells finish.
+/// The tables are rewritten at most this often while cells finish,
 const TABLE_INTERVAL: Duration = Duration::from_secs(2);
+/// and so rarely that it takes at most this part of the time: they grow with the cells.
+const TABLE_SHARE: u32 = 20;
 
 /// Runs what is not done yet of `plan` in the folder of `options`, then writes the tables and contact sheets.
 pub fn run(
@@ -150,6 +152,7 @@ struct Run<'p> {
     jobs: Vec<TimingJob<'p>>,
     timings: Vec<TimingRecord>,
     tables_written: Instant,
+    tables_took: Duration,
     /// Whether a failure ended the run.
     is_halted: bool,
     /// References that an earlier invocation had rendered.
@@ -172,7 +175,7 @@ impl<'p> Run<'p> {
                 Ok(Some(record)) if !record.has_all_scores() => unusable.push(store.cell_path(&cell.id)),
                 Ok(Some(mut record)) => {
                     recorded_hashes.insert(cell.id.clone(), std::mem::take(&mut record.files));
-                    results.insert(cell.id.clone(), CellResult::Done(Box::new(record.in_memory())));
+                    results.insert(cell.id.clone(), CellResult::Done(Box::new(KeptCell::of(&record))));
                 }
                 Ok(None) => {}
                 Err(error) if error.is_unusable_record() => unusable.push(store.cell_path(&cell.id)),
@@ -189,6 +192,7 @@ impl<'p> Run<'p> {
             jobs,
             timings: Vec::new(),
             tables_written: Instant::now(),
+            tables_took: Duration::ZERO,
             is_halted: false,
             references_read: 0,
             recorded_hashes,
@@ -266,8 +270,8 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    fn remember(&mut self, record: CellRecord) {
-        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(record.in_memory())));
+    fn remember(&mut self, record: &CellRecord) {
+        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(KeptCell::of(record))));
     }
 
     fn fail(&mut self, cells: &[&Cell], reason: &str, progress: &mut dyn Progress) -> Result<(), RunError> {
@@ -292,14 +296,16 @@ impl<'p> Run<'p> {
     }
 
     fn write_tables_sometimes(&mut self) -> Result<(), RunError> {
-        let is_time = self.share.is_none() && self.tables_written.elapsed() >= TABLE_INTERVAL;
+        let interval = TABLE_INTERVAL.max(self.tables_took * TABLE_SHARE);
+        let is_time = self.share.is_none() && self.tables_written.elapsed() >= interval;
         if is_time { self.write_errors() } else { Ok(()) }
     }
 
     fn write_errors(&mut self) -> Result<(), RunError> {
+        let started = Instant::now();
         let (columns, rows) = tables::errors(self.plan, &self.results);
         self.store.write_table("errors.csv", &columns, rows)?;
-        self.tables_written = Instant::now();
+        (self.tables_written, self.tables_took) = (Instant::now(), started.elapsed());
         Ok(())
     }
 
@@ -353,7 +359,6 @@ impl<'p> Run<'p> {
             failures: self.failures(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
             work: self.work,
-            results: self.results,
             timings: self.timings,
         })
     }

@@ -4,7 +4,6 @@ use crate::pipeline::{SharedWork, Tally};
 use crate::runner::provenance::ProvenanceError;
 use crate::runner::renderer::RenderFault;
 use crate::runner::store::{FailureRecord, StoreError};
-use crate::runner::tables::Results;
 use crate::runner::timing::TimingRecord;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -56,8 +55,6 @@ pub struct ShareOutcome {
 #[derive(Debug)]
 pub struct Outcome {
     pub dir: PathBuf,
-    /// Of every cell that was tried.
-    pub results: Results,
     pub timings: Vec<TimingRecord>,
     /// Cells without a record, each with its reason.
     pub failures: Vec<FailureRecord>,

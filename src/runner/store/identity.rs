@@ -7,9 +7,11 @@ use super::{
 use crate::files::names_in;
 use crate::metrics::METRICS;
 use crate::runner::axis::AXES;
+use crate::runner::inputs::short_names;
 use crate::runner::plan::Plan;
 use crate::runner::provenance;
 use crate::runner::timing;
+use crate::runner::value::Kind;
 use crate::spelling::short_number;
 use crate::table::csv::Table;
 use serde_json::Value;
@@ -144,12 +146,15 @@ impl Store {
     /// ": alpha is 0.1, 0.5 there and 0.1, 0.25 here": the first axis or key that tells the run in the folder from a plan.
     fn difference(&self, found: &Value, cells: &BTreeMap<String, BTreeMap<String, String>>, plan: &Plan) -> String {
         let there = |axis: usize| cells.values().filter_map(move |axes| axes.get(AXES[axis].name).cloned());
-        let here = |axis: usize| plan.cells.iter().map(move |cell| plan.shown(cell, axis).to_string());
-        let set = |values: &mut dyn Iterator<Item = String>| {
-            values.filter(|text| !text.is_empty()).collect::<BTreeSet<String>>()
+        let here = |axis: usize| plan.cells.iter().map(move |cell| cell.point[axis].to_string());
+        // A file has as many spellings as folders to name it from: its short name stands for it.
+        let set = |axis: usize, values: &mut dyn Iterator<Item = String>| -> BTreeSet<String> {
+            let texts: BTreeSet<String> = values.filter(|text| !text.is_empty()).collect();
+            let is_file = matches!(AXES[axis].kind, Kind::Input);
+            if is_file { short_names(texts.iter().map(String::as_str)).into_values().collect() } else { texts }
         };
         let of_axis = (0..AXES.len()).find_map(|axis| {
-            let [there, here] = [set(&mut there(axis)), set(&mut here(axis))];
+            let [there, here] = [set(axis, &mut there(axis)), set(axis, &mut here(axis))];
             let listed = |values: &BTreeSet<String>| {
                 let mut values: Vec<_> = values.iter().map(|text| short_number(text)).collect();
                 // Names stand as they are.
@@ -160,7 +165,14 @@ impl Store {
         });
         let new = provenance::provenance(plan, &self.dir);
         let of_key = || {
-            let key = ["seed", "reference", "inputs"].into_iter().find(|key| found[key] != new[key])?;
+            let contents = |all: &Value| -> BTreeSet<String> {
+                all.as_object().into_iter().flat_map(|all| all.values()).map(Value::to_string).collect()
+            };
+            let differs = |key: &&str| match *key {
+                "inputs" => contents(&found[*key]) != contents(&new[*key]),
+                key => found[key] != new[key],
+            };
+            let key = ["seed", "reference", "inputs"].into_iter().find(differs)?;
             let entries = found[key].as_object().into_iter().chain(new[key].as_object()).flat_map(|all| all.keys());
             let entry = entries.map(String::as_str).find(|entry| found[key][*entry] != new[key][*entry]);
             let of = |all: &Value| entry.map_or(&all[key], |entry| &all[key][entry]).to_string();

@@ -1,11 +1,12 @@
 //! The folder of a run. Records are written last and in one step: no record means not done.
 
+mod done;
 mod fault;
 mod identity;
 mod lock;
 
 pub use super::record::{
-    BinRecord, CellRecord, Exact, FailureRecord, ReferenceStop, Scores, Spent, StepRecord, StopReason,
+    BinRecord, CellRecord, Exact, FailureRecord, KeptCell, ReferenceStop, Scores, Spent, StepRecord, StopReason,
 };
 pub use fault::StoreError;
 pub use identity::Extension;

@@ -9,11 +9,12 @@ use crate::runner::fault::Faults;
 use crate::runner::frozen::EXPERIMENT_FILE;
 use crate::runner::provenance::{self, PROVENANCE_FILE, ProvenanceError};
 use crate::runner::store::{StopReason, Store, StoreError, TIMINGS_FOLDER};
-use crate::runner::tables::{HEADLINE, REFERENCE_COLUMNS};
+use crate::runner::tables::{FAILED, HEADLINE, REFERENCE_COLUMNS};
+use crate::runner::value::Value;
 use crate::spelling::printable;
-use crate::table::csv::{Table, TableError};
+use crate::table::csv::{Row, TableError, TableRows};
 use serde_json::Value as Json;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// Why a folder cannot be reported.
@@ -48,20 +49,33 @@ impl Finished {
         let provenance = provenance(dir)?;
         let table = |name: &str| {
             let path = dir.join(name);
-            path.exists().then(|| Table::read(&path)).transpose()
+            path.exists().then(|| TableRows::open(&path)).transpose()
         };
-        let errors = table("errors.csv")?.ok_or_else(|| match is_under_way {
+        let mut errors = table("errors.csv")?.ok_or_else(|| match is_under_way {
             true => FinishedError::NoTableYet { dir: dir.to_owned() },
             false => unfinished(dir, &provenance),
         })?;
-        let bins = table("errors_by_n_dot_v.csv")?;
-        check_errors(dir, &provenance, &errors, bins.as_ref(), is_under_way)?;
+        let mut images = table("images.csv")?.map_or_else(|| Ok(HashMap::new()), images)?;
+        let mut cells = cells(&mut errors, &mut images)?;
+        check_errors(dir, &provenance, &errors, &cells, is_under_way)?;
+        let places: HashMap<String, usize> =
+            cells.iter().enumerate().map(|(place, cell)| (cell.id.clone(), place)).collect();
+        if let Some(table) = table("errors_by_n_dot_v.csv")? {
+            bins(table, &mut cells, &places, is_under_way)?;
+        }
+        if let Some(mut table) = table("steps.csv")? {
+            table.each(|row| {
+                if let Some((place, step)) = row.text("cell").and_then(|cell| places.get(cell)).zip(step(&row)) {
+                    cells[*place].steps.push(step);
+                }
+                Ok(())
+            })?;
+        }
         let experiment = text(&dir.join(EXPERIMENT_FILE))?.unwrap_or_default();
-        let images = table("images.csv")?.map_or_else(|| Ok(BTreeMap::new()), |table| images(&table))?;
         Ok(Self {
             config: config(&experiment, &provenance),
-            cells: cells(&errors, bins.as_ref(), table("steps.csv")?.as_ref(), &images),
-            lights: table("environments.csv")?.map(|table| lights(&table)).unwrap_or_default(),
+            cells,
+            lights: table("environments.csv")?.map_or_else(|| Ok(Vec::new()), lights)?,
             timings: of_store(dir, TIMINGS_FOLDER, Store::timing)?,
             failures: of_store(dir, "failed", Store::failure)?,
             provenance,
@@ -72,105 +86,129 @@ impl Finished {
     }
 }
 
-/// Text fields of one row by column name.
-struct Fields<'t> {
-    table: &'t Table,
-    row: &'t [String],
-}
-
-impl Fields<'_> {
-    fn text(&self, name: &str) -> Option<String> {
-        let column = self.table.columns.iter().position(|column| column == name)?;
-        Some(self.row[column].clone()).filter(|text| !text.is_empty())
-    }
-
-    fn number(&self, name: &str) -> Option<f64> {
-        self.text(name)?.parse().ok()
-    }
-
-    fn metrics(&self, suffix: &str) -> MetricValues {
-        MetricValues::of(|name| self.number(&format!("{name}{suffix}")))
-    }
-}
-
-fn rows(table: &Table) -> impl Iterator<Item = Fields<'_>> {
-    table.rows.iter().map(move |row| Fields { table, row })
-}
-
-fn cells(
-    errors: &Table,
-    bins: Option<&Table>,
-    steps: Option<&Table>,
-    images: &BTreeMap<String, CellImages>,
-) -> Vec<FinishedCell> {
-    let mut steps_of: BTreeMap<String, Vec<StepRow>> = BTreeMap::new();
-    for fields in steps.into_iter().flat_map(rows) {
-        if let (Some(cell), Some(step)) = (fields.text("cell"), step(&fields)) {
-            steps_of.entry(cell).or_default().push(step);
-        }
-    }
-    let mut bins_of: BTreeMap<String, Vec<Bin>> = BTreeMap::new();
-    for fields in bins.into_iter().flat_map(rows) {
-        let numbers = ["n_dot_v_from", "n_dot_v_to", "pixel_count"].map(|name| fields.number(name));
-        if let (Some(cell), [Some(lo), Some(hi), Some(count)]) = (fields.text("cell"), numbers) {
-            let bin = Bin { lo, hi, pixel_count: count as u64, scores: fields.metrics("") };
-            bins_of.entry(cell).or_default().push(bin);
-        }
-    }
-    let cell = |fields: Fields| {
-        let id = fields.text("cell").unwrap_or_default();
-        let [variance, bias] = BiasVariance::RELATIVE_NAMES.map(|name| fields.number(name));
-        let is_failed = fields.text("verdict").as_deref() == Some("failed");
-        FinishedCell {
-            point: point_of(|name| fields.text(name)),
-            scores: (!is_failed).then(|| fields.metrics("")),
-            noise_floors: fields.metrics("_noise_floor"),
-            bias_variance: bias.zip(variance).map(|(bias, variance)| [bias, variance]),
-            reference: stop(&fields),
-            bins: bins_of.remove(&id).unwrap_or_default(),
-            steps: steps_of.remove(&id).unwrap_or_default(),
-            images: images.get(&id).cloned(),
-            id,
-        }
-    };
-    rows(errors).map(cell).collect()
-}
-
-fn step(fields: &Fields) -> Option<StepRow> {
-    Some(StepRow {
-        seen: [fields.number("n_dot_v_from")?, fields.number("n_dot_v_to")?],
-        step: fields.text("step")?,
-        share: fields.number("share")?,
-        rung_error: fields.number("rung_error")?,
-        first_in: fields.number("first_in")?,
-        last_out: fields.number("last_out")?,
-        shapley: fields.number("shapley")?,
-        noise: fields.number("noise")?,
+fn metrics(row: &Row, suffix: &str) -> MetricValues {
+    MetricValues::of(|name| match suffix {
+        "" => row.number(name),
+        _ => row.number(&format!("{name}{suffix}")),
     })
 }
 
-fn stop(fields: &Fields) -> Option<Stop> {
+/// The cells of `errors.csv`, without what other tables tell.
+fn cells(errors: &mut TableRows, images: &mut HashMap<String, CellImages>) -> Result<Vec<FinishedCell>, FinishedError> {
+    check_head(errors)?;
+    ["cell", "verdict", HEADLINE].iter().try_for_each(|name| errors.needs(name))?;
+    let mut cells = Vec::new();
+    // A text is one of few: each is kept once.
+    let mut texts: HashMap<String, Value> = HashMap::new();
+    errors.each(|row| {
+        row.checked_number(HEADLINE)?;
+        let id = row.text("cell").unwrap_or_default().to_owned();
+        let [variance, bias] = BiasVariance::RELATIVE_NAMES.map(|name| row.number(name));
+        let is_failed = row.text("verdict") == Some(FAILED);
+        let mut point = point_of(|name| Some(row.text(name)?.to_owned()));
+        for value in &mut point.0 {
+            if let Value::Text(text) = value {
+                *value = texts.entry(text.to_string()).or_insert_with(|| value.clone()).clone();
+            }
+        }
+        cells.push(FinishedCell {
+            point,
+            scores: (!is_failed).then(|| metrics(&row, "")),
+            noise_floors: metrics(&row, "_noise_floor"),
+            bias_variance: bias.zip(variance).map(|(bias, variance)| [bias, variance]),
+            reference: stop(&row),
+            bins: Vec::new(),
+            steps: Vec::new(),
+            images: images.remove(&id),
+            id,
+        });
+        Ok(())
+    })?;
+    Ok(cells)
+}
+
+/// Adds the rows of `errors_by_n_dot_v.csv` to their cells. Every cell with a score has some, unless a run is adding to the table.
+fn bins(
+    mut table: TableRows,
+    cells: &mut [FinishedCell],
+    places: &HashMap<String, usize>,
+    is_under_way: bool,
+) -> Result<(), FinishedError> {
+    check_head(&table)?;
+    if !is_under_way {
+        ["cell", HEADLINE].iter().try_for_each(|name| table.needs(name))?;
+    }
+    let mut is_binned = vec![false; cells.len()];
+    table.each(|row| {
+        if !is_under_way {
+            row.checked_number(HEADLINE)?;
+        }
+        let Some(&place) = row.text("cell").and_then(|cell| places.get(cell)) else { return Ok(()) };
+        is_binned[place] = true;
+        if let [Some(lo), Some(hi), Some(count)] =
+            ["n_dot_v_from", "n_dot_v_to", "pixel_count"].map(|name| row.number(name))
+        {
+            cells[place].bins.push(Bin { lo, hi, pixel_count: count as u64, scores: metrics(&row, "") });
+        }
+        Ok(())
+    })?;
+    let is_scored =
+        |cell: &FinishedCell| cell.scores.as_ref().and_then(|scores| scores.get(HEADLINE)).is_some_and(f64::is_finite);
+    let mut bare = cells.iter().zip(&is_binned).filter(|(cell, is_binned)| !**is_binned && is_scored(cell));
+    match bare.next().filter(|_| !is_under_way) {
+        Some((cell, _)) => Err(damaged(&table, format!("no row of cell {}, which errors.csv beside it has", cell.id))),
+        None => Ok(()),
+    }
+}
+
+fn step(row: &Row) -> Option<StepRow> {
+    Some(StepRow {
+        seen: [row.number("n_dot_v_from")?, row.number("n_dot_v_to")?],
+        step: row.text("step")?.to_owned(),
+        share: row.number("share")?,
+        rung_error: row.number("rung_error")?,
+        first_in: row.number("first_in")?,
+        last_out: row.number("last_out")?,
+        shapley: row.number("shapley")?,
+        noise: row.number("noise")?,
+    })
+}
+
+fn stop(row: &Row) -> Option<Stop> {
     let [samples, error, by] = REFERENCE_COLUMNS;
     let reasons = [StopReason::Samples, StopReason::RelativeError];
-    let by = fields.text(by)?;
+    let by = row.text(by)?;
     Some(Stop {
-        samples: fields.number(samples)? as u64,
-        relative_error: fields.number(error)?,
+        samples: row.number(samples)? as u64,
+        relative_error: row.number(error)?,
         stopped_by: reasons.into_iter().find(|reason| reason.name() == by)?,
     })
 }
 
-fn lights(table: &Table) -> Vec<Light> {
-    let light = |fields: Fields| {
+fn lights(mut table: TableRows) -> Result<Vec<Light>, FinishedError> {
+    let light = |row: Row| {
         Some(Light {
-            environment: fields.text("environment")?,
-            clip_log2: fields.text("environment_clip_log2").unwrap_or_default(),
-            mean: fields.number(LUMINANCE_COLUMNS[0])?,
-            peak: fields.number(LUMINANCE_COLUMNS[1])?,
-            range_stops: fields.number(RANGE_COLUMN),
+            environment: row.text("environment")?.to_owned(),
+            clip_log2: row.text("environment_clip_log2").unwrap_or_default().to_owned(),
+            mean: row.number(LUMINANCE_COLUMNS[0])?,
+            peak: row.number(LUMINANCE_COLUMNS[1])?,
+            range_stops: row.number(RANGE_COLUMN),
         })
     };
-    rows(table).filter_map(light).collect()
+    let mut lights = Vec::new();
+    table.each(|row| {
+        lights.extend(light(row));
+        Ok(())
+    })?;
+    Ok(lights)
+}
+
+fn damaged(table: &TableRows, what: String) -> FinishedError {
+    FinishedError::Damaged { path: table.path().to_owned(), what }
+}
+
+fn check_head(table: &TableRows) -> Result<(), FinishedError> {
+    if table.columns().is_empty() { Err(damaged(table, "the file is empty".to_owned())) } else { Ok(()) }
 }
 
 /// The frozen experiment, where this program still understands it.
@@ -206,44 +244,39 @@ pub fn provenance(dir: &Path) -> Result<Json, FinishedError> {
     provenance::read(dir)?.ok_or_else(|| FinishedError::NotARun { dir: dir.to_owned(), file: PROVENANCE_FILE })
 }
 
-fn images(table: &Table) -> Result<BTreeMap<String, CellImages>, FinishedError> {
-    let [cell, radiance, reference] = [table.column("cell")?, table.column("radiance")?, table.column("reference")?];
+fn images(mut table: TableRows) -> Result<HashMap<String, CellImages>, FinishedError> {
+    ["cell", "radiance", "reference"].iter().try_for_each(|name| table.needs(name))?;
     // Joined to the folder's path, and linked from a page: nothing but a name may get that far.
     let is_name =
         |text: &str| !text.contains(['/', '\\', ':']) && ![".", ".."].contains(&text) && printable(text) == text;
-    let file = |text: &String| match is_name(text) {
-        true => Ok(text.clone()),
-        false => Err(FinishedError::Damaged {
-            path: table.path().to_owned(),
-            what: format!("{text:?} is not the name of an image"),
-        }),
-    };
-    let entry = |row: &Vec<String>| {
-        let images = CellImages { radiance: file(&row[radiance])?, reference: file(&row[reference])? };
-        Ok((row[cell].clone(), images))
-    };
-    table.rows.iter().map(entry).collect()
+    let (mut found, mut stranger) = (HashMap::new(), None);
+    table.each(|row| {
+        let [cell, radiance, reference] =
+            ["cell", "radiance", "reference"].map(|name| row.text(name).unwrap_or_default());
+        stranger = stranger
+            .take()
+            .or_else(|| [radiance, reference].into_iter().find(|name| !is_name(name)).map(str::to_owned));
+        found.insert(cell.to_owned(), CellImages { radiance: radiance.to_owned(), reference: reference.to_owned() });
+        Ok(())
+    })?;
+    match stranger {
+        Some(text) => Err(damaged(&table, format!("{text:?} is not the name of an image"))),
+        None => Ok(found),
+    }
 }
 
-/// Whether the tables of errors are whole: their columns, their numbers, each cell once, and, unless a run is adding to them, no fewer cells
-/// than the folder has records of.
+/// Whether the table of errors is whole: each cell once, and, unless a run is adding to it, no fewer cells than the folder has records of.
 fn check_errors(
     dir: &Path,
     provenance: &Json,
-    errors: &Table,
-    bins: Option<&Table>,
+    errors: &TableRows,
+    cells: &[FinishedCell],
     is_under_way: bool,
 ) -> Result<(), FinishedError> {
-    let damaged = |what: String| Err(FinishedError::Damaged { path: errors.path().to_owned(), what });
-    if let Some(table) = [Some(errors), bins].into_iter().flatten().find(|table| table.columns.is_empty()) {
-        return Err(FinishedError::Damaged { path: table.path().to_owned(), what: "the file is empty".to_owned() });
-    }
-    let cell = errors.column("cell")?;
-    let verdict = errors.column("verdict")?;
-    let scores = errors.numbers(HEADLINE)?;
-    let ids: BTreeSet<&str> = errors.rows.iter().map(|row| row[cell].as_str()).collect();
-    if ids.len() < errors.rows.len() {
-        return damaged(format!("{} rows of {} cells", errors.rows.len(), ids.len()));
+    let damaged = |what: String| Err(damaged(errors, what));
+    let ids: HashSet<&str> = cells.iter().map(|cell| cell.id.as_str()).collect();
+    if ids.len() < cells.len() {
+        return damaged(format!("{} rows of {} cells", cells.len(), ids.len()));
     }
     if is_under_way {
         return Ok(());
@@ -252,7 +285,7 @@ fn check_errors(
     let store = Store::at(dir);
     let records: BTreeSet<String> = ["cells", "failed"].into_iter().flat_map(|folder| store.ids(folder)).collect();
     let is_record = |id: &&String| matches!(store.cell(id), Ok(Some(_))) || matches!(store.failure(id), Ok(Some(_)));
-    let rows = errors.rows.len();
+    let rows = cells.len();
     let records = if rows < records.len() { records.iter().filter(is_record).count() } else { records.len() };
     if rows < records {
         return damaged(format!("{rows} rows, but the folder has records of {records} cells: it is cut off"));
@@ -262,20 +295,7 @@ fn check_errors(
     if rows == 0 && records == 0 && has_worked && !dir.join("cells").is_dir() && provenance["cell_count"] != 0 {
         return damaged("no rows".to_owned());
     }
-    let Some(bins) = bins else { return Ok(()) };
-    bins.numbers(HEADLINE)?;
-    let bin_cell = bins.column("cell")?;
-    let binned: BTreeSet<&str> = bins.rows.iter().map(|row| row[bin_cell].as_str()).collect();
-    let is_scored =
-        |(row, score): &(&Vec<String>, &Option<f64>)| score.is_some_and(f64::is_finite) && row[verdict] != "failed";
-    let mut scored = errors.rows.iter().zip(&scores).filter(is_scored).map(|(row, _)| row[cell].as_str());
-    match scored.find(|id| !binned.contains(id)) {
-        Some(id) => Err(FinishedError::Damaged {
-            path: bins.path().to_owned(),
-            what: format!("no row of cell {id}, which {} has", errors.path().display()),
-        }),
-        None => Ok(()),
-    }
+    Ok(())
 }
 
 /// Largest file of a run that is read, bytes.

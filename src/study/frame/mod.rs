@@ -21,7 +21,7 @@ use crate::runner::value::Value;
 use crate::scene::is_design;
 use crate::shade::NONE;
 use crate::table::csv::Cell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Mean FLIP from which on a difference counts as visible: a convention of this project, since FLIP's authors give none.
 pub const VISIBLE_FROM: f64 = 0.05;
@@ -224,19 +224,35 @@ pub fn fits(a: &[Value], b: &[Value]) -> bool {
 /// Rows that agree on some axes, each group with its key, in the order of the rows. A row that does not use an axis stands in every group
 /// that it does not contradict.
 pub fn by<'r, 'f>(rows: &[&'r Row<'f>], axes: &[usize]) -> Vec<(Key, Vec<&'r Row<'f>>)> {
-    let keys = distinct_in_order(rows.iter().map(|row| row.key(axes)));
-    let lies_within = |key: &Key, of: &Key| {
-        key != of && key.iter().zip(of).all(|(value, other)| *value == Value::Unset || value == other)
-    };
-    let whole: Vec<&Key> = keys.iter().filter(|key| !keys.iter().any(|other| lies_within(key, other))).collect();
-    let group = |key: &Key| {
-        let own = rows.iter().copied().filter(|row| {
-            let of = row.key(axes);
-            of == *key || lies_within(&of, key)
+    let mut groups: Vec<(Key, Vec<usize>)> = grouped(0..rows.len(), |&row| rows[row].key(axes));
+    // The keys with the same unset axes, by their other values: what lies within a key is looked up, since a run may have a key a row.
+    let mut partial: HashMap<Vec<bool>, HashMap<Vec<&Value>, usize>> = HashMap::new();
+    for (place, (key, _)) in groups.iter().enumerate() {
+        let is_set: Vec<bool> = key.iter().map(|value| *value != Value::Unset).collect();
+        let values = key.iter().filter(|value| **value != Value::Unset).collect();
+        partial.entry(is_set).or_default().insert(values, place);
+    }
+    partial.retain(|is_set, _| is_set.contains(&false));
+    let within = |(of, (key, _)): (usize, &(Key, Vec<usize>))| {
+        let own = partial.iter().filter_map(|(is_set, places)| {
+            let values: Vec<&Value> = key.iter().zip(is_set).filter(|(_, is)| **is).map(|(value, _)| value).collect();
+            places.get(&values).copied()
         });
-        (key.clone(), own.collect())
+        own.filter(|&place| place != of).collect()
     };
-    whole.into_iter().map(group).collect()
+    let within: Vec<Vec<usize>> = groups.iter().enumerate().map(within).collect();
+    let is_part: HashSet<usize> = within.iter().flatten().copied().collect();
+    for (of, parts) in within.iter().enumerate().filter(|(_, parts)| !parts.is_empty()) {
+        let more: Vec<usize> = parts.iter().flat_map(|&part| groups[part].1.clone()).collect();
+        groups[of].1.extend(more);
+    }
+    let whole = groups.into_iter().enumerate().filter(|(place, _)| !is_part.contains(place));
+    let group = |(_, (key, mut own)): (usize, (Key, Vec<usize>))| {
+        own.sort_unstable();
+        own.dedup();
+        (key, own.into_iter().map(|row| rows[row]).collect())
+    };
+    whole.map(group).collect()
 }
 
 /// Each row with another value on an axis beside the row that has the base there and agrees on all other axes. An axis that one of the two
@@ -269,7 +285,7 @@ fn set_values(rows: &[&Row], axis: usize) -> Vec<Value> {
 
 /// Each value once, in the order of its first appearance.
 pub fn distinct_in_order<T: Clone + Eq + std::hash::Hash>(values: impl IntoIterator<Item = T>) -> Vec<T> {
-    let mut seen = std::collections::HashSet::new();
+    let mut seen = HashSet::new();
     values.into_iter().filter(|value| seen.insert(value.clone())).collect()
 }
 

@@ -1,16 +1,19 @@
 //! Which images go into the page, at what size: all of them whole where they fit the budget, else a window of native texels of each.
 //! Images are never reduced: averaging texels would hide noise.
 
+use super::model::DESIGN;
 use super::told::Told;
 use crate::metrics::{Comparison, Epsilon};
 use crate::pixels::packed;
 use crate::pixels::{Decoded, GrayImage, RgbImage, exr};
+use crate::runner::axis::SCENE;
 use crate::runner::value::Value;
+use crate::scene::is_design;
 use crate::study::finished::FinishedCell;
 use crate::tonemap::ToneCurve;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
 /// A part of an image, texels from the top left corner.
@@ -139,21 +142,34 @@ pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet,
             }
         }
     }
-    if set.images.is_empty() && choice != Choice::None {
+    let are_designs = !designs(runs).is_empty();
+    if are_designs {
+        set.notes.push(format!("Images of the scene design are left out: {DESIGN}."));
+    }
+    if set.images.is_empty() && !are_designs && choice != Choice::None {
         set.notes.push("The run has no images.csv, so no image can be shown.".to_owned());
     }
     Ok(set)
+}
+
+/// The scenes of the runs that are designs.
+fn designs(runs: &[Told]) -> HashSet<Value> {
+    let scenes: HashSet<&Value> =
+        runs.iter().flat_map(|run| &run.finished.cells).map(|cell| &cell.point[SCENE]).collect();
+    scenes.into_iter().filter(|scene| is_design(&scene.to_string())).cloned().collect()
 }
 
 /// An image with the texts of its texels and its mask.
 type Prepared = (EmbeddedImage, [Option<String>; 2]);
 
 impl ImageSet {
-    /// The images of the cells, each once, without pixels.
+    /// The images of the cells, each once, without pixels; none of a design, which are not meant to be looked at.
     fn list(runs: &[Told]) -> Self {
         let mut set = Self::default();
+        let designs = designs(runs);
         for (run, told) in runs.iter().enumerate() {
-            for cell in &told.finished.cells {
+            let is_picture = |cell: &&FinishedCell| !designs.contains(&cell.point[SCENE]);
+            for cell in told.finished.cells.iter().filter(is_picture) {
                 let (Some(files), light) = (&cell.images, told.finished.epsilon(&cell.point)) else { continue };
                 let reference = set.add(run, &files.reference, None, light);
                 set.add(run, &files.radiance, Some(reference), light);

@@ -18,7 +18,7 @@ use crate::study::finished::Finished;
 use crate::study::frame::Frame;
 use images::Choice;
 use serde_json::{Value as Json, json};
-use std::io::{Read, Write};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// How a page is to be made.
@@ -66,8 +66,6 @@ pub enum PageError {
     OutIsFolder { path: PathBuf },
     #[error("--out {}: exists and is no report of splitsum; expected a new file, or a report to write anew", path.display())]
     NotAReport { path: PathBuf },
-    #[error("the page's template: {0}")]
-    Template(#[from] minijinja::Error),
     #[error(transparent)]
     Write(#[from] PixelsError),
 }
@@ -139,8 +137,7 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
     });
     let answers: Vec<Json> = runs.iter().enumerate().flat_map(|(run, told)| sections::model(told, run)).collect();
     let others = [json_bytes(&light), json_bytes(&answers), json_bytes(&fixed), PROGRAM_BYTES].iter().sum::<usize>();
-    let images = images::collect(runs, options.images, options.budget.saturating_sub(others + row_bytes(runs)))?;
-    let design = model::has_design(&axes).then(|| format!("Images of the scene design: {}.", model::DESIGN));
+    let mut images = images::collect(runs, options.images, options.budget.saturating_sub(others + row_bytes(runs)))?;
     let model = json!({
         "headline": frames[0].metric_name(),
         "runs": fixed["runs"].as_array().into_iter().flatten().map(for_scripts).collect::<Vec<_>>(),
@@ -150,13 +147,16 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
         "rows": model::rows(runs, &axes, &metrics, frames[0].metric, &images),
         "answers": answers,
         "images": images.images,
-        "image_notes": design.iter().chain(&images.notes).collect::<Vec<_>>(),
+        "image_notes": &images.notes,
         "colors": model::colors(),
     });
-    let html = render::render(&fixed, &model, &images, &light)?;
-    write_atomically(&options.out, |writer| writer.write_all(html.as_bytes()))?;
+    let payloads = std::mem::take(&mut images.payloads);
+    write_atomically(&options.out, |writer| {
+        render::render(writer, &fixed, &model, payloads, &light).map_err(std::io::Error::other)
+    })?;
+    let bytes = std::fs::metadata(&options.out).map_or(0, |written| written.len() as usize);
     let notes = runs.iter().filter_map(|run| Finished::under_way_note(run.finished)).chain(images.notes).collect();
-    Ok(Written { path: options.out.clone(), bytes: html.len(), notes })
+    Ok(Written { path: options.out.clone(), bytes, notes })
 }
 
 /// What the scripts need of a run.

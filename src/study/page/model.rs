@@ -4,6 +4,7 @@ use super::images::ImageSet;
 use super::told::{Told, score};
 use crate::metrics::{METRICS, Metric, verdict};
 use crate::runner::axis::{AXES, Part, SCENE};
+use crate::runner::tables::FAILED;
 use crate::runner::value::{Kind, Value};
 use crate::scene::is_design;
 use crate::study::finished::FinishedCell;
@@ -16,8 +17,6 @@ use serde_json::{Value as Json, json};
 
 /// The axis that tells joined runs apart.
 const RUN_AXIS: &str = "run";
-/// The verdict on a cell without scores.
-const FAILED: &str = "failed";
 /// The verdict on a score of a metric without a noise floor.
 const NO_FLOOR: &str = "no-noise-floor";
 
@@ -49,6 +48,9 @@ pub struct PageAxis {
     /// Index of `AXES`; nothing for the axis of runs.
     #[serde(skip)]
     pub index: Option<usize>,
+    /// Whether every cell has its one value, so that the rows have no column of it.
+    #[serde(skip)]
+    pub is_constant: bool,
 }
 
 /// The axes of the runs' cells: the runs, then those of `AXES` that any cell has a value on.
@@ -56,13 +58,13 @@ pub fn axes(runs: &[Told]) -> Vec<PageAxis> {
     let labels: Vec<String> = runs.iter().map(|run| run.label.clone()).collect();
     let role = if runs.len() > 1 { Role::Variant } else { Role::Fixed };
     let (values, words) = (labels.clone(), labels.clone());
-    let of_runs = PageAxis { name: RUN_AXIS, role, values, labels, words, index: None };
+    let of_runs = PageAxis { name: RUN_AXIS, role, values, labels, words, index: None, is_constant: true };
     std::iter::once(of_runs).chain((0..AXES.len()).filter_map(|index| page_axis(runs, index))).collect()
 }
 
 fn page_axis(runs: &[Told], index: usize) -> Option<PageAxis> {
     let cells = runs.iter().flat_map(|run| &run.finished.cells);
-    let found = cells.map(|cell| &cell.point.0[index]).filter(|value| **value != Value::Unset);
+    let found = cells.clone().map(|cell| &cell.point.0[index]).filter(|value| **value != Value::Unset);
     // By their texts: a cell's value is looked up by its text.
     let mut seen = Vec::new();
     let mut distinct: Vec<&Value> = Vec::new();
@@ -82,7 +84,8 @@ fn page_axis(runs: &[Told], index: usize) -> Option<PageAxis> {
     };
     let labels = labels(index, &distinct);
     let words = distinct.iter().zip(&labels).map(|(value, label)| word(index, value, label)).collect();
-    Some(PageAxis { name: AXES[index].name, role, values: seen, labels, words, index: Some(index) })
+    let is_constant = role == Role::Fixed && cells.clone().all(|cell| cell.point.0[index] != Value::Unset);
+    Some(PageAxis { name: AXES[index].name, role, values: seen, labels, words, index: Some(index), is_constant })
 }
 
 /// Short texts, whole where two would be equal.
@@ -147,7 +150,7 @@ pub fn shared(axes: &[PageAxis]) -> String {
 /// The names of the columns of [`rows`].
 pub fn columns(axes: &[PageAxis], metrics: &[&'static dyn Metric]) -> Vec<&'static str> {
     let own = ["run", "cell", "image", "reference", "verdict", "noise_floor"];
-    let axes = axes.iter().filter(|axis| axis.index.is_some()).map(|axis| axis.name);
+    let axes = axes.iter().filter(|axis| !axis.is_constant).map(|axis| axis.name);
     own.into_iter().chain(axes).chain(metrics.iter().map(|metric| metric.description().name)).collect()
 }
 
@@ -171,7 +174,7 @@ pub fn rows(
         };
         let own = [json!(run), json!(cell.id), json!(own), json!(reference), json!(verdict), number(floor)];
         let place = |axis: &PageAxis| {
-            let text = cell.point.0[axis.index?].to_string();
+            let text = cell.point.0[axis.index.filter(|_| !axis.is_constant)?].to_string();
             Some(axis.values.iter().position(|value| *value == text))
         };
         let places = axes.iter().filter_map(place).map(|place| json!(place));

@@ -4,7 +4,6 @@
 //! script elements whose `<` is written as `\u003c`, so that no name can end the element. A content security policy in the page forbids
 //! every request, so that what is promised (one offline file) is also enforced.
 
-use super::images::ImageSet;
 use super::live::Light;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -12,6 +11,7 @@ use minijinja::value::{Serde, Value};
 use minijinja::{AutoEscape, Environment, context};
 use serde_json::{Value as Json, json};
 use std::collections::BTreeMap;
+use std::io::Write;
 
 /// Style sheet of the page.
 const STYLE: &str = include_str!("../../../assets/report/report.css");
@@ -51,8 +51,15 @@ const MODULES: &[(&str, &str)] = modules![
     "grid",
 ];
 
-/// Renders the page. `page` is what it shows without its scripts, `model` what these read, `light` what the live view reads.
-pub fn render(page: &Json, model: &Json, images: &ImageSet, light: &Light) -> Result<String, minijinja::Error> {
+/// Writes the page. `page` is what it shows without its scripts, `model` what these read, `payloads` the texels of its images, `light` what the
+/// live view reads.
+pub fn render(
+    writer: impl Write,
+    page: &Json,
+    model: &Json,
+    payloads: Vec<String>,
+    light: &Light,
+) -> Result<(), minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_filter("whole_units", whole_units);
@@ -62,15 +69,16 @@ pub fn render(page: &Json, model: &Json, images: &ImageSet, light: &Light) -> Re
     let import = |text: &str| format!("data:text/javascript;base64,{}", BASE64_STANDARD.encode(text));
     let imports: BTreeMap<&str, String> = MODULES.iter().map(|(name, text)| (*name, import(text))).collect();
     let shaders: BTreeMap<&str, &str> = shaders::PAGE_SHADERS.iter().copied().collect();
-    environment.get_template("report")?.render(context! {
+    let context = context! {
         page => Serde(page),
         style => safe(STYLE.to_owned()),
         imports => safe(in_script(&json!({ "imports": imports }))),
         model => safe(in_script(model)),
         shaders => safe(in_script(&json!(shaders))),
         light => safe(in_script(&json!(light))),
-        payloads => images.payloads.iter().map(|text| safe(text.clone())).collect::<Vec<_>>(),
-    })
+        payloads => payloads.into_iter().map(safe).collect::<Vec<_>>(),
+    };
+    environment.get_template("report")?.render_captured_to(context, writer).map(drop)
 }
 
 /// A sentence in parts: strong between `**`, code between backticks.

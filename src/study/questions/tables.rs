@@ -18,6 +18,7 @@ use crate::precompute::PrecomputeSettings;
 use crate::shade::{EXACT_SPLIT, REFERENCE};
 use crate::table::markdown::significant;
 use std::collections::HashMap;
+use std::ops::Range;
 
 pub const QUESTION: Question = Question {
     name: "tables",
@@ -154,8 +155,8 @@ impl Combination<'_, '_, '_> {
 }
 
 /// Every combination that was tried in all conditions of these rows, the smallest first.
-fn combinations<'t, 'r, 'f>(own: &[&'t Tried<'r, 'f>]) -> Vec<Combination<'t, 'r, 'f>> {
-    let groups = grouped(own.iter().copied(), |one| one.tables.clone());
+fn combinations<'t, 'r, 'f>(own: impl Iterator<Item = &'t Tried<'r, 'f>>) -> Vec<Combination<'t, 'r, 'f>> {
+    let groups = grouped(own, |one| one.tables.clone());
     let most = groups.iter().map(|(_, own)| own.len()).max();
     let whole = groups.into_iter().filter(|(_, own)| Some(own.len()) == most);
     let mut all: Vec<_> = whole.map(|(tables, own)| Combination { tables, own }).collect();
@@ -206,11 +207,12 @@ fn answer(frame: &Frame) -> Option<Finding> {
         table.row([one.row.cells(&axes), own].concat());
     }
     let all: Vec<&Tried> = tried.iter().collect();
-    let by_alpha = grouped_ascending(all.iter().copied(), ALPHA, |one| one.row).into_iter();
-    let by_alpha: Vec<_> = by_alpha.map(|(alpha, own)| (alpha, combinations(&own))).collect();
-    let whole = combinations(&all);
+    let rows_by_alpha = grouped_ascending(all.iter().copied(), ALPHA, |one| one.row);
+    let by_alpha: Vec<_> =
+        rows_by_alpha.iter().map(|(alpha, own)| (alpha.clone(), combinations(own.iter().copied()))).collect();
+    let whole = combinations(all.iter().copied());
     Some(Finding {
-        sentence: sentence(frame, &parameters, chosen(enough(frame), &whole)?, &by_alpha),
+        sentence: sentence(frame, &parameters, &rows_by_alpha, &by_alpha, &whole)?,
         digest: Some(digest(frame, &parameters, &scope, &by_alpha, &whole)),
         figure: figure(frame, &parameters, &all),
         table,
@@ -218,23 +220,74 @@ fn answer(frame: &Frame) -> Option<Finding> {
 }
 
 type ByAlpha<'t, 'r, 'f> = [(Value, Vec<Combination<'t, 'r, 'f>>)];
+type Rows<'t, 'r, 'f> = [(Value, Vec<&'t Tried<'r, 'f>>)];
 
-fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &ByAlpha) -> String {
-    let (worst, metric) = (best.worst(), frame.metric_name());
-    let enough = enough(frame);
+/// The longest run of neighbouring alphas for which one combination is enough, the widest of equally long ones.
+fn longest<'t, 'r, 'f>(enough: f64, rows: &Rows<'t, 'r, 'f>) -> Option<(Range<usize>, Combination<'t, 'r, 'f>)> {
+    let ranges =
+        (1..=rows.len()).rev().flat_map(|length| (length..=rows.len()).rev().map(move |end| end - length..end));
+    ranges.into_iter().find_map(|range| {
+        let all = combinations(rows[range.clone()].iter().flat_map(|(_, own)| own.iter().copied()));
+        Some((range, all.into_iter().find(|one| one.worst().share() <= enough)?))
+    })
+}
+
+/// "From alpha 0.25 (roughness 0.5) on".
+fn range_words(rows: &Rows, range: &Range<usize>) -> String {
+    let [first, last] = [range.start, range.end - 1].map(|place| heading(ALPHA, &rows[place].0));
+    let end = |place: usize| label(&[ALPHA], std::slice::from_ref(&rows[place].0));
+    match (range.len(), range.start == 0, range.end == rows.len()) {
+        (1, ..) => format!("At {first}"),
+        (_, _, true) => format!("From {first} on"),
+        (_, true, _) => format!("Up to {last}"),
+        _ => format!("From {} to {}", end(range.start), end(range.end - 1)),
+    }
+}
+
+/// First what can be shipped and where.
+fn sentence(
+    frame: &Frame,
+    parameters: &[usize],
+    rows: &Rows,
+    by_alpha: &ByAlpha,
+    whole: &[Combination],
+) -> Option<String> {
+    let (metric, enough) = (frame.metric_name(), enough(frame));
+    let best = chosen(enough, whole)?;
     // A share within the noise of the reference is an upper end.
-    let bound = if frame.is_resolved(worst.row) { "" } else { "at most " };
-    let share = format!("{bound}{}", told_share(enough, worst.share()));
-    let place = place(worst, &[ENVIRONMENT, ALPHA]);
-    let tables = words(parameters, &best.tables);
-    let mut text = match worst.share() <= enough {
-        true => format!(
-            "Ship **{tables}**: their `{metric}` is at most {} of the split's own ({place}).",
-            told_share(enough, worst.share())
+    let share = |one: &Tried| {
+        let bound = if frame.is_resolved(one.row) { "" } else { "at most " };
+        format!("{bound}{}", told_share(enough, one.share()))
+    };
+    let mut text = match longest(enough, rows) {
+        Some((range, one)) if range.len() < rows.len() => {
+            let outside = rows.iter().enumerate().filter(|(place, _)| !range.contains(place));
+            let others = combinations(outside.flat_map(|(_, (_, own))| own.iter().copied()));
+            let other = chosen(enough, &others)?;
+            let (worst, tables) = (other.worst(), words(parameters, &other.tables));
+            let which = if worst.share() <= enough { "Elsewhere" } else { "Elsewhere none is enough: the best," };
+            format!(
+                "{} ship **{}**: at most {} of the split's `{metric}`. {which} {tables}, {} {} ({}).",
+                range_words(rows, &range),
+                words(parameters, &one.tables),
+                told_share(enough, one.worst().share()),
+                if worst.share() <= enough { "do, at" } else { "reach" },
+                share(worst),
+                place(worst, &[ENVIRONMENT, ALPHA])
+            )
+        }
+        Some((_, one)) => format!(
+            "Ship **{}**: their `{metric}` is at most {} of the split's own ({}).",
+            words(parameters, &one.tables),
+            told_share(enough, one.worst().share()),
+            place(one.worst(), &[ENVIRONMENT, ALPHA])
         ),
-        false => format!(
-            "No tried tables err by {} of the split's own `{metric}` or less. The best, {tables}, reach {share} ({place}).",
-            if frame.metric.description().power == 2.0 { "a tenth" } else { "a third" }
+        None => format!(
+            "No tried tables err by {} of the split's own `{metric}` or less. The best, {}, reach {} ({}).",
+            if frame.metric.description().power == 2.0 { "a tenth" } else { "a third" },
+            words(parameters, &best.tables),
+            share(best.worst()),
+            place(best.worst(), &[ENVIRONMENT, ALPHA])
         ),
     };
     // The longest run of alphas up to the largest at which the smallest tables do.
@@ -251,13 +304,20 @@ fn sentence(frame: &Frame, parameters: &[usize], best: &Combination, by_alpha: &
             label(&[ALPHA], std::slice::from_ref(alpha))
         );
     }
-    text
+    Some(text)
 }
 
 /// One row an alpha, the last over all: the smallest tables that are enough, their error, and that of the split.
 fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], by_alpha: &ByAlpha, whole: &[Combination]) -> Table {
-    let names =
-        [AXES[ALPHA].name, ROUGHNESS, "tables", "their error", "the split's own error", "share at most", "where"];
+    let names = [
+        AXES[ALPHA].name,
+        ROUGHNESS,
+        "tables",
+        "their error, geometric mean over all n·v",
+        "the split's own error, the same mean",
+        "share at most",
+        "where",
+    ];
     let mut table = Table::with_names(names);
     let enough = enough(frame);
     let rows = by_alpha.iter().filter(|(alpha, _)| *alpha != Value::Unset);
@@ -276,49 +336,37 @@ fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], by_alpha: &ByAlp
     table
 }
 
-/// One panel an alpha, one dot a combination and condition, coloured by the first setting that is no size. Where environments are summed
-/// up, one dot a combination at its worst, which decides, over a whisker of all conditions.
+/// One panel an alpha, one dot a combination at its worst, which decides; those that are made alike are joined.
 fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure> {
-    let is_kind = |axis: &&usize| frame.shape.values[**axis].iter().all(|value| matches!(value, Value::Text(_)));
-    let kind = parameters.iter().find(is_kind).copied();
-    let name = |one: &Tried| kind.map_or(String::new(), |axis| short(axis, &one.row.point[axis]));
-    let series = distinct_in_order(all.iter().map(|one| name(one)));
-    let mark = |one: &&Tried| {
-        let tip = format!(
-            "{}: {} of the split's error · {}",
-            words(parameters, &one.tables),
-            percent(one.share()),
-            self::place(one, &[ENVIRONMENT])
-        );
-        let place = series.iter().position(|other| *other == name(one))?;
-        Some(dot([one.texels(), one.share()], place, tip, one.row))
+    let is_kind = |axis: &usize| frame.shape.values[*axis].iter().all(|value| matches!(value, Value::Text(_)));
+    let kinds: Vec<usize> = parameters.iter().copied().filter(is_kind).collect();
+    let kind = |one: &Tried| {
+        let words: Vec<String> = kinds.iter().map(|&axis| short(axis, &one.row.point[axis])).collect();
+        words.join(" · ")
     };
-    let is_summed = Numbers::new(all.iter().map(|one| (one.row, one.share())), Middle::GeometricMean).is_summed();
-    let panel = |(alpha, mut own): (Value, Vec<&Tried>)| {
+    let series = distinct_in_order(all.iter().map(|one| kind(one)));
+    let panel = |(alpha, own): (Value, Vec<&Tried>)| {
         let mut marks = vec![Mark::neutral(Form::HorizontalRule(enough(frame)))];
-        if is_summed {
-            let by_tables = grouped(own.iter().copied(), |one| one.tables.clone()).into_iter();
-            let ends = by_tables.filter_map(|(_, mut all)| {
-                all.sort_by(|a, b| a.share().total_cmp(&b.share()));
-                Some([*all.first()?, *all.last()?])
+        let all = combinations(own.iter().copied());
+        for (place, name) in series.iter().enumerate() {
+            let of_kind = all.iter().map(Combination::worst).filter(|worst| kind(worst) == *name);
+            let dots = of_kind.map(|worst| {
+                let share = percent(worst.share());
+                let at = self::place(worst, &[ENVIRONMENT]);
+                let tip = format!("{}: {share} of the split's error · {at}", words(parameters, &worst.tables));
+                dot([worst.texels(), worst.share()], place, tip, worst.row)
             });
-            let ends: Vec<[&Tried; 2]> = ends.collect();
-            marks.extend(ends.iter().filter_map(|ends| {
-                let [from, to] = ends.map(|one| [one.texels(), one.share()]);
-                Some(Mark::new(Form::Whisker(from, to), series.iter().position(|other| *other == name(ends[1]))?))
-            }));
-            own = ends.into_iter().map(|[_, worst]| worst).collect();
+            let dots: Vec<Mark> = dots.collect();
+            marks.extend(if dots.len() > 1 { joined(dots) } else { dots });
         }
-        marks.extend(own.iter().filter_map(mark));
         (heading(ALPHA, &alpha), marks)
     };
     let by_alpha = grouped_ascending(all.iter().copied(), ALPHA, |one| one.row);
     Chart {
         title: "What tables cost beside the split",
         note: format!(
-            "{} of tables over that of the split itself{}; below the line the split makes the error",
-            frame.metric_name(),
-            if is_summed { "; dots: the worst condition, whiskers: to the best" } else { "" }
+            "{} of tables over that of the split itself, in the worst condition; below the line the split makes the error",
+            frame.metric_name()
         ),
         x: Along::Log("texels"),
         y: Along::Log("share of the split's error"),

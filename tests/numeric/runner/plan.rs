@@ -62,6 +62,35 @@ fn an_exclusion_leaves_the_same_cells_as_the_collapse() {
     assert_eq!(ids(&excluded), ids(&plan(SWEEP)));
 }
 
+/// What `--set` takes away is no slip of the file, on whichever axis; what is idle in the file is one under `--set`, too.
+#[test]
+fn an_exclusion_is_idle_by_the_file_alone() {
+    let text = format!(
+        "{SWEEP}[[exclude]]\nmethod = \"split-sum\"\nexposure = 1\nwhy = \"used\"\n\
+         [[exclude]]\nmethod = \"split-sum\"\nexposure = 1\nsamples = 40\nwhy = \"hidden\"\n"
+    );
+    let idle = |set: &str| {
+        let plan = Plan::from_text(Path::new("x.toml"), &text, &[set.to_owned()]).unwrap();
+        let told = plan.warnings();
+        ["used", "hidden"].map(|why| told.iter().any(|line| line.contains(&format!("{why:?} matches no"))))
+    };
+    assert_eq!(idle("method=sampled"), [false, true]);
+    assert_eq!(idle("alpha=0.5"), [false, true]);
+}
+
+#[test]
+fn sample_counts_of_maps_by_harmonics_are_told_to_be_idle() {
+    let text = |by: &str| {
+        format!(
+            "name = \"x\"\n[axes]\nmethod = [\"split-sum\", \"sampled\"]\nalpha = [0.5]\nprefilter = {by}\nprefilter_sample_count = [16, 64]\n"
+        )
+    };
+    let told = |by: &str| Plan::from_text(Path::new("x.toml"), &text(by), &[]).unwrap().warnings();
+    let [warning] = &told("[\"harmonic\"]")[..] else { panic!("{:?}", told("[\"harmonic\"]")) };
+    assert!(warning.starts_with("x.toml:6:27: prefilter_sample_count: its 2 values are one cell"), "{warning}");
+    assert!(told("[\"sampled\"]").is_empty() && told("[\"harmonic\", \"sampled\"]").is_empty());
+}
+
 #[test]
 fn ids_do_not_depend_on_the_order_of_axes_values_or_keys() {
     let reordered = r#"

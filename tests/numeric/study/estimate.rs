@@ -109,7 +109,7 @@ fn the_interval_of_a_median_lies_between_two_pairs_of_order_statistics() {
     assert!((order_coverage(6, 1) - (1.0 - 14.0 / 64.0)).abs() < 1e-12);
     assert_eq!((median_order(5), median_order(6), median_order(8), median_order(9)), (None, Some(0), Some(0), Some(1)));
     // A tenth of the way by coverage is 5/14 by place: 0.1 (6 - 1) / (1 + 0.1 (6 - 2)).
-    let values: Vec<_> = (0..6).map(|i| (Value::Text(i.to_string()), f64::from(i).exp())).collect();
+    let values: Vec<_> = (0..6).map(|i| (Value::from(i.to_string()), f64::from(i).exp())).collect();
     let [lo, hi] = estimate(&values, Middle::Median).unwrap().interval.unwrap().map(f64::ln);
     assert!((lo - 5.0 / 14.0).abs() < 1e-9 && (hi - (5.0 - 5.0 / 14.0)).abs() < 1e-9, "{lo} {hi}");
 }
@@ -142,7 +142,7 @@ fn few_environments_and_wide_intervals_are_not_told() {
 #[test]
 fn infinity_is_a_value_and_no_nan() {
     let of = |counts: &[f64]| {
-        let values: Vec<_> = counts.iter().enumerate().map(|(i, n)| (Value::Text(format!("{i}")), *n)).collect();
+        let values: Vec<_> = counts.iter().enumerate().map(|(i, n)| (Value::from(format!("{i}")), *n)).collect();
         let found = estimate(&values, Middle::Median).unwrap();
         (found.value, found.interval.unwrap())
     };

@@ -53,7 +53,7 @@ fn a_pair_differs_in_one_axis_alone() {
         assert_eq!(row.point.get("method"), base.point.get("method"));
     }
     // The method without level bias stands beside the default bias of the other, at the same count and alpha.
-    let methods = pair(&rows, axis("method"), &Value::Text("sampled".to_owned()));
+    let methods = pair(&rows, axis("method"), &Value::from("sampled"));
     assert_eq!(methods.len(), 4, "the split sum has no partner: it draws no samples");
     for (row, base) in &methods {
         assert_eq!(row.samples(), base.samples());

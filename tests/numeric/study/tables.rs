@@ -74,6 +74,10 @@ fn where_no_tables_are_enough_the_best_are_named() {
     let finding = paper.finding("tables");
     assert_eq!(told(&finding, "0.1", ["tables", "share at most"]), ["none; best 256 samples", "50.0 %"]);
     assert_eq!(told(&finding, "0.5", ["tables"]), ["64 samples"]);
+    // What can be shipped comes first.
+    let said = &finding.sentence;
+    assert!(said.starts_with("At alpha 0.5 (roughness 0.71) ship **64 samples**: at most 2.0 %"), "{said}");
+    assert!(said.contains("Elsewhere none is enough: the best, 256 samples, reach 50.0 % (sky · alpha 0.1)"), "{said}");
 }
 
 #[test]

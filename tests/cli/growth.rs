@@ -1,0 +1,146 @@
+//! What grows with the number of cells: nothing may hold all images, all records or the whole text of a plan.
+
+use super::{command, ok, splitsum, stderr};
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+use std::process::Stdio;
+use std::time::Duration;
+
+/// An experiment of 5 cells for each alpha, small ones on the scene whose images nobody looks at.
+fn experiment(cells: usize) -> String {
+    format!(
+        r#"
+name = "growth"
+asks = ["error"]
+size = [16, 16]
+scene = "design"
+reference = {{ samples = 32 }}
+[axes]
+environment = ["builtin:gradient"]
+brdf = ["ggx"]
+f0 = [1]
+alpha = {{ linspace = [0.1, 1, {}] }}
+method = ["sampled", "split-sum"]
+samples = [1, 2, 4, 8]
+diffuse = ["none"]
+albedo = [0]
+[precompute]
+prefilter_size = [16, 16]
+prefilter_level_count = 2
+dfg_size = 16
+dfg_sample_count = 64
+"#,
+        cells / 5
+    )
+}
+
+fn folder(cells: usize) -> tempfile::TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("growth.toml"), experiment(cells)).unwrap();
+    dir
+}
+
+/// The most memory that a process has held, KiB, as far as the system tells.
+fn peak_kib(process: u32) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+    status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.split_whitespace().next()?.parse().ok()
+}
+
+/// Peak, KiB, of a plan when its first line comes out; its text must be whole all the same.
+fn plan_peak(cells: usize) -> Option<u64> {
+    let dir = folder(cells);
+    let mut child =
+        command(dir.path(), &["plan", "growth.toml", "--json", "--no-cache"]).stdout(Stdio::piped()).spawn().unwrap();
+    let mut out = BufReader::new(child.stdout.take().unwrap());
+    let mut text = String::new();
+    out.read_line(&mut text).unwrap();
+    let peak = peak_kib(child.id());
+    out.read_to_string(&mut text).unwrap();
+    assert!(child.wait().unwrap().success());
+    let plan: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(plan["cells"].as_array().unwrap().len(), cells);
+    assert!(plan["plan_hash"].is_string() && plan["estimate"]["seconds"].is_number());
+    let is_cell =
+        |line: &&str| line.trim_end_matches(',').parse::<serde_json::Value>().is_ok_and(|v| v["axes"].is_object());
+    assert_eq!(text.lines().filter(is_cell).count(), cells, "a line a cell");
+    peak
+}
+
+#[test]
+fn a_plan_is_written_as_it_is_made() {
+    let (Some(few), Some(many)) = (plan_peak(1000), plan_peak(9000)) else {
+        return eprintln!("skipped: the system does not tell the memory of a process");
+    };
+    let bytes = many.saturating_sub(few) * 1024 / 8000;
+    println!("{few} KiB and {many} KiB: {bytes} bytes a cell");
+    assert!(bytes < 4000, "{bytes} bytes a cell: as JSON values alone a cell takes 12,000");
+}
+
+/// Peak of a run, KiB, or `None` where no device answers or the system does not tell.
+fn run_peak(dir: &Path) -> Option<u64> {
+    let mut child = command(dir, &["run", "growth.toml", "--no-cache"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut peak = None;
+    let code = loop {
+        peak = peak_kib(child.id()).or(peak);
+        match child.try_wait().unwrap() {
+            Some(status) => break status.code(),
+            None => std::thread::sleep(Duration::from_millis(2)),
+        }
+    };
+    assert_eq!(code, Some(0));
+    peak
+}
+
+#[test]
+fn a_run_of_four_times_the_cells_takes_little_more_memory() {
+    let [small, large] = [folder(500), folder(2000)];
+    if !splitsum(small.path(), &["devices"]).status.success() {
+        return eprintln!("skipped: no Vulkan device");
+    }
+    let (Some(few), Some(many)) = (run_peak(small.path()), run_peak(large.path())) else {
+        return eprintln!("skipped: the system does not tell the memory of a process");
+    };
+    let bytes = many.saturating_sub(few) * 1024 / 1500;
+    println!("{few} KiB and {many} KiB: {bytes} bytes a cell");
+    assert!(bytes < 20_000, "{bytes} bytes a cell: its images have 30 a pixel, its tables as text 40,000");
+
+    // No image of a design stands in the report, nor in a sheet.
+    let run = large.path().join("runs/growth");
+    let report = std::fs::metadata(run.join("report.html")).unwrap().len();
+    assert!(report < 3_000_000, "{report}");
+    assert_eq!(super::entries(&run.join("tables")), [""; 0]);
+}
+
+#[test]
+fn a_finished_run_ends_at_once_unless_a_file_was_touched() {
+    let dir = folder(10);
+    if !splitsum(dir.path(), &["devices"]).status.success() {
+        return eprintln!("skipped: no Vulkan device");
+    }
+    let run = ["run", "growth.toml", "--no-cache"];
+    let first = ok(dir.path(), &run);
+    let cells = dir.path().join("runs/growth/cells");
+    let record = cells.join(&super::entries(&cells)[0]);
+    // What has its size and its time of change is not read again.
+    let (text, time) =
+        (std::fs::read_to_string(&record).unwrap(), std::fs::metadata(&record).unwrap().modified().unwrap());
+    std::fs::write(&record, text.replace("relmse", "wrong!")).unwrap();
+    std::fs::File::options().write(true).open(&record).unwrap().set_modified(time).unwrap();
+    let again = splitsum(dir.path(), &run);
+    assert!(again.status.success() && stderr(&again).is_empty(), "{}", stderr(&again));
+    assert_eq!(super::stdout(&again), first);
+    // Touched, it is, and its fault is found and mended.
+    std::fs::File::options().write(true).open(&record).unwrap().set_modified(time + Duration::from_secs(1)).unwrap();
+    let mended = splitsum(dir.path(), &run);
+    assert!(mended.status.success() && stderr(&mended).contains("damaged"), "{}", stderr(&mended));
+    assert!(std::fs::read_to_string(&record).unwrap().contains("relmse"));
+    // Neither another program's mark nor one of another experiment counts.
+    let other = std::fs::read_to_string(dir.path().join("growth.toml")).unwrap() + "# other\n";
+    std::fs::write(dir.path().join("growth.toml"), other).unwrap();
+    assert!(ok(dir.path(), &run).contains("Written to"));
+    assert!(std::fs::read_to_string(dir.path().join("runs/growth/experiment.toml")).unwrap().ends_with("# other\n"));
+}
