@@ -1,7 +1,6 @@
 //! Which images go into the page, at what size: all of them whole where they fit the budget, else a window of native texels of each.
 //! Images are never reduced: averaging texels would hide noise.
 
-use super::model::DESIGN;
 use super::told::Told;
 use crate::metrics::{Comparison, Epsilon};
 use crate::pixels::packed;
@@ -48,6 +47,9 @@ const WINDOW_STEP: u32 = 8;
 const AIM: f64 = 0.9;
 /// Images that are read and encoded together.
 const CHUNK: usize = 32;
+
+/// What an image of a design is.
+pub const DESIGN: &str = "each pixel an experiment of its own, no picture";
 
 /// One linear image of a run.
 #[derive(Clone, Debug, Default, Serialize)]

@@ -1,6 +1,6 @@
 //! What the page's scripts read: axes with their values in words, and every cell as one typed row. The page computes no statistics.
 
-use super::images::ImageSet;
+use super::images::{DESIGN, ImageSet};
 use super::told::{Told, score};
 use crate::metrics::{METRICS, Metric, verdict};
 use crate::runner::axis::{AXES, Part, SCENE};
@@ -126,11 +126,8 @@ pub fn roughness(index: usize, value: &Value) -> Option<String> {
     }
 }
 
-/// What an image of a design is.
-pub const DESIGN: &str = "each pixel an experiment of its own, no picture";
-
 /// Whether some scene is a design.
-pub fn has_design(axes: &[PageAxis]) -> bool {
+fn has_design(axes: &[PageAxis]) -> bool {
     axes.iter().any(|axis| axis.index == Some(SCENE) && axis.values.iter().any(|name| is_design(name)))
 }
 
