@@ -53,8 +53,8 @@ const placeOf = Object.fromEntries(model.columns.map((name, i) => [name, i]));
 
 /** @returns {Row} */
 function rowFrom(fields) {
-  const at = (name) => fields[placeOf[name]];
-  const value = ({ name, values }) => (name === "run" ? model.runs[at("run")].label : (values[name in placeOf ? at(name) : 0] ?? ""));
+  const at = (name) => (name in placeOf ? fields[placeOf[name]] : 0);
+  const value = ({ name, values }) => (name === "run" ? model.runs[at("run")].label : (values[at(name)] ?? ""));
   const [run, cell, image, reference, verdict] = ["run", "cell", "image", "reference", "verdict"].map(at);
   return {
     ...{ run, cell, image, reference, verdict, floor: real(at("noise_floor")) },
