@@ -43,7 +43,7 @@ Examples:
 pub struct Arguments {
     /// The queries; see below for the columns.
     queries: PathBuf,
-    /// What is asked: shading, dfg, prefilter, irradiance or sh9.
+    /// What is asked: shading, ladder, dfg, prefilter, irradiance or sh9.
     #[arg(long, value_name = "NAME", default_value = "shading", value_parser = kind)]
     kind: Kind,
     /// The table to write; standard output when left out.

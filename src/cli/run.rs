@@ -33,6 +33,7 @@ use std::time::Instant;
     splitsum run experiments/quick.toml --set alpha=0.1,0.5 --set brdf=ggx --out runs/short\n  \
     splitsum run experiments/quick.toml --set alpha=0.1,0.25,0.5 --set brdf=ggx --out runs/short --extend\n  \
     splitsum run experiments/real.toml --set environment=sky.hdr --set scene=teapot.obj --out runs/teapot\n  \
+    splitsum run experiments/ladder.toml --set environment=my.hdr --set brdf=ggx   (where the split sum's error comes from)\n  \
     splitsum run --plan plan.json --chunk 17 --store shared/sweep"
 )]
 pub struct Arguments {

@@ -2,15 +2,19 @@
 //!
 //! With r the radiance of nobody, the reference, `e_S = E_S - r` and `w = 1/(r² + ε)`, the value of a coalition is its `relmse`,
 //! `v(S) = mean of w e_S²`. For the steps δ_i of the ladder's order, which sum to e, the covariance share is `Σ w δ_i e / Σ w e²`.
+//!
+//! Rungs that are drawn share their K scrambles. So a step has K estimates δ_ik of its own, and its standard error
+//! `se² = Σ_k (δ_ik - δ_i)² / (K (K - 1))` is far below that of either rung.
 
+use super::Ladder;
 use super::game::{Coalition, before, coalitions, shapley, without};
-use super::{STEPS, needs};
 use crate::metrics::Epsilon;
 use glam::DVec3;
 
 /// The numbers of one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepNumbers {
+    pub step: &'static str,
     /// Covariance share in the ladder's order; shares sum to 1, a negative one cancels error of the others.
     pub share: f64,
     /// `relmse` of the rung, after this step and all before it.
@@ -21,9 +25,14 @@ pub struct StepNumbers {
     pub last_out: f64,
     /// The mean of what it adds over all orders; they sum to the error of the split sum.
     pub shapley: f64,
+    /// Standard error of the step over the step, each as the root of the weighted mean square over pixels; 0 for a step that is not drawn
+    /// or does nothing.
+    pub step_error: f64,
+    /// Standard error of the share, by leaving each scramble out in turn [Efron79].
+    pub share_error: f64,
 }
 
-/// The error of the split sum over some pixels, by steps.
+/// The error of a term over some pixels, by steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribution {
     /// Ends of n·v.
@@ -33,17 +42,18 @@ pub struct Attribution {
     pub error: f64,
     /// `relmse` that an exact image would have, from the reference's standard error.
     pub noise: f64,
-    /// In the order of [`STEPS`].
+    /// In the ladder's order.
     pub steps: Vec<StepNumbers>,
 }
 
 /// What attributions are made of.
 pub struct Case<'a> {
+    pub ladder: &'static Ladder,
     pub n_dot_v: &'a [f64],
     /// Radiance of a feasible coalition, pixel by pixel.
     pub radiance: &'a dyn Fn(Coalition) -> Vec<DVec3>,
-    /// Standard error of the radiance of nobody.
-    pub standard_error: &'a [DVec3],
+    /// The same as each scramble drew it; none where it is exact.
+    pub scrambles: &'a dyn Fn(Coalition) -> Vec<Vec<DVec3>>,
     pub epsilon: Epsilon,
 }
 
@@ -51,9 +61,19 @@ fn squared(x: DVec3) -> DVec3 {
     x * x
 }
 
+/// Where an image lies above its mean in each scramble.
+type Deviations = Vec<Vec<DVec3>>;
+
+/// Those of `to` less those of `from`; an exact image has none.
+fn difference(to: &Deviations, from: &Deviations, pixel: usize, scramble: usize) -> DVec3 {
+    let of = |image: &Deviations| image.get(scramble).map_or(DVec3::ZERO, |image| image[pixel]);
+    of(to) - of(from)
+}
+
 /// Over all pixels and then over those of each band of n·v; bands without pixels or without error are left out.
 pub fn attributions(case: &Case, bands: &[[f64; 2]]) -> Vec<Attribution> {
-    let (needs, everybody) = (needs(), (1 << STEPS.len()) - 1);
+    let steps = case.ladder.steps;
+    let (needs, everybody) = (case.ladder.needs(), (1 << steps.len()) - 1);
     let reference = (case.radiance)(0);
     let weights: Vec<DVec3> = reference.iter().map(|r| (r * r + case.epsilon.beside_square()).recip()).collect();
     let all = [[0.0, 1.0]];
@@ -70,7 +90,7 @@ pub fn attributions(case: &Case, bands: &[[f64; 2]]) -> Vec<Attribution> {
         sum.element_sum() / (3 * pixels[band].len()) as f64
     };
     // By band, of every coalition.
-    let mut values = vec![vec![0.0; 1 << STEPS.len()]; bands.len()];
+    let mut values = vec![vec![0.0; 1 << steps.len()]; bands.len()];
     let mut chain = vec![reference.clone()];
     for coalition in coalitions(&needs) {
         let image = (case.radiance)(coalition);
@@ -82,30 +102,64 @@ pub fn attributions(case: &Case, bands: &[[f64; 2]]) -> Vec<Attribution> {
             chain.push(image);
         }
     }
-    let last = &chain[STEPS.len()];
+    let drawn: Vec<Deviations> = (0..chain.len())
+        .map(|rung| {
+            let scrambles = (case.scrambles)((1 << rung) - 1);
+            let above = |image: Vec<DVec3>| image.iter().zip(&chain[rung]).map(|(own, mean)| own - mean).collect();
+            scrambles.into_iter().map(above).collect()
+        })
+        .collect();
+    let (last, exact, count) = (&chain[steps.len()], Deviations::new(), drawn[0].len());
+    // Mean square of the standard error of the difference of two rungs.
+    let noise_of = |band: usize, [from, to]: [&Deviations; 2]| {
+        let of_pixel = |pixel| (0..count).map(|k| squared(difference(to, from, pixel, k))).sum::<DVec3>();
+        if count > 1 { mean(band, &of_pixel) / (count * (count - 1)) as f64 } else { 0.0 }
+    };
     let of_band = |band: usize| {
         let value = |coalition: Coalition| values[band][coalition as usize];
         let error = value(everybody);
         let shapley = shapley(&needs, value);
+        // Without scramble k an image lies at `mean - deviation / (count - 1)`.
+        let left = -1.0 / (count as f64 - 1.0);
+        let without_scramble = |k: usize| {
+            let end = |pixel: usize| {
+                last[pixel] - reference[pixel] + left * difference(&drawn[steps.len()], &drawn[0], pixel, k)
+            };
+            let whole = mean(band, &|pixel| squared(end(pixel)));
+            let share = |i: usize| {
+                let own = |pixel: usize| {
+                    chain[i + 1][pixel] - chain[i][pixel] + left * difference(&drawn[i + 1], &drawn[i], pixel, k)
+                };
+                mean(band, &|pixel| own(pixel) * end(pixel)) / whole
+            };
+            (0..steps.len()).map(share).collect::<Vec<_>>()
+        };
+        let shares: Vec<Vec<f64>> = (0..count).filter(|_| count > 1).map(without_scramble).collect();
         let step = |i: usize| {
             let [from, to] = [&chain[i], &chain[i + 1]];
             let covariance = mean(band, &|pixel| (to[pixel] - from[pixel]) * (last[pixel] - reference[pixel]));
             let (least, most) = (before(i, &needs), without(i, &needs));
+            let size = mean(band, &|pixel| squared(to[pixel] - from[pixel]));
+            let noise = noise_of(band, [&drawn[i], &drawn[i + 1]]);
+            let centre = shares.iter().map(|of| of[i]).sum::<f64>() / count as f64;
+            let spread: f64 = shares.iter().map(|of| (of[i] - centre).powi(2)).sum();
             StepNumbers {
+                step: steps[i].name,
                 share: covariance / error,
                 error: value((1 << (i + 1)) - 1),
                 first_in: value(least | 1 << i) - value(least),
                 last_out: error - value(most),
                 shapley: shapley[i],
+                step_error: if size > f64::EPSILON * error { (noise / size).sqrt() } else { 0.0 },
+                share_error: if count > 1 { (spread * (count - 1) as f64 / count as f64).sqrt() } else { 0.0 },
             }
         };
-        let noise = mean(band, &|pixel| squared(case.standard_error[pixel]));
         Attribution {
             seen_at: bands[band],
             pixel_count: pixels[band].len(),
             error,
-            noise,
-            steps: (0..STEPS.len()).map(step).collect(),
+            noise: noise_of(band, [&exact, &drawn[0]]),
+            steps: (0..steps.len()).map(step).collect(),
         }
     };
     let found = (0..bands.len()).filter(|band| !pixels[*band].is_empty()).map(of_band);

@@ -1,4 +1,4 @@
-//! The radiance of every coalition of steps.
+//! The radiance of every coalition of the split sum's steps.
 //!
 //! Let K be the coalition's kernel, `<K, L> = ∫ K L dl / ∫ K dl`, A and B the directional albedo, exact or from the table, and F Schlick's
 //! factor `f0 (1 - Fc) + Fc`, `Fc = (1 - v·h)⁵`. The outgoing radiance is
@@ -49,9 +49,12 @@ pub struct Setting<'a> {
     pub table: Vec<DVec2>,
     /// Normal and view of each pixel in the environment's frame.
     pub frames: &'a [[DVec3; 2]],
-    /// Radiance before n = v = r, drawn: with masking exact and approximated, each for f0 = 0 and 1.
-    pub drawn: [[Vec<DVec3>; 2]; 2],
+    /// What each scramble drew.
+    pub drawn: Vec<Drawn>,
 }
+
+/// Radiance before n = v = r: with masking exact and approximated, each for f0 = 0 and 1.
+pub type Drawn = [[Vec<DVec3>; 2]; 2];
 
 /// `<K, L>`, `<K (1 - Fc), L>` and `<K Fc, L>`.
 type Means = [DVec3; 3];
@@ -67,7 +70,9 @@ pub struct Radiance {
     table: Vec<DVec2>,
     /// With masking approximated.
     weighted: Vec<Split>,
-    drawn: [[Vec<DVec3>; 2]; 2],
+    scrambles: Vec<Drawn>,
+    /// Their mean.
+    drawn: Drawn,
     /// Both levels after n = v = r, by which of [`TABULATED`] are approximated.
     tabulated: HashMap<Coalition, [Looked; 2]>,
 }
@@ -102,13 +107,24 @@ impl Radiance {
             exact: n_dot_v.iter().map(|n_dot_v| setting.albedos.exact(*n_dot_v)).collect(),
             weighted: n_dot_v.iter().map(|n_dot_v| setting.albedos.weighted(*n_dot_v)).collect(),
             table: setting.table,
-            drawn: setting.drawn,
+            drawn: mean_of(&setting.drawn),
+            scrambles: setting.drawn,
             tabulated,
         }
     }
 
     /// Radiance of a feasible coalition by pixel.
     pub fn of(&self, coalition: Coalition, f0: DVec3) -> Vec<DVec3> {
+        self.by(&self.drawn, coalition, f0)
+    }
+
+    /// The same as each scramble drew it; none after n = v = r, where it is exact.
+    pub fn scrambles(&self, coalition: Coalition, f0: DVec3) -> Vec<Vec<DVec3>> {
+        let drawn = self.scrambles.iter().filter(|_| !has(coalition, VIEW));
+        drawn.map(|drawn| self.by(drawn, coalition, f0)).collect()
+    }
+
+    fn by(&self, drawn: &Drawn, coalition: Coalition, f0: DVec3) -> Vec<DVec3> {
         let albedo = if has(coalition, TABLE) { &self.table } else { &self.exact };
         let (pixels, is_outside) = (0..self.exact.len(), has(coalition, FRESNEL));
         let reflectance = |pixel: usize| f0 * albedo[pixel].x + albedo[pixel].y;
@@ -123,7 +139,7 @@ impl Radiance {
             return pixels.map(|pixel| self.scale * reflectance(pixel) * of_pixel(pixel)).collect();
         }
         // Drawn are `B <K Fc, L>` and `(A + B) <K, L>`.
-        let [grazing, white] = &self.drawn[usize::from(has(coalition, MASKING))];
+        let [grazing, white] = &drawn[usize::from(has(coalition, MASKING))];
         let splits = if has(coalition, MASKING) { &self.weighted } else { &self.exact };
         let of_pixel = |pixel: usize| {
             let (exact, split) = (self.exact[pixel], splits[pixel]);
@@ -133,6 +149,15 @@ impl Radiance {
         };
         pixels.map(of_pixel).collect()
     }
+}
+
+fn mean_of(scrambles: &[Drawn]) -> Drawn {
+    std::array::from_fn(|masking| {
+        std::array::from_fn(|f0| {
+            let mean = |pixel: usize| scrambles.iter().map(|of| of[masking][f0][pixel]).sum::<DVec3>();
+            (0..scrambles[0][0][0].len()).map(|pixel| mean(pixel) / scrambles.len() as f64).collect()
+        })
+    })
 }
 
 /// What is looked up at a pixel: which of some directions, and their shares.
@@ -311,7 +336,7 @@ fn grazing(n_dot_l: f64) -> f64 {
 }
 
 /// In half precision, as tables are stored.
-fn rounded(value: DVec3) -> DVec3 {
+pub fn rounded(value: DVec3) -> DVec3 {
     let half = |x: f64| f16::from_f32((x as f32).min(HALF_MAX)).to_f64();
     DVec3::new(half(value.x), half(value.y), half(value.z))
 }

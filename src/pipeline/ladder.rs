@@ -1,17 +1,25 @@
-//! The error of a split sum by its steps (`ladder`), for the scene `design`.
+//! The error of a split sum or of a diffuse term by its steps (`ladder`), for the scene `design`.
 
 use super::light_tables::read_level;
-use super::{Pipeline, PipelineError, RenderRequest};
+use super::{Pipeline, PipelineError, RenderRequest, settings};
 use crate::environment::layout::FilteredMap;
 use crate::gbuffer::design;
 use crate::glsl::constants::ALPHA_MIN;
+use crate::gpu::{Gpu, Image};
 use crate::ladder::attribution::{Attribution, Case, attributions};
-use crate::ladder::radiance::{Radiance, Setting};
-use crate::pixels::{Pixels, RgbImage};
+use crate::ladder::diffuse::{self, Integrals, Irradiance};
+use crate::ladder::game::Coalition;
+use crate::ladder::radiance::{Radiance, Setting, rounded};
+use crate::ladder::{SPLIT_SUM, ladder_of};
+use crate::pixels::Pixels;
 use crate::precompute::dfg::{self, Albedos};
 use crate::precompute::prefilter::{Kernel, harmonic};
+use crate::precompute::sh9::reference::project_bilinear;
+use crate::precompute::{StorageFormat, exact_quadrature};
 use crate::scene::MaterialOverride;
 use crate::shade::method::ladder::MASKING_ALONE;
+use crate::shade::pass::Shading;
+use crate::shade::reference_pass::{ReferenceRun, ScramblePlan};
 use crate::shade::{Method, NONE, REFERENCE, diffuse_by_name, method_by_name};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -20,9 +28,11 @@ use std::sync::Arc;
 pub(super) type KeptRadiance = Arc<Radiance>;
 /// What hangs on no light.
 pub(super) type KeptAlbedos = Arc<Albedos>;
+/// What hangs on the light alone.
+pub(super) type KeptIntegrals = Arc<Vec<Integrals>>;
 
 impl Pipeline {
-    /// The error of the split sum that `request` asks for, by steps: over all pixels, and over those of each band of n·v. The scene is a
+    /// The error of what `request` renders, by the steps of its ladder: over all pixels, and over those of each band of n·v. The scene is a
     /// `design`; what is drawn takes `samples` a pixel.
     pub fn attributions(
         &mut self,
@@ -31,35 +41,130 @@ impl Pipeline {
         bands: &[[f64; 2]],
     ) -> Result<Vec<Attribution>, PipelineError> {
         assert!(request.scene.is_design, "the steps are told on the scene `design`");
+        let ladder = ladder_of(request.method, request.diffuse).expect("a term with a ladder");
+        let frames = frames(request);
+        let n_dot_v: Vec<f64> = frames.iter().map(|[n, v]| n.dot(*v)).collect();
+        let material = &request.scene.materials[0];
+        let rgb = |values: [f32; 3]| DVec3::from_array(values.map(f64::from));
+        let f0 = rgb(material.f0).lerp(rgb(material.albedo), material.metallic.into());
+        let told = |radiance: &dyn Fn(Coalition) -> Vec<DVec3>, scrambles: &dyn Fn(Coalition) -> Vec<Vec<DVec3>>| {
+            let (n_dot_v, epsilon) = (&n_dot_v[..], request.epsilon());
+            attributions(&Case { ladder, n_dot_v, radiance, scrambles, epsilon }, bands)
+        };
+        if !std::ptr::eq(ladder, &SPLIT_SUM) {
+            let albedo = rgb(material.albedo) * f64::from(1.0 - material.metallic);
+            let radiance = self.diffuse_by_steps(request, &frames, f0, albedo)?;
+            return Ok(told(&|coalition| radiance.of(coalition), &|_| Vec::new()));
+        }
         let request = RenderRequest {
             diffuse: diffuse_by_name(NONE).expect("a listed diffuse method"),
             reference_samples: samples,
             reference_error: None,
             ..request.clone()
         };
-        let reference = method_by_name(REFERENCE).expect("a listed method");
-        let truth = self.render(&RenderRequest { method: reference, ..request.clone() })?;
-        let standard_error = truth.standard_error.as_ref().map(vectors).expect("the reference knows its error");
-        let material = &request.scene.materials[0];
-        let rgb = |values: [f32; 3]| DVec3::from_array(values.map(f64::from));
-        let f0 = rgb(material.f0).lerp(rgb(material.albedo), material.metallic.into());
-        let frames = frames(&request);
-        let n_dot_v: Vec<f64> = frames.iter().map(|[n, v]| n.dot(*v)).collect();
-        let radiance = self.radiance_by_steps(&request, &frames, reference)?;
-        let case = Case {
-            n_dot_v: &n_dot_v,
-            radiance: &|coalition| radiance.of(coalition, f0),
-            standard_error: &standard_error,
-            epsilon: request.epsilon(),
-        };
-        Ok(attributions(&case, bands))
+        let radiance = self.specular_by_steps(&request, &frames)?;
+        Ok(told(&|coalition| radiance.of(coalition, f0), &|coalition| radiance.scrambles(coalition, f0)))
     }
 
-    fn radiance_by_steps(
+    /// What each scramble makes of a term of the reference: the same points for every lobe.
+    pub fn scrambles(&mut self, request: &RenderRequest) -> Result<Vec<Vec<DVec3>>, PipelineError> {
+        let prepared = self.prepare(request)?;
+        let data = prepared.reference.as_ref().expect("a term of the reference");
+        let (distribution, sums, squared_error) = (&data.distribution, &data.sums, &data.squared_error);
+        let (target, epsilon) = (&prepared.target, request.epsilon().beside_square());
+        let shading = Shading {
+            settings: &settings(request, &prepared),
+            layout: request.precompute.layout,
+            tables: &prepared.tables,
+            gbuffer: &target.gbuffer,
+            radiance: &target.radiance,
+        };
+        let (stop, seed, mask) = (request.reference_stop(), request.seed, &*target.mask);
+        let run = ReferenceRun { shading, stop, epsilon, seed, mask, distribution, sums, squared_error };
+        let ScramblePlan { scramble_count, samples_per_scramble } = ScramblePlan::exact(request.reference_samples)?;
+        let of_scramble = |scramble: u32| {
+            let mut recorder = self.gpu.record("reference")?;
+            recorder.fill(&target.radiance, 0);
+            recorder.submit()?;
+            for lobe in &prepared.lobes {
+                run.scramble(&self.gpu, *lobe, scramble, samples_per_scramble)?;
+            }
+            let texels: Vec<[f32; 4]> = self.gpu.read_buffer(&target.radiance)?;
+            Ok(texels.into_iter().map(|[r, g, b, _]| vector([r, g, b])).collect())
+        };
+        (0..scramble_count).map(of_scramble).collect()
+    }
+
+    fn diffuse_by_steps<'a>(
+        &mut self,
+        request: &RenderRequest,
+        frames: &'a [[DVec3; 2]],
+        f0: DVec3,
+        albedo: DVec3,
+    ) -> Result<diffuse::Radiance<'a>, PipelineError> {
+        let RenderRequest { environment, placement, environment_scale, brdf, masking_shadowing, .. } = request;
+        let key = format!("{} {placement:?} {:?}", environment.hash, request.size);
+        let make =
+            || Ok::<_, PipelineError>(Arc::new(diffuse::integrals(&exact_quadrature(&environment.image), frames)));
+        let exact = self.resources.integrals.get_or_make(key, make)?;
+        // Of the table as it is looked up, of the map before it is stored.
+        let mut precompute = request.precompute;
+        let is_half = precompute.storage == StorageFormat::F16;
+        let stored = self.prepare(request)?.tables;
+        precompute.storage = StorageFormat::F32;
+        let tables = self.prepare(&RenderRequest { precompute, ..request.clone() })?.tables;
+        let irradiance = if request.diffuse.uses_sh9 {
+            let summed: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
+            let summed = std::array::from_fn(|k| vector([summed[k][0], summed[k][1], summed[k][2]]));
+            Irradiance::Sh9(Box::new([project_bilinear(&exact_quadrature(&environment.image)), summed]))
+        } else {
+            let layout = precompute.layout;
+            let harmonics = self.resources.harmonics(environment, harmonic::degree(1.0))?;
+            let factors = harmonic::cosine_factors(harmonics.degree());
+            let size = tables.irradiance_map.mip_size(0);
+            let exact = harmonic::texels(&harmonics, &factors, layout, size);
+            let exact = faces(exact.into_iter().map(|[r, g, b, _]| [r, g, b]), size);
+            let made = read_faces(&self.gpu, &tables.irradiance_map, 0)?;
+            Irradiance::Map([exact, made].map(|faces| {
+                let halves = faces.iter().map(|face| if is_half { face.map(rounded) } else { face.clone() }).collect();
+                [faces, halves].map(|faces| FilteredMap { layout, levels: vec![faces] })
+            }))
+        };
+        let albedos = match request.method.is_none() {
+            true => None,
+            false => {
+                let alpha = f64::from(request.scene.materials[0].alpha.max(ALPHA_MIN));
+                let kernel = Kernel::new(*brdf, precompute.prefilter_weight, *masking_shadowing);
+                let (known, table) = (self.albedos(kernel, request)?, self.dfg_table(&stored.dfg)?);
+                let n_dot_v = || frames.iter().map(|[n, v]| n.dot(*v));
+                Some([
+                    n_dot_v().map(|n_dot_v| known.exact(n_dot_v)).collect(),
+                    n_dot_v().map(|n_dot_v| dfg::lookup(&table, n_dot_v, alpha)).collect(),
+                ])
+            }
+        };
+        let scale = albedo * f64::from(*environment_scale);
+        Ok(diffuse::Radiance { frames, exact, irradiance, albedos, f0, scale })
+    }
+
+    /// (A, B) of the material's width.
+    fn albedos(&mut self, kernel: Kernel, request: &RenderRequest) -> Result<KeptAlbedos, PipelineError> {
+        let masking = request.masking_shadowing;
+        let alpha = f64::from(request.scene.materials[0].alpha.max(ALPHA_MIN));
+        let key = format!("{} {} {masking:?} {alpha}", kernel.brdf.name(), kernel.weight.name);
+        self.resources.albedos.get_or_make(key, || Ok(Arc::new(Albedos::new(kernel, masking, alpha))))
+    }
+
+    fn dfg_table(&self, table: &Image) -> Result<Pixels<DVec2>, PipelineError> {
+        let [side, _] = table.mip_size(0);
+        let texels = Pixels::new(side, side, self.gpu.read_image(table, 0)?);
+        Ok(texels.map(|[a, b, ..]: [f32; 4]| DVec2::new(a.into(), b.into())))
+    }
+
+    fn specular_by_steps(
         &mut self,
         request: &RenderRequest,
         frames: &[[DVec3; 2]],
-        reference: &'static Method,
     ) -> Result<KeptRadiance, PipelineError> {
         let alpha = f64::from(request.scene.materials[0].alpha.max(ALPHA_MIN));
         let RenderRequest { environment, placement, environment_scale, brdf, masking_shadowing, .. } = request;
@@ -75,38 +180,31 @@ impl Pipeline {
         if let Some(known) = self.resources.steps.get(&key) {
             return Ok(known);
         }
-        let mut drawn = |method: &'static Method, f0: f32| -> Result<Vec<DVec3>, PipelineError> {
+        let mut drawn = |method: &'static Method, f0: f32| {
             let material = MaterialOverride { f0: Some([f0; 3]), metallic: Some(0.0), ..MaterialOverride::default() };
             let scene = Arc::new(request.scene.apply(&material));
-            Ok(vectors(&self.render(&RenderRequest { method, scene, ..request.clone() })?.radiance))
+            self.with_memory(|own| own.scrambles(&RenderRequest { method, scene: scene.clone(), ..request.clone() }))
         };
         let mut of_method = |method| Ok::<_, PipelineError>([drawn(method, 0.0)?, drawn(method, 1.0)?]);
-        let drawn = [of_method(reference)?, of_method(&MASKING_ALONE)?];
+        let reference = method_by_name(REFERENCE).expect("a listed method");
+        let by_kernel = [of_method(reference)?, of_method(&MASKING_ALONE)?];
+        let of_scramble = |k: usize| by_kernel.each_ref().map(|by_f0| by_f0.each_ref().map(|drawn| drawn[k].clone()));
+        let drawn = (0..by_kernel[0][0].len()).map(of_scramble).collect();
 
         let prepared = self.prepare(request)?;
         let tables = &request.precompute;
-        let levels = (0..prepared.tables.filtered.mip_count()).map(|mip| {
-            let stacked = read_level(&self.gpu, &prepared.tables.filtered, mip)?;
-            let [width, height] = prepared.tables.filtered.mip_size(mip);
-            let faces = stacked.data.chunks((width * height) as usize);
-            let face =
-                |texels: &[[f32; 3]]| Pixels::new(width, height, texels.iter().map(|rgb| vector(*rgb)).collect());
-            Ok(faces.map(face).collect())
-        });
-        let filtered =
-            FilteredMap { layout: tables.layout, levels: levels.collect::<Result<Vec<_>, PipelineError>>()? };
-        let [side, _] = prepared.tables.dfg.mip_size(0);
-        let table = Pixels::new(side, side, self.gpu.read_image(&prepared.tables.dfg, 0)?);
-        let table = table.map(|[a, b, ..]: [f32; 4]| DVec2::new(a.into(), b.into()));
+        let levels = (0..prepared.tables.filtered.mip_count())
+            .map(|mip| read_faces(&self.gpu, &prepared.tables.filtered, mip))
+            .collect::<Result<Vec<_>, PipelineError>>()?;
+        let filtered = FilteredMap { layout: tables.layout, levels };
+        let table = self.dfg_table(&prepared.tables.dfg)?;
         let count = tables.prefilter_level_count;
         let mip = tables.level_mapping.mip_from_alpha(alpha, count).floor().min(f64::from(count) - 2.0);
         let widths = [alpha, tables.level_mapping.alpha_from_mip(mip, count)];
         let degree = widths.into_iter().filter(|alpha| *alpha > 0.0).map(harmonic::degree).max();
         let harmonics = self.resources.harmonics(environment, degree.expect("alpha is above 0"))?;
         let kernel = Kernel::new(*brdf, tables.prefilter_weight, *masking_shadowing);
-        let of_lobe = format!("{} {} {masking_shadowing:?} {alpha}", brdf.name(), kernel.weight.name);
-        let make = || Ok::<_, PipelineError>(Arc::new(Albedos::new(kernel, *masking_shadowing, alpha)));
-        let albedos = self.resources.albedos.get_or_make(of_lobe, make)?;
+        let albedos = self.albedos(kernel, request)?;
         let radiance = Arc::new(Radiance::new(Setting {
             model: *brdf,
             masking: *masking_shadowing,
@@ -136,6 +234,13 @@ fn vector(rgb: [f32; 3]) -> DVec3 {
     DVec3::from_array(rgb.map(f64::from))
 }
 
-fn vectors(image: &RgbImage) -> Vec<DVec3> {
-    image.data.iter().map(|rgb| vector(*rgb)).collect()
+/// The faces of a level of an image on the device.
+fn read_faces(gpu: &Gpu, image: &Image, mip: u32) -> Result<Vec<Pixels<DVec3>>, PipelineError> {
+    Ok(faces(read_level(gpu, image, mip)?.data.into_iter(), image.mip_size(mip)))
+}
+
+/// Faces that lie one after the other.
+fn faces(texels: impl Iterator<Item = [f32; 3]>, [width, height]: [u32; 2]) -> Vec<Pixels<DVec3>> {
+    let texels: Vec<DVec3> = texels.map(vector).collect();
+    texels.chunks((width * height) as usize).map(|face| Pixels::new(width, height, face.to_vec())).collect()
 }

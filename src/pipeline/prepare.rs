@@ -6,7 +6,7 @@ use super::cache::Recent;
 use super::inputs::{
     DfgInputs, IrradianceInputs, LobeShapeInputs, PrefilterInputs, SharedKey, filtered_key, mips_key, sh9_key,
 };
-use super::ladder::{KeptAlbedos, KeptRadiance};
+use super::ladder::{KeptAlbedos, KeptIntegrals, KeptRadiance};
 use super::shared_work::{Kept, Levels, Maker};
 use super::{PipelineError, RenderRequest};
 use crate::environment::Environment;
@@ -49,6 +49,7 @@ pub(super) struct Resources {
     /// Radiance by the steps of the ladder.
     pub(super) steps: Recent<String, KeptRadiance>,
     pub(super) albedos: Recent<String, KeptAlbedos>,
+    pub(super) integrals: Recent<String, KeptIntegrals>,
     scenes: Recent<String, Arc<SceneData>>,
     /// By the scene's hash, the camera and the size.
     targets: Recent<(String, Camera, [u32; 2]), Arc<Target>>,
@@ -106,6 +107,7 @@ impl Resources {
             points: Recent::new(16),
             steps: Recent::new(6),
             albedos: Recent::new(32),
+            integrals: Recent::new(4),
             scenes: Recent::new(4),
             targets: Recent::new(4),
             blank_image: gpu.image("blank", [1, 1], 1, Format::Rgba32Float)?,

@@ -5,6 +5,7 @@ use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
+use crate::ladder::{SPLIT_SUM, ladder_of};
 use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
 use crate::precompute::PrefilterBy;
 use crate::precompute::prefilter::harmonic;
@@ -49,7 +50,8 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
 /// Steps are told of lobes whose harmonics are known.
 fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
     let alpha = f64::from(point.settings().material.alpha.unwrap_or(1.0));
-    if config.ladder.is_some() && point.method().has_ladder && alpha < harmonic::ALPHA_MIN {
+    let is_split_sum = ladder_of(point.method(), point.diffuse()).is_some_and(|of| std::ptr::eq(of, &SPLIT_SUM));
+    if config.ladder.is_some() && is_split_sum && alpha < harmonic::ALPHA_MIN {
         let place = config.place_of(ALPHA, point);
         faults.add(
             &place,

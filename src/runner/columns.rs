@@ -43,16 +43,16 @@ pub const BINS: &[Column] = &[
     column("pixel_count", "Pixels in the bin."),
 ];
 
-/// Of `steps.csv`, beside the cell and its axes.
+/// Of `steps.csv`, beside the cell.
 pub const STEPS: &[Column] = &[
     BINS[0],
     BINS[1],
-    BINS[2],
     column("step", "What is approximated: see docs/estimators.md, \"The ladder\"."),
     column(
         "share",
-        "Covariance share of the split sum's `relmse` in the ladder's order; shares of a cell and band sum to 1.",
+        "Covariance share of the error's `relmse` in the ladder's order; shares of a cell and band sum to 1.",
     ),
+    column("share_error", "Its standard error, from the scrambles of what is drawn; 0 where nothing is."),
     column("rung_error", "`relmse` after this step and all before it."),
     column("first_in", "`relmse` that the step adds when it is made first, after those that it needs."),
     column(
@@ -60,11 +60,15 @@ pub const STEPS: &[Column] = &[
         "`relmse` that goes when it alone is made exact, with those that need it; below 0 it hides error of others.",
     ),
     column("shapley", "The mean of what the step adds over all legal orders; the steps' numbers sum to the error."),
+    column(
+        "step_error",
+        "Standard error of the step over the step, each as the root of its mean square over pixels; 0 where nothing is drawn.",
+    ),
     column("noise", "`relmse` of an exact image, from the reference's standard error."),
 ];
 
 /// The numbers of `steps.csv`.
-pub const STEP_NUMBERS: &[Column] = STEPS.split_at(4).1;
+pub const STEP_NUMBERS: &[Column] = STEPS.split_at(3).1;
 
 /// Of `timings.csv`, beside the cell and the axes that cost time.
 pub const TIMINGS: &[Column] = &[
@@ -146,7 +150,11 @@ pub const TABLES: &[(&str, &[Column], &str)] = &[
         "One row a cell. Besides: every axis, every metric, and `METRIC_noise_floor`, the score of an exact image.",
     ),
     ("errors_by_n_dot_v.csv", BINS, "One row a cell and bin of n·v. Besides: every axis and every metric."),
-    ("steps.csv", STEPS, "One row a cell, band of n·v and step. Only with `[ladder]`. Besides: every axis."),
+    (
+        "steps.csv",
+        STEPS,
+        "One row a cell, band of n·v and step, to four digits. Only with `[ladder]`. `errors.csv` has the axes of a cell.",
+    ),
     ("timings.csv", TIMINGS, "One row a timed configuration and pass. Besides: the axes that cost time."),
     (
         "timing_ratios.csv",

@@ -8,6 +8,7 @@ use super::inputs::Inputs;
 use super::sweeps::COMBINATIONS_MAX;
 use super::value::Value;
 use crate::environment::LoadOptions;
+use crate::ladder;
 use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
 use crate::spelling::short_number;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
@@ -357,9 +358,10 @@ fn repeats_of(config: &Config, point: &Point) -> Option<u32> {
     config.repeats.filter(|_| point.settings().method.uses_point_set)
 }
 
-/// The split sum has steps, on the scene whose frames tell all views alike.
+/// Some terms have steps, on the scene whose frames tell all views alike.
 fn ladder_of(config: &Config, inputs: &Inputs, point: &Point) -> Option<u32> {
-    config.ladder.filter(|_| point.method().has_ladder && inputs.scene(point[SCENE].text()).is_design)
+    let has_steps = ladder::ladder_of(point.method(), point.diffuse()).is_some();
+    config.ladder.filter(|_| has_steps && inputs.scene(point[SCENE].text()).is_design)
 }
 
 fn cell_id(radiance: &str, reference: &str, point: &Point, repeats: Option<u32>, ladder: Option<u32>) -> String {

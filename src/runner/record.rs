@@ -1,11 +1,12 @@
 //! Records of cells and references.
 
-use super::columns::STEP_NUMBERS;
-use crate::ladder::{Attribution, STEPS, Step, StepNumbers};
+use super::columns::{Column, STEP_NUMBERS};
+use crate::ladder::{Attribution, StepNumbers};
 use crate::metrics::{BiasVariance, METRICS, Metric, linear_metrics};
 use crate::pipeline::{FrameTimings, PassTime};
 use crate::precompute::table_of;
 use crate::shade::reference_pass::Convergence;
+use crate::table::csv::rounded;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -154,17 +155,22 @@ pub struct StepRecord {
     pub numbers: Scores,
 }
 
+/// Digits of the numbers of a step: more than the noise leaves.
+const STEP_DIGITS: usize = 4;
+
 impl StepRecord {
     /// The steps of some attributions.
     pub fn of(attributions: &[Attribution]) -> Vec<Self> {
         let of_one = |one: &Attribution| {
             let ([lo, hi], pixel_count, noise) = (one.seen_at, one.pixel_count, one.noise);
-            let record = move |(step, own): (&Step, &StepNumbers)| {
-                let numbers = [own.share, own.error, own.first_in, own.last_out, own.shapley, noise];
-                let numbers = STEP_NUMBERS.iter().zip(numbers).map(|(column, x)| (column.name.to_owned(), Exact(x)));
-                Self { lo, hi, pixel_count, step: step.name.to_owned(), numbers: numbers.collect() }
+            let record = move |own: &StepNumbers| {
+                let StepNumbers { step, share, error, first_in, last_out, shapley, step_error, share_error } = *own;
+                let numbers = [share, share_error, error, first_in, last_out, shapley, step_error, noise];
+                let number = |(column, x): (&Column, f64)| (column.name.to_owned(), Exact(rounded(x, STEP_DIGITS)));
+                let numbers = STEP_NUMBERS.iter().zip(numbers).map(number);
+                Self { lo, hi, pixel_count, step: step.to_owned(), numbers: numbers.collect() }
             };
-            STEPS.iter().zip(&one.steps).map(record).collect::<Vec<_>>()
+            one.steps.iter().map(record).collect::<Vec<_>>()
         };
         attributions.iter().flat_map(of_one).collect()
     }

@@ -12,7 +12,7 @@ use super::rows;
 use super::store::{KeptCell, Store, StoreError};
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
 use crate::files::names_in;
-use crate::pixels::{GrayImage, PixelsError, Rgb8Image, exr, png};
+use crate::pixels::{GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png};
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR, SIGNED_ERROR};
 use crate::table::contact_sheet::{ContactSheet, Legend, Tile};
 use crate::table::markdown::significant;
@@ -300,11 +300,7 @@ impl Page<'_> {
         let read = |name: String| exr::read(&self.store.image_path(&name));
         let (own, before, reference) = (read(own)?, read(before)?, read(reference)?);
         let epsilon = self.plan.request(&cell.point).epsilon().beside_square();
-        let map = GrayImage::from_fn(own.rgb.width, own.rgb.height, |x, y| {
-            let [own, before, r] = [&own, &before, &reference].map(|image| image.rgb.get(x, y).map(f64::from));
-            let mean: f64 = (0..3).map(|c| (own[c] - before[c]) / (r[c] * r[c] + epsilon).sqrt() / 3.0).sum();
-            mean as f32
-        });
+        let map = signed_step([&own.rgb, &before.rgb, &reference.rgb], epsilon);
         let mask = reference.alpha.unwrap_or_else(|| map.map(|_| 1.0));
         Ok(SIGNED_ERROR.image(&map, &mask))
     }
@@ -387,4 +383,13 @@ fn grouped<'c>(cells: &[&'c Cell], axes: &[usize]) -> Vec<Vec<&'c Cell>> {
         }
     }
     groups
+}
+
+/// The difference of an image to the one before it, over the root of `r² + ε`, mean over channels. All have one size.
+pub fn signed_step([own, before, reference]: [&RgbImage; 3], epsilon: f64) -> GrayImage {
+    GrayImage::from_fn(own.width, own.height, |x, y| {
+        let [own, before, r] = [own, before, reference].map(|image| image.get(x, y).map(f64::from));
+        let mean: f64 = (0..3).map(|c| (own[c] - before[c]) / (r[c] * r[c] + epsilon).sqrt() / 3.0).sum();
+        mean as f32
+    })
 }

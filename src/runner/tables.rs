@@ -115,28 +115,20 @@ pub fn errors_by_n_dot_v(
     (columns, done.flat_map(rows))
 }
 
-/// `steps.csv`: one row a finished cell, band of n·v and step, from the records on disk.
+/// `steps.csv`: one row a finished cell, band of n·v and step, from the records on disk. The axes are those of the cell in `errors.csv`.
 pub fn steps(
     plan: &Plan,
     results: &Results,
     store: &Store,
 ) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
-    let mut columns = cell_columns(plan);
-    columns.extend(names_of(STEPS));
+    let columns = std::iter::once(CELL.name.to_owned()).chain(names_of(STEPS)).collect();
     let done = plan.cells.iter().filter(|cell| matches!(results.get(&cell.id), Some(CellResult::Done(_))));
     let names: Vec<&str> = STEP_NUMBERS.iter().map(|column| column.name).collect();
     let rows = move |cell: &Cell| {
         let steps = store.cell(&cell.id).map(|record| record.map_or_else(Vec::new, |record| record.steps));
         let row = |step: StepRecord| {
-            let mut row = cell_fields(plan, cell);
-            row.extend([
-                step.lo.into(),
-                step.hi.into(),
-                Field::Integer(step.pixel_count as u64),
-                step.step.as_str().into(),
-            ]);
-            row.extend(score_fields(&step.numbers, &names));
-            Ok(row)
+            let head = [cell.id.as_str().into(), step.lo.into(), step.hi.into(), step.step.as_str().into()];
+            Ok(head.into_iter().chain(score_fields(&step.numbers, &names)).collect())
         };
         match steps {
             Ok(steps) => steps.into_iter().map(row).collect(),

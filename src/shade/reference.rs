@@ -10,7 +10,7 @@
 use crate::brdf::{Brdf, MaskingShadowing, g2, reflect, schlick_weight};
 use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
 use crate::math::frame::Frame;
-use crate::math::quadrature::{Bounded, Tolerance};
+use crate::math::quadrature::{Bounded, Estimate, Tolerance};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -62,7 +62,21 @@ pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance:
         let f = model.d(h, alpha) * g2(model, v_local.z, l_local.z, alpha, masking) / (4.0 * v_local.z);
         [f, f * schlick_weight(v_local.dot(h))]
     };
-    let diffuse_kernel = |l: DVec3| {
+    // The lobe about the mirror direction is narrowest across the plane of incidence: 2 alpha (v·h).
+    let focus = Focus { direction: reflect(v, n), radius: alpha * v_local.z.max(alpha) };
+    let specular = environment.integrate(specular_kernel, &[focus], tolerance);
+    let diffuse = diffuse(environment, n, v, tolerance);
+    Answer {
+        specular_white: specular.combine([DVec3::ONE, DVec3::ZERO]),
+        specular: specular.combine([f0, DVec3::ONE - f0]),
+        diffuse: diffuse.combine([DVec3::ONE, DVec3::ZERO]),
+        diffuse_transmitted: diffuse.combine([DVec3::ONE - f0, f0 - DVec3::ONE]),
+    }
+}
+
+/// `∫ n·l L dl / π` and `∫ Fc n·l L dl / π`, `Fc = (1 - v·h)⁵`.
+pub fn diffuse(environment: &EquirectQuadrature, n: DVec3, v: DVec3, tolerance: Tolerance) -> Estimate<2> {
+    let kernel = |l: DVec3| {
         let n_dot_l = n.dot(l);
         if n_dot_l <= 0.0 {
             return [0.0; 2];
@@ -70,14 +84,5 @@ pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance:
         let f = n_dot_l / PI;
         [f, f * schlick_weight(v.dot((v + l).normalize()))]
     };
-    // The lobe about the mirror direction is narrowest across the plane of incidence: 2 alpha (v·h).
-    let focus = Focus { direction: reflect(v, n), radius: alpha * v_local.z.max(alpha) };
-    let specular = environment.integrate(specular_kernel, &[focus], tolerance);
-    let diffuse = environment.integrate(diffuse_kernel, &[], tolerance);
-    Answer {
-        specular_white: specular.combine([DVec3::ONE, DVec3::ZERO]),
-        specular: specular.combine([f0, DVec3::ONE - f0]),
-        diffuse: diffuse.combine([DVec3::ONE, DVec3::ZERO]),
-        diffuse_transmitted: diffuse.combine([DVec3::ONE - f0, f0 - DVec3::ONE]),
-    }
+    environment.integrate(kernel, &[], tolerance)
 }

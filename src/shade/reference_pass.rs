@@ -7,6 +7,7 @@ use crate::glsl::layout::{ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, Gpu, GpuError, Report, Sampler, image_groups};
 use crate::pixels::GrayImage;
 use crate::precompute::prefilter::{LevelMapping, Weight};
+use std::ops::Range;
 
 /// Fewest independent scrambles: with 16, the standard error is itself known to about 18 %.
 pub const SCRAMBLE_COUNT_MIN: u32 = 16;
@@ -226,7 +227,7 @@ impl ReferenceRun<'_> {
         let mut samples = self.stop.first();
         let (plan, relative_error) = loop {
             let plan = ScramblePlan::new(samples);
-            total.add(self.integrate(gpu, lobe, plan)?);
+            total.add(self.integrate(gpu, lobe, 0..plan.scramble_count, plan.samples_per_scramble)?);
             let error = self.sums.relative_error(gpu, self.mask, self.epsilon)?;
             match self.stop.next(samples, error) {
                 Some(more) => samples = more,
@@ -243,13 +244,35 @@ impl ReferenceRun<'_> {
         Ok((total, convergence))
     }
 
-    /// Takes every scramble of `plan` into the sums, which start afresh.
-    fn integrate(&self, gpu: &Gpu, lobe: Lobe, plan: ScramblePlan) -> Result<Report, GpuError> {
-        let ScramblePlan { scramble_count, samples_per_scramble } = plan;
+    /// Adds what one scramble of the term makes of it to the radiance. Its error is unknown.
+    pub fn scramble(
+        &self,
+        gpu: &Gpu,
+        lobe: Lobe,
+        scramble: u32,
+        samples_per_scramble: u32,
+    ) -> Result<Report, GpuError> {
+        let mut recorder = gpu.record("reference")?;
+        recorder.fill(&self.sums.mean, 0);
+        let mut total = recorder.submit()?;
+        total.add(self.integrate(gpu, lobe, scramble..scramble + 1, samples_per_scramble)?);
+        total.add(self.resolve(gpu, lobe)?);
+        Ok(total)
+    }
+
+    /// Takes scrambles into the sums, which start afresh with the first.
+    fn integrate(
+        &self,
+        gpu: &Gpu,
+        lobe: Lobe,
+        scrambles: Range<u32>,
+        samples_per_scramble: u32,
+    ) -> Result<Report, GpuError> {
         let Shading { settings, tables, gbuffer, .. } = self.shading;
         let [width, height] = gbuffer.size;
         // Setting up a pixel costs as much as a few samples, so that a dispatch takes as many scrambles as it may.
-        let scrambles_per_dispatch = (SCRAMBLE_SAMPLES_MAX / samples_per_scramble.max(1)).clamp(1, scramble_count);
+        let scrambles_per_dispatch =
+            (SCRAMBLE_SAMPLES_MAX / samples_per_scramble.max(1)).clamp(1, scrambles.len() as u32);
         let samples_per_row = u64::from(width) * u64::from(samples_per_scramble) * u64::from(scrambles_per_dispatch);
         let [shader, _] = lobe.shaders();
         let constants = lobe.constants(gpu);
@@ -263,12 +286,12 @@ impl ReferenceRun<'_> {
         ];
         let binds = with_gbuffer(gbuffer, &rest);
         let mut total = Report::default();
-        for scramble in (0..scramble_count).step_by(scrambles_per_dispatch as usize) {
+        for scramble in scrambles.clone().step_by(scrambles_per_dispatch as usize) {
             for rows in gpu.row_bands(height, samples_per_row) {
                 let params = ShadeParams {
                     sample_count: samples_per_scramble,
                     scramble,
-                    scramble_count: scrambles_per_dispatch.min(scramble_count - scramble),
+                    scramble_count: scrambles_per_dispatch.min(scrambles.end - scramble),
                     seed: self.seed,
                     slot_count: self.distribution.slot_count,
                     ..settings.params(gbuffer.size, rows.start)

@@ -78,6 +78,11 @@ impl Cell {
     }
 }
 
+/// A number to so many significant digits, for tables whose numbers are known no better.
+pub fn rounded(number: f64, digits: usize) -> f64 {
+    format!("{number:.*e}", digits - 1).parse().expect("a number reads back")
+}
+
 /// Numbers from here on, and below its inverse, are written with an exponent.
 const EXPONENT_FROM: f64 = 1e16;
 /// Smallest magnitude that is written without an exponent.

@@ -4,12 +4,12 @@ use crate::compare::{Worst, relative};
 use crate::harness::{golden_environment, request, scene, with_pipeline};
 use splitsum::environment::Placement;
 use splitsum::environment::layout::LAYOUTS;
-use splitsum::ladder::{SAMPLES, STEPS, STORAGE};
+use splitsum::ladder::{SAMPLES, SPLIT_SUM, STORAGE};
 use splitsum::metrics::{Comparison, HEADLINE};
-use splitsum::pipeline::{Pipeline, RenderRequest};
+use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::method_by_name;
+use splitsum::shade::{diffuse_by_name, method_by_name};
 use splitsum::tonemap::ToneCurve;
 
 const DRAWN: u32 = 4096;
@@ -20,7 +20,10 @@ fn relmse(pipeline: &mut Pipeline, method: &str, request: &RenderRequest) -> f64
         let method = method_by_name(name).unwrap();
         pipeline.render(&RenderRequest { method, samples: DRAWN, ..request.clone() }).unwrap()
     };
-    let (test, reference) = (frame(method), frame("reference"));
+    between(frame(method), frame("reference"), request)
+}
+
+fn between(test: Frame, reference: Frame, request: &RenderRequest) -> f64 {
     let comparison =
         Comparison::new(&test.radiance, &reference.radiance, &test.mask, ToneCurve::default(), request.epsilon());
     let scores = comparison.unwrap().evaluate_linear();
@@ -62,7 +65,7 @@ fn rungs_have_the_error_of_the_methods_frames() {
             let found = pipeline.attributions(&request, DRAWN, &[]).unwrap();
             let steps = &found[0].steps;
             // The drawn rungs share their points; the others differ from the frames by f32 and by the noise of both.
-            for (i, step) in STEPS.iter().enumerate() {
+            for (i, step) in SPLIT_SUM.steps.iter().enumerate() {
                 let made = |by: usize| i >= by;
                 let precompute = PrecomputeSettings {
                     prefilter: if made(SAMPLES) { prefilter } else { PrefilterBy::Harmonic },
@@ -70,11 +73,65 @@ fn rungs_have_the_error_of_the_methods_frames() {
                     ..precompute
                 };
                 let request = RenderRequest { precompute, ..request.clone() };
-                let right = relmse(pipeline, step.rung.name, &request);
+                let right = relmse(pipeline, step.rung.unwrap().name, &request);
                 let mut worst = Worst::new(format!("{}, {}", step.name, layout.name), relative(5e-3));
-                worst.add(steps[i].error, right, || step.rung.name.to_owned());
+                worst.add(steps[i].error, right, || step.rung.unwrap().name.to_owned());
                 worst.check();
             }
+        }
+    });
+}
+
+#[test]
+fn the_last_diffuse_rung_has_the_error_of_the_frame() {
+    with_pipeline(|pipeline| {
+        let material = MaterialOverride { albedo: Some([0.8, 0.5, 0.2]), ..MaterialOverride::default() };
+        let mut base = request(&golden_environment(), scene("design", material), CameraKind::Perspective, [24, 24]);
+        // Beside no specular term, so that the reference has no Fresnel either.
+        (base.method, base.reference_samples) = (method_by_name("none").unwrap(), DRAWN);
+        base.placement = Placement { orientation: 3, rotation_deg: 20.0 };
+        base.precompute.irradiance_size = [4; 2];
+        base.environment_scale = 3.0;
+        let frame = |diffuse: &str, pipeline: &mut Pipeline| {
+            let diffuse = diffuse_by_name(diffuse).unwrap();
+            pipeline.render(&RenderRequest { diffuse, ..base.clone() }).unwrap()
+        };
+        for name in ["sh9", "irradiance-map"] {
+            if name == "irradiance-map" && !pipeline.device().has_seamless_cubes {
+                continue;
+            }
+            let right = between(frame(name, pipeline), frame("reference", pipeline), &base);
+            let diffuse = diffuse_by_name(name).unwrap();
+            let found = pipeline.attributions(&RenderRequest { diffuse, ..base.clone() }, DRAWN, &[]).unwrap();
+            let mut worst = Worst::new(name.to_owned(), relative(2e-2));
+            worst.add(found[0].error, right, || name.to_owned());
+            worst.check();
+            assert!(found[0].noise == 0.0 && found[0].steps.iter().all(|step| step.step_error == 0.0));
+        }
+    });
+}
+
+#[test]
+fn scrambles_are_those_of_the_reference() {
+    with_pipeline(|pipeline| {
+        let material = MaterialOverride { alpha: Some(0.2), ..MaterialOverride::default() };
+        let base = request(&golden_environment(), scene("design", material), CameraKind::Perspective, [16, 16]);
+        let request = RenderRequest {
+            method: method_by_name("reference").unwrap(),
+            samples: 512,
+            reference_samples: 512,
+            ..base
+        };
+        let frame = pipeline.render(&request).unwrap();
+        let scrambles = pipeline.scrambles(&request).unwrap();
+        let (count, standard_error) = (scrambles.len() as f64, frame.standard_error.unwrap());
+        for (pixel, right) in frame.radiance.data.iter().enumerate() {
+            let (own, error) = (scrambles.iter().map(|image| image[pixel].x), f64::from(standard_error.data[pixel][0]));
+            let mean = own.clone().sum::<f64>() / count;
+            let spread: f64 = own.map(|x| (x - mean).powi(2)).sum();
+            assert!((mean / f64::from(right[0]) - 1.0).abs() < 1e-5, "pixel {pixel}: {mean}, not {}", right[0]);
+            let own = (spread / (count * (count - 1.0))).sqrt();
+            assert!((own - error).abs() < 1e-3 * error + 1e-7 * mean, "pixel {pixel}: error {own:e}, not {error:e}");
         }
     });
 }

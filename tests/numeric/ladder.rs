@@ -10,7 +10,7 @@ use splitsum::gbuffer::design;
 use splitsum::ladder::attribution::{Attribution, Case, attributions};
 use splitsum::ladder::game::{Coalition, before, coalitions, is_feasible, shapley, without};
 use splitsum::ladder::radiance::{Radiance, Setting};
-use splitsum::ladder::{FRESNEL, LEVELS, MASKING, STEPS, STORAGE, TABLE, TEXELS, VIEW, needs};
+use splitsum::ladder::{FRESNEL, LEVELS, MASKING, SPLIT_SUM, STORAGE, TABLE, TEXELS, VIEW};
 use splitsum::math::frame::Frame;
 use splitsum::metrics::Epsilon;
 use splitsum::pixels::{Pixels, RgbImage};
@@ -53,13 +53,13 @@ fn by_orders(needs: &[Coalition], value: fn(Coalition) -> f64) -> Vec<f64> {
 
 #[test]
 fn coalitions_have_whom_they_need() {
-    let needs = needs();
+    let needs = SPLIT_SUM.needs();
     let all = coalitions(&needs);
     // Three free steps beside n = v = r: 2³; with it four more: 2³ · 2⁴.
     assert_eq!(all.len(), 8 + 128);
-    let rungs = (0..=STEPS.len()).map(|count| (1u32 << count) - 1);
+    let rungs = (0..=SPLIT_SUM.steps.len()).map(|count| (1u32 << count) - 1);
     assert!(rungs.clone().all(|rung| is_feasible(rung, &needs)), "the ladder's order is one of them");
-    for step in 0..STEPS.len() {
+    for step in 0..SPLIT_SUM.steps.len() {
         let (least, most) = (before(step, &needs), without(step, &needs));
         assert!(is_feasible(least | 1 << step, &needs) && is_feasible(most, &needs), "{step}");
         assert!(all.iter().filter(|one| *one >> step & 1 == 1).all(|one| one & least == least), "{step}: least");
@@ -77,6 +77,55 @@ fn shapley_values_are_means_over_all_orders() {
     }
 }
 
+/// The attribution of such images over all pixels.
+fn drawn(radiance: &dyn Fn(Coalition) -> Vec<DVec3>, scrambles: &dyn Fn(Coalition) -> Vec<Vec<DVec3>>) -> Attribution {
+    let (n_dot_v, epsilon) = (&[0.5; PIXELS], Epsilon::of_light(0.0));
+    attributions(&Case { ladder: &SPLIT_SUM, n_dot_v, radiance, scrambles, epsilon }, &[]).remove(0)
+}
+
+#[test]
+fn a_step_between_rungs_of_the_same_scrambles_has_an_error_of_its_own() {
+    // The reference is 1, with an error that every rung shares; a step of pixels' own size is drawn with 1 % of it, from 3 scrambles.
+    let step = |pixel: usize| 0.1 + 0.2 * (pixel % 7) as f64;
+    let rungs = |coalition: Coalition| coalition >> MASKING & 1 == 1;
+    let estimate = |coalition: Coalition, k: usize, pixel: usize| {
+        let shared = [0.3, -0.1, -0.2][k] * (1.0 + (pixel % 3) as f64);
+        let own = [0.01, -0.01, 0.0][k];
+        1.0 + shared + if rungs(coalition) { step(pixel) * (1.0 + own) } else { 0.0 }
+    };
+    let image = |coalition: Coalition| -> Vec<DVec3> {
+        (0..PIXELS).map(|pixel| DVec3::splat(1.0 + if rungs(coalition) { step(pixel) } else { 0.0 })).collect()
+    };
+    let scrambles = |coalition: Coalition| -> Vec<Vec<DVec3>> {
+        (0..3).map(|k| (0..PIXELS).map(|pixel| DVec3::splat(estimate(coalition, k, pixel))).collect()).collect()
+    };
+    let found = drawn(&image, &scrambles);
+    // se² = (1e-4 + 1e-4) / (3 · 2) of the step's square.
+    let right = (2e-4f64 / 6.0).sqrt();
+    assert!((found.steps[MASKING].step_error / right - 1.0).abs() < 1e-9, "{}", found.steps[MASKING].step_error);
+    assert!(found.steps[FRESNEL].step_error == 0.0 && found.noise > 1e-2, "{found:?}");
+    // One step makes the whole error, whatever a scramble has drawn.
+    assert!((found.steps[MASKING].share - 1.0).abs() < 1e-12 && found.steps[MASKING].share_error < 1e-12);
+}
+
+#[test]
+fn a_share_is_known_as_well_as_its_steps() {
+    // e = a + b with a = 1 and b = 0.5 beside scrambles of b: the share of b is b (a + b) / (a + b)² = b / (1 + b), slope 1 / (1 + b)².
+    let by = [0.02, -0.01, -0.03, 0.02];
+    let radiance =
+        |coalition: Coalition| vec![DVec3::splat(1.0 + [0.0, 1.0, 0.5, 1.5][(coalition & 3) as usize]); PIXELS];
+    let scrambles = |coalition: Coalition| -> Vec<Vec<DVec3>> {
+        by.map(|by| radiance(coalition).iter().map(|x| x + if coalition & 2 == 2 { by } else { 0.0 }).collect())
+            .to_vec()
+    };
+    let step = drawn(&radiance, &scrambles).steps[MASKING];
+    // Standard error of b: 1.8e-3 over 4 · 3.
+    let of_b = (by.iter().map(|x| x * x).sum::<f64>() / 12.0).sqrt();
+    assert!((step.share - 1.0 / 3.0).abs() < 1e-12);
+    assert!((step.step_error / (of_b / 0.5) - 1.0).abs() < 1e-9, "{}", step.step_error);
+    assert!((step.share_error / (of_b / 2.25) - 1.0).abs() < 0.01, "{} {of_b}", step.share_error);
+}
+
 /// `w` where r is 1: a black light leaves the absolute ε.
 fn weight() -> f64 {
     1.0 / (1.0 + Epsilon::of_light(0.0).beside_square())
@@ -85,17 +134,25 @@ fn weight() -> f64 {
 /// Pixels with n·v from 0 to 1.
 const PIXELS: usize = 400;
 
+/// Two scrambles, that much about an image: its standard error is 1e-3.
+fn scrambles(image: &[DVec3]) -> Vec<Vec<DVec3>> {
+    [-1e-3, 1e-3].map(|by| image.iter().map(|value| value + by).collect()).to_vec()
+}
+
 /// Attributions of images that are a constant plus what each step adds to each pixel.
 fn made(added: &dyn Fn(usize, usize) -> f64, bands: &[[f64; 2]]) -> Vec<Attribution> {
     let radiance = |coalition: Coalition| -> Vec<DVec3> {
-        let sum = |pixel| (0..STEPS.len()).filter(|i| coalition >> i & 1 == 1).map(|i| added(i, pixel)).sum::<f64>();
+        let sum = |pixel| {
+            (0..SPLIT_SUM.steps.len()).filter(|i| coalition >> i & 1 == 1).map(|i| added(i, pixel)).sum::<f64>()
+        };
         (0..PIXELS).map(|pixel| DVec3::splat(1.0 + sum(pixel))).collect()
     };
     let n_dot_v: Vec<f64> = (0..PIXELS).map(|i| (i as f64 + 0.5) / PIXELS as f64).collect();
     let case = Case {
+        ladder: &SPLIT_SUM,
         n_dot_v: &n_dot_v,
         radiance: &radiance,
-        standard_error: &[DVec3::splat(1e-3); PIXELS],
+        scrambles: &|coalition| scrambles(&radiance(coalition)),
         epsilon: Epsilon::of_light(0.0),
     };
     attributions(&case, bands)
@@ -105,13 +162,14 @@ fn made(added: &dyn Fn(usize, usize) -> f64, bands: &[[f64; 2]]) -> Vec<Attribut
 fn steps_that_do_not_meet_keep_what_they_make() {
     // Each step acts on pixels of its own; the last does nothing.
     let size = |step: usize| if step == TABLE { 0.0 } else { 0.01 * (step + 1) as f64 };
-    let [all] = &made(&|step, pixel| if pixel % STEPS.len() == step { size(step) } else { 0.0 }, &[])[..] else {
+    let [all] = &made(&|step, pixel| if pixel % SPLIT_SUM.steps.len() == step { size(step) } else { 0.0 }, &[])[..]
+    else {
         panic!("one band")
     };
-    let whole: f64 = (0..STEPS.len()).map(|step| size(step).powi(2)).sum();
+    let whole: f64 = (0..SPLIT_SUM.steps.len()).map(|step| size(step).powi(2)).sum();
     for (step, found) in all.steps.iter().enumerate() {
         let own = size(step).powi(2);
-        let mean = weight() * own / STEPS.len() as f64;
+        let mean = weight() * own / SPLIT_SUM.steps.len() as f64;
         assert!((found.share - own / whole).abs() < 1e-12, "{step}: share {}", found.share);
         for (name, x) in [("first", found.first_in), ("last", found.last_out), ("shapley", found.shapley)] {
             // Making n = v = r exact takes what needs it along.
@@ -200,7 +258,7 @@ fn radiance(environment: &Environment, alpha: f64, frames: &[[DVec3; 2]], tables
         filtered: &one_level(environment, 32),
         table: frames.iter().map(|[n, v]| albedos.exact(n.dot(*v))).collect(),
         frames,
-        drawn,
+        drawn: vec![drawn],
     })
 }
 
@@ -277,7 +335,7 @@ fn the_view_alone_is_the_lobe_about_r() {
 fn a_white_lobe_has_no_step_of_fresnel() {
     let environment = Environment::from_image("golden", golden_environment());
     let found = radiance(&environment, 0.3, &frames(12), &harmonic_tables());
-    for coalition in coalitions(&needs()).into_iter().filter(|one| one >> FRESNEL & 1 == 0) {
+    for coalition in coalitions(&SPLIT_SUM.needs()).into_iter().filter(|one| one >> FRESNEL & 1 == 0) {
         let [inside, outside] = [coalition, coalition | 1 << FRESNEL].map(|one| found.of(one, DVec3::ONE));
         for (inside, outside) in inside.iter().zip(&outside) {
             assert!(((*inside - *outside) / *outside).abs().max_element() < 1e-9, "{coalition:b}: {inside} {outside}");
@@ -292,7 +350,7 @@ fn constant_light_has_no_step_but_the_table() {
     let (frames, f0) = (frames(16), DVec3::new(0.04, 0.3, 1.0));
     let found = radiance(&environment, 0.3, &frames, &harmonic_tables());
     let exact = found.of(0, f0);
-    for coalition in coalitions(&needs()) {
+    for coalition in coalitions(&SPLIT_SUM.needs()) {
         for (own, right) in found.of(coalition, f0).iter().zip(&exact) {
             assert!(((own - right) / right).abs().max_element() < 2e-5, "{coalition:b}: {own}, not {right}");
         }
@@ -325,7 +383,7 @@ fn texels_blur_a_small_lamp() {
         filtered: &one_level(&environment, 32),
         table: frames.iter().map(|[n, v]| albedos.exact(n.dot(*v))).collect(),
         frames: &frames,
-        drawn: [[drawn.clone(), drawn.clone()], [drawn.clone(), drawn]],
+        drawn: vec![[[drawn.clone(), drawn.clone()], [drawn.clone(), drawn]]],
     });
     let without_albedo = |coalition| -> Vec<f64> {
         let image = found.of(coalition, f0);

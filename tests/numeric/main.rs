@@ -8,6 +8,8 @@ mod disk_cache;
 mod environment;
 mod harmonics;
 mod ladder;
+mod ladder_diffuse;
+mod ladder_outside;
 mod layering;
 mod lobe_shape;
 mod map_layouts;

@@ -5,7 +5,8 @@
 
 use super::{Progress, Run, RunError, milliseconds, of_cell};
 use crate::files::content_hash;
-use crate::metrics::{BiasVariance, Repeats, VIEWS};
+use crate::ladder::BANDS;
+use crate::metrics::{BiasVariance, Repeats};
 use crate::pipeline::{DeviceInfo, Frame, FrameTimings, RenderRequest};
 use crate::pixels::Rgb8Image;
 use crate::runner::axis::Point;
@@ -155,7 +156,7 @@ impl<'p> Run<'p> {
         let started = Instant::now();
         let mut made = Made { frame, bias_variance: None, steps: Arc::default() };
         if let Some(samples) = self.plan.ladder_of(point) {
-            let steps = renderer.attributions(&self.plan.request(point), samples, &VIEWS)?;
+            let steps = renderer.attributions(&self.plan.request(point), samples, &BANDS)?;
             made.steps = Arc::new(StepRecord::of(&steps));
             spent.ladder_ms = Some(milliseconds(started));
         }

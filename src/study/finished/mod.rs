@@ -49,10 +49,12 @@ pub struct StepRow {
     pub seen: [f64; 2],
     pub step: String,
     pub share: f64,
+    pub share_error: f64,
     pub rung_error: f64,
     pub first_in: f64,
     pub last_out: f64,
     pub shapley: f64,
+    pub step_error: f64,
     pub noise: f64,
 }
 

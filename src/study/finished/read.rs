@@ -166,10 +166,12 @@ fn step(row: &Row) -> Option<StepRow> {
         seen: [row.number("n_dot_v_from")?, row.number("n_dot_v_to")?],
         step: row.text("step")?.to_owned(),
         share: row.number("share")?,
+        share_error: row.number("share_error")?,
         rung_error: row.number("rung_error")?,
         first_in: row.number("first_in")?,
         last_out: row.number("last_out")?,
         shapley: row.number("shapley")?,
+        step_error: row.number("step_error")?,
         noise: row.number("noise")?,
     })
 }

@@ -37,8 +37,6 @@ pub fn pictures(told: &Told, frame: &Frame, lead: Option<usize>, axes: &[PageAxi
     let (own, reference) = (own?, reference?);
     let mask = mask_of(&reference);
     let curve = row.cell.point.settings().curve;
-    // A damaged file may hold anything, and the tone curve is for radiance alone.
-    let is_radiance = |image: &RgbImage| image.data.iter().flatten().all(|x| x.is_finite() && *x >= 0.0);
     if !is_radiance(&own.rgb) || !is_radiance(&reference.rgb) {
         return None;
     }
@@ -58,8 +56,21 @@ pub fn pictures(told: &Told, frame: &Frame, lead: Option<usize>, axes: &[PageAxi
     Some(json!({ "case": case, "error": error.unwrap_or_default(), "cell": row.cell.id, "shots": shots }))
 }
 
+/// A damaged file may hold anything, and the tone curve is for radiance alone.
+pub fn is_radiance(image: &RgbImage) -> bool {
+    image.data.iter().flatten().all(|x| x.is_finite() && *x >= 0.0)
+}
+
+/// The picture that errs most of those that are wanted. The images of a design are no pictures.
+pub fn worst_picture<'r, 'f>(frame: &'r Frame<'f>, wanted: &dyn Fn(&Row) -> bool) -> Option<&'r Row<'f>> {
+    let is_picture = |row: &Row| row.cell.images.is_some() && !is_design(&row.text(SCENE));
+    let own = frame.rows.iter().filter(|row| is_picture(row) && wanted(row));
+    let scored = own.filter_map(|row| Some((row, frame.error(row)?)));
+    scored.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
+}
+
 /// Of the cells that the leading figure shows, the one that errs most of those whose method draws no samples; else of all such cells; else
-/// of all cells. The images of a design are no pictures.
+/// of all cells.
 fn case<'r, 'f>(told: &Told, frame: &'r Frame<'f>, lead: Option<usize>) -> Option<&'r Row<'f>> {
     let figure = lead.and_then(|lead| told.answers[lead].finding.figure.as_ref());
     let marks = figure.into_iter().flat_map(|figure| &figure.panels).flat_map(|panel| &panel.marks);
@@ -67,17 +78,12 @@ fn case<'r, 'f>(told: &Told, frame: &'r Frame<'f>, lead: Option<usize>) -> Optio
     let is_shown =
         |row: &Row| shown.contains(&row.cell.id.as_str()) || row.copies.iter().any(|copy| shown.contains(copy));
     let draws_none = |row: &Row| row.samples().is_none() && !row.has_no_method();
-    let worst = |wanted: &dyn Fn(&Row) -> bool| {
-        let is_picture = |row: &Row| row.cell.images.is_some() && !is_design(&row.text(SCENE));
-        let own = frame.rows.iter().filter(|row| is_picture(row) && wanted(row));
-        let scored = own.filter_map(|row| Some((row, frame.error(row)?)));
-        scored.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
-    };
+    let worst = |wanted: &dyn Fn(&Row) -> bool| worst_picture(frame, wanted);
     worst(&|row| is_shown(row) && draws_none(row)).or_else(|| worst(&draws_none)).or_else(|| worst(&|_| true))
 }
 
 /// The words of a case on the axes of a role.
-fn words(row: &Row, axes: &[PageAxis], role: Role) -> String {
+pub fn words(row: &Row, axes: &[PageAxis], role: Role) -> String {
     let word = |axis: &PageAxis| {
         let text = row.cell.point.0[axis.index?].to_string();
         let place = axis.values.iter().position(|value| *value == text)?;
@@ -87,7 +93,7 @@ fn words(row: &Row, axes: &[PageAxis], role: Role) -> String {
 }
 
 /// A picture as a data address.
-fn shot(label: &str, image: &Rgb8Image) -> Option<Json> {
+pub fn shot(label: &str, image: &Rgb8Image) -> Option<Json> {
     let factor = f64::from(image.width.max(image.height)) / f64::from(SIDE);
     let side = |length: u32| ((f64::from(length) / factor).round() as u32).max(1);
     let small = if factor > 1.0 { image.shrunk(side(image.width), side(image.height)) } else { image.clone() };

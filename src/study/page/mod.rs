@@ -1,6 +1,6 @@
 //! The page of finished runs: one HTML file that opens from disk and asks for nothing else.
 //!
-//! It shows findings and computes none. [`sections`] turns answers into sections, [`lead`] chooses what stands on the first screen, [`model`]
+//! It shows findings and computes none. [`sections`] turns answers into sections, [`lead`] chooses what stands on the first screen, [`strip`] lays the rungs of a ladder side by side, [`model`]
 //! says what the scripts read, [`images`] which of the linear images fit, [`live`] what the live view needs; [`render`] writes the file.
 
 pub mod images;
@@ -9,6 +9,7 @@ pub mod live;
 pub mod model;
 pub mod render;
 mod sections;
+mod strip;
 pub mod told;
 
 pub use told::Told;
@@ -115,6 +116,7 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
             "shared": model::shared(&model::axes(std::slice::from_ref(told))),
             "lead": lead,
             "pictures": has_pictures.then(|| lead::pictures(told, frame, lead, &axes)).flatten(),
+            "strip": has_pictures.then(|| strip::strip(told, frame, &axes)).flatten(),
             "sections": sections,
             "provenance": told::provenance(told),
             "failures": told.finished.failures,

@@ -1,15 +1,17 @@
-//! At which step does the split sum's error arise?
+//! At which step does the error of the split sum, or of a diffuse term, arise?
 //!
-//! Eight approximations lead from the specular integral to the split sum (`crate::ladder::STEPS`, docs/estimators.md). What each makes of the
-//! error hangs on which others were made before, so that it has four numbers: its covariance share in the ladder's order, the `relmse`
-//! that it adds first and takes away last, and the mean of what it adds over all orders, its Shapley value (`ladder::attribution`).
+//! Some approximations lead from an integral to what is rendered (`crate::ladder`, docs/estimators.md). What each makes of the error hangs on
+//! which others were made before, so that it has four numbers: its covariance share in the ladder's order, the `relmse` that it adds
+//! first and takes away last, and the mean of what it adds over all orders, its Shapley value (`ladder::attribution`).
 //!
 //! They are told by environment, model, alpha, f0 and n·v, from `steps.csv`. Means are over environments with Student's interval; where
 //! environments disagree about the sign, their range stands instead.
 
 use super::prelude::*;
-use crate::metrics::VIEWS;
+use crate::ladder::{BANDS, of_diffuse};
+use crate::shade::diffuse_by_name;
 use crate::study::finished::StepRow;
+use crate::table::csv::rounded;
 
 pub const QUESTION: Question = Question {
     name: "ladder",
@@ -20,7 +22,7 @@ pub const QUESTION: Question = Question {
         column("rung", "What is approximated: see docs/estimators.md, \"The ladder\"."),
         column(
             "share",
-            "Covariance share of the split sum's `relmse`; shares of a case sum to 1, a negative one cancels others.",
+            "Covariance share of the error's `relmse`; shares of a case sum to 1, a negative one cancels others.",
         ),
         column("share_lo", "Lower end of its 95 % interval over environments; empty for one environment."),
         column("share_hi", "Upper end of that interval."),
@@ -30,7 +32,8 @@ pub const QUESTION: Question = Question {
             "shapley",
             "The mean of the `relmse` that it adds over all orders; the rungs' numbers sum to the error.",
         ),
-        column("error", "`relmse` of the split sum."),
+        column("error", "`relmse` after all steps."),
+        column("step_error", "Standard error of the step over the step: see `steps.csv`."),
     ],
     uses_times: false,
     lacks,
@@ -40,13 +43,24 @@ pub const QUESTION: Question = Question {
 fn lacks(shape: &Shape) -> Option<&'static str> {
     match () {
         () if !shape.has_ladder => Some("the experiment has no section [ladder]"),
-        () if !shape.methods().any(|method| method.has_ladder) => Some("axes.method has no split-sum"),
+        () if !has_ladder(shape) => Some(
+            "axes.method has no split-sum, and axes.diffuse neither sh9 nor irradiance-map: nothing else has steps",
+        ),
         () if !shape.values[SCENE].iter().any(|scene| is_design(&scene.to_string())) => {
             Some("no scene is design: only there every view sees the whole map")
         }
         () => None,
     }
 }
+
+fn has_ladder(shape: &Shape) -> bool {
+    let is_told =
+        |value: &Value| diffuse_by_name(&value.to_string()).is_some_and(|diffuse| of_diffuse(diffuse).is_some());
+    shape.methods().any(|method| method.has_ladder) || shape.values[DIFFUSE_METHOD].iter().any(is_told)
+}
+
+/// Digits of the table's numbers, as of `steps.csv`.
+const DIGITS: usize = 4;
 
 /// Errors below this many times the reference's noise are not told apart: under constant light the split is exact.
 const RESOLVED: f64 = 10.0;
@@ -97,6 +111,17 @@ impl<'r, 'f> Group<'r, 'f> {
         self.share(step).map_or(0.0, |share| share.value)
     }
 
+    /// Whether there are environments enough for an interval.
+    fn is_pooled(&self, step: &str) -> bool {
+        self.share(step).is_some_and(|share| share.interval.is_some())
+    }
+
+    /// "split sum", or the diffuse term.
+    fn subject(&self) -> &'static str {
+        let diffuse = diffuse_by_name(&self.own[0].row.text(DIFFUSE_METHOD));
+        if diffuse.is_some_and(|diffuse| of_diffuse(diffuse).is_some()) { "diffuse term" } else { "split sum" }
+    }
+
     fn place(&self) -> String {
         joined_words(&[self.name.clone(), heading(ALPHA, &self.alpha)])
     }
@@ -114,7 +139,7 @@ fn groups<'r, 'f>(frame: &Frame, told: &[Told<'r, 'f>]) -> Vec<Group<'r, 'f>> {
                 let own: Vec<_> = own.iter().filter(|told| told.step.seen == seen).copied().collect();
                 Group { name: name.clone(), alpha: alpha.clone(), seen, own }
             };
-            let all = std::iter::once(ALL_VIEWS).chain(VIEWS).map(group);
+            let all = std::iter::once(ALL_VIEWS).chain(BANDS).map(group);
             all.filter(|group| !group.own.is_empty()).collect::<Vec<_>>()
         })
     };
@@ -127,17 +152,22 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let steps: Vec<&str> = distinct_in_order(told.iter().map(|told| told.step.step.as_str()));
     let axes = frame.case_axes();
     let mut table = Table::new(&axes, QUESTION.columns);
-    for Told { row, step, error } in &told {
-        let interval = [Cell::Missing, Cell::Missing];
-        let own = cells![step.seen[0], step.seen[1], step.step.as_str(), step.share];
-        let rest = cells![step.first_in, step.last_out, step.shapley, *error];
-        table.row([row.cells(&axes), own, interval.to_vec(), rest].concat());
+    // Each environment over all views; by view only where nothing else tells of it.
+    for group in &groups {
+        let own = |told: &&Told| group.seen == ALL_VIEWS || !group.is_pooled(&told.step.step);
+        for Told { row, step, error } in group.own.iter().filter(own) {
+            let interval = [Cell::Missing, Cell::Missing];
+            let own = cells![step.seen[0], step.seen[1], step.step.as_str(), step.share];
+            let rest = cells![step.first_in, step.last_out, step.shapley, *error, step.step_error];
+            table.row([row.cells(&axes), own, interval.to_vec(), rest].concat());
+        }
     }
     // Over environments, where these are enough for an interval.
     for group in &groups {
         for step in &steps {
             let Some(Estimate { value, interval: Some([lo, hi]), .. }) = group.share(step) else { continue };
-            let mean = |of| group.numbers(step, of).estimate().map(|all| all.value);
+            let mean = |of| group.numbers(step, of).estimate().map(|all| rounded(all.value, DIGITS));
+            let [value, lo, hi] = [value, lo, hi].map(|share| rounded(share, DIGITS));
             let head = axes.iter().map(|&of| match of {
                 ENVIRONMENT => ALL.into(),
                 _ => (&group.own[0].row.point[of]).into(),
@@ -147,7 +177,8 @@ fn answer(frame: &Frame) -> Option<Finding> {
                 mean(|told| told.step.first_in),
                 mean(|told| told.step.last_out),
                 mean(|told| told.step.shapley),
-                mean(|told| told.error)
+                mean(|told| told.error),
+                mean(|told| told.step.step_error)
             ];
             table.row(head.chain(own).chain(rest).collect());
         }
@@ -161,7 +192,8 @@ fn answer(frame: &Frame) -> Option<Finding> {
 }
 
 fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], told: &[Told]) -> Option<String> {
-    let at = |seen: [f64; 2]| groups.iter().filter(move |group| group.seen == seen);
+    let subject = groups.first()?.subject();
+    let at = |seen: [f64; 2]| groups.iter().filter(move |group| group.seen == seen && group.subject() == subject);
     let total = |step: &str| at(ALL_VIEWS).map(|group| group.mean(step)).sum::<f64>();
     let lead = *steps.iter().max_by(|a, b| total(a).total_cmp(&total(b)))?;
     let ends = |seen: [f64; 2], step: &str| {
@@ -173,15 +205,20 @@ fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], told: &[Told]) -> O
     let share = if least == most { least } else { format!("{least} to {most}") };
     let at_least = if at(ALL_VIEWS).count() > 1 { ", least at " } else { " at " };
     let mut text =
-        format!("**The {} makes {share}** of the split sum's `relmse`{at_least}{}.", says(lead), place.place());
+        format!("**The {} makes {share}** of the {subject}'s `relmse`{at_least}{}.", says(lead), place.place());
     // The views at which it makes least of the error.
-    let by_view = VIEWS.into_iter().filter_map(|seen| Some((seen, ends(seen, lead)?)));
+    let by_view = BANDS.into_iter().filter_map(|seen| Some((seen, ends(seen, lead)?)));
     let weakest = by_view.min_by(|(_, [a, _]), (_, [b, _])| a.1.mean(lead).total_cmp(&b.1.mean(lead)));
     if let Some((seen, [(least, group), _])) = weakest {
         let other = steps.iter().filter(|step| **step != lead);
         let next = other.max_by(|a, b| group.mean(a).total_cmp(&group.mean(b)));
         let next = next.map_or(String::new(), |step| format!(", {} {}", step, percent(group.mean(step))));
         text += &format!(" At n·v {} to {} and {} it makes {least}{next}.", seen[0], seen[1], group.place());
+    }
+    let drawn = told.iter().filter(|told| told.step.seen == ALL_VIEWS).map(|told| told.step.share_error);
+    let noise = 2.0 * drawn.fold(0.0, f64::max);
+    if noise > 0.0 {
+        text += &format!(" Noise of what is drawn moves no share over all views by more than {}.", percent(noise));
     }
     let lights = Numbers::new(told.iter().map(|told| (told.row, 1.0)), Middle::GeometricMean);
     Some(text + &lights.scope(&frame.case_axes()))
@@ -221,13 +258,13 @@ fn digest(groups: &[Group], steps: &[&str]) -> Table {
             let shares = steps.iter().map(|step| Cell::from(group.share(step).as_ref().map(share_words)));
             table.row(head.into_iter().chain(shares).collect());
         }
-        for seen in [VIEWS[0], VIEWS[VIEWS.len() - 1]] {
+        for seen in [BANDS[0], BANDS[BANDS.len() - 1]] {
             let band: Vec<_> = own.iter().filter(|group| group.seen == seen).collect();
             let range = |step: &&str| {
-                let means = || band.iter().map(|group| group.mean(step));
+                let means = || band.iter().filter_map(|group| Some(group.share(step)?.value));
                 let ends = [means().fold(f64::INFINITY, f64::min), means().fold(f64::NEG_INFINITY, f64::max)];
                 let ends = ends.map(|share| if share.abs() < NOISE { 0.0 } else { share });
-                Cell::from((!band.is_empty()).then(|| range_words(ends, |x| number(100.0 * x)) + " %"))
+                Cell::from((means().next().is_some()).then(|| range_words(ends, |x| number(100.0 * x)) + " %"))
             };
             let head = cells![name.as_str(), ALL, Cell::Missing, format!("{} to {}", seen[0], seen[1])];
             table.row(head.into_iter().chain(steps.iter().map(range)).collect());
@@ -252,7 +289,7 @@ fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
         };
         (0..steps.len()).filter_map(bar).collect::<Vec<_>>()
     };
-    let views = [ALL_VIEWS, VIEWS[VIEWS.len() - 1]];
+    let views = [ALL_VIEWS, BANDS[BANDS.len() - 1]];
     let shown = views.into_iter().flat_map(|seen| groups.iter().filter(move |group| group.seen == seen));
     let title = |group: &Group| match group.seen == ALL_VIEWS {
         true => group.name.clone(),
@@ -263,7 +300,10 @@ fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
         (name, own.into_iter().flat_map(marks).chain(rule).collect())
     };
     Chart {
-        title: "Where the split sum's error comes from",
+        title: match groups.first()?.subject() {
+            "split sum" => "Where the split sum's error comes from",
+            _ => "Where the error of the diffuse term comes from",
+        },
         note: "share of relmse by step, mean over environments; left of 0 a step cancels error".to_owned(),
         x: Along::Linear("share of the error"),
         y: Along::Steps("", alphas.iter().map(|alpha| heading(ALPHA, alpha)).collect()),

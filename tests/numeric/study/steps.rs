@@ -10,10 +10,12 @@ fn steps(seen: [f64; 2], masking: f64, noise: f64) -> Vec<StepRow> {
         seen,
         step: step.to_owned(),
         share,
+        share_error: 1e-3,
         rung_error,
         first_in: 0.5 * share,
         last_out: 2.0 * share,
         shapley: share,
+        step_error: 2e-3,
         noise,
     };
     vec![row("masking", masking, 0.1), row("view", 1.0 - masking, 1.0)]

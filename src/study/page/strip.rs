@@ -1,0 +1,61 @@
+//! The rungs of a ladder as pictures to flip through, each with what its step changes.
+
+use super::images::{mask_of, read};
+use super::lead::{is_radiance, shot, words, worst_picture};
+use super::model::{PageAxis, Role};
+use super::told::Told;
+use crate::ladder::SPLIT_SUM;
+use crate::runner::axis::METHOD;
+use crate::runner::sheets::signed_step;
+use crate::shade::REFERENCE;
+use crate::study::frame::{Frame, Row};
+use crate::table::colormap::SIGNED_ERROR;
+use serde_json::{Value as Json, json};
+
+/// The picture whose last rung errs most, rung by rung from the reference on, first shown at the largest step. Nothing where a run has less
+/// than two rungs of it.
+pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
+    let mut rungs: Vec<&str> = SPLIT_SUM.steps.iter().filter_map(|step| Some(step.rung?.name)).collect();
+    rungs.dedup();
+    let method = |row: &Row| row.text(METHOD);
+    let last = worst_picture(frame, &|row| Some(&method(row).as_str()) == rungs.last())?;
+    let files = last.cell.images.as_ref()?;
+    // Rungs of one picture have one reference.
+    let of_rung = |rung: &&str| {
+        let is_own = |row: &&Row| row.cell.images.as_ref().is_some_and(|own| own.reference == files.reference);
+        frame.rows.iter().find(|row| is_own(row) && method(row) == *rung)
+    };
+    let rows: Vec<&Row> = rungs.iter().filter_map(of_rung).collect();
+    if rows.len() < 2 {
+        return None;
+    }
+    let image = |file: &str| read(&told.finished.dir, file).ok().filter(|image| is_radiance(&image.rgb));
+    let reference = image(&files.reference)?;
+    let (mask, curve) = (mask_of(&reference), last.cell.point.settings().curve);
+    let epsilon = told.finished.epsilon(&last.cell.point).beside_square();
+    let mut frames = vec![json!({ "name": REFERENCE, "image": shot(REFERENCE, &curve.apply_image(&reference.rgb))? })];
+    let (mut before, mut largest) = (reference.rgb.clone(), (0.0, 0));
+    for row in rows {
+        let own = image(&row.cell.images.as_ref()?.radiance)?.rgb;
+        if [own.width, own.height] != [before.width, before.height] {
+            return None;
+        }
+        let step = signed_step([&own, &before, &reference.rgb], epsilon);
+        let size: f32 = step.data.iter().map(|x| x * x).sum();
+        if size > largest.0 {
+            largest = (size, frames.len());
+        }
+        let step = SIGNED_ERROR.image(&step, &mask);
+        let error = frame.error(row).map(|error| format!("{} {error:.2e}", frame.metric_name()));
+        frames.push(json!({
+            "name": method(row).trim_start_matches("ladder-"),
+            "image": shot(&method(row), &curve.apply_image(&own))?,
+            "step": shot("what this step changes, over the reference", &step)?,
+            "error": error,
+        }));
+        before = own;
+    }
+    let [lo, .., hi] = SIGNED_ERROR.ticks()[..] else { return None };
+    frames[largest.1]["is_shown"] = true.into();
+    Some(json!({ "case": words(last, axes, Role::Scene), "frames": frames, "ends": [lo.to_string(), hi.to_string()] }))
+}
