@@ -20,7 +20,7 @@ use splitsum::spelling::suggestion;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Writes prefiltered mips and DFG table of each BRDF model (EXR), SH9 (JSON) and irradiance map (EXR).
+/// Writes prefiltered mips, DFG table and lobes of each BRDF model (EXR; lobes as C and GLSL, too), SH9 (JSON) and irradiance map (EXR).
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,

@@ -4,6 +4,7 @@ use super::light_tables::read_level;
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
+use crate::glsl::constants::{LOBE_SHAPE_PARTS, LOBE_SHAPE_SIDE};
 use crate::gpu::{Gpu, Image};
 use crate::pixels::{GrayImage, Pixels, exr, write_atomically};
 use crate::precompute::{PrecomputeSettings, PrefilterBy};
@@ -16,6 +17,9 @@ use std::sync::Arc;
 
 /// The list of files, and what they hold.
 const MANIFEST: &str = "bake.json";
+
+/// The method whose table of lobes is written.
+const LOBES_OF: &str = "split-sum-relative";
 
 /// What to bake.
 #[derive(Clone, Debug)]
@@ -48,6 +52,7 @@ struct BakeFile<'a> {
     mapping: &'static str,
     radiance: &'static str,
     dfg: &'static str,
+    lobes: &'static str,
     irradiance: &'static str,
     prefilter_alphas: Vec<f64>,
     level_mapping: &'static str,
@@ -65,8 +70,8 @@ struct BakeFile<'a> {
 }
 
 impl Pipeline {
-    /// Writes prefiltered levels and DFG table of each model (EXR), SH9 (JSON) and the irradiance map (EXR) into the folder `out`,
-    /// and `bake.json` last. Levels that an earlier bake left beyond these are removed. Returns the paths.
+    /// Writes prefiltered levels, DFG table and table of lobes of each model (EXR; lobes as source text, too), SH9 (JSON) and the irradiance
+    /// map (EXR) into the folder `out`, and `bake.json` last. Levels that an earlier bake left beyond these are removed. Returns the paths.
     pub fn bake(&mut self, request: &BakeRequest, out: &Path) -> Result<Vec<PathBuf>, PipelineError> {
         let environment = &request.environment;
         let settings = &request.precompute;
@@ -88,7 +93,7 @@ impl Pipeline {
         let prepared = self.prepare(&view)?;
         write_image(&self.gpu, &prepared.tables.irradiance_map, 0, &files[1])?;
         view.diffuse = diffuse_by_name("none").expect("a listed diffuse method");
-        view.method = method_by_name("split-sum").expect("a listed method");
+        view.method = method_by_name(LOBES_OF).expect("a listed method");
         for brdf in &request.brdfs {
             view.brdf = *brdf;
             let tables = self.prepare(&view)?.tables;
@@ -100,6 +105,11 @@ impl Pipeline {
             let path = out.join(format!("dfg_{}.exr", brdf.name()));
             write_dfg(&self.gpu, &tables.dfg, &path)?;
             files.push(path);
+            let lobes = lobes(&self.gpu, &tables.lobe_shapes)?;
+            let [image, header] = ["exr", "h"].map(|end| out.join(format!("lobes_{}.{end}", brdf.name())));
+            write_lobes(&lobes, &image)?;
+            write_atomically(&header, |file| file.write_all(lobe_header(brdf.name(), &lobes).as_bytes()))?;
+            files.extend([image, header]);
         }
         let names = files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
         let masking = MaskingShadowing::ALL.iter().find(|(_, known)| *known == request.masking_shadowing);
@@ -112,6 +122,7 @@ impl Pipeline {
             mapping: settings.layout.mapping,
             radiance: "linear Rec.709",
             dfg: "channel R (A of the text) scales f0, channel G (B) is added; x = n_dot_v, y = perceptual_roughness, both at texel centres (i + 0.5) / size, row 0 is the smoothest",
+            lobes: "two square parts below each other, nodes at both ends of x = sqrt(n_dot_v) and y = perceptual_roughness: first moments as shares of r and n (of the parts of weight 1 - Fc, then of Fc), and ratios of perceptual roughness for shares 0, 1/2 and 1 of the second; docs/better-split-sums.md",
             irradiance: "irradiance / pi: what a Lambert surface of albedo 1 reflects",
             prefilter_alphas: (0..settings.prefilter_level_count)
                 .map(|mip| settings.level_mapping.alpha_from_mip(f64::from(mip), settings.prefilter_level_count))
@@ -187,6 +198,48 @@ fn write_json(path: &Path, value: &impl Serialize) -> Result<(), PipelineError> 
 fn write_image(gpu: &Gpu, image: &Image, mip: u32, path: &Path) -> Result<(), PipelineError> {
     let rgb = read_level(gpu, image, mip)?;
     Ok(exr::write_rgba(path, &rgb, &GrayImage::filled(rgb.width, rgb.height, 1.0), &[])?)
+}
+
+/// The parts of a table of lobes that [`LOBES_OF`] reads: moments, and below them the last widths.
+fn lobes(gpu: &Gpu, table: &Image) -> Result<Pixels<[f32; 4]>, PipelineError> {
+    let [side, part] = [LOBE_SHAPE_SIDE, LOBE_SHAPE_SIDE * LOBE_SHAPE_SIDE];
+    let texels = gpu.read_image(table, 0)?;
+    let (moments, widths) = (&texels[..part as usize], &texels[(part * (LOBE_SHAPE_PARTS - 1)) as usize..]);
+    Ok(Pixels::new(side, 2 * side, [moments, widths].concat()))
+}
+
+fn write_lobes(lobes: &Pixels<[f32; 4]>, path: &Path) -> Result<(), PipelineError> {
+    let channel = |(index, name): (usize, &str)| (name.into(), lobes.map(|texel| texel[index]));
+    Ok(exr::write_channels(path, ["R", "G", "B", "A"].into_iter().enumerate().map(channel).collect())?)
+}
+
+/// The same as source text that is valid C, C++ and GLSL, row by row.
+fn lobe_header(model: &str, lobes: &Pixels<[f32; 4]>) -> String {
+    let (name, count) = (format!("splitsum_lobes_{model}"), lobes.width * lobes.height);
+    let rows: Vec<String> = (0..lobes.height)
+        .flat_map(|y| (0..lobes.width).map(move |x| (x, y)))
+        .map(|(x, y)| format!("SPLITSUM_LOBE({})", lobes.get(x, y).map(|number| format!("{number:?}")).join(", ")))
+        .collect();
+    format!(
+        "/* {} x {} texels, rows of y first; docs/better-split-sums.md says what they hold. */\n\
+         #undef SPLITSUM_LOBE\n\
+         #if defined(GL_core_profile) || defined(GL_ES)\n\
+         #define SPLITSUM_LOBE(x, y, z, w) vec4(x, y, z, w)\n\
+         const vec4 {name}[{count}] = vec4[{count}](\n\
+         #else\n\
+         #define SPLITSUM_LOBE(x, y, z, w) {{x, y, z, w}}\n\
+         static const float {name}[{count}][4] = {{\n\
+         #endif\n\
+         {}\n\
+         #if defined(GL_core_profile) || defined(GL_ES)\n\
+         );\n\
+         #else\n\
+         }};\n\
+         #endif\n",
+        lobes.width,
+        lobes.height,
+        rows.join(",\n"),
+    )
 }
 
 fn write_dfg(gpu: &Gpu, table: &Image, path: &Path) -> Result<(), PipelineError> {

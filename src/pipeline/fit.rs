@@ -63,7 +63,7 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
         let size = (layout.finest_size)(map_size);
         needs.push(image("filtered environment", size, with_mips(of_faces(size))));
     }
-    if request.method.uses_prefiltered {
+    if request.method.uses_prefiltered() {
         let size = settings.prefilter_size;
         needs.push(image("prefiltered map", size, with_mips(of_faces(size))));
     }

@@ -166,7 +166,7 @@ impl Resources {
             true => self.irradiance_map(maker, IrradianceInputs::of(request), storage, &filtered)?,
             false => self.blank(layout),
         };
-        let prefiltered = match request.method.uses_prefiltered {
+        let prefiltered = match request.method.uses_prefiltered() {
             true => self.prefiltered(maker, PrefilterInputs::of(request), storage, &filtered)?,
             false => self.blank(layout),
         };

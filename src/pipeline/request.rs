@@ -94,7 +94,7 @@ impl RenderRequest {
     /// Whether the environment's filtered levels reach the frame, by themselves or by a map that is made of them.
     pub fn reads_filtered_levels(&self) -> bool {
         let is_integrated = self.diffuse.uses_irradiance_map && self.precompute.prefilter == PrefilterBy::Sampled;
-        self.method.uses_lod_bias || self.method.uses_prefiltered || is_integrated
+        self.method.uses_lod_bias || self.method.uses_prefiltered() || is_integrated
     }
 
     /// Whether a term comes from the reference: then the frame has a standard error.

@@ -109,22 +109,44 @@ impl Light {
         self.split_sum(surface, n.lerp(reflect(v, n), share_of_r(n.dot(v), alpha)).normalize(), alpha)
     }
 
-    /// The direction of the lobe's first moment, colours by their mean.
-    pub fn lobe_direction(&self, surface: &Surface) -> DVec3 {
+    /// The split sum along the first moment of the lobe at alpha, colours by their mean.
+    pub fn moment_split_sum(&self, surface: &Surface) -> DVec3 {
+        self.split_sum(surface, self.lobe_direction(surface, self.share_of_f90(surface)), surface.alpha)
+    }
+
+    /// The same at the width of an objective.
+    pub fn fitted_split_sum(&self, surface: &Surface, objective: Objective) -> DVec3 {
+        let share = self.share_of_f90(surface);
+        self.split_sum(surface, self.lobe_direction(surface, share), self.lobe_width(surface, share, objective))
+    }
+
+    /// One for each part of the lobe, at the width of least relative error.
+    pub fn parted_split_sum(&self, surface: &Surface) -> DVec3 {
+        let of_part = |share| {
+            self.mean_radiance(
+                self.lobe_direction(surface, share),
+                self.lobe_width(surface, share, Objective::Relative),
+            )
+        };
+        let pair = self.dfg(surface.n.dot(surface.v), surface.alpha);
+        surface.f0 * pair.x * of_part(0.0) + pair.y * of_part(1.0)
+    }
+
+    /// The direction of the first moment of a lobe whose part of weight Fc has that share.
+    fn lobe_direction(&self, surface: &Surface, share: f64) -> DVec3 {
         let of = |channels| self.lobe_shape(surface, 0, channels);
         let [of_a, of_b] = [of(|t| DVec3::new(t.x, t.y, 0.0)), of(|t| DVec3::new(t.z, t.w, 0.0))];
-        let moment = of_a.lerp(of_b, self.share_of_f90(surface));
+        let moment = of_a.lerp(of_b, share);
         (moment.x * reflect(surface.v, surface.n) + moment.y * surface.n).normalize()
     }
 
-    /// The split sum along that direction, at the width of an objective.
-    pub fn fitted_split_sum(&self, surface: &Surface, objective: Objective) -> DVec3 {
+    /// Its width by an objective.
+    fn lobe_width(&self, surface: &Surface, share: f64, objective: Objective) -> f64 {
         let part = 1 + OBJECTIVES.iter().position(|listed| *listed == objective).expect("a listed objective") as u32;
         let [low, middle, high] = self.lobe_shape(surface, part, DVec4::truncate).to_array();
-        let share = self.share_of_f90(surface);
         // The parabola through the three.
         let ratio = low + share * ((4.0 * middle - 3.0 * low - high) + share * 2.0 * (low - 2.0 * middle + high));
-        self.split_sum(surface, self.lobe_direction(surface), (surface.alpha * ratio * ratio).min(1.0))
+        (surface.alpha * ratio * ratio).min(1.0)
     }
 
     /// Three channels of a part of the table of lobe shapes.

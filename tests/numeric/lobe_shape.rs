@@ -201,3 +201,33 @@ fn lookups_between_nodes_meet_the_shape_there() {
         }
     }
 }
+
+/// What an engine pastes is what the shaders include.
+#[test]
+fn the_page_prints_the_lookup_that_the_methods_include() {
+    let shader = include_str!("../../shaders/lib/lobe_lookup.glsl");
+    let (_, body) = shader.split_once("#define LOBE_LOOKUP_GLSL\n\n").unwrap();
+    let body = body.strip_suffix("\n#endif\n").unwrap();
+    assert!(body.contains("vec4 lobe_lookup("));
+    let page = std::fs::read_to_string("docs/better-split-sums.md").unwrap();
+    assert!(page.contains(&format!("```glsl\n{body}```\n")));
+}
+
+/// The two parts, each by its own moment, are the lobe's moment for every f0: linear light along it comes out the same from both.
+#[test]
+fn parts_add_up_to_the_lobe() {
+    let masking = MaskingShadowing::Separable;
+    for model in MODELS {
+        for (n_dot_v, alpha) in [(0.2, 0.5), (0.6, 1.0)] {
+            let lobe = Lobe::new(*model, masking, n_dot_v, alpha);
+            let shape = LobeShapes::new(Kernel::cosine(*model), masking).at(n_dot_v, alpha);
+            for f0 in [0.04, 0.5, 1.0] {
+                let weights = DVec2::new(f0 * lobe.albedos.x, lobe.albedos.y);
+                let moment = shape.moments[0].lerp(shape.moments[1], weights.y / weights.element_sum());
+                let whole = (weights.x * lobe.moments[0] + weights.y * lobe.moments[1]) / weights.element_sum();
+                let off = (moment.x * lobe.mirror() + moment.y * DVec3::Z).distance(whole);
+                assert!(off < 1e-4, "{} n_dot_v {n_dot_v} alpha {alpha} f0 {f0}: {off}", model.name());
+            }
+        }
+    }
+}

@@ -5,7 +5,7 @@
 #include "lib/lobe_shape.glsl"
 
 vec3 specular_radiance(Surface s) {
-    return fitted_split_sum(s, 1.0);
+    return fitted_split_sum(s, SQUARE_WIDTHS);
 }
 
 #endif

@@ -6,7 +6,7 @@
 
 vec3 specular_radiance(Surface s) {
     vec2 a_b = albedo_pair(s);
-    vec3 direction = lobe_direction(s, share_of_f90(s, a_b));
+    vec3 direction = lobe_lookup(s, share_of_f90(s, a_b), SQUARE_WIDTHS).xyz;
     return prefiltered_radiance(direction, perceptual_roughness_from_alpha(s.alpha)) * (s.f0 * a_b.x + a_b.y);
 }
 

@@ -5,7 +5,7 @@
 #include "lib/lobe_shape.glsl"
 
 vec3 specular_radiance(Surface s) {
-    return fitted_split_sum(s, 2.0);
+    return fitted_split_sum(s, RELATIVE_WIDTHS);
 }
 
 #endif

@@ -159,7 +159,7 @@ pub fn all_tables(plan: &Plan, point: &Point) -> Vec<(String, String, f64)> {
     let image = &plan.inputs.environment(&settings.environment).image;
     let texels = f64::from(image.width) * f64::from(image.height);
     let reads = [
-        (PREFILTER, settings.method.uses_prefiltered),
+        (PREFILTER, settings.method.uses_prefiltered()),
         (DFG, settings.method.needs_dfg(settings.diffuse, !plan.config.lights.is_empty())),
         (IRRADIANCE, settings.diffuse.uses_irradiance_map),
         (MIPS, true),

@@ -5,7 +5,7 @@ use crate::brdf::reflect;
 use crate::shade::twin::Twin;
 
 pub const METHOD: Method = Method {
-    uses_prefiltered: true,
+    lookups: 1,
     ..Method::plain(
         "ladder-texels",
         "the split sum with exact A and B: the prefiltered map as looked up",

@@ -14,6 +14,7 @@ mod split_sum_frostbite;
 mod split_sum_godot;
 mod split_sum_moment;
 mod split_sum_nrd;
+mod split_sum_parted;
 mod split_sum_relative;
 mod split_sum_unity;
 
@@ -37,8 +38,8 @@ pub struct Method {
     pub uses_point_set: bool,
     /// The bias of the mip level.
     pub uses_lod_bias: bool,
-    /// The prefiltered map.
-    pub uses_prefiltered: bool,
+    /// How often a pixel looks the prefiltered map up.
+    pub lookups: u32,
     /// The DFG table, for the specular term itself; see [`Method::needs_dfg`].
     pub uses_dfg: bool,
     /// The table of lobe shapes.
@@ -67,6 +68,7 @@ pub static METHODS: &[Method] = &[
     split_sum_moment::METHOD,
     split_sum_fitted::METHOD,
     split_sum_relative::METHOD,
+    split_sum_parted::METHOD,
     none::METHOD,
     reference::METHOD,
     ladder::FRESNEL,
@@ -87,7 +89,7 @@ impl Method {
             uses_samples: false,
             uses_point_set: false,
             uses_lod_bias: false,
-            uses_prefiltered: false,
+            lookups: 0,
             uses_dfg: false,
             uses_lobe_shapes: false,
             uses_levels: false,
@@ -95,6 +97,17 @@ impl Method {
             has_ladder: false,
             lobe: None,
         }
+    }
+
+    /// Whether it reads the prefiltered map.
+    pub fn uses_prefiltered(&self) -> bool {
+        self.lookups > 0
+    }
+
+    /// How often a pixel looks an environment map up, prefiltered or not, at that sample count; nothing where another image is integrated.
+    pub fn lookups_of_pixel(&self, samples: Option<u32>) -> Option<u32> {
+        let count = if self.uses_samples { samples? } else { self.lookups };
+        (count > 0).then_some(count)
     }
 
     /// Whether the passes of the reference estimate it: without bias, with a standard error.

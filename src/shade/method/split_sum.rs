@@ -7,7 +7,7 @@ use crate::shade::twin::{SpecularTwin, Twin};
 
 /// A split sum by some lookup of the prefiltered map.
 pub(super) const fn shifted(name: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
-    Method { uses_prefiltered: true, uses_dfg: true, ..Method::plain(name, about, twin) }
+    Method { lookups: 1, uses_dfg: true, ..Method::plain(name, about, twin) }
 }
 
 pub const METHOD: Method = Method {

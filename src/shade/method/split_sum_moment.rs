@@ -12,6 +12,6 @@ pub const METHOD: Method = Method {
     ..shifted(
         "split-sum-moment",
         "the split sum along the first moment of the lobe, by a table",
-        Twin::Estimator(|surface, light, _| light.split_sum(surface, light.lobe_direction(surface), surface.alpha)),
+        Twin::Estimator(|surface, light, _| light.moment_split_sum(surface)),
     )
 };

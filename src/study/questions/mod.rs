@@ -48,6 +48,7 @@ questions! {
     convergence,
     error,
     effect,
+    which_split_sum,
     sample_count,
     tables,
     ladder,

@@ -3,7 +3,7 @@
 
 use super::words::{count, label, listed, number, range, range_words, scope_sentence, short};
 use crate::environment::BUILTIN_PREFIX;
-use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, Part, SAMPLES};
+use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, METHOD, Part, SAMPLES};
 use crate::runner::value::Value;
 use crate::study::figure::{Mark, Shape as Form};
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
@@ -87,7 +87,18 @@ impl<'r, 'f> Numbers<'r, 'f> {
         Self { items: own.collect(), is_part: self.is_part || self.measured() >= CLUSTERS_MIN, ..*self }
     }
 
-    fn rows(&self) -> impl Iterator<Item = &'r Row<'f>> {
+    /// The method of its first row.
+    pub fn first_method(&self) -> String {
+        self.rows().next().map_or_else(String::new, |row| row.text(METHOD))
+    }
+
+    /// The largest number of a row that counts.
+    pub fn most(&self) -> f64 {
+        self.evidence().items.iter().map(|(_, number)| *number).fold(f64::NAN, f64::max)
+    }
+
+    /// The rows behind the numbers.
+    pub fn rows(&self) -> impl Iterator<Item = &'r Row<'f>> {
         self.items.iter().map(|(row, _)| *row)
     }
 

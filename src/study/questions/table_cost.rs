@@ -41,7 +41,7 @@ pub const QUESTION: Question = Question {
 fn lacks(shape: &Shape) -> Option<&'static str> {
     match () {
         () if !shape.has_timing => Some("the experiment has no [timing]"),
-        () if !shape.methods().any(|method| method.uses_prefiltered || method.uses_dfg) => {
+        () if !shape.methods().any(|method| method.uses_prefiltered() || method.uses_dfg) => {
             Some("axes.method has no method with tables")
         }
         () => None,

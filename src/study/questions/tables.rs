@@ -59,7 +59,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
             Some("reference.method is not ladder-view: tables are judged against the split sum with exact factors")
         }
         () if !draws_truth => Some("axes.method has no `reference`: it tells what the split itself costs"),
-        () if !shape.methods().any(|method| method.uses_prefiltered) => Some("axes.method looks up no table"),
+        () if !shape.methods().any(|method| method.uses_prefiltered()) => Some("axes.method looks up no table"),
         () => parameters(shape).is_empty().then_some("axes has no setting of a table with two values"),
     }
 }

@@ -101,6 +101,18 @@ alpha = [0.1, 0.5]
 diffuse = ["none"]
 "#,
     r#"
+name = "split-sums"
+size = [16, 16]
+reference = { samples = 64 }
+[axes]
+environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
+method = ["split-sum", "split-sum-relative", "split-sum-parted", "sampled"]
+samples = [4, 16]
+f0 = [0.04, 1]
+alpha = [0.1, 0.5]
+diffuse = ["none"]
+"#,
+    r#"
 name = "furnace"
 size = [16, 16]
 reference = { method = "none", samples = 64, terms = "all" }

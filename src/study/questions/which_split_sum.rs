@@ -1,0 +1,175 @@
+//! Which split sum should an engine ship? The error of each way to shade, beside that of the first method of the experiment, against how often
+//! a pixel looks an environment map up (`Method::lookups_of_pixel`).
+//!
+//! Errors are divided by those of that first method, the *base*, in the same case, and told as the geometric mean over environments. A way is
+//! on the *front* where no other with as few lookups has a smaller mean over all cases. Lookups of the tables beside the map do not count:
+//! they are small, and every way reads some.
+
+use super::prelude::*;
+use crate::shade::method_by_name;
+
+pub const QUESTION: Question = Question {
+    name: "which-split-sum",
+    asks: "Which split sum should an engine ship?",
+    columns: &[
+        column("lookups", "How often a pixel looks an environment map up."),
+        column("base", "The method that errors are divided by: the first of the experiment."),
+        column("ratio", "Error over that of the base; below 1 the way is closer to the reference."),
+        column("is_on_front", "1 where no way with as few lookups has a smaller mean ratio over all cases, else 0."),
+    ],
+    uses_times: false,
+    lacks,
+    answer,
+};
+
+fn lacks(shape: &Shape) -> Option<&'static str> {
+    let count = shape.methods().filter(|method| method.uses_prefiltered()).count();
+    (count < 2).then_some("axes.method has fewer than two methods that look the prefiltered map up")
+}
+
+/// A method at a sample count, with its errors over those of the base.
+struct Way<'r, 'f> {
+    name: String,
+    lookups: u32,
+    ratios: Numbers<'r, 'f>,
+    mean: Estimate,
+    is_on_front: bool,
+}
+
+fn lookups(row: &Row) -> Option<u32> {
+    method_by_name(&row.text(METHOD))?.lookups_of_pixel(row.samples())
+}
+
+/// Fewest lookups first, the best of them first.
+fn ways<'r, 'f>(frame: &Frame, ratios: &[(&'r Row<'f>, f64)]) -> Vec<Way<'r, 'f>> {
+    let way = |(name, own): (String, Vec<&(&'r Row<'f>, f64)>)| {
+        let ratios = Numbers::ratios(own.iter().copied().copied());
+        let mean = ratios.estimate()?;
+        Some(Way { name, lookups: lookups(own[0].0)?, ratios, mean, is_on_front: false })
+    };
+    let mut ways: Vec<Way> = grouped(ratios, |(row, _)| frame.way(row)).into_iter().filter_map(way).collect();
+    ways.sort_by(|a, b| (a.lookups, a.mean.value).partial_cmp(&(b.lookups, b.mean.value)).expect("finite means"));
+    let mut least = f64::INFINITY;
+    for way in &mut ways {
+        way.is_on_front = way.mean.value < least;
+        least = least.min(way.mean.value);
+    }
+    ways
+}
+
+fn answer(frame: &Frame) -> Option<Finding> {
+    let axes = frame.case_axes();
+    let images: Vec<&Row> = frame.images().into_iter().filter(|row| lookups(row).is_some()).collect();
+    let is_base = |row: &&&Row| method_by_name(&row.text(METHOD)).is_some_and(|method| method.uses_prefiltered());
+    let base = images.iter().find(is_base)?.point[METHOD].clone();
+    let bases: Vec<&Row> = images.iter().copied().filter(|row| row.point[METHOD] == base).collect();
+    let ratio = |row: &&Row| {
+        let key = row.key(&axes);
+        let beside = bases.iter().find(|base| fits(&base.key(&axes), &key))?;
+        let ratio = frame.error(row)? / frame.error(beside)?;
+        (ratio.is_finite() && ratio > 0.0).then_some(ratio)
+    };
+    let ratios: Vec<(&Row, f64)> = images.iter().filter_map(|row| Some((*row, ratio(row)?))).collect();
+    let ways = ways(frame, &ratios);
+    let mut table = Table::new(&[&axes[..], &[METHOD, SAMPLES]].concat(), QUESTION.columns);
+    for (row, ratio) in &ratios {
+        let name = frame.way(row);
+        let Some(way) = ways.iter().find(|way| way.name == name) else { continue };
+        let own = cells![way.lookups, &base, *ratio, way.is_on_front];
+        table.row([row.cells(&axes), row.cells(&[METHOD, SAMPLES]), own].concat());
+    }
+    Some(Finding {
+        sentence: sentence(frame, &axes, &ways, &base)?,
+        digest: Some(digest(frame, &ways)),
+        table,
+        figure: figure(frame, &ways, &base),
+    })
+}
+
+fn sentence(frame: &Frame, axes: &[usize], ways: &[Way], base: &Value) -> Option<String> {
+    let mut front = ways.iter().filter(|way| way.is_on_front);
+    let (first, metric) = (front.next()?, frame.metric_name());
+    let times = |way: &Way| format!("{} times{}", number(way.mean.value), interval_words(&way.mean, number));
+    let many = if first.lookups == 1 { "lookup" } else { "lookups" };
+    let first_words = match first.name == base.to_string() {
+        true => format!("With **{} {many}** ship `{base}`: no other has less `{metric}`.", first.lookups),
+        false => format!(
+            "With **{} {many}** ship `{}`: it has {} the `{metric}` of `{base}`.",
+            first.lookups,
+            first.name,
+            times(first)
+        ),
+    };
+    let next = front
+        .next()
+        .map(|way| format!(" With **{}** `{}` has {}.", way.lookups, way.ratios.first_method(), times(way)));
+    let all = ways.last()?;
+    Some(first_words + &next.unwrap_or_default() + &all.ratios.scope(axes))
+}
+
+/// By F0 and alpha the ways of the front with the base, each with its number of lookups; the last rows have the mean and the worst image.
+fn digest(frame: &Frame, ways: &[Way]) -> Table {
+    let by_axes: Vec<usize> = [F0, ALPHA].into_iter().filter(|axis| frame.shape.is_swept(*axis)).collect();
+    let shown: Vec<&Way> = ways.iter().filter(|way| way.is_on_front || way.lookups == 1).collect();
+    let heads = by_axes.iter().map(|axis| AXES[*axis].name.to_owned());
+    let heads = heads.chain(by_axes.contains(&ALPHA).then(|| ROUGHNESS.to_owned()));
+    let names = shown.iter().map(|way| format!("{} ({})", way.name, way.lookups));
+    let mut table = Table::with_names(heads.chain(names));
+    for (key, _) in by(&rows(&shown), &by_axes) {
+        let rough = by_axes.iter().zip(&key).find(|(axis, _)| **axis == ALPHA).map(|(_, alpha)| roughness(alpha));
+        let cells =
+            shown.iter().map(|way| at(&way.ratios, &by_axes, &key).estimate().as_ref().map(with_interval).into());
+        table.row(key.iter().map(Cell::from).chain(rough.map(Cell::from)).chain(cells).collect());
+    }
+    let blanks = |first: &str| {
+        let count = by_axes.len() + usize::from(by_axes.contains(&ALPHA));
+        (0..count).map(|i| if i == 0 { Cell::from(first) } else { None::<f64>.into() }).collect::<Vec<_>>()
+    };
+    let all = shown.iter().map(|way| Cell::from(with_interval(&way.mean)));
+    table.row(blanks(ALL).into_iter().chain(all).collect());
+    let worst = shown.iter().map(|way| Cell::from(number(way.ratios.most())));
+    table.row(blanks("worst image").into_iter().chain(worst).collect());
+    table.without_empty()
+}
+
+fn rows<'r, 'f>(ways: &[&Way<'r, 'f>]) -> Vec<&'r Row<'f>> {
+    ways.iter().flat_map(|way| way.ratios.rows()).collect()
+}
+
+fn at<'r, 'f>(numbers: &Numbers<'r, 'f>, axes: &[usize], key: &[Value]) -> Numbers<'r, 'f> {
+    axes.iter().zip(key).fold(numbers.clone(), |own, (axis, value)| own.at(*axis, value))
+}
+
+/// Ratios against lookups, a panel an F0 and alpha; of the ways with one lookup the base and the best.
+fn figure(frame: &Frame, ways: &[Way], base: &Value) -> Option<Figure> {
+    let by_axes: Vec<usize> = [F0, ALPHA].into_iter().filter(|axis| frame.shape.is_swept(*axis)).collect();
+    let is_sampled = |way: &&Way| way.ratios.rows().any(|row| row.samples().is_some());
+    let is_shown = |way: &&Way| way.is_on_front || way.name == base.to_string() || is_sampled(way);
+    let shown: Vec<&Way> = ways.iter().filter(is_shown).collect();
+    let series = distinct_in_order(shown.iter().map(|way| way.ratios.first_method()));
+    let panel = |key: &Key| {
+        let of_series = |(place, method): (usize, &String)| {
+            let own = shown.iter().filter(|way| way.ratios.first_method() == *method);
+            let marks = own.flat_map(|way| {
+                let x = f64::from(way.lookups);
+                at(&way.ratios, &by_axes, key).marks(place, |y| [x, y], (&way.name, &with_interval))
+            });
+            let marks: Vec<Mark> = marks.collect();
+            if marks.len() > 2 { joined(marks) } else { marks }
+        };
+        let marks = series.iter().enumerate().flat_map(of_series).collect();
+        let title: Vec<String> =
+            by_axes.iter().zip(key).map(|(axis, value)| label(&[*axis], std::slice::from_ref(value))).collect();
+        (title.join(", "), marks)
+    };
+    let keys: Vec<Key> = by(&rows(&shown), &by_axes).into_iter().map(|(key, _)| key).collect();
+    Chart {
+        title: "Error against lookups of a map",
+        note: format!("{} over that of {base}{INTERVAL}", frame.metric_name()),
+        x: Along::Log("lookups a pixel"),
+        y: Along::Log("ratio"),
+        panels: keys.iter().map(panel).collect(),
+        series: series.clone(),
+    }
+    .figure()
+}
