@@ -79,6 +79,9 @@ describe() {
         has_driver) echo "a Vulkan driver (a manifest in vulkan/icd.d)" ;;
         has_validation) echo "the Vulkan validation layer" ;;
         has_browser) echo "Chromium" ;;
+        has_xvfb) echo "Xvfb" ;;
+        has_xdotool) echo "xdotool" ;;
+        has_openbox) echo "openbox" ;;
         has_node) echo "Node.js (node)" ;;
         has_npm) echo "npm" ;;
     esac
@@ -87,6 +90,19 @@ describe() {
 # As tests/browser looks for it.
 has_browser() {
     has_command chromium || has_command chromium-browser || has_command google-chrome || has_command google-chrome-stable
+}
+
+# As tests/view looks for them.
+has_xvfb() {
+    has_command Xvfb
+}
+
+has_xdotool() {
+    has_command xdotool
+}
+
+has_openbox() {
+    has_command openbox
 }
 
 has_node() {
@@ -159,13 +175,15 @@ test_binaries() { # what to build (--test NAME), or nothing for all
 
 # After the build: a manifest may stand for hardware that is not there. Then the software driver helps.
 require_device() {
-    if cargo run --release --locked --quiet -- devices; then
+    # The features of the build are several words.
+    # shellcheck disable=SC2086
+    if cargo run --release --locked --quiet ${features:-} -- devices; then
         return 0
     fi
     if ! has_manifest icd.d 'lvp_icd*.json'; then
         say "no Vulkan device answers; the software driver lavapipe will do"
         install_packages mesa-vulkan-drivers
-        if cargo run --release --locked --quiet -- devices; then
+        if cargo run --release --locked --quiet ${features:-} -- devices; then
             return 0
         fi
     fi

@@ -81,10 +81,12 @@ fi
 
 part="the build"
 say "building (the first time takes a few minutes)"
-cargo build --release --locked
-cargo test --release --locked --no-run
+# With the window, whose tests run the same program.
+cargo build --release --locked --features view
+cargo test --release --locked --features view --no-run
 built=$(date +%s)
 
+features="--features view"
 part="Vulkan devices"
 say "$part"
 require_device
@@ -94,7 +96,7 @@ if ! target/release/splitsum cost --method split-sum --samples 1 >/dev/null 2>&1
 fi
 
 if cargo clippy --version >/dev/null 2>&1; then
-    check "cargo clippy" cargo clippy --release --locked --all-targets -- -D warnings
+    check "cargo clippy" cargo clippy --release --locked --all-targets --features view -- -D warnings
 else
     skip "cargo clippy (clippy is not installed; rustup component add clippy)"
 fi
@@ -139,15 +141,24 @@ elif ! has_browser; then
     (require has_browser chromium) || skip "the browser tests (Chromium is not installed)"
 fi
 
+# The window is driven on a virtual display; without one those tests say so and skip, but not where they must run.
+part="a virtual display"
+if [ -n "${CI:-}" ]; then
+    require has_xvfb xvfb has_xdotool xdotool has_openbox openbox
+    export SPLITSUM_REQUIRE_WINDOW=1
+else
+    (require has_xvfb xvfb has_xdotool xdotool has_openbox openbox) || skip "the window tests (Xvfb, xdotool or openbox is not installed)"
+fi
+
 # Each test binary is a part of its own, run without cargo, so that its end is known.
 part="the list of test binaries"
 mkdir -p target
-test_binaries --lib --bins --tests >target/test-binaries
+test_binaries --lib --bins --tests --features view >target/test-binaries
 [ -s target/test-binaries ]
 while read -r name binary <&3; do
     check "$name" "$binary" 3<&-
 done 3<target/test-binaries
-check "doc tests" cargo test --release --locked --quiet --doc
+check "doc tests" cargo test --release --locked --features view --quiet --doc
 
 # Snakemake is large, so it comes only where it must, or is there already.
 if [ -n "${CI:-}${SPLITSUM_CLUSTER_TEST:-}" ] || [ -d target/cluster-venv ]; then

@@ -125,3 +125,5 @@ pub mod slips;
 pub mod runner;
 
 pub mod study;
+#[cfg(feature = "view")]
+pub mod view;

@@ -1,11 +1,75 @@
-//! The flags of `render` that set axes: one for each name of an axis, made from the list of axes.
+//! The flags of `render` and `view`: what is seen, and one for each name of an axis, made from the list of axes.
 
+use super::Failure;
 use clap::builder::ValueParser;
 use clap::error::ErrorKind;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
 use splitsum::runner::axis::named::{ambiguous, hint};
-use splitsum::runner::axis::{AXES, Named, Part, Point};
+use splitsum::runner::axis::{AXES, Named, Point, Reference, View};
+use splitsum::runner::config::{CAMERA, SEED};
+use splitsum::runner::lights::{coordinates, parse_light};
 use splitsum::runner::value::{Kind, Value};
+use splitsum::scene::{CameraKind, Light, Orbit, Scene};
+
+/// What is seen, beside the axes.
+#[derive(Args, Clone, Debug)]
+pub struct SeenFlags {
+    /// ortho or perspective.
+    #[arg(long, value_name = "NAME", default_value = "ortho", value_parser = |text: &str| CAMERA.parse_text(text))]
+    camera: Value,
+    /// Turns the camera about the middle of the scene: yaw and pitch in degrees, and a factor of its distance in [0.1, 4].
+    #[arg(long, value_name = "YAW,PITCH,DISTANCE", allow_hyphen_values = true, value_parser = parse_orbit)]
+    orbit: Option<Orbit>,
+    /// Shows the environment where nothing is hit.
+    #[arg(long)]
+    pub background: bool,
+    /// Adds an analytic light, directional:X,Y,Z:R,G,B (towards the light; irradiance) or point:X,Y,Z:R,G,B (intensity).
+    #[arg(long = "light", value_name = "KIND:X,Y,Z:R,G,B", allow_hyphen_values = true, value_parser = parse_light)]
+    pub lights: Vec<Light>,
+    /// Seed of the reference's scrambles.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = |text: &str| SEED.parse_text(text))]
+    seed: Value,
+    /// Sets NaN, infinite and negative texels of the environment to 0, with a warning, instead of refusing them.
+    #[arg(long)]
+    pub clamp_invalid: bool,
+    /// Index of the device, as `splitsum devices` lists them.
+    #[arg(long, value_name = "N")]
+    pub device: Option<usize>,
+}
+
+impl SeenFlags {
+    /// The flags as a view whose reference draws as many samples as it does by default.
+    pub fn view(&self) -> View {
+        View {
+            camera: CameraKind::by_name(self.camera.text()).expect("the flag's parser checked the name"),
+            orbit: self.orbit.unwrap_or_default(),
+            background: self.background,
+            lights: self.lights.clone(),
+            seed: self.seed.count(),
+            reference_error: None,
+            reference_samples: Reference::default().samples,
+        }
+    }
+
+    /// What the scene cannot show.
+    pub fn check(&self, scene: &Scene) -> Result<(), Failure> {
+        let lights = self.lights.iter().filter_map(|light| Some(format!("--light: {}", light.fault_in(scene)?)));
+        let of_design = [
+            (
+                self.background,
+                "--background: the scene design shows none: each of its pixels is an experiment of its own",
+            ),
+            (self.orbit.is_some(), "--orbit: the scene design has a camera of its own"),
+        ];
+        let of_design = of_design.iter().filter(|(is_set, _)| *is_set && scene.is_design);
+        let faults: Vec<String> = lights.chain(of_design.map(|(_, why)| format!("{why}; leave it out"))).collect();
+        if faults.is_empty() { Ok(()) } else { Err(Failure::input(faults.join("\n"))) }
+    }
+}
+
+fn parse_orbit(text: &str) -> Result<Orbit, String> {
+    coordinates(text).map_err(|_| format!("{text:?} is not yaw,pitch,distance")).and_then(Orbit::new)
+}
 
 /// The axes that flags set.
 #[derive(Clone, Debug, Default)]
@@ -40,22 +104,6 @@ impl AxisFlags {
     }
 }
 
-/// The flag of a name: `--lod-bias` sets `lod_bias`.
-fn flag(named: Named) -> String {
-    let name = if named.is_second() { named.name() } else { named.entry().flag.unwrap_or(named.name()) };
-    name.replace('_', "-")
-}
-
-/// The heading that the help puts an axis under.
-fn heading(part: Part) -> &'static str {
-    match part {
-        Part::Case => "Scene and light",
-        Part::Method | Part::Count | Part::Parameter | Part::Luck => "Method",
-        Part::Table => "Tables",
-        Part::Display => "Tone curve, of a .png",
-    }
-}
-
 /// One line of help: the phrase, the values, the default.
 fn help(named: Named) -> String {
     let about = named.about();
@@ -72,10 +120,10 @@ impl Args for AxisFlags {
     fn augment_args(command: Command) -> Command {
         let flags = Named::all().map(|named| {
             let arg = Arg::new(named.name())
-                .long(flag(named))
+                .long(named.flag())
                 .value_name(named.kind().value_name())
                 .help(help(named))
-                .help_heading(heading(named.entry().part))
+                .help_heading(named.entry().part.heading())
                 .allow_hyphen_values(named.kind().has_negative())
                 .value_parser(ValueParser::new(move |text: &str| named.parse_text(text)));
             if named.is_second() { arg.conflicts_with(AXES[named.axis].name) } else { arg }
@@ -103,7 +151,7 @@ impl FromArgMatches for AxisFlags {
         for named in Named::all() {
             let value = matches.try_get_one::<Value>(named.name());
             if let Some(value) = value.map_err(|error| Error::raw(ErrorKind::InvalidValue, error))? {
-                self.0.push(Given { flag: flag(named), axis: named.axis, value: value.clone() });
+                self.0.push(Given { flag: named.flag(), axis: named.axis, value: value.clone() });
             }
         }
         Ok(())

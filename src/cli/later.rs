@@ -1,4 +1,4 @@
-//! Commands of the contract that are not built yet: they say so.
+//! Commands that this build left out: they say so.
 
 use super::Failure;
 use clap::Args;
@@ -12,6 +12,6 @@ pub struct Arguments {
 
 pub fn execute(name: &str) -> Result<(), Failure> {
     Err(Failure::input(format!(
-        "splitsum {name}: this version has no window; report.html in the folder of a run has a live view (`splitsum report`)"
+        "splitsum {name}: this build has no window; `cargo build --release --features {name}` makes one that has"
     )))
 }

@@ -11,6 +11,7 @@ mod devices;
 mod estimate;
 mod flags;
 mod integrate;
+#[cfg(not(feature = "view"))]
 mod later;
 mod list;
 mod merge;
@@ -22,6 +23,8 @@ mod report;
 mod run;
 mod stop;
 mod subject;
+#[cfg(feature = "view")]
+mod view;
 
 use clap::{Parser, Subcommand};
 use splitsum::cost::child::COMMAND;
@@ -65,7 +68,10 @@ enum Command {
     Integrate(integrate::Arguments),
     Report(report::Arguments),
     Answers(answers::Arguments),
-    /// Opens an interactive window.
+    #[cfg(feature = "view")]
+    View(Box<view::Arguments>),
+    /// Opens a window, in a build with `--features view`.
+    #[cfg(not(feature = "view"))]
     View(later::Arguments),
 }
 
@@ -158,6 +164,9 @@ pub fn main() -> ExitCode {
         Command::Integrate(arguments) => integrate::execute(&arguments),
         Command::Report(arguments) => report::execute(&arguments),
         Command::Answers(arguments) => answers::execute(&arguments),
+        #[cfg(feature = "view")]
+        Command::View(arguments) => view::execute(&arguments),
+        #[cfg(not(feature = "view"))]
         Command::View(_) => later::execute("view"),
     };
     match result {
@@ -201,7 +210,12 @@ fn tell(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", lines.join("\n"));
 }
 
-/// A line about an odd but usable input.
+/// Lines about an odd but usable input.
+fn warn_all(name: &str, warnings: &[String]) {
+    warnings.iter().for_each(|warning| warn(name, warning));
+}
+
+/// One such line.
 fn warn(name: &str, warning: &str) {
     tell(&format!("warning: {name}: {warning}"));
 }

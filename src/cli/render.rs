@@ -1,17 +1,15 @@
 //! `splitsum render`: one image.
 
-use super::flags::{AxisFlags, Given};
+use super::flags::{AxisFlags, Given, SeenFlags};
 use super::run::open_device;
 use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pixels::png;
 use splitsum::runner::axis::{AXES, Point, Reference, SAMPLES, View};
-use splitsum::runner::config::{CAMERA, SEED};
-use splitsum::runner::lights::{LIGHT_COLOR, coordinates, light};
 use splitsum::runner::value::{Kind, Range, Value};
 use splitsum::runner::{RenderFault, write_radiance};
-use splitsum::scene::{CameraKind, Light, LightKind, Scene};
+use splitsum::scene::Scene;
 use splitsum::shade::reference_pass::ScramblePlan;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,27 +27,11 @@ pub struct Arguments {
     /// The image to write, .exr or .png.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// ortho or perspective.
-    #[arg(long, value_name = "NAME", default_value = "ortho", value_parser = |text: &str| CAMERA.parse_text(text))]
-    camera: Value,
-    /// Shows the environment where nothing is hit.
-    #[arg(long)]
-    background: bool,
-    /// Adds an analytic light, directional:X,Y,Z:R,G,B (towards the light; irradiance) or point:X,Y,Z:R,G,B (intensity).
-    #[arg(long = "light", value_name = "KIND:X,Y,Z:R,G,B", allow_hyphen_values = true, value_parser = parse_light)]
-    lights: Vec<Light>,
     /// Stops the reference before --samples, once the relative standard error of each of its terms is at most this.
     #[arg(long, value_name = "E", value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text))]
     relative_error: Option<Value>,
-    /// Seed of the reference's scrambles.
-    #[arg(long, value_name = "N", default_value = "1", value_parser = |text: &str| SEED.parse_text(text))]
-    seed: Value,
-    /// Sets NaN, infinite and negative texels of the environment to 0, with a warning, instead of refusing them.
-    #[arg(long)]
-    clamp_invalid: bool,
-    /// Index of the device, as `splitsum devices` lists them.
-    #[arg(long, value_name = "N")]
-    device: Option<usize>,
+    #[command(flatten)]
+    seen: SeenFlags,
     #[command(flatten)]
     axes: AxisFlags,
 }
@@ -66,9 +48,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     check_used(arguments, &point, &output)?;
     let settings = point.settings();
     settings.precompute.validate().map_err(Failure::input)?;
-    let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
+    let seen = &arguments.seen;
+    let options = LoadOptions { clamp_invalid: seen.clamp_invalid, ..LoadOptions::default() };
     let here = Path::new("");
     let environment = Environment::load(&settings.environment, here, &options);
+    let clip = settings.environment_clip_log2.map(|power| power.exp2() as f32);
+    let environment = environment.map(|whole| clip.map_or_else(|| whole.clone(), |most| whole.clipped(most)));
     let scene = Scene::load(&settings.scene, here);
     let (environment, scene) = match (environment, scene) {
         (Ok(environment), Ok(scene)) => (Arc::new(environment), scene),
@@ -77,29 +62,18 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             return Err(Failure::input(faults.into_iter().flatten().collect::<Vec<_>>().join("\n")));
         }
     };
-    let misplaced: Vec<String> =
-        arguments.lights.iter().filter_map(|light| Some(format!("--light: {}", light.fault_in(&scene)?))).collect();
-    if !misplaced.is_empty() {
-        return Err(Failure::input(misplaced.join("\n")));
-    }
-    if arguments.background && scene.is_design {
-        let why = "the scene design shows none: each of its pixels is an experiment of its own";
-        return Err(Failure::input(format!("--background: {why}; leave it out")));
-    }
+    seen.check(&scene)?;
     for (name, warnings) in [(&environment.name, &environment.warnings), (&scene.name, &scene.warnings)] {
-        warnings.iter().for_each(|warning| super::warn(name, warning));
+        super::warn_all(name, warnings);
     }
     let view = View {
-        camera: CameraKind::by_name(arguments.camera.text()).expect("the flag's parser checked the name"),
-        background: arguments.background,
-        lights: arguments.lights.clone(),
-        seed: arguments.seed.count(),
         reference_error: arguments.relative_error.as_ref().map(Value::number),
         reference_samples: reference_samples(arguments),
+        ..seen.view()
     };
     let curve = settings.curve;
     let request = settings.request(&environment, &scene, &view);
-    let mut pipeline = open_device(arguments.device).map_err(Failure::opening)?;
+    let mut pipeline = open_device(seen.device).map_err(Failure::opening)?;
     let frame = pipeline.render(&request).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
     for term in &frame.convergences {
         let met = if term.is_met { "" } else { ", which is not what was asked for" };
@@ -130,7 +104,7 @@ fn point(arguments: &Arguments) -> Point {
 
 /// A flag that changes nothing here is a misunderstanding: of what a method does, or of what a file holds.
 fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(), Failure> {
-    let collapsed = point.collapsed(!arguments.lights.is_empty());
+    let collapsed = point.collapsed(!arguments.seen.lights.is_empty());
     let (method, diffuse) = (point.method().name, point.diffuse().name);
     let has_reference_term = point.method().is_integrated() || point.diffuse().is_reference();
     let mut faults = Vec::new();
@@ -177,18 +151,4 @@ fn output(path: &Path) -> Result<Output, Failure> {
         Failure::input(format!("--out: no file can be made in the folder {}: {error}", folder.display()))
     })?;
     Ok(output)
-}
-
-fn parse_light(text: &str) -> Result<Light, String> {
-    let parts: Vec<&str> = text.split(':').collect();
-    let [kind, vector, color] = parts[..] else {
-        return Err(format!("{text:?} is not directional:X,Y,Z:R,G,B or point:X,Y,Z:R,G,B"));
-    };
-    let kind = match kind {
-        "directional" => LightKind::Directional,
-        "point" => LightKind::Point,
-        _ => return Err(format!("{kind:?} is not a kind of light; expected directional or point")),
-    };
-    let color = Kind::Color(LIGHT_COLOR).parse_text(color)?.color();
-    light(kind, coordinates(vector)?, Some(color))
 }

@@ -1,8 +1,11 @@
 //! Splitting long work over submissions, so that no single one holds the device for long.
 
+use super::device::lock;
 use super::{Gpu, GpuError, Recorder, Report};
 use crate::glsl::constants::GROUP_SIDE;
 use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Samples that one submission may take on a CPU driver: about a quarter of a second on two cores.
 const SAMPLES_CPU: u64 = 1 << 23;
@@ -20,12 +23,25 @@ pub fn face_groups(width: u32, row_count: u32, face_count: u32) -> [u32; 3] {
     [x, y, face_count]
 }
 
+/// A program that a person waits for has submissions of a thirty-second of that: about a hundredth of a second.
+const INTERACTIVE_SHARE: u64 = 32;
+
 impl Gpu {
+    /// Samples that one submission may take.
+    pub fn submission_samples(&self) -> u64 {
+        let whole = if self.info().device_type == "cpu" { SAMPLES_CPU } else { SAMPLES_GPU };
+        if self.shared.is_interactive { whole / INTERACTIVE_SHARE } else { whole }
+    }
+
+    /// While `flag` is set nothing new is recorded: what is under way ends with [`GpuError::Interrupted`], between two submissions. `None` ends that.
+    pub fn interrupt_by(&self, flag: Option<Arc<AtomicBool>>) {
+        *lock(&self.shared.interrupt) = flag;
+    }
+
     /// Bands of whole rows such that one band of `samples_per_row` samples a row stays within one submission's budget.
     /// A band is a multiple of a work group's height, except for the last.
     pub fn row_bands(&self, row_count: u32, samples_per_row: u64) -> impl Iterator<Item = Range<u32>> + use<> {
-        let budget = if self.info().device_type == "cpu" { SAMPLES_CPU } else { SAMPLES_GPU };
-        let rows = (budget / samples_per_row.max(1)).clamp(1, u64::from(row_count.max(1))) as u32;
+        let rows = (self.submission_samples() / samples_per_row.max(1)).clamp(1, u64::from(row_count.max(1))) as u32;
         let step = rows.next_multiple_of(GROUP_SIDE);
         (0..row_count).step_by(step as usize).map(move |first| first..(first + step).min(row_count))
     }

@@ -9,7 +9,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
 use std::collections::HashMap;
 use std::ffi::{CStr, CString};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The contents of a mutex. Another thread's panic cannot leave them half-way: no call into Vulkan or the allocator panics.
@@ -35,6 +35,8 @@ pub(super) struct Shared {
     pub(super) timestamp_mask: u64,
     pub(super) info: DeviceInfo,
     pub(super) injector: Injector,
+    pub(super) is_interactive: bool,
+    pub(super) interrupt: Mutex<Option<Arc<AtomicBool>>>,
     pub(super) pipelines: Pipelines,
     pub(super) samplers: Mutex<HashMap<Sampler, vk::Sampler>>,
     allocator: Mutex<Option<Allocator>>,
@@ -72,6 +74,8 @@ impl Gpu {
             timestamp_mask,
             info,
             injector,
+            is_interactive: options.is_interactive,
+            interrupt: Mutex::default(),
             pipelines: Mutex::default(),
             samplers: Mutex::default(),
             allocator: Mutex::new(None),

@@ -33,6 +33,8 @@ pub enum GpuError {
     OutOfMemory { name: String, bytes: Option<u64> },
     #[error("the device was lost during '{during}'; a retry may succeed")]
     DeviceLost { during: String },
+    #[error("broken off")]
+    Interrupted,
     #[error("{variable}: '{word}' is no fault that can be asked for")]
     UnknownTestFault { variable: &'static str, word: String },
     #[error("no shader named '{0}' was built")]

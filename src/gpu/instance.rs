@@ -25,6 +25,8 @@ pub struct Options {
     pub validation: bool,
     /// Lets [`super::Gpu::executables`] tell what the driver's compiler made.
     pub executables: bool,
+    /// Short submissions, so that [`super::Gpu::interrupt_by`] acts soon. Results are the same.
+    pub is_interactive: bool,
 }
 
 /// What is known of a device.

@@ -23,7 +23,7 @@ pub use light_tables::LightTables;
 pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
 pub use shared_work::{SharedWork, Tally};
 
-use crate::gbuffer;
+use crate::gbuffer::{self, Gbuffer};
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::gpu::{Buffer, Gpu, GpuError, Report};
 use crate::pixels::{Pixels, PixelsError, Rgb8Image, RgbImage};
@@ -37,6 +37,8 @@ use prepare::{Prepared, ReferenceData, Resources};
 use shared_work::Kept;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Why a frame could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -76,6 +78,11 @@ impl PipelineError {
                 | Self::PartScramble(_)
                 | Self::Settings(_)
         )
+    }
+
+    /// Whether the work was broken off on demand ([`Pipeline::interrupt_by`]).
+    pub fn is_interrupted(&self) -> bool {
+        matches!(self, Self::Gpu(GpuError::Interrupted))
     }
 
     /// Whether a retry on a fresh device may succeed.
@@ -132,6 +139,18 @@ impl Pipeline {
     /// Host time in which the device worked or was waited for so far, ms.
     pub fn waited_ms(&self) -> f64 {
         self.gpu.waited_ms()
+    }
+
+    /// While `flag` is set no further submission is made: what is under way fails ([`PipelineError::is_interrupted`]). `None` ends that.
+    pub fn interrupt_by(&self, flag: Option<Arc<AtomicBool>>) {
+        self.gpu.interrupt_by(flag);
+    }
+
+    /// What the camera of `request` sees, before it is lit.
+    pub fn gbuffer(&mut self, request: &RenderRequest) -> Result<Gbuffer<f32>, PipelineError> {
+        self.check(request)?;
+        let (_, target) = self.with_memory(|pipeline| pipeline.resources.view(&pipeline.gpu, request))?;
+        Ok(target.gbuffer.read(&self.gpu)?)
     }
 
     /// Messages of the validation layer so far; empty without validation.

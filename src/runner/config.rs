@@ -5,9 +5,9 @@
 use super::axis::{AXES, METHOD, Named, Point, Reference, SAMPLES, Terms, index_of};
 use super::fault::{Faults, Place};
 use super::toml_tree::{at, checked, entries, parsed, raw, section, texts, unknown_key};
-use super::value::{Kind, Range, Raw, Value};
+use super::value::{COORDINATE, Kind, Range, Raw, Value};
 use crate::metrics::{HEADLINE, METRICS, metric};
-use crate::scene::{CameraKind, Light};
+use crate::scene::{CameraKind, Light, Orbit};
 use crate::shade::{METHODS, NONE, method_by_name};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -81,6 +81,7 @@ pub struct Config {
     pub metric_place: Place,
     pub seed: u32,
     pub camera: CameraKind,
+    pub orbit: Orbit,
     pub background: bool,
     pub reference: Reference,
     /// Where its sample count was written.
@@ -134,6 +135,7 @@ pub(super) const KEYS: &[&str] = &[
     METRIC_KEY,
     "seed",
     "camera",
+    "orbit",
     "background",
     "reference",
     "axes",
@@ -259,6 +261,11 @@ impl Config {
                 let camera = check(CAMERA).and_then(|v| CameraKind::by_name(v.text()));
                 self.camera = camera.unwrap_or(self.camera);
             }
+            "orbit" => match check(Kind::Color(COORDINATE)).map(|v| Orbit::new(v.color())) {
+                Some(Ok(orbit)) => self.orbit = orbit,
+                Some(Err(fault)) => faults.add(&at(value), format!("orbit: {fault}; expected [yaw, pitch, distance]")),
+                None => {}
+            },
             "background" | "printed_slips" => match raw {
                 Raw::Boolean(is_set) if key == "background" => self.background = is_set,
                 Raw::Boolean(is_set) => self.has_printed_slips = is_set,

@@ -3,7 +3,7 @@
 use super::config::Config;
 use super::fault::Faults;
 use super::toml_tree::{at, checked, list, section};
-use super::value::{Kind, Range};
+use super::value::{COORDINATE, Kind, Range};
 use crate::scene::{Light, LightKind};
 use glam::DVec3;
 use toml::Spanned;
@@ -11,7 +11,6 @@ use toml::de::DeValue;
 
 /// Radiance and irradiance of analytic lights.
 pub const LIGHT_COLOR: Range = Range::closed(0.0, 1e9);
-const COORDINATE: Range = Range::closed(-1e9, 1e9);
 
 impl Config {
     pub(super) fn read_lights(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
@@ -58,4 +57,23 @@ pub fn light(kind: LightKind, vector: [f32; 3], color: Option<[f32; 3]>) -> Resu
 /// The three numbers of a position or direction given as text `x,y,z`.
 pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
     Kind::Color(COORDINATE).parse_text(text).map(|v| v.color()).map_err(|_| format!("{text:?} is not x,y,z"))
+}
+
+/// The light of `directional:X,Y,Z:R,G,B` (towards the light; irradiance) or `point:X,Y,Z:R,G,B` (intensity).
+pub fn parse_light(text: &str) -> Result<Light, String> {
+    let parts: Vec<&str> = text.split(':').collect();
+    let [kind, vector, color] = parts[..] else {
+        return Err(format!("{text:?} is not directional:X,Y,Z:R,G,B or point:X,Y,Z:R,G,B"));
+    };
+    let kind = LightKind::ALL.iter().find(|(name, _)| *name == kind).map(|(_, kind)| *kind);
+    let kind = kind.ok_or_else(|| format!("{:?} is not a kind of light; expected directional or point", parts[0]))?;
+    let color = Kind::Color(LIGHT_COLOR).parse_text(color)?.color();
+    light(kind, coordinates(vector)?, Some(color))
+}
+
+/// The text that [`parse_light`] reads.
+pub fn light_text(light: &Light) -> String {
+    let numbers = |three: [f32; 3]| three.map(|x| x.to_string()).join(",");
+    let place = light.position_or_direction.as_vec3().to_array();
+    format!("{}:{}:{}", light.kind.name(), numbers(place), numbers(light.color))
 }

@@ -189,6 +189,7 @@ impl Plan {
         let scene = self.inputs.scene(&settings.scene);
         let view = View {
             camera: self.config.camera,
+            orbit: self.config.orbit,
             background: self.config.background,
             lights: self.config.lights.clone(),
             seed,
@@ -242,6 +243,9 @@ impl Plan {
         }
         for (place, text) in checks::idle_values(&self.config) {
             warnings.add(&place, text);
+        }
+        if !self.config.orbit.is_still() && self.inputs.scenes().any(|scene| scene.is_design) {
+            warnings.add(&Place::File(0), "orbit: the scene design has a camera of its own, which does not turn");
         }
         if self.config.background && self.inputs.scenes().any(|scene| scene.is_design) {
             warnings.add(
@@ -334,6 +338,9 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relat
         format!("camera={}", config.camera.name()),
         format!("background={}", config.background),
     ];
+    if !config.orbit.is_still() {
+        lines.push(format!("orbit={:?}", config.orbit));
+    }
     let [is_specular, is_diffuse] = [point.method().is_integrated(), point.diffuse().is_reference()];
     if is_diffuse && !is_specular {
         lines.push(format!("reference_samples={}", config.reference.samples));

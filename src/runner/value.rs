@@ -139,6 +139,9 @@ impl fmt::Display for Range {
     }
 }
 
+/// Places and directions in the world.
+pub const COORDINATE: Range = Range::closed(-1e9, 1e9);
+
 /// A value before it is checked, from TOML or from text.
 pub use toml::Value as Raw;
 

@@ -55,6 +55,56 @@ pub enum Projection {
     Perspective { fov_deg: f64 },
 }
 
+/// A turn of an automatic camera about the middle of the scene's box, and how far away it then is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orbit {
+    /// About +y, counter-clockwise seen from above, degrees.
+    pub yaw_deg: f64,
+    /// Raises the camera, degrees. It stops [`Orbit::POLE_DEG`] below the zenith and above the nadir.
+    pub pitch_deg: f64,
+    /// Multiplies the distance (perspective) or the extent of the image (orthographic).
+    pub distance: f64,
+}
+
+impl Default for Orbit {
+    fn default() -> Self {
+        Self { yaw_deg: 0.0, pitch_deg: 0.0, distance: 1.0 }
+    }
+}
+
+impl Orbit {
+    /// Nearest and farthest.
+    pub const DISTANCE: [f64; 2] = [0.1, 4.0];
+    /// How near the camera comes to the poles.
+    pub const POLE_DEG: f64 = 2.0;
+
+    /// The orbit of yaw, pitch and distance, or which of them is out of range.
+    pub fn new(numbers: [f32; 3]) -> Result<Self, String> {
+        let [yaw_deg, pitch_deg, distance] = numbers.map(f64::from);
+        let [nearest, farthest] = Self::DISTANCE;
+        for (name, value, low, high) in [
+            ("yaw", yaw_deg, -360.0, 360.0),
+            ("pitch", pitch_deg, -180.0, 180.0),
+            ("distance", distance, nearest, farthest),
+        ] {
+            if !(low..=high).contains(&value) {
+                return Err(format!("{name} {value} is outside [{low}, {high}]"));
+            }
+        }
+        Ok(Self { yaw_deg, pitch_deg, distance })
+    }
+
+    /// The numbers that make it.
+    pub fn numbers(&self) -> [f32; 3] {
+        [self.yaw_deg, self.pitch_deg, self.distance].map(|number| number as f32)
+    }
+
+    /// Whether it leaves the camera where it is.
+    pub fn is_still(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// A camera frame: `right`, `up` and `forward` are orthonormal and `right = forward x up`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -100,6 +150,44 @@ impl Camera {
             projection,
             near: (PERSPECTIVE_SPHERE_DISTANCE - 2.0) * sphere.radius,
             far: (PERSPECTIVE_SPHERE_DISTANCE + 2.0) * sphere.radius,
+        }
+    }
+
+    /// The camera after a turn about the middle of the scene's box. That of the scene `design` stays.
+    pub fn orbited(self, orbit: Orbit, scene: &Scene) -> Self {
+        if orbit.is_still() || scene.is_design {
+            return self;
+        }
+        let (low, high) = scene.bounds();
+        let (middle, radius) = (0.5 * (low + high), 0.5 * (high - low).length());
+        let backward = -self.forward;
+        let pole = 90.0 - Orbit::POLE_DEG;
+        let yaw = backward.x.atan2(backward.z) + orbit.yaw_deg.to_radians();
+        let pitch = (backward.y.asin().to_degrees() + orbit.pitch_deg).clamp(-pole, pole).to_radians();
+        let offset = self.eye - middle;
+        let [x, y, z] = [self.right, self.up, backward].map(|axis| axis.dot(offset));
+        let backward = DVec3::new(yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos());
+        let right = DVec3::Y.cross(backward).normalize();
+        let up = backward.cross(right);
+        let (projection, scale) = match self.projection {
+            Projection::Ortho { half_height } => {
+                (Projection::Ortho { half_height: half_height * orbit.distance }, [orbit.distance, 1.0])
+            }
+            projection => (projection, [orbit.distance; 2]),
+        };
+        // An orthographic eye stands before all of the scene whichever way that is turned.
+        let z = match projection {
+            Projection::Ortho { .. } => z.max(1.5 * radius),
+            Projection::Perspective { .. } => z * scale[1],
+        };
+        Self {
+            eye: middle + right * (x * scale[0]) + up * (y * scale[0]) + backward * z,
+            right,
+            up,
+            forward: -backward,
+            projection,
+            near: (z - 1.01 * radius).max(1e-3 * radius),
+            far: z + 1.01 * radius,
         }
     }
 

@@ -10,6 +10,16 @@ pub enum LightKind {
     Point = 1,
 }
 
+impl LightKind {
+    /// Every kind with its name.
+    pub const ALL: &[(&str, Self)] = &[("directional", Self::Directional), ("point", Self::Point)];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].0
+    }
+}
+
 /// A directional light (`color` = irradiance on a surface facing it) or a point light (`color` = radiant intensity, divided by distance²).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {

@@ -8,7 +8,7 @@ pub mod mesh;
 mod obj;
 
 pub use builtin::{SCENES, SceneEntry, is_design};
-pub use camera::{Camera, CameraKind, Projection};
+pub use camera::{Camera, CameraKind, Orbit, Projection};
 pub use light::{Light, LightKind};
 pub use material::{Material, MaterialOverride};
 pub use mesh::Mesh;

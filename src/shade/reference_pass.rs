@@ -3,6 +3,7 @@
 use super::pass::{Shading, TABLE, with_gbuffer};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::distribution::EnvironmentDistribution;
+use crate::glsl::constants::GROUP_SIDE;
 use crate::glsl::layout::{ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, Gpu, GpuError, Report, Sampler, image_groups};
 use crate::pixels::GrayImage;
@@ -271,8 +272,12 @@ impl ReferenceRun<'_> {
         let Shading { settings, tables, gbuffer, .. } = self.shading;
         let [width, height] = gbuffer.size;
         // Setting up a pixel costs as much as a few samples, so that a dispatch takes as many scrambles as it may.
-        let scrambles_per_dispatch =
-            (SCRAMBLE_SAMPLES_MAX / samples_per_scramble.max(1)).clamp(1, scrambles.len() as u32);
+        let least_samples = u64::from(width * GROUP_SIDE) * u64::from(samples_per_scramble.max(1));
+        let scrambles_in_budget =
+            (gpu.submission_samples() / least_samples).min(u64::from(SCRAMBLE_SAMPLES_MAX)) as u32;
+        let scrambles_per_dispatch = (SCRAMBLE_SAMPLES_MAX / samples_per_scramble.max(1))
+            .min(scrambles_in_budget)
+            .clamp(1, scrambles.len() as u32);
         let samples_per_row = u64::from(width) * u64::from(samples_per_scramble) * u64::from(scrambles_per_dispatch);
         let [shader, _] = lobe.shaders();
         let constants = lobe.constants(gpu);

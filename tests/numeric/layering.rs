@@ -20,7 +20,7 @@ const ROWS: &[&[&[&str]]] = &[
     &[&["bakes"], &["ladder"]],
     &[&["pipeline"], &["oracle"], &["slips"], &["cost"]],
     &[&["runner"]],
-    &[&["study"]],
+    &[&["study"], &["view"]],
 ];
 
 /// What metrics see: images, a mask and the tone curve, never a method.

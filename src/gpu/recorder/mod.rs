@@ -71,6 +71,9 @@ pub struct Recorder {
 impl Gpu {
     /// Starts recording; `name` is for the debugger and for errors.
     pub fn record(&self, name: &str) -> Result<Recorder, GpuError> {
+        if lock(&self.shared.interrupt).as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+            return Err(GpuError::Interrupted);
+        }
         let device = &self.shared.raw;
         let mut recorder = Recorder {
             gpu: self.clone(),

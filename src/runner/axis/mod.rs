@@ -14,7 +14,7 @@ use crate::environment::{Environment, Placement};
 use crate::math::sequence::{SEQUENCES, Sequence};
 use crate::pipeline::RenderRequest;
 use crate::precompute::{PrecomputeSettings, PrefilterBy};
-use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Scene};
+use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Orbit, Scene};
 use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, NONE, diffuse_by_name, method_by_name};
 use crate::tonemap::ToneCurve;
 use std::ops::{Index, IndexMut};
@@ -48,9 +48,10 @@ pub struct Settings {
 }
 
 /// The part of a request that all points of an experiment share.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct View {
     pub camera: CameraKind,
+    pub orbit: Orbit,
     pub background: bool,
     pub lights: Vec<Light>,
     pub seed: u32,
@@ -68,7 +69,7 @@ impl Settings {
             environment: environment.clone(),
             placement: self.placement,
             environment_scale: self.environment_scale,
-            camera: Camera::for_scene(view.camera, &scene, self.size),
+            camera: Camera::for_scene(view.camera, &scene, self.size).orbited(view.orbit, &scene),
             scene,
             size: self.size,
             sequence: self.sequence,
@@ -143,6 +144,18 @@ pub enum Part {
     Table,
     /// Tone curves. They never cause a new render.
     Display,
+}
+
+impl Part {
+    /// The heading above controls of its axes.
+    pub fn heading(self) -> &'static str {
+        match self {
+            Self::Case => "Scene and light",
+            Self::Method | Self::Count | Self::Parameter | Self::Luck => "Method",
+            Self::Table => "Tables",
+            Self::Display => "Tone curve, of a .png",
+        }
+    }
 }
 
 /// Where a contact sheet shows the values of an axis.

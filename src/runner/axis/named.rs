@@ -53,6 +53,24 @@ impl Named {
         self.spelling.map_or(self.entry().name, |spelling| spelling.name)
     }
 
+    /// The name by which people set an axis: the second one, where every value has such.
+    pub fn usual(axis: usize) -> Self {
+        let spelling = AXES[axis].spelling.as_ref().filter(|spelling| spelling.of_axis.is_some());
+        Self { axis, spelling }
+    }
+
+    /// An axis's value as this name writes it.
+    pub fn shown(self, value: &Value) -> Value {
+        let of_axis = self.spelling.and_then(|spelling| spelling.of_axis).filter(|_| *value != Value::Unset);
+        of_axis.map_or_else(|| value.clone(), |of_axis| of_axis(value))
+    }
+
+    /// The flag of `render` without its dashes: `lod-bias` sets `lod_bias`.
+    pub fn flag(self) -> String {
+        let name = if self.is_second() { self.name() } else { self.entry().flag.unwrap_or(self.name()) };
+        name.replace('_', "-")
+    }
+
     /// One phrase for help texts.
     pub fn about(self) -> &'static str {
         self.spelling.map_or(self.entry().about, |spelling| spelling.about)

@@ -1,0 +1,90 @@
+//! `splitsum view`: a window.
+
+use super::Failure;
+use super::flags::{AxisFlags, SeenFlags};
+use clap::Args;
+use splitsum::environment::{Environment, LoadOptions};
+use splitsum::files::{TEXT_BYTES_MAX, read_text};
+use splitsum::pipeline::{DeviceChoice, Options};
+use splitsum::runner::axis::{AXES, METHOD, Point, SIZE};
+use splitsum::runner::value::Value;
+use splitsum::scene::Scene;
+use splitsum::shade::METHODS;
+use splitsum::view::{Opened, State, Windowed, open};
+use std::path::{Path, PathBuf};
+
+/// Opens a window: two methods side by side, turned by hand, beside a reference that refines while nothing moves.
+#[derive(Args, Debug)]
+#[command(
+    allow_negative_numbers = true,
+    after_help = "Drag turns the camera, shift+drag the light, the wheel zooms. Keys: space the other half; d wipe; e error; s signed error; \
+    t tone; [ ] exposure; + - 0 and arrows the camera; 1 to 9 methods; ctrl+S saves.\n\n\
+    A file that is dropped on the window is its environment (.hdr, .exr) or its scene (.obj); on Wayland type its path instead. Saving \
+    makes a folder view-N with the picture, the linear images, the state, `render` commands and an experiment.\n\n\
+    Exit codes: 2 no display or bad input; 75 the device or the window's surface was lost.\n\n\
+    Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  splitsum view --state view-1/state.json"
+)]
+pub struct Arguments {
+    /// Shows a saved state; the flags of axes and of what is seen are then left out.
+    #[arg(long, value_name = "FILE")]
+    state: Option<PathBuf>,
+    /// The folder in which saved states are put.
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    out: PathBuf,
+    /// The method of the right half.
+    #[arg(long, value_name = "NAME", value_parser = |text: &str| AXES[METHOD].kind.parse_text(text))]
+    right: Option<Value>,
+    /// Runs under the validation layer; its messages make the exit code 1.
+    #[arg(long, hide = true)]
+    validation: bool,
+    #[command(flatten)]
+    seen: SeenFlags,
+    #[command(flatten)]
+    axes: AxisFlags,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let state = state(arguments)?;
+    let load = LoadOptions { clamp_invalid: arguments.seen.clamp_invalid, ..LoadOptions::default() };
+    // What cannot be shown at all is told before a window opens.
+    let (settings, here) = (state.point.settings(), Path::new(""));
+    let environment = Environment::load(&settings.environment, here, &load).map(|environment| environment.warnings);
+    super::warn_all(&settings.environment, &environment.map_err(Failure::input)?);
+    let scene = Scene::load(&settings.scene, here).map_err(Failure::input)?;
+    super::warn_all(&scene.name, &scene.warnings);
+    arguments.seen.check(&scene)?;
+    if !arguments.out.is_dir() {
+        return Err(Failure::input(format!("--out: there is no folder {}", arguments.out.display())));
+    }
+    let device = arguments.seen.device.map_or(DeviceChoice::Default, DeviceChoice::Index);
+    let options = Options { device, validation: arguments.validation, ..Options::default() };
+    match open(Opened { state, options, load, out: arguments.out.clone() }) {
+        Windowed::Closed => Ok(()),
+        Windowed::NoDisplay(why) => Err(Failure::input(why)),
+        Windowed::Lost(why) => Err(Failure::passing(why)),
+        Windowed::Failed(why) => Err(Failure::failed(why)),
+    }
+}
+
+fn state(arguments: &Arguments) -> Result<State, Failure> {
+    if let Some(path) = &arguments.state {
+        if let Some(given) = arguments.axes.iter().next() {
+            return Err(Failure::input(format!("--{}: the file of --state has it; leave one out", given.flag)));
+        }
+        let fault = |why: &dyn std::fmt::Display| Failure::input(format!("{}: {why}", path.display()));
+        let text = read_text(path, TEXT_BYTES_MAX).map_err(|error| fault(&error))?;
+        return State::parse(&text).map_err(|why| fault(&why));
+    }
+    let mut point: Point = arguments.axes.point();
+    if arguments.axes.get(METHOD).is_none() {
+        // The split sum.
+        let first = METHODS.iter().find(|method| method.uses_prefiltered).expect("a method that looks a map up");
+        point[METHOD] = Value::Text(first.name.to_owned());
+    }
+    if arguments.axes.get(SIZE).is_none() {
+        point[SIZE] = Value::Pair([512; 2]);
+    }
+    let state = State::new(point, arguments.seen.view());
+    let right = arguments.right.clone().unwrap_or(state.right.clone());
+    Ok(State { right, ..state })
+}

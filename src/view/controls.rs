@@ -1,0 +1,237 @@
+//! A control for each axis, made from the list of axes.
+
+use super::state::State;
+use crate::environment::{BUILTIN_PREFIX, BUILTINS};
+use crate::runner::axis::{AXES, ENVIRONMENT, INPUTS, METHOD, Named, Part, Point, SIZE};
+use crate::runner::value::{Kind, Range, Value};
+use crate::scene::SCENES;
+use egui::{ComboBox, DragValue, Rect, Response, Slider, SliderClamping, TextEdit, Ui};
+use std::collections::BTreeMap;
+
+/// Sides that are offered; any other comes from the command line.
+const SIZES: [u32; 5] = [128, 256, 512, 768, 1024];
+/// Largest and smallest number that a slider over many decades reaches; any other can be typed.
+const DECADES: [f64; 2] = [1e-3, 1e3];
+/// Most samples that a slider reaches.
+const SAMPLES_MAX: u32 = 4096;
+const SLIDER_WIDTH: f32 = 100.0;
+const LABEL: egui::Vec2 = egui::vec2(112.0, 18.0);
+
+/// Where each control is, by name, for tests; and texts that are being typed.
+#[derive(Default)]
+pub struct Controls {
+    pub places: BTreeMap<String, Rect>,
+    typed: BTreeMap<usize, String>,
+}
+
+impl Controls {
+    /// Remembers where a control is.
+    pub fn place(&mut self, name: impl Into<String>, response: &Response) {
+        self.places.insert(name.into(), response.rect);
+    }
+
+    /// The controls of every axis under the headings that the help of `render` has.
+    pub fn axes(&mut self, ui: &mut Ui, state: &mut State) {
+        let used = [state.image(super::state::Side::Left, 1), state.image(super::state::Side::Right, 1)];
+        let mut headings: Vec<&str> = AXES.iter().map(|axis| axis.part.heading()).collect();
+        let mut seen = Vec::new();
+        headings.retain(|heading| {
+            !seen.contains(heading) && {
+                seen.push(heading);
+                true
+            }
+        });
+        for heading in headings {
+            let is_open = heading != Part::Table.heading();
+            let section = egui::CollapsingHeader::new(heading).default_open(is_open).show(ui, |ui| {
+                for axis in (0..AXES.len()).filter(|&axis| AXES[axis].part.heading() == heading) {
+                    let is_used = AXES[axis].part == Part::Display
+                        || used.iter().any(|image| image.point[axis] != Value::Unset)
+                        || state.point[axis] == Value::Unset;
+                    self.axis(ui, axis, is_used, &mut state.point);
+                    if axis == METHOD {
+                        let right = &mut state.right;
+                        self.row(ui, "right", "method of the right half", |controls, ui| {
+                            controls.value(ui, "right", METHOD, Named::usual(METHOD), right)
+                        });
+                    }
+                }
+            });
+            self.place(heading, &section.header_response);
+        }
+    }
+
+    /// A label, then a control.
+    pub fn row(&mut self, ui: &mut Ui, name: &str, about: &str, add: impl FnOnce(&mut Self, &mut Ui)) {
+        ui.horizontal(|ui| {
+            let label = name.replace('_', " ").replace("environment ", "").replace("perceptual ", "");
+            let (place, response) = ui.allocate_exact_size(LABEL, egui::Sense::hover());
+            let color = ui.visuals().text_color();
+            ui.painter().text(
+                place.left_center(),
+                egui::Align2::LEFT_CENTER,
+                label,
+                egui::FontId::proportional(13.0),
+                color,
+            );
+            response.on_hover_text(about);
+            add(self, ui);
+        });
+    }
+
+    fn axis(&mut self, ui: &mut Ui, axis: usize, is_used: bool, point: &mut Point) {
+        let named = Named::usual(axis);
+        let may_be_unset = (AXES[axis].default)() == Value::Unset;
+        self.row(ui, named.name(), named.about(), |controls, ui| {
+            ui.add_enabled_ui(is_used, |ui| {
+                if may_be_unset {
+                    let mut is_set = point[axis] != Value::Unset;
+                    let response =
+                        ui.checkbox(&mut is_set, "").on_hover_text("left out: as the scene or the layout has it");
+                    controls.place(format!("{} set", named.name()), &response);
+                    if response.changed() {
+                        point[axis] = if is_set { first(axis, named, point) } else { Value::Unset };
+                    }
+                    if !is_set {
+                        ui.weak("own");
+                        return;
+                    }
+                }
+                let mut value = point[axis].clone();
+                controls.value(ui, named.name(), axis, named, &mut value);
+                point[axis] = value;
+            });
+        });
+    }
+
+    /// The control of a value, which is left alone where what is given is none.
+    fn value(&mut self, ui: &mut Ui, name: &str, axis: usize, named: Named, value: &mut Value) {
+        ui.spacing_mut().slider_width = SLIDER_WIDTH;
+        let shown = named.shown(value);
+        let mut found: Option<String> = None;
+        match (named.kind(), &shown) {
+            (Kind::Number(_) | Kind::Alpha | Kind::NumberOrName { .. }, Value::Number(x)) => {
+                let (range, is_log) = reach(named.kind());
+                let mut number = *x;
+                let slider = Slider::new(&mut number, range).logarithmic(is_log).clamping(SliderClamping::Never);
+                let response = ui.add(slider.max_decimals(3));
+                found = response.changed().then(|| short(number));
+                self.place(name, &response);
+            }
+            (Kind::Count { min, max }, Value::Count(n)) => {
+                let mut count = *n;
+                let range = min..=max.min(SAMPLES_MAX.max(min));
+                let slider = Slider::new(&mut count, range).logarithmic(true).clamping(SliderClamping::Never);
+                let response = ui.add(slider);
+                found = response.changed().then(|| count.to_string());
+                self.place(name, &response);
+            }
+            (Kind::Color(_), Value::Color([r, g, b])) => {
+                let mut grey = (r + g + b) / 3.0;
+                let mut color = [*r, *g, *b];
+                let response = ui.add(Slider::new(&mut grey, 0.0..=1.0).max_decimals(3));
+                self.place(name, &response);
+                if response.changed() {
+                    found = Some(short(grey.into()));
+                }
+                if ui.color_edit_button_rgb(&mut color).changed() {
+                    found = Some(color.map(|x| short(x.clamp(0.0, 1.0).into())).join(":"));
+                }
+            }
+            (Kind::Pair { min, max }, Value::Pair(pair)) => {
+                let mut sides = *pair;
+                for (side, label) in sides.iter_mut().zip(["", "× "]) {
+                    let response = ui.add(DragValue::new(side).range(min..=max).prefix(label));
+                    self.place(format!("{name}{label}"), &response);
+                }
+                if axis == SIZE {
+                    let response = ComboBox::from_id_salt(name).width(50.0).selected_text("…").show_ui(ui, |ui| {
+                        SIZES.into_iter().filter(|side| ui.selectable_label(false, side.to_string()).clicked()).last()
+                    });
+                    self.place(format!("{name} list"), &response.response);
+                    sides = response.inner.flatten().map_or(sides, |side| [side; 2]);
+                }
+                found = (sides != *pair).then(|| format!("{}x{}", sides[0], sides[1]));
+            }
+            (Kind::Name { names, .. }, Value::Text(text)) => {
+                let combo = ComboBox::from_id_salt(name).width(SLIDER_WIDTH + 58.0).selected_text(text.as_str());
+                let response = combo.height(520.0).show_ui(ui, |ui| {
+                    let mut chosen = None;
+                    for name in names() {
+                        let response = ui.selectable_label(name == text, name);
+                        self.place(format!("choice {name}"), &response);
+                        if response.clicked() {
+                            chosen = Some(name.to_owned());
+                        }
+                    }
+                    chosen
+                });
+                self.place(name, &response.response);
+                found = response.inner.flatten();
+            }
+            (Kind::Input, Value::Text(text)) => found = self.input(ui, name, axis, text),
+            _ => {}
+        }
+        // A number out of range leaves the old one; so does half a word.
+        if let Some(Ok(parsed)) = found.map(|text| named.parse_text(&text)) {
+            *value = parsed;
+        }
+    }
+
+    /// A builtin out of a list, or the path of a file.
+    fn input(&mut self, ui: &mut Ui, name: &str, axis: usize, text: &str) -> Option<String> {
+        let typed = self.typed.entry(axis).or_insert_with(|| text.to_owned());
+        let field = ui.add(TextEdit::singleline(typed).desired_width(SLIDER_WIDTH + 14.0).hint_text("path of a file"));
+        let mut found = (field.lost_focus() && *typed != text).then(|| typed.clone());
+        if !field.has_focus() && found.is_none() {
+            text.clone_into(typed);
+        }
+        let list: Vec<String> = match axis {
+            ENVIRONMENT => BUILTINS.iter().map(|builtin| format!("{BUILTIN_PREFIX}{}", builtin.name)).collect(),
+            _ => SCENES.iter().map(|scene| scene.name.to_owned()).collect(),
+        };
+        debug_assert!(INPUTS.contains(&axis));
+        let combo = ComboBox::from_id_salt(name).width(24.0).selected_text("…").show_ui(ui, |ui| {
+            list.into_iter()
+                .filter(|name| {
+                    let response = ui.selectable_label(name == text, name);
+                    self.places.insert(format!("choice {name}"), response.rect);
+                    response.clicked()
+                })
+                .last()
+        });
+        self.place(name, &field);
+        self.place(format!("{name} list"), &combo.response);
+        found = combo.inner.flatten().or(found);
+        found
+    }
+}
+
+/// What an axis is set to first.
+fn first(axis: usize, named: Named, point: &Point) -> Value {
+    let of_layout = point.default_of(axis);
+    if of_layout != Value::Unset {
+        return of_layout;
+    }
+    let middle = match named.kind() {
+        Kind::Number(Range { min, max, .. }) => short(0.5 * (min + max)),
+        _ => "0.5".to_owned(),
+    };
+    named.parse_text(&middle).unwrap_or(Value::Unset)
+}
+
+/// How far a slider goes, and whether by decades.
+fn reach(kind: Kind) -> (std::ops::RangeInclusive<f64>, bool) {
+    match kind {
+        Kind::Number(Range { max, min_open: true, .. }) if max > 1.0 => (DECADES[0]..=DECADES[1].min(max), true),
+        Kind::Number(Range { min, max, .. }) | Kind::NumberOrName { range: Range { min, max, .. }, .. } => {
+            (min..=max, false)
+        }
+        _ => (crate::runner::value::ALPHA_MIN..=1.0, false),
+    }
+}
+
+/// A number to four digits, as a person writes it.
+fn short(number: f64) -> String {
+    format!("{:.3e}", number).parse::<f64>().unwrap_or(number).to_string()
+}

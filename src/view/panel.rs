@@ -1,0 +1,551 @@
+//! Long because each part of the window is here once, in the order in which it is seen.
+//!
+//! What is in the window: controls to the left, the picture, numbers below it. Keys are those of the report.
+
+use super::controls::Controls;
+use super::picture::{Picture, Tone, at};
+use super::state::{Side, State};
+use super::worker::{Shot, Shown, Standing};
+use crate::pipeline::Frame;
+use crate::pixels::Rgb8Image;
+use crate::runner::axis::{AXES, ENVIRONMENT, ENVIRONMENT_ROTATION, EXPOSURE, INPUTS, METHOD, SCENE};
+use crate::runner::value::{Value, decimal};
+use crate::scene::{CameraKind, Light, LightKind, Orbit};
+use egui::{
+    Align2, Color32, ColorImage, ComboBox, CursorIcon, DragValue, FontId, Key, Pos2, Rect, Sense, Stroke, TextureHandle,
+};
+use egui::{TextureOptions, Ui, UiBuilder, pos2, vec2};
+use glam::DVec3;
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+const PANEL_WIDTH: f32 = 372.0;
+const NUMBERS_HEIGHT: f32 = 148.0;
+/// Frames whose times the graph shows.
+const TIMES: usize = 120;
+/// Samples at which the reference may stop.
+const REFERENCE_COUNTS: [u32; 6] = [32, 128, 512, 2048, 8192, 32768];
+/// Degrees that an arrow key turns by, and what a step of + or - multiplies the distance by.
+const KEY_DEG: f64 = 5.0;
+const KEY_ZOOM: f64 = 1.15;
+/// A light that a button adds: from the upper right, white.
+const LIGHT: [f64; 3] = [1.5, 2.0, 2.5];
+const COORDINATES: std::ops::RangeInclusive<f64> = -100.0..=100.0;
+
+/// The picture in the window.
+struct Painted {
+    texture: TextureHandle,
+    of: (u64, usize, f32, bool),
+}
+
+/// What the window keeps beside the state.
+#[derive(Default)]
+pub struct Panel {
+    pub controls: Controls,
+    /// One line about the last action.
+    pub notice: String,
+    pub wants_save: bool,
+    painted: Option<Painted>,
+    /// Counts what the renderer sent.
+    arrivals: usize,
+    /// Of the left half's frames, ms.
+    times: VecDeque<f64>,
+    /// The last of them.
+    last: Option<Arc<Frame>>,
+    probed: Option<[u32; 2]>,
+    is_flipped: bool,
+}
+
+impl Panel {
+    /// Takes note of what the renderer sent.
+    pub fn arrive(&mut self, shown: &Shown) {
+        self.arrivals += 1;
+        let is_new = |frame: &Arc<Frame>| !self.last.as_ref().is_some_and(|last| Arc::ptr_eq(last, frame));
+        if let Some(shot) = shown.left.as_ref().filter(|shot| is_new(&shot.frame)) {
+            self.last = Some(shot.frame.clone());
+            self.times.push_back(shot.frame.timings.wall_ms);
+            if self.times.len() > TIMES {
+                self.times.pop_front();
+            }
+        }
+    }
+
+    /// Takes a file that was dropped on the window.
+    pub fn dropped(&mut self, path: &std::path::Path, state: &mut State) {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+        let axis = match extension.as_str() {
+            "hdr" | "exr" => ENVIRONMENT,
+            "obj" => SCENE,
+            _ => {
+                self.notice = format!("{}: expected an .hdr, .exr or .obj file", path.display());
+                return;
+            }
+        };
+        debug_assert!(INPUTS.contains(&axis));
+        self.notice = format!("{}: {}", AXES[axis].name, path.display());
+        state.point[axis] = Value::Text(path.display().to_string());
+    }
+
+    pub fn ui(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
+        self.controls.places.clear();
+        self.keys(ui, state);
+        egui::Panel::left("controls").resizable(false).exact_size(PANEL_WIDTH).show_inside(ui, |ui| {
+            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.all_controls(ui, state, shown));
+        });
+        egui::Panel::bottom("numbers").resizable(false).exact_size(NUMBERS_HEIGHT).show_inside(ui, |ui| {
+            self.numbers(ui, state, shown);
+        });
+        egui::CentralPanel::default().show_inside(ui, |ui| self.picture(ui, state, shown));
+    }
+
+    fn keys(&mut self, ui: &Ui, state: &mut State) {
+        let context = ui.ctx().clone();
+        if context.memory(|memory| memory.focused()).is_some() {
+            self.is_flipped = false;
+            return;
+        }
+        let orbit = state.view.orbit;
+        context.input(|input| {
+            self.is_flipped = input.key_down(Key::Space);
+            self.wants_save |= input.modifiers.command && input.key_pressed(Key::S);
+            if input.modifiers.command {
+                return;
+            }
+            let picture = state.picture;
+            let toggled = |wanted: Picture| if picture == wanted { Picture::Image } else { wanted };
+            let turn = |yaw: f64, pitch: f64| turned(orbit, yaw, pitch);
+            let shift = input.modifiers.shift;
+            let mut stops = 0.0;
+            for event in &input.events {
+                let egui::Event::Key { key, pressed: true, .. } = event else { continue };
+                match key {
+                    Key::E => state.picture = toggled(Picture::Error),
+                    Key::S => state.picture = toggled(Picture::Signed),
+                    Key::T => state.tone = if state.tone == Tone::Curve { Tone::Srgb } else { Tone::Curve },
+                    Key::D => state.wipe = if state.wipe == 1.0 { 0.5 } else { 1.0 },
+                    Key::OpenBracket => stops = -0.5,
+                    Key::CloseBracket => stops = 0.5,
+                    Key::Plus | Key::Equals => state.view.orbit = nearer(orbit, 1.0 / KEY_ZOOM),
+                    Key::Minus => state.view.orbit = nearer(orbit, KEY_ZOOM),
+                    Key::Num0 => state.view.orbit = Orbit::default(),
+                    Key::ArrowLeft if shift => turn_light(state, -KEY_DEG),
+                    Key::ArrowRight if shift => turn_light(state, KEY_DEG),
+                    Key::ArrowLeft => state.view.orbit = turn(-KEY_DEG, 0.0),
+                    Key::ArrowRight => state.view.orbit = turn(KEY_DEG, 0.0),
+                    Key::ArrowUp => state.view.orbit = turn(0.0, KEY_DEG),
+                    Key::ArrowDown => state.view.orbit = turn(0.0, -KEY_DEG),
+                    key => {
+                        // The keys 1 to 9 choose a method, in the order of the list.
+                        let digit = key.symbol_or_name().parse::<usize>().ok().filter(|digit| *digit > 0);
+                        if let Some(method) = digit.and_then(|digit| crate::shade::METHODS.get(digit - 1)) {
+                            state.point[METHOD] = Value::Text(method.name.to_owned());
+                        }
+                    }
+                }
+            }
+            if stops != 0.0 {
+                let exposure = (state.point[EXPOSURE].number() * 2f64.powf(stops)).clamp(1e-6, 1e9);
+                state.point[EXPOSURE] = Value::Number(decimal(exposure));
+            }
+        });
+    }
+
+    fn all_controls(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
+        ui.add_space(4.0);
+        self.controls.row(ui, "picture", "what is painted (e: error, s: signed error)", |controls, ui| {
+            let response = ComboBox::from_id_salt("picture").width(180.0).selected_text(state.picture.name());
+            let response = response.height(520.0).show_ui(ui, |ui| {
+                for (name, picture) in Picture::ALL {
+                    let response = ui.selectable_value(&mut state.picture, *picture, *name);
+                    controls.place(format!("choice {name}"), &response);
+                }
+            });
+            controls.place("picture", &response.response);
+        });
+        if state.picture == Picture::Prefiltered {
+            self.controls.row(ui, "level", "level of the prefiltered map", |controls, ui| {
+                let last = shown.level_count.max(1) - 1;
+                controls.place("level", &ui.add(egui::Slider::new(&mut state.level, 0..=last)));
+            });
+        }
+        self.controls.row(ui, "camera", "drag turns, the wheel zooms, 0 resets", |controls, ui| {
+            for (name, kind) in CameraKind::ALL {
+                controls.place(*name, &ui.radio_value(&mut state.view.camera, *kind, *name));
+            }
+            controls.place("background", &ui.checkbox(&mut state.view.background, "background"));
+        });
+        self.controls.row(ui, "tone", "t changes it", |controls, ui| {
+            for (name, tone) in Tone::ALL {
+                controls.place(*name, &ui.radio_value(&mut state.tone, *tone, *name));
+            }
+        });
+        self.controls.row(ui, "reference samples", "where the reference stops refining", |controls, ui| {
+            let count = state.view.reference_samples;
+            let response = ComboBox::from_id_salt("reference").width(80.0).selected_text(count.to_string());
+            let response = response.show_ui(ui, |ui| {
+                for count in REFERENCE_COUNTS {
+                    let response = ui.selectable_value(&mut state.view.reference_samples, count, count.to_string());
+                    controls.place(format!("choice {count}"), &response);
+                }
+            });
+            controls.place("reference samples", &response.response);
+            let save = ui.button("save").on_hover_text("ctrl+S: picture, linear images, state, commands, experiment");
+            self.wants_save |= save.clicked();
+            controls.place("save", &save);
+        });
+        self.controls.axes(ui, state);
+        let section =
+            egui::CollapsingHeader::new("Analytic lights").show(ui, |ui| self.lights(ui, &mut state.view.lights));
+        self.controls.place("Analytic lights", &section.header_response);
+        ui.add_space(6.0);
+        ui.weak("drag: camera · shift+drag: light · wheel: zoom\nspace: other half · d: wipe · e, s: errors · [ ]: exposure");
+    }
+
+    fn lights(&mut self, ui: &mut Ui, lights: &mut Vec<Light>) {
+        ui.horizontal(|ui| {
+            for (name, kind) in LightKind::ALL {
+                let response = ui.button(format!("add {name}"));
+                self.controls.place(format!("add {name}"), &response);
+                if response.clicked() {
+                    let place = DVec3::from(LIGHT);
+                    let place = if *kind == LightKind::Directional { place.normalize() } else { place };
+                    // Through f32, as files and flags have it.
+                    let position_or_direction = place.as_vec3().as_dvec3();
+                    lights.push(Light { kind: *kind, position_or_direction, color: [1.0; 3] });
+                }
+            }
+        });
+        let mut gone = None;
+        for (index, light) in lights.iter_mut().enumerate() {
+            ui.horizontal(|ui| {
+                ui.label(light.kind.name());
+                let mut place = light.position_or_direction.as_vec3().to_array();
+                let mut is_moved = false;
+                for (x, axis) in place.iter_mut().zip(["x", "y", "z"]) {
+                    let response = ui.add(DragValue::new(x).speed(0.05).range(COORDINATES).max_decimals(2));
+                    self.controls.place(format!("light {index} {axis}"), &response);
+                    is_moved |= response.changed();
+                }
+                if is_moved && let Ok(moved) = crate::runner::lights::light(light.kind, place, Some(light.color)) {
+                    light.position_or_direction = moved.position_or_direction.as_vec3().as_dvec3();
+                }
+                let most = light.color.into_iter().fold(0.0, f32::max);
+                let mut strength = most;
+                let response = ui.add(DragValue::new(&mut strength).speed(0.05).range(0.01..=1e6).prefix("× "));
+                self.controls.place(format!("light {index} strength"), &response);
+                if response.changed() && most > 0.0 {
+                    light.color = light.color.map(|x| x / most * strength);
+                }
+                let mut hue = light.color.map(|x| if most > 0.0 { x / most } else { 1.0 });
+                if ui.color_edit_button_rgb(&mut hue).changed() {
+                    light.color = hue.map(|x| x.max(0.0) * most);
+                }
+                if ui.small_button("×").clicked() {
+                    gone = Some(index);
+                }
+            });
+        }
+        gone.map(|index| lights.remove(index));
+    }
+
+    fn picture(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
+        let area = ui.available_rect_before_wrap();
+        let wipe = if self.is_flipped { 1.0 - state.wipe.round() } else { state.wipe };
+        let wipe = if state.picture.has_sides() { wipe } else { 1.0 };
+        self.paint(ui.ctx(), state, shown, wipe);
+        let Some(painted) = &self.painted else {
+            ui.painter().text(
+                area.center(),
+                Align2::CENTER_CENTER,
+                "making the first picture",
+                FontId::proportional(16.0),
+                Color32::GRAY,
+            );
+            return;
+        };
+        // Whole pixels of the image on whole pixels of the screen, where it is not made smaller.
+        let scale = ui.ctx().pixels_per_point();
+        let [width, height] = painted.texture.size().map(|side| side as f32 / scale);
+        let fit = (area.width() / width).min(area.height() / height);
+        let zoom = if fit >= 1.0 { fit.floor() } else { fit };
+        let size = vec2(width, height) * zoom;
+        let corner = ((area.center() - 0.5 * size).to_vec2() * scale).round() / scale;
+        let rect = Rect::from_min_size(corner.to_pos2(), size);
+        ui.painter().image(painted.texture.id(), rect, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        self.controls.place("image", &response);
+        self.look(ui, state, &response, rect);
+        if !state.picture.has_sides() {
+            return;
+        }
+        self.handle(ui, state, rect);
+        for (side, align, x) in
+            [(Side::Left, Align2::LEFT_TOP, rect.left() + 6.0), (Side::Right, Align2::RIGHT_TOP, rect.right() - 6.0)]
+        {
+            let is_seen = if side == Side::Left { wipe > 0.05 } else { wipe < 0.95 };
+            if let Some(shot) = shown.side(side).filter(|_| is_seen) {
+                outlined(ui, pos2(x, rect.top() + 5.0), align, &label(shot));
+            }
+        }
+        if let Some(colors) = state.picture.scale() {
+            legend(ui, rect, &colors);
+        }
+    }
+
+    /// The camera, the light and the probe.
+    fn look(&mut self, ui: &Ui, state: &mut State, response: &egui::Response, rect: Rect) {
+        let (shift, wheel) = ui.input(|input| (input.modifiers.shift, input.smooth_scroll_delta.y));
+        if response.clicked() || response.drag_started() {
+            ui.memory_mut(|memory| memory.focused().map(|id| memory.surrender_focus(id)));
+        }
+        if response.dragged() {
+            // Half a turn over the width of the picture, as in the report.
+            let [dx, dy] =
+                [response.drag_delta().x, response.drag_delta().y].map(|d| f64::from(d / rect.width()) * 180.0);
+            if shift {
+                turn_light(state, dx);
+            } else {
+                state.view.orbit = turned(state.view.orbit, -dx, dy);
+            }
+        }
+        if response.hovered() && wheel != 0.0 {
+            state.view.orbit = nearer(state.view.orbit, (f64::from(wheel) * -0.002).exp());
+        }
+        let [width, height] = state.size();
+        self.probed = response.hover_pos().map(|place| {
+            let share = (place - rect.min) / rect.size();
+            [(share.x, width), (share.y, height)].map(|(x, side)| ((x * side as f32).max(0.0) as u32).min(side - 1))
+        });
+    }
+
+    /// The line between the halves.
+    fn handle(&mut self, ui: &mut Ui, state: &mut State, rect: Rect) {
+        let x = rect.left() + state.wipe * rect.width();
+        let place = Rect::from_center_size(pos2(x, rect.bottom() - 24.0), vec2(18.0, 30.0));
+        let response =
+            ui.interact(place, ui.id().with("wipe"), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal);
+        self.controls.place("wipe", &response);
+        if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+            state.wipe = ((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
+        }
+        if self.is_flipped {
+            return;
+        }
+        let painter = ui.painter();
+        painter.vline(x, rect.y_range(), Stroke::new(1.0, Color32::from_white_alpha(160)));
+        painter.rect_filled(place.shrink2(vec2(4.0, 2.0)), 4.0, Color32::from_white_alpha(220));
+        for dx in [-1.5, 1.5] {
+            painter.vline(x + dx, place.shrink(9.0).y_range(), Stroke::new(1.0, Color32::DARK_GRAY));
+        }
+    }
+
+    /// Makes the texture anew where what it shows has changed.
+    fn paint(&mut self, context: &egui::Context, state: &State, shown: &Shown, wipe: f32) {
+        let of = (shown.generation, self.arrivals, wipe, state.picture.has_sides());
+        if self.painted.as_ref().is_some_and(|painted| painted.of == of) {
+            return;
+        }
+        let Some(image) = composed(shown, wipe) else { return };
+        let size = [image.width, image.height].map(|side| side as usize);
+        let pixels = image.data.iter().map(|[r, g, b]| Color32::from_rgb(*r, *g, *b)).collect();
+        let image = ColorImage::new(size, pixels);
+        match &mut self.painted {
+            Some(painted) => {
+                painted.texture.set(image, TextureOptions::NEAREST);
+                painted.of = of;
+            }
+            None => {
+                let texture = context.load_texture("picture", image, TextureOptions::NEAREST);
+                self.painted = Some(Painted { texture, of });
+            }
+        }
+    }
+
+    fn numbers(&mut self, ui: &mut Ui, state: &State, shown: &Shown) {
+        let whole = ui.available_rect_before_wrap();
+        let (left, right) = whole.split_left_right_at_fraction(0.74);
+        ui.scope_builder(UiBuilder::new().max_rect(left.shrink2(vec2(4.0, 2.0))), |ui| {
+            ui.spacing_mut().item_spacing.y = 2.0;
+            ui.label(standing(shown));
+            ui.add_space(2.0);
+            self.probe(ui, shown);
+            if !self.notice.is_empty() {
+                ui.add(egui::Label::new(egui::RichText::new(&self.notice).weak()).truncate());
+            }
+        });
+        ui.scope_builder(UiBuilder::new().max_rect(right.shrink2(vec2(4.0, 2.0))), |ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            self.graph(ui, shown);
+        });
+        let _ = state;
+    }
+
+    /// Linear values under the pointer, of each method.
+    fn probe(&self, ui: &mut Ui, shown: &Shown) {
+        egui::Grid::new("probe").num_columns(4).spacing(vec2(8.0, 2.0)).show(ui, |ui| {
+            let place = self
+                .probed
+                .map_or_else(|| "linear values: point at a pixel".to_owned(), |[x, y]| format!("pixel ({x}, {y})"));
+            ui.weak(place);
+            ui.weak("red, green, blue");
+            ui.weak(crate::metrics::HEADLINE);
+            ui.weak("standard error");
+            ui.end_row();
+            for (name, shot) in [("left", &shown.left), ("right", &shown.right), ("truth", &shown.truth)] {
+                let Some(shot) = shot else {
+                    ui.label(name);
+                    ui.end_row();
+                    continue;
+                };
+                ui.label(format!("{name}: {}", label(shot)));
+                let value = |image: &crate::pixels::RgbImage| {
+                    let [x, y] = self.probed?;
+                    at(image, x / shot.scale, y / shot.scale).map(|rgb| rgb.map(|c| format!("{c:.4}")).join(" "))
+                };
+                ui.monospace(value(&shot.frame.radiance).unwrap_or_default());
+                ui.monospace(shot.score.map_or_else(String::new, |score| format!("{score:.3e}")));
+                ui.monospace(shot.frame.standard_error.as_ref().and_then(value).unwrap_or_default());
+                ui.end_row();
+            }
+        });
+    }
+
+    /// Times of the last frames, and of the passes of the last one.
+    fn graph(&self, ui: &mut Ui, shown: &Shown) {
+        let cpu = shown.device.as_ref().is_some_and(|device| device.device_type == "cpu");
+        let unit = if cpu { "CPU times" } else { "GPU times" };
+        let last = self.times.back().copied().unwrap_or_default();
+        ui.weak(format!("left {last:.0} ms, {unit}"));
+        let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 36.0), Sense::hover());
+        let most = self.times.iter().copied().fold(1.0, f64::max);
+        ui.painter().rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+        let place = |(index, ms): (usize, &f64)| {
+            let x = rect.right() - (self.times.len() - 1 - index) as f32 * rect.width() / (TIMES - 1) as f32;
+            pos2(x, rect.bottom() - 2.0 - (ms / most) as f32 * (rect.height() - 4.0))
+        };
+        let line: Vec<Pos2> = self.times.iter().enumerate().map(place).collect();
+        ui.painter().line(line, Stroke::new(1.5, Color32::LIGHT_BLUE));
+        let font = FontId::proportional(10.0);
+        ui.painter().text(
+            rect.left_top() + vec2(3.0, 2.0),
+            Align2::LEFT_TOP,
+            format!("{most:.0} ms"),
+            font,
+            Color32::GRAY,
+        );
+        let Some(shot) = &shown.left else { return };
+        egui::Grid::new("passes").num_columns(2).spacing(vec2(8.0, 0.0)).show(ui, |ui| {
+            for time in &shot.frame.timings.frame {
+                ui.label(time.pass);
+                ui.monospace(format!("{:6.2}", time.ms));
+                ui.end_row();
+            }
+        });
+    }
+}
+
+/// One line of what the renderer does.
+fn standing(shown: &Shown) -> String {
+    let device = shown.device.as_ref().map_or("", |device| device.name.as_str());
+    let refined = shown.truth.as_ref().map_or_else(String::new, |shot| {
+        let errors = shot.frame.convergences.iter().map(|term| term.relative_error);
+        let error = errors.fold(0.0, f64::max);
+        format!(" · reference {} samples, relative standard error {error:.1e}", shot.image.view.reference_samples)
+    });
+    match &shown.standing {
+        Standing::Busy => format!("refining{refined} · {device}"),
+        Standing::Done => format!("done{refined} · {device}"),
+        Standing::Refused(why) | Standing::Lost(why) | Standing::Failed(why) => why.clone(),
+    }
+}
+
+/// The method of an image, and what it draws.
+fn label(shot: &Shot) -> String {
+    let point = &shot.image.point;
+    let count = match point.method().is_integrated() || point.diffuse().is_reference() {
+        true => Some(shot.image.view.reference_samples),
+        false => point.method().uses_samples.then(|| point[crate::runner::axis::SAMPLES].count()),
+    };
+    let count = count.map_or_else(String::new, |count| format!(", {count} samples"));
+    let coarse = if shot.scale > 1 { format!(" (1/{})", shot.scale) } else { String::new() };
+    format!("{}{count}{coarse}", point.method().name)
+}
+
+/// The picture of both halves at the resolution of the finer one, or the one that has none.
+pub fn composed(shown: &Shown, wipe: f32) -> Option<Rgb8Image> {
+    if let Some(part) = &shown.part {
+        return Some((**part).clone());
+    }
+    let (left, right) = (shown.left.as_ref()?, shown.right.as_ref()?);
+    let finer = if left.scale <= right.scale { left } else { right };
+    let (width, height) = (finer.picture.width, finer.picture.height);
+    let edge = (wipe * width as f32).round() as u32;
+    let sample = |shot: &Shot, x: u32, y: u32| {
+        let picture = &shot.picture;
+        let place = |at: u32, side: u32, whole: u32| (u64::from(at) * u64::from(side) / u64::from(whole)) as u32;
+        picture.get(place(x, picture.width, width), place(y, picture.height, height))
+    };
+    Some(Rgb8Image::from_fn(width, height, |x, y| sample(if x < edge { left } else { right }, x, y)))
+}
+
+fn outlined(ui: &Ui, place: Pos2, align: Align2, text: &str) {
+    let font = FontId::proportional(13.0);
+    let galley = ui.painter().layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+    let rect = align.anchor_size(place, galley.size());
+    ui.painter().rect_filled(rect.expand(3.0), 3.0, Color32::from_black_alpha(150));
+    ui.painter().galley(rect.min, galley, Color32::WHITE);
+}
+
+/// The colours of an error with their values.
+fn legend(ui: &Ui, rect: Rect, colors: &crate::table::colormap::ColorScale) {
+    let bar = Rect::from_min_size(pos2(rect.left() + 12.0, rect.bottom() - 42.0), vec2(180.0, 10.0));
+    ui.painter().rect_filled(
+        bar.expand2(vec2(10.0, 4.0)).with_max_y(bar.bottom() + 20.0),
+        3.0,
+        Color32::from_black_alpha(170),
+    );
+    for step in 0..90 {
+        let [r, g, b] = colors.palette.color(f64::from(step) / 89.0);
+        let x = bar.left() + step as f32 * 2.0;
+        ui.painter().rect_filled(
+            Rect::from_min_size(pos2(x, bar.top()), vec2(2.0, bar.height())),
+            0.0,
+            Color32::from_rgb(r, g, b),
+        );
+    }
+    for tick in colors.ticks() {
+        let x = bar.left() + colors.place(tick) as f32 * bar.width();
+        ui.painter().text(
+            pos2(x, bar.bottom() + 3.0),
+            Align2::CENTER_TOP,
+            tick.to_string(),
+            FontId::proportional(10.0),
+            Color32::WHITE,
+        );
+    }
+}
+
+/// The orbit after a turn, in hundredths of a degree.
+fn turned(orbit: Orbit, yaw: f64, pitch: f64) -> Orbit {
+    let yaw_deg = (orbit.yaw_deg + yaw + 180.0).rem_euclid(360.0) - 180.0;
+    rounded(Orbit { yaw_deg, pitch_deg: (orbit.pitch_deg + pitch).clamp(-180.0, 180.0), ..orbit })
+}
+
+fn nearer(orbit: Orbit, factor: f64) -> Orbit {
+    let [nearest, farthest] = Orbit::DISTANCE;
+    rounded(Orbit { distance: (orbit.distance * factor).clamp(nearest, farthest), ..orbit })
+}
+
+/// As a command line and a file can say it.
+fn rounded(orbit: Orbit) -> Orbit {
+    let [yaw, pitch, distance] = orbit.numbers();
+    let to = |x: f32, digits: f32| (x * digits).round() / digits;
+    Orbit::new([to(yaw, 100.0), to(pitch, 100.0), to(distance, 1000.0)]).unwrap_or(orbit)
+}
+
+/// Turns the environment about +y.
+fn turn_light(state: &mut State, by: f64) {
+    let old = state.point[ENVIRONMENT_ROTATION].number();
+    let turned = (old + by + 180.0).rem_euclid(360.0) - 180.0;
+    state.point[ENVIRONMENT_ROTATION] = Value::Number(decimal((turned * 100.0).round() / 100.0));
+}

@@ -1,0 +1,183 @@
+//! What of a frame is painted: the tone-mapped image, its error, parts of the g-buffer, tables.
+
+use crate::color::srgb_encode;
+use crate::gbuffer::Gbuffer;
+use crate::metrics::{Comparison, Epsilon};
+use crate::pipeline::{Frame, LightTables, Pipeline, PipelineError};
+use crate::pixels::{Pixels, Rgb8Image, RgbImage};
+use crate::scene::Camera;
+use crate::table::colormap::{ColorScale, OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_ERROR};
+use crate::tonemap::ToneCurve;
+use glam::DVec3;
+
+/// What is painted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Picture {
+    Image,
+    Error,
+    Signed,
+    Part(Part),
+    Prefiltered,
+    Dfg,
+}
+
+/// A part of the g-buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    Position,
+    Normal,
+    NDotV,
+    Albedo,
+    Metallic,
+    Alpha,
+    F0,
+}
+
+impl Picture {
+    /// Every picture with its name.
+    pub const ALL: &[(&str, Self)] = &[
+        ("image", Self::Image),
+        ("error", Self::Error),
+        ("signed error", Self::Signed),
+        ("position", Self::Part(Part::Position)),
+        ("normal", Self::Part(Part::Normal)),
+        ("n·v", Self::Part(Part::NDotV)),
+        ("albedo", Self::Part(Part::Albedo)),
+        ("metallic", Self::Part(Part::Metallic)),
+        ("alpha", Self::Part(Part::Alpha)),
+        ("F0", Self::Part(Part::F0)),
+        ("prefiltered map", Self::Prefiltered),
+        ("DFG table", Self::Dfg),
+    ];
+
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, known)| *known == self).expect("a listed picture").0
+    }
+
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(known, _)| *known == name).map(|(_, picture)| *picture)
+    }
+
+    /// The colours of an error, where it is one.
+    pub fn scale(self) -> Option<ColorScale> {
+        match self {
+            Self::Error => Some(RELATIVE_ERROR),
+            Self::Signed => Some(SIGNED_ERROR),
+            _ => None,
+        }
+    }
+
+    /// Whether both halves show images of their methods.
+    pub fn has_sides(self) -> bool {
+        matches!(self, Self::Image | Self::Error | Self::Signed)
+    }
+}
+
+/// How radiance becomes display values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tone {
+    /// The tone curve of `render`.
+    Curve,
+    /// Exposed, cut off at 1, sRGB: nothing is hidden.
+    Srgb,
+}
+
+impl Tone {
+    /// Every tone with its name.
+    pub const ALL: &[(&str, Self)] = &[("curve", Self::Curve), ("sRGB", Self::Srgb)];
+
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].0
+    }
+}
+
+/// How a picture is made of a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    pub picture: Picture,
+    pub tone: Tone,
+    pub curve: ToneCurve,
+    /// Level of the prefiltered map.
+    pub level: u32,
+}
+
+/// The picture of a half; `None` where an error lacks its reference.
+pub fn of_frame(
+    pipeline: &mut Pipeline,
+    look: Look,
+    frame: &Frame,
+    truth: Option<&Frame>,
+    epsilon: Epsilon,
+) -> Result<Option<Rgb8Image>, PipelineError> {
+    let curve = look.curve;
+    let Some(scale) = look.picture.scale() else {
+        return Ok(Some(match look.tone {
+            Tone::Curve => pipeline.tonemap(&frame.radiance, curve)?.0,
+            Tone::Srgb => {
+                let code = |x: f32| (255.0 * srgb_encode(x * curve.exposure)).round() as u8;
+                frame.radiance.map(|texel| texel.map(code))
+            }
+        }));
+    };
+    let truth = truth.filter(|truth| truth.radiance.data.len() == frame.radiance.data.len());
+    let Some(truth) = truth else { return Ok(None) };
+    let blank = || Pixels::filled(frame.mask.width, frame.mask.height, OFF_MASK_COLOR);
+    // No pixel of a scene that is out of sight has an error.
+    let Ok(comparison) = Comparison::new(&frame.radiance, &truth.radiance, &frame.mask, curve, epsilon) else {
+        return Ok(Some(blank()));
+    };
+    let map = match look.picture {
+        Picture::Signed => comparison.signed_error_map(),
+        _ => comparison.relative_error_map(),
+    };
+    Ok(Some(scale.image(&map, &frame.mask)))
+}
+
+/// A part of the g-buffer: positions as fractions of the scene's box `bounds`, directions as 0.5 + 0.5 n, the rest as it is.
+pub fn of_gbuffer(part: Part, gbuffer: &Gbuffer<f32>, camera: &Camera, (low, high): (DVec3, DVec3)) -> Rgb8Image {
+    let code = |xyz: [f64; 3]| xyz.map(|x| (255.0 * x.clamp(0.0, 1.0)).round() as u8);
+    let three = |texel: [f32; 4]| DVec3::new(texel[0].into(), texel[1].into(), texel[2].into());
+    let mask = gbuffer.mask();
+    let n_dot_v = gbuffer.n_dot_v(camera);
+    Pixels::from_fn(mask.width, mask.height, |x, y| {
+        let normal = gbuffer.normal_alpha.get(x, y);
+        let material = gbuffer.albedo_metallic.get(x, y);
+        if mask.get(x, y) == 0.0 {
+            return OFF_MASK_COLOR;
+        }
+        let side = (high - low).max(DVec3::splat(f64::MIN_POSITIVE));
+        code(match part {
+            Part::Position => ((three(gbuffer.position_mask.get(x, y)) - low) / side).to_array(),
+            Part::Normal => (0.5 * three(normal) + DVec3::splat(0.5)).to_array(),
+            Part::NDotV => [n_dot_v.get(x, y).into(); 3],
+            Part::Albedo => three(material).to_array(),
+            Part::Metallic => [material[3].into(); 3],
+            Part::Alpha => [normal[3].into(); 3],
+            Part::F0 => three(gbuffer.f0_material.get(x, y)).to_array(),
+        })
+    })
+}
+
+/// A level of the prefiltered map, or the DFG table (red scales F0, green is added; n·v to the right, roughness downwards).
+pub fn of_tables(look: Look, tables: &LightTables) -> Rgb8Image {
+    if look.picture == Picture::Dfg {
+        let code = |x: f32| (255.0 * x.clamp(0.0, 1.0)).round() as u8;
+        return tables.dfg.map(|[a, b]| [code(a), code(b), 0]);
+    }
+    let level: &RgbImage = &tables.prefiltered[(look.level as usize).min(tables.prefiltered.len() - 1)];
+    look.curve.apply_image(&unfolded(level))
+}
+
+/// The six faces of a cube in two rows; other maps as they are.
+fn unfolded(level: &RgbImage) -> RgbImage {
+    let side = level.width;
+    if level.height != 6 * side {
+        return level.clone();
+    }
+    Pixels::from_fn(3 * side, 2 * side, |x, y| level.get(x % side, (3 * (y / side) + x / side) * side + y % side))
+}
+
+/// The pixel at a place, where that is within the image.
+pub fn at<T: Copy>(image: &Pixels<T>, x: u32, y: u32) -> Option<T> {
+    (x < image.width && y < image.height).then(|| image.get(x, y))
+}

@@ -1,0 +1,137 @@
+//! What a window shows, as data: it becomes requests, and by [`super::file`] a file, a command line and an experiment.
+
+use super::picture::{Look, Picture, Tone};
+use crate::environment::{BUILTIN_PREFIX, Environment};
+use crate::pipeline::RenderRequest;
+use crate::runner::axis::{AXES, INPUTS, METHOD, Part, Point, REFERENCE, Reference, SAMPLES, SIZE, View};
+use crate::runner::value::Value;
+use crate::scene::Scene;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The halves of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    Left,
+    Right,
+}
+
+/// Everything that a person chose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// One value for every axis; its method is that of the left half.
+    pub point: Point,
+    /// The method of the right half.
+    pub right: Value,
+    /// Its `reference_samples` are where the reference stops refining.
+    pub view: View,
+    pub picture: Picture,
+    pub tone: Tone,
+    /// Share of the width that shows the left half.
+    pub wipe: f32,
+    /// Level of the prefiltered map that its picture shows.
+    pub level: u32,
+}
+
+/// Samples a pixel that a reference begins with: two in each of its scrambles.
+const FIRST_SAMPLES: u32 = 32;
+
+/// One image of a state: equal ones have equal pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    pub point: Point,
+    pub view: View,
+}
+
+impl State {
+    /// The left half of `point` beside the reference.
+    pub fn new(point: Point, view: View) -> Self {
+        let right = Value::Text(REFERENCE.to_owned());
+        Self { point, right, view, picture: Picture::Image, tone: Tone::Curve, wipe: 0.5, level: 0 }
+    }
+
+    /// Names files by whole paths, so that what is saved elsewhere finds them.
+    pub fn name_files(&mut self) {
+        for axis in INPUTS {
+            let name = self.point[axis].text();
+            let is_file = Path::new(name).extension().is_some() && !name.starts_with(BUILTIN_PREFIX);
+            if let Ok(whole) = std::path::absolute(name)
+                && is_file
+            {
+                self.point[axis] = Value::Text(whole.display().to_string());
+            }
+        }
+    }
+
+    pub fn size(&self) -> [u32; 2] {
+        self.point[SIZE].pair()
+    }
+
+    /// How its pictures are made.
+    pub fn look(&self) -> Look {
+        Look { picture: self.picture, tone: self.tone, curve: self.point.settings().curve, level: self.level }
+    }
+
+    /// The same at a fraction of the resolution.
+    pub fn scaled(&self, scale: u32) -> Self {
+        let mut state = self.clone();
+        state.point[SIZE] = Value::Pair(self.size().map(|side| (side / scale).max(1)));
+        state
+    }
+
+    /// The sample counts at which the reference is shown, each four times the one before.
+    pub fn counts(&self) -> Vec<u32> {
+        let last = self.view.reference_samples;
+        let mut counts: Vec<u32> = std::iter::successors(Some(last), |count| Some(count / 4))
+            .take_while(|&count| count >= FIRST_SAMPLES && count % FIRST_SAMPLES == 0 || count == last)
+            .collect();
+        counts.reverse();
+        counts
+    }
+
+    /// The method of a half.
+    pub fn method(&self, side: Side) -> &Value {
+        match side {
+            Side::Left => &self.point[METHOD],
+            Side::Right => &self.right,
+        }
+    }
+
+    /// The image of a half; what is drawn without bias has `count` samples a pixel.
+    pub fn image(&self, side: Side, count: u32) -> Image {
+        let mut point = self.point.clone();
+        point[METHOD] = self.method(side).clone();
+        if point[METHOD].text() == REFERENCE { self.truth(count) } else { self.of(point, count) }
+    }
+
+    /// The image that the halves are judged by: the reference's, of both terms.
+    pub fn truth(&self, count: u32) -> Image {
+        let mut point = self.point.clone();
+        point[METHOD] = Value::Text(REFERENCE.to_owned());
+        let reference = Reference { samples: count, ..Reference::default() };
+        self.of(point.reference(&reference, !self.view.lights.is_empty()), count)
+    }
+
+    fn of(&self, mut point: Point, count: u32) -> Image {
+        if point.method().is_integrated() {
+            point[SAMPLES] = Value::Count(count);
+        }
+        let is_drawn = point.method().is_integrated() || point.diffuse().is_reference();
+        let mut point = point.collapsed(!self.view.lights.is_empty());
+        for (axis, value) in AXES.iter().zip(&mut point.0) {
+            if axis.part == Part::Display {
+                *value = Value::Unset;
+            }
+        }
+        Image {
+            point,
+            view: View { reference_samples: if is_drawn { count } else { FIRST_SAMPLES }, ..self.view.clone() },
+        }
+    }
+}
+
+impl Image {
+    pub fn request(&self, environment: &Arc<Environment>, scene: &Scene) -> RenderRequest {
+        self.point.settings().request(environment, scene, &self.view)
+    }
+}

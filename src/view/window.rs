@@ -1,0 +1,372 @@
+//! The window: events in, painted pixels out, files saved.
+
+use super::panel::{Panel, composed};
+use super::state::{Side, State};
+use super::worker::{Shown, Standing, Worker};
+use crate::environment::LoadOptions;
+use crate::pipeline::Options;
+use crate::pixels::png;
+use crate::runner::write_radiance;
+use egui::ViewportId;
+use egui_software_backend::{BufferMutRef, ColorFieldOrder, EguiSoftwareRender};
+use std::num::NonZeroU32;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::{LogicalSize, PhysicalSize};
+use winit::event::{StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::window::{Window, WindowId};
+
+/// What the window opens with.
+pub struct Opened {
+    pub state: State,
+    pub options: Options,
+    pub load: LoadOptions,
+    /// Where saved states go.
+    pub out: PathBuf,
+}
+
+/// How it ended.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Windowed {
+    Closed,
+    /// There is nothing to open a window on.
+    NoDisplay(String),
+    /// The device was lost; another process may have more luck.
+    Lost(String),
+    Failed(String),
+}
+
+/// Names the file in which the window tells tests where its controls are and what it shows.
+const TOLD: &str = "SPLITSUM_TEST_WINDOW";
+const SIZE: [f64; 2] = [1180.0, 800.0];
+const SMALLEST: [f64; 2] = [700.0, 420.0];
+
+/// The renderer has something new.
+#[derive(Debug)]
+struct Arrived;
+
+/// Opens the window and stays until it is closed.
+pub fn open(opened: Opened) -> Windowed {
+    // Where no display answers, winit says so; its text is about crates.
+    let no_display = |error: &dyn std::fmt::Display| {
+        Windowed::NoDisplay(format!(
+            "there is no display to open a window on: set DISPLAY or WAYLAND_DISPLAY ({error})"
+        ))
+    };
+    let events = match EventLoop::<Arrived>::with_user_event().build() {
+        Ok(events) => events,
+        Err(error) => return no_display(&error),
+    };
+    let mut app = App::new(opened, events.create_proxy());
+    if let Err(error) = events.run_app(&mut app) {
+        return Windowed::Failed(error.to_string());
+    }
+    let shown = app.worker.as_mut().map(Worker::close);
+    let messages = shown.map(|shown| shown.messages).unwrap_or_default();
+    match app.ended {
+        Windowed::Closed if !messages.is_empty() => Windowed::Failed(messages.join("\n")),
+        ended => ended,
+    }
+}
+
+type Surface = softbuffer::Surface<Rc<Window>, Rc<Window>>;
+
+fn surface_of(window: &Rc<Window>) -> Result<Surface, softbuffer::SoftBufferError> {
+    Surface::new(&softbuffer::Context::new(window.clone())?, window.clone())
+}
+
+/// What a window on the screen consists of.
+struct Screen {
+    window: Rc<Window>,
+    surface: Surface,
+    input: egui_winit::State,
+    painter: EguiSoftwareRender,
+}
+
+struct App {
+    opened: Option<(Options, LoadOptions)>,
+    proxy: EventLoopProxy<Arrived>,
+    state: State,
+    asked: Option<State>,
+    generation: u64,
+    out: PathBuf,
+    worker: Option<Worker>,
+    shown: Shown,
+    panel: Panel,
+    context: egui::Context,
+    screen: Option<Screen>,
+    ended: Windowed,
+    /// Whether the surface was made anew since it last worked.
+    is_renewed: bool,
+    wakes_at: Option<Instant>,
+    told: Option<(PathBuf, String)>,
+}
+
+impl App {
+    fn new(opened: Opened, proxy: EventLoopProxy<Arrived>) -> Self {
+        let context = egui::Context::default();
+        context.set_fonts(fonts());
+        context.set_theme(egui::Theme::Dark);
+        Self {
+            opened: Some((opened.options, opened.load)),
+            proxy,
+            state: opened.state,
+            asked: None,
+            generation: 0,
+            out: opened.out,
+            worker: None,
+            shown: Shown::default(),
+            panel: Panel::default(),
+            context,
+            screen: None,
+            ended: Windowed::Closed,
+            is_renewed: false,
+            wakes_at: None,
+            told: std::env::var_os(TOLD).map(|path| (path.into(), String::new())),
+        }
+    }
+
+    fn open_screen(&self, events: &ActiveEventLoop) -> Result<Screen, String> {
+        let size = |[width, height]: [f64; 2]| LogicalSize::new(width, height);
+        let attributes = Window::default_attributes()
+            .with_title("splitsum view")
+            .with_inner_size(size(SIZE))
+            .with_min_inner_size(size(SMALLEST));
+        let window = Rc::new(events.create_window(attributes).map_err(|error| error.to_string())?);
+        let surface = surface_of(&window).map_err(|error| error.to_string())?;
+        let input = egui_winit::State::new(
+            self.context.clone(),
+            ViewportId::ROOT,
+            &window,
+            Some(window.scale_factor() as f32),
+            None,
+            None,
+        );
+        Ok(Screen {
+            window,
+            surface,
+            input,
+            painter: EguiSoftwareRender::new(ColorFieldOrder::Bgra).with_caching(false),
+        })
+    }
+
+    /// Ends the program.
+    fn end(&mut self, events: &ActiveEventLoop, ended: Windowed) {
+        self.ended = ended;
+        events.exit();
+    }
+
+    /// One pass of the window: what a person did, then what is seen.
+    fn frame(&mut self, events: &ActiveEventLoop) {
+        let Some(screen) = &mut self.screen else { return };
+        let PhysicalSize { width, height } = screen.window.inner_size();
+        // A minimised window may have no pixel.
+        let (Some(columns), Some(rows)) = (NonZeroU32::new(width), NonZeroU32::new(height)) else { return };
+        let input = screen.input.take_egui_input(&screen.window);
+        for file in input.dropped_files.iter().filter_map(|file| file.path.clone()) {
+            self.panel.dropped(&file, &mut self.state);
+        }
+        let (panel, state, shown) = (&mut self.panel, &mut self.state, &self.shown);
+        let output = self.context.run_ui(input, |ui| panel.ui(ui, state, shown));
+        screen.input.handle_platform_output(&screen.window, output.platform_output);
+        let delay = output.viewport_output.get(&ViewportId::ROOT).map(|viewport| viewport.repaint_delay);
+        self.wakes_at = delay.filter(|delay| *delay < Duration::from_secs(3600)).map(|delay| Instant::now() + delay);
+        let shapes = self.context.tessellate(output.shapes, output.pixels_per_point);
+        let presented = screen.surface.resize(columns, rows).and_then(|()| {
+            let mut buffer = screen.surface.buffer_mut()?;
+            buffer.fill(0);
+            let pixels: &mut [[u8; 4]] = bytemuck::cast_slice_mut(&mut buffer);
+            let target = &mut BufferMutRef::new(pixels, width as usize, height as usize);
+            screen.painter.render(target, &shapes, &output.textures_delta, output.pixels_per_point);
+            screen.window.pre_present_notify();
+            buffer.present()
+        });
+        if let Err(error) = presented {
+            // A surface that is lost is made anew once; if that is no good either, it is told.
+            let again = std::mem::replace(&mut self.is_renewed, true);
+            match surface_of(&screen.window) {
+                Ok(surface) if !again => {
+                    screen.surface = surface;
+                    screen.window.request_redraw();
+                }
+                _ => self.end(events, Windowed::Lost(format!("the window's surface was lost: {error}"))),
+            }
+            return;
+        }
+        self.is_renewed = false;
+        self.ask();
+        self.tell();
+        if std::mem::take(&mut self.panel.wants_save) {
+            self.save();
+        }
+    }
+
+    /// Tells the renderer of a state that differs in what it makes.
+    fn ask(&mut self) {
+        self.state.name_files();
+        // The wipe and the halves' places are the window's own.
+        let wanted = State { wipe: 0.0, ..self.state.clone() };
+        if self.asked.as_ref() == Some(&wanted) {
+            return;
+        }
+        self.generation += 1;
+        if let Some(worker) = &self.worker {
+            worker.ask(self.generation, wanted.clone());
+        }
+        self.asked = Some(wanted);
+    }
+
+    fn arrive(&mut self, events: &ActiveEventLoop) {
+        let Some(worker) = &self.worker else { return };
+        self.shown = worker.shown();
+        self.panel.arrive(&self.shown);
+        match &self.shown.standing {
+            Standing::Lost(why) => {
+                let why = why.clone();
+                self.end(events, Windowed::Lost(why));
+            }
+            Standing::Failed(why) => {
+                let why = why.clone();
+                self.end(events, Windowed::Failed(why));
+            }
+            _ => {}
+        }
+        if let Some(screen) = &self.screen {
+            screen.window.request_redraw();
+        }
+    }
+
+    /// Saves what is shown in a folder of its own.
+    fn save(&mut self) {
+        self.panel.notice = match self.saved() {
+            Ok(folder) => format!("saved in {}", folder.display()),
+            Err(why) => format!("not saved: {why}"),
+        };
+        if let Some(screen) = &self.screen {
+            screen.window.request_redraw();
+        }
+    }
+
+    fn saved(&self) -> Result<PathBuf, String> {
+        let is_whole = |side| self.shown.side(side).is_some_and(|shot| shot.scale == 1);
+        if self.shown.generation != self.generation || !(is_whole(Side::Left) && is_whole(Side::Right)) {
+            return Err("the picture is still coarse; save again in a moment".to_owned());
+        }
+        let free = |number: &u32| !self.out.join(format!("view-{number}")).exists();
+        let number = (1..).find(free).expect("a free number");
+        let folder = self.out.join(format!("view-{number}"));
+        let told = |path: &Path, error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+        std::fs::create_dir_all(&folder).map_err(|error| told(&folder, &error))?;
+        let mut commands = String::from("#!/bin/sh\n# Renders the halves of this state again.\n");
+        for (name, side) in [("left", Side::Left), ("right", Side::Right)] {
+            let shot = self.shown.side(side).expect("asked above");
+            let path = folder.join(format!("{name}.exr"));
+            write_radiance(&path, &shot.frame).map_err(|error| error.to_string())?;
+            commands += &(self.state.command_line(&shot.image, &format!("{name}-again.exr")) + "\n");
+        }
+        let picture = composed(&self.shown, self.state.wipe).ok_or("there is no picture yet")?;
+        png::write_rgb8(&folder.join("picture.png"), &picture).map_err(|error| error.to_string())?;
+        let texts = [
+            ("render.sh", commands),
+            ("experiment.toml", self.state.experiment(&format!("view-{number}"))),
+            ("state.json", self.state.text()),
+        ];
+        for (name, text) in texts {
+            let path = folder.join(name);
+            std::fs::write(&path, text).map_err(|error| told(&path, &error))?;
+        }
+        Ok(folder)
+    }
+
+    /// Writes what tests ask for, where they do.
+    fn tell(&mut self) {
+        let Some((path, before)) = &mut self.told else { return };
+        let scale = f64::from(self.context.pixels_per_point());
+        let place =
+            |rect: &egui::Rect| [rect.left(), rect.top(), rect.width(), rect.height()].map(|x| f64::from(x) * scale);
+        let controls: std::collections::BTreeMap<_, _> =
+            self.panel.controls.places.iter().map(|(name, rect)| (name, place(rect))).collect();
+        let scales = [Side::Left, Side::Right].map(|side| self.shown.side(side).map(|shot| shot.scale));
+        let text = serde_json::json!({
+            "controls": controls,
+            "asked": self.generation,
+            "shown": self.shown.generation,
+            "is_done": self.shown.standing == Standing::Done,
+            "standing": format!("{:?}", self.shown.standing),
+            "scales": scales,
+            "reference": self.shown.truth.as_ref().map(|shot| shot.image.view.reference_samples),
+            "notice": self.panel.notice,
+            "state": self.state.text(),
+        })
+        .to_string();
+        if text != *before {
+            // Whole or not at all; a test that cannot be told waits in vain and says so.
+            let part = path.with_extension("part");
+            let _ = std::fs::write(&part, &text).and_then(|()| std::fs::rename(&part, &*path));
+            *before = text;
+        }
+    }
+}
+
+/// The fonts that figures are set in.
+fn fonts() -> egui::FontDefinitions {
+    let mut fonts = egui::FontDefinitions::empty();
+    let files = [("text", epaint_default_fonts::UBUNTU_LIGHT), ("code", epaint_default_fonts::HACK_REGULAR)];
+    for (name, bytes) in files {
+        fonts.font_data.insert(name.to_owned(), std::sync::Arc::new(egui::FontData::from_static(bytes)));
+    }
+    let both = |first: &str, second: &str| vec![first.to_owned(), second.to_owned()];
+    fonts.families.insert(egui::FontFamily::Proportional, both("text", "code"));
+    fonts.families.insert(egui::FontFamily::Monospace, both("code", "text"));
+    fonts
+}
+
+impl ApplicationHandler<Arrived> for App {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.screen.is_some() {
+            return;
+        }
+        match self.open_screen(events) {
+            Ok(screen) => self.screen = Some(screen),
+            Err(why) => return self.end(events, Windowed::NoDisplay(format!("no window can be opened: {why}"))),
+        }
+        if let Some((options, load)) = self.opened.take() {
+            let proxy = self.proxy.clone();
+            // The window is gone: nobody is left to be woken.
+            let wake = move || drop(proxy.send_event(Arrived));
+            match Worker::start(options, load, wake) {
+                Ok(worker) => self.worker = Some(worker),
+                Err(error) => return self.end(events, Windowed::Failed(format!("no thread: {error}"))),
+            }
+            self.ask();
+        }
+    }
+
+    fn user_event(&mut self, events: &ActiveEventLoop, _: Arrived) {
+        self.arrive(events);
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        if let (StartCause::ResumeTimeReached { .. }, Some(screen)) = (cause, &self.screen) {
+            screen.window.request_redraw();
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        events.set_control_flow(self.wakes_at.take().map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(screen) = &mut self.screen else { return };
+        let response = screen.input.on_window_event(&screen.window, &event);
+        match event {
+            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::RedrawRequested => self.frame(events),
+            _ if response.repaint => screen.window.request_redraw(),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,395 @@
+//! The renderer's thread: takes the newest state, shows it coarsely at once where the whole would take long, then whole, then refines the
+//! reference until the state changes.
+
+use super::picture::{Picture, of_frame, of_gbuffer, of_tables};
+use super::state::{Image, Side, State};
+use crate::environment::{Environment, LoadOptions};
+use crate::metrics::{Comparison, HEADLINE, metric};
+use crate::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError};
+use crate::pixels::Rgb8Image;
+use crate::runner::axis::{AXES, Part, Point};
+use crate::runner::value::Value;
+use crate::scene::Scene;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+/// Time in which a state that changes is to be shown, ms.
+const COARSE_MS: f64 = 60.0;
+/// The coarsest picture has this fraction of the resolution.
+const COARSEST: u32 = 8;
+/// Side of the picture that is shown first where nothing is known of its time.
+const FIRST_SIDE: f64 = 128.0;
+/// Whole frames that are kept: those of one state, and of what a person goes back to.
+const KEPT: usize = 8;
+/// Texels of the largest level that is read for a picture of tables.
+const TABLE_TEXELS: u32 = 1 << 15;
+
+/// A frame as it is painted.
+#[derive(Clone, Debug)]
+pub struct Shot {
+    pub image: Image,
+    pub frame: Arc<Frame>,
+    pub picture: Arc<Rgb8Image>,
+    /// Its resolution is this fraction of the state's.
+    pub scale: u32,
+    /// The headline metric against the reference, where that is there.
+    pub score: Option<f64>,
+}
+
+/// How the work stands.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Standing {
+    #[default]
+    Busy,
+    /// All that the state asks for is shown.
+    Done,
+    /// The state cannot be shown; the window shows what was before.
+    Refused(String),
+    /// Nothing more can be rendered, but a new process may.
+    Lost(String),
+    /// Nothing more can be rendered.
+    Failed(String),
+}
+
+/// What there is to paint.
+#[derive(Clone, Debug, Default)]
+pub struct Shown {
+    pub generation: u64,
+    pub left: Option<Shot>,
+    pub right: Option<Shot>,
+    pub truth: Option<Shot>,
+    /// A picture that has no halves.
+    pub part: Option<Arc<Rgb8Image>>,
+    /// Levels of the prefiltered map, where it was read.
+    pub level_count: u32,
+    pub standing: Standing,
+    pub device: Option<DeviceInfo>,
+    /// Messages of the validation layer.
+    pub messages: Vec<String>,
+}
+
+impl Shown {
+    pub fn side(&self, side: Side) -> Option<&Shot> {
+        match side {
+            Side::Left => self.left.as_ref(),
+            Side::Right => self.right.as_ref(),
+        }
+    }
+}
+
+/// What the two threads share.
+#[derive(Default)]
+struct Post {
+    state: Mutex<Option<(u64, State)>>,
+    shown: Mutex<Shown>,
+    is_closed: AtomicBool,
+    arrived: Condvar,
+    interrupt: Arc<AtomicBool>,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The window's end.
+pub struct Worker {
+    post: Arc<Post>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Worker {
+    /// Starts the thread; `wake` is called from there when there is something new. The device opens there too.
+    pub fn start(options: Options, load: LoadOptions, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+        let post = Arc::new(Post::default());
+        let theirs = post.clone();
+        let work = move || {
+            let outcome =
+                std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| Renderer::run(&theirs, options, load, &wake)));
+            let standing = match outcome {
+                Ok(Ok(())) => return,
+                Ok(Err(error)) if error.is_transient() => Standing::Lost(error.to_string()),
+                Ok(Err(error)) => Standing::Failed(error.to_string()),
+                Err(_) => Standing::Failed("the renderer's thread ended by a fault of the program".to_owned()),
+            };
+            lock(&theirs.shown).standing = standing;
+            wake();
+        };
+        let thread = std::thread::Builder::new().name("renderer".to_owned()).spawn(work)?;
+        Ok(Self { post, thread: Some(thread) })
+    }
+
+    /// Asks for a state in place of the one before.
+    pub fn ask(&self, generation: u64, state: State) {
+        *lock(&self.post.state) = Some((generation, state));
+        self.post.interrupt.store(true, Ordering::Relaxed);
+        self.post.arrived.notify_one();
+    }
+
+    pub fn shown(&self) -> Shown {
+        lock(&self.post.shown).clone()
+    }
+
+    /// Ends the thread and tells what there was to tell.
+    pub fn close(&mut self) -> Shown {
+        {
+            let _held = lock(&self.post.state);
+            self.post.is_closed.store(true, Ordering::Relaxed);
+            self.post.interrupt.store(true, Ordering::Relaxed);
+            self.post.arrived.notify_one();
+        }
+        // A panic was told already.
+        self.thread.take().map(JoinHandle::join);
+        self.shown()
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.close();
+    }
+}
+
+/// What the thread owns.
+struct Renderer<'a> {
+    post: &'a Post,
+    wake: &'a dyn Fn(),
+    pipeline: Pipeline,
+    load: LoadOptions,
+    environment: Option<(String, Option<f64>, Arc<Environment>)>,
+    scene: Option<(String, Arc<Scene>)>,
+    kept: Vec<(Image, Arc<Frame>)>,
+    shown: Shown,
+    /// Time of a pixel of the last coarse picture, ms, and what hung on it.
+    pixel_ms: Option<(Point, f64)>,
+}
+
+/// Why a state is not shown.
+enum Stop {
+    Refused(String),
+    Broken(PipelineError),
+}
+
+impl From<PipelineError> for Stop {
+    fn from(error: PipelineError) -> Self {
+        Self::Broken(error)
+    }
+}
+
+impl<'a> Renderer<'a> {
+    fn run(post: &'a Post, options: Options, load: LoadOptions, wake: &'a dyn Fn()) -> Result<(), PipelineError> {
+        let pipeline = Pipeline::new(Options { is_interactive: true, ..options })?;
+        let shown = Shown { device: Some(pipeline.device().clone()), ..Shown::default() };
+        let (environment, scene, kept) = (None, None, Vec::new());
+        let mut renderer = Self { post, wake, pipeline, load, environment, scene, kept, shown, pixel_ms: None };
+        while let Some((generation, state)) = renderer.next() {
+            renderer.shown.generation = generation;
+            let standing = match renderer.show(&state) {
+                Ok(()) => Standing::Done,
+                Err(Stop::Refused(why)) => Standing::Refused(why),
+                Err(Stop::Broken(error)) if error.is_interrupted() => continue,
+                Err(Stop::Broken(error)) if error.is_transient() => return Err(error),
+                Err(Stop::Broken(error)) => Standing::Refused(error.to_string()),
+            };
+            renderer.tell(standing);
+        }
+        renderer.tell(Standing::Done);
+        Ok(())
+    }
+
+    /// Waits for the next state; `None` when the window is closed.
+    fn next(&self) -> Option<(u64, State)> {
+        let mut state = lock(&self.post.state);
+        loop {
+            if self.post.is_closed.load(Ordering::Relaxed) {
+                self.pipeline.interrupt_by(None);
+                return None;
+            }
+            if let Some(next) = state.take() {
+                self.post.interrupt.store(false, Ordering::Relaxed);
+                return Some(next);
+            }
+            state = self.post.arrived.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn tell(&mut self, standing: Standing) {
+        self.shown.standing = standing;
+        self.shown.messages = self.pipeline.validation_messages();
+        lock(&self.post.shown).clone_from(&self.shown);
+        (self.wake)();
+    }
+
+    fn show(&mut self, state: &State) -> Result<(), Stop> {
+        let (environment, scene) = self.inputs(state)?;
+        if let Some(why) = state.view.lights.iter().find_map(|light| light.fault_in(&scene)) {
+            return Err(Stop::Refused(why));
+        }
+        self.pipeline.interrupt_by(None);
+        let counts = state.counts();
+        if self.shown.truth.as_ref().is_some_and(|shot| !counts.iter().any(|&count| state.truth(count) == shot.image)) {
+            self.shown.truth = None;
+        }
+        if !state.picture.has_sides() {
+            self.show_part(state, &environment, &scene, counts[0])?;
+        } else {
+            self.shown.part = None;
+        }
+        let is_there = |side| self.kept.iter().any(|(image, _)| *image == state.image(side, counts[0]));
+        if ![Side::Left, Side::Right].into_iter().all(is_there) {
+            let scale = self.scale(state);
+            if scale > 1 {
+                let started = Instant::now();
+                let coarse = state.scaled(scale);
+                let made = self.shoot(&coarse, state, (&environment, &scene), counts[0], scale)?;
+                self.tell(Standing::Busy);
+                let [width, height] = coarse.size().map(f64::from);
+                // Tables are made once.
+                if !made {
+                    self.pixel_ms = Some((cost_of(state), started.elapsed().as_secs_f64() * 1e3 / (width * height)));
+                }
+            }
+        }
+        self.pipeline.interrupt_by(Some(self.post.interrupt.clone()));
+        for count in counts {
+            self.shoot(state, state, (&environment, &scene), count, 1)?;
+            self.refine(state, (&environment, &scene), count)?;
+            self.tell(Standing::Busy);
+        }
+        Ok(())
+    }
+
+    /// The environment and the scene of a state, from memory where they are those of before.
+    fn inputs(&mut self, state: &State) -> Result<(Arc<Environment>, Arc<Scene>), Stop> {
+        let settings = state.point.settings();
+        settings.precompute.validate().map_err(|error| Stop::Refused(error.to_string()))?;
+        let (name, clip, here) = (&settings.environment, settings.environment_clip_log2, Path::new(""));
+        if self.environment.as_ref().is_none_or(|(known, at, _)| known != name || *at != clip) {
+            let whole = Environment::load(name, here, &self.load).map_err(|error| Stop::Refused(error.to_string()))?;
+            let environment = clip.map_or_else(|| whole.clone(), |power| whole.clipped(power.exp2() as f32));
+            self.environment = Some((name.clone(), clip, Arc::new(environment)));
+            self.kept.clear();
+        }
+        if self.scene.as_ref().is_none_or(|(known, _)| *known != settings.scene) {
+            let scene = Scene::load(&settings.scene, here).map_err(|error| Stop::Refused(error.to_string()))?;
+            self.scene = Some((settings.scene.clone(), Arc::new(scene)));
+            self.kept.clear();
+        }
+        let environment = self.environment.as_ref().map(|(.., environment)| environment.clone());
+        let scene = self.scene.as_ref().map(|(_, scene)| scene.clone());
+        Ok((environment.expect("loaded above"), scene.expect("loaded above")))
+    }
+
+    /// The fraction of the resolution that is shown in time, as far as the last picture tells.
+    fn scale(&self, state: &State) -> u32 {
+        let [width, height] = state.size().map(f64::from);
+        let pixels = match &self.pixel_ms {
+            Some((point, ms)) if *point == cost_of(state) => COARSE_MS / ms,
+            _ => FIRST_SIDE * FIRST_SIDE,
+        };
+        let fits = |scale: &u32| width * height / f64::from(scale * scale) <= pixels;
+        [1, 2, 4].into_iter().find(fits).unwrap_or(COARSEST)
+    }
+
+    /// Shows both halves, and the reference where the picture needs it. Whether a table was made.
+    fn shoot(
+        &mut self,
+        state: &State,
+        whole: &State,
+        inputs: (&Arc<Environment>, &Scene),
+        count: u32,
+        scale: u32,
+    ) -> Result<bool, Stop> {
+        let mut made = false;
+        let truth = match state.picture.scale() {
+            Some(_) => Some(self.frame(&state.truth(count), inputs)?),
+            None => None,
+        };
+        for side in [Side::Left, Side::Right] {
+            let image = state.image(side, count);
+            let frame = self.frame(&image, inputs)?;
+            made |= !frame.timings.precompute.is_empty();
+            let epsilon = image.request(inputs.0, inputs.1).epsilon();
+            let picture = of_frame(&mut self.pipeline, whole.look(), &frame, truth.as_deref(), epsilon)?;
+            let picture = Arc::new(picture.expect("the reference has the size of the halves"));
+            let shot = Some(Shot { image, frame, picture, scale, score: None });
+            match side {
+                Side::Left => self.shown.left = shot,
+                Side::Right => self.shown.right = shot,
+            }
+            if scale == 1 && count == state.counts()[0] {
+                self.tell(Standing::Busy);
+            }
+        }
+        Ok(made)
+    }
+
+    /// Draws the reference by `count` samples a pixel and scores the halves.
+    fn refine(&mut self, state: &State, inputs: (&Arc<Environment>, &Scene), count: u32) -> Result<(), Stop> {
+        let image = state.truth(count);
+        let truth = self.frame(&image, inputs)?;
+        let request = image.request(inputs.0, inputs.1);
+        let headline = metric(HEADLINE).expect("a listed metric");
+        for shot in [&mut self.shown.left, &mut self.shown.right].into_iter().flatten() {
+            let curve = state.point.settings().curve;
+            let (test, mask) = (&shot.frame.radiance, &truth.mask);
+            let comparison = Comparison::new(test, &truth.radiance, mask, curve, request.epsilon());
+            let is_other = !Arc::ptr_eq(&shot.frame, &truth);
+            shot.score = comparison.ok().filter(|_| is_other).map(|comparison| comparison.evaluate(&[headline])[0].1);
+        }
+        let picture = Arc::new(Rgb8Image::filled(1, 1, [0; 3]));
+        self.shown.truth = Some(Shot { image, frame: truth, picture, scale: 1, score: None });
+        Ok(())
+    }
+
+    fn show_part(
+        &mut self,
+        state: &State,
+        environment: &Arc<Environment>,
+        scene: &Scene,
+        count: u32,
+    ) -> Result<(), Stop> {
+        let request = state.image(Side::Left, count).request(environment, scene);
+        let picture = match state.picture {
+            Picture::Part(part) => {
+                of_gbuffer(part, &self.pipeline.gbuffer(&request)?, &request.camera, request.scene.bounds())
+            }
+            _ => {
+                let tables = self.pipeline.light_tables(&request, TABLE_TEXELS)?;
+                self.shown.level_count = tables.prefiltered.len() as u32;
+                of_tables(state.look(), &tables)
+            }
+        };
+        self.shown.part = Some(Arc::new(picture));
+        self.tell(Standing::Busy);
+        Ok(())
+    }
+
+    /// The frame of an image: a kept one, or a new one.
+    fn frame(&mut self, image: &Image, (environment, scene): (&Arc<Environment>, &Scene)) -> Result<Arc<Frame>, Stop> {
+        if let Some(at) = self.kept.iter().position(|(known, _)| known == image) {
+            let found = self.kept.remove(at);
+            self.kept.push(found.clone());
+            return Ok(found.1);
+        }
+        let frame = Arc::new(self.pipeline.render(&image.request(environment, scene))?);
+        if self.kept.len() == KEPT {
+            self.kept.remove(0);
+        }
+        self.kept.push((image.clone(), frame.clone()));
+        Ok(frame)
+    }
+}
+
+/// What the time of a pixel hangs on: all but the case, whose values change while a person turns it.
+fn cost_of(state: &State) -> Point {
+    let mut point = state.image(Side::Left, 1).point;
+    for (axis, value) in AXES.iter().zip(&mut point.0) {
+        if !axis.frames_cost && axis.part != Part::Count {
+            *value = Value::Unset;
+        }
+    }
+    point
+}

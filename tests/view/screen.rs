@@ -1,0 +1,317 @@
+//! A virtual display with a window manager, and a window on it.
+
+use serde_json::Value;
+use splitsum::pixels::Rgb8Image;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+const SIZE: [u32; 2] = [1280, 1600];
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// One window at a time: each takes all processors.
+static TURN: Mutex<()> = Mutex::new(());
+
+pub struct Screen {
+    server: Child,
+    manager: Child,
+    display: String,
+    frames: TempDir,
+    _turn: MutexGuard<'static, ()>,
+}
+
+impl Screen {
+    /// `None`: what is needed is missing, and a line says so.
+    pub fn open() -> Option<Self> {
+        let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+        let frames = tempfile::tempdir().unwrap();
+        let screen = format!("{}x{}x24", SIZE[0], SIZE[1]);
+        let folder = frames.path().to_str().unwrap();
+        let server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", &screen, "-fbdir", folder, "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn();
+        let is_there = |name: &str| Command::new(name).arg("--version").output().is_ok();
+        let (Ok(mut server), true, true) = (server, is_there("xdotool"), is_there("openbox")) else {
+            let required = std::env::var_os("SPLITSUM_REQUIRE_WINDOW").is_some();
+            assert!(!required, "Xvfb, xdotool or openbox is missing");
+            eprintln!("skipped: Xvfb, xdotool or openbox is missing (Debian: apt-get install xvfb xdotool openbox)");
+            return None;
+        };
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        let display = format!(":{}", number.trim());
+        let manager = Command::new("openbox").env("DISPLAY", &display).stderr(Stdio::null()).spawn().unwrap();
+        Some(Self { server, manager, display, frames, _turn: turn })
+    }
+
+    pub fn window(&self, arguments: &[&str]) -> Win<'_> {
+        self.window_with(arguments, &[])
+    }
+
+    pub fn window_with(&self, arguments: &[&str], variables: &[(&str, &str)]) -> Win<'_> {
+        let dir = tempfile::tempdir().unwrap();
+        let child = Command::new(env!("CARGO_BIN_EXE_splitsum"))
+            .arg("view")
+            .args(arguments)
+            .current_dir(dir.path())
+            .env("DISPLAY", &self.display)
+            .env("SPLITSUM_TEST_WINDOW", dir.path().join("told.json"))
+            .env_remove("WAYLAND_DISPLAY")
+            .envs(variables.iter().copied())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut win = Win { screen: self, child: Mutex::new(child), dir, id: String::new() };
+        if variables.is_empty() {
+            win.wait("a first picture", |told| told["scales"][0].is_u64());
+            // A window manager takes a moment to show it.
+            let found = || {
+                let words = ["search", "--onlyvisible", "--name", "^splitsum view$"];
+                let output = Command::new("xdotool").args(words).env("DISPLAY", &self.display).output().unwrap();
+                String::from_utf8(output.stdout).unwrap().trim().to_owned()
+            };
+            let wait = |_: &u32| std::thread::sleep(Duration::from_millis(100));
+            win.id = (0..100).inspect(wait).map(|_| found()).find(|id| !id.is_empty()).expect("the window shows");
+        }
+        win
+    }
+
+    fn xdotool(&self, words: &[String]) -> String {
+        let output = Command::new("xdotool").args(words).env("DISPLAY", &self.display).output().unwrap();
+        assert!(output.status.success(), "xdotool {words:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// What is on the display: the file that Xvfb keeps its pixels in, of the format of xwd.
+    fn pixels(&self) -> Rgb8Image {
+        let bytes = std::fs::read(self.frames.path().join("Xvfb_screen0")).unwrap();
+        let word = |at: usize| u32::from_be_bytes(bytes[4 * at..4 * at + 4].try_into().unwrap());
+        let (header, width, height, line, colors) = (word(0), word(4), word(5), word(12), word(19));
+        let first = (header + 12 * colors) as usize;
+        Rgb8Image::from_fn(width, height, |x, y| {
+            let at = first + (y * line + 4 * x) as usize;
+            [bytes[at + 2], bytes[at + 1], bytes[at]]
+        })
+    }
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        for child in [&mut self.manager, &mut self.server] {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+pub struct Win<'a> {
+    screen: &'a Screen,
+    child: Mutex<Child>,
+    dir: TempDir,
+    id: String,
+}
+
+impl Win<'_> {
+    pub fn dir(&self) -> &Path {
+        self.dir.path()
+    }
+
+    pub fn id(&self) -> String {
+        self.id.clone()
+    }
+
+    fn child(&self) -> MutexGuard<'_, Child> {
+        self.child.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub fn is_alive(&self) -> bool {
+        self.child().try_wait().unwrap().is_none()
+    }
+
+    /// Resident memory.
+    pub fn memory_kib(&self) -> u64 {
+        let path = PathBuf::from(format!("/proc/{}/status", self.child().id()));
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+        line.and_then(|line| line.split_whitespace().next()?.parse().ok()).unwrap_or_default()
+    }
+
+    /// What the window told last.
+    pub fn told(&self) -> Value {
+        let text = std::fs::read_to_string(self.dir.path().join("told.json")).unwrap_or_default();
+        serde_json::from_str(&text).unwrap_or_default()
+    }
+
+    pub fn wait(&self, what: &str, is_so: impl Fn(&Value) -> bool) {
+        let begun = Instant::now();
+        loop {
+            let told = self.told();
+            if !told.is_null() && is_so(&told) {
+                return;
+            }
+            if !self.is_alive() || begun.elapsed() > PATIENCE {
+                let mut errors = String::new();
+                let _ = self.child().kill();
+                let pipe = self.child().stderr.take();
+                pipe.map(|mut pipe| pipe.read_to_string(&mut errors));
+                panic!("waited for {what}: {told}\n{errors}");
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Until everything that the state asks for is shown.
+    pub fn wait_done(&self) {
+        self.settle();
+        self.wait("all pictures", |told| told["is_done"] == true && told["asked"] == told["shown"]);
+        self.settle();
+    }
+
+    /// The events so far have arrived.
+    fn settle(&self) {
+        std::thread::sleep(Duration::from_millis(250));
+    }
+
+    /// Whether something becomes so within a few seconds.
+    pub fn soon(&self, is_so: impl Fn(&Self) -> bool) -> bool {
+        (0..6).any(|_| is_so(self))
+    }
+
+    pub fn state(&self) -> Value {
+        self.settle();
+        serde_json::from_str(self.told()["state"].as_str().unwrap()).unwrap()
+    }
+
+    pub fn controls(&self) -> Vec<String> {
+        self.settle();
+        self.told()["controls"].as_object().unwrap().keys().cloned().collect()
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.told()["controls"].get(name).is_some()
+    }
+
+    /// Left, top, width, height of a control in the window.
+    pub fn place(&self, name: &str) -> [f64; 4] {
+        let told = self.told();
+        let found = told["controls"].get(name).unwrap_or_else(|| panic!("no control {name}: {}", told["controls"]));
+        serde_json::from_value(found.clone()).unwrap()
+    }
+
+    pub fn xdotool(&self, words: &[String]) -> String {
+        self.screen.xdotool(words)
+    }
+
+    fn act(&self, words: &[&str]) {
+        self.xdotool(&words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>());
+    }
+
+    pub fn key(&self, key: &str) {
+        self.act(&["windowfocus", "--sync", &self.id, "key", key]);
+        self.settle();
+    }
+
+    pub fn hold(&self, key: &str, is_down: bool) {
+        self.act(&[if is_down { "keydown" } else { "keyup" }, key]);
+        self.settle();
+    }
+
+    fn go(&self, name: &str, [u, v]: [f64; 2]) {
+        let [left, top, width, height] = self.place(name);
+        let [x, y] = [left + u * width, top + v * height].map(|place| place.round().to_string());
+        self.act(&["mousemove", "--window", &self.id, &x, &y]);
+    }
+
+    pub fn click(&self, name: &str, at: [f64; 2]) {
+        self.go(name, at);
+        std::thread::sleep(Duration::from_millis(60));
+        self.act(&["click", "1"]);
+        self.settle();
+    }
+
+    /// Opens a list and takes an entry.
+    pub fn choose(&self, list: &str, entry: &str) {
+        self.click(list, [0.5, 0.5]);
+        self.click(entry, [0.5, 0.5]);
+    }
+
+    /// From one place of a control to another, in fractions of its size.
+    pub fn drag(&self, name: &str, from: [f64; 2], to: [f64; 2], held: Option<&str>) {
+        let place = self.place(name);
+        self.go(name, from);
+        held.map(|key| self.act(&["keydown", key]));
+        self.act(&["mousedown", "1"]);
+        for step in 1..=6 {
+            let at = |axis: usize| {
+                let share = from[axis] + (to[axis] - from[axis]) * f64::from(step) / 6.0;
+                (place[axis] + share * place[axis + 2]).round().to_string()
+            };
+            self.act(&["mousemove", "--window", &self.id, &at(0), &at(1)]);
+            std::thread::sleep(Duration::from_millis(40));
+        }
+        self.act(&["mouseup", "1"]);
+        held.map(|key| self.act(&["keyup", key]));
+        self.settle();
+    }
+
+    pub fn wheel(&self, name: &str, clicks: u32) {
+        self.go(name, [0.5, 0.5]);
+        self.act(&["click", "--repeat", &clicks.to_string(), "4"]);
+        self.settle();
+        self.settle();
+    }
+
+    pub fn resize(&self, width: u32, height: u32) {
+        self.act(&["windowmove", &self.id, "0", "30", "windowsize", &self.id, &width.to_string(), &height.to_string()]);
+        self.settle();
+    }
+
+    /// The picture as it is on the display.
+    pub fn picture(&self) -> Rgb8Image {
+        // Where a window is the pointer tells: window managers put frames around it.
+        self.act(&["mousemove", "--window", &self.id, "0", "0"]);
+        self.settle();
+        self.settle();
+        let all = self.screen.pixels();
+        let text = self.xdotool(&["getmouselocation", "--shell"].map(String::from));
+        let number = |key: &str| {
+            let line = text.lines().find_map(|line| line.strip_prefix(key)).unwrap();
+            line.trim_start_matches('=').parse::<f64>().unwrap()
+        };
+        let [left, top, width, height] = self.place("image").map(f64::round);
+        let [x, y] = [number("X") + left, number("Y") + top].map(|place| place as u32);
+        Rgb8Image::from_fn(width as u32, height as u32, |dx, dy| all.get(x + dx, y + dy))
+    }
+
+    /// The window manager asks it to close; it ends by itself, without a fault.
+    pub fn close(mut self) {
+        self.act(&["windowfocus", "--sync", &self.id, "key", "alt+F4"]);
+        let (code, message) = self.end(Duration::from_secs(30));
+        assert_eq!(code, Some(0), "{message}");
+    }
+
+    /// Waits for the end: the exit code and what it told.
+    pub fn end(&mut self, patience: Duration) -> (Option<i32>, String) {
+        let begun = Instant::now();
+        while self.is_alive() {
+            assert!(begun.elapsed() < patience, "the window stays: {}", self.told());
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        let mut child = self.child();
+        let mut message = String::new();
+        child.stderr.take().map(|mut pipe| pipe.read_to_string(&mut message));
+        (child.wait().unwrap().code(), message)
+    }
+}
+
+impl Drop for Win<'_> {
+    fn drop(&mut self) {
+        let _ = self.child().kill();
+        let _ = self.child().wait();
+    }
+}
