@@ -78,8 +78,8 @@ fn state(arguments: &Arguments) -> Result<State, Failure> {
     let mut point: Point = arguments.axes.point();
     if arguments.axes.get(METHOD).is_none() {
         // The split sum.
-        let first = METHODS.iter().find(|method| method.uses_prefiltered).expect("a method that looks a map up");
-        point[METHOD] = Value::Text(first.name.to_owned());
+        let first = METHODS.iter().find(|method| method.uses_prefiltered()).expect("a method that looks a map up");
+        point[METHOD] = Value::Text(first.name.to_owned().into());
     }
     if arguments.axes.get(SIZE).is_none() {
         point[SIZE] = Value::Pair([512; 2]);

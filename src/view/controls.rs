@@ -158,7 +158,7 @@ impl Controls {
                 let response = combo.height(520.0).show_ui(ui, |ui| {
                     let mut chosen = None;
                     for name in names() {
-                        let response = ui.selectable_label(name == text, name);
+                        let response = ui.selectable_label(name == text.as_str(), name);
                         self.place(format!("choice {name}"), &response);
                         if response.clicked() {
                             chosen = Some(name.to_owned());

@@ -83,7 +83,7 @@ impl Panel {
         };
         debug_assert!(INPUTS.contains(&axis));
         self.notice = format!("{}: {}", AXES[axis].name, path.display());
-        state.point[axis] = Value::Text(path.display().to_string());
+        state.point[axis] = Value::Text(path.display().to_string().into());
     }
 
     pub fn ui(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
@@ -138,7 +138,7 @@ impl Panel {
                         // The keys 1 to 9 choose a method, in the order of the list.
                         let digit = key.symbol_or_name().parse::<usize>().ok().filter(|digit| *digit > 0);
                         if let Some(method) = digit.and_then(|digit| crate::shade::METHODS.get(digit - 1)) {
-                            state.point[METHOD] = Value::Text(method.name.to_owned());
+                            state.point[METHOD] = Value::Text(method.name.to_owned().into());
                         }
                     }
                 }

@@ -46,7 +46,7 @@ pub struct Image {
 impl State {
     /// The left half of `point` beside the reference.
     pub fn new(point: Point, view: View) -> Self {
-        let right = Value::Text(REFERENCE.to_owned());
+        let right = Value::Text(REFERENCE.to_owned().into());
         Self { point, right, view, picture: Picture::Image, tone: Tone::Curve, wipe: 0.5, level: 0 }
     }
 
@@ -58,7 +58,7 @@ impl State {
             if let Ok(whole) = std::path::absolute(name)
                 && is_file
             {
-                self.point[axis] = Value::Text(whole.display().to_string());
+                self.point[axis] = Value::Text(whole.display().to_string().into());
             }
         }
     }
@@ -107,7 +107,7 @@ impl State {
     /// The image that the halves are judged by: the reference's, of both terms.
     pub fn truth(&self, count: u32) -> Image {
         let mut point = self.point.clone();
-        point[METHOD] = Value::Text(REFERENCE.to_owned());
+        point[METHOD] = Value::Text(REFERENCE.to_owned().into());
         let reference = Reference { samples: count, ..Reference::default() };
         self.of(point.reference(&reference, !self.view.lights.is_empty()), count)
     }

@@ -154,7 +154,7 @@ fn every_control_moves_its_axis() {
     win.wait_done();
     win.click(Part::Table.heading(), [0.5, 0.5]);
     // The right half looks the tables up, so that their controls are in use.
-    let table_method = splitsum::shade::METHODS.iter().find(|method| method.uses_prefiltered).unwrap().name;
+    let table_method = splitsum::shade::METHODS.iter().find(|method| method.uses_prefiltered()).unwrap().name;
     win.choose("right", &format!("choice {table_method}"));
     let mut moved = BTreeSet::new();
     // Ways to compute come last: they decide which of the others are in use.
