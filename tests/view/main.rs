@@ -94,8 +94,12 @@ fn the_window_shows_and_saves_what_render_makes() {
     let folder = win.dir().join("view-2");
     let run = program().current_dir(&folder).args(["run", "experiment.toml", "--out", "run"]).output().unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    // The folder of a window goes with it.
+    let kept = tempfile::tempdir().unwrap();
+    let file = kept.path().join("state.json");
+    std::fs::copy(folder.join("state.json"), &file).unwrap();
     win.close();
-    let again = screen.window(&["--state", folder.join("state.json").to_str().unwrap()]);
+    let again = screen.window(&["--state", file.to_str().unwrap()]);
     again.wait_done();
     assert_eq!(again.state(), after);
     again.close();
@@ -141,7 +145,7 @@ fn keys_do_what_the_report_does() {
     // The wipe by hand.
     win.key("d");
     win.drag("wipe", [0.5, 0.5], [6.0, 0.5], None);
-    assert!(win.state()["wipe"].as_f64().unwrap() > 0.55, "{}", win.state()["wipe"]);
+    assert!(win.soon(|win| win.state()["wipe"].as_f64().unwrap() > 0.55), "{}", win.state()["wipe"]);
     win.close();
 }
 

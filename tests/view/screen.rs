@@ -244,8 +244,10 @@ impl Win<'_> {
     pub fn drag(&self, name: &str, from: [f64; 2], to: [f64; 2], held: Option<&str>) {
         let place = self.place(name);
         self.go(name, from);
+        std::thread::sleep(Duration::from_millis(150));
         held.map(|key| self.act(&["keydown", key]));
         self.act(&["mousedown", "1"]);
+        std::thread::sleep(Duration::from_millis(100));
         for step in 1..=6 {
             let at = |axis: usize| {
                 let share = from[axis] + (to[axis] - from[axis]) * f64::from(step) / 6.0;

@@ -1,4 +1,6 @@
 //! Parameters that an experiment can sweep, and points: one value for each. Adding one is one entry of [`AXES`] in `list.rs`.
+//!
+//! Long because an axis, a point and its settings are one vocabulary.
 
 mod list;
 pub mod named;
