@@ -6,10 +6,11 @@ use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pixels::png;
-use splitsum::runner::axis::{AXES, Point, Reference, SAMPLES, View};
+use splitsum::runner::axis::{AXES, METHOD, Point, Reference, SAMPLES, View};
 use splitsum::runner::value::{Kind, Range, Value};
 use splitsum::runner::{RenderFault, write_radiance};
 use splitsum::scene::Scene;
+use splitsum::shade::{FILE_PREFIX, own};
 use splitsum::shade::reference_pass::ScramblePlan;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -27,6 +28,9 @@ pub struct Arguments {
     /// The image to write, .exr or .png.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Computes the specular term by GLSL of yours, as --method file:FILE does; docs/own-method.md says what it may read.
+    #[arg(long, value_name = "FILE", conflicts_with = AXES[METHOD].name)]
+    method_shader: Option<PathBuf>,
     /// Stops the reference before --samples, once the relative standard error of each of its terms is at most this.
     #[arg(long, value_name = "E", value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text))]
     relative_error: Option<Value>,
@@ -44,7 +48,7 @@ enum Output {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let output = output(&arguments.out)?;
-    let point = point(arguments);
+    let point = point(arguments)?;
     check_used(arguments, &point, &output)?;
     let settings = point.settings();
     settings.precompute.validate().map_err(Failure::input)?;
@@ -93,13 +97,19 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!("{}\n", arguments.out.display()))
 }
 
-/// The flags as a point. The reference has a sample count of its own where none is given.
-fn point(arguments: &Arguments) -> Point {
+/// The flags as a point, its method compiled where it is a file. The reference has a sample count of its own where none is given.
+fn point(arguments: &Arguments) -> Result<Point, Failure> {
     let mut point = arguments.axes.point();
+    if let Some(file) = &arguments.method_shader {
+        point[METHOD] = Value::Text(format!("{FILE_PREFIX}{}", file.display()));
+    }
+    if point[METHOD].text().starts_with(FILE_PREFIX) {
+        own::load(point[METHOD].text(), Path::new("")).map_err(Failure::input)?;
+    }
     if arguments.axes.get(SAMPLES).is_none() && point.method().is_integrated() {
         point[SAMPLES] = Value::Count(Reference::default().samples);
     }
-    point
+    Ok(point)
 }
 
 /// A flag that changes nothing here is a misunderstanding: of what a method does, or of what a file holds.

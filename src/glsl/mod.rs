@@ -1,3 +1,4 @@
 //! What Rust and GLSL agree on. No dependencies: the build script includes these files and writes the GLSL text from them.
 pub mod constants;
 pub mod layout;
+pub mod source;

@@ -1,7 +1,12 @@
-//! The SPIR-V that the build script made, by permutation name.
+//! The SPIR-V that the build script made, by permutation name, and that of methods in files, which the program makes.
 
 use super::GpuError;
-use std::sync::LazyLock;
+use crate::glsl::source::Sources;
+use rspirv_reflect::rspirv::dr::{self, Instruction, Operand};
+use rspirv_reflect::spirv::Op;
+use rspirv_reflect::{ReflectError, Reflection};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{LazyLock, PoisonError, RwLock};
 
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
@@ -11,8 +16,94 @@ pub(super) fn spirv(name: &str) -> Result<Vec<u32>, GpuError> {
     Ok(bytemuck::pod_collect_to_vec(code))
 }
 
+/// Shaders that were compiled while the program ran. They stay: a pipeline is made of them at any time.
+static ADDED: RwLock<BTreeMap<String, &'static [u8]>> = RwLock::new(BTreeMap::new());
+
 fn code_of(name: &str) -> Option<&'static [u8]> {
-    SHADERS.iter().find(|(known, _)| *known == name).map(|(_, code)| *code)
+    let built = SHADERS.iter().find(|(known, _)| *known == name).map(|(_, code)| *code);
+    // A map is whole after a panic: entries are added in one step.
+    built.or_else(|| ADDED.read().unwrap_or_else(PoisonError::into_inner).get(name).copied())
+}
+
+/// Adds a permutation that the build did not make. The name holds a hash of its text: a name has one code for good.
+pub fn add_shader(name: String, code: &[u32]) {
+    let mut added = ADDED.write().unwrap_or_else(PoisonError::into_inner);
+    added.entry(name).or_insert_with(|| Box::leak(bytemuck::cast_slice(code).to_vec().into_boxed_slice()));
+}
+
+/// The texts of all shaders of the device.
+pub fn shader_sources() -> Sources {
+    Sources(SHADER_TEXTS.iter().map(|(path, text)| (path.to_string(), text.to_string())).collect())
+}
+
+/// Names of what SPIR-V reads: variables (of a block without a name, the block), and members of structs.
+pub fn names_read(shader: &str) -> Result<BTreeSet<String>, GpuError> {
+    let fault = |error: ReflectError| GpuError::Reflection { shader: shader.to_owned(), what: error.to_string() };
+    Ok(Module(Reflection::new_from_spirv(shader_code(shader)).map_err(fault)?.0).names_read())
+}
+
+/// SPIR-V by its instructions.
+struct Module(dr::Module);
+
+impl Module {
+    fn names_read(&self) -> BTreeSet<String> {
+        let globals = &self.0.types_global_values;
+        let by_id: BTreeMap<u32, &Instruction> =
+            globals.iter().chain(self.0.all_inst_iter()).filter_map(|i| Some((i.result_id?, i))).collect();
+        let pointee = |pointer: u32| by_id[&pointer].operands[1].unwrap_id_ref();
+        let name_of = |id: u32| self.name(Op::Name, id, None);
+        let mut names = BTreeSet::new();
+        for instruction in self.0.functions.iter().flat_map(|function| function.all_inst_iter()) {
+            for variable in instruction.operands.iter().filter_map(Operand::id_ref_any) {
+                let found = by_id.get(&variable).filter(|found| found.class.opcode == Op::Variable);
+                let Some(of_type) = found.and_then(|found| found.result_type) else { continue };
+                names.extend(name_of(variable).or_else(|| name_of(pointee(of_type))));
+            }
+            // The path into a struct: members by number, from the type of what it starts at.
+            let base = instruction.operands.first().and_then(Operand::id_ref_any);
+            let Some(mut of_type) = base.and_then(|base| by_id.get(&base)?.result_type) else { continue };
+            match instruction.class.opcode {
+                Op::AccessChain | Op::InBoundsAccessChain => of_type = pointee(of_type),
+                Op::CompositeExtract => {}
+                _ => continue,
+            }
+            for step in &instruction.operands[1..] {
+                let parts = &by_id[&of_type];
+                let member = match step {
+                    Operand::LiteralBit32(member) => Some(*member),
+                    step => step.id_ref_any().and_then(|id| match by_id[&id].operands.first() {
+                        Some(Operand::LiteralBit32(member)) if by_id[&id].class.opcode == Op::Constant => Some(*member),
+                        _ => None,
+                    }),
+                };
+                match (parts.class.opcode, member) {
+                    (Op::TypeStruct, Some(member)) => {
+                        names.extend(self.name(Op::MemberName, of_type, Some(member)));
+                        of_type = parts.operands[member as usize].unwrap_id_ref();
+                    }
+                    // The element's type of an array, vector or matrix.
+                    _ => match parts.operands.first() {
+                        Some(Operand::IdRef(element)) => of_type = *element,
+                        _ => break,
+                    },
+                }
+            }
+        }
+        names
+    }
+
+    /// The name of an id, or of a member of it; none where it is empty.
+    fn name(&self, kind: Op, id: u32, member: Option<u32>) -> Option<String> {
+        let is_it = |name: &&Instruction| {
+            let target = name.operands[0].id_ref_any() == Some(id);
+            let at = member.is_none_or(|member| matches!(name.operands[1], Operand::LiteralBit32(at) if at == member));
+            name.class.opcode == kind && target && at
+        };
+        match self.0.debug_names.iter().find(is_it)?.operands.last()? {
+            Operand::LiteralString(name) if !name.is_empty() => Some(name.clone()),
+            _ => None,
+        }
+    }
 }
 
 /// Whether the build made this permutation; a method that does not use the BRDF has none for each model.

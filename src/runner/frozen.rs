@@ -9,6 +9,7 @@ use super::provenance::{self, experiment_hash};
 use super::value::Kind;
 use crate::environment::LoadOptions;
 use crate::files::read_given;
+use crate::shade::FILE_PREFIX;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -99,7 +100,12 @@ pub fn load(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<
     let given: Vec<String> = overrides.iter().map(axis_of).collect();
     let kept: Vec<String> = frozen.overrides.iter().filter(|text| !given.contains(&axis_of(text))).cloned().collect();
     let names_input = |texts: &[String]| {
-        texts.iter().any(|text| AXES.iter().any(|axis| axis.name == axis_of(text) && matches!(axis.kind, Kind::Input)))
+        let may_name = |kind: &Kind, text: &str| match kind {
+            Kind::Input => true,
+            Kind::NameOrFile { .. } => text.contains(FILE_PREFIX),
+            _ => false,
+        };
+        texts.iter().any(|text| AXES.iter().any(|axis| axis.name == axis_of(text) && may_name(&axis.kind, text)))
     };
     let set_dir = frozen.set_dir.filter(|_| names_input(&kept));
     if set_dir.is_some() && names_input(overrides) {

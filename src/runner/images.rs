@@ -28,12 +28,10 @@ pub fn short_text(axis: usize, point: &Point) -> String {
 
 /// As [`short_text`], of a value as tables hold it.
 pub fn short_value<'v>(axis: &Axis, text: &'v str) -> Cow<'v, str> {
-    if !matches!(axis.kind, super::value::Kind::Input) {
-        return short_number(text);
-    }
-    match text.strip_prefix(BUILTIN_PREFIX) {
-        Some(formula) => formula.into(),
-        None => Path::new(text).file_stem().map_or(text.into(), |stem| stem.to_string_lossy()),
+    match (axis.kind.path_in(text), text.strip_prefix(BUILTIN_PREFIX)) {
+        (None, _) => short_number(text),
+        (_, Some(formula)) => formula.into(),
+        (Some(path), None) => Path::new(path).file_stem().map_or(text.into(), |stem| stem.to_string_lossy()),
     }
 }
 

@@ -1,10 +1,11 @@
 //! Environments and scenes of an experiment, each loaded once.
 
-use super::axis::{ENVIRONMENT, SCENE};
+use super::axis::{ENVIRONMENT, METHOD, SCENE};
 use super::config::Config;
 use super::fault::Faults;
 use crate::environment::{BUILTIN_PREFIX, Environment, LoadOptions};
 use crate::scene::Scene;
+use crate::shade::{FILE_PREFIX, Method, own};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::Path;
@@ -15,6 +16,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Inputs {
     environments: BTreeMap<String, Arc<Environment>>,
     scenes: BTreeMap<String, Arc<Scene>>,
+    /// Methods in files.
+    methods: BTreeMap<String, &'static Method>,
     clipped: Arc<Mutex<Vec<Clipped>>>,
 }
 
@@ -68,11 +71,24 @@ fn each<T, E: Display>(
     loaded
 }
 
+/// The methods in files that an experiment names, compiled.
+pub fn load_methods(config: &Config, faults: &mut Faults) -> BTreeMap<String, &'static Method> {
+    let mut loaded = BTreeMap::new();
+    for (value, place) in config.values(METHOD).filter(|(value, _)| value.text().starts_with(FILE_PREFIX)) {
+        match own::load(value.text(), config.dir_of(place)) {
+            Ok(method) => drop(loaded.insert(value.text().to_owned(), method)),
+            Err(fault) => faults.add(place, fault),
+        }
+    }
+    loaded
+}
+
 impl Inputs {
     /// Loads what an experiment names; failures become faults.
     pub fn load(config: &Config, options: &LoadOptions, faults: &mut Faults) -> Self {
         let environments = each(config, ENVIRONMENT, faults, |name, dir| Environment::load(name, dir, options));
-        Self { environments, scenes: each(config, SCENE, faults, Scene::load), clipped: Arc::default() }
+        let scenes = each(config, SCENE, faults, Scene::load);
+        Self { environments, scenes, methods: load_methods(config, faults), clipped: Arc::default() }
     }
 
     /// Whether an environment of that name is loaded.
@@ -115,7 +131,9 @@ impl Inputs {
     /// Name and content hash of every input, environments first.
     pub fn hashes(&self) -> Vec<(String, String)> {
         let environments = self.environments.values().map(|e| (e.name.clone(), e.hash.clone()));
-        environments.chain(self.scenes.values().map(|s| (s.name.clone(), s.hash.clone()))).collect()
+        let scenes = self.scenes.values().map(|s| (s.name.clone(), s.hash.clone()));
+        let methods = self.methods.values().filter_map(|m| Some((m.name.to_owned(), m.shader?.to_owned())));
+        environments.chain(scenes).chain(methods).collect()
     }
 
     /// Warnings about the inputs, one sentence each with the input's name.

@@ -1,6 +1,6 @@
 //! `--set axis=v1,v2`: axes replaced from the command line.
 
-use super::axis::{AXES, INPUTS, Named};
+use super::axis::{AXES, Named};
 use super::config::{Config, KEYS, METRIC_KEY, Placed, Sweep, axis_names};
 use super::fault::{Faults, Place};
 
@@ -91,10 +91,12 @@ impl Config {
         self.file_dir.as_deref().unwrap_or_else(|| self.path.parent().unwrap_or(Path::new("")))
     }
 
-    /// Every environment and scene with its place.
+    /// Every value that may be a file, as a path, with its place.
     fn inputs(&self) -> impl Iterator<Item = (&str, &Place)> {
-        let values = INPUTS.into_iter().flat_map(|axis| self.values(axis));
-        values.map(|(value, place)| (value.text(), place))
+        AXES.iter().enumerate().flat_map(|(axis, entry)| {
+            let texts = self.values(axis).filter(|(value, _)| matches!(value, Value::Text(_)));
+            texts.filter_map(|(value, place)| Some((entry.kind.path_in(value.text())?, place)))
+        })
     }
 
     /// The axes that vary together with this one, itself among them, where each has a value in each row; nothing where it stands alone or

@@ -1,6 +1,6 @@
 //! The validated experiment: every cell with its id, what it shares with others, and what was left out.
 
-use super::axis::{AXES, ENVIRONMENT, Point, SCENE, SIZE, View};
+use super::axis::{AXES, ENVIRONMENT, METHOD, Point, SCENE, SIZE, View};
 use super::checks;
 use super::config::{Config, Exclusion};
 use super::fault::{ConfigError, Faults, Place};
@@ -354,6 +354,7 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relat
         lines.push(match index {
             ENVIRONMENT => format!("{name}={}", inputs.environment(value.text()).hash),
             SCENE => format!("{name}={}", inputs.scene(value.text()).hash),
+            METHOD => format!("{name}={}", point.method().shader.unwrap_or(point.method().name)),
             _ => format!("{name}={value}"),
         });
     }

@@ -1,6 +1,7 @@
 //! Values as written in a file or on the command line, and how they are checked.
 
 use crate::glsl::constants;
+use crate::shade::FILE_PREFIX;
 use crate::spelling::suggestion;
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -99,7 +100,7 @@ impl Value {
         }
     }
 
-    /// The text of a value whose kind is [`Kind::Name`] or [`Kind::Input`].
+    /// The text of a value whose kind is [`Kind::Name`], [`Kind::NameOrFile`] or [`Kind::Input`].
     pub fn text(&self) -> &str {
         match self {
             Self::Text(text) => text,
@@ -182,6 +183,11 @@ pub enum Kind {
         what: &'static str,
         names: fn() -> Vec<&'static str>,
     },
+    /// One of a list of names, or [`FILE_PREFIX`] and the path of a file; the file is checked by loading it.
+    NameOrFile {
+        what: &'static str,
+        names: fn() -> Vec<&'static str>,
+    },
     /// A number in the range, or a name that stands for one. Its value is the number: tables and ids never see the name.
     NumberOrName {
         range: Range,
@@ -254,12 +260,14 @@ impl Kind {
                 Raw::Integer(n) => count(*n, *min, *max).map(|side| Value::Pair([side; 2])),
                 _ => expected(&format!("a pair of whole numbers in [{min}, {max}], such as [256, 128]")),
             },
-            Self::Name { what, names } => match raw {
+            Self::Name { what, names } | Self::NameOrFile { what, names } => match raw {
                 Raw::String(text) => {
                     let names = names();
-                    match names.contains(&text.as_str()) {
+                    let takes_files = matches!(self, Self::NameOrFile { .. });
+                    let is_file = takes_files && text.strip_prefix(FILE_PREFIX).is_some_and(|path| !path.is_empty());
+                    match is_file || names.contains(&text.as_str()) {
                         true => Ok(Value::from(text.as_str())),
-                        false => Err(not_one_of(what, text, &names, "")),
+                        false => Err(not_one_of(what, text, &names, if takes_files { "file:PATH, " } else { "" })),
                     }
                 }
                 _ => expected(&format!("the name of {} in quotes", with_article(what))),
@@ -286,7 +294,7 @@ impl Kind {
     pub fn parse_text(&self, text: &str) -> Result<Value, String> {
         let text = text.trim();
         let raw = match self {
-            Self::Name { .. } | Self::Input => Raw::String(text.to_owned()),
+            Self::Name { .. } | Self::NameOrFile { .. } | Self::Input => Raw::String(text.to_owned()),
             Self::Color(_) if text.contains([':', ',']) => {
                 Raw::Array(text.split([':', ',']).map(|part| from_text(part.trim())).collect())
             }
@@ -297,9 +305,18 @@ impl Kind {
         };
         self.parse(&raw).map_err(|fault| match self {
             Self::Pair { min, max } => format!("{text:?} is not WxH with whole numbers in [{min}, {max}]"),
-            Self::Name { .. } => fault.replace(" in quotes", ""),
+            Self::Name { .. } | Self::NameOrFile { .. } => fault.replace(" in quotes", ""),
             _ => fault,
         })
+    }
+
+    /// The path in a value's text, where it may name a file.
+    pub fn path_in<'t>(&self, text: &'t str) -> Option<&'t str> {
+        match self {
+            Self::Input => Some(text),
+            Self::NameOrFile { .. } => text.strip_prefix(FILE_PREFIX),
+            _ => None,
+        }
     }
 
     /// The values that the kind accepts, for help texts.
@@ -311,6 +328,7 @@ impl Kind {
             Self::Color(range) => format!("one number or three (red, green, blue) in {range}"),
             Self::Pair { min, max } => format!("two whole numbers in [{min}, {max}]"),
             Self::Name { names, .. } => names().join(" | "),
+            Self::NameOrFile { names, .. } => format!("{} | {FILE_PREFIX}PATH", names().join(" | ")),
             Self::NumberOrName { range, named, .. } => {
                 let names: Vec<&str> = named().iter().map(|(name, _)| *name).collect();
                 format!("number in {range} | {}", names.join(" | "))
@@ -341,6 +359,7 @@ impl Kind {
             Self::Color(_) => "R,G,B",
             Self::Pair { .. } => "WxH",
             Self::Name { .. } => "NAME",
+            Self::NameOrFile { .. } => "NAME|file:PATH",
             Self::NumberOrName { .. } => "X|NAME",
             Self::Input => "NAME|FILE",
         }

@@ -16,4 +16,5 @@ pub const NONE: &str = "none";
 pub const EXACT_SPLIT: &str = "ladder-view";
 
 pub use diffuse::{DIFFUSE, Diffuse, diffuse_by_name};
-pub use method::{METHODS, Method, method_by_name};
+pub use crate::glsl::source::FILE_PREFIX;
+pub use method::{METHODS, Method, method_by_name, own};

@@ -121,7 +121,7 @@ pub const BACKGROUND_SHADER: &str = "shade/background.comp";
 
 /// The shader of a method's specular pass; one that does not use the model has none for each.
 pub fn specular_shader(layout: &MapLayout, method: &Method, brdf: &dyn Brdf) -> String {
-    let general = format!("shade/specular.comp:{}:{}", layout.name, method.name);
+    let general = format!("shade/specular.comp:{}:{}", layout.name, method.shader.unwrap_or(method.name));
     let special = format!("{general}:{}", brdf.name());
     if has_shader(&special) { special } else { general }
 }

@@ -342,3 +342,23 @@ fn memory_that_is_not_to_be_had_is_told() {
     assert_eq!(output.status.code(), Some(2), "{message}");
     assert!(message.contains("large.hdr: 384 MiB of memory for its 33554432 pixels are not to be had"), "{message}");
 }
+
+/// A method in a file that does not compile, or is not there: its line, before anything is rendered.
+#[test]
+fn a_faulty_method_names_its_line() {
+    let dir = tempfile::tempdir().unwrap();
+    let cases = [
+        ("vec3 specular_radiance(Surface s) {\n    return nothing;\n}\n", "my.glsl:2: 'nothing' : undeclared identifier"),
+        ("#include \"lib/no_such.glsl\"\n", "my.glsl:1: there is no lib/no_such.glsl to include"),
+        ("vec3 radiance(Surface s) { return s.f0; }\n", "'specular_radiance' : no matching overloaded function found"),
+    ];
+    let experiment = "name = \"x\"\n[axes]\nmethod = [\"split-sum\", \"file:my.glsl\"]\n";
+    std::fs::write(dir.path().join("e.toml"), experiment).unwrap();
+    for (text, message) in cases {
+        std::fs::write(dir.path().join("my.glsl"), text).unwrap();
+        assert_ends(&splitsum(dir.path(), &["render", "--method-shader", "my.glsl", "--out", "x.exr"]), 2, &[message]);
+        assert_ends(&splitsum(dir.path(), &["plan", "e.toml"]), 2, &["e.toml:3:", message]);
+    }
+    std::fs::remove_file(dir.path().join("my.glsl")).unwrap();
+    assert_ends(&splitsum(dir.path(), &["plan", "e.toml"]), 2, &["e.toml:3:", "my.glsl: "]);
+}

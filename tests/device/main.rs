@@ -15,6 +15,7 @@ mod layer;
 mod layouts;
 mod lights;
 mod methods;
+mod own_method;
 mod placement;
 mod prefilter;
 mod probe;

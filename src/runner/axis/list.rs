@@ -109,14 +109,14 @@ const LIST: &[Axis] = &[
     Axis {
         name: "method",
         part: Part::Method,
-        about: "how the specular term is computed; `splitsum list methods`",
+        about: "how the specular term is computed: `splitsum list methods`, or GLSL of yours",
         plural: "methods",
         sheet: Sheet::Column,
         frames_cost: true,
         tables_cost: true,
         is_compared: true,
         needs_memory: true,
-        kind: Kind::Name { what: "method", names: || METHODS.iter().map(|m| m.name).collect() },
+        kind: Kind::NameOrFile { what: "method", names: || METHODS.iter().map(|m| m.name).collect() },
         default: || Value::from("sampled"),
         reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::from(r.method.as_str()) },
         apply: |s, v| s.method = method(v.text()),
@@ -541,9 +541,6 @@ indices! {
     DFG_SIZE = "dfg_size";
     IRRADIANCE_SIZE = "irradiance_size";
 }
-
-/// The axes whose values name builtins and files.
-pub const INPUTS: [usize; 2] = [ENVIRONMENT, SCENE];
 
 /// The place of a name in the list, while the program is compiled.
 const fn index(name: &str) -> usize {

@@ -3,6 +3,7 @@
 pub mod ladder;
 pub mod ladder_texels;
 mod none;
+pub mod own;
 mod reference;
 mod sampled;
 mod sampled_unfiltered;
@@ -50,6 +51,8 @@ pub struct Method {
     pub uses_weight: bool,
     /// Whether its error has the steps of the ladder (`crate::ladder`).
     pub has_ladder: bool,
+    /// The part of its shader's name that stands for it, where not its own name: a method in a file.
+    pub shader: Option<&'static str>,
     /// The integrand, where the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,
 }
@@ -95,6 +98,7 @@ impl Method {
             uses_levels: false,
             uses_weight: false,
             has_ladder: false,
+            shader: None,
             lobe: None,
         }
     }
@@ -131,7 +135,7 @@ impl Method {
     }
 }
 
-/// The method of that name.
+/// The method of that name: a listed one, or `file:PATH` ([`own`]).
 pub fn method_by_name(name: &str) -> Option<&'static Method> {
-    METHODS.iter().find(|method| method.name == name)
+    METHODS.iter().find(|method| method.name == name).or_else(|| own::loaded(name))
 }

@@ -7,7 +7,8 @@ use crate::runner::config::Config;
 use crate::runner::environments::{LUMINANCE_COLUMNS, RANGE_COLUMN};
 use crate::runner::fault::Faults;
 use crate::runner::frozen::EXPERIMENT_FILE;
-use crate::runner::provenance::{self, PROVENANCE_FILE, ProvenanceError};
+use crate::runner::inputs::load_methods;
+use crate::runner::provenance::{self, EXPERIMENT_FOLDER, PROVENANCE_FILE, ProvenanceError, SET_FOLDER};
 use crate::runner::store::{StopReason, Store, StoreError, TIMINGS_FOLDER};
 use crate::runner::tables::{FAILED, HEADLINE, REFERENCE_COLUMNS};
 use crate::runner::value::Value;
@@ -73,7 +74,7 @@ impl Finished {
         }
         let experiment = text(&dir.join(EXPERIMENT_FILE))?.unwrap_or_default();
         Ok(Self {
-            config: config(&experiment, &provenance),
+            config: config(dir, &experiment, &provenance),
             cells,
             lights: table("environments.csv")?.map_or_else(|| Ok(Vec::new()), lights)?,
             timings: of_store(dir, TIMINGS_FOLDER, Store::timing)?,
@@ -213,14 +214,20 @@ fn check_head(table: &TableRows) -> Result<(), FinishedError> {
     if table.columns().is_empty() { Err(damaged(table, "the file is empty".to_owned())) } else { Ok(()) }
 }
 
-/// The frozen experiment, where this program still understands it.
-fn config(experiment: &str, provenance: &Json) -> Option<Config> {
+/// The frozen experiment, where this program still understands it. Methods in files are read again where the files still are: what they
+/// depend on decides which questions can be answered.
+fn config(dir: &Path, experiment: &str, provenance: &Json) -> Option<Config> {
     let overrides = provenance["overrides"].as_array().into_iter().flatten();
     let overrides: Vec<String> = overrides.filter_map(|text| Some(text.as_str()?.to_owned())).collect();
     let path = Path::new(EXPERIMENT_FILE);
     let mut faults = Faults::new(path, experiment);
-    let config = Config::parse(path, experiment, &overrides, &mut faults);
-    faults.is_empty().then_some(config)
+    let mut config = Config::parse(path, experiment, &overrides, &mut faults);
+    let folder = |key: &str| provenance[key].as_str().map(|folder| dir.join(folder));
+    config.file_dir = folder(EXPERIMENT_FOLDER);
+    config.set_dir = folder(SET_FOLDER).unwrap_or_default();
+    let is_understood = faults.is_empty();
+    load_methods(&config, &mut faults);
+    is_understood.then_some(config)
 }
 
 /// A run that left no table, with the command that makes one.

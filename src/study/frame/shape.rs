@@ -4,7 +4,7 @@ use super::Row;
 use crate::runner::axis::{AXES, METHOD, Terms};
 use crate::runner::config::Config;
 use crate::runner::value::Value;
-use crate::shade::{METHODS, Method};
+use crate::shade::{METHODS, Method, method_by_name};
 use crate::study::finished::Finished;
 
 /// The values of every axis, and which further parts an experiment has.
@@ -64,10 +64,12 @@ impl Shape {
         self.values[axis].len() > 1
     }
 
-    /// The methods with a specular term, in the order of their list.
+    /// The methods with a specular term: listed ones in the order of their list, then those in files.
     pub fn methods(&self) -> impl Iterator<Item = &'static Method> {
-        let has = |name: &str| self.values[METHOD].iter().any(|value| value.text() == name);
-        METHODS.iter().filter(move |method| !method.is_none() && has(method.name))
+        let mut methods: Vec<_> = self.values[METHOD].iter().filter_map(|value| method_by_name(value.text())).collect();
+        methods.retain(|method| !method.is_none());
+        methods.sort_by_key(|method| METHODS.iter().position(|listed| listed.name == method.name).unwrap_or(usize::MAX));
+        methods.into_iter()
     }
 }
 

@@ -1,11 +1,10 @@
 //! Numbers, counts and scopes as sentences say them.
 
 use crate::runner::axis::{AXES, ENVIRONMENT};
+use crate::runner::images::short_value;
 use crate::runner::value::Value;
-use crate::spelling::short_number;
 use crate::study::frame::{Frame, Row, estimate::Estimate, values};
 use crate::table::markdown::significant;
-use std::path::Path;
 
 /// Digits of a number in a sentence.
 const DIGITS: usize = 2;
@@ -71,14 +70,7 @@ pub fn count(n: usize, one: &str, many: &str) -> String {
 
 /// A value as people say it: builtins without prefix, files without folder and extension, numbers short.
 pub fn short(axis: usize, value: &Value) -> String {
-    let text = value.to_string();
-    if !matches!(AXES[axis].kind, crate::runner::value::Kind::Input) {
-        return short_number(&text).into_owned();
-    }
-    match text.strip_prefix("builtin:") {
-        Some(formula) => formula.to_owned(),
-        None => Path::new(&text).file_stem().map_or(text.clone(), |stem| stem.to_string_lossy().into_owned()),
-    }
+    short_value(&AXES[axis], &value.to_string()).into_owned()
 }
 
 /// `25 %` of 0.25, `-25 %` of -0.25.

@@ -78,3 +78,25 @@ fn every_fact_of_the_list_is_one_that_the_program_knows() {
         assert!(axis.frames_cost || !axis.is_compared, "{}", axis.name);
     }
 }
+
+/// A method in a file counts by its text: a renamed file keeps its cells, a changed one loses them and no reference.
+#[test]
+fn a_method_in_a_file_counts_by_its_text() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = "#include \"lib/split_sum.glsl\"\nvec3 specular_radiance(Surface s) { return reflectance(s); }\n";
+    let changed = text.replace("reflectance(s)", "2.0 * reflectance(s)");
+    for (name, text) in [("a.glsl", text), ("b.glsl", text), ("c.glsl", &changed)] {
+        std::fs::write(dir.path().join(name), text).unwrap();
+    }
+    let cell = |name: &str| {
+        let text = format!("name = \"x\"\n[axes]\nmethod = [\"file:{name}\"]\nsamples = [1, 2, 4]\n");
+        let plan = Plan::from_text(&dir.path().join("e.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"));
+        // It reads no sample count: three counts are one cell.
+        assert_eq!(plan.cells.len(), 1);
+        plan.cells[0].clone()
+    };
+    let [a, b, c] = ["a.glsl", "b.glsl", "c.glsl"].map(cell);
+    assert_eq!((&a.radiance, &a.reference), (&b.radiance, &b.reference));
+    assert_eq!(a.reference, c.reference);
+    assert_ne!(a.radiance, c.radiance);
+}

@@ -1,0 +1,42 @@
+//! Methods in files: the same code gives the same image, and what it reads says what it depends on.
+
+use crate::harness::{golden_environment, lobe_sphere, request, with_pipeline};
+use splitsum::environment::layout::LAYOUTS;
+use splitsum::gpu::names_read;
+use splitsum::pipeline::RenderRequest;
+use splitsum::scene::CameraKind;
+use splitsum::shade::pass::specular_shader;
+use splitsum::shade::{METHODS, method_by_name, own};
+use std::path::Path;
+
+/// The facts of a listed method about what it depends on are those that its compiled shader tells.
+#[test]
+fn a_shader_tells_what_its_method_depends_on() {
+    for method in METHODS.iter().filter(|method| method.has_pass()) {
+        let shader = specular_shader(&LAYOUTS[0], method, splitsum::brdf::MODELS[0]);
+        let told = own::of_names_read(*method, &names_read(&shader).unwrap(), String::new());
+        let facts = |m: &splitsum::shade::Method| {
+            let points = [m.uses_samples, m.uses_point_set, m.uses_lod_bias];
+            (points, [m.uses_prefiltered, m.uses_dfg, m.uses_lobe_shapes])
+        };
+        assert_eq!(facts(&told), facts(method), "{}", method.name);
+    }
+}
+
+/// A copy of a listed method's file is that method, bit for bit.
+#[test]
+fn a_copied_method_makes_the_same_image() {
+    with_pipeline(|pipeline| {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/shade/method");
+        for name in ["split-sum", "sampled"] {
+            let copy = own::load(&format!("file:{}.glsl", name.replace('-', "_")), &folder).unwrap();
+            let listed = method_by_name(name).unwrap();
+            let base = request(&golden_environment(), lobe_sphere(0.3), CameraKind::Ortho, [24, 24]);
+            let mut frames = [listed, copy].map(|method| {
+                pipeline.render(&RenderRequest { method, samples: 16, ..base.clone() }).unwrap().radiance
+            });
+            let [expected, found] = frames.each_mut();
+            assert!(expected == found, "{name}");
+        }
+    });
+}
