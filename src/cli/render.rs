@@ -10,8 +10,9 @@ use splitsum::runner::axis::{AXES, METHOD, Point, Reference, SAMPLES, View};
 use splitsum::runner::value::{Kind, Range, Value};
 use splitsum::runner::{RenderFault, write_radiance};
 use splitsum::scene::Scene;
-use splitsum::shade::{FILE_PREFIX, own};
 use splitsum::shade::reference_pass::ScramblePlan;
+use splitsum::shade::{FILE_PREFIX, own};
+use splitsum::shade::{FILE_PREFIX, own};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -101,7 +102,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 fn point(arguments: &Arguments) -> Result<Point, Failure> {
     let mut point = arguments.axes.point();
     if let Some(file) = &arguments.method_shader {
-        point[METHOD] = Value::Text(format!("{FILE_PREFIX}{}", file.display()));
+        point[METHOD] = Value::from(format!("{FILE_PREFIX}{}", file.display()).as_str());
     }
     if point[METHOD].text().starts_with(FILE_PREFIX) {
         own::load(point[METHOD].text(), Path::new("")).map_err(Failure::input)?;

@@ -15,6 +15,6 @@ pub const NONE: &str = "none";
 /// Name of the split sum with exact factors: what tables approximate.
 pub const EXACT_SPLIT: &str = "ladder-view";
 
-pub use diffuse::{DIFFUSE, Diffuse, diffuse_by_name};
 pub use crate::glsl::source::FILE_PREFIX;
+pub use diffuse::{DIFFUSE, Diffuse, diffuse_by_name};
 pub use method::{METHODS, Method, method_by_name, own};

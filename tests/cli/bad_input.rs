@@ -348,7 +348,10 @@ fn memory_that_is_not_to_be_had_is_told() {
 fn a_faulty_method_names_its_line() {
     let dir = tempfile::tempdir().unwrap();
     let cases = [
-        ("vec3 specular_radiance(Surface s) {\n    return nothing;\n}\n", "my.glsl:2: 'nothing' : undeclared identifier"),
+        (
+            "vec3 specular_radiance(Surface s) {\n    return nothing;\n}\n",
+            "my.glsl:2: 'nothing' : undeclared identifier",
+        ),
         ("#include \"lib/no_such.glsl\"\n", "my.glsl:1: there is no lib/no_such.glsl to include"),
         ("vec3 radiance(Surface s) { return s.f0; }\n", "'specular_radiance' : no matching overloaded function found"),
     ];

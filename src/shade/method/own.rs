@@ -6,8 +6,8 @@
 
 use super::Method;
 use crate::files::read_given;
-use crate::gpu::{add_shader, names_read, shader_sources};
 use crate::glsl::source::{Choice, FILE_PREFIX, Language, METHOD_INCLUDE, compile};
+use crate::gpu::{add_shader, names_read, shader_sources};
 use crate::shade::twin::Twin;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -78,7 +78,8 @@ pub fn of_names_read(method: Method, reads: &BTreeSet<String>, stem: String) -> 
         uses_samples: reads("sample_count"),
         uses_point_set: reads("Points"),
         uses_lod_bias: reads("lod_bias"),
-        uses_prefiltered: reads("prefiltered"),
+        // How often is not counted: a method that looks the map up more than once is told as one that does so once.
+        lookups: reads("prefiltered").into(),
         uses_dfg: reads("dfg"),
         uses_lobe_shapes: reads("lobe_shapes"),
         ..method

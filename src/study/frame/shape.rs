@@ -68,7 +68,8 @@ impl Shape {
     pub fn methods(&self) -> impl Iterator<Item = &'static Method> {
         let mut methods: Vec<_> = self.values[METHOD].iter().filter_map(|value| method_by_name(value.text())).collect();
         methods.retain(|method| !method.is_none());
-        methods.sort_by_key(|method| METHODS.iter().position(|listed| listed.name == method.name).unwrap_or(usize::MAX));
+        methods
+            .sort_by_key(|method| METHODS.iter().position(|listed| listed.name == method.name).unwrap_or(usize::MAX));
         methods.into_iter()
     }
 }
