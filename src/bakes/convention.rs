@@ -97,6 +97,13 @@ impl TableAxes {
         let [u, v] = [(uv.x, self.falls[0]), (uv.y, self.falls[1])].map(|(t, falls)| if falls { 1.0 - t } else { t });
         if self.is_transposed { DVec2::new(v, u) } else { DVec2::new(u, v) }
     }
+
+    /// Texture coordinates of n·v and perceptual roughness. Inverse: [`Self::parameters`].
+    pub fn place(&self, parameters: DVec2) -> DVec2 {
+        let at = if self.is_transposed { DVec2::new(parameters.y, parameters.x) } else { parameters };
+        let [u, v] = [(at.x, self.falls[0]), (at.y, self.falls[1])].map(|(t, falls)| if falls { 1.0 - t } else { t });
+        DVec2::new(u, v)
+    }
 }
 
 /// What the first two channels of a DFG table hold, of the scale A of f0 and the bias B.

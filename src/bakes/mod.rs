@@ -6,6 +6,7 @@
 pub mod check;
 pub mod container;
 pub mod convention;
+pub mod given;
 pub mod make;
 pub mod page;
 mod parts;

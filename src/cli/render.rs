@@ -4,6 +4,7 @@ use super::flags::{AxisFlags, Given, SeenFlags};
 use super::run::open_device;
 use super::{Failure, print, tell};
 use clap::Args;
+use splitsum::bakes::given;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pixels::png;
 use splitsum::runner::axis::{AXES, METHOD, Point, Reference, SAMPLES, View};
@@ -11,7 +12,6 @@ use splitsum::runner::value::{Kind, Range, Value};
 use splitsum::runner::{RenderFault, write_radiance};
 use splitsum::scene::Scene;
 use splitsum::shade::reference_pass::ScramblePlan;
-use splitsum::shade::{FILE_PREFIX, own};
 use splitsum::shade::{FILE_PREFIX, own};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -77,7 +77,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ..seen.view()
     };
     let curve = settings.curve;
-    let request = settings.request(&environment, &scene, &view);
+    let given = given::Given::load(&settings.prefiltered, &settings.dfg, here).map_err(Failure::input)?;
+    let request = settings.request(&environment, &scene, &view, given);
     let mut pipeline = open_device(seen.device).map_err(Failure::opening)?;
     let frame = pipeline.render(&request).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
     for term in &frame.convergences {

@@ -4,6 +4,7 @@
 //! takes the inputs apart by name: a new field does not compile until the key has it.
 
 use super::RenderRequest;
+use crate::bakes::given::{GivenMap, GivenTable};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::environment::layout::MapLayout;
@@ -94,24 +95,31 @@ pub(super) struct PrefilterInputs<'a> {
     pub(super) level_count: u32,
     pub(super) by: PrefilterBy,
     pub(super) sample_count: u32,
+    /// In its place.
+    pub(super) given: Option<&'a GivenMap>,
 }
 
 impl<'a> PrefilterInputs<'a> {
     pub(super) fn of(request: &'a RenderRequest) -> Self {
         let settings = &request.precompute;
+        let given = request.given.prefiltered.as_deref();
         Self {
             environment: &request.environment,
             layout: settings.layout,
             recipe: Recipe::of(request.brdf, request.masking_shadowing, settings),
-            size: settings.prefilter_size,
+            size: given.map_or(settings.prefilter_size, |map| [map.side; 2]),
             level_count: settings.prefilter_level_count,
             by: settings.prefilter,
             sample_count: settings.prefilter_sample_count,
+            given,
         }
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { environment, layout, recipe, size, level_count, by, sample_count } = self;
+        let Self { environment, layout, recipe, size, level_count, by, sample_count, given } = self;
+        if let Some(map) = given {
+            return SharedKey { kind: "prefilter", inputs: format!("given={}\n", map.hash), shaders: Vec::new() };
+        }
         let Recipe { kernel: Kernel { brdf, weight, masking }, mapping, lod_bias } = recipe;
         let (map, faces, model) = (&environment.hash, layout.name, brdf.name());
         let inputs = format!(
@@ -127,21 +135,28 @@ impl<'a> PrefilterInputs<'a> {
 }
 
 /// The DFG table.
-pub(super) struct DfgInputs {
+pub(super) struct DfgInputs<'a> {
     pub(super) brdf: &'static dyn Brdf,
     pub(super) masking: MaskingShadowing,
     pub(super) side: u32,
     pub(super) sample_count: u32,
+    /// In its place.
+    pub(super) given: Option<&'a GivenTable>,
 }
 
-impl DfgInputs {
-    pub(super) fn of(request: &RenderRequest) -> Self {
+impl<'a> DfgInputs<'a> {
+    pub(super) fn of(request: &'a RenderRequest) -> Self {
         let RenderRequest { brdf, masking_shadowing: masking, precompute, .. } = *request;
-        Self { brdf, masking, side: precompute.dfg_size, sample_count: precompute.dfg_sample_count }
+        let given = request.given.dfg.as_deref();
+        let side = given.map_or(precompute.dfg_size, |table| table.side);
+        Self { brdf, masking, side, sample_count: precompute.dfg_sample_count, given }
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { brdf, masking, side, sample_count } = self;
+        let Self { brdf, masking, side, sample_count, given } = self;
+        if let Some(table) = given {
+            return SharedKey { kind: "dfg", inputs: format!("given={}\n", table.hash), shaders: Vec::new() };
+        }
         let inputs = format!("brdf={}\nmasking={masking:?}\nsize={side}\nsamples={sample_count}\n", brdf.name());
         SharedKey { kind: "dfg", inputs, shaders: vec![dfg::pass::shader(*brdf)] }
     }

@@ -36,6 +36,8 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         lights,
         background,
         precompute,
+        // A table is told by its key, and no reference reads a prefiltered map.
+        given: _,
         seed,
         // Parameters of sampled methods only.
         sequence: _,

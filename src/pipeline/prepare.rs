@@ -299,6 +299,12 @@ impl Resources {
         let empty = || prefilter::pass::map(gpu, inputs.layout, inputs.size, inputs.level_count).map(Levels::all);
         let made = maker.table(&mut self.prefiltered, &key, empty, |map| {
             let (recipe, layout) = (inputs.recipe, inputs.layout);
+            if let Some(given) = inputs.given {
+                for (level, texels) in (0..).zip(&given.levels) {
+                    gpu.write_image(&map.image, level, texels)?;
+                }
+                return Ok(Report::default());
+            }
             if !is_harmonic {
                 return prefilter::pass::run(gpu, recipe, layout, environment, &points, &map.image);
             }
@@ -318,6 +324,10 @@ impl Resources {
         let (gpu, key) = (maker.gpu, inputs.key());
         let empty = || dfg::pass::table(gpu, inputs.side).map(Levels::all);
         let made = maker.table(&mut self.dfg_tables, &key, empty, |table| {
+            if let Some(given) = inputs.given {
+                gpu.write_image(&table.image, 0, &given.texels)?;
+                return Ok(Report::default());
+            }
             dfg::pass::run(gpu, inputs.brdf, inputs.masking, inputs.sample_count, &table.image)
         })?;
         self.stored(gpu, &key, made.image, storage)

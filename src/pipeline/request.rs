@@ -1,5 +1,6 @@
 //! What is asked of the pipeline and what it answers.
 
+use crate::bakes::given::Given;
 use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::environment::{Environment, Placement};
 use crate::gpu::PassTime;
@@ -42,6 +43,8 @@ pub struct RenderRequest {
     /// Shows the environment where nothing is hit.
     pub background: bool,
     pub precompute: PrecomputeSettings,
+    /// Tables of other tools; sizes, levels and mapping in `precompute` are theirs.
+    pub given: Given,
     /// Seeds the scrambles of the reference.
     pub seed: u32,
 }
@@ -69,6 +72,7 @@ impl RenderRequest {
             lights: Vec::new(),
             background: false,
             precompute: PrecomputeSettings::default(),
+            given: Given::default(),
             seed: 1,
         }
     }

@@ -1,8 +1,9 @@
 //! Environments and scenes of an experiment, each loaded once.
 
-use super::axis::{ENVIRONMENT, METHOD, SCENE};
+use super::axis::{DFG_TABLE, ENVIRONMENT, METHOD, PREFILTERED, SCENE, Settings};
 use super::config::Config;
 use super::fault::Faults;
+use crate::bakes::given::{self, Given, GivenMap, GivenTable};
 use crate::environment::{BUILTIN_PREFIX, Environment, LoadOptions};
 use crate::scene::Scene;
 use crate::shade::{FILE_PREFIX, Method, own};
@@ -18,6 +19,9 @@ pub struct Inputs {
     scenes: BTreeMap<String, Arc<Scene>>,
     /// Methods in files.
     methods: BTreeMap<String, &'static Method>,
+    /// None for our own.
+    maps: BTreeMap<String, Arc<Option<Arc<GivenMap>>>>,
+    tables: BTreeMap<String, Arc<Option<Arc<GivenTable>>>>,
     clipped: Arc<Mutex<Vec<Clipped>>>,
 }
 
@@ -88,7 +92,10 @@ impl Inputs {
     pub fn load(config: &Config, options: &LoadOptions, faults: &mut Faults) -> Self {
         let environments = each(config, ENVIRONMENT, faults, |name, dir| Environment::load(name, dir, options));
         let scenes = each(config, SCENE, faults, Scene::load);
-        Self { environments, scenes, methods: load_methods(config, faults), clipped: Arc::default() }
+        let maps = each(config, PREFILTERED, faults, given::map);
+        let tables = each(config, DFG_TABLE, faults, given::table);
+        let methods = load_methods(config, faults);
+        Self { environments, scenes, methods, maps, tables, clipped: Arc::default() }
     }
 
     /// Whether an environment of that name is loaded.
@@ -123,17 +130,25 @@ impl Inputs {
         self.scenes.get(name).unwrap_or_else(|| panic!("the plan loaded no scene {name}"))
     }
 
+    /// The tables of other tools that settings name.
+    pub fn given(&self, settings: &Settings) -> Given {
+        let prefiltered = self.maps.get(&settings.prefiltered).and_then(|map| (**map).clone());
+        Given { prefiltered, dfg: self.tables.get(&settings.dfg).and_then(|table| (**table).clone()) }
+    }
+
     /// Every loaded scene.
     pub fn scenes(&self) -> impl Iterator<Item = &Scene> {
         self.scenes.values().map(Arc::as_ref)
     }
 
-    /// Name and content hash of every input, environments first.
+    /// Name and content hash of every input: environments, scenes, methods in files, tables.
     pub fn hashes(&self) -> Vec<(String, String)> {
         let environments = self.environments.values().map(|e| (e.name.clone(), e.hash.clone()));
         let scenes = self.scenes.values().map(|s| (s.name.clone(), s.hash.clone()));
         let methods = self.methods.values().filter_map(|m| Some((m.name.to_owned(), m.shader?.to_owned())));
-        environments.chain(scenes).chain(methods).collect()
+        let maps = self.maps.values().filter_map(|m| m.as_ref().as_ref().map(|m| (m.name.clone(), m.hash.clone())));
+        let tables = self.tables.values().filter_map(|t| t.as_ref().as_ref().map(|t| (t.name.clone(), t.hash.clone())));
+        environments.chain(scenes).chain(methods).chain(maps).chain(tables).collect()
     }
 
     /// Warnings about the inputs, one sentence each with the input's name.

@@ -1,6 +1,6 @@
 //! The validated experiment: every cell with its id, what it shares with others, and what was left out.
 
-use super::axis::{AXES, ENVIRONMENT, METHOD, Point, SCENE, SIZE, View};
+use super::axis::{AXES, DFG_TABLE, ENVIRONMENT, METHOD, PREFILTERED, Point, SCENE, SIZE, View};
 use super::checks;
 use super::config::{Config, Exclusion};
 use super::fault::{ConfigError, Faults, Place};
@@ -196,7 +196,8 @@ impl Plan {
             reference_samples: self.config.reference.samples,
             reference_error: self.config.reference.relative_error,
         };
-        settings.request(&environment, scene, &view)
+        let given = self.inputs.given(&settings);
+        settings.request(&environment, scene, &view, given)
     }
 
     /// Points of which each needs memory of its own size: the cells and their references that differ in a size or an input.
@@ -349,12 +350,17 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relat
         lines.push(format!("reference_error={error}"));
     }
     lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));
+    let given = inputs.given(&point.settings());
     for (index, axis) in AXES.iter().enumerate().filter(|(_, axis)| axis.changes_radiance()) {
         let (name, value) = (axis.name, &point[index]);
         lines.push(match index {
             ENVIRONMENT => format!("{name}={}", inputs.environment(value.text()).hash),
             SCENE => format!("{name}={}", inputs.scene(value.text()).hash),
             METHOD => format!("{name}={}", point.method().shader.unwrap_or(point.method().name)),
+            PREFILTERED => {
+                format!("{name}={}", given.prefiltered.as_ref().map_or(value.to_string(), |map| map.hash.clone()))
+            }
+            DFG_TABLE => format!("{name}={}", given.dfg.as_ref().map_or(value.to_string(), |table| table.hash.clone())),
             _ => format!("{name}={value}"),
         });
     }
@@ -366,10 +372,11 @@ fn repeats_of(config: &Config, point: &Point) -> Option<u32> {
     config.repeats.filter(|_| point.settings().method.uses_point_set)
 }
 
-/// Some terms have steps, on the scene whose frames tell all views alike.
+/// Some terms with tables of our own have steps, on the scene whose frames tell all views alike.
 fn ladder_of(config: &Config, inputs: &Inputs, point: &Point) -> Option<u32> {
     let has_steps = ladder::ladder_of(point.method(), point.diffuse()).is_some();
-    config.ladder.filter(|_| has_steps && inputs.scene(point[SCENE].text()).is_design)
+    let is_own = [PREFILTERED, DFG_TABLE].iter().all(|axis| point.is_own(*axis));
+    config.ladder.filter(|_| is_own && has_steps && inputs.scene(point[SCENE].text()).is_design)
 }
 
 fn cell_id(radiance: &str, reference: &str, point: &Point, repeats: Option<u32>, ladder: Option<u32>) -> String {

@@ -314,7 +314,10 @@ impl Kind {
     pub fn path_in<'t>(&self, text: &'t str) -> Option<&'t str> {
         match self {
             Self::Input => Some(text),
-            Self::NameOrFile { .. } => text.strip_prefix(FILE_PREFIX),
+            // What follows `#` says how the file is to be read.
+            Self::NameOrFile { .. } => {
+                text.strip_prefix(FILE_PREFIX).map(|path| path.rsplit_once('#').map_or(path, |(path, _)| path))
+            }
             _ => None,
         }
     }

@@ -74,6 +74,30 @@ fn bakes_for_every_engine_score_as_exact() {
     assert!(!dir.path().join("x").exists());
 }
 
+/// A frame by tables of a file is that by our own tables of the same widths.
+#[test]
+fn frames_by_given_tables_are_those_by_our_own() {
+    let Some(dir) = folder() else { return };
+    let sizes = ["--set", "prefilter_size=64x64", "--set", "prefilter_level_count=4", "--set", "dfg_size=16"];
+    let render = |name: &str, tables: &[&str]| {
+        let view = ["--environment", "builtin:gradient", "--method", "split-sum", "--alpha", "0.4", "--size", "32x32"];
+        ok(
+            dir.path(),
+            &[&["render", "--out", name, "--diffuse", "none", "--masking", "correlated"], &view[..], tables].concat(),
+        );
+        exr::read(&dir.path().join(name)).unwrap().rgb.data.into_flattened()
+    };
+    for (engine, mapping) in [("khronos", "linear"), ("filament", "quadratic"), ("bevy", "linear")] {
+        ok(dir.path(), &[&["bake", "builtin:gradient", "--for", engine, "--out", engine], &sizes[..]].concat());
+        let own = ["--prefilter-size", "64x64", "--prefilter-level-count", "4", "--level-mapping", mapping];
+        let own = render("own.exr", &own);
+        let theirs = render("theirs.exr", &["--prefiltered", &format!("file:{engine}")]);
+        let off = own.iter().zip(&theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        let largest = own.iter().copied().fold(0.0, f32::max);
+        assert!(off < 0.01 * largest, "{engine}: {off} of {largest}");
+    }
+}
+
 #[test]
 fn what_is_no_bake_is_told_in_a_line() {
     let dir = tempfile::tempdir().unwrap();

@@ -3,6 +3,7 @@
 use crate::harness::{golden_environment, request, scene, usual_tables, with_pipeline};
 use glam::DVec3;
 use half::f16;
+use splitsum::bakes::given::{GivenMap, GivenTable};
 use splitsum::brdf::MaskingShadowing;
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
@@ -106,6 +107,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         lights: _,
         background,
         precompute,
+        given: _,
         seed,
     } = base.clone();
     let PrecomputeSettings {
@@ -123,6 +125,18 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         irradiance_sample_count: [azimuths, polars],
         storage,
     } = precompute;
+    let side = 4 << prefilter_level_count;
+    let texels = |level: u32| vec![[0.5, 0.4, 0.3, 1.0]; (own.face_count * (side >> level) * (side >> level)) as usize];
+    let given_map = Arc::new(GivenMap {
+        name: "file:x".to_owned(),
+        hash: "map".to_owned(),
+        layout: own,
+        side,
+        mapping: precompute.level_mapping,
+        levels: (0..prefilter_level_count).map(texels).collect(),
+    });
+    let texels = vec![[0.6, 0.1, 0.0, 1.0]; 16];
+    let given_table = Arc::new(GivenTable { name: "file:y".to_owned(), hash: "table".to_owned(), side: 4, texels });
     let other = |change: &dyn Fn(&mut RenderRequest)| {
         let mut request = base.clone();
         change(&mut request);
@@ -154,6 +168,8 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         other(&|r| r.lights = vec![light]),
         other(&|r| r.background = !background),
         other(&|r| r.seed = seed + 1),
+        other(&|r| r.given.prefiltered = Some(given_map.clone())),
+        other(&|r| r.given.dfg = Some(given_table.clone())),
         set(&|s| s.prefilter_size = [2 * width, 2 * height]),
         set(&|s| s.prefilter_level_count = prefilter_level_count + 1),
         set(&|s| s.prefilter_sample_count = 2 * prefilter_sample_count),

@@ -3,6 +3,7 @@
 //! Long because each axis stands here whole: splitting the list would hide its order, which is that of columns.
 
 use super::{Axis, Part, Sheet, Spelling, Symbol, Used, diffuse, method};
+use crate::bakes::given::OWN;
 use crate::brdf::{self, MaskingShadowing};
 use crate::environment::Placement;
 use crate::environment::layout::{LAYOUTS, layout_by_name};
@@ -51,6 +52,9 @@ const PLAIN: Axis = Axis {
     reference: |_, value| value.clone(),
     apply: |_, _| {},
 };
+
+/// Our own table, or one in a file.
+const TABLE_FILE: Kind = Kind::NameOrFile { what: "table", names: || vec![OWN] };
 
 /// A setting of the tables that a method looks up.
 const TABLE: Axis = Axis { part: Part::Table, tables_cost: true, ..PLAIN };
@@ -339,13 +343,39 @@ const LIST: &[Axis] = &[
         ..TABLE
     },
     Axis {
+        name: "prefiltered",
+        about: "the prefiltered map: own, or that of another tool as file:PATH#PRESET, a cube (docs/bakes.md)",
+        plural: "prefiltered maps",
+        symbol: Symbol::Before("map"),
+        needs_memory: true,
+        feeds: &[PREFILTER],
+        kind: TABLE_FILE,
+        used: |u| u.method.uses_prefiltered(),
+        default: || Value::from(OWN),
+        apply: |s, v| s.prefiltered = v.text().to_owned(),
+        ..TABLE
+    },
+    Axis {
+        name: "dfg",
+        about: "the DFG table: own, or that of another tool as file:PATH#PRESET, square (docs/bakes.md)",
+        plural: "DFG tables",
+        symbol: Symbol::Before("table"),
+        needs_memory: true,
+        feeds: &[DFG],
+        kind: TABLE_FILE,
+        used: Used::needs_dfg,
+        default: || Value::from(OWN),
+        apply: |s, v| s.dfg = v.text().to_owned(),
+        ..TABLE
+    },
+    Axis {
         name: "prefilter_size",
         about: "width and height of a face of the prefiltered map's first level; left out, it has about 100,000 texels in all: \
                 128x128 by layout cube, 320x320 by octahedral, 448x224 by equirect",
         plural: "prefilter sizes",
         needs_memory: true,
         feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered(),
+        used: Used::makes_prefiltered,
         kind: Kind::Pair { min: 8, max: SIDE_MAX },
         unset: Some(|layout| Value::Pair(layout.prefilter_size)),
         apply: |s, v| s.precompute.prefilter_size = v.pair(),
@@ -357,7 +387,7 @@ const LIST: &[Axis] = &[
         plural: "level counts",
         symbol: Symbol::After("lv", "levels"),
         feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered() || u.method.uses_levels,
+        used: |u| u.makes_prefiltered() || u.method.uses_levels,
         kind: Kind::Count { min: 2, max: 11 },
         default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
         apply: |s, v| s.precompute.prefilter_level_count = v.count(),
@@ -370,7 +400,7 @@ const LIST: &[Axis] = &[
         plural: "ways to prefilter",
         symbol: Symbol::After("prefilter", "prefilter"),
         feeds: &[PREFILTER, IRRADIANCE],
-        used: |u| u.method.uses_prefiltered() || u.uses_irradiance_map(),
+        used: |u| u.makes_prefiltered() || u.uses_irradiance_map(),
         kind: Kind::Name {
             what: "way to prefilter",
             names: || PrefilterBy::ALL.iter().map(|(name, _)| *name).collect(),
@@ -388,7 +418,7 @@ const LIST: &[Axis] = &[
         plural: "prefilter sample counts",
         symbol: Symbol::After("spp", "samples"),
         feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered() && u.has_sampled_tables,
+        used: |u| u.makes_prefiltered() && u.has_sampled_tables,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
         apply: |s, v| s.precompute.prefilter_sample_count = v.count(),
@@ -400,7 +430,7 @@ const LIST: &[Axis] = &[
         plural: "level mappings",
         symbol: Symbol::After("mapping", "mapping"),
         feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered() || u.method.uses_levels,
+        used: |u| u.makes_prefiltered() || u.method.uses_levels,
         kind: Kind::Name { what: "level mapping", names: || LEVEL_MAPPINGS.iter().map(|m| m.name).collect() },
         default: || Value::from(LEVEL_MAPPINGS[0].name),
         apply: |s, v| {
@@ -415,7 +445,7 @@ const LIST: &[Axis] = &[
         plural: "prefilter weights",
         symbol: Symbol::Before("weight"),
         feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered() || u.method.uses_weight,
+        used: |u| u.makes_prefiltered() || u.method.uses_weight,
         kind: Kind::Name { what: "prefilter weight", names: || WEIGHTS.iter().map(|w| w.name).collect() },
         default: || Value::from(WEIGHTS[0].name),
         apply: |s, v| {
@@ -429,7 +459,7 @@ const LIST: &[Axis] = &[
         plural: "prefilter level biases",
         symbol: Symbol::Before("prefilter bias"),
         feeds: &[PREFILTER],
-        used: |u| u.method.uses_prefiltered() && u.has_sampled_tables,
+        used: |u| u.makes_prefiltered() && u.has_sampled_tables,
         kind: Kind::NumberOrName {
             range: LEVELS,
             what: "level bias",
@@ -446,7 +476,7 @@ const LIST: &[Axis] = &[
         symbol: Symbol::Before("DFG"),
         needs_memory: true,
         feeds: &[DFG],
-        used: Used::needs_dfg,
+        used: Used::makes_dfg,
         kind: Kind::Count { min: 2, max: SIDE_MAX },
         default: || Value::Count(PrecomputeSettings::default().dfg_size),
         apply: |s, v| s.precompute.dfg_size = v.count(),
@@ -458,7 +488,7 @@ const LIST: &[Axis] = &[
         plural: "DFG sample counts",
         symbol: Symbol::After("DFG spp", "DFG samples"),
         feeds: &[DFG],
-        used: Used::needs_dfg,
+        used: Used::makes_dfg,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().dfg_sample_count),
         apply: |s, v| s.precompute.dfg_sample_count = v.count(),
@@ -533,6 +563,8 @@ indices! {
     ENVIRONMENT_SCALE = "environment_scale";
     F0 = "f0";
     LAYOUT = "layout";
+    PREFILTERED = "prefiltered";
+    DFG_TABLE = "dfg";
     PREFILTER_SIZE = "prefilter_size";
     PREFILTER_LEVEL_COUNT = "prefilter_level_count";
     PREFILTER_WEIGHT = "prefilter_weight";

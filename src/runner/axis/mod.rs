@@ -10,6 +10,7 @@ pub use list::*;
 pub use named::{Named, Spelling};
 
 use super::value::{Kind, Value};
+use crate::bakes::given::{Given, OWN};
 use crate::brdf::{self, MaskingShadowing};
 use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
 use crate::environment::{Environment, Placement};
@@ -46,6 +47,9 @@ pub struct Settings {
     pub point_set: u32,
     pub lod_bias: f32,
     pub precompute: PrecomputeSettings,
+    /// `own` or a file, of the prefiltered map and of the DFG table.
+    pub prefiltered: String,
+    pub dfg: String,
     pub curve: ToneCurve,
 }
 
@@ -64,8 +68,17 @@ pub struct View {
 }
 
 impl Settings {
-    /// The request: `scene` with the settings' material, framed by the view's camera.
-    pub fn request(self, environment: &Arc<Environment>, scene: &Scene, view: &View) -> RenderRequest {
+    /// The request: `scene` with the settings' material, framed by the view's camera, with the tables that are `given`.
+    pub fn request(self, environment: &Arc<Environment>, scene: &Scene, view: &View, given: Given) -> RenderRequest {
+        let mut precompute = self.precompute;
+        if let Some(map) = &given.prefiltered {
+            precompute.layout = map.layout;
+            precompute.prefilter_size = [map.side; 2];
+            precompute.irradiance_size = [precompute.irradiance_size[1]; 2];
+            precompute.prefilter_level_count = map.levels.len() as u32;
+            precompute.level_mapping = map.mapping;
+        }
+        precompute.dfg_size = given.dfg.as_ref().map_or(precompute.dfg_size, |table| table.side);
         let scene = Arc::new(scene.apply(&self.material));
         RenderRequest {
             environment: environment.clone(),
@@ -86,7 +99,8 @@ impl Settings {
             lod_bias: self.lod_bias,
             lights: view.lights.clone(),
             background: view.background,
-            precompute: self.precompute,
+            precompute,
+            given,
             seed: view.seed,
         }
     }
@@ -234,12 +248,24 @@ pub struct Used {
     pub has_dielectric: bool,
     /// Whether the filtered tables are made of samples.
     pub has_sampled_tables: bool,
+    /// Whether the prefiltered map and the DFG table are our own.
+    pub has_own: [bool; 2],
 }
 
 impl Used {
     /// Whether the irradiance map reaches the pixels.
     fn uses_irradiance_map(&self) -> bool {
         self.has_diffuse_surface && self.diffuse.uses_irradiance_map
+    }
+
+    /// Whether a prefiltered map of our own reaches the pixels.
+    fn makes_prefiltered(&self) -> bool {
+        self.method.uses_prefiltered() && self.has_own[0]
+    }
+
+    /// Whether a DFG table of our own reaches the pixels.
+    fn makes_dfg(&self) -> bool {
+        self.needs_dfg() && self.has_own[1]
     }
 
     /// Whether the DFG table reaches the pixels.
@@ -366,13 +392,20 @@ impl Point {
     fn where_used(&self, has_lights: bool, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
         let (method, diffuse) = (self.method(), self.diffuse());
         let has_sampled_tables = self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name();
-        let used = Used { method, diffuse, has_lights, has_diffuse_surface, has_dielectric, has_sampled_tables };
+        let has_own = [PREFILTERED, DFG_TABLE].map(|axis| self.is_own(axis));
+        let used =
+            Used { method, diffuse, has_lights, has_diffuse_surface, has_dielectric, has_sampled_tables, has_own };
         let value = |(axis, value): (&Axis, &Value)| match (axis.used)(&used) {
             false => Value::Unset,
             true if *value == Value::Unset => axis.unset.map_or(Value::Unset, |of_layout| of_layout(self.layout())),
             true => value.clone(),
         };
         Self(AXES.iter().zip(&self.0).map(value).collect())
+    }
+
+    /// Whether that table, of [`PREFILTERED`] or [`DFG_TABLE`], is our own.
+    pub fn is_own(&self, axis: usize) -> bool {
+        [Value::Unset, (AXES[axis].default)()].contains(&self[axis])
     }
 
     /// The point of this point's reference, collapsed.
@@ -403,6 +436,8 @@ impl Point {
             point_set: 0,
             lod_bias: 0.0,
             precompute: PrecomputeSettings::default(),
+            prefiltered: OWN.to_owned(),
+            dfg: OWN.to_owned(),
             curve: ToneCurve::default(),
         };
         for (axis, value) in AXES.iter().zip(&self.0) {

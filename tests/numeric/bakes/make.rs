@@ -1,15 +1,16 @@
 //! Bakes for engines: every direction through writer and reader as the engine looks it up, numbers to the nearest, files by their rules.
 
 use super::marked_light;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use half::f16;
 use splitsum::bakes::container::{Encoding, FORMATS, TEXELS, from_bytes};
-use splitsum::bakes::convention::{Axes, PRESETS, preset_by_name};
+use splitsum::bakes::convention::{Axes, PRESETS, TABLE_AXES, preset_by_name};
+use splitsum::bakes::given;
 use splitsum::bakes::make::{Making, make};
 use splitsum::bakes::product::Chain;
 use splitsum::bakes::sh;
 use splitsum::bakes::source::{Reading, read};
-use splitsum::brdf::Ggx;
+use splitsum::brdf::{Ggx, MaskingShadowing};
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::math::spherical_harmonics::{basis, irradiance};
 use splitsum::pixels::RgbImage;
@@ -32,7 +33,7 @@ const LOOKUPS: &[(&str, fn(DVec3) -> DVec3)] = &[
     ("unity", |d| DVec3::new(-d.x, d.y, d.z)),
 ];
 
-fn making<'a>(engine: &str, environment: &'a splitsum::environment::Environment) -> Making<'a> {
+pub fn making<'a>(engine: &str, environment: &'a splitsum::environment::Environment) -> Making<'a> {
     let preset = preset_by_name(engine).unwrap();
     let product = &preset.product;
     Making {
@@ -87,6 +88,53 @@ fn every_direction_is_where_the_engine_looks() {
         // Nothing is written over.
         assert!(make(&making, dir.path()).unwrap_err().to_string().contains("exists"));
     }
+}
+
+/// In the place of our own tables every bake is the same map and table, whatever its axes, order and pixel format.
+#[test]
+fn given_tables_are_turned_to_our_axes() {
+    let light = marked_light();
+    let dir = tempfile::tempdir().unwrap();
+    let loaded = PRESETS.iter().map(|preset| {
+        let engine = preset.product.engine;
+        let making = Making { masking: MaskingShadowing::Correlated, ..making(engine, &light) };
+        make(&making, &dir.path().join(engine)).unwrap();
+        let value = format!("file:{engine}");
+        let map = given::map(&value, dir.path()).unwrap().unwrap();
+        assert_eq!(map.levels.len(), making.level_count as usize);
+        assert_eq!((map.mapping.name, map.side), (preset.convention().mapping.name, 64));
+        // bake.json is not needed where the preset is named.
+        let named = given::map(&format!("file:{engine}/{}#{}", preset.product.specular, preset.name), dir.path());
+        assert_eq!(named.unwrap().unwrap().hash, map.hash);
+        let table = (!preset.product.tables.is_empty()).then(|| given::table(&value, dir.path()).unwrap().unwrap());
+        (map, table)
+    });
+    let loaded: Vec<_> = loaded.collect();
+    let (own, own_table) = &loaded[0];
+    for (map, table) in &loaded[1..] {
+        for (a, b) in own.levels[0].iter().zip(&map.levels[0]) {
+            let largest = a.iter().copied().fold(0.0, f32::max);
+            assert!((0..3).all(|i| (a[i] - b[i]).abs() < 0.02 * largest), "{}: {a:?} {b:?}", map.name);
+        }
+        for (a, b) in own_table.iter().zip(table).flat_map(|(own, table)| own.texels.iter().zip(&table.texels)) {
+            assert!((0..2).all(|i| (a[i] - b[i]).abs() < 0.0021), "{}: {a:?} {b:?}", map.name);
+        }
+    }
+    for axes in TABLE_AXES {
+        let at = DVec2::new(0.2, 0.7);
+        assert!((axes.parameters(axes.place(at)) - at).abs().max_element() < 1e-15, "{}", axes.name);
+    }
+    for (value, part) in [
+        ("mine", "neither own nor file:PATH"),
+        ("file:no.ktx2#khronos", "no.ktx2: cannot be read"),
+        ("file:khronos/specular.ktx2#kronos", "did you mean \"khronos\"?"),
+        ("file:khronos/lut_ggx.png", "holds no prefiltered map"),
+        ("file:khronos/diffuse.ktx2", "holds no prefiltered map"),
+    ] {
+        assert!(given::map(value, dir.path()).unwrap_err().contains(part), "{value}");
+    }
+    assert!(given::table("file:bevy", dir.path()).unwrap_err().contains("holds no DFG table"));
+    assert!(given::map(given::OWN, dir.path()).unwrap().is_none());
 }
 
 #[test]

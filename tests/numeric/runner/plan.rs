@@ -1,6 +1,8 @@
 //! Counts, ids and groups of plans.
 
+use splitsum::bakes::container::{Encoding, FORMATS, TEXELS};
 use splitsum::environment::LoadOptions;
+use splitsum::pixels::RgbImage;
 use splitsum::runner::axis::{AXES, Part, SCENE};
 use splitsum::runner::plan::Source;
 use splitsum::runner::value::Kind;
@@ -341,4 +343,46 @@ fn a_reference_under_test_does_not_stop_by_itself() {
         assert_eq!(judge.reference_error, Some(0.05));
         assert_ne!(cell.reference, same.reference);
     }
+}
+
+#[test]
+fn tables_of_other_tools_count_by_their_content() {
+    let dir = tempfile::tempdir().unwrap();
+    // A cube of two levels as KTX 1, all of one colour.
+    let bake = |name: &str, value: f32| {
+        let levels = [8, 4].map(|side| vec![RgbImage::filled(side, side, [value; 3]); 6]);
+        let (texel, format) = (&TEXELS[0], FORMATS.iter().find(|format| format.extension == "ktx").unwrap());
+        let encoding = Encoding { texel, levels: &levels, keys: &[], is_packed: false };
+        std::fs::write(dir.path().join(name), (format.write)(&encoding)).unwrap();
+    };
+    bake("a.ktx", 1.0);
+    let path = dir.path().join("e.toml");
+    let text = |file: &str| {
+        format!(
+            "name = \"x\"\n[axes]\nprefiltered = [\"own\", \"file:{file}#unity\"]\nmethod = [\"split-sum\", \"sampled\"]\n\
+             prefilter_size = [[64, 64], [32, 32]]\n"
+        )
+    };
+    let ids = |file: &str| -> Vec<String> {
+        Plan::from_text(&path, &text(file), &[]).unwrap().cells.into_iter().map(|cell| cell.id).collect()
+    };
+    let plan = Plan::from_text(&path, &text("a.ktx"), &[]).unwrap();
+    // Our own map of two sizes, theirs of its own size, and a method that reads none.
+    assert_eq!(plan.cells.len(), 4);
+    let theirs =
+        plan.cells.iter().find(|cell| cell.point.get("prefiltered").to_string() == "file:a.ktx#unity").unwrap();
+    let settings = plan.request(&theirs.point).precompute;
+    assert_eq!(
+        (settings.prefilter_size, settings.prefilter_level_count, settings.level_mapping.name),
+        ([8, 8], 2, "unity")
+    );
+    assert!(plan.reference_request(&plan.reference_point(&theirs.point)).given.prefiltered.is_none());
+    let first = ids("a.ktx");
+    bake("b.ktx", 1.0);
+    assert_eq!(ids("b.ktx"), first);
+    bake("a.ktx", 2.0);
+    let changed = first.iter().zip(&ids("a.ktx")).filter(|(a, b)| a != b).count();
+    assert_eq!(changed, 1);
+    let error = Plan::from_text(&path, &text("c.ktx"), &[]).unwrap_err().to_string();
+    assert!(error.contains("e.toml:3:23: ") && error.contains("c.ktx: cannot be read"), "{error}");
 }

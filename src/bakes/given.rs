@@ -1,0 +1,158 @@
+//! Tables of other tools in the place of ours: what `prefiltered` and `dfg` of an experiment name, turned to our axes texel by texel.
+
+use super::convention::{Convention, PRESETS, preset_by_name};
+use super::source::{Reading, read};
+use crate::brdf::MODELS;
+use crate::environment::layout::{LAYOUTS, MapLayout};
+use crate::glsl::source::FILE_PREFIX;
+use crate::pixels::RgbImage;
+use crate::precompute::prefilter::{LEVEL_MAPPINGS, LevelMapping};
+use crate::spelling::suggestion;
+use glam::DVec2;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The value that stands for our own table.
+pub const OWN: &str = "own";
+/// Between the path and the name of its conventions.
+const PRESET: char = '#';
+/// How far a width may be from its mapping's.
+const ALPHA_WITHIN: f64 = 1e-4;
+
+/// A prefiltered map as the device reads it.
+#[derive(Debug)]
+pub struct GivenMap {
+    /// As the experiment names it.
+    pub name: String,
+    /// Of the texels and the mapping.
+    pub hash: String,
+    pub layout: &'static MapLayout,
+    pub side: u32,
+    pub mapping: &'static LevelMapping,
+    /// Each with its faces one after the other.
+    pub levels: Vec<Vec<[f32; 4]>>,
+}
+
+/// A DFG table as the device reads it.
+#[derive(Debug)]
+pub struct GivenTable {
+    pub name: String,
+    pub hash: String,
+    pub side: u32,
+    pub texels: Vec<[f32; 4]>,
+}
+
+/// What stands in the place of our own tables.
+#[derive(Clone, Debug, Default)]
+pub struct Given {
+    pub prefiltered: Option<Arc<GivenMap>>,
+    pub dfg: Option<Arc<GivenTable>>,
+}
+
+impl Given {
+    /// The tables that two values name, relative to `dir`.
+    pub fn load(prefiltered: &str, dfg: &str, dir: &Path) -> Result<Self, String> {
+        Ok(Self { prefiltered: map(prefiltered, dir)?, dfg: table(dfg, dir)? })
+    }
+}
+
+/// The map that a value names, relative to `dir`; none for [`OWN`].
+pub fn map(value: &str, dir: &Path) -> Result<Option<Arc<GivenMap>>, String> {
+    let Some((bake, convention)) = opened(value, dir)? else { return Ok(None) };
+    let refuse = |what: String| Err(format!("{value}: {what}"));
+    let Some(map) = bake.specular else { return refuse("it holds no prefiltered map".to_owned()) };
+    let layout = &LAYOUTS[0];
+    if map.layout != layout {
+        return refuse(format!("it is a map of layout {}; expected a cube", map.layout.name));
+    }
+    let count = map.levels.len();
+    let side = map.levels[0][0].width;
+    if count < 2 || side >> (count - 1) < layout.side_min {
+        let most = (side / layout.side_min).max(1).ilog2() + 1;
+        return refuse(format!(
+            "it has {count} levels of {side} texels; expected 2 to {most}, the last of {}",
+            layout.side_min
+        ));
+    }
+    if let Some(k) = (0..count).find(|k| map.levels[*k][0].width != side >> k) {
+        return refuse(format!(
+            "level {k} is {} wide; expected {}, half of the one before",
+            map.levels[k][0].width,
+            side >> k
+        ));
+    }
+    let alphas = convention.alphas(count).map_err(|fault| format!("{value}: {fault}"))?;
+    let holds = |mapping: &&LevelMapping| {
+        let own = (0..count).map(|k| mapping.alpha_from_mip(k as f64, count as u32));
+        own.zip(&alphas).all(|(own, alpha)| (own - alpha).abs() < ALPHA_WITHIN)
+    };
+    let Some(mapping) = LEVEL_MAPPINGS.iter().find(holds) else {
+        return refuse(format!("its levels hold the widths {alphas:?}, which no level mapping has"));
+    };
+    let level = |faces: &Vec<RgbImage>| -> Vec<[f32; 4]> {
+        let side = faces[0].width;
+        let texel = |index: u32| {
+            let at = DVec2::new((index % side).into(), (index / side % side).into()) + 0.5;
+            // Turns and mirrors of a cube lead centres of texels to centres.
+            let world = (layout.direction)(index / (side * side), at / f64::from(side));
+            let (face, uv) = (layout.place)(convention.axes.to_file(world));
+            let [x, y] = (uv * f64::from(side)).to_array().map(|at| (at as u32).min(side - 1));
+            let [r, g, b] = faces[face as usize].get(x, y).map(|value| (f64::from(value) * convention.scale) as f32);
+            [r, g, b, 1.0]
+        };
+        (0..6 * side * side).map(texel).collect()
+    };
+    let levels: Vec<_> = map.levels.iter().map(level).collect();
+    let hash = hash(mapping.name, side, levels.iter().flatten());
+    Ok(Some(Arc::new(GivenMap { name: value.to_owned(), hash, layout, side, mapping, levels })))
+}
+
+/// The DFG table that a value names, relative to `dir`; none for [`OWN`].
+pub fn table(value: &str, dir: &Path) -> Result<Option<Arc<GivenTable>>, String> {
+    let Some((bake, convention)) = opened(value, dir)? else { return Ok(None) };
+    let Some(image) = bake.dfg else { return Err(format!("{value}: it holds no DFG table")) };
+    if image.width != image.height || image.width < 2 {
+        return Err(format!("{value}: it is {}x{}; expected a square table", image.width, image.height));
+    }
+    let side = image.width;
+    let texel = |index: u32| {
+        let at = (DVec2::new((index % side).into(), (index / side).into()) + 0.5) / f64::from(side);
+        let [x, y] = (convention.table_axes.place(at) * f64::from(side)).to_array().map(|at| (at as u32).min(side - 1));
+        let [a, b, _] = image.get(x, y).map(f64::from);
+        let pair = (convention.table_channels.pair)(DVec2::new(a, b)).as_vec2();
+        [pair.x, pair.y, 0.0, 1.0]
+    };
+    let texels: Vec<_> = (0..side * side).map(texel).collect();
+    let hash = hash("", side, texels.iter());
+    Ok(Some(Arc::new(GivenTable { name: value.to_owned(), hash, side, texels })))
+}
+
+fn hash<'t>(mapping: &str, side: u32, texels: impl Iterator<Item = &'t [f32; 4]>) -> String {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(mapping.as_bytes()).update(&side.to_le_bytes());
+    for texel in texels {
+        hasher.update(bytemuck::cast_slice(texel));
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// The bake that a value names, and its conventions: those after `#`, or those that it names itself.
+fn opened(value: &str, dir: &Path) -> Result<Option<(super::Bake, Convention)>, String> {
+    if value == OWN {
+        return Ok(None);
+    }
+    let Some(path) = value.strip_prefix(FILE_PREFIX) else {
+        return Err(format!("{value:?} is neither {OWN} nor {FILE_PREFIX}PATH or {FILE_PREFIX}PATH#PRESET"));
+    };
+    let (path, preset) = path.rsplit_once(PRESET).map_or((path, None), |(path, preset)| (path, Some(preset)));
+    let reading = Reading { layout: None, brdf: MODELS[0].name() };
+    let bake = read(&[dir.join(path).display().to_string()], reading).map_err(|fault| fault.to_string())?;
+    let name = preset.or(bake.told.preset.as_deref()).unwrap_or(PRESETS[0].name);
+    let Some(found) = preset_by_name(name) else {
+        let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+        let near = suggestion(name, &known);
+        return Err(format!("{value}: the preset {name:?} is unknown{near}; expected one of {}", known.join(", ")));
+    };
+    let convention = Convention { alphas: bake.told.alphas.clone(), ..found.convention() };
+    Ok(Some((bake, convention)))
+}
