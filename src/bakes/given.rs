@@ -86,7 +86,8 @@ pub fn map(value: &str, dir: &Path) -> Result<Option<Arc<GivenMap>>, String> {
         let own = (0..count).map(|k| mapping.alpha_from_mip(k as f64, count as u32));
         own.zip(&alphas).all(|(own, alpha)| (own - alpha).abs() < ALPHA_WITHIN)
     };
-    let Some(mapping) = LEVEL_MAPPINGS.iter().find(holds) else {
+    // Of few levels several mappings have the widths: the convention's own comes first, as widths between levels are its, too.
+    let Some(mapping) = [convention.mapping].into_iter().chain(LEVEL_MAPPINGS).find(holds) else {
         return refuse(format!("its levels hold the widths {alphas:?}, which no level mapping has"));
     };
     let level = |faces: &Vec<RgbImage>| -> Vec<[f32; 4]> {

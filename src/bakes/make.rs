@@ -84,6 +84,8 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
             return Err(Fault::new("exists", "an empty folder; give another, or remove it").at(&out.join(name)));
         }
     }
+    std::fs::create_dir_all(out)
+        .map_err(|error| Fault::new(format!("cannot be made ({error})"), "a folder").at(out))?;
     let alphas = convention.alphas(making.level_count as usize).expect("a preset names no widths");
     let truth = Truth::new(making.environment, Kernel::new(making.brdf, making.weight, making.masking), &alphas);
     let sides = (0..making.level_count).map(|k| (making.side >> k).max(1));

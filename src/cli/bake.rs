@@ -132,8 +132,6 @@ fn execute_for(
         level_count: value(PREFILTER_LEVEL_COUNT).map_or(product.chain.level_count(side), Value::count),
     };
     making.check().map_err(Failure::input)?;
-    std::fs::create_dir_all(&arguments.out)
-        .map_err(|error| Failure::input(format!("--out: {} cannot be made: {error}", arguments.out.display())))?;
     let baked = make::make(&making, &arguments.out).map_err(Failure::input)?;
     for path in &baked.files {
         print(&format!("{}\n", path.display()))?;

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use serde_json::{Value, json};
+use splitsum::bakes::check::GOOD;
 use splitsum::bakes::check::guess::{self, AxesFit};
 use splitsum::bakes::check::level::LevelScore;
 use splitsum::bakes::check::sh::ShScore;
@@ -22,8 +23,18 @@ pub struct Checked {
     pub spot_check: Option<f64>,
 }
 
-/// What the axes that fit best say of those that were used.
-fn doubt(fits: &[AxesFit], used: Axes) -> Option<String> {
+/// Correlation below which a map and a light have nothing in common: bakes of the light itself have 0.95 or more in some axes, those of
+/// another light 0.8 at most.
+const SAME_LIGHT: f64 = 0.9;
+
+/// What the axes that fit best say of those that were used, and of the light.
+fn doubt(fits: &[AxesFit], used: Axes, is_wrong: bool) -> Option<String> {
+    if is_wrong && fits[0].correlation < SAME_LIGHT {
+        let (axes, correlation) = (fits[0].axes, fits[0].correlation);
+        return Some(format!(
+            "it seems to be a bake of another map: no axes fit this one (the best, {axes}, with correlation {correlation:.2})"
+        ));
+    }
     let own = *fits.iter().find(|fit| fit.axes == used)?;
     let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own);
     is_doubtful.then(|| {
@@ -34,11 +45,16 @@ fn doubt(fits: &[AxesFit], used: Axes) -> Option<String> {
     })
 }
 
+/// Whether any map is off its integral, so that a constant light, with which nothing correlates, is no other one.
+fn is_wrong(checked: &Checked) -> bool {
+    checked.levels.iter().chain(&checked.irradiance).any(|score| score.errors.relmse > GOOD)
+}
+
 /// For people.
 pub fn as_text(checked: &Checked, is_guessed: bool) -> String {
     let mut text = String::new();
     for (what, fits) in &checked.axes {
-        match doubt(fits, checked.convention.axes) {
+        match doubt(fits, checked.convention.axes, is_wrong(checked)) {
             Some(doubt) => super::warn(what, &doubt),
             None if is_guessed => text += &format!("{what}: {}\n", guess::in_words(fits)),
             None => {}
@@ -136,7 +152,7 @@ pub fn as_json(environment: &str, preset: &str, checked: &Checked) -> Value {
             .take(4)
             .map(|fit| json!({ "axes": fit.axes.to_string(), "correlation": fit.correlation }))
             .collect();
-        json!({ "of": what, "best": best, "warning": doubt(fits, checked.convention.axes) })
+        json!({ "of": what, "best": best, "warning": doubt(fits, checked.convention.axes, is_wrong(checked)) })
     });
     json!({
         "environment": environment,

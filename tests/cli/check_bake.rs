@@ -61,6 +61,11 @@ fn bakes_for_every_engine_score_as_exact() {
             assert!(!found["levels"].as_array().unwrap().is_empty(), "{found}");
         }
     }
+    // That of another light is told from one of other axes.
+    let arguments = ["check-bake", "bevy", "--environment", "builtin:studio", "--fail-above", "1e-3"];
+    assert_ends(&splitsum(dir.path(), &arguments), 1, &["seems to be a bake of another map"]);
+    let arguments = ["check-bake", "bevy", "--environment", "builtin:sky", "--fail-above", "1e-3", "--axes=-x+y+z"];
+    assert_ends(&splitsum(dir.path(), &arguments), 1, &["fit it far better than -x+y+z"]);
     let refused = |arguments: &[&str], parts: &[&str]| {
         let all = [&["bake", "builtin:sky"], arguments].concat();
         assert_ends(&splitsum(dir.path(), &all), 2, parts);
