@@ -28,8 +28,13 @@
 //!   Revisited", Journal of Computer Graphics Techniques 6(1), 2017.
 //! - Dupuy23: J. Dupuy and A. Benyoub, "Sampling Visible GGX Normals with Spherical Caps", Computer Graphics Forum 42(8), 2023.
 //! - Efron79: B. Efron, "Bootstrap Methods: Another Look at the Jackknife", The Annals of Statistics 7(1), 1979.
+//! - EtoTokuyoshi23: K. Eto and Y. Tokuyoshi, "Bounded VNDF Sampling for Smith-GGX Reflections", SIGGRAPH Asia 2023 Technical
+//!   Communications.
 //! - FaigleKern92: U. Faigle and W. Kern, "The Shapley Value for Cooperative Games under Precedence Constraints", International Journal of
 //!   Game Theory 21(3), 1992.
+//! - FdezAguera19: C. J. Fdez-Agüera, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting", Journal of Computer
+//!   Graphics Techniques 8(1), 2019.
+//! - Giles12: M. Giles, "Approximating the erfinv Function", GPU Computing Gems Jade Edition, chapter 10, 2012.
 //! - Green07: P. Green, J. Kautz and F. Durand, "Efficient Reflectance and Visibility Approximations for Environment Map Rendering",
 //!   Computer Graphics Forum 26(3), 2007.
 //! - Heitz14: E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics
@@ -39,10 +44,12 @@
 //!   Computer Graphics Forum 33(4), 2014.
 //! - HettmanspergerSheather86: T. P. Hettmansperger and S. J. Sheather, "Confidence Intervals Based on Interpolated Order Statistics",
 //!   Statistics & Probability Letters 4(2), 1986.
+//! - Hill18: S. Hill, "A Multi-Faceted Exploration (Part 3)", blog.selfshadow.com, 2018.
 //! - HosekWilkie12: L. Hosek and A. Wilkie, "An Analytic Model for Full Spectral Sky-Dome Radiance", ACM Transactions on Graphics
 //!   31(4), 2012.
 //! - HyndmanFan96: R. J. Hyndman and Y. Fan, "Sample Quantiles in Statistical Packages", The American Statistician 50(4), 1996.
 //! - Iglewicz93: B. Iglewicz and D. C. Hoaglin, "How to Detect and Handle Outliers", ASQC Quality Press, 1993.
+//! - Jakob14: W. Jakob, "An Improved Visible Normal Sampling Routine for the Beckmann Distribution", technical report, ETH Zürich, 2014.
 //! - Karis13: B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH 2013 course notes.
 //! - Karlik19: O. Karlík, M. Šik, P. Vévoda, T. Skřivan and J. Křivánek, "MIS Compensation: Optimizing Sampling Techniques in Multiple
 //!   Importance Sampling", ACM Transactions on Graphics 38(6), 2019.
@@ -53,6 +60,7 @@
 //! - Kim22: M. Kim, "Project 3: Image-Based Lighting", report for the course CS562, 2022. This is "source document 0"; the words
 //!   in quotation marks beside the key are its headings.
 //! - Knuth97: D. E. Knuth, "The Art of Computer Programming", volume 2, 3rd edition, 1997.
+//! - KullaConty17: C. Kulla and A. Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH 2017 course notes.
 //! - Lagarde14: S. Lagarde and C. de Rousiers, "Moving Frostbite to Physically Based Rendering 3.0", SIGGRAPH 2014 course notes.
 //! - Lam85: K. M. Lam, "Metamerism and Colour Constancy", doctoral thesis, University of Bradford, 1985.
 //! - LlvmAmdgpu20: LLVM, scheduling model of the AMDGPU target (`SISchedule.td`), 2020.
@@ -65,6 +73,8 @@
 //! - Ramamoorthi01: R. Ramamoorthi and P. Hanrahan, "An Efficient Representation for Irradiance Environment Maps", SIGGRAPH 2001.
 //! - Roberts18: M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", extremelearning.com.au, 2018.
 //! - RocmProfiler25: AMD, "ROCm Compute Profiler: Workgroup processor (WGP)", rocm.docs.amd.com, 2025.
+//! - Roughton24: T. Roughton, P.-P. Sloan, A. Silvennoinen, M. Iwanicki and P. Shirley, "ZH3: Quadratic Zonal Harmonics", Proc. ACM on
+//!   Computer Graphics and Interactive Techniques 7(1), 2024.
 //! - Rousselle11: F. Rousselle, C. Knaus and M. Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", ACM
 //!   Transactions on Graphics 30(6), 2011.
 //! - Schlick94: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics Forum 13(3), 1994.
@@ -73,9 +83,12 @@
 //! - Shapley53: L. S. Shapley, "A Value for n-Person Games", Contributions to the Theory of Games II, Princeton, 1953.
 //! - Shoemake92: K. Shoemake, "Uniform Random Rotations", Graphics Gems III, 1992.
 //! - Sidi93: A. Sidi, "A New Variable Transformation for Numerical Integration", Numerical Integration IV, 1993.
+//! - Sloan08: P.-P. Sloan, "Stupid Spherical Harmonics (SH) Tricks", Game Developers Conference 2008.
 //! - Sobol67: I. M. Sobol', "On the Distribution of Points in a Cube and the Approximate Evaluation of Integrals", USSR Computational
 //!   Mathematics and Mathematical Physics 7(4), 1967.
 //! - Steele14: G. L. Steele, D. Lea and C. H. Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
+//! - Turquin19: E. Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", technical report, Industrial Light & Magic,
+//!   2019.
 //! - Valve22: Valve, "Steam Deck: Tech Specs", steamdeck.com, 2022.
 //! - VeachGuibas95: E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 95.
 //! - Vegdahl21: N. Vegdahl, "Building a Better LK Hash", psychopath.io, 2021.

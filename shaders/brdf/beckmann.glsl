@@ -60,4 +60,55 @@ float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
     return pdf_visible_l_ggx(v_local, h_local, alpha);
 }
 
+// Beckmann's own visible normals, as the method sampled-vndf draws them.
+struct VisibleNormals {
+    // The unit vector along v_local.xy.
+    vec2 along;
+    // Cosine and sine of the view stretched by alpha, up to a common factor.
+    float cos_theta;
+    float sin_theta;
+    // No visible slope is steeper, in units of alpha.
+    float end;
+    // All that is visible.
+    float area;
+    float erf_end;
+    float exponent;
+    float alpha;
+};
+
+VisibleNormals visible_normals_brdf(vec3 v_local, float alpha) {
+    float across = length(v_local.xy);
+    vec2 along = across > 0.0 ? v_local.xy / across : vec2(1.0, 0.0);
+    float sin_theta = alpha * across;
+    float end = v_local.z < SLOPE_END * sin_theta ? v_local.z / sin_theta : SLOPE_END;
+    float theta = atan2_precise(sin_theta, v_local.z);
+    float exponent = 1.0 + theta * (-0.876 + theta * (0.4265 - 0.0594 * theta));
+    float area = visible_area(v_local.z, sin_theta);
+    return VisibleNormals(along, v_local.z, sin_theta, end, area, 1.0 - erfc_precise(end), exponent, alpha);
+}
+
+// Slopes along and across v: the first has density (cos - t sin) exp(-t^2) up to `end`, the other is Gaussian [HeitzDeon14]. The first is
+// inverted by Halley's method from the fit of [Jakob14]; three steps leave rounding.
+VisibleSample sample_visible_normal(VisibleNormals normals, vec4 point) {
+    float cos_theta = normals.cos_theta;
+    float sin_theta = normals.sin_theta;
+    float guess = normals.erf_end - (1.0 + normals.erf_end) * pow(1.0 - point.x, normals.exponent);
+    guess = clamp(guess, -1.0 + 1e-6, 1.0 - 1e-6);
+    float t = erf_inverse(guess, (1.0 - guess) * (1.0 + guess));
+    for (uint i = 0u; i < 3u; ++i) {
+        float seen = cos_theta - t * sin_theta;
+        float slope = 2.0 * HALF_INV_SQRT_PI * seen * exp(-t * t);
+        float off = visible_area_up_to(t, cos_theta, sin_theta) - point.x * normals.area;
+        float newton = seen > 0.0 ? off / slope : 0.0;
+        float bend = seen > 0.0 ? clamp(newton * (2.0 * t + sin_theta / seen), -1.5, 1.5) : 0.0;
+        t = clamp(t - newton / (1.0 + 0.5 * bend), -SLOPE_END, normals.end);
+    }
+    // No net of points has one at 2/3 of a turn, where this is infinite; at 0 most have.
+    float turns = fract(atan2_precise(point.z, point.y) * (0.5 / PI) + 1.0 / 3.0);
+    float y = erf_inverse(2.0 * turns - 1.0, max(4.0 * turns * (1.0 - turns), 1e-13));
+    vec2 slope = normals.alpha * (t * normals.along + y * vec2(-normals.along.y, normals.along.x));
+    vec3 h_local = normalize(vec3(-slope, 1.0));
+    return VisibleSample(h_local, 0.25 * d_brdf(h_local, normals.alpha) / normals.area, normals.area / normals.cos_theta);
+}
+
 #endif

@@ -46,4 +46,21 @@ float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
     return pdf_visible_l_ggx(v_local, h_local, alpha);
 }
 
+// The normals visible from v, as the method sampled-vndf draws them.
+struct VisibleNormals {
+    BoundedCap cap;
+    float alpha;
+    float d_over_pdf;
+};
+
+VisibleNormals visible_normals_brdf(vec3 v_local, float alpha) {
+    BoundedCap cap = bounded_cap(v_local, alpha);
+    return VisibleNormals(cap, alpha, 0.25 / (v_local.z * cap.pdf_over_d));
+}
+
+VisibleSample sample_visible_normal(VisibleNormals normals, vec4 point) {
+    vec3 h_local = sample_bounded_ggx(normals.cap, point, normals.alpha);
+    return VisibleSample(h_local, d_brdf(h_local, normals.alpha) * normals.cap.pdf_over_d, normals.d_over_pdf);
+}
+
 #endif

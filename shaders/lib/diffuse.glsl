@@ -2,18 +2,31 @@
 #ifndef DIFFUSE_GLSL
 #define DIFFUSE_GLSL
 
+#include "lib/compensation.glsl"
 #include "lib/prefilter_mapping.glsl"
 #include "lib/surface.glsl"
 
-// Albedo of the diffuse term: what the specular lobe does not reflect, (1 - (f0 A + B)) (1 - metallic) albedo. The
-// table's value at n_dot_v stands for the whole lobe; Schlick at n_dot_v would darken rough rims. [Kim22 "IBL", Kd]
-vec3 diffuse_albedo(Surface s, sampler2D dfg, uint flags) {
+// What weighs irradiance over pi: the diffuse term, which gets what the specular one does not reflect, and what a compensation adds of several
+// scatterings. The table's value at n_dot_v stands for the whole lobe; Schlick at n_dot_v would darken rough rims. [Kim22 "IBL", Kd]
+struct DiffuseWeights {
+    vec3 transmitted;
+    vec3 multiple;
+};
+
+DiffuseWeights diffuse_weights(Surface s, sampler2D dfg, uint flags) {
     vec3 albedo = (1.0 - s.metallic) * s.albedo;
     if ((flags & SHADE_FLAG_NO_SPECULAR) != 0u) {
-        return albedo;
+        return DiffuseWeights(albedo, vec3(0.0));
     }
     vec2 a_b = textureLod(dfg, dfg_uv(s.n_dot_v, s.alpha), 0.0).rg;
-    return (1.0 - (s.f0 * a_b.x + a_b.y)) * albedo;
+    vec3 multiple = multiple_scattering(s.f0, a_b, dfg, s.alpha);
+    vec3 reflected = (s.f0 * a_b.x + a_b.y) * compensation_factor(s.f0, a_b) + multiple;
+    return DiffuseWeights((1.0 - reflected) * albedo, multiple);
+}
+
+vec3 diffuse_albedo(Surface s, sampler2D dfg, uint flags) {
+    DiffuseWeights weights = diffuse_weights(s, dfg, flags);
+    return weights.transmitted + weights.multiple;
 }
 
 #endif

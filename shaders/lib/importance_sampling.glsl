@@ -12,9 +12,6 @@
 #include "lib/sampling.glsl"
 #include "lib/surface.glsl"
 
-// Coarser than any chain.
-const float LOD_MAX = 32.0;
-
 // Radiance from l for a sample of solid angle omega_s = 1 / (N p_l) (sr); each method defines it.
 vec3 sampled_radiance(vec3 l, float omega_s);
 

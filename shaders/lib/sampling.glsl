@@ -13,6 +13,14 @@ struct LobeSample {
     float pdf_h;
 };
 
+// A half vector among those that a view sees, the density of the direction that it mirrors the view to, 1/sr, and D / (4 n_dot_v) over
+// that density.
+struct VisibleSample {
+    vec3 h_local;
+    float pdf_l;
+    float d_over_pdf;
+};
+
 // The i-th point of this dispatch; each entry point that uses it defines it.
 vec4 sample_point(uint i);
 

@@ -3,7 +3,7 @@
 // A pair of dimensions is one (0, 2)-sequence [Sobol67]; each pair of each pixel and scramble has its own nested uniform
 // scramble [Owen97] by hash [Burley20, sections 3 and 4] with the permutation of [Vegdahl21]. Estimators that are *added*
 // (one over pair 0, one over pair 1) need no index shuffle between the pairs: only a joint integrand would see the pairing.
-// Estimators under test use Hammersley points, which are not scrambled: the two never share a point.
+// Estimators under test take the points of a table, as they are or scrambled for each pixel in a stream of their own.
 #ifndef SOBOL_GLSL
 #define SOBOL_GLSL
 
@@ -56,6 +56,15 @@ uvec2 sobol_next_pair_key(inout uint key) {
     uint first = sobol_hash(key + 1u);
     key = sobol_hash(first + 1u);
     return uvec2(first, key);
+}
+
+// Streams 0 and 1 are the reference's.
+const uint PIXEL_STREAM = 2u;
+
+// A point of the unit square under the nested uniform scrambles of both keys, as fixed point. [Owen97; Burley20]
+uvec2 owen_scrambled(vec2 xi, uvec2 keys) {
+    uvec2 reversed = bitfieldReverse(uvec2(xi * exp2(32.0)));
+    return bitfieldReverse(uvec2(sobol_scramble_reversed(reversed.x, keys.x), sobol_scramble_reversed(reversed.y, keys.y)));
 }
 
 // Fixed point to the open interval (0, 1): the centre of one of 2^23 strata, the most for which f32 holds every centre.

@@ -48,6 +48,10 @@ void main() {
     mat3 frame = frame_from_normal(s.n);
     vec3 v_local = s.v * frame;
     vec3 diffuse = diffuse_albedo(s, dfg, params.flags) / PI;
+    vec3 factor = vec3(1.0);
+    if (COMPENSATION != COMPENSATION_NONE) {
+        factor = compensation_factor(s.f0, textureLod(dfg, dfg_uv(s.n_dot_v, s.alpha), 0.0).rg);
+    }
     bool has_specular = (params.flags & SHADE_FLAG_NO_SPECULAR) == 0u;
 
     vec3 sum = vec3(0.0);
@@ -57,7 +61,7 @@ void main() {
         if (l_local.z > 0.0) {
             vec3 f = diffuse;
             if (has_specular) {
-                f += eval_brdf(v_local, l_local, normalize(v_local + l_local), s.alpha, s.f0, MASKING);
+                f += factor * eval_brdf(v_local, l_local, normalize(v_local + l_local), s.alpha, s.f0, MASKING);
             }
             sum += f * l_local.z * light.irradiance;
         }

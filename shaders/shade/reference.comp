@@ -14,7 +14,7 @@
 // Set 0: 0 position and mask, 1 normal and alpha, 2 albedo and metallic, 3 f0 and id (sampler2D, level 0);
 // 4 environment (sampler2D, level 0 in f32); 5 tables of the environment (see lib/environment_sampling.glsl);
 // 6 mean over scrambles (rgb) and their count (a); 7 sum of squared deviations (rgb). Scramble 0 overwrites 6 and 7;
-// 8 as 4, through a bilinear sampler; 9 mean direction and mass of each slot of 5.
+// 8 as 4, through a bilinear sampler; 9 mean direction and mass of each slot of 5; 10 DFG table.
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE), rows counted from `first_row`.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -25,7 +25,6 @@
 #include "lib/environment_sampling.glsl"
 #include "lib/sobol.glsl"
 #include "lib/surface.glsl"
-#include "selected/lobe.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 
@@ -52,6 +51,10 @@ layout(std430, set = 0, binding = 7) buffer SquaredDeviations {
 layout(std140, set = 0, binding = 9) uniform Slots {
     vec4 slots[CELL_COLUMNS * CELL_ROWS];
 };
+
+layout(set = 0, binding = 10) uniform sampler2D dfg;
+
+#include "selected/lobe.glsl"
 
 uint environment_word(uint index) {
     return environment_words[index];

@@ -2,7 +2,7 @@
 // mask 0 are left alone. The terms use independent points (LOBE_STREAM), so their squared errors add.
 //
 // With K scrambles, mean and squared deviations as shade/reference.comp leaves them, and w the part of the term that does not
-// depend on l (1 for the specular one, the diffuse albedo for the other):
+// depend on l (1 or the factor of a compensation for the specular one, the diffuse albedo for the other):
 //
 //     radiance += w mean,    squared error += w^2 sum (X_k - mean)^2 / (K (K - 1))
 //
@@ -14,8 +14,8 @@
 
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"
+#include "lib/compensation.glsl"
 #include "lib/surface.glsl"
-#include "selected/lobe.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 
@@ -41,6 +41,8 @@ layout(std430, set = 0, binding = 8) buffer SquaredErrors {
     vec4 squared_errors[];
 };
 
+#include "selected/lobe.glsl"
+
 void main() {
     uvec2 pixel = gl_GlobalInvocationID.xy + uvec2(0u, params.first_row);
     if (pixel.x >= params.width || pixel.y >= params.height) {
@@ -54,6 +56,10 @@ void main() {
     }
     uint index = pixel.y * params.width + pixel.x;
     vec3 weight = lobe_weight(s, dfg, params.flags);
+    // Only the specular lobes are scaled.
+    if (LOBE_STREAM == 0u && COMPENSATION != COMPENSATION_NONE) {
+        weight *= compensation_factor(s.f0, textureLod(dfg, dfg_uv(s.n_dot_v, s.alpha), 0.0).rg);
+    }
     vec4 mean = means[index];
     // One scramble has no spread, so its error is unknown: NaN, which the host refuses, and not 0.
     float divisor = mean.a * (mean.a - 1.0);

@@ -8,6 +8,9 @@
 
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"
+#include "lib/compensation.glsl"
+#include "lib/sampling.glsl"
+#include "lib/sobol.glsl"
 #include "lib/surface.glsl"
 #include "selected/map_layout.glsl"
 
@@ -33,8 +36,16 @@ layout(std430, set = 0, binding = 10) buffer Radiance {
     vec4 radiance[];
 };
 
+// Whether pixels share their points, or each scrambles them: one of PIXEL_POINTS_*.
+layout(constant_id = 4) const uint PIXEL_POINTS = PIXEL_POINTS_SHARED;
+// The keys of this pixel's scrambles.
+uvec2 pixel_keys;
+
 vec4 sample_point(uint i) {
-    return points[i];
+    if (PIXEL_POINTS == PIXEL_POINTS_SHARED) {
+        return points[i];
+    }
+    return sample_point_from_xi(sobol_to_unit(owen_scrambled(points[i].xy, pixel_keys)));
 }
 
 // Outgoing specular radiance, for environment radiance as stored; the method reads the bindings above.
@@ -51,7 +62,14 @@ void main() {
                               texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, world)) {
         return;
     }
+    if (PIXEL_POINTS != PIXEL_POINTS_SHARED) {
+        uint key = sobol_key(pixel, params.scramble, 0u, PIXEL_STREAM);
+        pixel_keys = sobol_next_pair_key(key);
+    }
     Surface s = surface_in_environment(world, params);
     vec3 specular = params.environment_scale * specular_radiance(s);
+    if (COMPENSATION != COMPENSATION_NONE) {
+        specular *= compensation_factor(s.f0, textureLod(dfg, dfg_uv(s.n_dot_v, s.alpha), 0.0).rg);
+    }
     radiance[pixel.y * params.width + pixel.x] += vec4(specular, 0.0);
 }

@@ -11,10 +11,13 @@
 //! same time to an error mostly within 20 %, either way; the closed form is kept.
 
 use super::{Brdf, g1_rational, sin2_cos2};
-use crate::math::erf::erfc;
+use crate::math::erf::{erf_inverse, erfc};
 use crate::math::sampling::direction_from_polar;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
+
+/// No slope is steeper, in units of alpha: `erfc` there is 4e-20.
+const SLOPE_MAX: f64 = 6.5;
 
 /// The Beckmann model with Walter's rational masking.
 #[derive(Debug)]
@@ -62,6 +65,43 @@ impl Brdf for Beckmann {
         }
         let sin_theta = ((1.0 - n_dot_w) * (1.0 + n_dot_w)).max(0.0).sqrt();
         n_dot_w / projected_area(sin_theta, n_dot_w, alpha)
+    }
+
+    /// Its own visible normals: of the slopes along and across `v`, in units of alpha, the first has density
+    /// `(cos θ - t sin θ) exp(-t²)/√π` up to `cot θ`, the other is Gaussian [HeitzDeon14]. The first is inverted by Halley's method from
+    /// the fit of [Jakob14].
+    fn sample_vndf(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
+        const STEPS: u32 = 6;
+        let across = v_local.x.hypot(v_local.y);
+        let (sin, cos) = (alpha * across, v_local.z);
+        let end = (cos / sin).min(SLOPE_MAX);
+        let area = visible_area_up_to(end, sin, cos);
+        let theta = sin.atan2(cos);
+        let exponent = 1.0 + theta * (-0.876 + theta * (0.4265 - 0.0594 * theta));
+        let guess = 1.0 - erfc(end) - (2.0 - erfc(end)) * (1.0 - xi.x).powf(exponent);
+        let guess = guess.clamp(1e-9 - 1.0, 1.0 - 1e-9);
+        let mut t = erf_inverse(guess, (1.0 - guess) * (1.0 + guess));
+        for _ in 0..STEPS {
+            let seen = cos - t * sin;
+            if seen <= 0.0 {
+                break;
+            }
+            let step = (visible_area_up_to(t, sin, cos) - xi.x * area) / (seen * (-t * t).exp() / PI.sqrt());
+            t = (t - step / (1.0 + 0.5 * (step * (2.0 * t + sin / seen)).clamp(-1.5, 1.5))).clamp(-SLOPE_MAX, end);
+        }
+        // No net of points has one at 2/3, where this is infinite; at 0 most have.
+        let turn = (xi.y + 1.0 / 3.0).fract();
+        let y = erf_inverse(2.0 * turn - 1.0, (4.0 * turn * (1.0 - turn)).max(1e-13));
+        let along = if across > 0.0 { DVec2::new(v_local.x, v_local.y) / across } else { DVec2::X };
+        let slope = alpha * (t * along + y * along.perp());
+        DVec3::new(-slope.x, -slope.y, 1.0).normalize()
+    }
+
+    /// `G1(v) D / (4 n_dot_v)` with the exact G1.
+    fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
+        let visible = v_local.dot(h_local) > 0.0;
+        let area = projected_area(v_local.x.hypot(v_local.y), v_local.z, alpha);
+        if visible { self.d(h_local, alpha) / (4.0 * area) } else { 0.0 }
     }
 
     /// `tan² θ = -alpha² ln(1 - u)` [Walter07, eq. 28].

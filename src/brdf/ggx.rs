@@ -66,6 +66,55 @@ pub(super) fn sample_visible(xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
     DVec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0)).normalize()
 }
 
+/// The cap of the stretched sphere that holds every direction which leaves above the horizon [EtoTokuyoshi23].
+struct BoundedCap {
+    v_standard: DVec3,
+    /// Length of the stretched `v`.
+    length: f64,
+    /// The cap ends at `z = -k v_standard.z` [EtoTokuyoshi23, eq. 5].
+    k: f64,
+    /// `1 - k`, with all its digits.
+    rest: f64,
+}
+
+impl BoundedCap {
+    fn new(v_local: DVec3, alpha: f64) -> Self {
+        let stretched = DVec3::new(alpha * v_local.x, alpha * v_local.y, v_local.z);
+        let (length, alpha2) = (stretched.length(), alpha * alpha);
+        let s2 = (1.0 + v_local.x.hypot(v_local.y)).powi(2);
+        let denominator = s2 + alpha2 * v_local.z * v_local.z;
+        let (k, rest) = ((1.0 - alpha2) * s2 / denominator, alpha2 * (s2 + v_local.z * v_local.z) / denominator);
+        Self { v_standard: stretched / length, length, k, rest }
+    }
+
+    /// Height of the cap.
+    fn height(&self) -> f64 {
+        1.0 + self.k * self.v_standard.z
+    }
+}
+
+/// [`sample_visible`] from the smaller cap of [EtoTokuyoshi23, listing 1]: fewer samples leave below the horizon.
+pub(super) fn sample_bounded(xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
+    let cap = BoundedCap::new(v_local, alpha);
+    let depth = xi.x * cap.height();
+    let radius = (depth * (2.0 - depth)).max(0.0).sqrt();
+    let point = direction_from_polar(radius, 0.0, xi.y);
+    let across = point + cap.v_standard;
+    let z = (1.0 - xi.x) * cap.height() + cap.rest * cap.v_standard.z;
+    DVec3::new(alpha * across.x, alpha * across.y, z).normalize()
+}
+
+/// `D / (2 (k n_dot_v + t))`, t the length of the stretched `v` [EtoTokuyoshi23, eq. 8]; 0 outside the cap.
+pub(super) fn pdf_bounded_l(v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
+    let cap = BoundedCap::new(v_local, alpha);
+    let h = DVec3::new(h_local.x, h_local.y, alpha * h_local.z).normalize();
+    let v_dot_h = cap.v_standard.dot(h);
+    if v_dot_h <= 0.0 || 2.0 * v_dot_h * h.z - cap.v_standard.z < -cap.k * cap.v_standard.z {
+        return 0.0;
+    }
+    Ggx.d(h_local, alpha) / (2.0 * (cap.k * v_local.z + cap.length))
+}
+
 /// `G1(v) D / (4 n_dot_v)`.
 pub(super) fn pdf_visible_l(v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
     if v_local.dot(h_local) <= 0.0 {

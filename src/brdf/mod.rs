@@ -10,10 +10,12 @@
 use glam::{DVec2, DVec3};
 
 mod beckmann;
+mod compensation;
 mod ggx;
 mod phong;
 
 pub use beckmann::Beckmann;
+pub use compensation::Compensation;
 pub use ggx::Ggx;
 pub use phong::{Phong, alpha_from_exponent, exponent_from_alpha};
 
@@ -34,6 +36,15 @@ pub trait Brdf: Sync + std::fmt::Debug {
     fn g1_exact(&self, n_dot_w: f64, alpha: f64) -> f64;
     /// Half vector with density `pdf_h = D(h) n_dot_h`. `xi.x` in [0, 1) is 0 at the normal, `φ = 2π xi.y`.
     fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3;
+    /// Half vector among the normals that `v_local` sees, for the method `sampled-vndf`; its density over `l` is [`Brdf::pdf_vndf_l`].
+    /// By default those of GGX within the cap that reflects above the horizon [EtoTokuyoshi23].
+    fn sample_vndf(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
+        ggx::sample_bounded(xi, v_local, alpha)
+    }
+    /// Density of `l = reflect(-v, h)` per solid angle of `l` under [`Brdf::sample_vndf`]; it integrates to 1 over the whole sphere of `l`.
+    fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
+        ggx::pdf_bounded_l(v_local, h_local, alpha)
+    }
     /// Half vector by the best known sampler for the model given `v_local` (`v_local.z >= 0`); its density over `l` is
     /// [`Brdf::pdf_visible_l`]. By default the visible normals of GGX of the same alpha: each model that keeps them says how well they serve.
     fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {

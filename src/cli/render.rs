@@ -118,7 +118,7 @@ fn point(arguments: &Arguments) -> Result<Point, Failure> {
 fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(), Failure> {
     let collapsed = point.collapsed(!arguments.seen.lights.is_empty());
     let (method, diffuse) = (point.method().name, point.diffuse().name);
-    let has_reference_term = point.method().is_integrated() || point.diffuse().is_reference();
+    let has_reference_term = point.method().is_integrated() || point.diffuse().is_integrated();
     let mut faults = Vec::new();
     for Given { flag, axis, .. } in arguments.axes.iter() {
         let is_reference_count = *axis == SAMPLES && has_reference_term;

@@ -6,10 +6,10 @@ use clap::Args;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::files::{TEXT_BYTES_MAX, read_text};
 use splitsum::pipeline::{DeviceChoice, Options};
-use splitsum::runner::axis::{AXES, METHOD, Point, SIZE};
+use splitsum::runner::axis::{AXES, DFG_TABLE, METHOD, PREFILTERED, Point, SIZE};
 use splitsum::runner::value::Value;
 use splitsum::scene::Scene;
-use splitsum::shade::METHODS;
+use splitsum::shade::{FILE_PREFIX, METHODS, own};
 use splitsum::view::{Opened, State, Windowed, open};
 use std::path::{Path, PathBuf};
 
@@ -45,6 +45,15 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let state = state(arguments)?;
+    for method in [&state.point[METHOD], &state.right].into_iter().filter(|name| name.text().starts_with(FILE_PREFIX)) {
+        own::load(method.text(), Path::new("")).map_err(Failure::input)?;
+    }
+    if let Some(axis) = [PREFILTERED, DFG_TABLE].into_iter().find(|axis| !state.point.is_own(*axis)) {
+        let name = AXES[axis].name;
+        return Err(Failure::input(format!(
+            "--{name}: the window shows tables of our own; `splitsum render` takes others"
+        )));
+    }
     let load = LoadOptions { clamp_invalid: arguments.seen.clamp_invalid, ..LoadOptions::default() };
     // What cannot be shown at all is told before a window opens.
     let (settings, here) = (state.point.settings(), Path::new(""));

@@ -6,9 +6,10 @@
 use super::child::{ASSEMBLY, Compiled, Job};
 use super::family::{Card, Family, Texel, UNITS};
 use super::isa::{self, Counts, IsaFault, ShaderCounts};
-use crate::brdf::{Brdf, MaskingShadowing};
+use crate::brdf::{Brdf, Compensation, MaskingShadowing};
 use crate::environment::layout::MapLayout;
 use crate::glsl::constants::POINTS_PER_DISPATCH;
+use crate::math::sequence::PixelPoints;
 use crate::precompute::prefilter::LEVEL_MAPPINGS;
 use crate::shade::Method;
 use crate::shade::pass::{specular_constants, specular_shader};
@@ -30,7 +31,9 @@ pub struct Bound {
 
 /// The specular pass of a method.
 pub fn job(layout: &MapLayout, method: &Method, brdf: &dyn Brdf) -> Job {
-    let constants = specular_constants(MaskingShadowing::default(), &LEVEL_MAPPINGS[0]).to_vec();
+    let constants =
+        specular_constants(MaskingShadowing::default(), &LEVEL_MAPPINGS[0], PixelPoints::default(), Compensation::None)
+            .to_vec();
     Job { shader: specular_shader(layout, method, brdf), constants }
 }
 

@@ -59,6 +59,8 @@ constants! {
     LOBE_SHAPE_PARTS: u32 = 3;
     /// Number of real spherical harmonics up to degree 2.
     SH9_COUNT: u32 = 9;
+    /// Width of the Hann window of `sh9-windowed`: degree 1 counts 0.933, degree 2 0.75.
+    SH9_WINDOW: f32 = 6.0;
     /// Masking-shadowing variants; the order is that of `brdf::MaskingShadowing`.
     MASKING_SEPARABLE: u32 = 0;
     /// Height-correlated Smith.
@@ -67,6 +69,18 @@ constants! {
     MASKING_SCHLICK: u32 = 2;
     /// Exact Smith masking of each model's own distribution.
     MASKING_SMITH_EXACT: u32 = 3;
+    /// How a pixel comes by its points: as they are, the same for all pixels.
+    PIXEL_POINTS_SHARED: u32 = 0;
+    /// Scrambled by a hash of the pixel.
+    PIXEL_POINTS_OWEN: u32 = 1;
+    /// What gives back the light of several scatterings; the order is that of `brdf::Compensation`.
+    COMPENSATION_NONE: u32 = 0;
+    /// By scaling the single scattering.
+    COMPENSATION_TURQUIN: u32 = 1;
+    /// As irradiance.
+    COMPENSATION_FDEZ_AGUERA: u32 = 2;
+    /// By a lobe of its own.
+    COMPENSATION_KULLA_CONTY: u32 = 3;
     /// Weights of the prefiltered map's mean (`precompute::prefilter::WEIGHTS`): n·l.
     PREFILTER_WEIGHT_COSINE: u32 = 0;
     /// G1(l).

@@ -156,7 +156,7 @@ shared_structs! {
         /// Samples a pixel; of one scramble for the reference, which takes half from the lobe and half from the environment: an odd
         /// count is rounded up.
         sample_count: uint,
-        /// First independent scramble of this dispatch (reference only). Scramble 0 starts the sums.
+        /// First independent scramble of this dispatch; of the reference scramble 0 starts the sums. The set of points of a sampled method.
         scramble: uint,
         first_row: uint,
         prefilter_level_count: uint,

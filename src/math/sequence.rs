@@ -54,6 +54,37 @@ pub fn sequence_by_name(name: &str) -> Option<&'static Sequence> {
     SEQUENCES.iter().find(|sequence| sequence.name == name)
 }
 
+/// How a pixel comes by the points of a set. The discriminants are `glsl::constants::PIXEL_POINTS_*`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum PixelPoints {
+    /// The set itself: errors of neighbours are alike, and show as ghosts and bands.
+    #[default]
+    Shared = 0,
+    /// Each pixel scrambles both coordinates of the set on its own: errors of neighbours are independent, and show as noise.
+    Owen = 1,
+}
+
+impl PixelPoints {
+    /// Every variant with its name, the default first.
+    pub const ALL: &[(&str, Self)] = &[("shared", Self::Shared), ("owen", Self::Owen)];
+}
+
+/// The point of a set by which the pixel at column x and row y samples: nested uniform scrambles of both coordinates [Owen97] by hash
+/// [Burley20], each under a key of its own. The mean over pixels or sets is uniform, whatever the point was.
+pub fn scrambled(point: DVec2, [x, y]: [u32; 2], set: u32) -> DVec2 {
+    /// Points of the reference have the streams 0 and 1.
+    const STREAM: u32 = 2;
+    let seed = 0;
+    let parts = [STREAM + 1, seed, set, y, x];
+    let mut key = parts.iter().fold(0, |key: u32, part: &u32| hash(part.wrapping_add(key)));
+    centre(point.as_vec2().to_array().map(|coordinate| {
+        key = hash(key.wrapping_add(1));
+        // As in the table on the device: f32.
+        let fixed = (f64::from(coordinate) * 2f64.powi(32)) as u32;
+        scramble_reversed(fixed.reverse_bits(), key).reverse_bits()
+    }))
+}
+
 /// The fractions of the R2 sequence: 1/g and 1/g² for the root g of g³ = g + 1.
 const R2: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
 

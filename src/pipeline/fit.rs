@@ -67,7 +67,7 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
         let size = settings.prefilter_size;
         needs.push(image("prefiltered map", size, with_mips(of_faces(size))));
     }
-    if request.method.needs_dfg(request.diffuse, !request.lights.is_empty()) {
+    if request.needs_dfg() {
         let side = [settings.dfg_size; 2];
         needs.push(image("DFG table", side, VEC4 * texels(side)));
     }

@@ -30,6 +30,7 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         diffuse,
         brdf,
         masking_shadowing,
+        compensation,
         samples,
         reference_samples,
         reference_error,
@@ -42,6 +43,7 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         // Parameters of sampled methods only.
         sequence: _,
         point_set: _,
+        pixel_points: _,
         lod_bias: _,
     } = request;
     if !request.has_reference_term() || method.has_pass() || diffuse.has_pass() {
@@ -49,11 +51,11 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
     }
     let levels = method.uses_levels.then_some((precompute.prefilter_level_count, precompute.level_mapping.name));
     let weight = method.uses_weight.then_some(precompute.prefilter_weight.name);
-    let dfg = method.needs_dfg(diffuse, !lights.is_empty()).then(|| DfgInputs::of(request).key());
+    let dfg = request.needs_dfg().then(|| DfgInputs::of(request).key());
     let table = dfg.as_ref().map_or("none\n".to_owned(), |key| format!("{:?}\n{}", precompute.storage, key.inputs));
     let inputs = format!(
         "environment={}\nplacement={placement:?}\nscale={environment_scale}\nepsilon={}\nscene={}\ncamera={camera:?}\n\
-         size={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\nsamples={samples}\n\
+         size={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\ncompensation={compensation:?}\nsamples={samples}\n\
          reference_samples={reference_samples}\nreference_error={reference_error:?}\nlights={lights:?}\n\
          background={background}\nseed={seed}\nlevels={levels:?}\nweight={weight:?}\ndfg={table}",
         environment.hash,

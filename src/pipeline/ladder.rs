@@ -2,6 +2,7 @@
 
 use super::light_tables::read_level;
 use super::{Pipeline, PipelineError, RenderRequest, settings};
+use crate::brdf::Compensation;
 use crate::environment::layout::FilteredMap;
 use crate::gbuffer::design;
 use crate::glsl::constants::ALPHA_MIN;
@@ -60,6 +61,8 @@ impl Pipeline {
             diffuse: diffuse_by_name(NONE).expect("a listed diffuse method"),
             reference_samples: samples,
             reference_error: None,
+            // The steps part one scattering.
+            compensation: Compensation::None,
             ..request.clone()
         };
         let radiance = self.specular_by_steps(&request, &frames)?;

@@ -16,7 +16,7 @@ use crate::gbuffer::design;
 use crate::gbuffer::pass::{self as gbuffer_pass, GbufferImages, SceneData};
 use crate::gpu::{Buffer, Format, Gpu, GpuError, Image, Report};
 use crate::math::harmonics::Harmonics;
-use crate::math::sequence::{SEQUENCES, Sequence};
+use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::pixels::GrayImage;
 use crate::precompute::mips::level_count;
 use crate::precompute::points::Points;
@@ -45,7 +45,7 @@ pub(super) struct Resources {
     lobe_shapes: Recent<String, Levels>,
     /// Copies of tables in the format that a request asks for.
     halves: Recent<String, Image>,
-    points: Recent<(u32, &'static str, u32), Points>,
+    points: Recent<(u32, &'static str, u32, PixelPoints), Points>,
     /// Radiance by the steps of the ladder.
     pub(super) steps: Recent<String, KeptRadiance>,
     pub(super) albedos: Recent<String, KeptAlbedos>,
@@ -151,7 +151,7 @@ impl Resources {
         let environment = self.environment(maker, &request.environment)?;
         let samples_per_pixel = if request.method.uses_samples { request.samples } else { 1 };
         let storage = request.precompute.storage;
-        let needs_dfg = request.method.needs_dfg(request.diffuse, !request.lights.is_empty());
+        let needs_dfg = request.needs_dfg();
 
         let sh9 = match request.diffuse.uses_sh9 {
             true => self.coefficients(maker, &request.environment, &environment)?,
@@ -178,7 +178,7 @@ impl Resources {
             true => self.lobe_shapes(maker, LobeShapeInputs::of(request), storage)?,
             false => self.blank_image.clone(),
         };
-        let points = self.points(gpu, samples_per_pixel, request.sequence, request.point_set)?;
+        let points = self.points(gpu, samples_per_pixel, request.sequence, request.point_set, request.pixel_points)?;
         let (scene, target) = self.view(gpu, request)?;
         // A light-free scene binds no such pass.
         let lights = (!request.lights.is_empty()).then(|| gpu.buffer_from("lights", &light_data(&request.lights)));
@@ -236,9 +236,10 @@ impl Resources {
         count: u32,
         sequence: &'static Sequence,
         set: u32,
+        of_pixel: PixelPoints,
     ) -> Result<Points, PipelineError> {
-        let make = || Points::upload(gpu, count, sequence, set);
-        Ok(self.points.get_or_make((count, sequence.name, set), make)?)
+        let make = || Points::upload(gpu, count, sequence, set, of_pixel);
+        Ok(self.points.get_or_make((count, sequence.name, set, of_pixel), make)?)
     }
 
     fn reference_data(&mut self, gpu: &Gpu, request: &RenderRequest) -> Result<ReferenceData, PipelineError> {
@@ -294,7 +295,7 @@ impl Resources {
         let (gpu, key) = (maker.gpu, inputs.key());
         let is_harmonic = inputs.by == PrefilterBy::Harmonic;
         let sample_count = if is_harmonic { 1 } else { inputs.sample_count };
-        let points = self.points(gpu, sample_count, &SEQUENCES[0], 0)?;
+        let points = self.points(gpu, sample_count, &SEQUENCES[0], 0, PixelPoints::Shared)?;
         let transforms = &mut self.harmonics;
         let empty = || prefilter::pass::map(gpu, inputs.layout, inputs.size, inputs.level_count).map(Levels::all);
         let made = maker.table(&mut self.prefiltered, &key, empty, |map| {

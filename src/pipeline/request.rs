@@ -1,10 +1,10 @@
 //! What is asked of the pipeline and what it answers.
 
 use crate::bakes::given::Given;
-use crate::brdf::{Brdf, Ggx, MaskingShadowing};
+use crate::brdf::{Brdf, Compensation, Ggx, MaskingShadowing};
 use crate::environment::{Environment, Placement};
 use crate::gpu::PassTime;
-use crate::math::sequence::{SEQUENCES, Sequence};
+use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::metrics::Epsilon;
 use crate::pixels::{GrayImage, RgbImage};
 use crate::precompute::{PrecomputeSettings, PrefilterBy};
@@ -27,12 +27,16 @@ pub struct RenderRequest {
     pub diffuse: &'static Diffuse,
     pub brdf: &'static dyn Brdf,
     pub masking_shadowing: MaskingShadowing,
+    /// What gives back the light of several scatterings.
+    pub compensation: Compensation,
     /// Samples a pixel of a sampled method.
     pub samples: u32,
     /// Where a sampled method takes its points from.
     pub sequence: &'static Sequence,
     /// Which set of the sequence: 0 the plain one, k > 0 randomised copies.
     pub point_set: u32,
+    /// How a pixel comes by the points of that set.
+    pub pixel_points: PixelPoints,
     /// Samples a pixel of the reference, wherever it is the method or the diffuse term.
     pub reference_samples: u32,
     /// Stops the reference earlier, once the relative standard error of each of its terms is at most this.
@@ -63,9 +67,11 @@ impl RenderRequest {
             diffuse: diffuse_by_name(NONE).expect("a listed diffuse method"),
             brdf: &Ggx,
             masking_shadowing: MaskingShadowing::default(),
+            compensation: Compensation::default(),
             samples: 64,
             sequence: &SEQUENCES[0],
             point_set: 0,
+            pixel_points: PixelPoints::default(),
             reference_samples: 1024,
             reference_error: None,
             lod_bias: 0.0,
@@ -82,7 +88,7 @@ impl RenderRequest {
         let levels = Levels { mapping: self.precompute.level_mapping, weight: self.precompute.prefilter_weight };
         let (brdf, masking) = (self.brdf, self.masking_shadowing);
         let specular = self.method.lobe.map(|lobe| Lobe::Specular { lobe, brdf, masking, levels });
-        specular.into_iter().chain(self.diffuse.is_reference().then_some(Lobe::Diffuse)).collect()
+        specular.into_iter().chain(self.diffuse.lobe.map(|lobe| Lobe::Diffuse { lobe })).collect()
     }
 
     /// That of relative errors under this light.
@@ -101,9 +107,14 @@ impl RenderRequest {
         self.method.uses_lod_bias || self.method.uses_prefiltered() || is_integrated
     }
 
+    /// Whether a frame reads the DFG table.
+    pub fn needs_dfg(&self) -> bool {
+        self.method.needs_dfg(self.compensation, self.diffuse, !self.lights.is_empty())
+    }
+
     /// Whether a term comes from the reference: then the frame has a standard error.
     pub fn has_reference_term(&self) -> bool {
-        self.method.is_integrated() || self.diffuse.is_reference()
+        self.method.is_integrated() || self.diffuse.is_integrated()
     }
 }
 

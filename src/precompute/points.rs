@@ -8,13 +8,16 @@
 
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::gpu::{Bind, Buffer, Gpu, GpuError};
-use crate::math::sequence::Sequence;
+use crate::math::sequence::{PixelPoints, Sequence};
 use std::f64::consts::TAU;
 
-/// The table of `count` points of set `set` of a sequence.
-pub fn table(count: u32, sequence: &Sequence, set: u32) -> Vec<[f32; 4]> {
+/// The table of `count` points of set `set` of a sequence. Points that each pixel scrambles are `(xi.x, xi.y, 0, 0)`.
+pub fn table(count: u32, sequence: &Sequence, set: u32, of_pixel: PixelPoints) -> Vec<[f32; 4]> {
     let point = |i| {
         let xi = (sequence.point)(i, count, set);
+        if of_pixel == PixelPoints::Owen {
+            return [xi.x as f32, xi.y as f32, 0.0, 0.0];
+        }
         let (sin_phi, cos_phi) = (TAU * xi.y).sin_cos();
         [xi.x, cos_phi, sin_phi, -(-xi.x).ln_1p()].map(|x| x as f32)
     };
@@ -41,8 +44,14 @@ pub struct PointRange<'a> {
 
 impl Points {
     /// `count` points of set `set` of a sequence.
-    pub fn upload(gpu: &Gpu, count: u32, sequence: &Sequence, set: u32) -> Result<Self, GpuError> {
-        let mut texels = table(count, sequence, set);
+    pub fn upload(
+        gpu: &Gpu,
+        count: u32,
+        sequence: &Sequence,
+        set: u32,
+        of_pixel: PixelPoints,
+    ) -> Result<Self, GpuError> {
+        let mut texels = table(count, sequence, set, of_pixel);
         texels.resize(count.next_multiple_of(POINTS_PER_DISPATCH) as usize, [0.0; 4]);
         Ok(Self { count, buffer: gpu.uniform_from("sample points", &texels)? })
     }

@@ -69,8 +69,8 @@ fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults:
     if is_method && let Err(error) = ScramblePlan::exact(point[SAMPLES].count()) {
         faults.add(&config.place_of(SAMPLES, point), format!("samples of method {}: {error}", point.method().name));
     }
-    let is_judged_by = judge.method().is_integrated() || judge.diffuse().is_reference();
-    if (is_judged_by || point.diffuse().is_reference() && !is_method)
+    let is_judged_by = judge.method().is_integrated() || judge.diffuse().is_integrated();
+    if (is_judged_by || point.diffuse().is_integrated() && !is_method)
         && let Err(error) = ScramblePlan::exact(config.reference.samples)
     {
         faults.add(&config.reference_samples_place, format!("reference.samples: {error}"));

@@ -342,7 +342,7 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relat
     if !config.orbit.is_still() {
         lines.push(format!("orbit={:?}", config.orbit));
     }
-    let [is_specular, is_diffuse] = [point.method().is_integrated(), point.diffuse().is_reference()];
+    let [is_specular, is_diffuse] = [point.method().is_integrated(), point.diffuse().is_integrated()];
     if is_diffuse && !is_specular {
         lines.push(format!("reference_samples={}", config.reference.samples));
     }

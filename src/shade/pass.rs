@@ -1,13 +1,14 @@
 //! The device passes of every method but the reference: specular, diffuse, analytic lights, background.
 
 use super::{Diffuse, Method};
-use crate::brdf::{Brdf, MaskingShadowing};
+use crate::brdf::{Brdf, Compensation, MaskingShadowing};
 use crate::environment::Placement;
 use crate::environment::layout::MapLayout;
 use crate::gbuffer::pass::GbufferImages;
 use crate::glsl::constants::SHADE_FLAG_NO_SPECULAR;
 use crate::glsl::layout::{BackgroundParams, LightData, ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, Filter, GpuError, Image, Recorder, Sampler, Wrap, has_shader, image_groups};
+use crate::math::sequence::PixelPoints;
 use crate::precompute::points::{PointRange, Points};
 use crate::precompute::prefilter::LevelMapping;
 use crate::scene::{Camera, Light, Projection};
@@ -22,6 +23,10 @@ pub struct ShadeSettings {
     pub environment_scale: f32,
     pub environment_size: [u32; 2],
     pub sample_count: u32,
+    /// Which set of points, and how a pixel comes by it.
+    pub point_set: u32,
+    pub pixel_points: PixelPoints,
+    pub compensation: Compensation,
     pub lod_bias: f32,
     pub prefilter_level_count: u32,
     pub level_mapping: &'static LevelMapping,
@@ -72,7 +77,7 @@ impl ShadeSettings {
             environment_width: self.environment_size[0],
             environment_height: self.environment_size[1],
             sample_count: self.sample_count,
-            scramble: 0,
+            scramble: self.point_set,
             first_row,
             prefilter_level_count: self.prefilter_level_count,
             environment_scale: self.environment_scale,
@@ -127,9 +132,14 @@ pub fn specular_shader(layout: &MapLayout, method: &Method, brdf: &dyn Brdf) -> 
 }
 
 /// Its specialization constants.
-pub fn specular_constants(masking_shadowing: MaskingShadowing, level_mapping: &LevelMapping) -> [u32; 3] {
-    // The second one is the reference's.
-    [masking_shadowing as u32, 0, (level_mapping.bend as f32).to_bits()]
+pub fn specular_constants(
+    masking_shadowing: MaskingShadowing,
+    level_mapping: &LevelMapping,
+    pixel_points: PixelPoints,
+    compensation: Compensation,
+) -> [u32; 6] {
+    // The second and the fourth one are the reference's.
+    [masking_shadowing as u32, 0, (level_mapping.bend as f32).to_bits(), 0, pixel_points as u32, compensation as u32]
 }
 
 /// The shader of analytic lights.
@@ -174,7 +184,8 @@ impl Shading<'_> {
             points.bind(),
         ];
         let params = ShadeParams { point_count: points.count, ..self.settings.params(self.gbuffer.size, rows.start) };
-        let constants = specular_constants(masking_shadowing, self.settings.level_mapping);
+        let ShadeSettings { level_mapping, pixel_points, compensation, .. } = *self.settings;
+        let constants = specular_constants(masking_shadowing, level_mapping, pixel_points, compensation);
         self.dispatch(recorder, &shader, &constants, &rest, &params.to_bytes(), rows.end - rows.start)
     }
 
@@ -184,7 +195,8 @@ impl Shading<'_> {
         let rest = [Bind::Sample(irradiance_map, Sampler::MAP), Bind::Sample(dfg, TABLE), Bind::Read(sh9)];
         let push = self.settings.params(self.gbuffer.size, 0).to_bytes();
         let shader = format!("shade/diffuse.comp:{}:{}", self.layout.name, diffuse.name);
-        self.dispatch(recorder, &shader, &[], &rest, &push, self.gbuffer.size[1])
+        let constants = [0, 0, 0, 0, 0, self.settings.compensation as u32];
+        self.dispatch(recorder, &shader, &constants, &rest, &push, self.gbuffer.size[1])
     }
 
     /// Adds the radiance of analytic lights.
@@ -197,7 +209,8 @@ impl Shading<'_> {
     ) -> Result<(), GpuError> {
         let rest = [Bind::Sample(&self.tables.dfg, TABLE), Bind::Read(lights)];
         let push = self.settings.params(self.gbuffer.size, 0).to_bytes();
-        let (shader, constants) = (lights_shader(brdf), [masking_shadowing as u32]);
+        let (shader, constants) =
+            (lights_shader(brdf), [masking_shadowing as u32, 0, 0, 0, 0, self.settings.compensation as u32]);
         self.dispatch(recorder, &shader, &constants, &rest, &push, self.gbuffer.size[1])
     }
 

@@ -1,7 +1,7 @@
 //! The device passes of the reference: dispatches over scrambles and bands of rows, then one that adds the term to the image.
 
 use super::pass::{Shading, TABLE, with_gbuffer};
-use crate::brdf::{Brdf, MaskingShadowing};
+use crate::brdf::{Brdf, Compensation, MaskingShadowing};
 use crate::environment::distribution::EnvironmentDistribution;
 use crate::glsl::constants::GROUP_SIDE;
 use crate::glsl::layout::{ShadeParams, SharedStruct};
@@ -19,13 +19,9 @@ const SCRAMBLE_SAMPLES_MAX: u32 = 4096;
 #[derive(Clone, Copy, Debug)]
 pub enum Lobe {
     /// The lobe of a method, and what may shape it.
-    Specular {
-        lobe: &'static str,
-        brdf: &'static dyn Brdf,
-        masking: MaskingShadowing,
-        levels: Levels,
-    },
-    Diffuse,
+    Specular { lobe: &'static str, brdf: &'static dyn Brdf, masking: MaskingShadowing, levels: Levels },
+    /// The lobe of a diffuse method.
+    Diffuse { lobe: &'static str },
 }
 
 /// What rungs of the ladder take from a prefiltered map: how its levels are spread, and by what it averages.
@@ -36,14 +32,15 @@ pub struct Levels {
 }
 
 impl Lobe {
-    /// The specialization constants: masking, whether the driver filters in f32, the bend of the levels' mapping, the weight.
-    fn constants(self, gpu: &Gpu) -> [u32; 4] {
+    /// The specialization constants: masking, whether the driver filters in f32, the bend of the levels' mapping, the weight, none, the
+    /// compensation.
+    fn constants(self, gpu: &Gpu, compensation: Compensation) -> [u32; 6] {
         let is_exact = u32::from(gpu.info().has_exact_filter);
         match self {
             Self::Specular { masking, levels: Levels { mapping, weight }, .. } => {
-                [masking as u32, is_exact, (mapping.bend as f32).to_bits(), weight.code]
+                [masking as u32, is_exact, (mapping.bend as f32).to_bits(), weight.code, 0, compensation as u32]
             }
-            Self::Diffuse => [MaskingShadowing::default() as u32, is_exact, 0, 0],
+            Self::Diffuse { .. } => [MaskingShadowing::default() as u32, is_exact, 0, 0, 0, compensation as u32],
         }
     }
 
@@ -51,7 +48,7 @@ impl Lobe {
     fn permutation(self) -> String {
         match self {
             Self::Specular { lobe, brdf, .. } => format!("{lobe}:{}", brdf.name()),
-            Self::Diffuse => "lambert".into(),
+            Self::Diffuse { lobe } => lobe.into(),
         }
     }
 
@@ -64,7 +61,7 @@ impl Lobe {
     fn pass_name(self) -> &'static str {
         match self {
             Self::Specular { .. } => "shade-specular",
-            Self::Diffuse => "shade-diffuse",
+            Self::Diffuse { .. } => "shade-diffuse",
         }
     }
 }
@@ -280,7 +277,7 @@ impl ReferenceRun<'_> {
             .clamp(1, scrambles.len() as u32);
         let samples_per_row = u64::from(width) * u64::from(samples_per_scramble) * u64::from(scrambles_per_dispatch);
         let [shader, _] = lobe.shaders();
-        let constants = lobe.constants(gpu);
+        let constants = lobe.constants(gpu, settings.compensation);
         let rest = [
             Bind::Sample(&tables.environment, Sampler::TEXELS),
             Bind::Read(&self.distribution.words),
@@ -288,6 +285,7 @@ impl ReferenceRun<'_> {
             Bind::ReadWrite(&self.sums.squared_deviations),
             Bind::SampleMip(&tables.environment, Sampler::MAP, 0),
             Bind::Uniform(&self.distribution.slots, 0..self.distribution.slots.size()),
+            Bind::Sample(&tables.dfg, TABLE),
         ];
         let binds = with_gbuffer(gbuffer, &rest);
         let mut total = Report::default();
@@ -324,7 +322,7 @@ impl ReferenceRun<'_> {
         let (binds, push) = (with_gbuffer(gbuffer, &rest), settings.params(gbuffer.size, 0).to_bytes());
         let [_, shader] = lobe.shaders();
         gpu.submit_pass(lobe.pass_name(), |r| {
-            r.dispatch(&shader, &lobe.constants(gpu), &binds, &push, image_groups(width, height))
+            r.dispatch(&shader, &lobe.constants(gpu, settings.compensation), &binds, &push, image_groups(width, height))
         })
     }
 }

@@ -10,7 +10,7 @@ use crate::environment::layout::FilteredMap;
 use crate::math::equirect::uv_from_direction;
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::math::quadrature::{Bounded, Tolerance};
-use crate::math::sequence::Sequence;
+use crate::math::sequence::{Sequence, scrambled};
 use crate::math::spherical_harmonics::COUNT;
 use crate::pixels::Pixels;
 use crate::pixels::lookup::{Wrap, bilinear, trilinear};
@@ -65,6 +65,8 @@ pub struct Samples {
     pub sequence: &'static Sequence,
     /// Which set of the sequence.
     pub set: u32,
+    /// The pixel that scrambles it; none where pixels share it.
+    pub pixel: Option<[u32; 2]>,
     /// Levels added.
     pub lod_bias: f64,
 }
@@ -72,7 +74,10 @@ pub struct Samples {
 impl Samples {
     /// The points in the unit square.
     pub fn points(&self) -> impl Iterator<Item = DVec2> {
-        (0..self.count).map(|i| (self.sequence.point)(i, self.count, self.set))
+        (0..self.count).map(|i| {
+            let point = (self.sequence.point)(i, self.count, self.set);
+            self.pixel.map_or(point, |pixel| scrambled(point, pixel, self.set))
+        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::state::State;
 use crate::environment::{BUILTIN_PREFIX, BUILTINS};
-use crate::runner::axis::{AXES, ENVIRONMENT, INPUTS, METHOD, Named, Part, Point, SIZE};
+use crate::runner::axis::{AXES, ENVIRONMENT, METHOD, Named, Part, Point, SIZE};
 use crate::runner::value::{Kind, Range, Value};
 use crate::scene::SCENES;
 use egui::{ComboBox, DragValue, Rect, Response, Slider, SliderClamping, TextEdit, Ui};
@@ -153,7 +153,7 @@ impl Controls {
                 }
                 found = (sides != *pair).then(|| format!("{}x{}", sides[0], sides[1]));
             }
-            (Kind::Name { names, .. }, Value::Text(text)) => {
+            (Kind::Name { names, .. } | Kind::NameOrFile { names, .. }, Value::Text(text)) => {
                 let combo = ComboBox::from_id_salt(name).width(SLIDER_WIDTH + 58.0).selected_text(text.as_str());
                 let response = combo.height(520.0).show_ui(ui, |ui| {
                     let mut chosen = None;
@@ -190,7 +190,6 @@ impl Controls {
             ENVIRONMENT => BUILTINS.iter().map(|builtin| format!("{BUILTIN_PREFIX}{}", builtin.name)).collect(),
             _ => SCENES.iter().map(|scene| scene.name.to_owned()).collect(),
         };
-        debug_assert!(INPUTS.contains(&axis));
         let combo = ComboBox::from_id_salt(name).width(24.0).selected_text("…").show_ui(ui, |ui| {
             list.into_iter()
                 .filter(|name| {

@@ -112,7 +112,7 @@ impl State {
             }
         }
         let View { camera, orbit, lights, seed, reference_samples, background, .. } = &image.view;
-        if image.point[SAMPLES] == Value::Unset && image.point.diffuse().is_reference() {
+        if image.point[SAMPLES] == Value::Unset && image.point.diffuse().is_integrated() {
             add(&AXES[SAMPLES].name.replace('_', "-"), reference_samples.to_string());
         }
         add("camera", camera.name().to_owned());

@@ -8,7 +8,7 @@ use super::state::{Side, State};
 use super::worker::{Shot, Shown, Standing};
 use crate::pipeline::Frame;
 use crate::pixels::Rgb8Image;
-use crate::runner::axis::{AXES, ENVIRONMENT, ENVIRONMENT_ROTATION, EXPOSURE, INPUTS, METHOD, SCENE};
+use crate::runner::axis::{AXES, ENVIRONMENT, ENVIRONMENT_ROTATION, EXPOSURE, METHOD, SCENE};
 use crate::runner::value::{Value, decimal};
 use crate::scene::{CameraKind, Light, LightKind, Orbit};
 use egui::{
@@ -81,7 +81,6 @@ impl Panel {
                 return;
             }
         };
-        debug_assert!(INPUTS.contains(&axis));
         self.notice = format!("{}: {}", AXES[axis].name, path.display());
         state.point[axis] = Value::Text(path.display().to_string().into());
     }
@@ -462,7 +461,7 @@ fn standing(shown: &Shown) -> String {
 /// The method of an image, and what it draws.
 fn label(shot: &Shot) -> String {
     let point = &shot.image.point;
-    let count = match point.method().is_integrated() || point.diffuse().is_reference() {
+    let count = match point.method().is_integrated() || point.diffuse().is_integrated() {
         true => Some(shot.image.view.reference_samples),
         false => point.method().uses_samples.then(|| point[crate::runner::axis::SAMPLES].count()),
     };

@@ -1,9 +1,10 @@
 //! What a window shows, as data: it becomes requests, and by [`super::file`] a file, a command line and an experiment.
 
 use super::picture::{Look, Picture, Tone};
+use crate::bakes::given::Given;
 use crate::environment::{BUILTIN_PREFIX, Environment};
 use crate::pipeline::RenderRequest;
-use crate::runner::axis::{AXES, INPUTS, METHOD, Part, Point, REFERENCE, Reference, SAMPLES, SIZE, View};
+use crate::runner::axis::{AXES, ENVIRONMENT, METHOD, Part, Point, REFERENCE, Reference, SAMPLES, SCENE, SIZE, View};
 use crate::runner::value::Value;
 use crate::scene::Scene;
 use std::path::Path;
@@ -52,7 +53,7 @@ impl State {
 
     /// Names files by whole paths, so that what is saved elsewhere finds them.
     pub fn name_files(&mut self) {
-        for axis in INPUTS {
+        for axis in [ENVIRONMENT, SCENE] {
             let name = self.point[axis].text();
             let is_file = Path::new(name).extension().is_some() && !name.starts_with(BUILTIN_PREFIX);
             if let Ok(whole) = std::path::absolute(name)
@@ -116,7 +117,7 @@ impl State {
         if point.method().is_integrated() {
             point[SAMPLES] = Value::Count(count);
         }
-        let is_drawn = point.method().is_integrated() || point.diffuse().is_reference();
+        let is_drawn = point.method().is_integrated() || point.diffuse().is_integrated();
         let mut point = point.collapsed(!self.view.lights.is_empty());
         for (axis, value) in AXES.iter().zip(&mut point.0) {
             if axis.part == Part::Display {
@@ -132,6 +133,6 @@ impl State {
 
 impl Image {
     pub fn request(&self, environment: &Arc<Environment>, scene: &Scene) -> RenderRequest {
-        self.point.settings().request(environment, scene, &self.view)
+        self.point.settings().request(environment, scene, &self.view, Given::default())
     }
 }

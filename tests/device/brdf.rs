@@ -1,5 +1,6 @@
 //! Every function of every BRDF model against its f64 twin.
 
+use crate::chi_square::{Random, fit_of_half_vectors};
 use crate::compare::{Tolerance, Worst, absolute, relative};
 use crate::harness::{Probe, rounded, rounded3, vec4, with_gpu, xyz};
 use glam::{DVec2, DVec3};
@@ -72,7 +73,7 @@ fn run(gpu: &Gpu, model: &dyn Brdf, masking: MaskingShadowing, items: &[Item]) -
         })
         .collect();
     let shader = format!("probe/brdf.comp:{}", model.name());
-    Probe { shader: &shader, constants: &[masking as u32], inputs: 5, outputs: 7, ..Probe::default() }.run(gpu, &inputs)
+    Probe { shader: &shader, constants: &[masking as u32], inputs: 5, outputs: 8, ..Probe::default() }.run(gpu, &inputs)
 }
 
 impl Item {
@@ -155,6 +156,52 @@ fn visible_samples_and_their_density() {
                 own.add(out[4][1], model.pdf_visible_l(item.v, sampled, item.alpha), || item.case());
             }
             [slope, pdf, own].into_iter().for_each(Worst::check);
+        }
+    });
+}
+
+/// What the shader draws is what its twin draws, with its density, and the weight of a light that is 1 everywhere.
+#[test]
+fn drawn_visible_normals_and_their_density() {
+    with_gpu(|gpu| {
+        for model in MODELS {
+            let items = items(*model);
+            // In units of alpha; Beckmann's inversion ends flat where the last visible slope is.
+            let mut slope = Worst::new(format!("{} vndf slope", model.name()), absolute(2e-5));
+            let mut pdf = Worst::new(format!("{} pdf_vndf_l of its sample", model.name()), relative(1e-5));
+            let mut ratio = Worst::new(format!("{} d_over_pdf", model.name()), relative(1e-5));
+            for (item, out) in items.iter().zip(run(gpu, *model, MaskingShadowing::Separable, &items)) {
+                let in_alpha = |h: DVec3| DVec3::new(h.x, h.y, 0.0) / (h.z * item.alpha);
+                let (sampled, expected) = (xyz(out[7]), model.sample_vndf(item.xi, item.v, item.alpha));
+                let off = (in_alpha(sampled) - in_alpha(expected)).length() / (1.0 + in_alpha(expected).length());
+                slope.add(off, 0.0, || format!("{sampled} against {expected}, {}", item.case()));
+                let density = model.pdf_vndf_l(item.v, sampled, item.alpha);
+                pdf.add(out[4][2], density, || item.case());
+                let d = model.d(sampled, item.alpha) / (4.0 * item.v.z * density);
+                ratio.add(out[4][3], d, || item.case());
+            }
+            [slope, pdf, ratio].into_iter().for_each(Worst::check);
+        }
+    });
+}
+
+/// The shader's own samples follow the density, by Pearson's test on half vectors.
+#[test]
+fn drawn_visible_normals_follow_their_density() {
+    const COUNT: usize = 20_000;
+    with_gpu(|gpu| {
+        for model in MODELS {
+            for (alpha, n_dot_v) in [(0.05, 0.3), (0.3, 0.05), (0.7, 0.9), (1.0, 0.3)] {
+                let v = rounded3(direction_from_polar((1.0f64 - n_dot_v * n_dot_v).sqrt(), n_dot_v, 0.15));
+                let mut random = Random((1000.0 * alpha) as u64);
+                let of_point = |xi: DVec2| Item { alpha, v, h: DVec3::Z, n_dot_l: 0.5, xi, l: DVec3::Z };
+                let items: Vec<Item> = (0..COUNT).map(|_| of_point(random.xi().as_vec2().as_dvec2())).collect();
+                let drawn: Vec<DVec3> =
+                    run(gpu, *model, MaskingShadowing::Separable, &items).iter().map(|out| xyz(out[7])).collect();
+                let pdf_h = |h: DVec3| model.pdf_vndf_l(v, h, alpha) * 4.0 * v.dot(h).abs();
+                let p = fit_of_half_vectors(alpha, pdf_h, &drawn);
+                assert!(p > 1e-3, "{} alpha {alpha} n_dot_v {n_dot_v}: p = {p}", model.name());
+            }
         }
     });
 }

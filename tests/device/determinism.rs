@@ -6,12 +6,13 @@ use crate::harness::{
 };
 use crate::layouts::{filtered_environment, read_map};
 use crate::tables::environment_image;
-use splitsum::brdf::{Ggx, MODELS, MaskingShadowing};
+use splitsum::brdf::{Compensation, Ggx, MODELS, MaskingShadowing};
 use splitsum::environment::Placement;
 use splitsum::environment::distribution::EnvironmentDistribution;
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::gpu::{Format, Gpu};
+use splitsum::math::sequence::PixelPoints;
 use splitsum::pipeline::{Pipeline, RenderRequest};
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::points::Points;
@@ -110,7 +111,7 @@ fn the_reference_reads_nothing_it_has_not_written() {
             lobe_shapes: blank.clone(),
             irradiance_map: blank,
             sh9: gpu.buffer("blank", 256).unwrap(),
-            points: Points::upload(gpu, 1, request.sequence, 0).unwrap(),
+            points: Points::upload(gpu, 1, request.sequence, 0, PixelPoints::Shared).unwrap(),
         };
         let gbuffer = GbufferImages::new(gpu, size).unwrap();
         let scene = SceneData::new(gpu, &request.scene).unwrap();
@@ -123,6 +124,9 @@ fn the_reference_reads_nothing_it_has_not_written() {
             environment_scale: 1.0,
             environment_size: [512, 256],
             sample_count: 64,
+            point_set: 0,
+            pixel_points: PixelPoints::Shared,
+            compensation: Compensation::None,
             lod_bias: 0.0,
             prefilter_level_count: 5,
             level_mapping: &LEVEL_MAPPINGS[0],

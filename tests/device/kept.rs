@@ -4,10 +4,10 @@ use crate::harness::{golden_environment, request, scene, usual_tables, with_pipe
 use glam::DVec3;
 use half::f16;
 use splitsum::bakes::given::{GivenMap, GivenTable};
-use splitsum::brdf::MaskingShadowing;
+use splitsum::brdf::{Compensation, MaskingShadowing};
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
-use splitsum::math::sequence::SEQUENCES;
+use splitsum::math::sequence::{PixelPoints, SEQUENCES};
 use splitsum::pipeline::{BakeRequest, DiskCache, Frame, Pipeline, RenderRequest};
 use splitsum::pixels::{RgbImage, exr};
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
@@ -98,9 +98,11 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         diffuse: _,
         brdf: _,
         masking_shadowing: _,
+        compensation: _,
         samples,
         sequence: _,
         point_set,
+        pixel_points: _,
         reference_samples,
         reference_error: _,
         lod_bias,
@@ -159,9 +161,11 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         other(&|r| r.size = [size[0] + 3, size[1]]),
         other(&|r| r.brdf = splitsum::brdf::MODELS[1]),
         other(&|r| r.masking_shadowing = MaskingShadowing::Correlated),
+        other(&|r| r.compensation = Compensation::Turquin),
         other(&|r| r.samples = samples + 8),
         other(&|r| r.sequence = &SEQUENCES[1]),
         other(&|r| r.point_set = point_set + 1),
+        other(&|r| r.pixel_points = PixelPoints::Owen),
         other(&|r| r.reference_samples = 2 * reference_samples),
         other(&|r| r.reference_error = Some(0.5)),
         other(&|r| r.lod_bias = lod_bias + 1.0),

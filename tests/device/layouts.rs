@@ -195,7 +195,7 @@ fn a_lamp_keeps_its_light_wherever_it_stands() {
             pipeline.render(request).unwrap().radiance.data.iter().map(|rgb| f64::from(rgb[1])).sum()
         };
         let way = |request: &RenderRequest, name: &str| {
-            let is_diffuse = diffuse_by_name(name).is_some_and(|diffuse| !diffuse.is_reference());
+            let is_diffuse = diffuse_by_name(name).is_some_and(|diffuse| !diffuse.is_integrated());
             let method = method_by_name(if is_diffuse { "none" } else { name }).unwrap();
             let diffuse = diffuse_by_name(if is_diffuse { name } else { "none" }).unwrap();
             RenderRequest { method, diffuse, ..request.clone() }

@@ -1,23 +1,26 @@
 //! Every method against f64, on a few pixels of a small frame.
 
 use crate::compare::{Worst, relative};
-use crate::harness::{golden_environment, request, scene, with_gpu, with_pipeline};
+use crate::harness::{golden_environment, request, scene, usual_tables, with_gpu, with_pipeline};
 use crate::symmetry::smooth_environment;
 use crate::tables::dfg_table;
 use glam::{DVec2, DVec3};
-use splitsum::brdf::MODELS;
+use splitsum::brdf::{Compensation, MODELS};
 use splitsum::environment::Placement;
+use splitsum::environment::layout::layout_by_name;
 use splitsum::gbuffer::{Gbuffer, reference::gbuffer};
+use splitsum::math::sequence::PixelPoints;
 use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::pixels::Pixels;
 use splitsum::pixels::lookup::{Wrap, bilinear};
-use splitsum::precompute::exact_quadrature;
+use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::method::seed0_literal;
 use splitsum::shade::reference::{Surface, integrate_all};
 use splitsum::shade::{diffuse_by_name, method_by_name};
 
 use splitsum::math::quadrature;
+use std::f64::consts::PI;
 
 /// Far below the error of every method here.
 pub const EXACT: quadrature::Tolerance = quadrature::Tolerance { relative: 1e-4, max_part_count: 100_000 };
@@ -220,9 +223,12 @@ fn sampled_methods_converge_to_what_they_estimate() {
             let printed: Vec<DVec3> =
                 surfaces.iter().map(|surface| seed0_literal::limit(&exact, surface, EXACT).value).collect();
             // Relative, at 16384 points: the sun of 100 times the sky is hit by a few hundred of them.
-            for (name, expected, tolerance) in
-                [("sampled", &right, 3e-3), ("sampled-unfiltered", &right, 5e-3), ("seed0-literal", &printed, 5e-3)]
-            {
+            for (name, expected, tolerance) in [
+                ("sampled", &right, 3e-3),
+                ("sampled-vndf", &right, 3e-3),
+                ("sampled-unfiltered", &right, 5e-3),
+                ("seed0-literal", &printed, 5e-3),
+            ] {
                 let errors = COUNTS.map(|samples| {
                     let request = RenderRequest { method: method(name), samples, ..base.clone() };
                     rms(pipeline, &request, &sights, expected)
@@ -230,6 +236,96 @@ fn sampled_methods_converge_to_what_they_estimate() {
                 println!("{} {name}: {errors:?}", model.name());
                 assert!(errors[2] < tolerance, "{} {name}: {errors:?}", model.name());
                 assert!(errors[0] > errors[1] && errors[1] > errors[2], "{} {name}: {errors:?}", model.name());
+            }
+        }
+    });
+}
+
+/// The reference's part of several scatterings under `kulla-conty` is the integral of its lobe: `(1 - E(v)) F (1 - E(l)) n·l / (π (1 - E_avg))`.
+#[test]
+fn the_lobe_of_several_scatterings_is_integrated() {
+    with_gpu(|gpu| {
+        with_pipeline(|pipeline| {
+            let environment = golden_environment();
+            let exact = exact_quadrature(&environment.image);
+            let albedo = DVec3::new(0.9f32.into(), 0.6f32.into(), 0.3f32.into());
+            let metal = MaterialOverride {
+                albedo: Some([0.9, 0.6, 0.3]),
+                metallic: Some(1.0),
+                alpha: Some(0.8),
+                ..MaterialOverride::default()
+            };
+            let base = RenderRequest {
+                compensation: Compensation::KullaConty,
+                reference_samples: 4096,
+                ..request(&environment, scene("sphere", metal), CameraKind::Ortho, [12, 12])
+            };
+            let with = |diffuse| RenderRequest { diffuse: diffuse_by_name(diffuse).unwrap(), ..base.clone() };
+            let [both, single] = ["reference", "none"].map(|name| pipeline.render(&with(name)).unwrap());
+            let tables = &base.precompute;
+            let table = dfg_table(gpu, base.brdf, base.masking_shadowing, tables.dfg_size, tables.dfg_sample_count);
+            let pair = |cosine: f64| {
+                bilinear(&table, DVec2::new(cosine, 0.8f64.sqrt()), Wrap::Clamp, |texel| texel).truncate()
+            };
+            let node = |i: u32| (f64::from(i) + 0.5) / 64.0;
+            let mean = (0..64).map(|i| 2.0 * node(i) / 64.0 * pair(node(i)).element_sum()).sum::<f64>();
+            for sight in sights(&base, 11) {
+                let Surface { n, v, .. } = sight.surface;
+                let lobe = |l: DVec3| {
+                    let cosine = n.dot(l).max(0.0);
+                    [(1.0 - pair(cosine).element_sum()) * cosine / (PI * (1.0 - mean))]
+                };
+                let light = exact.integrate(lobe, &[], EXACT).value[0];
+                let expected = Compensation::KullaConty.multiple(albedo, pair(n.dot(v)), mean) * light;
+                let [x, y] = sight.pixel;
+                let sigma = DVec3::from_array(both.standard_error.as_ref().unwrap().get(x, y).map(f64::from));
+                let off = (radiance(&both, sight.pixel) - radiance(&single, sight.pixel) - expected).abs();
+                assert!(off.cmplt(6.0 * sigma + 2e-4 * expected).all(), "{x} {y}: {off} of {expected}, {sigma}");
+                assert!(sigma.cmplt(0.02 * expected).all(), "{sigma} of {expected} says nothing");
+            }
+        });
+    });
+}
+
+/// Few points scrambled for each pixel estimate without bias where nothing is filtered: their mean over sets is the integral within its
+/// standard error. Shared points of set 0 stay off it.
+#[test]
+fn the_mean_over_scrambles_is_the_integral() {
+    const SETS: u32 = 256;
+    const SIGMAS: f64 = 5.0;
+    with_pipeline(|pipeline| {
+        let environment = golden_environment();
+        let exact = exact_quadrature(&environment.image);
+        for model in MODELS {
+            let base = RenderRequest {
+                brdf: *model,
+                samples: 128,
+                pixel_points: PixelPoints::Owen,
+                // The finest level of a lat-long map is the map itself.
+                lod_bias: -16.0,
+                precompute: PrecomputeSettings { layout: layout_by_name("equirect").unwrap(), ..usual_tables() },
+                ..small_request(&environment, 0.5)
+            };
+            let sights = sights(&base, 29);
+            let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
+            let right = integrate_all(&exact, &surfaces, EXACT);
+            for name in ["sampled", "sampled-vndf"] {
+                let frames: Vec<Frame> = (0..SETS)
+                    .map(|point_set| {
+                        pipeline.render(&RenderRequest { method: method(name), point_set, ..base.clone() }).unwrap()
+                    })
+                    .collect();
+                for (sight, right) in sights.iter().zip(&right) {
+                    let of_sets: Vec<DVec3> = frames.iter().map(|frame| radiance(frame, sight.pixel)).collect();
+                    let count = f64::from(SETS);
+                    let mean = of_sets.iter().sum::<DVec3>() / count;
+                    let variance = of_sets.iter().map(|x| (*x - mean) * (*x - mean)).sum::<DVec3>() / (count - 1.0);
+                    let error = DVec3::from_array((variance / count).to_array().map(f64::sqrt));
+                    let off = (mean - right.specular.value).abs();
+                    let case = format!("{} {name} {:?}: {mean} +- {error}", model.name(), sight.pixel);
+                    assert!(off.cmple(SIGMAS * error + 1e-4 * mean).all(), "{case} is off by {off}");
+                    assert!(error.cmplt(0.1 * mean).all(), "{case} says nothing");
+                }
             }
         }
     });

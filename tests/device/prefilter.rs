@@ -11,7 +11,7 @@ use splitsum::environment::layout::LAYOUTS;
 use splitsum::gpu::{Gpu, Image};
 use splitsum::math::equirect::uv_from_direction;
 use splitsum::math::quadrature;
-use splitsum::math::sequence::SEQUENCES;
+use splitsum::math::sequence::{PixelPoints, SEQUENCES};
 use splitsum::pixels::Pixels;
 use splitsum::pixels::lookup::{self, bilinear};
 use splitsum::precompute::irradiance::{self, reference::irradiance as exact_irradiance};
@@ -32,7 +32,7 @@ fn prefiltered(
 ) -> Vec<Pixels<DVec3>> {
     let map = prefilter::pass::map(gpu, equirect(), size, levels).unwrap();
     poison_image(gpu, &map);
-    let points = Points::upload(gpu, sample_count, &SEQUENCES[0], 0).unwrap();
+    let points = Points::upload(gpu, sample_count, &SEQUENCES[0], 0, PixelPoints::Shared).unwrap();
     let recipe = Recipe { kernel, mapping: &LEVEL_MAPPINGS[0], lod_bias: 0.0 };
     prefilter::pass::run(gpu, recipe, equirect(), image, &points, &map).unwrap();
     (0..levels).map(|level| read_level(gpu, &map, level)).collect()
@@ -51,7 +51,7 @@ fn harmonic_levels_are_the_exact_integral_in_every_layout() {
         let environment = golden_environment();
         let image = environment_image(gpu, &environment.image);
         let exact = exact_quadrature(&environment.image);
-        let points = Points::upload(gpu, 1, &SEQUENCES[0], 0).unwrap();
+        let points = Points::upload(gpu, 1, &SEQUENCES[0], 0, PixelPoints::Shared).unwrap();
         for ((layout, model), mapping) in LAYOUTS.iter().zip(MODELS).zip(LEVEL_MAPPINGS) {
             let size = if layout.is_square { [32, 32] } else { [64, 32] };
             let recipe = Recipe { kernel: Kernel::cosine(*model), mapping, lod_bias: 0.0 };
@@ -160,7 +160,7 @@ fn prefiltered_lookups_meet_the_golden_table() {
         let environment = golden_environment();
         let image = environment_image(gpu, &environment.image);
         let (points, transform) = (
-            Points::upload(gpu, 1, &SEQUENCES[0], 0).unwrap(),
+            Points::upload(gpu, 1, &SEQUENCES[0], 0, PixelPoints::Shared).unwrap(),
             harmonic::harmonics(&environment.image, harmonic::degree(1.0)),
         );
         let rows = golden_rows("tests/golden/prefilter.csv");

@@ -243,8 +243,13 @@ fn listed_names_are_file_stems() {
     integrals.iter().for_each(|method| exists(format!("shaders/shade/lobe/{}.glsl", stem(method.lobe.unwrap()))));
     let methods: BTreeSet<String> = methods.iter().map(|method| stem(method.name)).collect();
     let diffuse: BTreeSet<String> = splitsum::shade::DIFFUSE.iter().map(|diffuse| stem(diffuse.name)).collect();
-    // A diffuse reference has entry points of its own; `none` computes nothing.
-    let has_shader = |name: &String| !["none", "reference"].contains(&name.as_str());
+    let of_diffuse = splitsum::shade::DIFFUSE.iter().filter_map(|diffuse| diffuse.lobe);
+    of_diffuse.for_each(|lobe| exists(format!("shaders/shade/lobe/{}.glsl", stem(lobe))));
+    // What the passes of the reference estimate has a lobe; `none` computes nothing.
+    let is_integrated = |name: &str| {
+        splitsum::shade::DIFFUSE.iter().any(|diffuse| stem(diffuse.name) == name && diffuse.is_integrated())
+    };
+    let has_shader = |name: &String| name != "none" && !is_integrated(name);
     for (folder, names) in [("brdf", models), ("shade/method", methods), ("shade/diffuse", diffuse)] {
         names.iter().for_each(|name| exists(format!("src/{folder}/{name}.rs")));
         assert_eq!(

@@ -1,9 +1,12 @@
 //! numeric tests
 mod bakes;
 mod brdf;
+#[path = "../shared/chi_square.rs"]
+mod chi_square;
 mod color;
 mod cost;
 mod design;
+mod diffuse;
 mod disk_cache;
 mod environment;
 mod harmonics;

@@ -1,6 +1,6 @@
 //! The reference integrator: its points, its environment distribution, and the estimator that they make.
 
-use crate::brdf::{Random, chi_square_tail};
+use crate::chi_square::{Random, chi_square_tail};
 use crate::oracle::lookup;
 use glam::{DVec2, DVec3};
 use sobol_burley::parts::{owen_scramble_rev, sobol_rev};

@@ -1,7 +1,8 @@
 //! Point sequences: inside the square, evenly spread, and independent from set to set.
 
+use crate::chi_square::chi_square_tail;
 use glam::DVec2;
-use splitsum::math::sequence::{SEQUENCES, sequence_by_name};
+use splitsum::math::sequence::{PixelPoints, SEQUENCES, scrambled, sequence_by_name};
 use splitsum::precompute::points;
 use splitsum::precompute::prefilter::level_bias::LEVEL_BIASES;
 use std::f64::consts::PI;
@@ -15,7 +16,7 @@ fn set(name: &str, count: u32, set: u32) -> Vec<DVec2> {
 fn no_point_has_a_coordinate_of_0_or_1_in_f32() {
     for sequence in SEQUENCES {
         for set in 0..20 {
-            for [u, cos_phi, sin_phi, log] in points::table(1000, sequence, set) {
+            for [u, cos_phi, sin_phi, log] in points::table(1000, sequence, set, PixelPoints::Shared) {
                 assert!(u > 0.0 && u < 1.0, "{} set {set}: {u}", sequence.name);
                 assert!((cos_phi.hypot(sin_phi) - 1.0).abs() < 1e-6 && log > 0.0 && log.is_finite());
             }
@@ -60,6 +61,35 @@ fn random_points_are_as_uneven_as_chance_and_the_others_far_less() {
     }
     for name in ["hammersley", "sobol-owen", "r2"] {
         assert!(chi_square(&set(name, 4096, 3), 16) < 50.0, "{name}");
+    }
+}
+
+/// A scramble of a net is a net; scrambles of pixels and sets differ, and over them each point is uniform, so that estimates are unbiased.
+#[test]
+fn scrambled_points_of_pixels_are_uniform_nets_of_their_own() {
+    let plain = set("hammersley", 64, 0);
+    let of = |pixel, set: u32| -> Vec<DVec2> { plain.iter().map(|p| scrambled(*p, pixel, set)).collect() };
+    for (pixel, set) in [([0, 0], 0), ([5, 0], 0), ([0, 5], 0), ([5, 0], 1)] {
+        let points = of(pixel, set);
+        for columns in [1, 2, 4, 8, 16, 32, 64] {
+            let cells = DVec2::new(columns.into(), f64::from(64 / columns));
+            let mut seen: Vec<[u32; 2]> = points.iter().map(|p| (*p * cells).as_uvec2().to_array()).collect();
+            seen.sort_unstable();
+            seen.dedup();
+            assert_eq!(seen.len(), 64, "{pixel:?} {set}: {columns} columns");
+        }
+    }
+    for (pixel, set) in [([5, 0], 0), ([0, 5], 0), ([0, 0], 1)] {
+        assert_ne!(of([0, 0], 0), of(pixel, set), "{pixel:?} {set}");
+    }
+    for point in [plain[0], plain[63], DVec2::splat(0.5)] {
+        let over_pixels: Vec<DVec2> = (0..4096).map(|i| scrambled(point, [i % 64, i / 64], 3)).collect();
+        let over_sets: Vec<DVec2> = (0..4096).map(|set| scrambled(point, [9, 2], set)).collect();
+        for points in [over_pixels, over_sets] {
+            let statistic = chi_square(&points, 16);
+            let tail = chi_square_tail(statistic, 255.0);
+            assert!(tail > 1e-4 && tail < 1.0 - 1e-4, "{point}: {statistic}");
+        }
     }
 }
 

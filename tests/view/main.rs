@@ -4,7 +4,7 @@ mod screen;
 
 use screen::{Screen, Win};
 use splitsum::pixels::{Rgb8Image, exr};
-use splitsum::runner::axis::{AXES, INPUTS, Named, Part};
+use splitsum::runner::axis::{AXES, Named, Part};
 use splitsum::runner::value::Kind;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -13,6 +13,15 @@ use std::time::{Duration, Instant};
 
 fn program() -> Command {
     Command::new(env!("CARGO_BIN_EXE_splitsum"))
+}
+
+/// Whether a control offers more than one value: files are typed.
+fn has_choice(axis: usize) -> bool {
+    match AXES[axis].kind {
+        Kind::Input => false,
+        Kind::NameOrFile { names, .. } => names().len() > 1,
+        _ => true,
+    }
 }
 
 /// A small state whose reference is done soon.
@@ -163,7 +172,7 @@ fn every_control_moves_its_axis() {
     let mut moved = BTreeSet::new();
     // Ways to compute come last: they decide which of the others are in use.
     let (ways, others): (Vec<usize>, Vec<usize>) =
-        (0..AXES.len()).filter(|index| !INPUTS.contains(index)).partition(|&index| AXES[index].part == Part::Method);
+        (0..AXES.len()).filter(|index| has_choice(*index)).partition(|&index| AXES[index].part == Part::Method);
     for index in others.into_iter().chain(ways) {
         let (axis, name) = (&AXES[index], Named::usual(index).name());
         let value = |win: &Win| win.state()["axes"][axis.name].clone();
@@ -189,7 +198,7 @@ fn every_control_moves_its_axis() {
         }
     }
     let all: BTreeSet<&str> =
-        (0..AXES.len()).filter(|index| !INPUTS.contains(index)).map(|index| AXES[index].name).collect();
+        (0..AXES.len()).filter(|index| has_choice(*index)).map(|index| AXES[index].name).collect();
     let left: Vec<_> = all.difference(&moved).copied().collect();
     // Grey while the tables are made without samples and the diffuse term looks no map up.
     let grey = ["irradiance_sample_count", "irradiance_size", "prefilter_lod_bias", "prefilter_sample_count"];

@@ -17,16 +17,30 @@ const uint LOBE_STREAM = 1u;
 struct Lobe {
     // Columns are the axes of local vectors, n last.
     mat3 frame;
+    // Where several scatterings have a lobe of their own (kulla-conty), all that weighs both.
+    DiffuseWeights weights;
+    float alpha;
+    float mean_albedo;
 };
 
 Lobe lobe_at(Surface surface, ShadeParams params) {
-    return Lobe(frame_from_normal(surface.n));
+    Lobe lobe = Lobe(frame_from_normal(surface.n), DiffuseWeights(vec3(1.0), vec3(0.0)), surface.alpha, 0.0);
+    if (COMPENSATION == COMPENSATION_KULLA_CONTY) {
+        lobe.weights = diffuse_weights(surface, dfg, params.flags);
+        lobe.mean_albedo = mean_albedo(dfg, surface.alpha);
+    }
+    return lobe;
 }
 
 // BRDF times n_dot_l, and the density (1/sr) with which `lobe_sample` returns l.
 LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
     float cos_over_pi = max(l_local.z, 0.0) / PI;
-    return LobeValue(vec3(cos_over_pi), cos_over_pi);
+    vec3 weight = vec3(1.0);
+    if (COMPENSATION == COMPENSATION_KULLA_CONTY) {
+        weight = lobe.weights.transmitted
+            + lobe.weights.multiple * multiple_lobe(dfg, l_local.z, lobe.alpha, lobe.mean_albedo);
+    }
+    return LobeValue(weight * cos_over_pi, cos_over_pi);
 }
 
 // The density of l, which guides the environment's samples.
@@ -47,7 +61,7 @@ float lobe_mirror(Lobe lobe) {
 
 // What scales the estimate and does not depend on l.
 vec3 lobe_weight(Surface surface, sampler2D dfg, uint flags) {
-    return diffuse_albedo(surface, dfg, flags);
+    return COMPENSATION == COMPENSATION_KULLA_CONTY ? vec3(1.0) : diffuse_albedo(surface, dfg, flags);
 }
 
 #endif

@@ -4,10 +4,10 @@
 
 use super::{Axis, Part, Sheet, Spelling, Symbol, Used, diffuse, method};
 use crate::bakes::given::OWN;
-use crate::brdf::{self, MaskingShadowing};
+use crate::brdf::{self, Compensation, MaskingShadowing};
 use crate::environment::Placement;
 use crate::environment::layout::{LAYOUTS, layout_by_name};
-use crate::math::sequence::{SEQUENCES, sequence_by_name};
+use crate::math::sequence::{PixelPoints, SEQUENCES, sequence_by_name};
 use crate::precompute::prefilter::level_bias::LEVEL_BIASES;
 use crate::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS, level_mapping_by_name, weight_by_name};
 use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
@@ -182,6 +182,26 @@ const LIST: &[Axis] = &[
         ..PLAIN
     },
     Axis {
+        name: "pixel_points",
+        part: Part::Parameter,
+        about: "how a pixel comes by the points of a set: shared has the same for all pixels, owen scrambles them for each by hash",
+        plural: "ways to points of pixels",
+        symbol: Symbol::After("points", "points"),
+        frames_cost: true,
+        is_compared: true,
+        kind: Kind::Name {
+            what: "points of pixels",
+            names: || PixelPoints::ALL.iter().map(|(name, _)| *name).collect(),
+        },
+        default: || Value::from(PixelPoints::ALL[0].0),
+        used: |u| u.method.uses_point_set,
+        apply: |s, v| {
+            let named = PixelPoints::ALL.iter().find(|(name, _)| *name == v.text());
+            s.pixel_points = named.expect("the plan checked the name").1;
+        },
+        ..PLAIN
+    },
+    Axis {
         name: "alpha",
         about: "microfacet width of every material",
         plural: "alphas",
@@ -313,6 +333,21 @@ const LIST: &[Axis] = &[
         apply: |s, v| {
             let named = MaskingShadowing::ALL.iter().find(|(name, _)| *name == v.text());
             s.masking_shadowing = named.expect("the plan checked the masking's name").1;
+        },
+        ..PLAIN
+    },
+    Axis {
+        name: "compensation",
+        about: "what gives back the light that facets reflect to each other, in the image and in its reference; the part of fdez-aguera and \
+                kulla-conty comes with the diffuse term",
+        plural: "compensations",
+        frames_cost: true,
+        used: |u| !u.method.is_none(),
+        kind: Kind::Name { what: "compensation", names: || Compensation::ALL.iter().map(|(name, _)| *name).collect() },
+        default: || Value::from(Compensation::ALL[0].0),
+        apply: |s, v| {
+            let named = Compensation::ALL.iter().find(|(name, _)| *name == v.text());
+            s.compensation = named.expect("the plan checked the compensation's name").1;
         },
         ..PLAIN
     },

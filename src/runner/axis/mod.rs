@@ -11,10 +11,10 @@ pub use named::{Named, Spelling};
 
 use super::value::{Kind, Value};
 use crate::bakes::given::{Given, OWN};
-use crate::brdf::{self, MaskingShadowing};
+use crate::brdf::{self, Compensation, MaskingShadowing};
 use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
 use crate::environment::{Environment, Placement};
-use crate::math::sequence::{SEQUENCES, Sequence};
+use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::pipeline::RenderRequest;
 use crate::precompute::{PrecomputeSettings, PrefilterBy};
 use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Orbit, Scene};
@@ -39,12 +39,14 @@ pub struct Settings {
     pub material: MaterialOverride,
     pub brdf: &'static dyn brdf::Brdf,
     pub masking_shadowing: MaskingShadowing,
+    pub compensation: Compensation,
     pub method: &'static Method,
     pub diffuse: &'static Diffuse,
     pub samples: u32,
     pub sequence: &'static Sequence,
     /// Which set of the sequence.
     pub point_set: u32,
+    pub pixel_points: PixelPoints,
     pub lod_bias: f32,
     pub precompute: PrecomputeSettings,
     /// `own` or a file, of the prefiltered map and of the DFG table.
@@ -89,12 +91,14 @@ impl Settings {
             size: self.size,
             sequence: self.sequence,
             point_set: self.point_set,
+            pixel_points: self.pixel_points,
             reference_error: view.reference_error,
             reference_samples: if self.method.is_integrated() { self.samples } else { view.reference_samples },
             method: self.method,
             diffuse: self.diffuse,
             brdf: self.brdf,
             masking_shadowing: self.masking_shadowing,
+            compensation: self.compensation,
             samples: self.samples,
             lod_bias: self.lod_bias,
             lights: view.lights.clone(),
@@ -241,6 +245,7 @@ pub struct Axis {
 pub struct Used {
     pub method: &'static Method,
     pub diffuse: &'static Diffuse,
+    pub compensation: Compensation,
     pub has_lights: bool,
     /// Whether any surface may scatter diffuse light.
     pub has_diffuse_surface: bool,
@@ -271,8 +276,8 @@ impl Used {
     /// Whether the DFG table reaches the pixels.
     fn needs_dfg(&self) -> bool {
         match self.has_diffuse_surface {
-            true => self.method.needs_dfg(self.diffuse, self.has_lights),
-            false => self.method.uses_dfg,
+            true => self.method.needs_dfg(self.compensation, self.diffuse, self.has_lights),
+            false => self.method.uses_dfg || (self.compensation != Compensation::None && !self.method.is_none()),
         }
     }
 }
@@ -393,8 +398,19 @@ impl Point {
         let (method, diffuse) = (self.method(), self.diffuse());
         let has_sampled_tables = self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name();
         let has_own = [PREFILTERED, DFG_TABLE].map(|axis| self.is_own(axis));
-        let used =
-            Used { method, diffuse, has_lights, has_diffuse_surface, has_dielectric, has_sampled_tables, has_own };
+        let compensation = self.settings().compensation;
+        // Light of several scatterings is diffuse on any surface.
+        let has_diffuse_surface = has_diffuse_surface || compensation.is_diffuse();
+        let used = Used {
+            method,
+            diffuse,
+            compensation,
+            has_lights,
+            has_diffuse_surface,
+            has_dielectric,
+            has_sampled_tables,
+            has_own,
+        };
         let value = |(axis, value): (&Axis, &Value)| match (axis.used)(&used) {
             false => Value::Unset,
             true if *value == Value::Unset => axis.unset.map_or(Value::Unset, |of_layout| of_layout(self.layout())),
@@ -429,11 +445,13 @@ impl Point {
             material: MaterialOverride::default(),
             brdf: brdf::MODELS[0],
             masking_shadowing: MaskingShadowing::default(),
+            compensation: Compensation::default(),
             method: &METHODS[0],
             diffuse: &DIFFUSE[0],
             samples: 1,
             sequence: &SEQUENCES[0],
             point_set: 0,
+            pixel_points: PixelPoints::default(),
             lod_bias: 0.0,
             precompute: PrecomputeSettings::default(),
             prefiltered: OWN.to_owned(),

@@ -133,7 +133,7 @@ pub fn amount(plan: &Plan, point: &Point) -> Amount {
     let settings = point.settings();
     let [width, height] = settings.size.map(f64::from);
     let specular = if settings.method.uses_samples { settings.samples } else { 1 };
-    let diffuse = if settings.diffuse.is_reference() { plan.config.reference.samples } else { 0 };
+    let diffuse = if settings.diffuse.is_integrated() { plan.config.reference.samples } else { 0 };
     let pixels = width * height;
     Amount { pixels, samples: pixels * (f64::from(specular) + f64::from(diffuse)) }
 }
@@ -160,7 +160,7 @@ pub fn all_tables(plan: &Plan, point: &Point) -> Vec<(String, String, f64)> {
     let texels = f64::from(image.width) * f64::from(image.height);
     let reads = [
         (PREFILTER, settings.method.uses_prefiltered()),
-        (DFG, settings.method.needs_dfg(settings.diffuse, !plan.config.lights.is_empty())),
+        (DFG, settings.method.needs_dfg(settings.compensation, settings.diffuse, !plan.config.lights.is_empty())),
         (IRRADIANCE, settings.diffuse.uses_irradiance_map),
         (MIPS, true),
         (SH9, settings.diffuse.uses_sh9),

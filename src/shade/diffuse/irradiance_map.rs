@@ -4,9 +4,10 @@ use super::Diffuse;
 use crate::shade::twin::Twin;
 
 pub const DIFFUSE: Diffuse = Diffuse {
-    name: "irradiance-map",
-    about: "a small map of numerically integrated irradiance",
-    twin: Twin::Estimator(|n, light| light.irradiance_over_pi(n)),
     uses_irradiance_map: true,
-    uses_sh9: false,
+    ..Diffuse::plain(
+        "irradiance-map",
+        "a small map of numerically integrated irradiance",
+        Twin::Estimator(|n, light| light.irradiance_over_pi(n)),
+    )
 };

@@ -1,12 +1,15 @@
 //! The diffuse methods: what each is called, what changes its result, and its f64 twin.
 
+mod fresnel_inside;
 mod irradiance_map;
 mod none;
 mod reference;
 mod sh9;
+pub mod sh9_windowed;
+pub mod zh3;
 
+use super::NONE;
 use super::twin::DiffuseTwin;
-use super::{NONE, REFERENCE};
 
 /// How the diffuse irradiance is computed. The names are the shader file stems (with `-` for `_`).
 #[derive(Clone, Copy, Debug)]
@@ -20,15 +23,30 @@ pub struct Diffuse {
     pub uses_irradiance_map: bool,
     /// Whether it reads the spherical-harmonic coefficients.
     pub uses_sh9: bool,
+    /// The integrand, where the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
+    pub lobe: Option<&'static str>,
 }
 
 /// Every diffuse method. Adding one: `shaders/shade/diffuse/<stem>.glsl`, its file here with its twin, and one line here.
-pub static DIFFUSE: &[Diffuse] = &[sh9::DIFFUSE, irradiance_map::DIFFUSE, reference::DIFFUSE, none::DIFFUSE];
+pub static DIFFUSE: &[Diffuse] = &[
+    sh9::DIFFUSE,
+    sh9_windowed::DIFFUSE,
+    zh3::DIFFUSE,
+    irradiance_map::DIFFUSE,
+    reference::DIFFUSE,
+    fresnel_inside::DIFFUSE,
+    none::DIFFUSE,
+];
 
 impl Diffuse {
-    /// Whether it is the unbiased one.
-    pub fn is_reference(&self) -> bool {
-        self.name == REFERENCE
+    /// A method that looks nothing up. Each file sets its flags beside it; no method goes without a twin.
+    const fn plain(name: &'static str, about: &'static str, twin: DiffuseTwin) -> Self {
+        Self { name, about, twin, uses_irradiance_map: false, uses_sh9: false, lobe: None }
+    }
+
+    /// Whether the passes of the reference estimate it: without bias, with a standard error.
+    pub fn is_integrated(&self) -> bool {
+        self.lobe.is_some()
     }
 
     /// Whether it leaves the term out.
@@ -38,7 +56,7 @@ impl Diffuse {
 
     /// Whether a shader of its own makes the term: the reference has other passes.
     pub fn has_pass(&self) -> bool {
-        !self.is_none() && !self.is_reference()
+        !self.is_none() && !self.is_integrated()
     }
 }
 

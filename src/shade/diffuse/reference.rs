@@ -6,9 +6,10 @@ use crate::shade::reference::integrate;
 use crate::shade::twin::Twin;
 
 pub const DIFFUSE: Diffuse = Diffuse {
-    name: REFERENCE,
-    about: "unbiased: cosine and environment sampling combined, many samples",
-    twin: Twin::Mean(|environment, surface, _, tolerance| integrate(environment, surface, tolerance).diffuse),
-    uses_irradiance_map: false,
-    uses_sh9: false,
+    lobe: Some("lambert"),
+    ..Diffuse::plain(
+        REFERENCE,
+        "unbiased: cosine and environment sampling combined, many samples",
+        Twin::Mean(|environment, surface, _, tolerance| integrate(environment, surface, tolerance).diffuse),
+    )
 };

@@ -7,9 +7,10 @@ use glam::DVec3;
 use std::f64::consts::PI;
 
 pub const DIFFUSE: Diffuse = Diffuse {
-    name: "sh9",
-    about: "nine spherical-harmonic coefficients evaluated per pixel",
-    twin: Twin::Estimator(|n, light| (irradiance(&light.sh9, n) / PI).max(DVec3::ZERO)),
-    uses_irradiance_map: false,
     uses_sh9: true,
+    ..Diffuse::plain(
+        "sh9",
+        "nine spherical-harmonic coefficients evaluated per pixel",
+        Twin::Estimator(|n, light| (irradiance(&light.sh9, n) / PI).max(DVec3::ZERO)),
+    )
 };

@@ -7,6 +7,7 @@ pub mod own;
 mod reference;
 mod sampled;
 mod sampled_unfiltered;
+mod sampled_vndf;
 pub mod seed0_literal;
 pub mod split_sum;
 mod split_sum_filament;
@@ -22,6 +23,7 @@ mod split_sum_unity;
 use super::NONE;
 use super::diffuse::Diffuse;
 use super::twin::SpecularTwin;
+use crate::brdf::Compensation;
 
 /// How the specular term is computed. The names are the shader file stems (with `-` for `_`).
 ///
@@ -60,6 +62,7 @@ pub struct Method {
 /// Every specular method. Adding one: `shaders/shade/method/<stem>.glsl` (or `lobe/`), its file here with its twin, and one line here.
 pub static METHODS: &[Method] = &[
     sampled::METHOD,
+    sampled_vndf::METHOD,
     sampled_unfiltered::METHOD,
     seed0_literal::METHOD,
     split_sum::METHOD,
@@ -130,8 +133,9 @@ impl Method {
     }
 
     /// Whether a frame reads the DFG table: for the specular term itself, or to weight what else the surface reflects beside it.
-    pub fn needs_dfg(&self, diffuse: &Diffuse, has_lights: bool) -> bool {
-        self.uses_dfg || (!self.is_none() && (!diffuse.is_none() || has_lights))
+    pub fn needs_dfg(&self, compensation: Compensation, diffuse: &Diffuse, has_lights: bool) -> bool {
+        let is_compensated = compensation != Compensation::None;
+        self.uses_dfg || (!self.is_none() && (is_compensated || !diffuse.is_none() || has_lights))
     }
 }
 

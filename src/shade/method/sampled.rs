@@ -5,12 +5,12 @@
 //! a texel of level 0 at `l_k`. Directions below the horizon add 0 and count in N.
 
 use super::Method;
-use crate::brdf::{eval, pdf_d_l, reflect};
+use crate::brdf::{Brdf, eval, pdf_d_l, reflect};
 use crate::environment::layout::lod_from_solid_angles;
 use crate::math::frame::Frame;
 use crate::shade::reference::Surface;
 use crate::shade::twin::{Light, Samples, Twin};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 pub const METHOD: Method = Method {
     uses_samples: true,
@@ -23,19 +23,39 @@ pub const METHOD: Method = Method {
     )
 };
 
+/// Half vector of a point, and density of the direction that it mirrors the view to.
+type Sampler = fn(&dyn Brdf, DVec2, DVec3, f64) -> (DVec3, f64);
+
+/// Of density `D n_dot_m`.
+const BY_D: Sampler = |model, xi, v_local, alpha| {
+    let h = model.sample_d(xi, alpha);
+    (h, pdf_d_l(model, v_local, h, alpha))
+};
+
+/// Among visible normals.
+pub(super) const BY_VNDF: Sampler = |model, xi, v_local, alpha| {
+    let h = model.sample_vndf(xi, v_local, alpha);
+    (h, model.pdf_vndf_l(v_local, h, alpha))
+};
+
 /// The sum of the module's text; from the environment itself when not `filtered`.
 pub fn importance_sampled(surface: &Surface, light: &Light, samples: &Samples, filtered: bool) -> DVec3 {
+    estimate(surface, light, samples, filtered, BY_D)
+}
+
+/// The same with another density of half vectors.
+pub(super) fn estimate(surface: &Surface, light: &Light, samples: &Samples, filtered: bool, draw: Sampler) -> DVec3 {
     let Surface { model, masking, alpha, f0, n, v } = *surface;
     let frame = Frame::from_normal(n);
     let v_local = frame.to_local(v);
     let count = f64::from(samples.count);
     let term = |xi| {
-        let h = model.sample_d(xi, alpha);
+        let (h, pdf_l) = draw(model, xi, v_local, alpha);
         let l_local = reflect(v_local, h);
         if l_local.z <= 0.0 || v_local.dot(h) <= 0.0 {
             return DVec3::ZERO;
         }
-        let (l, pdf_l) = (frame.to_world(l_local), pdf_d_l(model, v_local, h, alpha));
+        let l = frame.to_world(l_local);
         let radiance = match filtered {
             true => {
                 let omega_s = 1.0 / (count * pdf_l);

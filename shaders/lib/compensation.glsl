@@ -1,0 +1,59 @@
+// What facets reflect to each other and a single scattering loses, given back: see src/brdf/compensation.rs for the equations.
+#ifndef COMPENSATION_GLSL
+#define COMPENSATION_GLSL
+
+#include "generated/constants.glsl"
+#include "lib/prefilter_mapping.glsl"
+
+// One of COMPENSATION_*, set when the pipeline is made. The live view has none.
+#ifdef GL_ES
+const uint COMPENSATION = COMPENSATION_NONE;
+#else
+layout(constant_id = 5) const uint COMPENSATION = COMPENSATION_NONE;
+#endif
+
+// Nodes of the mean over cosines.
+const uint MEAN_ALBEDO_NODES = 64u;
+
+// The albedo for F = 1 of a direction, from the DFG table; not above 1.
+float albedo_of(sampler2D dfg, float cosine, float alpha) {
+    vec2 a_b = textureLod(dfg, dfg_uv(cosine, alpha), 0.0).rg;
+    return min(a_b.x + a_b.y, 1.0);
+}
+
+// 2 times the integral of albedo and cosine.
+float mean_albedo(sampler2D dfg, float alpha) {
+    float sum = 0.0;
+    for (uint i = 0u; i < MEAN_ALBEDO_NODES; ++i) {
+        float cosine = (float(i) + 0.5) / float(MEAN_ALBEDO_NODES);
+        sum += 2.0 * cosine * albedo_of(dfg, cosine, alpha);
+    }
+    return sum / float(MEAN_ALBEDO_NODES);
+}
+
+// What scales the single scattering.
+vec3 compensation_factor(vec3 f0, vec2 a_b) {
+    float albedo = a_b.x + a_b.y;
+    return COMPENSATION == COMPENSATION_TURQUIN ? 1.0 + f0 * ((1.0 - albedo) / albedo) : vec3(1.0);
+}
+
+// The share of irradiance over pi, or of the lobe of kulla-conty, that is added.
+vec3 multiple_scattering(vec3 f0, vec2 a_b, sampler2D dfg, float alpha) {
+    float lost = max(1.0 - (a_b.x + a_b.y), 0.0);
+    vec3 average = f0 + (1.0 - f0) / 21.0;
+    if (COMPENSATION == COMPENSATION_FDEZ_AGUERA) {
+        return lost * (f0 * a_b.x + a_b.y) * average / (1.0 - average * lost);
+    }
+    if (COMPENSATION == COMPENSATION_KULLA_CONTY) {
+        float mean = mean_albedo(dfg, alpha);
+        return lost * average * average * mean / (1.0 - average * (1.0 - mean));
+    }
+    return vec3(0.0);
+}
+
+// The lobe of kulla-conty over that of Lambert.
+float multiple_lobe(sampler2D dfg, float n_dot_l, float alpha, float mean) {
+    return (1.0 - albedo_of(dfg, n_dot_l, alpha)) / max(1.0 - mean, 1e-6);
+}
+
+#endif

@@ -1,0 +1,35 @@
+// Method `sampled-vndf`: importance sampling of the normals that v sees, each lookup filtered by its solid angle.
+//
+// l = reflect(-v, m) has density p_l, and the weight is f (n.l) / p_l = F G2 D / (4 (n.v) p_l): F G2 / G1(v) where m has the density of
+// visible normals, less where a bounded cap leaves out what would be lost below the horizon.
+#ifndef METHOD_SAMPLED_VNDF_GLSL
+#define METHOD_SAMPLED_VNDF_GLSL
+
+#include "lib/filtered_sample.glsl"
+#include "lib/frame.glsl"
+#include "lib/masking.glsl"
+#include "lib/microfacet.glsl"
+#include "lib/sampling.glsl"
+#include "lib/surface.glsl"
+
+vec3 specular_radiance(Surface s) {
+    mat3 frame = frame_from_normal(s.n);
+    vec3 v_local = s.v * frame;
+    v_local.z = s.n_dot_v;
+    VisibleNormals normals = visible_normals_brdf(v_local, s.alpha);
+    float g1_v = g1(s.n_dot_v, s.alpha, MASKING);
+
+    vec3 sum = vec3(0.0);
+    for (uint i = 0u; i < params.point_count; ++i) {
+        VisibleSample visible = sample_visible_normal(normals, sample_point(i));
+        float v_dot_h = dot(v_local, visible.h_local);
+        vec3 l_local = 2.0 * v_dot_h * visible.h_local - v_local;
+        vec3 li = sampled_radiance(frame * l_local, 1.0 / (float(params.sample_count) * visible.pdf_l));
+        float g = g2_from_g1(g1_v, g1(l_local.z, s.alpha, MASKING), MASKING);
+        // A select, not a branch: neighbours would wait for the lookup anyway.
+        sum += li * f_schlick(v_dot_h, s.f0) * (l_local.z > 0.0 && v_dot_h > 0.0 ? g * visible.d_over_pdf : 0.0);
+    }
+    return sum / float(params.sample_count);
+}
+
+#endif

@@ -1,0 +1,17 @@
+//! The irradiance with Fresnel's weight inside the integral, `∫ (1 - F(v·h)) n·l/π L dl`, by the passes of the reference.
+//!
+//! The other diffuse methods weigh irradiance by `1 - (f0 A + B)`, which hangs on n·v only and keeps what both terms reflect below 1. This
+//! weight hangs on l, too, and takes its part whether or not the image has a specular term.
+
+use super::Diffuse;
+use crate::shade::reference::integrate;
+use crate::shade::twin::Twin;
+
+pub const DIFFUSE: Diffuse = Diffuse {
+    lobe: Some("lambert-fresnel"),
+    ..Diffuse::plain(
+        "fresnel-inside",
+        "as reference, with the weight 1 - F(v.h) inside the integral in place of 1 - (f0 A + B) outside",
+        Twin::Mean(|environment, surface, _, tolerance| integrate(environment, surface, tolerance).diffuse_transmitted),
+    )
+};

@@ -1,0 +1,16 @@
+//! As `sampled`, with half vectors among those that the view sees: each lookup is filtered by the density of its own direction.
+//!
+//! The weight is `F G2 D / (4 n_dot_v pdf_l)`, at most `G2/G1(v)` where the half vectors are the model's visible normals. Those of GGX come
+//! from a cap that leaves out most of what would be lost below the horizon [Dupuy23, EtoTokuyoshi23], those of Beckmann by inversion
+//! [HeitzDeon14, Jakob14]. Phong's have no known sampler: it draws those of GGX and weighs by `D/D_ggx`, at most 4/e.
+
+use super::Method;
+use super::sampled::{self, BY_VNDF, estimate};
+use crate::shade::twin::Twin;
+
+pub const METHOD: Method = Method {
+    name: "sampled-vndf",
+    about: "as sampled, by visible normals: of GGX in a bounded spherical cap, of Beckmann by inversion; Phong draws those of GGX",
+    twin: Twin::Estimator(|surface, light, samples| estimate(surface, light, samples, true, BY_VNDF)),
+    ..sampled::METHOD
+};

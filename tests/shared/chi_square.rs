@@ -1,0 +1,104 @@
+//! Pearson's chi-square test, and points random enough for it: for the samplers of the host and of the device.
+
+use glam::{DVec2, DVec3};
+use splitsum::math::erf::erfc;
+use splitsum::math::sampling::direction_from_polar;
+use std::f64::consts::TAU;
+
+/// Chi-square statistic's upper tail, by the Wilson-Hilferty transformation to a normal deviate.
+pub fn chi_square_tail(statistic: f64, degrees_of_freedom: f64) -> f64 {
+    let variance = 2.0 / (9.0 * degrees_of_freedom);
+    let deviate = ((statistic / degrees_of_freedom).cbrt() - (1.0 - variance)) / variance.sqrt();
+    0.5 * erfc(deviate / std::f64::consts::SQRT_2)
+}
+
+/// A small deterministic generator (SplitMix64): low-discrepancy points would pass a chi-square test too well.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        (z ^ (z >> 31)) as f64 / 2f64.powi(64)
+    }
+    pub fn xi(&mut self) -> DVec2 {
+        DVec2::new(self.next(), self.next())
+    }
+}
+
+/// Bins of half vectors: `ln tan(θ/2)` about the lobe's width, times azimuth.
+struct HalfVectorBins {
+    log_low: f64,
+    log_step: f64,
+}
+
+impl HalfVectorBins {
+    const RINGS: usize = 14;
+    const SECTORS: usize = 12;
+
+    fn new(alpha: f64) -> Self {
+        let (log_low, log_high) = ((0.5 * alpha).ln() - 2.5, ((0.5 * alpha).ln() + 2.5).min(0.0));
+        Self { log_low, log_step: (log_high - log_low) / Self::RINGS as f64 }
+    }
+
+    /// Bin of a half vector; the last holds all that lies outside the rings.
+    fn index(&self, h: DVec3) -> usize {
+        let sin_theta = h.x.hypot(h.y);
+        let ring = ((sin_theta / (1.0 + h.z)).ln() - self.log_low) / self.log_step;
+        let sector = (h.y.atan2(h.x) / TAU).rem_euclid(1.0) * Self::SECTORS as f64;
+        if ring >= 0.0 && ring < Self::RINGS as f64 {
+            ring as usize * Self::SECTORS + (sector as usize).min(Self::SECTORS - 1)
+        } else {
+            Self::RINGS * Self::SECTORS
+        }
+    }
+
+    /// Probability of each bin under the density `pdf_h` by the midpoint rule on 128 x 16 cells a bin, since a bounded cap may end within a
+    /// ring; the last bin takes the rest.
+    fn probabilities(&self, pdf_h: impl Fn(DVec3) -> f64) -> Vec<f64> {
+        const CELLS: usize = 16;
+        const LOG_CELLS: usize = 128;
+        let mut bins = vec![0.0; Self::RINGS * Self::SECTORS + 1];
+        let step = self.log_step / LOG_CELLS as f64;
+        for i in 0..Self::RINGS * LOG_CELLS {
+            let t = self.log_low + (i as f64 + 0.5) * step;
+            let sin_theta = 1.0 / t.cosh();
+            for j in 0..Self::SECTORS * CELLS {
+                let turn = (j as f64 + 0.5) / (Self::SECTORS * CELLS) as f64;
+                let area = sin_theta * sin_theta * step * TAU / (Self::SECTORS * CELLS) as f64;
+                bins[i / LOG_CELLS * Self::SECTORS + j / CELLS] +=
+                    area * pdf_h(direction_from_polar(sin_theta, -t.tanh(), turn));
+            }
+        }
+        let inside: f64 = bins.iter().sum();
+        bins[Self::RINGS * Self::SECTORS] = (1.0 - inside).max(0.0);
+        bins
+    }
+}
+
+/// Probability of so bad a fit of half vectors to the density, by Pearson's test.
+pub fn fit_of_half_vectors(alpha: f64, pdf_h: impl Fn(DVec3) -> f64, samples: &[DVec3]) -> f64 {
+    /// Below it the statistic is not chi-square distributed; rarer bins are pooled.
+    const RARE: f64 = 10.0;
+    let bins = HalfVectorBins::new(alpha);
+    let expected = bins.probabilities(pdf_h);
+    let mut observed = vec![0.0; expected.len()];
+    samples.iter().for_each(|h| observed[bins.index(*h)] += 1.0);
+    let (mut statistic, mut degrees, mut pooled) = (0.0, -1.0, (0.0, 0.0));
+    for (probability, count) in expected.iter().zip(&observed) {
+        let mean = probability * samples.len() as f64;
+        if mean < RARE {
+            pooled = (pooled.0 + mean, pooled.1 + count);
+        } else {
+            statistic += (count - mean) * (count - mean) / mean;
+            degrees += 1.0;
+        }
+    }
+    if pooled.0 > 0.0 {
+        statistic += (pooled.1 - pooled.0) * (pooled.1 - pooled.0) / pooled.0.max(1.0);
+        degrees += 1.0;
+    }
+    chi_square_tail(statistic, degrees)
+}
