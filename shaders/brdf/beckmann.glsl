@@ -78,7 +78,7 @@ struct VisibleNormals {
 
 VisibleNormals visible_normals_brdf(vec3 v_local, float alpha) {
     float across = length(v_local.xy);
-    vec2 along = across > 0.0 ? v_local.xy / across : vec2(1.0, 0.0);
+    vec2 along = across > TILT_MIN ? v_local.xy / across : vec2(1.0, 0.0);
     float sin_theta = alpha * across;
     float end = v_local.z < SLOPE_END * sin_theta ? v_local.z / sin_theta : SLOPE_END;
     float theta = atan2_precise(sin_theta, v_local.z);

@@ -11,6 +11,7 @@
 //! same time to an error mostly within 20 %, either way; the closed form is kept.
 
 use super::{Brdf, g1_rational, sin2_cos2};
+use crate::glsl::constants::TILT_MIN;
 use crate::math::erf::{erf_inverse, erfc};
 use crate::math::sampling::direction_from_polar;
 use glam::{DVec2, DVec3};
@@ -92,7 +93,7 @@ impl Brdf for Beckmann {
         // No net of points has one at 2/3, where this is infinite; at 0 most have.
         let turn = (xi.y + 1.0 / 3.0).fract();
         let y = erf_inverse(2.0 * turn - 1.0, (4.0 * turn * (1.0 - turn)).max(1e-13));
-        let along = if across > 0.0 { DVec2::new(v_local.x, v_local.y) / across } else { DVec2::X };
+        let along = if across > f64::from(TILT_MIN) { DVec2::new(v_local.x, v_local.y) / across } else { DVec2::X };
         let slope = alpha * (t * along + y * along.perp());
         DVec3::new(-slope.x, -slope.y, 1.0).normalize()
     }

@@ -22,6 +22,8 @@ constants! {
     PI: f32 = std::f32::consts::PI;
     /// Smallest microfacet width that is shaded as a lobe; below it `alpha²` underflows the distributions in f32.
     ALPHA_MIN: f32 = 1e-3;
+    /// Sine of the angle between view and normal below which f32 does not know their plane.
+    TILT_MIN: f32 = 1e-5;
     /// Floor of a clamped cosine. 0 would divide by zero in `1/(4 n_dot_v)`; a larger floor darkens the rim visibly.
     COSINE_MIN: f32 = 1e-6;
     /// Luminance weights of linear Rec.709 RGB [BT709] item 3.2.

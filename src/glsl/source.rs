@@ -96,7 +96,13 @@ impl Sources {
                 return Ok(Some(path));
             }
             if seen.insert(path.clone()) {
-                open.extend(self.text(&path)?.lines().rev().filter_map(included).map(str::to_string));
+                for (index, line) in self.text(&path)?.lines().enumerate().collect::<Vec<_>>().into_iter().rev() {
+                    let Some(include) = included(line) else { continue };
+                    if !include.starts_with("selected/") {
+                        self.text(include).map_err(|e| format!("{}:{}: {e}", shown(&path), index + 1))?;
+                    }
+                    open.push(include.to_string());
+                }
             }
         }
         Ok(None)
@@ -130,10 +136,7 @@ impl Sources {
         expanded.line(1, path);
         for (index, line) in self.text(path)?.lines().enumerate() {
             if let Some(include) = included(line) {
-                self.append(include, choice, done, expanded).map_err(|e| match self.0.contains_key(include) {
-                    true => e,
-                    false => format!("{}:{}: {e}", shown(path), index + 1),
-                })?;
+                self.append(include, choice, done, expanded)?;
                 expanded.line(index + 2, path);
             } else if line.starts_with("#version") || line.starts_with("#extension GL_GOOGLE_include") {
                 expanded.text.push('\n'); // every text gets its version above

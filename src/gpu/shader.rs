@@ -2,7 +2,7 @@
 
 use super::GpuError;
 use crate::glsl::source::Sources;
-use rspirv_reflect::rspirv::dr::{self, Instruction, Operand};
+use rspirv_reflect::rspirv::dr::{self, Function, Instruction, Operand};
 use rspirv_reflect::spirv::Op;
 use rspirv_reflect::{ReflectError, Reflection};
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,24 +36,48 @@ pub fn shader_sources() -> Sources {
     Sources(SHADER_TEXTS.iter().map(|(path, text)| (path.to_string(), text.to_string())).collect())
 }
 
-/// Names of what SPIR-V reads: variables (of a block without a name, the block), and members of structs.
-pub fn names_read(shader: &str) -> Result<BTreeSet<String>, GpuError> {
+/// Names of what a function of a shader reads, by itself or by those that it calls: variables (of a block without a name, the block), and
+/// members of structs.
+pub fn names_read(shader: &str, function: &str) -> Result<BTreeSet<String>, GpuError> {
     let fault = |error: ReflectError| GpuError::Reflection { shader: shader.to_owned(), what: error.to_string() };
-    Ok(Module(Reflection::new_from_spirv(shader_code(shader)).map_err(fault)?.0).names_read())
+    Ok(Module(Reflection::new_from_spirv(shader_code(shader)).map_err(fault)?.0).names_read(function))
 }
 
 /// SPIR-V by its instructions.
 struct Module(dr::Module);
 
 impl Module {
-    fn names_read(&self) -> BTreeSet<String> {
+    /// The function and all that it calls.
+    fn called_by(&self, function: &str) -> Vec<&Function> {
+        let id_of = |function: &Function| function.def.as_ref().and_then(|def| def.result_id);
+        // A name has its parameters' types behind it.
+        let is_it = |f: &&Function| {
+            let name = id_of(f).and_then(|id| self.name(Op::Name, id, None));
+            name.is_some_and(|name| name.split('(').next() == Some(function))
+        };
+        let mut found: Vec<&Function> = self.0.functions.iter().filter(is_it).collect();
+        let mut next = 0;
+        while let Some(caller) = found.get(next) {
+            let calls = caller.all_inst_iter().filter(|i| i.class.opcode == Op::FunctionCall);
+            let called: Vec<Option<u32>> = calls.map(|call| call.operands[0].id_ref_any()).collect();
+            for function in self.0.functions.iter().filter(|f| called.contains(&id_of(f))) {
+                if !found.iter().any(|known| id_of(known) == id_of(function)) {
+                    found.push(function);
+                }
+            }
+            next += 1;
+        }
+        found
+    }
+
+    fn names_read(&self, function: &str) -> BTreeSet<String> {
         let globals = &self.0.types_global_values;
         let by_id: BTreeMap<u32, &Instruction> =
             globals.iter().chain(self.0.all_inst_iter()).filter_map(|i| Some((i.result_id?, i))).collect();
         let pointee = |pointer: u32| by_id[&pointer].operands[1].unwrap_id_ref();
         let name_of = |id: u32| self.name(Op::Name, id, None);
         let mut names = BTreeSet::new();
-        for instruction in self.0.functions.iter().flat_map(|function| function.all_inst_iter()) {
+        for instruction in self.called_by(function).into_iter().flat_map(Function::all_inst_iter) {
             for variable in instruction.operands.iter().filter_map(Operand::id_ref_any) {
                 let found = by_id.get(&variable).filter(|found| found.class.opcode == Op::Variable);
                 let Some(of_type) = found.and_then(|found| found.result_type) else { continue };

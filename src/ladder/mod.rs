@@ -123,8 +123,8 @@ pub fn ladder_of(method: &Method, diffuse: &Diffuse) -> Option<&'static Ladder> 
 /// That of a diffuse term.
 pub fn of_diffuse(diffuse: &Diffuse) -> Option<&'static Ladder> {
     match () {
+        () if !diffuse.has_ladder => None,
         () if diffuse.uses_sh9 => Some(&SH9),
-        () if diffuse.uses_irradiance_map => Some(&IRRADIANCE_MAP),
-        () => None,
+        () => Some(&IRRADIANCE_MAP),
     }
 }

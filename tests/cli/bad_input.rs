@@ -353,7 +353,7 @@ fn a_faulty_method_names_its_line() {
             "my.glsl:2: 'nothing' : undeclared identifier",
         ),
         ("#include \"lib/no_such.glsl\"\n", "my.glsl:1: there is no lib/no_such.glsl to include"),
-        ("vec3 radiance(Surface s) { return s.f0; }\n", "'specular_radiance' : no matching overloaded function found"),
+        ("vec3 reflected(Surface s) { return s.f0; }\n", "'specular_radiance' : no matching overloaded function found"),
     ];
     let experiment = "name = \"x\"\n[axes]\nmethod = [\"split-sum\", \"file:my.glsl\"]\n";
     std::fs::write(dir.path().join("e.toml"), experiment).unwrap();

@@ -14,7 +14,7 @@ use std::path::Path;
 fn a_shader_tells_what_its_method_depends_on() {
     for method in METHODS.iter().filter(|method| method.has_pass()) {
         let shader = specular_shader(&LAYOUTS[0], method, splitsum::brdf::MODELS[0]);
-        let told = own::of_names_read(*method, &names_read(&shader).unwrap(), String::new());
+        let told = own::of_names_read(*method, &names_read(&shader, own::FUNCTION).unwrap(), String::new());
         let facts = |m: &splitsum::shade::Method| {
             let points = [m.uses_samples, m.uses_point_set, m.uses_lod_bias];
             (points, [m.uses_prefiltered(), m.uses_dfg, m.uses_lobe_shapes])

@@ -23,6 +23,8 @@ pub struct Diffuse {
     pub uses_irradiance_map: bool,
     /// Whether it reads the spherical-harmonic coefficients.
     pub uses_sh9: bool,
+    /// Whether its error has the steps of a ladder (`crate::ladder`).
+    pub has_ladder: bool,
     /// The integrand, where the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,
 }
@@ -41,7 +43,7 @@ pub static DIFFUSE: &[Diffuse] = &[
 impl Diffuse {
     /// A method that looks nothing up. Each file sets its flags beside it; no method goes without a twin.
     const fn plain(name: &'static str, about: &'static str, twin: DiffuseTwin) -> Self {
-        Self { name, about, twin, uses_irradiance_map: false, uses_sh9: false, lobe: None }
+        Self { name, about, twin, uses_irradiance_map: false, uses_sh9: false, has_ladder: false, lobe: None }
     }
 
     /// Whether the passes of the reference estimate it: without bias, with a standard error.

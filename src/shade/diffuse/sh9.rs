@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 
 pub const DIFFUSE: Diffuse = Diffuse {
     uses_sh9: true,
+    has_ladder: true,
     ..Diffuse::plain(
         "sh9",
         "nine spherical-harmonic coefficients evaluated per pixel",

@@ -18,6 +18,8 @@ use std::sync::{PoisonError, RwLock};
 const FILE_BYTES_MAX: u64 = 1 << 20;
 /// The pass that calls it.
 const ENTRY: &str = "shade/specular.comp";
+/// What it defines.
+pub const FUNCTION: &str = "specular_radiance";
 /// Digits of the hash that stands for the text.
 const HASH_LENGTH: usize = 16;
 
@@ -52,7 +54,7 @@ pub fn load(name: &str, dir: &Path) -> Result<&'static Method, String> {
         let code = sources.expand(ENTRY, &choice, Language::Vulkan).and_then(|text| compile(ENTRY, &text));
         let shader = shader_name(&permutation, &stem);
         add_shader(shader.clone(), &code.map_err(|log| first_error(&log))?);
-        reads.append(&mut names_read(&shader).map_err(|e| fault(e.to_string()))?);
+        reads.append(&mut names_read(&shader, FUNCTION).map_err(|e| fault(e.to_string()))?);
     }
     Ok(keep(of_names_read(absent(name.to_owned()), &reads, stem)))
 }
