@@ -245,7 +245,9 @@ impl Win<'_> {
         let place = self.place(name);
         self.go(name, from);
         std::thread::sleep(Duration::from_millis(150));
-        held.map(|key| self.act(&["keydown", key]));
+        if let Some(key) = held {
+            self.act(&["keydown", key]);
+        }
         self.act(&["mousedown", "1"]);
         std::thread::sleep(Duration::from_millis(100));
         for step in 1..=6 {
@@ -257,7 +259,9 @@ impl Win<'_> {
             std::thread::sleep(Duration::from_millis(40));
         }
         self.act(&["mouseup", "1"]);
-        held.map(|key| self.act(&["keyup", key]));
+        if let Some(key) = held {
+            self.act(&["keyup", key]);
+        }
         self.settle();
     }
 

@@ -18,8 +18,11 @@ use splitsum::precompute::prefilter::WEIGHTS;
 use std::f64::consts::PI;
 use std::path::Path;
 
+/// A name and what it does to a direction.
+type Lookup = (&'static str, fn(DVec3) -> DVec3);
+
 /// Where each engine's shader looks a direction of the world up (y up, right-handed), by the text of those shaders.
-const LOOKUPS: &[(&str, fn(DVec3) -> DVec3)] = &[
+const LOOKUPS: &[Lookup] = &[
     ("raw", |d| d),
     // `textureLod(light_iblSpecular, r, lod)`; cmgen mirrors what it writes so that this is right.
     ("filament", |d| d),
