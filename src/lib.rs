@@ -60,6 +60,7 @@
 //! - Kim22: M. Kim, "Project 3: Image-Based Lighting", report for the course CS562, 2022. This is "source document 0"; the words
 //!   in quotation marks beside the key are its headings.
 //! - Knuth97: D. E. Knuth, "The Art of Computer Programming", volume 2, 3rd edition, 1997.
+//! - Kolmogorov50: A. N. Kolmogorov, "Unbiased Estimates", Izvestiya Akademii Nauk SSSR, Seriya Matematicheskaya 14, 1950.
 //! - KullaConty17: C. Kulla and A. Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH 2017 course notes.
 //! - Lagarde14: S. Lagarde and C. de Rousiers, "Moving Frostbite to Physically Based Rendering 3.0", SIGGRAPH 2014 course notes.
 //! - Lam85: K. M. Lam, "Metamerism and Colour Constancy", doctoral thesis, University of Bradford, 1985.

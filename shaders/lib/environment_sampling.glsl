@@ -64,19 +64,19 @@ EnvironmentTables environment_tables(uint width, uint height) {
         (band_count + CELL_ROWS - 1u) / CELL_ROWS, band_count, slots_base, slots_base + CELL_COUNT);
 }
 
+// First step of a search among `count` intervals: as many steps for every lane, without branches.
+uint environment_search_step(uint count) {
+    return count > 1u ? 1u << findMSB(count - 1u) : 0u;
+}
+
 // Interval of the distribution over `count` intervals at `base` that holds `xi`; `fraction` is the place inside it, in (0, 1).
 uint environment_invert(uint base, uint count, uint xi, out float fraction) {
     // The largest value is the end of the last interval, which belongs to none.
     xi = min(xi, 0xfffffffeu);
     uint low = 0u;
-    uint high = count - 1u;
-    while (low < high) {
-        uint middle = (low + high + 1u) >> 1;
-        if (environment_word(base + middle) <= xi) {
-            low = middle;
-        } else {
-            high = middle - 1u;
-        }
+    for (uint step = environment_search_step(count); step > 0u; step >>= 1) {
+        uint next = min(low + step, count - 1u);
+        low = environment_word(base + next) <= xi ? next : low;
     }
     uint start = environment_word(base + low);
     uint end = environment_word(base + low + 1u);
@@ -88,14 +88,9 @@ uint environment_invert(uint base, uint count, uint xi, out float fraction) {
 uint environment_invert_guide(uint xi, out uint fraction) {
     float place = float(xi >> 8) * exp2(-24.0) * environment_guide_sum;
     uint low = 0u;
-    uint high = environment_guide_count - 1u;
-    while (low < high) {
-        uint middle = (low + high) >> 1;
-        if (environment_guide_ends[middle] <= place) {
-            low = middle + 1u;
-        } else {
-            high = middle;
-        }
+    for (uint step = environment_search_step(environment_guide_count); step > 0u; step >>= 1) {
+        uint next = min(low + step, environment_guide_count - 1u);
+        low = environment_guide_ends[next - 1u] <= place ? next : low;
     }
     float start = low > 0u ? environment_guide_ends[low - 1u] : 0.0;
     // The bits that `place` has no digits for count inside a slot of little light.

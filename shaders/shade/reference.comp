@@ -1,20 +1,18 @@
 // The reference: an unbiased estimate of the integral of a lobe (BRDF times cosine, or a rung of the ladder) and environment radiance by
-// multiple importance sampling. One dispatch takes every sample of the scrambles `scramble` to `scramble + scramble_count - 1` and folds their
-// results into the mean and the spread over scrambles.
+// multiple importance sampling. One dispatch takes `pair_count` further points of every scramble's net and adds them to its sum.
 //
-// One invocation computes one pixel. With m = `sample_count` / 2 (rounded up) samples from the lobe and m from the environment, the balance
+// One invocation computes one pixel. A pair is one sample from the lobe and one from the environment. With m pairs in all, the balance
 // heuristic [VeachGuibas95, eq. 10 with equal counts] makes every sample of either kind contribute
 //
 //     f(v, l) n.l L(l) / (m (p_lobe(l) + p_environment(l)))
 //
-// to this scramble's estimate X_k. X_1 .. X_K are independent and each is unbiased, so their mean is the result and
-// sum (X_k - mean)^2 / (K (K - 1)) estimates the variance of that mean without bias [Owen97, section 4].
-// Mean and squared deviations are updated in one pass [Welford62].
+// to its scramble's estimate X_k. X_1 .. X_K, K = SCRAMBLE_COUNT, are independent and each is unbiased. shade/reference_resolve.comp makes
+// mean and variance of them. A sum is kept with its low part, so that a net drawn in parts has the bits of one drawn at once.
 //
 // Set 0: 0 position and mask, 1 normal and alpha, 2 albedo and metallic, 3 f0 and id (sampler2D, level 0);
 // 4 environment (sampler2D, level 0 in f32); 5 tables of the environment (see lib/environment_sampling.glsl);
-// 6 mean over scrambles (rgb) and their count (a); 7 sum of squared deviations (rgb). Scramble 0 overwrites 6 and 7;
-// 8 as 4, through a bilinear sampler; 9 mean direction and mass of each slot of 5; 10 DFG table.
+// 6 m X_k of each pixel and scramble, high part (rgb) and low part (rgb), which the dispatch from pair 0 on overwrites;
+// 7 as 4, through a bilinear sampler; 8 mean direction and mass of each slot of 5; 9 DFG table.
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE), rows counted from `first_row`.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -37,22 +35,19 @@ layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
 layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
 layout(set = 0, binding = 4) uniform sampler2D environment;
-layout(set = 0, binding = 8) uniform sampler2D environment_linear;
+layout(set = 0, binding = 7) uniform sampler2D environment_linear;
 layout(std430, set = 0, binding = 5) readonly buffer EnvironmentWords {
     uint environment_words[];
 };
-layout(std430, set = 0, binding = 6) buffer Means {
-    vec4 means[];
-};
-layout(std430, set = 0, binding = 7) buffer SquaredDeviations {
-    vec4 squared_deviations[];
+layout(std430, set = 0, binding = 6) buffer Sums {
+    vec4 sums[];
 };
 
-layout(std140, set = 0, binding = 9) uniform Slots {
+layout(std140, set = 0, binding = 8) uniform Slots {
     vec4 slots[CELL_COLUMNS * CELL_ROWS];
 };
 
-layout(set = 0, binding = 10) uniform sampler2D dfg;
+layout(set = 0, binding = 9) uniform sampler2D dfg;
 
 #include "selected/lobe.glsl"
 
@@ -71,13 +66,14 @@ void main() {
     if (pixel.x >= params.width || pixel.y >= params.height) {
         return;
     }
-    uint index = pixel.y * params.width + pixel.x;
+    uint base = (pixel.y * params.width + pixel.x) * 2u * SCRAMBLE_COUNT;
     ivec2 texel = ivec2(pixel);
     Surface world;
     if (!surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
                               texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, world)) {
-        means[index] = vec4(0.0, 0.0, 0.0, float(params.scramble + params.scramble_count));
-        squared_deviations[index] = vec4(0.0);
+        for (uint k = 0u; k < 2u * SCRAMBLE_COUNT; ++k) {
+            sums[base + k] = vec4(0.0);
+        }
         return;
     }
     // Everything below lives in the environment's frame: one matrix product a sample.
@@ -93,27 +89,25 @@ void main() {
     if (lobe_mirror(lobe) > 0.0) {
         mirror = lobe_mirror(lobe) * environment_eval(environment, environment_linear, tables, frame[2]).li;
     }
-    uint pair_count = (params.sample_count + 1u) / 2u;
-    vec4 mean = vec4(0.0);
-    vec3 squared = vec3(0.0);
-    if (params.scramble > 0u) {
-        mean = means[index];
-        squared = squared_deviations[index].rgb;
-    }
-    for (uint scramble = params.scramble; scramble < params.scramble + params.scramble_count; ++scramble) {
+    uint end = params.first_pair + params.pair_count;
+    for (uint scramble = 0u; scramble < SCRAMBLE_COUNT; ++scramble) {
         uint key = sobol_key(pixel, scramble, params.seed, LOBE_STREAM);
         uvec2 lobe_key = sobol_next_pair_key(key);
         uvec2 environment_key = sobol_next_pair_key(key);
 
+        uint at = base + 2u * scramble;
         CompensatedSum sum = CompensatedSum(vec3(0.0), vec3(0.0));
-        for (uint i = 0u; i < pair_count; ++i) {
+        if (params.first_pair > 0u) {
+            sum = CompensatedSum(sums[at].rgb, sums[at + 1u].rgb);
+        }
+        for (uint i = params.first_pair; i < end; ++i) {
             uint second = sobol_second_reversed(i);
 
             vec3 l_local = lobe_sample(lobe, sobol_to_unit(sobol_point(i, second, lobe_key)));
-            vec3 term = vec3(0.0);
+            vec3 term = mirror;
             if (l_local.z > 0.0) {
-                term = contribution(lobe_eval(lobe, l_local),
-                                    environment_eval(environment, environment_linear, tables, frame * l_local));
+                term += contribution(lobe_eval(lobe, l_local),
+                                     environment_eval(environment, environment_linear, tables, frame * l_local));
             }
 
             EnvironmentSample light =
@@ -125,13 +119,7 @@ void main() {
 
             sum = compensated_add(sum, term);
         }
-        vec3 estimate = ((sum.high + sum.low) / float(pair_count) + mirror) * params.environment_scale;
-
-        float count = mean.a + 1.0;
-        vec3 deviation = estimate - mean.rgb;
-        mean = vec4(mean.rgb + deviation / count, count);
-        squared += deviation * (estimate - mean.rgb);
+        sums[at] = vec4(sum.high, 0.0);
+        sums[at + 1u] = vec4(sum.low, 0.0);
     }
-    means[index] = mean;
-    squared_deviations[index] = vec4(squared, 0.0);
 }

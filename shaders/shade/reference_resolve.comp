@@ -1,13 +1,18 @@
 // One invocation adds one term of the reference, specular or diffuse, and its squared standard error to one pixel; pixels with
 // mask 0 are left alone. The terms use independent points (LOBE_STREAM), so their squared errors add.
 //
-// With K scrambles, mean and squared deviations as shade/reference.comp leaves them, and w the part of the term that does not
-// depend on l (1 or the factor of a compensation for the specular one, the diffuse albedo for the other):
+// With K = SCRAMBLE_COUNT independent estimates X_k, m X_k / environment_scale in the sums as shade/reference.comp leaves them
+// (m = `pair_count`), and w the part of the term that does not depend on l (1 or the factor of a compensation for the specular one, the
+// diffuse albedo for the other):
 //
-//     radiance += w mean,    squared error += w^2 sum (X_k - mean)^2 / (K (K - 1))
+//     radiance += w mean X_k,    squared error += w^2 sum (X_k - mean)^2 / (K (K - 1))
 //
-// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 DFG table; 5 mean (rgb) and
-// K (a); 6 sum of squared deviations (rgb); 7 radiance; 8 squared standard error; 5 to 8 a vec4 a pixel, row-major.
+// whose second sum estimates the variance of the mean without bias [Owen97, section 4].
+//
+// Each sum's high part becomes w X_k, for those who ask for the scrambles.
+//
+// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 DFG table; 5 the sums;
+// 6 radiance; 7 squared standard error; 6 and 7 a vec4 a pixel, row-major.
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -28,16 +33,13 @@ layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
 layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
 layout(set = 0, binding = 4) uniform sampler2D dfg;
-layout(std430, set = 0, binding = 5) readonly buffer Means {
-    vec4 means[];
+layout(std430, set = 0, binding = 5) buffer Sums {
+    vec4 sums[];
 };
-layout(std430, set = 0, binding = 6) readonly buffer SquaredDeviations {
-    vec4 squared_deviations[];
-};
-layout(std430, set = 0, binding = 7) buffer Radiance {
+layout(std430, set = 0, binding = 6) buffer Radiance {
     vec4 radiance[];
 };
-layout(std430, set = 0, binding = 8) buffer SquaredErrors {
+layout(std430, set = 0, binding = 7) buffer SquaredErrors {
     vec4 squared_errors[];
 };
 
@@ -60,10 +62,21 @@ void main() {
     if (LOBE_STREAM == 0u && COMPENSATION != COMPENSATION_NONE) {
         weight *= compensation_factor(s.f0, textureLod(dfg, dfg_uv(s.n_dot_v, s.alpha), 0.0).rg);
     }
-    vec4 mean = means[index];
-    // One scramble has no spread, so its error is unknown: NaN, which the host refuses, and not 0.
-    float divisor = mean.a * (mean.a - 1.0);
-    vec3 squared_error = divisor > 0.0 ? squared_deviations[index].rgb / divisor : vec3(uintBitsToFloat(0x7fc00000u));
-    radiance[index] += vec4(weight * mean.rgb, 0.0);
+    float scale = params.environment_scale / float(params.pair_count);
+    vec3 estimates[SCRAMBLE_COUNT];
+    vec3 mean = vec3(0.0);
+    for (uint k = 0u; k < SCRAMBLE_COUNT; ++k) {
+        uint at = 2u * (index * SCRAMBLE_COUNT + k);
+        estimates[k] = (sums[at].rgb + sums[at + 1u].rgb) * scale;
+        mean += estimates[k] / float(SCRAMBLE_COUNT);
+    }
+    vec3 squared = vec3(0.0);
+    for (uint k = 0u; k < SCRAMBLE_COUNT; ++k) {
+        vec3 deviation = estimates[k] - mean;
+        squared += deviation * deviation;
+        sums[2u * (index * SCRAMBLE_COUNT + k)] = vec4(weight * estimates[k], 0.0);
+    }
+    vec3 squared_error = squared / float(SCRAMBLE_COUNT * (SCRAMBLE_COUNT - 1u));
+    radiance[index] += vec4(weight * mean, 0.0);
     squared_errors[index] += vec4(weight * weight * squared_error, 0.0);
 }

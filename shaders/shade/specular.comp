@@ -63,7 +63,7 @@ void main() {
         return;
     }
     if (PIXEL_POINTS != PIXEL_POINTS_SHARED) {
-        uint key = sobol_key(pixel, params.scramble, 0u, PIXEL_STREAM);
+        uint key = sobol_key(pixel, params.seed, 0u, PIXEL_STREAM);
         pixel_keys = sobol_next_pair_key(key);
     }
     Surface s = surface_in_environment(world, params);

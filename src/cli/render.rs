@@ -11,7 +11,7 @@ use splitsum::runner::axis::{AXES, METHOD, Point, Reference, SAMPLES, View};
 use splitsum::runner::value::{Kind, Range, Value};
 use splitsum::runner::{RenderFault, write_radiance};
 use splitsum::scene::Scene;
-use splitsum::shade::reference_pass::ScramblePlan;
+use splitsum::shade::reference_pass::pair_count;
 use splitsum::shade::{FILE_PREFIX, own};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -133,7 +133,7 @@ fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(
             "--relative-error: stops the reference, and method {method} with diffuse {diffuse} has none"
         ));
     }
-    if has_reference_term && let Err(error) = ScramblePlan::exact(reference_samples(arguments)) {
+    if has_reference_term && let Err(error) = pair_count(reference_samples(arguments)) {
         faults.push(format!("--samples: {error}"));
     }
     if faults.is_empty() { Ok(()) } else { Err(Failure::input(faults.join("\n"))) }

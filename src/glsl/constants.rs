@@ -46,6 +46,9 @@ constants! {
     RESAMPLE_SIDE: u32 = 4;
     /// Sample points that one dispatch reads: as a uniform block 16 KiB, the least that every device allows.
     POINTS_PER_DISPATCH: u32 = 1024;
+    /// Independent scrambles of the reference. Fewer and longer nets have less noise at equal samples; their spread states a pixel's
+    /// error with one degree of freedom less than there are scrambles.
+    SCRAMBLE_COUNT: u32 = 4;
     /// Cells of an environment, by columns and by bands, among which the reference chooses by the lobe of each pixel.
     CELL_COLUMNS: u32 = 32;
     /// See `CELL_COLUMNS`.

@@ -153,11 +153,10 @@ shared_structs! {
         height: uint,
         environment_width: uint,
         environment_height: uint,
-        /// Samples a pixel; of one scramble for the reference, which takes half from the lobe and half from the environment: an odd
-        /// count is rounded up.
+        /// Samples a pixel (all but the reference).
         sample_count: uint,
-        /// First independent scramble of this dispatch; of the reference scramble 0 starts the sums. The set of points of a sampled method.
-        scramble: uint,
+        /// First pair of samples of this dispatch in each scramble's net (reference only). Pair 0 starts the sums.
+        first_pair: uint,
         first_row: uint,
         prefilter_level_count: uint,
         environment_scale: float,
@@ -165,10 +164,10 @@ shared_structs! {
         light_count: uint,
         /// Bit flags: `constants::SHADE_FLAG_*`.
         flags: uint,
-        /// Chooses the points of the reference (reference only).
+        /// Chooses the points of the reference, or is the set of a sampled method's.
         seed: uint,
-        /// Scrambles of this dispatch (reference only).
-        scramble_count: uint,
+        /// Pairs of samples of this dispatch in each scramble's net; all of them when the sums are resolved (reference only).
+        pair_count: uint,
         /// Sample points of this dispatch (all but the reference), whose radiance is that of its part of `sample_count`.
         point_count: uint,
         /// Slots of the environment's distribution (reference only).

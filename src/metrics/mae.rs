@@ -1,7 +1,7 @@
 //! Mean absolute error.
 
 use super::mean::{pixel_mean, rgb_mean};
-use super::noise::MEAN_ABS_NORMAL;
+use super::noise::MEAN_ABS_ERROR;
 use super::{Comparison, Description, Metric, ReferenceNoise};
 
 /// `mean |d|`, in radiance.
@@ -22,6 +22,6 @@ impl Metric for Mae {
 
     /// `mean se sqrt(2/π)`.
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
-        Some(noise.mean(|_, se| se * MEAN_ABS_NORMAL))
+        Some(noise.mean(|_, se| se * MEAN_ABS_ERROR))
     }
 }

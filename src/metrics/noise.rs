@@ -1,17 +1,26 @@
 //! How small a score can be before it says more about the reference than about the test.
 //!
-//! The reference is a mean over samples with a known standard error per pixel and channel. Its noise floor of a metric is the
+//! The reference is a mean over K = 4 scrambles with a standard error `se` per pixel and channel. Its noise floor of a metric is the
 //! score to expect of an exact test: the error of the reference alone, taken as normal. Near the floor a score is not a
 //! property of the test.
+//!
+//! A pixel's se is itself an estimate with K - 1 = 3 degrees of freedom. `se²` has no bias, but its root, or a tail at a multiple
+//! of it, has. So the error stands as uniform within ±√3 se. Averaged over what se may come out as, that is the true normal
+//! distribution: the three deviations behind se are a point on a sphere, and one coordinate of a uniform point on a sphere in three
+//! dimensions is uniform (the unbiased estimate of [Kolmogorov50] for three degrees of freedom).
 
 use super::comparison::{check_size, check_values, masked_pixels};
 use super::{Epsilon, METRICS, Metric, MetricsError};
+use crate::glsl::constants::SCRAMBLE_COUNT;
 use crate::pixels::{GrayImage, RgbImage};
-use std::f64::consts::PI;
-use std::sync::LazyLock;
 
-/// `E |z|` of a standard normal `z`: `sqrt(2/π)`.
-pub(super) const MEAN_ABS_NORMAL: f64 = std::f64::consts::FRAC_2_SQRT_PI * std::f64::consts::FRAC_1_SQRT_2;
+const _: () = assert!(SCRAMBLE_COUNT == 4, "the distribution of the error is that of three degrees of freedom");
+
+/// The largest error in standard errors: √3.
+pub(super) const LARGEST_ERROR: f64 = 1.732_050_807_568_877_2;
+
+/// The mean absolute error in standard errors.
+pub(super) const MEAN_ABS_ERROR: f64 = 0.5 * LARGEST_ERROR;
 
 /// A reference and its standard error, over a mask.
 pub struct ReferenceNoise {
@@ -112,30 +121,7 @@ pub fn verdict(metric: &dyn Metric, value: f64, floor: f64) -> Verdict {
     }
 }
 
-/// Table steps a unit; linear interpolation is then within 2e-5 of the tail, relatively, up to 6.
-const STEPS_PER_UNIT: usize = 512;
-/// The tail beyond 8 is 1.2e-15 and taken as 0.
-const TAIL_END: usize = 8;
-
-/// `P(|z| > x)` of a standard normal `z`, for `x` ≥ 0.
-pub(super) fn half_normal_tail(x: f64) -> f64 {
-    // Tabulated because a floor asks for it about a million times. Summed from the far end, so that the tail keeps its
-    // relative precision; one Simpson panel a step.
-    static TAIL: LazyLock<Vec<f64>> = LazyLock::new(|| {
-        let density = |x: f64| (2.0 / PI).sqrt() * (-0.5 * x * x).exp();
-        let step = 1.0 / STEPS_PER_UNIT as f64;
-        let mut tail = vec![0.0; STEPS_PER_UNIT * TAIL_END + 1];
-        for i in (0..tail.len() - 1).rev() {
-            let x = i as f64 * step;
-            let panel = density(x) + 4.0 * density(x + 0.5 * step) + density(x + step);
-            tail[i] = tail[i + 1] + panel * step / 6.0;
-        }
-        tail
-    });
-    let place = x * STEPS_PER_UNIT as f64;
-    let step = place as usize;
-    match TAIL.get(step..step.saturating_add(2)) {
-        Some(tail) => tail[0] + (place - step as f64) * (tail[1] - tail[0]),
-        None => 0.0,
-    }
+/// The probability of an error of more than `x` standard errors, for `x` ≥ 0.
+pub(super) fn error_tail(x: f64) -> f64 {
+    (1.0 - x / LARGEST_ERROR).max(0.0)
 }

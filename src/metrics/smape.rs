@@ -1,7 +1,7 @@
 //! Symmetric mean absolute percentage error, as a fraction.
 
 use super::mean::{pixel_mean, rgb_mean};
-use super::noise::MEAN_ABS_NORMAL;
+use super::noise::MEAN_ABS_ERROR;
 use super::{Comparison, Description, Epsilon, Metric, ReferenceNoise};
 
 /// `mean |d| / (|t| + |r| + ε)`, below 1. Bounded, so a firefly moves it by at most one pixel's worth.
@@ -28,6 +28,6 @@ impl Metric for Smape {
     /// `mean se sqrt(2/π) / (2r + ε)`: first order in se / r, too high where se is comparable to r.
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
         let epsilon = noise.epsilon().beside_magnitude();
-        Some(noise.mean(|r, se| se * MEAN_ABS_NORMAL / (2.0 * r + epsilon)))
+        Some(noise.mean(|r, se| se * MEAN_ABS_ERROR / (2.0 * r + epsilon)))
     }
 }

@@ -3,7 +3,7 @@
 //! The percentile is by nearest rank: the smallest error that at least the named fraction of the pixels does not exceed. It is
 //! always the error of a real pixel.
 
-use super::noise::half_normal_tail;
+use super::noise::{LARGEST_ERROR, error_tail};
 use super::{Comparison, Description, Epsilon, Metric, ReferenceNoise};
 
 /// A percentile of the per-pixel relative error.
@@ -49,9 +49,6 @@ const MAXIMUM_DESCRIPTION: Description = description(
 /// Halvings of the bracket when a quantile is solved for: 2^-20 of the largest scale is far below what a floor needs.
 const BISECTION_STEPS: usize = 20;
 
-/// No pixel of any image exceeds this many standard errors (probability 2e-15 each).
-const LARGEST_NORMAL: f64 = 8.0;
-
 impl Metric for Percentile {
     fn description(&self) -> &'static Description {
         self.description
@@ -65,16 +62,16 @@ impl Metric for Percentile {
         value.sqrt()
     }
 
-    /// The channels of a pixel share their samples, so its error is taken as `a |z|` with `z` normal and `a` the pixel's root of
-    /// the RGB mean of `se² / (r² + ε)`. The floor of a percentile is that percentile of the mixture over the pixels; the floor
-    /// of the maximum is the median of the distribution of the maximum.
+    /// The channels of a pixel share their samples, so its error is taken as that of one value whose standard error is the
+    /// pixel's root of the RGB mean of `se² / (r² + ε)`. The floor of a percentile is that percentile of the mixture over the pixels; the
+    /// floor of the maximum is the median of the distribution of the maximum.
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
         let scales: Vec<f64> = noise.relative_squares(noise.epsilon()).iter().map(|square| square.sqrt()).collect();
         let largest = scales.iter().copied().fold(0.0, f64::max);
         if largest == 0.0 {
             return Some(0.0);
         }
-        let tail = |error: f64, scale: f64| if scale == 0.0 { 0.0 } else { half_normal_tail(error / scale) };
+        let tail = |error: f64, scale: f64| if scale == 0.0 { 0.0 } else { error_tail(error / scale) };
         let fraction = self.thousandths as f64 / 1000.0;
         let is_below = |error: f64| {
             if self.thousandths < 1000 {
@@ -83,7 +80,7 @@ impl Metric for Percentile {
                 scales.iter().map(|&scale| (-tail(error, scale)).ln_1p()).sum::<f64>() < 0.5f64.ln()
             }
         };
-        let (mut lo, mut hi) = (0.0, largest * LARGEST_NORMAL);
+        let (mut lo, mut hi) = (0.0, largest * LARGEST_ERROR);
         for _ in 0..BISECTION_STEPS {
             let middle = 0.5 * (lo + hi);
             if is_below(middle) { lo = middle } else { hi = middle }

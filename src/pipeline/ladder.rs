@@ -20,7 +20,7 @@ use crate::precompute::{StorageFormat, exact_quadrature};
 use crate::scene::MaterialOverride;
 use crate::shade::method::ladder::MASKING_ALONE;
 use crate::shade::pass::Shading;
-use crate::shade::reference_pass::{ReferenceRun, ScramblePlan};
+use crate::shade::reference_pass::{ReferenceRun, pair_count};
 use crate::shade::{Method, NONE, REFERENCE, diffuse_by_name, method_by_name};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -69,7 +69,7 @@ impl Pipeline {
         Ok(told(&|coalition| radiance.of(coalition, f0), &|coalition| radiance.scrambles(coalition, f0)))
     }
 
-    /// What each scramble makes of a term of the reference: the same points for every lobe.
+    /// What each scramble makes of the one term of a reference: the same points for every lobe.
     pub fn scrambles(&mut self, request: &RenderRequest) -> Result<Vec<Vec<DVec3>>, PipelineError> {
         let prepared = self.prepare(request)?;
         let data = prepared.reference.as_ref().expect("a term of the reference");
@@ -84,18 +84,10 @@ impl Pipeline {
         };
         let (stop, seed, mask) = (request.reference_stop(), request.seed, &*target.mask);
         let run = ReferenceRun { shading, stop, epsilon, seed, mask, distribution, sums, squared_error };
-        let ScramblePlan { scramble_count, samples_per_scramble } = ScramblePlan::exact(request.reference_samples)?;
-        let of_scramble = |scramble: u32| {
-            let mut recorder = self.gpu.record("reference")?;
-            recorder.fill(&target.radiance, 0);
-            recorder.submit()?;
-            for lobe in &prepared.lobes {
-                run.scramble(&self.gpu, *lobe, scramble, samples_per_scramble)?;
-            }
-            let texels: Vec<[f32; 4]> = self.gpu.read_buffer(&target.radiance)?;
-            Ok(texels.into_iter().map(|[r, g, b, _]| vector([r, g, b])).collect())
-        };
-        (0..scramble_count).map(of_scramble).collect()
+        let &[lobe] = &prepared.lobes[..] else { panic!("one term of the reference") };
+        let drawn = run.scrambles(&self.gpu, lobe, pair_count(request.reference_samples)?)?;
+        let radiance = |image: Vec<[f32; 4]>| image.into_iter().map(|[r, g, b, _]| vector([r, g, b])).collect();
+        Ok(drawn.into_iter().map(radiance).collect())
     }
 
     fn diffuse_by_steps<'a>(

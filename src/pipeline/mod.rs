@@ -29,7 +29,7 @@ use crate::gpu::{Buffer, Gpu, GpuError, Report};
 use crate::pixels::{Pixels, PixelsError, Rgb8Image, RgbImage};
 use crate::precompute::SettingsError;
 use crate::shade::pass::{ShadeSettings, Shading};
-use crate::shade::reference_pass::{Convergence, PartScramble, ReferenceRun};
+use crate::shade::reference_pass::{Convergence, PartPair, ReferenceRun};
 use crate::tonemap::{self, ToneCurve};
 use disk_cache::Code;
 use kept_reference::Reference;
@@ -57,7 +57,7 @@ pub enum PipelineError {
     #[error("{field} is 0; expected at least 1")]
     NoSamples { field: &'static str },
     #[error(transparent)]
-    PartScramble(#[from] PartScramble),
+    PartPair(#[from] PartPair),
     #[error(transparent)]
     Settings(#[from] SettingsError),
     #[error("the driver does not filter cubes across their edges; another layout works: layout = \"octahedral\"")]
@@ -72,11 +72,7 @@ impl PipelineError {
     pub fn is_input(&self) -> bool {
         matches!(
             self,
-            Self::OpenCubes
-                | Self::TooLarge { .. }
-                | Self::NoSamples { .. }
-                | Self::PartScramble(_)
-                | Self::Settings(_)
+            Self::OpenCubes | Self::TooLarge { .. } | Self::NoSamples { .. } | Self::PartPair(_) | Self::Settings(_)
         )
     }
 

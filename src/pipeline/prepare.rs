@@ -26,7 +26,7 @@ use crate::precompute::{
 };
 use crate::scene::Camera;
 use crate::shade::pass::{Tables, light_data};
-use crate::shade::reference_pass::{DistributionBuffers, Lobe, ScramblePlan, Sums};
+use crate::shade::reference_pass::{DistributionBuffers, Lobe, Sums, pair_count};
 use std::sync::Arc;
 
 /// The most recent of what the passes made.
@@ -436,7 +436,7 @@ fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
         }
     }
     if request.has_reference_term() {
-        ScramblePlan::exact(request.reference_samples)?;
+        pair_count(request.reference_samples)?;
     }
     Ok(request.precompute.validate()?)
 }

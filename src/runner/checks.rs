@@ -9,7 +9,7 @@ use crate::ladder::{SPLIT_SUM, ladder_of};
 use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
 use crate::precompute::PrefilterBy;
 use crate::precompute::prefilter::harmonic;
-use crate::shade::reference_pass::ScramblePlan;
+use crate::shade::reference_pass::pair_count;
 use crate::spelling::suggestion;
 
 /// Values that are right one by one but not together.
@@ -66,12 +66,12 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
 /// A row must not name another number of samples than the reference draws.
 fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults: &mut Faults) {
     let is_method = point.method().is_integrated();
-    if is_method && let Err(error) = ScramblePlan::exact(point[SAMPLES].count()) {
+    if is_method && let Err(error) = pair_count(point[SAMPLES].count()) {
         faults.add(&config.place_of(SAMPLES, point), format!("samples of method {}: {error}", point.method().name));
     }
     let is_judged_by = judge.method().is_integrated() || judge.diffuse().is_integrated();
     if (is_judged_by || point.diffuse().is_integrated() && !is_method)
-        && let Err(error) = ScramblePlan::exact(config.reference.samples)
+        && let Err(error) = pair_count(config.reference.samples)
     {
         faults.add(&config.reference_samples_place, format!("reference.samples: {error}"));
     }

@@ -5,7 +5,7 @@ use super::config::{Config, Exclusion, Placed, Timing, Warmup, axis_names};
 use super::fault::Faults;
 use super::toml_tree::{at, checked, checked_as, list, raw, section, table, unknown_key};
 use super::value::{Kind, Raw};
-use crate::shade::reference_pass::ScramblePlan;
+use crate::shade::reference_pass::pair_count;
 use toml::Spanned;
 use toml::de::DeValue;
 
@@ -85,7 +85,7 @@ impl Config {
         for (_, value, place) in section(value, "ladder", &["samples"], faults) {
             let found = checked(AXES[SAMPLES].kind, "ladder.samples", value, faults);
             samples = found.map_or(samples, |v| v.count());
-            if let Err(error) = ScramblePlan::exact(samples) {
+            if let Err(error) = pair_count(samples) {
                 faults.add(&place, format!("ladder.samples: {error}"));
             }
         }

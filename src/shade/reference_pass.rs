@@ -1,19 +1,17 @@
-//! The device passes of the reference: dispatches over scrambles and bands of rows, then one that adds the term to the image.
+//! The device passes of the reference: dispatches over parts of the nets and bands of rows, then one that adds the term to the image.
 
 use super::pass::{Shading, TABLE, with_gbuffer};
 use crate::brdf::{Brdf, Compensation, MaskingShadowing};
 use crate::environment::distribution::EnvironmentDistribution;
-use crate::glsl::constants::GROUP_SIDE;
+use crate::glsl::constants::{GROUP_SIDE, SCRAMBLE_COUNT};
 use crate::glsl::layout::{ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, Gpu, GpuError, Report, Sampler, image_groups};
 use crate::pixels::GrayImage;
 use crate::precompute::prefilter::{LevelMapping, Weight};
 use std::ops::Range;
 
-/// Fewest independent scrambles: with 16, the standard error is itself known to about 18 %.
-pub const SCRAMBLE_COUNT_MIN: u32 = 16;
-/// Most samples of one scramble, which one dispatch takes in full; also the samples up to which one dispatch takes several scrambles.
-const SCRAMBLE_SAMPLES_MAX: u32 = 4096;
+/// Most samples of a pixel that one dispatch takes.
+const DISPATCH_SAMPLES_MAX: u32 = 4096;
 
 /// Which term of the surface a reference integrates.
 #[derive(Clone, Copy, Debug)]
@@ -66,42 +64,25 @@ impl Lobe {
     }
 }
 
-/// How a number of samples is spread over scrambles: `scramble_count` of `samples_per_scramble` (even) each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ScramblePlan {
-    pub scramble_count: u32,
-    pub samples_per_scramble: u32,
+/// Samples of one pair in each of the [`SCRAMBLE_COUNT`] scrambles: what every count is a multiple of.
+const SAMPLES_PER_PAIR: u32 = 2 * SCRAMBLE_COUNT;
+
+/// Pairs of samples in each scramble's net for exactly `sample_count` samples a pixel, or the counts next to it that are drawn.
+pub fn pair_count(sample_count: u32) -> Result<u32, PartPair> {
+    let pairs = sample_count / SAMPLES_PER_PAIR;
+    if pairs > 0 && sample_count.is_multiple_of(SAMPLES_PER_PAIR) {
+        return Ok(pairs);
+    }
+    let below = (pairs > 0).then_some(pairs * SAMPLES_PER_PAIR);
+    Err(PartPair { asked: sample_count, below, above: (u64::from(pairs) + 1) * u64::from(SAMPLES_PER_PAIR) })
 }
 
-impl ScramblePlan {
-    /// Exactly `sample_count` samples a pixel, or the counts next to it that whole scrambles draw.
-    pub fn exact(sample_count: u32) -> Result<Self, PartScramble> {
-        let plan = Self::new(sample_count);
-        if plan.sample_count() == u64::from(sample_count) {
-            return Ok(plan);
-        }
-        let is_drawn = |count: &u32| Self::new(*count).sample_count() == u64::from(*count);
-        let below = (1..sample_count).rev().find(is_drawn);
-        Err(PartScramble { asked: sample_count, below, above: plan.sample_count() })
-    }
-
-    /// At least `sample_count` samples a pixel in at least [`SCRAMBLE_COUNT_MIN`] scrambles.
-    fn new(sample_count: u32) -> Self {
-        let scramble_count = SCRAMBLE_COUNT_MIN.max(sample_count.div_ceil(SCRAMBLE_SAMPLES_MAX));
-        Self { scramble_count, samples_per_scramble: sample_count.div_ceil(scramble_count).next_multiple_of(2) }
-    }
-
-    /// Samples a pixel in all.
-    pub fn sample_count(self) -> u64 {
-        u64::from(self.scramble_count) * u64::from(self.samples_per_scramble)
-    }
-}
-
-/// A number of samples that whole scrambles do not draw: a row that names it would show more.
+/// A number of samples that whole pairs do not draw: a row that names it would show more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{asked} samples a pixel: the reference draws {SCRAMBLE_COUNT_MIN} or more scrambles of equal, even length; expected {}{above}",
+#[error("{asked} samples a pixel: the reference draws pairs in {SCRAMBLE_COUNT} scrambles, so multiples of {SAMPLES_PER_PAIR}; \
+    expected {}{above}",
     below.map_or_else(String::new, |below| format!("{below} or ")))]
-pub struct PartScramble {
+pub struct PartPair {
     pub asked: u32,
     /// The next smaller count that is drawn.
     pub below: Option<u32>,
@@ -111,16 +92,13 @@ pub struct PartScramble {
 
 /// Samples of the first look at the error of a reference that stops by it.
 const PILOT_SAMPLES: u32 = 64;
-/// Such a reference then starts afresh with as many samples as the error suggests: longer nets pay more than more of the short ones,
-/// so that keeping the pilot would save less than it costs. The variance of scrambled nets falls with about this power of the count (measured between 256 and 11,520 samples: 1.39, 1.55).
+/// The variance of scrambled nets falls with about this power of the count (measured between 256 and 11,520 samples: 1.39, 1.55).
 const VARIANCE_EXPONENT: f64 = 1.4;
-/// Margin of that prediction: a second miss costs more than a tenth too many.
-const PREDICTION_MARGIN: f64 = 1.1;
 
 /// When a reference stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// Samples a pixel: exactly so many ([`ScramblePlan::exact`]), or at most so many when `relative_error` is given.
+    /// Samples a pixel: exactly so many ([`pair_count`]), or at most so many when `relative_error` is given.
     pub sample_count: u32,
     /// Stops earlier, once the relative standard error of every term is at most this.
     pub relative_error: Option<f64>,
@@ -132,11 +110,13 @@ impl Stop {
         self.relative_error.map_or(self.sample_count, |_| self.sample_count.min(PILOT_SAMPLES))
     }
 
-    /// Samples to try after `done` of them left `error`; `None` when that is good enough or all there is.
+    /// Samples to go on to after `done` of them left `error`; `None` when that is good enough or all there is.
+    ///
+    /// Nets of a power of two of points are the best ones, so that the count doubles, as often as the error suggests.
     fn next(self, done: u32, error: f64) -> Option<u32> {
         let wanted = self.relative_error.filter(|wanted| error > *wanted && done < self.sample_count)?;
-        let growth = (error / wanted).powf(2.0 / VARIANCE_EXPONENT) * PREDICTION_MARGIN;
-        Some((f64::from(done) * growth).min(f64::from(self.sample_count)) as u32)
+        let doublings = (2.0 / VARIANCE_EXPONENT * (error / wanted).log2()).round().max(1.0);
+        Some((f64::from(done) * doublings.exp2()).min(f64::from(self.sample_count)) as u32)
     }
 }
 
@@ -153,31 +133,27 @@ pub struct Convergence {
     pub is_met: bool,
 }
 
-/// Mean and squared deviations over scrambles of the term at work: a vec4 a pixel each.
-pub struct Sums {
-    mean: Buffer,
-    squared_deviations: Buffer,
-}
+/// The sums of every scramble of the term at work: two vec4 a pixel and scramble.
+pub struct Sums(Buffer);
 
 impl Sums {
-    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
-        let bytes = 16 * u64::from(size[0]) * u64::from(size[1]);
-        Ok(Self {
-            mean: gpu.buffer("reference means", bytes)?,
-            squared_deviations: gpu.buffer("reference deviations", bytes)?,
-        })
+    pub fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<Self, GpuError> {
+        let bytes = 32 * u64::from(SCRAMBLE_COUNT) * u64::from(width) * u64::from(height);
+        Ok(Self(gpu.buffer("reference sums", bytes)?))
     }
 
-    /// [`Convergence::relative_error`] of what the sums hold now.
-    fn relative_error(&self, gpu: &Gpu, mask: &GrayImage, epsilon: f64) -> Result<f64, GpuError> {
-        let means: Vec<[f32; 4]> = gpu.read_buffer(&self.mean)?;
-        let deviations: Vec<[f32; 4]> = gpu.read_buffer(&self.squared_deviations)?;
+    /// [`Convergence::relative_error`] of what the sums hold now, where an estimate is `scale` times its sum.
+    fn relative_error(&self, gpu: &Gpu, mask: &GrayImage, scale: f64, epsilon: f64) -> Result<f64, GpuError> {
+        let sums: Vec<[[f32; 4]; 2]> = gpu.read_buffer(&self.0)?;
+        let scrambles = f64::from(SCRAMBLE_COUNT);
         let (mut sum, mut count) = (0.0, 0u64);
-        for ((mean, deviation), _) in means.iter().zip(&deviations).zip(&mask.data).filter(|(_, hit)| **hit > 0.0) {
-            let scrambles = f64::from(mean[3]);
+        let pixels = sums.chunks_exact(SCRAMBLE_COUNT as usize).zip(&mask.data);
+        for (estimates, _) in pixels.filter(|(_, hit)| **hit > 0.0) {
             for channel in 0..3 {
-                let squared_error = f64::from(deviation[channel]) / (scrambles * (scrambles - 1.0));
-                sum += squared_error / (f64::from(mean[channel]).powi(2) + epsilon);
+                let of = |[high, low]: &[[f32; 4]; 2]| (f64::from(high[channel]) + f64::from(low[channel])) * scale;
+                let mean = estimates.iter().map(of).sum::<f64>() / scrambles;
+                let squared = estimates.iter().map(|estimate| (of(estimate) - mean).powi(2)).sum::<f64>();
+                sum += squared / (scrambles * (scrambles - 1.0)) / (mean.powi(2) + epsilon);
             }
             count += 3;
         }
@@ -222,79 +198,64 @@ impl ReferenceRun<'_> {
     /// Adds one term to the radiance and its squared standard error to `squared_error`.
     pub fn run(&self, gpu: &Gpu, lobe: Lobe) -> Result<(Report, Convergence), GpuError> {
         let mut total = Report::default();
-        let mut samples = self.stop.first();
-        let (plan, relative_error) = loop {
-            let plan = ScramblePlan::new(samples);
-            total.add(self.integrate(gpu, lobe, 0..plan.scramble_count, plan.samples_per_scramble)?);
-            let error = self.sums.relative_error(gpu, self.mask, self.epsilon)?;
+        let (mut done, mut samples) = (0, self.stop.first());
+        let scale = f64::from(self.shading.settings.environment_scale);
+        let relative_error = loop {
+            let pairs = samples / SAMPLES_PER_PAIR;
+            total.add(self.integrate(gpu, lobe, done..pairs)?);
+            done = pairs;
+            let error = self.sums.relative_error(gpu, self.mask, scale / f64::from(done), self.epsilon)?;
             match self.stop.next(samples, error) {
                 Some(more) => samples = more,
-                None => break (plan, error),
+                None => break error,
             }
         };
-        total.add(self.resolve(gpu, lobe)?);
+        total.add(self.resolve(gpu, lobe, done)?);
         let convergence = Convergence {
             term: lobe.pass_name(),
-            sample_count: plan.sample_count(),
+            sample_count: samples.into(),
             relative_error,
             is_met: self.stop.relative_error.is_none_or(|wanted| relative_error <= wanted),
         };
         Ok((total, convergence))
     }
 
-    /// Adds what one scramble of the term makes of it to the radiance. Its error is unknown.
-    pub fn scramble(
-        &self,
-        gpu: &Gpu,
-        lobe: Lobe,
-        scramble: u32,
-        samples_per_scramble: u32,
-    ) -> Result<Report, GpuError> {
-        let mut recorder = gpu.record("reference")?;
-        recorder.fill(&self.sums.mean, 0);
-        let mut total = recorder.submit()?;
-        total.add(self.integrate(gpu, lobe, scramble..scramble + 1, samples_per_scramble)?);
-        total.add(self.resolve(gpu, lobe)?);
-        Ok(total)
+    /// What each scramble makes of the term, by scramble and pixel, at exactly `pair_count` pairs: the same points for every lobe.
+    pub fn scrambles(&self, gpu: &Gpu, lobe: Lobe, pair_count: u32) -> Result<Vec<Vec<[f32; 4]>>, GpuError> {
+        self.integrate(gpu, lobe, 0..pair_count)?;
+        self.resolve(gpu, lobe, pair_count)?;
+        let weighed: Vec<[[f32; 4]; 2]> = gpu.read_buffer(&self.sums.0)?;
+        let count = SCRAMBLE_COUNT as usize;
+        Ok((0..count).map(|k| weighed.iter().skip(k).step_by(count).map(|[high, _]| *high).collect()).collect())
     }
 
-    /// Takes scrambles into the sums, which start afresh with the first.
-    fn integrate(
-        &self,
-        gpu: &Gpu,
-        lobe: Lobe,
-        scrambles: Range<u32>,
-        samples_per_scramble: u32,
-    ) -> Result<Report, GpuError> {
+    /// Adds these pairs of every scramble's net to the sums, which start afresh at pair 0.
+    fn integrate(&self, gpu: &Gpu, lobe: Lobe, pairs: Range<u32>) -> Result<Report, GpuError> {
         let Shading { settings, tables, gbuffer, .. } = self.shading;
         let [width, height] = gbuffer.size;
-        // Setting up a pixel costs as much as a few samples, so that a dispatch takes as many scrambles as it may.
-        let least_samples = u64::from(width * GROUP_SIDE) * u64::from(samples_per_scramble.max(1));
-        let scrambles_in_budget =
-            (gpu.submission_samples() / least_samples).min(u64::from(SCRAMBLE_SAMPLES_MAX)) as u32;
-        let scrambles_per_dispatch = (SCRAMBLE_SAMPLES_MAX / samples_per_scramble.max(1))
-            .min(scrambles_in_budget)
-            .clamp(1, scrambles.len() as u32);
-        let samples_per_row = u64::from(width) * u64::from(samples_per_scramble) * u64::from(scrambles_per_dispatch);
         let [shader, _] = lobe.shaders();
         let constants = lobe.constants(gpu, settings.compensation);
         let rest = [
             Bind::Sample(&tables.environment, Sampler::TEXELS),
             Bind::Read(&self.distribution.words),
-            Bind::ReadWrite(&self.sums.mean),
-            Bind::ReadWrite(&self.sums.squared_deviations),
+            Bind::ReadWrite(&self.sums.0),
             Bind::SampleMip(&tables.environment, Sampler::MAP, 0),
             Bind::Uniform(&self.distribution.slots, 0..self.distribution.slots.size()),
             Bind::Sample(&tables.dfg, TABLE),
         ];
         let binds = with_gbuffer(gbuffer, &rest);
         let mut total = Report::default();
-        for scramble in scrambles.clone().step_by(scrambles_per_dispatch as usize) {
+        // Setting up a pixel costs as much as a few samples, so that a dispatch takes as many pairs as it may.
+        let samples_per_band = u64::from(width * GROUP_SIDE * SAMPLES_PER_PAIR);
+        let step = (gpu.submission_samples() / samples_per_band)
+            .clamp(1, u64::from(DISPATCH_SAMPLES_MAX / SAMPLES_PER_PAIR)) as u32;
+        for first_pair in pairs.clone().step_by(step as usize) {
+            let pair_count = step.min(pairs.end - first_pair);
+            let samples_per_row = u64::from(width) * u64::from(pair_count * SAMPLES_PER_PAIR);
             for rows in gpu.row_bands(height, samples_per_row) {
                 let params = ShadeParams {
-                    sample_count: samples_per_scramble,
-                    scramble,
-                    scramble_count: scrambles_per_dispatch.min(scrambles.end - scramble),
+                    first_pair,
+                    pair_count,
                     seed: self.seed,
                     slot_count: self.distribution.slot_count,
                     ..settings.params(gbuffer.size, rows.start)
@@ -308,18 +269,18 @@ impl ReferenceRun<'_> {
         Ok(total)
     }
 
-    /// Adds the term that the sums hold to the image.
-    fn resolve(&self, gpu: &Gpu, lobe: Lobe) -> Result<Report, GpuError> {
+    /// Adds the term that the sums of `pair_count` pairs hold to the image, and leaves there what each scramble makes of it.
+    fn resolve(&self, gpu: &Gpu, lobe: Lobe, pair_count: u32) -> Result<Report, GpuError> {
         let Shading { settings, tables, gbuffer, radiance, .. } = self.shading;
         let [width, height] = gbuffer.size;
         let rest = [
             Bind::Sample(&tables.dfg, TABLE),
-            Bind::Read(&self.sums.mean),
-            Bind::Read(&self.sums.squared_deviations),
+            Bind::ReadWrite(&self.sums.0),
             Bind::ReadWrite(radiance),
             Bind::ReadWrite(self.squared_error),
         ];
-        let (binds, push) = (with_gbuffer(gbuffer, &rest), settings.params(gbuffer.size, 0).to_bytes());
+        let params = ShadeParams { pair_count, ..settings.params(gbuffer.size, 0) };
+        let (binds, push) = (with_gbuffer(gbuffer, &rest), params.to_bytes());
         let [_, shader] = lobe.shaders();
         gpu.submit_pass(lobe.pass_name(), |r| {
             r.dispatch(&shader, &lobe.constants(gpu, settings.compensation), &binds, &push, image_groups(width, height))

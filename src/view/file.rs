@@ -91,8 +91,7 @@ impl State {
     /// The same, unless its reference draws no such count.
     pub fn checked(self) -> Result<Self, String> {
         let count = self.view.reference_samples;
-        crate::shade::reference_pass::ScramblePlan::exact(count)
-            .map_err(|fault| format!("reference_samples: {fault}"))?;
+        crate::shade::reference_pass::pair_count(count).map_err(|fault| format!("reference_samples: {fault}"))?;
         Ok(self)
     }
 

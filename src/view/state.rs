@@ -34,7 +34,7 @@ pub struct State {
     pub level: u32,
 }
 
-/// Samples a pixel that a reference begins with: two in each of its scrambles.
+/// Samples a pixel that a reference begins with.
 const FIRST_SAMPLES: u32 = 32;
 
 /// One image of a state: equal ones have equal pixels.

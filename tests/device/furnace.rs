@@ -1,7 +1,7 @@
 //! Constant radiance: every integrator returns the directional albedo, which no environment can hide.
 
 use crate::compare::{Tolerance, Worst, absolute};
-use crate::harness::{constant_environment, lobe_sphere, request, scene, usual_tables, with_pipeline};
+use crate::harness::{constant_environment, lobe_sphere, render_by_seeds, request, scene, usual_tables, with_pipeline};
 use crate::methods::{radiance, sights};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -61,14 +61,14 @@ fn every_integrator_returns_the_directional_albedo() {
                     .collect();
                 for name in ["sampled", "sampled-vndf", "sampled-unfiltered", "split-sum", "reference"] {
                     let request = RenderRequest { method: method_by_name(name).unwrap(), ..base.clone() };
-                    let frame = pipeline.render(&request).unwrap();
+                    let frame = render_by_seeds(pipeline, &request);
                     for (sight, exact) in sights.iter().zip(&exact) {
                         let n_dot_v = sight.surface.n.dot(sight.surface.v);
                         let [x, y] = sight.pixel;
                         let sigma = frame.standard_error.as_ref().map(|error| f64::from(error.get(x, y)[0]));
                         let allowed = sigma.map_or(tolerance(name, n_dot_v, alpha).floor, |sigma| {
-                            // The largest of a few hundred errors by 16 scrambles, and one environment sample: at alpha 0.01 only one in
-                            // a few hundred pixels has one within the lobe, and no scramble of the others knows of it.
+                            // The largest of a few hundred errors by 16 nets, and one environment sample: at alpha 0.01 only one in
+                            // a few hundred pixels has one within the lobe, and no net of the others knows of it.
                             5.0 * sigma + 2.0 / f64::from(REFERENCE_SAMPLES)
                         });
                         let off = radiance(&frame, sight.pixel).x - exact.albedo();
@@ -100,14 +100,14 @@ fn split_sum_is_the_reference_under_constant_radiance() {
             };
             let with = |name| RenderRequest { method: method_by_name(name).unwrap(), ..base.clone() };
             let split = pipeline.render(&with("split-sum")).unwrap();
-            let reference = pipeline.render(&with("reference")).unwrap();
+            let reference = render_by_seeds(pipeline, &with("reference"));
             let sigma = reference.standard_error.as_ref().unwrap();
             let radiance_of = DVec3::new(0.5, 2.0, 300.0);
             let mut worst = Worst::new(format!("split-sum and reference {masking_shadowing:?}"), absolute(1.0));
             for (i, mask) in reference.mask.data.iter().enumerate().filter(|(_, mask)| **mask > 0.0) {
                 for c in 0..3 {
                     let off = f64::from(split.radiance.data[i][c] - reference.radiance.data[i][c]) / radiance_of[c];
-                    // The error of 16 scrambles is itself uncertain, hence 6 sigma.
+                    // The error of 16 nets is itself uncertain, hence 6 sigma.
                     let allowed = 6.0 * f64::from(sigma.data[i][c]) / radiance_of[c] + 5e-4;
                     worst.add(off / allowed, 0.0, || format!("pixel {i} channel {c} mask {mask} off {off}"));
                 }
@@ -142,7 +142,7 @@ fn compensated_white_surfaces_show_all_that_arrives() {
                         diffuse: diffuse_by_name(diffuse).unwrap(),
                         ..base.clone()
                     };
-                    let frame = pipeline.render(&request).unwrap();
+                    let frame = render_by_seeds(pipeline, &request);
                     let case = format!("{} {name} {method} alpha {alpha}", model.name());
                     let (mut worst, mut lost) = (0.0f64, 0.0f64);
                     for sight in sights(&base, 1) {

@@ -1,7 +1,7 @@
 //! Every method against f64, on a few pixels of a small frame.
 
 use crate::compare::{Worst, relative};
-use crate::harness::{golden_environment, request, scene, usual_tables, with_gpu, with_pipeline};
+use crate::harness::{golden_environment, render_by_seeds, request, scene, usual_tables, with_gpu, with_pipeline};
 use crate::symmetry::smooth_environment;
 use crate::tables::dfg_table;
 use glam::{DVec2, DVec3};
@@ -98,7 +98,7 @@ fn the_reference_meets_the_oracle_within_its_standard_error() {
                     brdf: *model,
                     ..small_request(&environment, alpha)
                 };
-                let frame = pipeline.render(&request).unwrap();
+                let frame = render_by_seeds(pipeline, &request);
                 let sights = sights(&request, 17);
                 let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
                 for (sight, answer) in sights.iter().zip(integrate_all(&exact, &surfaces, EXACT)) {
@@ -106,7 +106,7 @@ fn the_reference_meets_the_oracle_within_its_standard_error() {
                     let sigma = frame.standard_error.as_ref().unwrap().get(x, y).map(f64::from);
                     let off = radiance(&frame, sight.pixel) - answer.specular.value;
                     for c in 0..3 {
-                        // 1e-5: f32 and the oracle's own error. The error of 16 scrambles is itself uncertain, hence 6 sigma.
+                        // 1e-5: f32 and the oracle's own error. The error is itself uncertain, hence 6 sigma.
                         let floor = 1e-5 * answer.specular.value[c];
                         assert!(
                             sigma[c] < 0.02 * answer.specular.value[c],
@@ -124,14 +124,14 @@ fn the_reference_meets_the_oracle_within_its_standard_error() {
                 }
             }
         }
-        // Student's t with 15 degrees of freedom has variance 15/13; three channels share their points.
+        // Student's t with 12 degrees of freedom has variance 12/10; three channels share their points.
         let mean_square = sum / f64::from(count);
         println!("mean square of {count} errors in sigmas: {mean_square}");
         assert!((0.5..2.0).contains(&mean_square), "{mean_square}: the stated error is not the error");
     });
 }
 
-/// Both terms draw points of their own, so that their squared errors add. K^2 for K (K - 1) would state 6 % less variance.
+/// Both terms draw points of their own, so that their squared errors add. K^2 for K (K - 1) would state a quarter less variance.
 #[test]
 fn the_standard_error_is_the_spread_over_seeds() {
     const SEEDS: u32 = 96;
@@ -184,7 +184,7 @@ fn the_diffuse_reference_meets_the_oracle() {
             diffuse: diffuse_by_name("reference").unwrap(),
             ..small_request(&environment, 0.3)
         };
-        let frame = pipeline.render(&request).unwrap();
+        let frame = render_by_seeds(pipeline, &request);
         let sights = sights(&request, 9);
         let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
         let answers = integrate_all(&exact_quadrature(&environment.image), &surfaces, EXACT);
@@ -261,7 +261,7 @@ fn the_lobe_of_several_scatterings_is_integrated() {
                 ..request(&environment, scene("sphere", metal), CameraKind::Ortho, [12, 12])
             };
             let with = |diffuse| RenderRequest { diffuse: diffuse_by_name(diffuse).unwrap(), ..base.clone() };
-            let [both, single] = ["reference", "none"].map(|name| pipeline.render(&with(name)).unwrap());
+            let [both, single] = ["reference", "none"].map(|name| render_by_seeds(pipeline, &with(name)));
             let tables = &base.precompute;
             let table = dfg_table(gpu, base.brdf, base.masking_shadowing, tables.dfg_size, tables.dfg_sample_count);
             let pair = |cosine: f64| {

@@ -3,7 +3,7 @@
 //! World from map is `Ry(rotation) R_k`, written here by hand: no place may take one of the two, transpose them, or turn them about.
 
 use crate::compare::{Worst, relative};
-use crate::harness::{golden_environment, lobe_sphere, request, scene, with_pipeline};
+use crate::harness::{golden_environment, lobe_sphere, render_by_seeds, request, scene, with_pipeline};
 use crate::methods::{EXACT, Sight, radiance, sights};
 use glam::{DMat3, DVec2, DVec3};
 use splitsum::brdf::reflect;
@@ -131,7 +131,7 @@ fn the_reference_of_turned_lamps_meets_the_oracle_at_turned_surfaces() {
                 reference_samples: 16384,
                 ..request(&environment, lobe_sphere(0.3), CameraKind::Perspective, [12, 12])
             };
-            let frame = pipeline.render(&own).unwrap();
+            let frame = render_by_seeds(pipeline, &own);
             let map_from_world = world_from_map(placement).transpose();
             let sights = world_sights(&own, 7);
             let turned = sights.iter().map(|sight| {
@@ -145,7 +145,7 @@ fn the_reference_of_turned_lamps_meets_the_oracle_at_turned_surfaces() {
                 for c in 0..3 {
                     let sigma = f64::from(sigma[c]);
                     assert!(sigma < 0.05 * expected[c], "{placement:?} {x} {y}: {sigma} of {expected} says nothing");
-                    // Of 16 scrambles the error is itself uncertain, hence 6 sigma; 1e-4: the oracle's tolerance.
+                    // Of 16 nets the error is itself uncertain, hence 6 sigma; 1e-4: the oracle's tolerance.
                     assert!(
                         off[c].abs() < 6.0 * sigma + 1e-4 * expected[c],
                         "{placement:?} {x} {y}: {off}, sigma {sigma}"

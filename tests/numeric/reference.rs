@@ -7,13 +7,15 @@ use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
 use splitsum::brdf::{Brdf, Ggx, MaskingShadowing, eval_without_fresnel, reflect};
 use splitsum::color::{REC709_LUMINANCE, luminance};
 use splitsum::environment::distribution::{COMPENSATION, EnvironmentDistribution};
-use splitsum::glsl::constants::{GUIDE_ALPHA_MIN, GUIDE_FLOOR, LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED};
+use splitsum::glsl::constants::{
+    GUIDE_ALPHA_MIN, GUIDE_FLOOR, LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED, SCRAMBLE_COUNT,
+};
 use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
 use splitsum::math::frame::Frame;
 use splitsum::math::quadrature::GaussLegendre;
 use splitsum::math::sequence::{hash, scramble_reversed, sobol_second_reversed};
 use splitsum::pixels::RgbImage;
-use splitsum::shade::reference_pass::ScramblePlan;
+use splitsum::shade::reference_pass::pair_count;
 use std::f64::consts::PI;
 
 // ---- Points: shaders/lib/sobol.glsl, line by line ----
@@ -403,15 +405,14 @@ fn the_estimator_is_unbiased_and_knows_its_error() {
     assert!((1e-3..0.999).contains(&tail), "{deviates:?}");
 }
 
-/// What is not drawn is refused with its neighbours, over the change from 16 scrambles to more.
+/// What is not drawn is refused with its neighbours.
 #[test]
 fn every_count_is_drawn_exactly_or_has_neighbours_that_are() {
     let (mut last_drawn, mut awaited) = (None, None);
     for count in 1..=70_000 {
-        match ScramblePlan::exact(count) {
-            Ok(plan) => {
-                assert_eq!(plan.scramble_count * plan.samples_per_scramble, count);
-                assert!(plan.scramble_count >= 16 && plan.samples_per_scramble.is_multiple_of(2), "{plan:?}");
+        match pair_count(count) {
+            Ok(pairs) => {
+                assert_eq!(pairs * 2 * SCRAMBLE_COUNT, count);
                 assert!(
                     awaited.is_none_or(|above| above == u64::from(count)),
                     "{awaited:?} was promised before {count}"
@@ -425,5 +426,5 @@ fn every_count_is_drawn_exactly_or_has_neighbours_that_are() {
             }
         }
     }
-    assert_eq!(ScramblePlan::exact(40).unwrap_err().to_string().split("expected ").last(), Some("32 or 64"));
+    assert_eq!(pair_count(44).unwrap_err().to_string().split("expected ").last(), Some("40 or 48"));
 }

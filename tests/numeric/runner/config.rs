@@ -193,13 +193,13 @@ fn a_reference_takes_whole_scrambles_only() {
     let with = |reference: u32, rest: &str| {
         format!("name = \"x\"\nreference = {{ samples = {reference} }}\n[axes]\nalpha = [0.2]\n{rest}")
     };
-    let at_reference = "e.toml:2:25: reference.samples: 100 samples a pixel: the reference draws 16 or more scrambles of equal, \
-                        even length; expected 96 or 128";
+    let at_reference = "e.toml:2:25: reference.samples: 100 samples a pixel: the reference draws pairs in 4 scrambles, so \
+                        multiples of 8; expected 96 or 104";
     assert_faults(&faults(&with(100, ""), &[]), &[at_reference]);
-    let swept = "samples = [40, 64]\nmethod = [\"sampled\", \"reference\"]\n";
-    let at_axis = "e.toml:5:12: samples of method reference: 40 samples a pixel";
+    let swept = "samples = [44, 64]\nmethod = [\"sampled\", \"reference\"]\n";
+    let at_axis = "e.toml:5:12: samples of method reference: 44 samples a pixel";
     assert_faults(&faults(&with(64, swept), &[]), &[at_axis]);
-    let excluded = "[[exclude]]\nmethod = \"reference\"\nsamples = 40\nwhy = \"whole scrambles\"\n";
+    let excluded = "[[exclude]]\nmethod = \"reference\"\nsamples = 44\nwhy = \"whole pairs\"\n";
     assert_faults(&faults(&with(64, &format!("{swept}{excluded}")), &[]), &[]);
     // The count of the [reference] is that of the diffuse term beside another method, too, and of nothing where no term is its own.
     let diffuse = "diffuse = [\"reference\"]\n";
