@@ -43,7 +43,9 @@ impl Controls {
         });
         for heading in headings {
             let is_open = heading != Part::Table.heading();
-            let section = egui::CollapsingHeader::new(heading).default_open(is_open).show(ui, |ui| {
+            // What follows is about the flags of `render`.
+            let short = heading.split(',').next().unwrap_or(heading);
+            let section = egui::CollapsingHeader::new(short).default_open(is_open).show(ui, |ui| {
                 for axis in (0..AXES.len()).filter(|&axis| AXES[axis].part.heading() == heading) {
                     let is_used = AXES[axis].part == Part::Display
                         || used.iter().any(|image| image.point[axis] != Value::Unset)
@@ -93,7 +95,7 @@ impl Controls {
                         point[axis] = if is_set { first(axis, named, point) } else { Value::Unset };
                     }
                     if !is_set {
-                        ui.weak("own");
+                        ui.weak("as it is");
                         return;
                     }
                 }

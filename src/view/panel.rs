@@ -103,27 +103,23 @@ impl Panel {
             self.is_flipped = false;
             return;
         }
-        let orbit = state.view.orbit;
         context.input(|input| {
             self.is_flipped = input.key_down(Key::Space);
-            self.wants_save |= input.modifiers.command && input.key_pressed(Key::S);
-            if input.modifiers.command {
-                return;
-            }
-            let picture = state.picture;
-            let toggled = |wanted: Picture| if picture == wanted { Picture::Image } else { wanted };
-            let turn = |yaw: f64, pitch: f64| turned(orbit, yaw, pitch);
-            let shift = input.modifiers.shift;
             let mut stops = 0.0;
             for event in &input.events {
-                let egui::Event::Key { key, pressed: true, .. } = event else { continue };
+                let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { continue };
+                // A slow pass sees several keys; each acts on what the one before left, with the modifiers that it had.
+                let (picture, orbit, shift) = (state.picture, state.view.orbit, modifiers.shift);
+                let toggled = |wanted: Picture| if picture == wanted { Picture::Image } else { wanted };
+                let turn = |yaw: f64, pitch: f64| turned(orbit, yaw, pitch);
                 match key {
+                    key if modifiers.command => self.wants_save |= *key == Key::S,
                     Key::E => state.picture = toggled(Picture::Error),
                     Key::S => state.picture = toggled(Picture::Signed),
                     Key::T => state.tone = if state.tone == Tone::Curve { Tone::Srgb } else { Tone::Curve },
                     Key::D => state.wipe = if state.wipe == 1.0 { 0.5 } else { 1.0 },
-                    Key::OpenBracket => stops = -0.5,
-                    Key::CloseBracket => stops = 0.5,
+                    Key::OpenBracket => stops -= 0.5,
+                    Key::CloseBracket => stops += 0.5,
                     Key::Plus | Key::Equals => state.view.orbit = nearer(orbit, 1.0 / KEY_ZOOM),
                     Key::Minus => state.view.orbit = nearer(orbit, KEY_ZOOM),
                     Key::Num0 => state.view.orbit = Orbit::default(),
@@ -275,6 +271,7 @@ impl Panel {
         self.controls.place("image", &response);
         self.look(ui, state, &response, rect);
         if !state.picture.has_sides() {
+            outlined(ui, rect.left_top() + vec2(6.0, 5.0), Align2::LEFT_TOP, state.picture.about());
             return;
         }
         self.handle(ui, state, rect);
@@ -287,7 +284,7 @@ impl Panel {
             }
         }
         if let Some(colors) = state.picture.scale() {
-            legend(ui, rect, &colors);
+            legend(ui, rect, &colors, state.picture.about());
         }
     }
 
@@ -331,7 +328,10 @@ impl Panel {
             return;
         }
         let painter = ui.painter();
-        painter.vline(x, rect.y_range(), Stroke::new(1.0, Color32::from_white_alpha(160)));
+        // Dark beside light: it is seen on any picture.
+        painter.vline(x, rect.y_range(), Stroke::new(3.0, Color32::from_black_alpha(90)));
+        painter.vline(x, rect.y_range(), Stroke::new(1.0, Color32::from_white_alpha(200)));
+        painter.rect_filled(place.shrink2(vec2(3.0, 1.0)), 5.0, Color32::from_black_alpha(90));
         painter.rect_filled(place.shrink2(vec2(4.0, 2.0)), 4.0, Color32::from_white_alpha(220));
         for dx in [-1.5, 1.5] {
             painter.vline(x + dx, place.shrink(9.0).y_range(), Stroke::new(1.0, Color32::DARK_GRAY));
@@ -401,7 +401,8 @@ impl Panel {
                     let [x, y] = self.probed?;
                     at(image, x / shot.scale, y / shot.scale).map(|rgb| rgb.map(|c| format!("{c:.4}")).join(" "))
                 };
-                ui.monospace(value(&shot.frame.radiance).unwrap_or_default());
+                // As wide as the values, so that the columns stay where they are.
+                ui.monospace(value(&shot.frame.radiance).unwrap_or_else(|| "  –      –      –   ".to_owned()));
                 ui.monospace(shot.score.map_or_else(String::new, |score| format!("{score:.3e}")));
                 ui.monospace(shot.frame.standard_error.as_ref().and_then(value).unwrap_or_default());
                 ui.end_row();
@@ -495,14 +496,13 @@ fn outlined(ui: &Ui, place: Pos2, align: Align2, text: &str) {
     ui.painter().galley(rect.min, galley, Color32::WHITE);
 }
 
-/// The colours of an error with their values.
-fn legend(ui: &Ui, rect: Rect, colors: &crate::table::colormap::ColorScale) {
-    let bar = Rect::from_min_size(pos2(rect.left() + 12.0, rect.bottom() - 42.0), vec2(180.0, 10.0));
-    ui.painter().rect_filled(
-        bar.expand2(vec2(10.0, 4.0)).with_max_y(bar.bottom() + 20.0),
-        3.0,
-        Color32::from_black_alpha(170),
-    );
+/// The colours of an error with their values and what they are of.
+fn legend(ui: &Ui, rect: Rect, colors: &crate::table::colormap::ColorScale, about: &str) {
+    let bar = Rect::from_min_size(rect.left_bottom() + vec2(24.0, -36.0), vec2(180.0, 10.0));
+    let back = bar.expand2(vec2(18.0, 20.0));
+    ui.painter().rect_filled(back, 3.0, Color32::from_black_alpha(170));
+    let font = FontId::proportional(11.0);
+    ui.painter().text(back.center_top() + vec2(0.0, 3.0), Align2::CENTER_TOP, about, font, Color32::WHITE);
     for step in 0..90 {
         let [r, g, b] = colors.palette.color(f64::from(step) / 89.0);
         let x = bar.left() + step as f32 * 2.0;

@@ -67,6 +67,24 @@ impl Picture {
         }
     }
 
+    /// What its colours are.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Image => "",
+            Self::Error => "relative error",
+            Self::Signed => "relative error: blue darker, red brighter",
+            Self::Part(Part::Position) => "position as a fraction of the scene's box",
+            Self::Part(Part::Normal) => "0.5 + 0.5 normal",
+            Self::Part(Part::NDotV) => "n·v",
+            Self::Part(Part::Albedo) => "albedo",
+            Self::Part(Part::Metallic) => "metallic",
+            Self::Part(Part::Alpha) => "alpha, the width of the lobe",
+            Self::Part(Part::F0) => "F0",
+            Self::Prefiltered => "one level; of a cube: +x -x +y above -y +z -z",
+            Self::Dfg => "n·v to the right, perceptual roughness downwards; red scales F0, green is added",
+        }
+    }
+
     /// Whether both halves show images of their methods.
     pub fn has_sides(self) -> bool {
         matches!(self, Self::Image | Self::Error | Self::Signed)

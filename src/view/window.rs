@@ -102,7 +102,28 @@ struct App {
     /// Whether the surface was made anew since it last worked.
     is_renewed: bool,
     wakes_at: Option<Instant>,
+    /// A button went down and no pass has seen it.
+    is_press_unseen: bool,
+    heard: Heard,
     told: Option<(PathBuf, String)>,
+}
+
+/// What tests wait for: keys and buttons that went down or up, and where the pointer is.
+#[derive(Default)]
+struct Heard {
+    inputs: u64,
+    pointer: [f64; 2],
+}
+
+impl Heard {
+    fn hear(&mut self, event: &WindowEvent) {
+        match event {
+            WindowEvent::KeyboardInput { event, is_synthetic: false, .. } if !event.repeat => self.inputs += 1,
+            WindowEvent::MouseInput { .. } => self.inputs += 1,
+            WindowEvent::CursorMoved { position, .. } => self.pointer = [position.x, position.y],
+            _ => {}
+        }
+    }
 }
 
 impl App {
@@ -125,6 +146,8 @@ impl App {
             ended: Windowed::Closed,
             is_renewed: false,
             wakes_at: None,
+            is_press_unseen: false,
+            heard: Heard::default(),
             told: std::env::var_os(TOLD).map(|path| (path.into(), String::new())),
         }
     }
@@ -166,6 +189,7 @@ impl App {
         // A minimised window may have no pixel.
         let (Some(columns), Some(rows)) = (NonZeroU32::new(width), NonZeroU32::new(height)) else { return };
         let input = screen.input.take_egui_input(&screen.window);
+        self.is_press_unseen = false;
         for file in input.dropped_files.iter().filter_map(|file| file.path.clone()) {
             self.panel.dropped(&file, &mut self.state);
         }
@@ -198,7 +222,7 @@ impl App {
         }
         self.is_renewed = false;
         self.ask();
-        self.tell();
+        self.tell(delay.is_none_or(|delay| delay > Duration::ZERO));
         if std::mem::take(&mut self.panel.wants_save) {
             self.save();
         }
@@ -281,8 +305,8 @@ impl App {
         Ok(folder)
     }
 
-    /// Writes what tests ask for, where they do.
-    fn tell(&mut self) {
+    /// Writes what tests ask for, where they do. A window that is still asks for no pass at once.
+    fn tell(&mut self, is_still: bool) {
         let Some((path, before)) = &mut self.told else { return };
         let scale = f64::from(self.context.pixels_per_point());
         let place =
@@ -292,6 +316,9 @@ impl App {
         let scales = [Side::Left, Side::Right].map(|side| self.shown.side(side).map(|shot| shot.scale));
         let text = serde_json::json!({
             "controls": controls,
+            "inputs": self.heard.inputs,
+            "pointer": self.heard.pointer,
+            "is_still": is_still,
             "asked": self.generation,
             "shown": self.shown.generation,
             "is_done": self.shown.standing == Standing::Done,
@@ -360,6 +387,14 @@ impl ApplicationHandler<Arrived> for App {
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        // A slider sees a press only in a pass of its own: a click within a slow frame would be lost.
+        if let WindowEvent::MouseInput { state, .. } = event {
+            if self.is_press_unseen && !state.is_pressed() {
+                self.frame(events);
+            }
+            self.is_press_unseen = state.is_pressed();
+        }
+        self.heard.hear(&event);
         let Some(screen) = &mut self.screen else { return };
         let response = screen.input.on_window_event(&screen.window, &event);
         match event {

@@ -4,8 +4,10 @@ mod screen;
 
 use screen::{Screen, Win};
 use splitsum::pixels::{Rgb8Image, exr};
-use splitsum::runner::axis::{AXES, Named, Part};
+use splitsum::precompute::PrefilterBy;
+use splitsum::runner::axis::{AXES, Named, PREFILTER_BY, Part};
 use splitsum::runner::value::Kind;
+use splitsum::shade::{DIFFUSE, METHODS};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -47,7 +49,10 @@ fn render_again(folder: &Path) {
 fn save_and_render(win: &Win, number: u32) -> Rgb8Image {
     win.key("ctrl+s");
     let folder = win.dir().join(format!("view-{number}"));
-    win.wait("the saved state", |told| told["notice"].as_str().unwrap().starts_with("saved"));
+    let end = format!("view-{number}");
+    win.wait("the saved state", |told| {
+        told["notice"].as_str().is_some_and(|notice| notice.starts_with("saved") && notice.ends_with(&end))
+    });
     render_again(&folder);
     for side in ["left", "right"] {
         let [shown, again] = ["", "-again"].map(|end| exr::read(&folder.join(format!("{side}{end}.exr"))).unwrap().rgb);
@@ -141,7 +146,7 @@ fn keys_do_what_the_report_does() {
     win.key("0");
     assert_eq!(win.state()["orbit"], serde_json::json!([0.0, 0.0, 1.0]));
     win.key("1");
-    assert_eq!(win.state()["axes"]["method"], splitsum::shade::METHODS[0].name);
+    assert_eq!(win.state()["axes"]["method"], METHODS[0].name);
     win.wait_done();
     // Space shows the other half, as long as it is down.
     win.key("t");
@@ -154,25 +159,34 @@ fn keys_do_what_the_report_does() {
     // The wipe by hand.
     win.key("d");
     win.drag("wipe", [0.5, 0.5], [6.0, 0.5], None);
-    assert!(win.soon(|win| win.state()["wipe"].as_f64().unwrap() > 0.55), "{}", win.state()["wipe"]);
+    assert!(win.state()["wipe"].as_f64().unwrap() > 0.55, "{}", win.state()["wipe"]);
     win.close();
 }
 
 #[test]
 fn every_control_moves_its_axis() {
     let Some(screen) = Screen::open() else { return };
-    let win = screen.window(&["--size", "32x32", "--environment", "builtin:constant", "--method", "sampled"]);
+    let method = METHODS.iter().find(|method| method.uses_lod_bias && method.uses_point_set).unwrap().name;
+    // These look up all tables, made of samples, so that their controls are in use.
+    let right = METHODS.iter().find(|method| method.uses_prefiltered()).unwrap().name;
+    let diffuse = DIFFUSE.iter().find(|diffuse| diffuse.uses_irradiance_map).unwrap().name;
+    let win = screen.window(
+        &[
+            &["--size", "32x32", "--environment", "builtin:constant", "--method", method, "--right", right][..],
+            &["--diffuse", diffuse, "--prefilter", PrefilterBy::Sampled.name(), "--prefilter-sample-count", "16"],
+            &["--dfg-sample-count", "16", "--irradiance-sample-count", "8x8"],
+        ]
+        .concat(),
+    );
     win.choose("reference samples", "choice 32");
     win.resize(1200, 1500);
     win.wait_done();
     win.click(Part::Table.heading(), [0.5, 0.5]);
-    // The right half looks the tables up, so that their controls are in use.
-    let table_method = splitsum::shade::METHODS.iter().find(|method| method.uses_prefiltered()).unwrap().name;
-    win.choose("right", &format!("choice {table_method}"));
     let mut moved = BTreeSet::new();
     // Ways to compute come last: they decide which of the others are in use.
+    let is_way = |index: usize| AXES[index].part == Part::Method || index == PREFILTER_BY;
     let (ways, others): (Vec<usize>, Vec<usize>) =
-        (0..AXES.len()).filter(|index| has_choice(*index)).partition(|&index| AXES[index].part == Part::Method);
+        (0..AXES.len()).filter(|index| has_choice(*index)).partition(|&index| is_way(index));
     for index in others.into_iter().chain(ways) {
         let (axis, name) = (&AXES[index], Named::usual(index).name());
         let value = |win: &Win| win.state()["axes"][axis.name].clone();
@@ -193,16 +207,14 @@ fn every_control_moves_its_axis() {
                 win.click(choice, [0.5, 0.5]);
             }
         }
-        if win.soon(|win| value(win) != before) {
+        if value(&win) != before {
             moved.insert(axis.name);
         }
     }
     let all: BTreeSet<&str> =
         (0..AXES.len()).filter(|index| has_choice(*index)).map(|index| AXES[index].name).collect();
     let left: Vec<_> = all.difference(&moved).copied().collect();
-    // Grey while the tables are made without samples and the diffuse term looks no map up.
-    let grey = ["irradiance_sample_count", "irradiance_size", "prefilter_lod_bias", "prefilter_sample_count"];
-    assert!(left.iter().all(|name| grey.contains(name)), "not moved: {left:?}");
+    assert!(left.is_empty(), "not moved: {left:?}");
     win.choose("environment list", "choice builtin:sky");
     assert_eq!(win.state()["axes"]["environment"], "builtin:sky");
     win.wait_done();

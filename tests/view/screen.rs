@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use splitsum::pixels::Rgb8Image;
+use std::cell::Cell;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -45,7 +46,19 @@ impl Screen {
         let mut number = String::new();
         BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
         let display = format!(":{}", number.trim());
-        let manager = Command::new("openbox").env("DISPLAY", &display).stderr(Stdio::null()).spawn().unwrap();
+        let silent = |name: &str| {
+            let mut command = Command::new(name);
+            command.env("DISPLAY", &display).stdout(Stdio::null()).stderr(Stdio::null());
+            command
+        };
+        let mut manager = silent("openbox").spawn().unwrap();
+        // It tells of desktops once it manages them.
+        let begun = Instant::now();
+        while !silent("xdotool").arg("get_desktop").status().unwrap().success() {
+            let ended = manager.try_wait().unwrap();
+            assert!(ended.is_none() && begun.elapsed() < PATIENCE, "the window manager is not there: {ended:?}");
+            std::thread::sleep(Duration::from_millis(50));
+        }
         Some(Self { server, manager, display, frames, _turn: turn })
     }
 
@@ -66,17 +79,18 @@ impl Screen {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let mut win = Win { screen: self, child: Mutex::new(child), dir, id: String::new() };
+        let mut win = Win { screen: self, child: Mutex::new(child), dir, id: String::new(), sent: Cell::new(0) };
         if variables.is_empty() {
             win.wait("a first picture", |told| told["scales"][0].is_u64());
             // A window manager takes a moment to show it.
-            let found = || {
+            let begun = Instant::now();
+            while win.id.is_empty() {
+                assert!(begun.elapsed() < PATIENCE, "the window manager shows no window");
+                std::thread::sleep(Duration::from_millis(50));
                 let words = ["search", "--onlyvisible", "--name", "^splitsum view$"];
                 let output = Command::new("xdotool").args(words).env("DISPLAY", &self.display).output().unwrap();
-                String::from_utf8(output.stdout).unwrap().trim().to_owned()
-            };
-            let wait = |_: &u32| std::thread::sleep(Duration::from_millis(100));
-            win.id = (0..100).inspect(wait).map(|_| found()).find(|id| !id.is_empty()).expect("the window shows");
+                win.id = String::from_utf8(output.stdout).unwrap().trim().to_owned();
+            }
         }
         win
     }
@@ -114,6 +128,8 @@ pub struct Win<'a> {
     child: Mutex<Child>,
     dir: TempDir,
     id: String,
+    /// Keys and buttons down or up.
+    sent: Cell<u64>,
 }
 
 impl Win<'_> {
@@ -169,17 +185,12 @@ impl Win<'_> {
     pub fn wait_done(&self) {
         self.settle();
         self.wait("all pictures", |told| told["is_done"] == true && told["asked"] == told["shown"]);
-        self.settle();
     }
 
-    /// The events so far have arrived.
+    /// Until the window shows what all that was sent makes of it.
     fn settle(&self) {
-        std::thread::sleep(Duration::from_millis(250));
-    }
-
-    /// Whether something becomes so within a few seconds.
-    pub fn soon(&self, is_so: impl Fn(&Self) -> bool) -> bool {
-        (0..6).any(|_| is_so(self))
+        let sent = self.sent.get();
+        self.wait(&format!("{sent} inputs"), |told| told["inputs"] == sent && told["is_still"] == true);
     }
 
     pub fn state(&self) -> Value {
@@ -193,6 +204,7 @@ impl Win<'_> {
     }
 
     pub fn has(&self, name: &str) -> bool {
+        self.settle();
         self.told()["controls"].get(name).is_some()
     }
 
@@ -211,27 +223,37 @@ impl Win<'_> {
         self.xdotool(&words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>());
     }
 
-    pub fn key(&self, key: &str) {
-        self.act(&["windowfocus", "--sync", &self.id, "key", key]);
+    /// What makes `count` inputs.
+    fn send(&self, words: &[&str], count: u64) {
+        self.act(words);
+        self.sent.set(self.sent.get() + count);
         self.settle();
     }
 
+    pub fn key(&self, key: &str) {
+        self.send(&["windowfocus", "--sync", &self.id, "key", key], 2 * key.split('+').count() as u64);
+    }
+
     pub fn hold(&self, key: &str, is_down: bool) {
-        self.act(&[if is_down { "keydown" } else { "keyup" }, key]);
+        self.send(&[if is_down { "keydown" } else { "keyup" }, key], 1);
+    }
+
+    /// Moves the pointer to a place in the window.
+    fn point(&self, place: [f64; 2]) {
+        let [x, y] = place.map(f64::round);
+        self.act(&["mousemove", "--window", &self.id, &x.to_string(), &y.to_string()]);
+        self.wait("the pointer", |told| told["pointer"] == serde_json::json!([x, y]));
         self.settle();
     }
 
     fn go(&self, name: &str, [u, v]: [f64; 2]) {
         let [left, top, width, height] = self.place(name);
-        let [x, y] = [left + u * width, top + v * height].map(|place| place.round().to_string());
-        self.act(&["mousemove", "--window", &self.id, &x, &y]);
+        self.point([left + u * width, top + v * height]);
     }
 
     pub fn click(&self, name: &str, at: [f64; 2]) {
         self.go(name, at);
-        std::thread::sleep(Duration::from_millis(60));
-        self.act(&["click", "1"]);
-        self.settle();
+        self.send(&["click", "1"], 2);
     }
 
     /// Opens a list and takes an entry.
@@ -244,45 +266,38 @@ impl Win<'_> {
     pub fn drag(&self, name: &str, from: [f64; 2], to: [f64; 2], held: Option<&str>) {
         let place = self.place(name);
         self.go(name, from);
-        std::thread::sleep(Duration::from_millis(150));
-        if let Some(key) = held {
-            self.act(&["keydown", key]);
-        }
-        self.act(&["mousedown", "1"]);
-        std::thread::sleep(Duration::from_millis(100));
-        for step in 1..=6 {
+        held.into_iter().for_each(|key| self.hold(key, true));
+        self.send(&["mousedown", "1"], 1);
+        for step in 1..=3 {
             let at = |axis: usize| {
-                let share = from[axis] + (to[axis] - from[axis]) * f64::from(step) / 6.0;
-                (place[axis] + share * place[axis + 2]).round().to_string()
+                place[axis] + (from[axis] + (to[axis] - from[axis]) * f64::from(step) / 3.0) * place[axis + 2]
             };
-            self.act(&["mousemove", "--window", &self.id, &at(0), &at(1)]);
-            std::thread::sleep(Duration::from_millis(40));
+            self.point([at(0), at(1)]);
         }
-        self.act(&["mouseup", "1"]);
-        if let Some(key) = held {
-            self.act(&["keyup", key]);
-        }
-        self.settle();
+        self.send(&["mouseup", "1"], 1);
+        held.into_iter().for_each(|key| self.hold(key, false));
     }
 
     pub fn wheel(&self, name: &str, clicks: u32) {
         self.go(name, [0.5, 0.5]);
+        let before = self.told()["state"].clone();
         self.act(&["click", "--repeat", &clicks.to_string(), "4"]);
-        self.settle();
+        // How many events a turn makes is the display's matter.
+        self.wait("the wheel", |told| told["state"] != before);
         self.settle();
     }
 
     pub fn resize(&self, width: u32, height: u32) {
+        let before = self.place("image");
         self.act(&["windowmove", &self.id, "0", "30", "windowsize", &self.id, &width.to_string(), &height.to_string()]);
+        self.wait("the new size", |told| told["controls"]["image"] != serde_json::json!(before));
         self.settle();
     }
 
     /// The picture as it is on the display.
     pub fn picture(&self) -> Rgb8Image {
         // Where a window is the pointer tells: window managers put frames around it.
-        self.act(&["mousemove", "--window", &self.id, "0", "0"]);
-        self.settle();
-        self.settle();
+        self.point([0.0; 2]);
         let all = self.screen.pixels();
         let text = self.xdotool(&["getmouselocation", "--shell"].map(String::from));
         let number = |key: &str| {
