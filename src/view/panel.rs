@@ -266,7 +266,10 @@ impl Panel {
         let size = vec2(width, height) * zoom;
         let corner = ((area.center() - 0.5 * size).to_vec2() * scale).round() / scale;
         let rect = Rect::from_min_size(corner.to_pos2(), size);
-        ui.painter().image(painted.texture.id(), rect, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
+        // The painter takes the pixel that is half a one to the left of and above the nearest.
+        let half = vec2(0.5 / (width * scale), 0.5 / (height * scale));
+        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)).translate(half);
+        ui.painter().image(painted.texture.id(), rect, whole, Color32::WHITE);
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         self.controls.place("image", &response);
         self.look(ui, state, &response, rect);

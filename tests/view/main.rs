@@ -81,7 +81,9 @@ fn the_window_shows_and_saves_what_render_makes() {
     let clear = |x: u32, y: u32| (30..110).contains(&y) && x.abs_diff(64) > 2;
     let all = (0..128).flat_map(|y| (0..128).map(move |x| (x, y)));
     for (x, y) in all.filter(|&(x, y)| clear(x, y)) {
-        assert_eq!(seen.get(zoom * x + zoom / 2, zoom * y + zoom / 2), picture.get(x, y), "pixel ({x}, {y})");
+        for (dx, dy) in (0..zoom).flat_map(|dy| (0..zoom).map(move |dx| (dx, dy))) {
+            assert_eq!(seen.get(zoom * x + dx, zoom * y + dy), picture.get(x, y), "({dx}, {dy}) of pixel ({x}, {y})");
+        }
     }
     // The halves are those of `render`: the left one's display image too.
     let folder = win.dir().join("view-1");
