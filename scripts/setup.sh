@@ -183,6 +183,7 @@ require_device() {
     if ! has_manifest icd.d 'lvp_icd*.json'; then
         say "no Vulkan device answers; the software driver lavapipe will do"
         install_packages mesa-vulkan-drivers
+        # shellcheck disable=SC2086
         if cargo run --release --locked --quiet ${features:-} -- devices; then
             return 0
         fi
