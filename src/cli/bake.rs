@@ -26,7 +26,7 @@ use std::sync::Arc;
     allow_negative_numbers = true,
     after_help = "bake.json names the mapping, the axes and the units of every file.\n\n\
     Examples:\n  splitsum bake builtin:sky --out baked\n  \
-    splitsum bake studio.hdr --out baked --set prefilter_size=512x256 --set prefilter_level_count=6 --set brdf=ggx\n  \
+    splitsum bake studio.hdr --out baked --set prefilter_size=256x256 --set prefilter_level_count=6 --set brdf=ggx\n  \
     splitsum bake studio.hdr --for bevy --out assets/studio"
 )]
 pub struct Arguments {

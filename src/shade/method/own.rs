@@ -53,7 +53,7 @@ pub fn load(name: &str, dir: &Path) -> Result<&'static Method, String> {
     for (permutation, choice) in sources.permutations(ENTRY, &choice)? {
         let code = sources.expand(ENTRY, &choice, Language::Vulkan).and_then(|text| compile(ENTRY, &text));
         let shader = shader_name(&permutation, &stem);
-        add_shader(shader.clone(), &code.map_err(|log| first_error(&log))?);
+        add_shader(shader.clone(), &code.map_err(|log| first_error(&log, &path))?);
         reads.append(&mut names_read(&shader, FUNCTION).map_err(|e| fault(e.to_string()))?);
     }
     Ok(keep(of_names_read(absent(name.to_owned()), &reads, stem)))
@@ -95,8 +95,11 @@ fn keep(method: Method) -> &'static Method {
     method
 }
 
-/// The first fault of a compiler's log, as `PATH:LINE: what`.
-fn first_error(log: &str) -> String {
-    let first = log.lines().find_map(|line| line.trim().strip_prefix("ERROR: "));
-    first.unwrap_or_else(|| log.trim()).to_owned()
+/// The first fault of a compiler's log, as `PATH:LINE: what`. One in the pass around the method has its cause in what the file defines.
+fn first_error(log: &str, path: &Path) -> String {
+    let first = log.lines().find_map(|line| line.trim().strip_prefix("ERROR: ")).unwrap_or_else(|| log.trim());
+    match first.starts_with("shaders/") {
+        true => format!("{}: expected `vec3 {FUNCTION}(Surface s)` and no main ({first})", path.display()),
+        false => first.to_owned(),
+    }
 }
