@@ -261,20 +261,34 @@ fn sentence(
     };
     let mut text = match longest(enough, rows) {
         Some((range, one)) if range.len() < rows.len() => {
-            let outside = rows.iter().enumerate().filter(|(place, _)| !range.contains(place));
-            let others = combinations(outside.flat_map(|(_, (_, own))| own.iter().copied()));
-            let other = chosen(enough, &others)?;
-            let (worst, tables) = (other.worst(), words(parameters, &other.tables));
-            let which = if worst.share() <= enough { "Elsewhere" } else { "Elsewhere none is enough: the best," };
-            format!(
-                "{} ship **{}**: at most {} of the split's `{metric}`. {which} {tables}, {} {} ({}).",
+            let ship = format!(
+                "{} ship **{}**: at most {} of the split's `{metric}`.",
                 range_words(rows, &range),
                 words(parameters, &one.tables),
                 told_share(enough, one.worst().share()),
-                if worst.share() <= enough { "do, at" } else { "reach" },
-                share(worst),
-                place(worst, &[ENVIRONMENT, ALPHA])
-            )
+            );
+            // Elsewhere each alpha has its own best tables, as in the digest.
+            let outside = by_alpha.iter().enumerate().filter(|(place, _)| !range.contains(place));
+            let best = outside.filter_map(|(_, (alpha, all))| Some((alpha, chosen(enough, all)?.worst())));
+            let (do_too, fail): (Vec<_>, Vec<_>) = best.partition(|(_, worst)| worst.share() <= enough);
+            let at = |alphas: &[(&Value, &Tried)]| {
+                let alphas: Vec<String> = alphas.iter().map(|(alpha, _)| short(ALPHA, alpha)).collect();
+                format!("alpha {}", alphas.join(", "))
+            };
+            let fail_worst = fail.iter().map(|(_, worst)| *worst).max_by(|a, b| a.share().total_cmp(&b.share()));
+            let none = fail_worst.map(|worst| {
+                format!(
+                    " At {} none is enough: under {} the best, {}, reach {}, a `{metric}` of {}.",
+                    at(&fail),
+                    place(worst, &[ENVIRONMENT, ALPHA]),
+                    words(parameters, &worst.tables),
+                    share(worst),
+                    with_rms(frame, worst.error),
+                )
+            });
+            let others =
+                (!do_too.is_empty()).then(|| format!(" At {} other tables do: the rows say which.", at(&do_too)));
+            [Some(ship), none, others].into_iter().flatten().collect()
         }
         Some((_, one)) => format!(
             "Ship **{}**: their `{metric}` is at most {} of the split's own ({}).",
