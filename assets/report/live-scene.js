@@ -21,8 +21,8 @@ export function cameraOf({ camera, low, high }, { yaw, pitch, distance }, width,
 }
 
 /**
- * Packed levels as one trilinear texture by a map layout. The faces of a cube stand below each other; u of a lat-long map
- * repeats.
+ * Packed levels as one trilinear texture by a map layout. The faces of a cube stand below each other; u of a lat-long
+ * map repeats.
  */
 export async function loadChain(gl, levels, layout = "") {
   const images = await Promise.all(levels.map(({ size, base64 }) => decode(base64, size[0], size[1])));
@@ -86,7 +86,7 @@ export function makePoints(gl, count) {
   return makeTexture(gl, 0, gl.RGBA32F, count, 1, gl.RGBA, gl.FLOAT, table);
 }
 
-/** Mean squared relative error over the surface under light of a mean luminance: relMSE. Texels are RGB and 1 on the surface. */
+/** relMSE over the surface, under light of a mean luminance. Texels are RGB and 1 on the surface. */
 export function relativeError(test, truth, mean) {
   let sum = 0;
   let count = 0;
