@@ -1,4 +1,6 @@
 //! The window: events in, painted pixels out, files saved.
+//!
+//! Long because the events of a window and what it does about each of them are read together.
 
 use super::panel::{Panel, composed};
 use super::state::{Side, State};
