@@ -1,7 +1,8 @@
 //! `cargo bench`: what the passes cost in CPU-seconds of this process, so that a software driver's figures can be compared between
 //! machines with other loads. On a GPU these are the host's costs only; `splitsum run experiments/timing.toml` times the device.
 //!
-//! `cargo bench -- NAME...` runs only the named sections: `sampled`, `tables`, `reference`, `convergence`.
+//! `cargo bench -- NAME...` runs only the named sections: `sampled`, `tables`, `reference`, `convergence`. `cargo bench -- --record` runs all
+//! and adds a row with the first figure of each to benches/record.md.
 
 use splitsum::brdf::{Brdf, MODELS};
 use splitsum::environment::layout::layout_by_name;
@@ -9,10 +10,13 @@ use splitsum::environment::{Environment, LoadOptions};
 use splitsum::metrics::{Comparison, HEADLINE, metric};
 use splitsum::pipeline::{Frame, Options, Pipeline, RenderRequest};
 use splitsum::precompute::PrefilterBy;
+use splitsum::runner::provenance::now_utc;
 use splitsum::scene::{CameraKind, MaterialOverride, Scene};
 use splitsum::shade::method_by_name;
 use splitsum::tonemap::ToneCurve;
+use std::io::Write as _;
 use std::path::Path;
+use std::process::Command;
 use std::sync::Arc;
 
 /// Clock ticks a second of /proc/self/stat on Linux.
@@ -75,6 +79,11 @@ fn shading_seconds(pipeline: &mut Pipeline, request: &RenderRequest) -> f64 {
     seconds(request) - seconds(&nothing)
 }
 
+/// The first of some figures, all of which are taken.
+fn first(figures: impl Iterator<Item = f64>) -> f64 {
+    figures.reduce(|first, _| first).expect("a figure")
+}
+
 /// The metric `relmse` under the light of a request.
 fn relmse(test: &Frame, truth: &Frame, request: &RenderRequest) -> f64 {
     let curve = ToneCurve::default();
@@ -82,18 +91,22 @@ fn relmse(test: &Frame, truth: &Frame, request: &RenderRequest) -> f64 {
     comparison.expect("images of one size").evaluate(&[metric(HEADLINE).expect("a listed metric")])[0].1
 }
 
-fn sampled(pipeline: &mut Pipeline) {
-    for &brdf in MODELS {
+/// Million samples a CPU-second, GGX.
+fn sampled(pipeline: &mut Pipeline) -> f64 {
+    first(MODELS.iter().map(|&brdf| {
         let request = request(brdf, "sampled", 0.2, 512, "builtin:studio", [1024, 512]);
         let mask = pipeline.render(&request).expect("a frame").mask;
         let pixels: f64 = mask.data.iter().map(|&hit| f64::from(hit)).sum();
         let speed = pixels * 40.0 / shading_seconds(pipeline, &request) / 1e6;
         println!("sampled, {}, N = 40, 512x512: {speed:.1} million samples a CPU-second", brdf.name());
-    }
+        speed
+    }))
 }
 
-fn tables(pipeline: &mut Pipeline) {
-    for (&brdf, (by, prefilter)) in MODELS.iter().flat_map(|brdf| PrefilterBy::ALL.iter().map(move |by| (brdf, by))) {
+/// CPU-seconds of the tables of GGX by the first way to prefilter.
+fn tables(pipeline: &mut Pipeline) -> f64 {
+    let ways = MODELS.iter().flat_map(|brdf| PrefilterBy::ALL.iter().map(move |by| (brdf, by)));
+    first(ways.map(|(&brdf, (by, prefilter))| {
         let mut request = request(brdf, "split-sum", 0.2, 16, "builtin:studio", [1024, 512]);
         request.precompute.layout = layout_by_name("equirect").expect("a listed layout");
         request.precompute.prefilter_size = [1024, 512];
@@ -114,23 +127,28 @@ fn tables(pipeline: &mut Pipeline) {
             ms("prefilter"),
             ms("dfg")
         );
-    }
+        seconds / 2.0
+    }))
 }
 
-fn reference(pipeline: &mut Pipeline) {
-    for &brdf in MODELS {
+/// CPU-seconds of GGX.
+fn reference(pipeline: &mut Pipeline) -> f64 {
+    first(MODELS.iter().map(|&brdf| {
         let request = request(brdf, "reference", 0.2, 128, "builtin:studio", [512, 256]);
         let seconds = shading_seconds(pipeline, &request);
         println!("reference, {}, 128x128 x 4096 samples: {seconds:.2} CPU-seconds", brdf.name());
-    }
+        seconds
+    }))
 }
 
 /// CPU-seconds to a relative mean square error: both are measured for counts that double, against many more samples with other points,
-/// and interpolated. The last column stops by itself, by its own estimate of the error, and pays for finding its count.
-fn convergence(pipeline: &mut Pipeline) {
+/// and interpolated. The last column stops by itself, by its own estimate of the error, and pays for finding its count: its geometric mean is
+/// returned.
+fn convergence(pipeline: &mut Pipeline) -> f64 {
     const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
     const COUNT_MAX: u32 = 8192;
     println!("reference, GGX, 128x128, CPU-seconds to relMSE {TARGETS:?} (samples a pixel); stopped by itself at 1e-3");
+    let (mut logs, mut cases) = (0.0, 0);
     for environment in ["builtin:studio", "builtin:sky", "builtin:checker"] {
         for alpha in [0.05, 0.2, 0.5] {
             let base = request(MODELS[0], "reference", alpha, 128, environment, [512, 256]);
@@ -161,15 +179,29 @@ fn convergence(pipeline: &mut Pipeline) {
             let found = relmse(&frame, &truth, &base);
             let seconds = shading_seconds(pipeline, &stopping);
             println!("{environment:16} alpha {alpha:<5} {:45} {seconds:.3} at {found:.1e}", cells.join("  "));
+            logs += seconds.ln();
+            cases += 1;
         }
     }
-    println!(
-        "for comparison, Mitsuba 3 to 1e-3 in a studio at alpha 0.2: 0.35 with its best sampler, 3.9 with its default one"
-    );
+    (logs / f64::from(cases)).exp()
 }
 
-/// What one section of the bench runs.
-type Section = fn(&mut Pipeline);
+/// What one section of the bench runs. Returns the figure that is kept.
+type Section = fn(&mut Pipeline) -> f64;
+
+/// Adds a row to benches/record.md: when, of which commit, on what, and the figure of each section.
+fn record(device: &str, figures: &[f64]) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let git =
+        Command::new("git").arg("-C").arg(folder).args(["describe", "--always", "--dirty", "--abbrev=12"]).output();
+    let commit = git.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned()).unwrap_or_default();
+    let cells: Vec<String> = figures.iter().map(|figure| format!("{figure:.3}")).collect();
+    let row = format!("| {} | {commit} | {device} | {} |\n", &now_utc()[..10], cells.join(" | "));
+    let mut file =
+        std::fs::OpenOptions::new().append(true).open(folder.join("benches/record.md")).expect("benches/record.md");
+    file.write_all(row.as_bytes()).expect("a place to write");
+    print!("{row}");
+}
 
 fn main() {
     let mut pipeline = match Pipeline::new(Options::default()) {
@@ -181,10 +213,12 @@ fn main() {
     let sections: [(&str, Section); 4] =
         [("sampled", sampled), ("tables", tables), ("reference", reference), ("convergence", convergence)];
     // Cargo itself adds `--bench`.
-    let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
-    for (name, section) in sections {
-        if wanted.is_empty() || wanted.iter().any(|wanted| wanted == name) {
-            section(&mut pipeline);
-        }
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let is_kept = arguments.iter().any(|argument| argument == "--record");
+    let wanted = |name: &str| is_kept || arguments.is_empty() || arguments.iter().any(|wanted| wanted == name);
+    let run = sections.iter().filter(|(name, _)| wanted(name));
+    let figures: Vec<f64> = run.map(|(_, section)| section(&mut pipeline)).collect();
+    if is_kept {
+        record(&device.name, &figures);
     }
 }
