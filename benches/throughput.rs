@@ -1,8 +1,8 @@
 //! `cargo bench`: what the passes cost in CPU-seconds of this process, so that a software driver's figures can be compared between
 //! machines with other loads. On a GPU these are the host's costs only; `splitsum run experiments/timing.toml` times the device.
 //!
-//! `cargo bench -- NAME...` runs only the named sections: `sampled`, `tables`, `reference`, `convergence`. `cargo bench -- --record` runs all
-//! and adds a row with the first figure of each to benches/record.md.
+//! `cargo bench --bench throughput -- NAME...` runs only the named sections: `sampled`, `tables`, `reference`, `convergence`; `--record`
+//! runs all, and adds a row with the figure of each to benches/record.md.
 
 use splitsum::brdf::{Brdf, MODELS};
 use splitsum::environment::layout::layout_by_name;
@@ -170,9 +170,11 @@ fn convergence(pipeline: &mut Pipeline) -> f64 {
                     let slope = (errors[next] / errors[next - 1]).log2();
                     f64::from(counts[next - 1]) * ((target / errors[next - 1]).log2() / slope).exp2()
                 };
-                let seconds = shading_seconds(pipeline, &at(count.round() as u32, 1));
+                // The reference draws whole scrambles.
+                let drawn = (count / 8.0).round().max(1.0) as u32 * 8;
+                let seconds = shading_seconds(pipeline, &at(drawn, 1));
                 let least = if next == 0 { "< " } else { "" };
-                cells.push(format!("{least}{seconds:.3} ({count:.0})"));
+                cells.push(format!("{least}{seconds:.3} ({drawn})"));
             }
             let stopping = RenderRequest { reference_error: Some(TARGETS[1].sqrt()), ..at(1 << 16, 1) };
             let frame = pipeline.render(&stopping).expect("a frame");
