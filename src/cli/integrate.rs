@@ -24,7 +24,8 @@ Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _
               lambert         of albedo 1, without: irradiance over pi
               seed0_literal   with --seed0-literal: what source document 0's printed formula converges to
   ladder      as shading, and [levels] -> reference, ladder_fresnel, ladder_masking, ladder_view, ladder_levels (the rungs
-              between the integral and the split sum)
+              between the integral and the split sum), and those of albedo 1 from the diffuse integral to nine coefficients:
+              diffuse_fresnel_inside, diffuse_reference, diffuse_ladder_truncation, diffuse_ladder_clamp
   dfg         brdf,alpha,n_dot_v [masking,id] -> f0_scale,f90_scale,albedo,error (the albedo is the sum: a white furnace)
   prefilter   environment,brdf,alpha,rx,ry,rz [weight,masking,id] -> prefiltered (the split sum's first factor)
   irradiance  environment,nx,ny,nz [id] -> irradiance (not divided by pi)

@@ -124,7 +124,7 @@ pub fn ladder_of(method: &Method, diffuse: &Diffuse) -> Option<&'static Ladder> 
 pub fn of_diffuse(diffuse: &Diffuse) -> Option<&'static Ladder> {
     match () {
         () if !diffuse.has_ladder => None,
-        () if diffuse.uses_sh9 => Some(&SH9),
+        () if diffuse.sh9.is_some() => Some(&SH9),
         () => Some(&IRRADIANCE_MAP),
     }
 }

@@ -2,7 +2,8 @@
 
 use super::{Kind, Queries, Query, SEED0_LITERAL, rungs};
 use crate::math::equirect_quadrature::EquirectQuadrature;
-use crate::math::quadrature::{Bounded, Tolerance};
+use crate::math::quadrature::{Bounded, Estimate, Tolerance};
+use crate::math::spherical_harmonics::COUNT;
 use crate::pixels::{PixelsError, write_atomically};
 use crate::precompute::dfg::reference::dfg;
 use crate::precompute::irradiance::reference::irradiance;
@@ -10,6 +11,7 @@ use crate::precompute::prefilter::reference::prefilter;
 use crate::precompute::sh9::reference::project_bilinear_bounded;
 use crate::precompute::{PrecomputeSettings, exact_quadrature};
 use crate::shade::Method;
+use crate::shade::diffuse::ladder_clamp::truncated;
 use crate::shade::method::seed0_literal;
 use crate::shade::reference::integrate;
 use crate::shade::twin::Twin;
@@ -66,10 +68,14 @@ impl Queries {
                 continue;
             }
             let quadrature = environment.map(|environment| exact_quadrature(&environment.image));
+            // The same for every normal.
+            let needs_sh9 = matches!(self.kind, Kind::Ladder | Kind::Sh9);
+            let sh9 = quadrature.as_ref().filter(|_| needs_sh9).map(project_bilinear_bounded);
             let answered: Vec<Numbers> = members
                 .par_iter()
                 .map(|&row| {
-                    let numbers = answer(&self.queries[row], quadrature.as_ref(), tolerance, with_literal);
+                    let numbers =
+                        answer(&self.queries[row], quadrature.as_ref(), sh9.as_ref(), tolerance, with_literal);
                     done();
                     numbers
                 })
@@ -92,6 +98,7 @@ impl Queries {
 fn answer(
     query: &Query,
     environment: Option<&EquirectQuadrature>,
+    sh9: Option<&Estimate<COUNT>>,
     tolerance: Tolerance,
     with_literal: bool,
 ) -> Numbers {
@@ -111,8 +118,21 @@ fn answer(
                 Twin::Mean(mean) => mean(environment(), surface, &settings, tolerance),
                 Twin::Estimator(_) => unreachable!("{} is an integral", method.name),
             };
-            let values: Vec<Bounded> = rungs().map(rung).collect();
-            (values.clone(), values)
+            let drawn: Vec<Bounded> = rungs().map(rung).collect();
+            let answer = integrate(environment(), surface, tolerance);
+            let pair = dfg(surface.model, surface.masking, surface.n.dot(surface.v), surface.alpha);
+            let weighted = |bounded: Bounded| {
+                let weight = 1.0 - (surface.f0 * pair.f0_scale + pair.f90_scale);
+                Bounded {
+                    value: weight * bounded.value,
+                    error: weight * bounded.error + pair.error * bounded.value.abs(),
+                }
+            };
+            let whole = truncated(sh9.expect("coefficients of the environment"), surface.n);
+            let clamped = Bounded { value: whole.value.max(DVec3::ZERO), ..whole };
+            let outside = [answer.diffuse, whole, clamped].map(weighted);
+            let judged = drawn.iter().copied().chain([answer.diffuse]).collect();
+            (drawn.into_iter().chain([answer.diffuse_transmitted]).chain(outside).collect(), judged)
         }
         Query::Dfg { model, masking, alpha, n_dot_v } => {
             let pair = dfg(*model, *masking, *n_dot_v, *alpha);
@@ -130,8 +150,8 @@ fn answer(
             (vec![value], vec![value])
         }
         Query::Sh9 { .. } => {
-            let sh9 = project_bilinear_bounded(environment());
-            (sh9.value.into_iter().zip(sh9.error).map(|(value, error)| Bounded { value, error }).collect(), Vec::new())
+            let Estimate { value, error } = sh9.expect("coefficients of the environment");
+            (value.iter().zip(error).map(|(&value, &error)| Bounded { value, error }).collect(), Vec::new())
         }
     };
     let channels = |color: DVec3| color.to_array();

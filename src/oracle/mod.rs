@@ -112,7 +112,10 @@ impl Kind {
     /// The results that are colours.
     pub fn colors(self) -> Vec<String> {
         match self {
-            Self::Ladder => rungs().map(|method| method.name.replace('-', "_")).collect(),
+            Self::Ladder => {
+                let specular = rungs().map(|method| method.name.replace('-', "_"));
+                specular.chain(DIFFUSE_RUNGS.iter().map(|name| name.to_string())).collect()
+            }
             _ => self.columns().colors.iter().map(|name| name.to_string()).collect(),
         }
     }
@@ -127,6 +130,10 @@ impl Kind {
 fn rungs() -> impl Iterator<Item = &'static Method> {
     METHODS.iter().filter(|method| method.is_integrated())
 }
+
+/// The rungs of the diffuse ladder that are integrals, for albedo 1: Fresnel inside, outside, up to degree 2, at least 0.
+const DIFFUSE_RUNGS: [&str; 4] =
+    ["diffuse_fresnel_inside", "diffuse_reference", "diffuse_ladder_truncation", "diffuse_ladder_clamp"];
 
 /// One checked row. An environment is an index into those of its table.
 #[derive(Clone, Debug)]

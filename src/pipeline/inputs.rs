@@ -11,6 +11,7 @@ use crate::environment::layout::MapLayout;
 use crate::precompute::PrefilterBy;
 use crate::precompute::prefilter::pass::Recipe;
 use crate::precompute::prefilter::{self, Kernel};
+use crate::precompute::sh9::Projection;
 use crate::precompute::{dfg, filtered, irradiance, mips, sh9};
 use std::collections::BTreeSet;
 
@@ -56,8 +57,8 @@ pub(super) fn filtered_key(environment: &Environment, layout: &MapLayout) -> Sha
 }
 
 /// Nine coefficients of the environment's finest level.
-pub(super) fn sh9_key(environment: &Environment) -> SharedKey {
-    let inputs = format!("environment={}\n", environment.hash);
+pub(super) fn sh9_key(environment: &Environment, by: Projection) -> SharedKey {
+    let inputs = format!("environment={}\nby={by:?}\n", environment.hash);
     SharedKey { kind: "sh9", inputs, shaders: sh9::pass::SHADERS.map(str::to_owned).to_vec() }
 }
 

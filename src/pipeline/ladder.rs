@@ -108,7 +108,7 @@ impl Pipeline {
         let stored = self.prepare(request)?.tables;
         precompute.storage = StorageFormat::F32;
         let tables = self.prepare(&RenderRequest { precompute, ..request.clone() })?.tables;
-        let irradiance = if request.diffuse.uses_sh9 {
+        let irradiance = if request.diffuse.sh9.is_some() {
             let summed: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
             let summed = std::array::from_fn(|k| vector([summed[k][0], summed[k][1], summed[k][2]]));
             Irradiance::Sh9(Box::new([project_bilinear(&exact_quadrature(&environment.image)), summed]))

@@ -21,8 +21,9 @@ use crate::pixels::GrayImage;
 use crate::precompute::mips::level_count;
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::harmonic;
+use crate::precompute::sh9::{Projection, reference::project_bilinear};
 use crate::precompute::{
-    HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, lobe_shape, mips, prefilter, sh9,
+    HALF_MAX, PrefilterBy, StorageFormat, dfg, exact_quadrature, filtered, irradiance, lobe_shape, mips, prefilter, sh9,
 };
 use crate::scene::Camera;
 use crate::shade::pass::{Tables, light_data};
@@ -153,9 +154,9 @@ impl Resources {
         let storage = request.precompute.storage;
         let needs_dfg = request.needs_dfg();
 
-        let sh9 = match request.diffuse.uses_sh9 {
-            true => self.coefficients(maker, &request.environment, &environment)?,
-            false => self.blank_buffer.clone(),
+        let sh9 = match request.diffuse.sh9 {
+            Some(by) => self.coefficients(maker, &request.environment, &environment, by)?,
+            None => self.blank_buffer.clone(),
         };
         let layout = request.precompute.layout;
         let filtered = match request.reads_filtered_levels() {
@@ -257,10 +258,17 @@ impl Resources {
         maker: &mut Maker,
         environment: &Environment,
         image: &Image,
+        by: Projection,
     ) -> Result<Buffer, PipelineError> {
         let gpu = maker.gpu;
-        let fill = |coefficients: &Buffer| sh9::pass::run(gpu, image, coefficients);
-        maker.table(&mut self.coefficients, &sh9_key(environment), || sh9::pass::coefficients(gpu), fill)
+        let fill = |coefficients: &Buffer| match by {
+            Projection::Texels => sh9::pass::run(gpu, image, coefficients),
+            Projection::Exact => {
+                let exact = project_bilinear(&exact_quadrature(&environment.image));
+                sh9::pass::upload(gpu, &exact, coefficients)
+            }
+        };
+        maker.table(&mut self.coefficients, &sh9_key(environment, by), || sh9::pass::coefficients(gpu), fill)
     }
 
     fn irradiance_map(

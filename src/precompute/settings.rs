@@ -139,7 +139,7 @@ pub enum SettingsError {
     NarrowLevel { levels: u32, mapping: &'static str },
     #[error("{field} is {}x{}; the faces of layout {layout} are square: {}x{}", size[0], size[1], size[1], size[1])]
     NotSquare { field: &'static str, layout: &'static str, size: [u32; 2] },
-    #[error("prefilter_size is {}x{}; expected at least {} texels on the short side, for two levels", size[0], size[1], 2 * least)]
+    #[error("prefilter_size is {}x{}; expected at least {} texels on the short side: two levels, the last of {least}", size[0], size[1], 2 * least)]
     SmallMap { size: [u32; 2], least: u32 },
 }
 

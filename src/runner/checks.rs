@@ -1,6 +1,6 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
 
-use super::axis::{ALPHA, AXES, PREFILTER_BY, PREFILTER_SIZE, Point, SAMPLES, SIZE, index_of};
+use super::axis::{ALPHA, AXES, METHOD, PREFILTER_BY, PREFILTER_SIZE, Point, SAMPLES, SIZE, index_of};
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
@@ -67,7 +67,8 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
 fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults: &mut Faults) {
     let is_method = point.method().is_integrated();
     if is_method && let Err(error) = pair_count(point[SAMPLES].count()) {
-        faults.add(&config.place_of(SAMPLES, point), format!("samples of method {}: {error}", point.method().name));
+        let axis = if point[SAMPLES] == (AXES[SAMPLES].default)() { METHOD } else { SAMPLES };
+        faults.add(&config.place_of(axis, point), format!("samples of method {}: {error}", point.method().name));
     }
     let is_judged_by = judge.method().is_integrated() || judge.diffuse().is_integrated();
     if (is_judged_by || point.diffuse().is_integrated() && !is_method)

@@ -54,8 +54,10 @@ pub struct Light {
     pub lobe_shapes: Pixels<DVec4>,
     /// Irradiance over π.
     pub irradiance_map: FilteredMap,
-    /// Coefficients of radiance.
+    /// Coefficients of radiance as the device sums them.
     pub sh9: [DVec3; COUNT],
+    /// Their integrals.
+    pub exact_sh9: [DVec3; COUNT],
 }
 
 /// The points of a sampled method, and what moves the level of its lookups.

@@ -112,6 +112,45 @@ fn the_last_diffuse_rung_has_the_error_of_the_frame() {
 }
 
 #[test]
+fn diffuse_rungs_have_the_error_of_the_methods_frames() {
+    with_pipeline(|pipeline| {
+        let material = MaterialOverride {
+            alpha: Some(0.4),
+            f0: Some([0.04, 0.3, 0.9]),
+            albedo: Some([0.8, 0.5, 0.2]),
+            ..Default::default()
+        };
+        let mut base = request(&golden_environment(), scene("design", material), CameraKind::Perspective, [24, 24]);
+        (base.method, base.reference_samples) = (method_by_name("split-sum").unwrap(), DRAWN);
+        base.placement = Placement { orientation: 3, rotation_deg: 20.0 };
+        base.precompute.storage = StorageFormat::F32;
+        let mut frame = |diffuse: &str| {
+            let diffuse = diffuse_by_name(diffuse).unwrap();
+            pipeline.render(&RenderRequest { diffuse, ..base.clone() }).unwrap()
+        };
+        // The weight 1 - (f0 A + B) needs the specular term, which leaves again.
+        let specular = frame("none");
+        let mut term = |diffuse: &str| {
+            let mut frame = frame(diffuse);
+            for (pixel, specular) in frame.radiance.data.iter_mut().zip(&specular.radiance.data) {
+                *pixel = std::array::from_fn(|c| pixel[c] - specular[c]);
+            }
+            frame
+        };
+        // The rung of truncation is negative in places: no image.
+        let rungs = [("reference", 0), ("ladder-clamp", 2), ("sh9", 4)];
+        let right = rungs.map(|(name, _)| between(term(name), term("fresnel-inside"), &base));
+        let request = RenderRequest { diffuse: diffuse_by_name("sh9").unwrap(), ..base.clone() };
+        let found = pipeline.attributions(&request, DRAWN, &[]).unwrap();
+        let mut worst = Worst::new("diffuse rungs".to_owned(), relative(1e-2));
+        for ((name, step), right) in rungs.into_iter().zip(right) {
+            worst.add(found[0].steps[step].error, right, || name.to_owned());
+        }
+        worst.check();
+    });
+}
+
+#[test]
 fn scrambles_are_those_of_the_reference() {
     with_pipeline(|pipeline| {
         let material = MaterialOverride { alpha: Some(0.2), ..MaterialOverride::default() };

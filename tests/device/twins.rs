@@ -24,6 +24,7 @@ use splitsum::precompute::lobe_shape;
 use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::pass::Recipe;
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, reference::estimate};
+use splitsum::precompute::sh9::reference::project_bilinear;
 use splitsum::precompute::{PrecomputeSettings, exact_quadrature, irradiance, prefilter};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::twin::{Light, Samples, Twin};
@@ -182,6 +183,7 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
         lobe_shapes: lobe_shapes(model, masking, settings),
         irradiance_map: read_map(gpu, layout, &map),
         sh9: coefficients(gpu, &image).1,
+        exact_sh9: project_bilinear(&exact_quadrature(&request.environment.image)),
     }
 }
 

@@ -8,3 +8,12 @@
 
 pub mod pass;
 pub mod reference;
+
+/// By what the coefficients are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Projection {
+    /// The device's sum over texels.
+    Texels,
+    /// The integral of the bilinear map, in f64.
+    Exact,
+}

@@ -163,7 +163,7 @@ pub fn all_tables(plan: &Plan, point: &Point) -> Vec<(String, String, f64)> {
         (DFG, settings.method.needs_dfg(settings.compensation, settings.diffuse, !plan.config.lights.is_empty())),
         (IRRADIANCE, settings.diffuse.uses_irradiance_map),
         (MIPS, true),
-        (SH9, settings.diffuse.uses_sh9),
+        (SH9, settings.diffuse.sh9.is_some()),
     ];
     let table = |(table, _): (&str, bool)| {
         let axes = AXES.iter().zip(&point.0).filter(|(axis, _)| axis.feeds.contains(&table));

@@ -2,6 +2,7 @@
 
 mod fresnel_inside;
 mod irradiance_map;
+pub mod ladder_clamp;
 mod none;
 mod reference;
 mod sh9;
@@ -10,6 +11,7 @@ pub mod zh3;
 
 use super::NONE;
 use super::twin::DiffuseTwin;
+use crate::precompute::sh9::Projection;
 
 /// How the diffuse irradiance is computed. The names are the shader file stems (with `-` for `_`).
 #[derive(Clone, Copy, Debug)]
@@ -21,8 +23,8 @@ pub struct Diffuse {
     pub twin: DiffuseTwin,
     /// Whether the size and sample count of the irradiance map change its result.
     pub uses_irradiance_map: bool,
-    /// Whether it reads the spherical-harmonic coefficients.
-    pub uses_sh9: bool,
+    /// By what the spherical-harmonic coefficients are made that it reads.
+    pub sh9: Option<Projection>,
     /// Whether its error has the steps of a ladder (`crate::ladder`).
     pub has_ladder: bool,
     /// The integrand, where the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
@@ -37,13 +39,14 @@ pub static DIFFUSE: &[Diffuse] = &[
     irradiance_map::DIFFUSE,
     reference::DIFFUSE,
     fresnel_inside::DIFFUSE,
+    ladder_clamp::DIFFUSE,
     none::DIFFUSE,
 ];
 
 impl Diffuse {
     /// A method that looks nothing up. Each file sets its flags beside it; no method goes without a twin.
     const fn plain(name: &'static str, about: &'static str, twin: DiffuseTwin) -> Self {
-        Self { name, about, twin, uses_irradiance_map: false, uses_sh9: false, has_ladder: false, lobe: None }
+        Self { name, about, twin, uses_irradiance_map: false, sh9: None, has_ladder: false, lobe: None }
     }
 
     /// Whether the passes of the reference estimate it: without bias, with a standard error.

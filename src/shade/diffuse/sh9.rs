@@ -2,12 +2,13 @@
 
 use super::Diffuse;
 use crate::math::spherical_harmonics::irradiance;
+use crate::precompute::sh9::Projection;
 use crate::shade::twin::Twin;
 use glam::DVec3;
 use std::f64::consts::PI;
 
 pub const DIFFUSE: Diffuse = Diffuse {
-    uses_sh9: true,
+    sh9: Some(Projection::Texels),
     has_ladder: true,
     ..Diffuse::plain(
         "sh9",

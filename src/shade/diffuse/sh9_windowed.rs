@@ -6,12 +6,13 @@
 use super::Diffuse;
 use crate::glsl::constants::SH9_WINDOW;
 use crate::math::spherical_harmonics::{COUNT, DEGREE, irradiance};
+use crate::precompute::sh9::Projection;
 use crate::shade::twin::Twin;
 use glam::DVec3;
 use std::f64::consts::PI;
 
 pub const DIFFUSE: Diffuse = Diffuse {
-    uses_sh9: true,
+    sh9: Some(Projection::Texels),
     ..Diffuse::plain(
         "sh9-windowed",
         "nine spherical-harmonic coefficients under a Hann window of width 6, against ringing",

@@ -7,12 +7,13 @@
 use super::Diffuse;
 use crate::glsl::constants::{LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED};
 use crate::math::spherical_harmonics::{COSINE_LOBE, COUNT, basis};
+use crate::precompute::sh9::Projection;
 use crate::shade::twin::Twin;
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
 
 pub const DIFFUSE: Diffuse = Diffuse {
-    uses_sh9: true,
+    sh9: Some(Projection::Texels),
     ..Diffuse::plain(
         "zh3",
         "four spherical-harmonic coefficients and a quadratic part guessed from them about the axis of luminance",

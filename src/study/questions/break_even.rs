@@ -8,7 +8,8 @@
 //! So does the angle of view: at grazing views the split sum errs most, so that few samples beat it. On the scene `design` each band of n·v has
 //! its own answer, by the mean of its bins.
 //!
-//! Models and alphas oppose each other (ggx 256 where beckmann needs 8), so each has its own answer: the median over environments of the
+//! Models and alphas oppose each other (ggx 256 where beckmann needs 8), so each has its own answer, as has each value of swept tables and
+//! parameters: the median over environments of the
 //! crossing, rounded up to a tried count, with "above the largest tried count" last. Its interval is rounded alike: it may hold the truth
 //! more often than it says, as counts move in steps.
 
@@ -237,18 +238,20 @@ fn view_sentence(frame: &Frame, [sampled, fixed]: &[String; 2], views: &[View], 
     };
     let (first, last) = (views.first()?, views.last()?);
     Some(format!(
-        "`{sampled}` beats `{fixed}` in `{}` from **{} samples a pixel** on at n·v below {} and from **{}** above {}.",
+        "`{sampled}` beats `{fixed}` in `{}` from **{} a pixel** on at n·v below {} and from **{}** above {}.",
         frame.metric_name(),
-        told(first),
+        samples(&told(first)),
         first.seen[1],
         told(last),
         last.seen[0],
     ))
 }
 
-/// The axes of which each value has its own answer.
+/// The axes of which each value has its own answer: those of the surface that part most, and whatever makes another method.
 fn conditions(frame: &Frame) -> impl Iterator<Item = usize> {
-    [ALPHA, BRDF, F0].into_iter().filter(|of| frame.shape.is_swept(*of))
+    let surface = [ALPHA, BRDF, F0].into_iter().filter(|of| frame.shape.is_swept(*of));
+    let ways = frame.swept(&[Part::Method, Part::Parameter, Part::Table]).into_iter();
+    surface.chain(ways.filter(|of| *of != METHOD))
 }
 
 /// The cases at each value of these axes, ascending.
@@ -293,6 +296,11 @@ fn counted(n: f64, tried: &[u32]) -> String {
     }
 }
 
+/// "1 sample", "16 samples".
+fn samples(count: &str) -> String {
+    format!("{count} {}", if count == "1" { "sample" } else { "samples" })
+}
+
 /// The answer; where models and alphas differ, the least and the most with their place.
 fn sentence(
     frame: &Frame,
@@ -310,7 +318,7 @@ fn sentence(
     let [low, high] = [&least, &most].map(|(_, middle)| words(&Estimate { interval: None, ..*middle }));
     if low == high {
         let interval = if groups.len() == 1 { words(&least.1).split_off(low.len()) } else { String::new() };
-        return Some(format!("`{sampled}` needs **{low} samples a pixel**{interval} {to_beat}."));
+        return Some(format!("`{sampled}` needs **{} a pixel**{interval} {to_beat}.", samples(&low)));
     }
     Some(format!(
         "`{sampled}` needs **{low} to {high} samples a pixel** {to_beat}. Fewest: {} at {}; most: {} at {}.",

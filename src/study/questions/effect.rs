@@ -32,8 +32,13 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     // A method that samples has no partner among those that do not.
     let has_two = |draws: bool| shape.methods().filter(|method| method.uses_samples == draws).count() > 1;
     let is_way = |axis: usize| WAYS.contains(&AXES[axis].part) && axis != METHOD && shape.is_swept(axis);
-    (!(0..AXES.len()).any(is_way) && !has_two(true) && !has_two(false))
-        .then_some("no axis of methods, their parameters or their tables has two values")
+    match (0..AXES.len()).any(is_way) || has_two(true) || has_two(false) {
+        true => None,
+        false if shape.methods().count() > 1 => {
+            Some("one method samples and the other does not, so that no two images share their samples: ask break-even")
+        }
+        false => Some("no axis of methods, their parameters or their tables has two values"),
+    }
 }
 
 /// An image beside the one with the base.

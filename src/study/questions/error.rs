@@ -156,13 +156,17 @@ fn figure(frame: &Frame, axes: &[usize], all: &[Case]) -> Option<Figure> {
         };
         ways.iter().enumerate().flat_map(of_way).collect()
     };
+    let is_shown = |case: &Case| ways.contains(&case.way);
+    let left_out = if all.iter().all(is_shown) { "" } else { "; least, middle and largest sample count" };
     let lead = numbers(all, &ways[0]);
     let lights = grouped(shown, |case| case.row.point[ENVIRONMENT].clone()).into_iter().map(panel).collect();
     Chart {
         title: "How wrong each method is",
         note: match lead.is_summed() {
-            true => format!("{}; first the geometric mean{INTERVAL}; other dots are images", frame.metric_name()),
-            false => format!("{}; each dot is an image", frame.metric_name()),
+            true => {
+                format!("{}; first the geometric mean{INTERVAL}; other dots are images{left_out}", frame.metric_name())
+            }
+            false => format!("{}; each dot is an image{left_out}", frame.metric_name()),
         },
         x: if is_by_alpha { Along::Log(AXES[ALPHA].name) } else { Along::Steps("", ways.clone()) },
         y: Along::Log(frame.metric_name()),

@@ -15,7 +15,7 @@ use crate::table::csv::rounded;
 
 pub const QUESTION: Question = Question {
     name: "ladder",
-    asks: "At which step does the split sum's error arise?",
+    asks: "At which step does the error arise: of the split sum, or of the diffuse term?",
     columns: &[
         column("n_dot_v_from", "Lower end of n·v."),
         column("n_dot_v_to", "Upper end of n·v."),

@@ -1,5 +1,6 @@
 //! Numbers, counts and scopes as sentences say them.
 
+use crate::environment::BUILTIN_PREFIX;
 use crate::runner::axis::{AXES, ENVIRONMENT};
 use crate::runner::images::short_value;
 use crate::runner::value::Value;
@@ -68,8 +69,12 @@ pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
-/// A value as people say it: builtins without prefix, files without folder and extension, numbers short.
+/// A value as people say it: builtins without prefix, files without folder and extension, numbers short. Tables name environments shortly
+/// already: a folder that is left tells two files of one stem apart.
 pub fn short(axis: usize, value: &Value) -> String {
+    if axis == ENVIRONMENT && !value.to_string().starts_with(BUILTIN_PREFIX) {
+        return value.to_string();
+    }
     short_value(&AXES[axis], &value.to_string()).into_owned()
 }
 
