@@ -120,6 +120,12 @@ impl<'f> Frame<'f> {
         }
     }
 
+    /// Whether the metric is of what is seen, and every scene a design.
+    pub fn has_no_picture(&self) -> bool {
+        self.metric.description().space == Space::Display
+            && self.rows.iter().all(|row| is_design(&row.point[SCENE].to_string()))
+    }
+
     /// Rows with scores, each linear image once: of rows that differ in the tone curve only, the one with the plain curve, else the first.
     pub fn images(&self) -> Vec<&Row<'f>> {
         let silent = self.silent_scenes();

@@ -67,6 +67,9 @@ pub const SENTENCES_MAX: usize = 3;
 /// Words of a sentence.
 pub const WORDS_MAX: usize = 25;
 
+/// Follows an answer in a metric of what is seen where nothing is.
+const NO_PICTURE: &str = " Pixels of the scene `design` are no picture: this metric needs another scene.";
+
 /// Something that the rows of a run can answer.
 pub struct Question {
     /// The file's stem with hyphens.
@@ -127,7 +130,12 @@ pub fn answers_to(frame: &Frame, asked: &[&str]) -> Vec<Answer> {
         true => QUESTIONS.iter().copied().filter(serves).collect(),
         false => asked.iter().filter_map(|name| question(name)).filter(serves).collect(),
     };
-    let answer = |question: &'static Question| Some(Answer { question, finding: (question.answer)(frame)? });
+    let caution = if frame.has_no_picture() { NO_PICTURE } else { "" };
+    let answer = |question: &'static Question| {
+        let mut finding = (question.answer)(frame)?;
+        finding.sentence += caution;
+        Some(Answer { question, finding })
+    };
     questions.into_iter().filter_map(answer).collect()
 }
 
