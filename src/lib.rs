@@ -35,6 +35,7 @@
 //! - FdezAguera19: C. J. Fdez-Agüera, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting", Journal of Computer
 //!   Graphics Techniques 8(1), 2019.
 //! - Giles12: M. Giles, "Approximating the erfinv Function", GPU Computing Gems Jade Edition, chapter 10, 2012.
+//! - GlTF20: The Khronos Group, "glTF 2.0 Specification", version 2.0.1, 2021.
 //! - Green07: P. Green, J. Kautz and F. Durand, "Efficient Reflectance and Visibility Approximations for Environment Map Rendering",
 //!   Computer Graphics Forum 26(3), 2007.
 //! - Heitz14: E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics
@@ -67,6 +68,7 @@
 //! - LlvmAmdgpu20: LLVM, scheduling model of the AMDGPU target (`SISchedule.td`), 2020.
 //! - Lottes16: T. Lottes, "Understanding Memory Coalescing on GCN", gpuopen.com, 2016.
 //! - Malley88: T. J. V. Malley, "A Shading Method for Computer Generated Images", master's thesis, University of Utah, 1988.
+//! - Mikkelsen08: M. S. Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", master's thesis, University of Copenhagen, 2008.
 //! - Owen97: A. B. Owen, "Monte Carlo Variance of Scrambled Net Quadrature", SIAM Journal on Numerical Analysis 34(5), 1997.
 //! - PharrJakobHumphreys23: M. Pharr, W. Jakob and G. Humphreys, "Physically Based Rendering: From Theory to Implementation",
 //!   4th edition, 2023.

@@ -1,17 +1,22 @@
 #version 460
 // The g-buffer texels of one mesh, shaded on both sides.
-// Set 0: binding 1 materials, binding 2 albedo map (1x1 white without one; repeating, linear, one level).
-// Push constants: GbufferParams. Front faces are counter-clockwise; nothing is culled.
+// Set 0: binding 1 materials, 2 albedo map, 3 metallic map (blue), 4 roughness map (green), 5 normal map (1x1 that changes nothing without
+// one; repeating, linear, one level). Push constants: GbufferParams. Front faces are counter-clockwise.
 #extension GL_GOOGLE_include_directive : require
+#include "generated/constants.glsl"
 #include "gbuffer/surface.glsl"
 
 layout(set = 0, binding = 1, std430) readonly buffer Materials { MaterialData materials[]; };
 layout(set = 0, binding = 2) uniform sampler2D albedo_map;
+layout(set = 0, binding = 3) uniform sampler2D metallic_map;
+layout(set = 0, binding = 4) uniform sampler2D roughness_map;
+layout(set = 0, binding = 5) uniform sampler2D normal_map;
 layout(push_constant) uniform Params { GbufferParams camera; };
 
 layout(location = 0) in vec3 position_world;
 layout(location = 1) in vec3 normal_world;
 layout(location = 2) in vec2 uv_up;
+layout(location = 3) in vec4 tangent_world;
 
 layout(location = 0) out vec4 position_mask;
 layout(location = 1) out vec4 normal_alpha;
@@ -19,11 +24,19 @@ layout(location = 2) out vec4 albedo_metallic;
 layout(location = 3) out vec4 f0_material;
 
 void main() {
+    // Texture coordinates count v from the bottom row, images from the top row. Level 0 always: one sample through the pixel's centre, as the
+    // twin takes it.
+    vec2 uv = vec2(uv_up.x, 1.0 - uv_up.y);
+    MaterialData material = materials[camera.material];
+    material.albedo_metallic *= vec4(textureLod(albedo_map, uv, 0.0).rgb, textureLod(metallic_map, uv, 0.0).b);
+    float perceptual_roughness = textureLod(roughness_map, uv, 0.0).g;
+    material.f0_alpha.a = max(material.f0_alpha.a * (perceptual_roughness * perceptual_roughness), ALPHA_MIN);
+    // Vectors between vertices are not unit vectors, and maps are baked for those [Mikkelsen08].
+    vec3 mapped = textureLod(normal_map, uv, 0.0).xyz;
+    vec3 bitangent = sign(tangent_world.w) * cross(normal_world, tangent_world.xyz);
+    vec3 n = normalize(mapped.x * tangent_world.xyz + mapped.y * bitangent + mapped.z * normal_world);
     // Winding and normals agree (scene::Mesh), so a back face is one whose normal points to the far side of the surface.
-    vec3 n = normalize(gl_FrontFacing ? normal_world : -normal_world);
-    // OBJ counts v from the bottom row, the image from the top row. Level 0 always: one sample through the pixel's centre, as the twin takes it.
-    vec3 albedo = textureLod(albedo_map, vec2(uv_up.x, 1.0 - uv_up.y), 0.0).rgb;
-    GbufferTexels texels = gbuffer_texels(position_world, n, materials[camera.material], albedo, camera.material);
+    GbufferTexels texels = gbuffer_texels(position_world, gl_FrontFacing ? n : -n, material, camera.material);
     position_mask = texels.position_mask;
     normal_alpha = texels.normal_alpha;
     albedo_metallic = texels.albedo_metallic;

@@ -8,14 +8,17 @@ layout(push_constant) uniform Params { GbufferParams camera; };
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec2 uv;
+layout(location = 3) in vec4 tangent;
 
 layout(location = 0) out vec3 position_world;
 layout(location = 1) out vec3 normal_world;
 layout(location = 2) out vec2 uv_up;
+layout(location = 3) out vec4 tangent_world;
 
 void main() {
     position_world = position;
     normal_world = normal;
     uv_up = uv;
+    tangent_world = tangent;
     gl_Position = clip_from_camera(camera, camera_from_world(camera, position));
 }

@@ -32,7 +32,7 @@ void main() {
     vec3 hit_world = world_from_camera(camera, hit);
     uint material_index = sphere.material.x;
     GbufferTexels texels =
-        gbuffer_texels(sphere.center_radius.xyz + hit_world, normalize(hit_world), materials[material_index], vec3(1.0), material_index);
+        gbuffer_texels(sphere.center_radius.xyz + hit_world, normalize(hit_world), materials[material_index], material_index);
     position_mask = texels.position_mask;
     normal_alpha = texels.normal_alpha;
     albedo_metallic = texels.albedo_metallic;

@@ -10,9 +10,9 @@ struct GbufferTexels {
     vec4 f0_material;
 };
 
-// Packs a surface. `albedo_map` is the texture's value (1 without a texture).
-GbufferTexels gbuffer_texels(vec3 position, vec3 n, MaterialData material, vec3 albedo_map, uint material_index) {
-    vec3 albedo = material.albedo_metallic.rgb * albedo_map;
+// Packs a surface; `material` has its maps' values in it.
+GbufferTexels gbuffer_texels(vec3 position, vec3 n, MaterialData material, uint material_index) {
+    vec3 albedo = material.albedo_metallic.rgb;
     float metallic = material.albedo_metallic.a;
     vec3 f0 = mix(material.f0_alpha.rgb, albedo, metallic);
     return GbufferTexels(vec4(position, 1.0), vec4(n, material.f0_alpha.a), vec4(albedo, metallic), vec4(f0, float(material_index)));

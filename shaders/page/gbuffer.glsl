@@ -20,7 +20,7 @@ layout(location = 3) out vec4 f0_material;
 void write_surface(vec3 position, vec3 n) {
     MaterialData own = material;
     own.f0_alpha.a = alpha_from_perceptual_roughness(perceptual_roughness);
-    GbufferTexels texels = gbuffer_texels(position, n, own, vec3(1.0), 0u);
+    GbufferTexels texels = gbuffer_texels(position, n, own, 0u);
     position_mask = texels.position_mask;
     normal_alpha = texels.normal_alpha;
     albedo_metallic = texels.albedo_metallic;

@@ -1,4 +1,41 @@
 //! Baking what an engine takes: exact levels by the conventions of its preset, written, read back and compared.
+//!
+//! A small map for Bevy, without a device:
+//!
+//! ```
+//! use splitsum::bakes::container::TEXELS;
+//! use splitsum::bakes::convention::preset_by_name;
+//! use splitsum::bakes::make::{Making, make};
+//! use splitsum::brdf::Ggx;
+//! use splitsum::environment::{Environment, LoadOptions};
+//! use splitsum::precompute::prefilter::WEIGHTS;
+//! use std::path::Path;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let environment = Environment::load("builtin:sky", Path::new("."), &LoadOptions::default())?;
+//! let preset = preset_by_name("bevy").expect("a listed preset");
+//! let texel = TEXELS.iter().find(|texel| texel.name == preset.product.texel).expect("a listed format");
+//! let [side, irradiance_side, table_side] = [16, 8, 8];
+//! let making = Making {
+//!     preset,
+//!     environment: &environment,
+//!     brdf: &Ggx,
+//!     masking: preset.masking,
+//!     weight: &WEIGHTS[0],
+//!     texel,
+//!     side,
+//!     irradiance_side,
+//!     table_side,
+//!     level_count: preset.product.chain.level_count(side),
+//! };
+//! making.check()?;
+//! let folder = tempfile::tempdir()?;
+//! let baked = make(&making, folder.path())?;
+//! assert_eq!(baked.files[0].file_name(), Some("specular.ktx2".as_ref()));
+//! assert!(baked.levels.iter().all(|level| level.relmse < 1e-3), "{:?}", baked.levels);
+//! # Ok(())
+//! # }
+//! ```
 
 use super::check::{Directions, Truth, errors, level, table};
 use super::container::{Encoding, FACE_COUNT, FORMATS, Format, TEXELS, TEXELS_MAX, Texel};

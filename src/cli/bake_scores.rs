@@ -4,6 +4,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 use splitsum::bakes::check::GOOD;
 use splitsum::bakes::check::guess::{self, AxesFit};
+use splitsum::bakes::check::image::{self, ImageScore};
 use splitsum::bakes::check::level::LevelScore;
 use splitsum::bakes::check::sh::ShScore;
 use splitsum::bakes::check::table::TableScore;
@@ -20,6 +21,7 @@ pub struct Checked {
     pub irradiance: Option<LevelScore>,
     pub dfg: Option<TableScore>,
     pub sh: Option<ShScore>,
+    pub image: Vec<ImageScore>,
     pub spot_check: Option<f64>,
 }
 
@@ -99,6 +101,16 @@ pub fn as_text(checked: &Checked, is_guessed: bool) -> String {
             sh.verdict
         );
     }
+    if let Some(words) = image::in_words(&checked.image) {
+        let rungs = ["split sum", "+ levels", "+ map", "+ table", "tables alone"].map(|name| (name, Align::Right));
+        let mut table = MarkdownTable::new(&[&[("alpha", Align::Right), ("f0", Align::Right)], &rungs[..]].concat());
+        for score in &checked.image {
+            let own = [Some(score.split_sum), score.levels, score.map, score.table, Some(score.alone)];
+            let cells = own.map(|relmse| relmse.map_or_else(String::new, |relmse| format!("{relmse:.2e}")));
+            table.row(&[&[score.alpha.to_string(), score.f0.to_string()], &cells[..]].concat());
+        }
+        text += &format!("relmse of an image, rung by rung, exact up to each:\n{table}{words}.\n");
+    }
     text
 }
 
@@ -160,6 +172,8 @@ pub fn as_json(environment: &str, preset: &str, checked: &Checked) -> Value {
         "axes": checked.convention.axes.to_string(),
         "axes_fits": axes.collect::<Vec<_>>(),
         "levels": checked.levels.iter().map(level).collect::<Vec<_>>(),
+        "image": checked.image,
+        "image_verdict": image::in_words(&checked.image),
         "spot_check": checked.spot_check,
         "irradiance": checked.irradiance.as_ref().map(level),
         "dfg": checked.dfg.as_ref().map(|dfg| json!({

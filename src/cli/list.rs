@@ -76,7 +76,7 @@ fn listing(what: What) -> String {
         }
         What::Scenes => {
             scene::SCENES.iter().for_each(|entry| add(entry.name, entry.description));
-            add("FILE.obj", "triangles with the materials of its MTL file, framed automatically");
+            scene::SCENE_FORMATS.iter().for_each(|format| add(&format!("FILE.{}", format.extension), format.about));
         }
         What::Metrics => {
             for metric in metrics::METRICS {

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
     allow_negative_numbers = true,
     after_help = "Drag turns the camera, shift+drag the light, the wheel zooms. Keys: space the other half; d wipe; e error; s signed error; \
     t tone; [ ] exposure; + - 0 and arrows the camera; 1 to 9 methods; ctrl+S saves.\n\n\
-    A file that is dropped on the window is its environment (.hdr, .exr) or its scene (.obj); on Wayland type its path instead. Saving \
+    A file that is dropped on the window is its environment (.hdr, .exr) or its scene (.obj, .glb, .gltf); on Wayland type its path instead. Saving \
     makes a folder view-N with the picture, the linear images, the state, `render` commands and an experiment.\n\n\
     Exit codes: 2 no display or bad input; 75 the device or the window's surface was lost.\n\n\
     Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  splitsum view --state view-1/state.json"

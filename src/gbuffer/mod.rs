@@ -13,13 +13,16 @@
 //! `r² d·d - x·x >= 0`, at `(d x x - sqrt(r² d·d - x·x) d) / d·d` from the centre.
 //!
 //! Meshes have interpolated positions and normals and are shaded on both sides: where a triangle is seen from the back, the normal is
-//! negated. An interpolated normal may still lean away from the viewer near a silhouette; shading clamps its `n_dot_v`. The albedo map is
-//! read bilinearly at level 0 with repeating coordinates, v up. The device snaps vertices to its sub-pixel grid (1/256 pixel is common), so
-//! mesh texels agree with the twin to about that much of a pixel; spheres do not depend on it.
+//! negated. A material may leave backs out. An interpolated normal may still lean away from the viewer near a silhouette; shading clamps its
+//! `n_dot_v`. Maps are read here and nowhere else, so every method and the reference see one surface: bilinearly at level 0 with repeating
+//! coordinates, v up. With interpolated normal n, tangent t (not normalised again [Mikkelsen08]) and m of the normal map, the normal is
+//! `normalize(m.x t + m.y s (n x t) + m.z n)`, s the tangent's sign; metallic is multiplied by the map's blue, alpha by its green squared. The
+//! device snaps vertices to its sub-pixel grid (1/256 pixel is common), so mesh texels agree with the twin to about that much of a pixel;
+//! spheres do not depend on it.
 //!
-//! Draw state: no culling, front faces counter-clockwise, depth test `<` on 1. Spheres: `sphere.vert/frag`, a strip of 4 vertices, one
-//! instance a sphere, depth written by the shader. Meshes: `mesh.vert/frag`, indexed triangle lists with position, normal and uv at
-//! locations 0, 1, 2. Set 0: binding 0 spheres, 1 materials, 2 albedo map.
+//! Draw state: no culling but of one-sided meshes, front faces counter-clockwise, depth test `<` on 1. Spheres: `sphere.vert/frag`, a strip of 4 vertices, one
+//! instance a sphere, depth written by the shader. Meshes: `mesh.vert/frag`, indexed triangle lists with position, normal, uv and tangent at
+//! locations 0 to 3. Set 0: binding 0 spheres, 1 materials, 2 to 5 the maps of albedo, metallic, roughness and normal.
 
 pub mod design;
 pub mod pass;

@@ -11,9 +11,12 @@ use crate::scene::{Camera, Mesh, Scene};
 /// A strip of four vertices, one instance a sphere.
 const SPHERES: GraphicsDescription =
     GraphicsDescription { shaders: ["gbuffer/sphere.vert", "gbuffer/sphere.frag"], attributes: &[], strip: true };
-/// Position, normal and uv.
-const MESHES: GraphicsDescription =
-    GraphicsDescription { shaders: ["gbuffer/mesh.vert", "gbuffer/mesh.frag"], attributes: &[3, 3, 2], strip: false };
+/// Position, normal, uv and tangent.
+const MESHES: GraphicsDescription = GraphicsDescription {
+    shaders: ["gbuffer/mesh.vert", "gbuffer/mesh.frag"],
+    attributes: &[3, 3, 2, 4],
+    strip: false,
+};
 
 /// Every draw of the pass.
 pub const PIPELINES: [GraphicsDescription; 2] = [SPHERES, MESHES];
@@ -30,16 +33,18 @@ pub struct SceneData {
     materials: Buffer,
     meshes: Vec<MeshData>,
     textures: Vec<Image>,
-    /// Stands for a missing albedo map.
+    /// Stand for a missing map of factors, and of normals.
     white: Image,
+    flat: Image,
 }
 
 struct MeshData {
-    attributes: [Buffer; 3],
+    attributes: [Buffer; 4],
     indices: Buffer,
     index_count: u32,
     material: usize,
-    texture: Option<usize>,
+    material_maps: [Option<usize>; 4],
+    is_one_sided: bool,
 }
 
 /// The attachments on the device.
@@ -63,19 +68,25 @@ pub fn record(
     let mut targets = Targets { colors: &colors, depth: &target.depth, clear: true };
     let push = |material: usize| params(camera, target.size, material).to_bytes();
     if scene.sphere_count > 0 {
-        let call = DrawCall { vertex_buffers: &[], index_buffer: None, count: 4, instance_count: scene.sphere_count };
-        recorder.draw(SPHERES, &scene.binds(None), &push(0), targets, call)?;
+        let call = DrawCall {
+            vertex_buffers: &[],
+            index_buffer: None,
+            count: 4,
+            instance_count: scene.sphere_count,
+            is_one_sided: false,
+        };
+        recorder.draw(SPHERES, &scene.binds([None; 4]), &push(0), targets, call)?;
         targets.clear = false;
     }
     for mesh in &scene.meshes {
-        let [positions, normals, uvs] = &mesh.attributes;
         let call = DrawCall {
-            vertex_buffers: &[positions, normals, uvs],
+            vertex_buffers: &mesh.attributes.each_ref(),
             index_buffer: Some(&mesh.indices),
             count: mesh.index_count,
             instance_count: 1,
+            is_one_sided: mesh.is_one_sided,
         };
-        recorder.draw(MESHES, &scene.binds(mesh.texture), &push(mesh.material), targets, call)?;
+        recorder.draw(MESHES, &scene.binds(mesh.material_maps), &push(mesh.material), targets, call)?;
         targets.clear = false;
     }
     Ok(())
@@ -88,16 +99,24 @@ impl SceneData {
         let spheres = sphere_data(scene).iter().flat_map(SharedStruct::to_bytes).collect();
         let materials = material_data(scene).iter().flat_map(SharedStruct::to_bytes).collect();
         let mesh = |mesh: &Mesh| {
+            let material = &scene.materials[mesh.material];
             Ok(MeshData {
                 attributes: [
                     gpu.buffer_from("positions", &mesh.positions)?,
                     gpu.buffer_from("normals", &mesh.normals)?,
                     gpu.buffer_from("uvs", &mesh.uvs)?,
+                    gpu.buffer_from("tangents", &mesh.tangents)?,
                 ],
                 indices: gpu.buffer_from("indices", &mesh.indices)?,
                 index_count: mesh.indices.len() as u32,
                 material: mesh.material,
-                texture: scene.materials[mesh.material].albedo_map,
+                material_maps: [
+                    material.albedo_map,
+                    material.metallic_map,
+                    material.roughness_map,
+                    material.normal_map,
+                ],
+                is_one_sided: material.is_one_sided,
             })
         };
         Ok(Self {
@@ -107,18 +126,28 @@ impl SceneData {
             meshes: scene.meshes.iter().map(mesh).collect::<Result<_, GpuError>>()?,
             textures: scene.textures.iter().map(|image| texture(gpu, image)).collect::<Result<_, _>>()?,
             white: texture(gpu, &Pixels::filled(1, 1, [1.0; 3]))?,
+            flat: texture(gpu, &Pixels::filled(1, 1, [0.0, 0.0, 1.0]))?,
         })
     }
 
-    fn binds(&self, map: Option<usize>) -> [Bind<'_>; 3] {
-        let map = map.map_or(&self.white, |index| &self.textures[index]);
-        let sampler = Sampler(Filter::Linear, Wrap::RepeatBoth);
-        [Bind::Read(&self.spheres), Bind::Read(&self.materials), Bind::Sample(map, sampler)]
+    fn binds(&self, [albedo, metallic, roughness, normal]: [Option<usize>; 4]) -> [Bind<'_>; 6] {
+        let map = |index: Option<usize>, missing| {
+            let image = index.map_or(missing, |index| &self.textures[index]);
+            Bind::Sample(image, Sampler(Filter::Linear, Wrap::RepeatBoth))
+        };
+        [
+            Bind::Read(&self.spheres),
+            Bind::Read(&self.materials),
+            map(albedo, &self.white),
+            map(metallic, &self.white),
+            map(roughness, &self.white),
+            map(normal, &self.flat),
+        ]
     }
 }
 
 fn texture(gpu: &Gpu, pixels: &RgbImage) -> Result<Image, GpuError> {
-    let image = gpu.image("albedo map", [pixels.width, pixels.height], 1, Format::Rgba32Float)?;
+    let image = gpu.image("map of a material", [pixels.width, pixels.height], 1, Format::Rgba32Float)?;
     let texels: Vec<[f32; 4]> = pixels.data.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
     gpu.write_image(&image, 0, &texels)?;
     Ok(image)

@@ -3,10 +3,11 @@
 //! Triangles are tried one after another; that is meant for the small meshes of tests.
 
 use super::Gbuffer;
+use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::lookup::{Wrap, bilinear};
 use crate::pixels::{Pixels, RgbImage};
 use crate::scene::{Camera, Material, Mesh, Scene, Sphere};
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles as _};
 use rayon::prelude::*;
 
 /// What a ray hits first.
@@ -14,6 +15,7 @@ struct Hit {
     /// Distance along the ray.
     t: f64,
     position: DVec3,
+    /// Unit normal; under a normal map the mapped one.
     n: DVec3,
     /// Texture coordinate, v up.
     uv: DVec2,
@@ -28,7 +30,7 @@ pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
         .map(|i| {
             let (origin, direction) = camera.ray(i % width, i / width, size);
             let spheres = scene.spheres.iter().filter_map(|sphere| hit_sphere(sphere, origin, direction));
-            let meshes = scene.meshes.iter().filter_map(|mesh| hit_mesh(mesh, origin, direction));
+            let meshes = scene.meshes.iter().filter_map(|mesh| hit_mesh(scene, mesh, origin, direction));
             let nearest = spheres.chain(meshes).min_by(|a, b| a.t.total_cmp(&b.t));
             nearest.map_or([[0.0; 4]; 4], |hit| texels(scene, &hit))
         })
@@ -40,17 +42,13 @@ pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
 fn texels(scene: &Scene, hit: &Hit) -> [[f64; 4]; 4] {
     let material: &Material = &scene.materials[hit.material];
     let rgb = |values: [f32; 3]| Vec3::from_array(values).as_dvec3();
-    let map = material.albedo_map.map_or(DVec3::ONE, |map| texture_at(&scene.textures[map], hit.uv));
-    let albedo = rgb(material.albedo) * map;
-    let metallic = f64::from(material.metallic);
+    let map = |index: Option<usize>| index.map_or(DVec3::ONE, |map| texture_at(&scene.textures[map], hit.uv));
+    let albedo = rgb(material.albedo) * map(material.albedo_map);
+    let metallic = f64::from(material.metallic) * map(material.metallic_map).z;
+    let alpha = (f64::from(material.alpha) * map(material.roughness_map).y.powi(2)).max(f64::from(ALPHA_MIN));
     let f0 = rgb(material.f0).lerp(albedo, metallic);
     let with = |xyz: DVec3, w: f64| xyz.extend(w).to_array();
-    [
-        with(hit.position, 1.0),
-        with(hit.n, f64::from(material.alpha)),
-        with(albedo, metallic),
-        with(f0, hit.material as f64),
-    ]
+    [with(hit.position, 1.0), with(hit.n, alpha), with(albedo, metallic), with(f0, hit.material as f64)]
 }
 
 /// The texture at `uv` (v up), bilinear with repeating coordinates.
@@ -72,19 +70,20 @@ fn hit_sphere(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<Hit> {
     Some(Hit { t, position, n, uv: DVec2::ZERO, material: sphere.material })
 }
 
-fn hit_mesh(mesh: &Mesh, origin: DVec3, direction: DVec3) -> Option<Hit> {
+fn hit_mesh(scene: &Scene, mesh: &Mesh, origin: DVec3, direction: DVec3) -> Option<Hit> {
     mesh.triangles()
-        .filter_map(|triangle| hit_triangle(mesh, triangle, origin, direction))
+        .filter_map(|triangle| hit_triangle(scene, mesh, triangle, origin, direction))
         .min_by(|a, b| a.t.total_cmp(&b.t))
 }
 
 /// Solves `origin + t direction = a + beta (b - a) + gamma (c - a)` by Cramer's rule.
-fn hit_triangle(mesh: &Mesh, triangle: [u32; 3], origin: DVec3, direction: DVec3) -> Option<Hit> {
+fn hit_triangle(scene: &Scene, mesh: &Mesh, triangle: [u32; 3], origin: DVec3, direction: DVec3) -> Option<Hit> {
+    let material = &scene.materials[mesh.material];
     let [a, b, c] = triangle.map(|index| Vec3::from_array(mesh.positions[index as usize]).as_dvec3());
     let (ab, ac) = (b - a, c - a);
     // Positive where the front (counter-clockwise) side faces the ray.
     let determinant = ab.cross(ac).dot(-direction);
-    if determinant == 0.0 {
+    if determinant == 0.0 || (determinant < 0.0 && material.is_one_sided) {
         return None;
     }
     let from_a = origin - a;
@@ -98,7 +97,11 @@ fn hit_triangle(mesh: &Mesh, triangle: [u32; 3], origin: DVec3, direction: DVec3
     let weights = [1.0 - beta - gamma, beta, gamma];
     let corners = triangle.map(|index| index as usize).into_iter().zip(weights);
     let normal: DVec3 = corners.clone().map(|(i, w)| Vec3::from_array(mesh.normals[i]).as_dvec3() * w).sum();
-    let uv: DVec2 = corners.map(|(i, w)| Vec2::from_array(mesh.uvs[i]).as_dvec2() * w).sum();
-    let n = normal.normalize() * determinant.signum();
+    let uv: DVec2 = corners.clone().map(|(i, w)| Vec2::from_array(mesh.uvs[i]).as_dvec2() * w).sum();
+    let tangent: DVec4 = corners.map(|(i, w)| Vec4::from_array(mesh.tangents[i]).as_dvec4() * w).sum();
+    let mapped = material.normal_map.map_or(DVec3::Z, |map| texture_at(&scene.textures[map], uv));
+    // Vectors between vertices are not unit vectors, and maps are baked for those [Mikkelsen08].
+    let bitangent = tangent.w.signum() * normal.cross(tangent.xyz());
+    let n = (mapped.x * tangent.xyz() + mapped.y * bitangent + mapped.z * normal).normalize() * determinant.signum();
     Some(Hit { t, position: origin + direction * t, n, uv, material: mesh.material })
 }

@@ -7,7 +7,8 @@ use super::{Format, GpuError};
 use ash::vk;
 use std::sync::Arc;
 
-/// What a draw runs: opaque triangles, counter-clockwise in front, depth test (less), no culling, viewport and scissor of the targets.
+/// What a draw runs: opaque triangles, counter-clockwise in front, depth test (less), viewport and scissor of the targets, culling of
+/// the call.
 #[derive(Clone, Copy, Debug)]
 pub struct GraphicsDescription<'a> {
     /// The vertex and the fragment shader.
@@ -198,7 +199,7 @@ impl Shared {
             vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
         let blends = vec![every_channel; color_count];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
-        let dynamic_states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
+        let dynamic_states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR, vk::DynamicState::CULL_MODE];
         let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic_states);
         let formats = vec![Format::Rgba32Float.raw(); color_count];
         let mut rendering = vk::PipelineRenderingCreateInfo::default()

@@ -55,6 +55,29 @@ pub struct RenderRequest {
 
 impl RenderRequest {
     /// A view of `scene` under `environment` as they are: GGX, split sum, no diffuse term, default tables.
+    ///
+    /// A sphere by the split sum, and how far it is from the reference:
+    ///
+    /// ```
+    /// use splitsum::environment::{Environment, LoadOptions};
+    /// use splitsum::pipeline::{Options, Pipeline, RenderRequest};
+    /// use splitsum::scene::{CameraKind, Scene};
+    /// use splitsum::shade::method_by_name;
+    /// use std::{path::Path, sync::Arc};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let light = Environment::load("builtin:studio", Path::new("."), &LoadOptions::default())?;
+    /// let request = RenderRequest::plain(Arc::new(light), Scene::sphere(), CameraKind::Ortho, [32, 32]);
+    /// // Without a Vulkan device there is nothing to show.
+    /// let Ok(mut pipeline) = Pipeline::new(Options::default()) else { return Ok(()) };
+    /// let image = pipeline.render(&request)?;
+    /// let method = method_by_name("reference").expect("a listed method");
+    /// let reference = pipeline.render(&RenderRequest { method, ..request })?;
+    /// let [own, exact] = [&image, &reference].map(|frame| frame.radiance.get(16, 16)[1]);
+    /// assert!(own > 0.0 && own != exact, "{own} for {exact}");
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn plain(environment: Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> Self {
         Self {
             environment,

@@ -104,7 +104,7 @@ fn model(label: &str, request: &RenderRequest, triangles_max: usize) -> LiveMode
         );
         return sphere(label, note, request.camera.projection, scene.materials.first());
     }
-    let has_map = scene.materials.iter().any(|material| material.albedo_map.is_some());
+    let has_map = scene.materials.iter().any(|material| material.maps().next().is_some());
     let note = if has_map { format!("The textures of {label} are left out.") } else { String::new() };
     of_scene(label, note, scene, &request.camera, aspect)
 }
@@ -116,7 +116,7 @@ pub fn sphere(label: &str, note: String, projection: Projection, material: Optio
         Projection::Perspective { .. } => CameraKind::Perspective,
     };
     let mut scene = Scene::sphere();
-    scene.materials = vec![Material { albedo_map: None, ..material.cloned().unwrap_or_default() }];
+    scene.materials = vec![material.cloned().unwrap_or_default()];
     let camera = Camera::for_scene(kind, &scene, [1, 1]);
     of_scene(label, note, &scene, &camera, 1.0)
 }

@@ -93,6 +93,7 @@ fn plane() -> Scene {
         positions: uvs.iter().map(|&[u, v]| corner(u, v)).collect(),
         normals: vec![[0.0, 1.0, 0.0]; 4],
         uvs,
+        tangents: vec![[0.0; 4]; 4],
         indices: vec![0, 1, 2, 0, 2, 3],
         material: 0,
     };

@@ -2,17 +2,20 @@
 
 pub mod builtin;
 pub mod camera;
+mod gltf;
 pub mod light;
+mod maps;
 pub mod material;
 pub mod mesh;
 mod obj;
+mod source;
 
 pub use builtin::{SCENES, SceneEntry, is_design};
 pub use camera::{Camera, CameraKind, Orbit, Projection};
 pub use light::{Light, LightKind};
 pub use material::{Material, MaterialOverride};
 pub use mesh::Mesh;
-pub use obj::SceneFiles;
+pub use source::SceneFiles;
 
 use crate::pixels::RgbImage;
 use crate::spelling::suggestion;
@@ -36,11 +39,11 @@ pub struct Scene {
     pub spheres: Vec<Sphere>,
     pub meshes: Vec<Mesh>,
     pub materials: Vec<Material>,
-    /// Albedo textures, linear RGB; [`Material::albedo_map`] indexes them.
+    /// The maps of the materials, linear RGB; those of [`Material`] index them.
     pub textures: Vec<RgbImage>,
     /// Whether each pixel is an experiment of its own (`gbuffer::design`); its geometry is then only a stand-in.
     pub is_design: bool,
-    /// Unit vector from the scene to its automatic cameras: +z for spheres, 30 degrees to the right of it and 20 degrees above for OBJ files.
+    /// Unit vector from the scene to its automatic cameras: +z for spheres, 30 degrees to the right of it and 20 degrees above for files.
     pub toward_viewer: DVec3,
     /// blake3 (hex) of everything that determines the geometry, materials, textures and automatic cameras. Names are left out.
     pub hash: String,
@@ -65,21 +68,69 @@ impl SceneError {
     }
 }
 
+/// A format of scene files.
+pub struct SceneFormat {
+    /// In small letters.
+    pub extension: &'static str,
+    /// One line for `splitsum list scenes`.
+    pub about: &'static str,
+    read: fn(&str, &Path, &dyn SceneFiles) -> Result<Scene, SceneError>,
+}
+
+/// Every format of scene files.
+pub static SCENE_FORMATS: &[SceneFormat] = &[
+    SceneFormat {
+        extension: "obj",
+        about: "triangles with the materials of its MTL file, framed automatically",
+        read: obj::load,
+    },
+    SceneFormat {
+        extension: "glb",
+        about: "glTF 2.0 in one file: metallic-roughness materials with their maps, framed automatically",
+        read: gltf::load,
+    },
+    SceneFormat { extension: "gltf", about: "glTF 2.0 with the files that it names", read: gltf::load },
+];
+
+/// The format of a file, by the extension of its name.
+pub fn scene_format(path: &Path) -> Option<&'static SceneFormat> {
+    let extension = path.extension()?.to_string_lossy().to_lowercase();
+    SCENE_FORMATS.iter().find(|format| format.extension == extension)
+}
+
+/// The extensions of scene files for a sentence: `.obj, .glb or .gltf`.
+pub fn scene_extensions() -> String {
+    let dotted: Vec<String> = SCENE_FORMATS.iter().map(|format| format!(".{}", format.extension)).collect();
+    let (last, others) = dotted.split_last().expect("there are formats");
+    format!("{} or {last}", others.join(", "))
+}
+
+/// Automatic cameras look at files from this far to the right of +z and this far above the horizon: a front, a side and a top are seen.
+const VIEW_AZIMUTH_DEG: f64 = 30.0;
+const VIEW_ELEVATION_DEG: f64 = 20.0;
+
+fn toward_viewer_of_files() -> DVec3 {
+    let (azimuth, elevation) = (VIEW_AZIMUTH_DEG.to_radians(), VIEW_ELEVATION_DEG.to_radians());
+    DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos())
+}
+
 impl Scene {
-    /// The scene that `spec` names: an entry of [`SCENES`] or the path of an OBJ file, which is relative to `base_dir` unless absolute.
+    /// The scene that `spec` names: an entry of [`SCENES`] or the path of a file, which is relative to `base_dir` unless absolute.
     pub fn load(spec: &str, base_dir: &Path) -> Result<Self, SceneError> {
         if let Some(entry) = SCENES.iter().find(|entry| entry.name == spec) {
             return Ok((entry.build)());
         }
         let path = base_dir.join(spec);
-        let extension = Path::new(spec).extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("obj") => obj::load(spec, &path, &obj::Disk),
-            Some(_) if path.exists() => Err(SceneError::of_file(&path, "scene files must be Wavefront OBJ (.obj)")),
-            _ => {
+        match scene_format(&path) {
+            Some(format) => (format.read)(spec, &path, &source::Disk),
+            None if path.extension().is_some() && path.exists() => {
+                Err(SceneError::of_file(&path, format!("expected a scene file: {}", scene_extensions())))
+            }
+            None => {
                 let names: Vec<&str> = SCENES.iter().map(|entry| entry.name).collect();
                 let (known, near) = (names.join(", "), suggestion(spec, &names));
-                let what = format!("neither a built-in scene ({known}) nor the path of an .obj file{near}");
+                let files = scene_extensions();
+                let what = format!("neither a built-in scene ({known}) nor the path of a file ({files}){near}");
                 Err(SceneError(format!("scene \"{spec}\": {what}")))
             }
         }
@@ -90,9 +141,10 @@ impl Scene {
         builtin::sphere()
     }
 
-    /// The scene of the OBJ file at `path` of `files`, which also give what it names.
-    pub fn from_obj(path: &Path, files: &dyn SceneFiles) -> Result<Self, SceneError> {
-        obj::load(&path.to_string_lossy(), path, files)
+    /// The scene of the file at `path` of `files`, which also give what it names.
+    pub fn from_file(path: &Path, files: &dyn SceneFiles) -> Result<Self, SceneError> {
+        let format = scene_format(path).ok_or_else(|| SceneError::of_file(path, "no scene file"))?;
+        (format.read)(&path.to_string_lossy(), path, files)
     }
 
     /// The same scene with the override's values in every material.
@@ -143,6 +195,7 @@ impl Scene {
             list(&mut hasher, &mesh.positions);
             list(&mut hasher, &mesh.normals);
             list(&mut hasher, &mesh.uvs);
+            list(&mut hasher, &mesh.tangents);
             list(&mut hasher, &mesh.indices);
             list(&mut hasher, &[mesh.material as u64]);
         }
@@ -151,7 +204,9 @@ impl Scene {
             list(&mut hasher, &material.albedo);
             list(&mut hasher, &[material.metallic, material.alpha]);
             list(&mut hasher, &material.f0);
-            list(&mut hasher, &[material.albedo_map.map_or(0, |map| map as u64 + 1)]);
+            let maps = [material.albedo_map, material.metallic_map, material.roughness_map, material.normal_map];
+            list(&mut hasher, &maps.map(|map| map.map_or(0, |map| map as u64 + 1)));
+            list(&mut hasher, &[u8::from(material.is_one_sided)]);
         }
         for texture in &self.textures {
             list(&mut hasher, &[texture.width]);

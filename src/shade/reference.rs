@@ -6,6 +6,22 @@
 //! - diffuse of albedo 1: `1/π ∫ (1 - F(v·h)) L n_dot_l dl`; with `F = 0` it is Lambert's.
 //!
 //! Schlick's `F = f0 + (1 - f0) (1 - v·h)⁵` is linear in `f0`, so two integrals of each kind serve every `f0`.
+//!
+//! One point under constant light of 2, which a mirror-like surface of f0 = 1 gives back but for what single scattering loses:
+//!
+//! ```
+//! use glam::DVec3;
+//! use splitsum::brdf::{Ggx, MaskingShadowing};
+//! use splitsum::math::equirect_quadrature::EquirectQuadrature;
+//! use splitsum::shade::reference::{Surface, TOLERANCE, integrate};
+//!
+//! let light = EquirectQuadrature::new(32, 16, |_, _| [2.0; 3]);
+//! let (n, v) = (DVec3::Y, DVec3::new(0.6, 0.8, 0.0));
+//! let surface = Surface { model: &Ggx, masking: MaskingShadowing::Separable, alpha: 0.05, f0: DVec3::ONE, n, v };
+//! let radiance = integrate(&light, &surface, TOLERANCE).specular;
+//! assert!(radiance.error.max_element() < 1e-4);
+//! assert!((1.98..2.0).contains(&radiance.value.x), "{radiance:?}");
+//! ```
 
 use crate::brdf::{Brdf, MaskingShadowing, g2, reflect, schlick_weight};
 use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
@@ -51,9 +67,28 @@ pub fn integrate_all(environment: &EquirectQuadrature, surfaces: &[Surface], tol
 /// The answers for one point.
 pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance: Tolerance) -> Answer {
     let Surface { model, masking, alpha, f0, n, v } = *surface;
+    let specular = specular(environment, model, masking, alpha, [n, v], tolerance);
+    let diffuse = diffuse(environment, n, v, tolerance);
+    Answer {
+        specular_white: specular.combine([DVec3::ONE, DVec3::ZERO]),
+        specular: specular.combine([f0, DVec3::ONE - f0]),
+        diffuse: diffuse.combine([DVec3::ONE, DVec3::ZERO]),
+        diffuse_transmitted: diffuse.combine([DVec3::ONE - f0, f0 - DVec3::ONE]),
+    }
+}
+
+/// `∫ f L n·l dl` with F = 1 and with `F = Fc = (1 - v·h)⁵`, for a normal and a view.
+pub fn specular(
+    environment: &EquirectQuadrature,
+    model: &'static dyn Brdf,
+    masking: MaskingShadowing,
+    alpha: f64,
+    [n, v]: [DVec3; 2],
+    tolerance: Tolerance,
+) -> Estimate<2> {
     let frame = Frame::from_normal(n);
     let v_local = frame.to_local(v);
-    let specular_kernel = |l: DVec3| {
+    let kernel = |l: DVec3| {
         let l_local = frame.to_local(l);
         if l_local.z <= 0.0 {
             return [0.0; 2];
@@ -64,14 +99,7 @@ pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance:
     };
     // The lobe about the mirror direction is narrowest across the plane of incidence: 2 alpha (v·h).
     let focus = Focus { direction: reflect(v, n), radius: alpha * v_local.z.max(alpha) };
-    let specular = environment.integrate(specular_kernel, &[focus], tolerance);
-    let diffuse = diffuse(environment, n, v, tolerance);
-    Answer {
-        specular_white: specular.combine([DVec3::ONE, DVec3::ZERO]),
-        specular: specular.combine([f0, DVec3::ONE - f0]),
-        diffuse: diffuse.combine([DVec3::ONE, DVec3::ZERO]),
-        diffuse_transmitted: diffuse.combine([DVec3::ONE - f0, f0 - DVec3::ONE]),
-    }
+    environment.integrate(kernel, &[focus], tolerance)
 }
 
 /// `∫ n·l L dl / π` and `∫ Fc n·l L dl / π`, `Fc = (1 - v·h)⁵`.

@@ -10,7 +10,7 @@ use crate::pipeline::Frame;
 use crate::pixels::Rgb8Image;
 use crate::runner::axis::{AXES, ENVIRONMENT, ENVIRONMENT_ROTATION, EXPOSURE, METHOD, SCENE};
 use crate::runner::value::{Value, decimal};
-use crate::scene::{CameraKind, Light, LightKind, Orbit};
+use crate::scene::{CameraKind, Light, LightKind, Orbit, scene_extensions, scene_format};
 use egui::{
     Align2, Color32, ColorImage, ComboBox, CursorIcon, DragValue, FontId, Key, Pos2, Rect, Sense, Stroke, TextureHandle,
 };
@@ -75,9 +75,9 @@ impl Panel {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
         let axis = match extension.as_str() {
             "hdr" | "exr" => ENVIRONMENT,
-            "obj" => SCENE,
+            _ if scene_format(path).is_some() => SCENE,
             _ => {
-                self.notice = format!("{}: expected an .hdr, .exr or .obj file", path.display());
+                self.notice = format!("{}: expected an .hdr, .exr, {} file", path.display(), scene_extensions());
                 return;
             }
         };

@@ -14,7 +14,7 @@ fn our_own_bakes_score_near_zero_in_every_layout() {
         let sets: Vec<String> = sets.flat_map(|(name, value)| ["--set".into(), format!("{name}={value}")]).collect();
         let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
         ok(dir.path(), &[&["bake", "builtin:gradient", "--out", layout.name], &sets[..]].concat());
-        let arguments = ["check-bake", layout.name, "--environment", "builtin:gradient", "--json"];
+        let arguments = ["check-bake", layout.name, "--environment", "builtin:gradient", "--json", "--no-image"];
         let limits = ["--fail-above", "1e-4", "--fail-table-above", "2e-3"];
         let found: Value = serde_json::from_str(&ok(dir.path(), &[&arguments[..], &limits].concat())).unwrap();
         let levels = found["levels"].as_array().unwrap();
@@ -28,7 +28,7 @@ fn our_own_bakes_score_near_zero_in_every_layout() {
         assert!(found["dfg"]["max_error"].as_f64().unwrap() > 0.0, "{found}");
     }
     // The same bake against another light.
-    let arguments = ["check-bake", "cube", "--environment", "builtin:sky", "--fail-above", "0.01"];
+    let arguments = ["check-bake", "cube", "--environment", "builtin:sky", "--fail-above", "0.01", "--no-image"];
     assert_ends(&splitsum(dir.path(), &arguments), 1, &["level 1: relmse", "is above 1.00e-2"]);
 }
 
@@ -43,7 +43,8 @@ fn bakes_for_every_engine_score_as_exact() {
             dir.path(),
             &[&["bake", "builtin:sky", "--for", product.engine, "--out", product.engine], &set[..]].concat(),
         );
-        let limits = ["--environment", "builtin:sky", "--fail-above", "1e-3", "--fail-table-above", "0.003"];
+        let limits =
+            ["--environment", "builtin:sky", "--fail-above", "1e-3", "--fail-table-above", "0.003", "--no-image"];
         let scored = |files: &[&str]| -> Value {
             let arguments = [&["check-bake"], files, &limits, &["--json"]].concat();
             serde_json::from_str(&ok(dir.path(), &arguments)).unwrap()
@@ -62,9 +63,10 @@ fn bakes_for_every_engine_score_as_exact() {
         }
     }
     // That of another light is told from one of other axes.
-    let arguments = ["check-bake", "bevy", "--environment", "builtin:studio", "--fail-above", "1e-3"];
+    let arguments = ["check-bake", "bevy", "--environment", "builtin:studio", "--fail-above", "1e-3", "--no-image"];
     assert_ends(&splitsum(dir.path(), &arguments), 1, &["seems to be a bake of another map"]);
-    let arguments = ["check-bake", "bevy", "--environment", "builtin:sky", "--fail-above", "1e-3", "--axes=-x+y+z"];
+    let arguments =
+        ["check-bake", "bevy", "--environment", "builtin:sky", "--fail-above", "1e-3", "--axes=-x+y+z", "--no-image"];
     assert_ends(&splitsum(dir.path(), &arguments), 1, &["fit it far better than -x+y+z"]);
     let refused = |arguments: &[&str], parts: &[&str]| {
         let all = [&["bake", "builtin:sky"], arguments].concat();
@@ -128,4 +130,8 @@ fn what_is_no_bake_is_told_in_a_line() {
         ok(dir.path(), &["check-bake", "x.exr", "--alphas", "0.3", "--environment", "builtin:constant", "--json"]);
     let found: Value = serde_json::from_str(&found).unwrap();
     assert!(found["levels"][0]["relmse"].as_f64().unwrap() < 1e-12, "{found}");
+    // Nor does it do anything to an image; of a table that is not given nothing is told.
+    let image = found["image"].as_array().unwrap();
+    assert_eq!(image.len(), 10);
+    assert!(image.iter().all(|score| score["alone"].as_f64().unwrap() < 1e-10 && score["table"].is_null()), "{found}");
 }

@@ -1,7 +1,9 @@
 //! The g-buffer against its f64 twin.
 
 use crate::compare::{Tolerance, Worst, absolute, relative};
+use crate::gltf_files::{load, mesh, png, textured};
 use crate::harness::{poison_image, with_gpu};
+use serde_json::json;
 use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::gbuffer::{Gbuffer, reference};
 use splitsum::gpu::Gpu;
@@ -92,7 +94,38 @@ fn meshes_agree_inside_their_triangles() {
         for kind in [CameraKind::Ortho, CameraKind::Perspective] {
             compare_mesh(gpu, &scene, kind, [80, 64], sub_pixel);
         }
+        // Every map, on a bent sheet that is seen from its front and from its back.
+        for (is_double_sided, scale) in [(true, 1.0), (true, -1.0), (false, 1.0)] {
+            let scene = mapped_sheet(is_double_sided, scale);
+            compare_mesh(gpu, &scene, CameraKind::Perspective, [64, 64], sub_pixel);
+        }
+        let away = mapped_sheet(false, -1.0);
+        let camera = Camera::for_scene(CameraKind::Perspective, &away, [64, 64]);
+        assert!(draw(gpu, &away, &camera, [64, 64]).mask().data.iter().all(|mask| *mask == 0.0), "a back is seen");
     });
+}
+
+/// Two triangles that bend, with maps of few texels, one of them of normals.
+fn mapped_sheet(is_double_sided: bool, z_scale: f64) -> Scene {
+    let positions = [-1., -1., 0., 1., -1., 0.3, 1., 1., -0.2, -1., 1., 0.1];
+    let (normals, uvs) =
+        ([[-0.3, -0.1, 0.9], [0.4, -0.2, 0.9], [0.1, 0.5, 0.8], [-0.2, 0.3, 0.9]], [0., 0., 1., 0., 1., 1., 0., 1.]);
+    let attributes: [(&str, usize, &[f32]); 3] =
+        [("POSITION", 3, &positions), ("NORMAL", 3, &normals.concat()), ("TEXCOORD_0", 2, &uvs)];
+    let material = json!({
+        "doubleSided": is_double_sided,
+        "normalTexture": { "index": 2, "scale": 0.7 },
+        "pbrMetallicRoughness": {
+            "metallicFactor": 0.8, "roughnessFactor": 0.9,
+            "baseColorTexture": { "index": 0 }, "metallicRoughnessTexture": { "index": 1 },
+        },
+    });
+    let image =
+        |a: u32, b: u32| png(2, 2, move |x, y| [(a + 20 * x) as u8, (b + 30 * y) as u8, (200 + 10 * x + y) as u8]);
+    let mut model =
+        textured(mesh(&attributes, &[0, 1, 2, 0, 2, 3]), material, &[image(90, 60), image(10, 100), image(120, 110)]);
+    model["nodes"][0]["scale"] = json!([1, 1, z_scale]);
+    load(&model).expect("a readable file")
 }
 
 fn compare_mesh(gpu: &Gpu, scene: &Scene, kind: CameraKind, size: [u32; 2], tolerance: Tolerance) {

@@ -9,6 +9,8 @@ mod compare;
 mod determinism;
 mod furnace;
 mod gbuffer;
+#[path = "../shared/gltf.rs"]
+mod gltf_files;
 mod golden;
 mod harness;
 mod kept;

@@ -2,6 +2,7 @@
 
 pub mod files;
 mod make;
+mod rungs;
 
 use files::Level;
 use glam::{DVec2, DVec3};
@@ -14,11 +15,14 @@ use splitsum::bakes::{Map, sh};
 use splitsum::brdf::{Ggx, MaskingShadowing};
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
+use splitsum::glsl::constants::ALPHA_MIN;
 use splitsum::math::equirect::direction_from_uv;
 use splitsum::math::spherical_harmonics::irradiance;
 use splitsum::pixels::{GrayImage, RgbImage, exr};
 use splitsum::precompute::dfg::reference::dfg_within;
 use splitsum::precompute::prefilter::{Kernel, harmonic};
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::path::Path;
 
 /// A texel of a format that stands for small whole numbers of its own, and what it stands for.
@@ -245,8 +249,8 @@ fn a_fit_finds_the_width_and_the_gain_that_were_baked() {
 
     let mut noisy = exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0));
     for (i, texel) in noisy.levels.iter_mut().flatten().flat_map(|face| &mut face.data).enumerate() {
-        let is_up = (i as u32).wrapping_mul(2_654_435_769) >> 31 == 1;
-        *texel = texel.map(|value| value * if is_up { 1.3 } else { 0.7 });
+        // Column by column: a fit that looks at every other one finds a gain.
+        *texel = texel.map(|value| value * if i % 2 == 0 { 0.7 } else { 1.3 });
     }
     for score in level::score(&truth, &noisy, &convention).unwrap() {
         // d = 0.3 r where r² is far above ε.
@@ -319,17 +323,22 @@ fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
 /// A table of any axes, channels and masking is told by the search, and a shifted one by its shift.
 #[test]
 fn conventions_of_a_table_are_found() {
+    // Most tables hold the same numbers in other places.
+    let known = RefCell::new(HashMap::new());
     let table = |way: usize, channels: usize, masking: MaskingShadowing, shift: f64| {
         RgbImage::from_fn(16, 16, |x, y| {
             let uv = (DVec2::new(x.into(), f64::from(y) + shift) + 0.5) / 16.0;
             let at = TABLE_AXES[way].parameters(uv).clamp(DVec2::splat(1e-3), DVec2::ONE);
-            let exact = dfg_within(&Ggx, masking, at.x, at.y * at.y, 1e-4);
+            // No narrower than is shaded.
+            let alpha = (at.y * at.y).max(ALPHA_MIN.into());
+            let exact = || dfg_within(&Ggx, masking, at.x, alpha, 1e-5);
+            let exact = *known.borrow_mut().entry(at.to_array().map(f64::to_bits)).or_insert_with(exact);
             let (a, b) = (exact.f0_scale as f32, exact.f90_scale as f32);
             [[a, b, 0.0], [b, a, 0.0], [b, a + b, 0.0]][channels]
         })
     };
     let correlated = MaskingShadowing::Correlated;
-    for way in [1, 4, 6] {
+    for way in 0..TABLE_AXES.len() {
         let found = table::search(&table(way, way % 3, correlated, 0.0), &Ggx).swap_remove(0);
         let names = (found.axes.name, found.channels.name, found.masking.0);
         assert_eq!(names, (TABLE_AXES[way].name, TABLE_CHANNELS[way % 3].name, "correlated"), "{:e}", found.rms);
@@ -337,7 +346,7 @@ fn conventions_of_a_table_are_found() {
     let mut convention = PRESETS[0].convention();
     convention.masking = correlated;
     let exact = table::score(&table(0, 0, correlated, 0.0), &Ggx, &convention);
-    assert!(exact.max_error < 2e-4 && exact.verdict.starts_with("good"), "{exact:?}");
+    assert!(exact.max_error < 1e-5 && exact.verdict.starts_with("good"), "{exact:?}");
     let shifted = table::score(&table(0, 0, correlated, 1.0), &Ggx, &convention);
     assert!(shifted.verdict.contains("0 texels right and -1 down"), "{shifted:?}");
 }

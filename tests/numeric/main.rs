@@ -9,6 +9,8 @@ mod design;
 mod diffuse;
 mod disk_cache;
 mod environment;
+#[path = "../shared/gltf.rs"]
+mod gltf_files;
 mod harmonics;
 mod ladder;
 mod ladder_diffuse;

@@ -74,6 +74,11 @@ fn wavefront_files() {
 }
 
 #[test]
+fn gltf_files() {
+    check("gltf");
+}
+
+#[test]
 fn experiments() {
     check("experiment");
 }

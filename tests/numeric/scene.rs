@@ -1,5 +1,6 @@
-//! Cameras, scenes, OBJ files and the f64 g-buffer.
+//! Cameras, scenes, OBJ and glTF files and the f64 g-buffer.
 
 mod cameras;
 mod gbuffer;
+pub mod gltf;
 mod obj;

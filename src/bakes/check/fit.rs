@@ -33,7 +33,8 @@ pub fn fit(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) 
         return None;
     }
     let side = (directions.world.len() as f64 / DIRECTIONS as f64).sqrt();
-    let chosen = directions.subset((side.round() as usize).max(1));
+    // Odd, so that what differs from column to column is not one of them alone.
+    let chosen = directions.subset(side.round() as usize | 1);
     let found: Vec<DVec3> = chosen.iter().map(|index| found[*index]).collect();
     let directions = directions.only(&chosen);
     let bands = truth.bands(&directions.world, DEGREE_MAX);

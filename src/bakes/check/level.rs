@@ -39,19 +39,13 @@ pub struct LevelScore {
 /// Scores every level of a prefiltered map.
 pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<LevelScore>, String> {
     let alphas = convention.alphas(map.levels.len())?;
-    let count = alphas.len();
-    // The level that a width belongs to, real, on the convention's own scale.
-    let level_of = |alpha: f64| match &convention.alphas {
-        None if count > 1 => Some(convention.mapping.mip_from_alpha(alpha, count as u32)),
-        _ => between(&alphas, alpha),
-    };
     let of = |(faces, &alpha): (&Vec<RgbImage>, &f64)| {
         let (directions, found) = level_texels(map, faces, convention.axes, convention.scale);
         let exact = exact(truth, &directions, alpha);
         let (errors, worst) = errors_and_worst(truth, &directions, &found, &exact);
         let is_wrong = errors.relmse > GOOD;
         let fit = is_wrong.then(|| fit::fit(truth, &directions, &found, alpha)).flatten();
-        let verdict = verdict(errors, fit, alpha, level_of);
+        let verdict = verdict(errors, fit, alpha, |alpha| level_of(convention, &alphas, alpha));
         LevelScore { size: [faces[0].width, faces[0].height], alpha, errors, worst, fit, verdict }
     };
     Ok(map.levels.iter().zip(&alphas).map(of).collect())
@@ -116,6 +110,14 @@ fn errors_and_worst(truth: &Truth, directions: &Directions, found: &[DVec3], exa
         exact: exact[index],
     };
     (errors(directions, found, exact, epsilon, 1.0), worst)
+}
+
+/// The level that a width belongs to, real, on the convention's own scale, among levels of the widths `alphas`.
+pub(super) fn level_of(convention: &Convention, alphas: &[f64], alpha: f64) -> Option<f64> {
+    match &convention.alphas {
+        None if alphas.len() > 1 => Some(convention.mapping.mip_from_alpha(alpha, alphas.len() as u32)),
+        _ => between(alphas, alpha),
+    }
 }
 
 /// The real level of a width among levels of any widths.

@@ -6,6 +6,7 @@
 mod directions;
 mod fit;
 pub mod guess;
+pub mod image;
 pub mod level;
 pub mod sh;
 pub mod table;

@@ -17,6 +17,8 @@ pub struct DrawCall<'a> {
     /// Indices or vertices.
     pub count: u32,
     pub instance_count: u32,
+    /// Whether backs of triangles are left out.
+    pub is_one_sided: bool,
 }
 
 /// Where a draw goes.
@@ -109,6 +111,9 @@ impl Recorder {
         unsafe { self.device().cmd_set_viewport(self.commands, 0, &[viewport]) };
         // SAFETY: likewise.
         unsafe { self.device().cmd_set_scissor(self.commands, 0, &[area]) };
+        let culled = if call.is_one_sided { vk::CullModeFlags::BACK } else { vk::CullModeFlags::NONE };
+        // SAFETY: likewise of its culling.
+        unsafe { self.device().cmd_set_cull_mode(self.commands, culled) };
         self.bind(&pipeline, vk::PipelineBindPoint::GRAPHICS, binds, push)?;
         let vertex_buffers: Vec<_> = call.vertex_buffers.iter().map(|buffer| buffer.inner.raw).collect();
         if !vertex_buffers.is_empty() {

@@ -88,7 +88,7 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "scene",
-        about: "what is seen: a name of `splitsum list scenes`, or an .obj file",
+        about: "what is seen: a name of `splitsum list scenes`, or an .obj, .glb or .gltf file",
         plural: "scenes",
         sheet: Sheet::Page,
         frames_cost: true,

@@ -4,27 +4,19 @@
 //! left out. Missing normals are computed smooth (see [`normals`]), missing texture coordinates are (0, 0).
 
 mod lines;
-mod maps;
 mod mtl;
 mod normals;
-mod source;
 mod triangulate;
 
-use super::mesh::{Mesh, position};
-use super::{Material, Scene, SceneError};
+use super::maps::{Maps, Meaning};
+use super::mesh::{Mesh, is_degenerate, position};
+use super::source::{SceneFiles, existing};
+use super::{Material, Scene, SceneError, toward_viewer_of_files};
+use crate::pixels::RgbImage;
 use glam::{DVec3, Vec3};
 use lines::ObjText;
-use source::existing;
-pub use source::{Disk, SceneFiles};
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
-
-/// Automatic cameras look from this far to the right of +z and this far above the horizon: a front, a side and a top are seen.
-const VIEW_AZIMUTH_DEG: f64 = 30.0;
-const VIEW_ELEVATION_DEG: f64 = 20.0;
-
-/// A triangle is degenerate if its height is below this part of its longest edge: f64 rounding alone, its normal would be noise.
-const DEGENERATE_HEIGHT: f64 = 1e-12;
+use std::path::{Path, PathBuf};
 
 /// Loads the file at `path` of `files`; `spec` is what the user wrote.
 pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
@@ -61,15 +53,14 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
     );
 
     let (meshes, used) = assemble(&models, path, &mut warnings)?;
-    let (textures, maps) = maps::read(files, &libraries, &mut warnings);
+    let (textures, maps) = read_maps(files, &libraries, &mut warnings);
     let material = |index: &Option<usize>| {
         index.map_or_else(Material::default, |index| mtl::material(&file_materials[index], &maps))
     };
     let mut scene = Scene::assemble(spec, Vec::new(), meshes, used.iter().map(material).collect());
     scene.textures = textures;
     scene.warnings = warnings;
-    let (azimuth, elevation) = (VIEW_AZIMUTH_DEG.to_radians(), VIEW_ELEVATION_DEG.to_radians());
-    scene.toward_viewer = DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
+    scene.toward_viewer = toward_viewer_of_files();
     Ok(scene.hashed())
 }
 
@@ -109,6 +100,25 @@ fn read_libraries(
     Ok(libraries)
 }
 
+/// The textures, and the texture of each albedo map. A map that cannot be read adds a warning only.
+fn read_maps(
+    files: &dyn SceneFiles,
+    libraries: &mtl::Libraries,
+    warnings: &mut Vec<String>,
+) -> (Vec<RgbImage>, Vec<Option<usize>>) {
+    let (mut maps, mut unreadable) = (Maps::default(), Vec::new());
+    let mut read = |path: &PathBuf| {
+        let bytes = files.read(path).map_err(|error| error.to_string());
+        let index = bytes.and_then(|bytes| maps.add(&bytes, Meaning::Color));
+        index.map_err(|error| {
+            unreadable.push(format!("{}: cannot read the albedo map: {error}; it is left out", path.display()));
+        })
+    };
+    let indices = libraries.maps.iter().map(|path| read(path).ok()).collect();
+    add_first(warnings, unreadable);
+    (maps.textures, indices)
+}
+
 /// One mesh a material in order of first use, and for each the material of the file (`None`: the default).
 fn assemble(
     models: &[tobj::Model],
@@ -123,13 +133,14 @@ fn assemble(
     for source in models.iter().map(|model| &model.mesh).filter(|mesh| !mesh.indices.is_empty()) {
         let slot = *slots.entry(source.material_id).or_insert_with(|| {
             used.push(source.material_id);
-            meshes.push(empty_mesh(meshes.len()));
+            meshes.push(Mesh::empty(meshes.len()));
             meshes.len() - 1
         });
         let mesh = &mut meshes[slot];
         let base = mesh.positions.len() as u32;
         mesh.positions.extend(source.positions.as_chunks::<3>().0);
         mesh.uvs.extend(source.texcoords.as_chunks::<2>().0);
+        mesh.tangents.resize(mesh.positions.len(), [0.0; 4]);
         mesh.normals.extend(source.normals.as_chunks::<3>().0.iter().map(|&n| unit_or_zero(n)));
 
         let mut corners = source.indices.as_slice();
@@ -169,16 +180,7 @@ fn assemble(
     Ok((meshes, used))
 }
 
-fn empty_mesh(material: usize) -> Mesh {
-    Mesh { positions: Vec::new(), normals: Vec::new(), uvs: Vec::new(), indices: Vec::new(), material }
-}
-
 /// The unit vector along `n`; (0, 0, 0), which stands for "compute it", if `n` has no direction.
 fn unit_or_zero(n: [f32; 3]) -> [f32; 3] {
     Vec3::from_array(n).as_dvec3().normalize_or_zero().as_vec3().to_array()
-}
-
-fn is_degenerate([a, b, c]: [DVec3; 3]) -> bool {
-    let longest_squared = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-    (b - a).cross(c - a).length() <= DEGENERATE_HEIGHT * longest_squared
 }

@@ -15,11 +15,12 @@
 
 use super::add_first;
 use super::lines::{logical_lines, number, split_keyword};
-use super::source::{SceneFiles, existing};
+
 use crate::brdf;
 use crate::glsl::constants::ALPHA_MIN;
 use crate::scene::SceneError;
 use crate::scene::material::{DEFAULT_ALBEDO, DEFAULT_ALPHA, Material};
+use crate::scene::source::{SceneFiles, existing};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -170,5 +171,6 @@ pub fn material(source: &tobj::Material, maps: &[Option<usize>]) -> Material {
         // A file may ask for a mirror (Pr 0); narrower lobes are not shaded.
         alpha: alpha.max(ALPHA_MIN),
         f0: f0.unwrap_or(default.f0),
+        ..default
     }
 }

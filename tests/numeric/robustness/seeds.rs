@@ -1,10 +1,13 @@
 //! Small right files of every kind of input, made here: what fuzzing and mutation start from.
 
 use crate::bakes::files;
+use crate::gltf_files::{png, textured};
+use crate::scene::gltf::{glb, quad};
 use exr::prelude::{
     AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
     WritableImage, f16,
 };
+use serde_json::{Value, json};
 use splitsum::bakes::container::TEXELS;
 use std::io::Cursor;
 
@@ -15,6 +18,7 @@ pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
         "hdr" => hdr(),
         "exr" => exr(),
         "obj" => obj(),
+        "gltf" => gltf(),
         "experiment" => texts(EXPERIMENTS),
         "queries" => texts(QUERIES),
         "report" => texts(REPORTS),
@@ -179,6 +183,30 @@ fn obj() -> Vec<(String, Vec<u8>)> {
     let scene =
         "@@x.obj\nmtllib m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n@@m\nnewmtl a\nmap_Kd p\n@@p\n";
     seeds.push(("map".to_owned(), [scene.as_bytes(), &picture.into_inner()].concat()));
+    seeds
+}
+
+/// A square with every map, text and binary, whole and with sparse elements.
+fn gltf() -> Vec<(String, Vec<u8>)> {
+    let material = json!({
+        "normalTexture": { "index": 1 },
+        "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicRoughnessTexture": { "index": 1 } },
+    });
+    let images = [0, 90].map(|base| png(2, 2, move |x, y| [base + 90 * x as u8, 100 * y as u8, 7]));
+    let mut sparse = quad();
+    let accessors = sparse["accessors"].as_array_mut().expect("accessors");
+    accessors[0]["sparse"] = json!({
+        "count": 1,
+        "indices": { "bufferView": 3, "componentType": 5123 },
+        "values": { "bufferView": 0 },
+    });
+    let mut nodes = quad();
+    nodes["nodes"] = json!([{ "children": [1], "scale": [1, -1, 1] }, { "mesh": 0, "rotation": [0, 1, 0, 0] }]);
+    nodes["meshes"][0]["primitives"][0]["mode"] = json!(5);
+    let models = [("maps", textured(quad(), material, &images)), ("sparse", sparse), ("nodes", nodes)];
+    let text = |(name, model): &(&str, Value)| (name.to_string(), format!("@@x.gltf\n{model}").into_bytes());
+    let mut seeds: Vec<_> = models.iter().map(text).collect();
+    seeds.push(("binary".to_owned(), glb(&models[1].1)));
     seeds
 }
 

@@ -28,6 +28,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "hdr", run: hdr },
     Target { name: "exr", run: openexr },
     Target { name: "obj", run: obj },
+    Target { name: "gltf", run: gltf },
     Target { name: "experiment", run: experiment },
     Target { name: "queries", run: queries },
     Target { name: "report", run: report },
@@ -138,13 +139,26 @@ pub fn files(bytes: &[u8]) -> BTreeMap<PathBuf, Vec<u8>> {
 
 /// An OBJ file `x.obj` with the libraries and maps that it names, as [`files`].
 pub fn obj(bytes: &[u8]) {
-    let memory = Memory(files(bytes));
-    match Scene::from_obj(Path::new("x.obj"), &memory) {
+    scene("x.obj", Memory(files(bytes)));
+}
+
+/// A binary glTF file, or else a text `x.gltf` with the buffers and images that it names, as [`files`].
+pub fn gltf(bytes: &[u8]) {
+    let (name, memory) = match bytes.starts_with(b"glTF") {
+        true => ("x.glb", BTreeMap::from([(PathBuf::from("x.glb"), bytes.to_vec())])),
+        false => ("x.gltf", files(bytes)),
+    };
+    scene(name, Memory(memory));
+}
+
+fn scene(name: &str, memory: Memory) {
+    match Scene::from_file(Path::new(name), &memory) {
         Ok(scene) => {
             for mesh in &scene.meshes {
                 assert!(mesh.material < scene.materials.len());
                 assert_eq!(mesh.positions.len(), mesh.normals.len());
                 assert_eq!(mesh.positions.len(), mesh.uvs.len());
+                assert_eq!(mesh.positions.len(), mesh.tangents.len());
                 assert!(mesh.indices.iter().all(|&index| (index as usize) < mesh.positions.len()));
                 let is_unit = |n: &[f32; 3]| (n.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-3;
                 assert!(mesh.indices.iter().all(|&index| is_unit(&mesh.normals[index as usize])), "no unit normal");
@@ -153,14 +167,15 @@ pub fn obj(bytes: &[u8]) {
                 assert!(material.alpha > 0.0 && material.alpha <= 1.0, "alpha {}", material.alpha);
                 assert!((0.0..=1.0).contains(&material.metallic));
                 assert!(material.albedo.iter().chain(&material.f0).all(|x| (0.0..=1.0).contains(x)));
-                assert!(material.albedo_map.is_none_or(|map| map < scene.textures.len()));
+                assert!(material.maps().all(|map| map < scene.textures.len()));
             }
         }
         Err(error) => {
             let message = error.to_string();
             assert!(
-                message.starts_with("x.obj:") || memory.0.keys().any(|name| message.contains(&*name.to_string_lossy()))
+                message.starts_with(name) || memory.0.keys().any(|name| message.contains(&*name.to_string_lossy()))
             );
+            assert!(message.lines().count() == 1, "{message:?}");
         }
     }
 }

@@ -1,8 +1,5 @@
-//! Albedo maps: PNG or JPEG, sRGB, to linear RGB.
+//! Maps of materials: PNG or JPEG, to linear numbers.
 
-use super::add_first;
-use super::mtl::Libraries;
-use super::source::SceneFiles;
 use crate::color::srgb_decode;
 use crate::pixels::{Pixels, RgbImage};
 use image::{DynamicImage, ImageReader};
@@ -13,34 +10,40 @@ const MAX_TEXELS: u64 = 1 << 25;
 /// Bytes of a texel at most: 12 as linear RGB, 16 on the way to the device, and 16 there, which may be this machine.
 const TEXEL_BYTES: u64 = 44;
 
-/// The textures, and the texture of each map. A map that cannot be read adds a warning only.
-pub(super) fn read(
-    files: &dyn SceneFiles,
-    libraries: &Libraries,
-    warnings: &mut Vec<String>,
-) -> (Vec<RgbImage>, Vec<Option<usize>>) {
-    let mut textures: Vec<RgbImage> = Vec::new();
-    let mut texels_left = MAX_TEXELS;
-    let (mut texture_of, mut unreadable) = (Vec::new(), Vec::new());
-    for path in &libraries.maps {
-        let decoded = files.read(path).map_err(|error| error.to_string()).and_then(|bytes| decode(&bytes, texels_left));
-        texture_of.push(match decoded {
-            Ok(texture) => {
-                texels_left -= texture.data.len() as u64;
-                textures.push(texture);
-                Some(textures.len() - 1)
-            }
-            Err(error) => {
-                unreadable.push(format!("{}: cannot read the albedo map: {error}; it is left out", path.display()));
-                None
-            }
-        });
-    }
-    add_first(warnings, unreadable);
-    (textures, texture_of)
+/// What the numbers of a map are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Meaning {
+    /// sRGB colour.
+    Color,
+    /// Fractions as they are.
+    Linear,
+    /// A unit vector about the normal, each of its coordinates as (x + 1)/2; x and y are then scaled.
+    Normal { scale: f32 },
 }
 
-fn decode(bytes: &[u8], most_texels: u64) -> Result<RgbImage, String> {
+/// The decoded maps of a file.
+#[derive(Default)]
+pub(super) struct Maps {
+    pub textures: Vec<RgbImage>,
+    texel_count: u64,
+}
+
+impl Maps {
+    /// Adds the map of a file of these bytes and gives its index.
+    pub fn add(&mut self, bytes: &[u8], meaning: Meaning) -> Result<usize, String> {
+        let mut texture = decode(bytes, meaning == Meaning::Color, MAX_TEXELS - self.texel_count)?;
+        if let Meaning::Normal { scale } = meaning {
+            // Linear, so that a lookup between texels may follow it.
+            let signed = |[x, y, z]: [f32; 3]| [scale * (2.0 * x - 1.0), scale * (2.0 * y - 1.0), 2.0 * z - 1.0];
+            texture.data.iter_mut().for_each(|texel| *texel = signed(*texel));
+        }
+        self.texel_count += texture.data.len() as u64;
+        self.textures.push(texture);
+        Ok(self.textures.len() - 1)
+    }
+}
+
+fn decode(bytes: &[u8], is_srgb: bool, most_texels: u64) -> Result<RgbImage, String> {
     let reader = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string());
     let (width, height) = reader()?.into_dimensions().map_err(|error| error.to_string())?;
     if u64::from(width) * u64::from(height) > most_texels {
@@ -49,6 +52,7 @@ fn decode(bytes: &[u8], most_texels: u64) -> Result<RgbImage, String> {
             "it has {width}x{height} texels, which take {mebibytes} MiB; of {MAX_TEXELS} for all maps {most_texels} are left"
         ));
     }
+    let to_linear = |x: f32| if is_srgb { srgb_decode(x) } else { x };
     let mut texels: Vec<[f32; 3]> = Vec::new();
     texels.try_reserve_exact(width as usize * height as usize).map_err(|error| error.to_string())?;
     match reader()?.decode().map_err(|error| error.to_string())? {
@@ -57,12 +61,12 @@ fn decode(bytes: &[u8], most_texels: u64) -> Result<RgbImage, String> {
         | DynamicImage::ImageRgb16(_)
         | DynamicImage::ImageRgba16(_)) => {
             let deep = deep.into_rgb16();
-            let linear = |x: u16| srgb_decode(f32::from(x) / f32::from(u16::MAX));
+            let linear = |x: u16| to_linear(f32::from(x) / f32::from(u16::MAX));
             texels.extend(deep.pixels().map(|texel| texel.0.map(linear)));
         }
         image => {
             // A hundred million powers would take seconds; there are 256.
-            let linear: [f32; 256] = std::array::from_fn(|x| srgb_decode(x as f32 / 255.0));
+            let linear: [f32; 256] = std::array::from_fn(|x| to_linear(x as f32 / 255.0));
             texels.extend(image.into_rgb8().pixels().map(|texel| texel.0.map(|x| linear[usize::from(x)])));
         }
     }

@@ -1,4 +1,4 @@
-//! Where an OBJ file and the files that it names come from.
+//! Where a scene's file and the files that it names come from.
 
 use crate::files::read_regular;
 use std::io;

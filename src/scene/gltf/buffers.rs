@@ -1,0 +1,142 @@
+//! Buffers and what accessors read from them. Every length comes from the file, so each is checked before anything is taken.
+
+use crate::scene::source::{SceneFiles, existing};
+use ::gltf::Document;
+use ::gltf::accessor::{Accessor, DataType, Dimensions, sparse::IndexType};
+use ::gltf::buffer::{Source, View};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use std::borrow::Cow;
+use std::path::Path;
+
+/// Bytes of all buffers together.
+const MAX_BYTES: usize = 1 << 30;
+
+/// The bytes of every buffer.
+pub struct Buffers<'a>(Vec<Cow<'a, [u8]>>);
+
+/// The bytes that a URI of the file at `from` stands for: `data:` with base64, or the percent-encoded path of a file beside it.
+pub fn resource(uri: &str, from: &Path, files: &dyn SceneFiles) -> Result<Vec<u8>, String> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        let (_, text) = data.split_once(";base64,").ok_or("data: without base64")?;
+        return BASE64_STANDARD.decode(text).map_err(|error| format!("data: {error}"));
+    }
+    let name = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
+    files.read(&existing(files, from, &name)).map_err(|error| format!("cannot read {name:?}: {error}"))
+}
+
+impl<'a> Buffers<'a> {
+    pub fn read(
+        document: &Document,
+        blob: Option<&'a [u8]>,
+        path: &Path,
+        files: &dyn SceneFiles,
+    ) -> Result<Self, String> {
+        let mut all = Vec::new();
+        let mut bytes_left = MAX_BYTES;
+        for buffer in document.buffers() {
+            let fault = |what: String| format!("buffer {}: {what}", buffer.index());
+            let bytes = match buffer.source() {
+                Source::Bin => {
+                    Cow::Borrowed(blob.ok_or_else(|| fault("no URI, and the file has no binary part".to_owned()))?)
+                }
+                Source::Uri(uri) => Cow::Owned(resource(uri, path, files).map_err(fault)?),
+            };
+            if bytes.len() < buffer.length() {
+                return Err(fault(format!("{} bytes, expected {}", bytes.len(), buffer.length())));
+            }
+            bytes_left = bytes_left
+                .checked_sub(bytes.len())
+                .ok_or_else(|| fault(format!("with it the buffers have more than {} MiB", MAX_BYTES >> 20)))?;
+            all.push(bytes);
+        }
+        Ok(Self(all))
+    }
+
+    /// The bytes of a view.
+    pub fn view(&self, view: &View) -> Result<&[u8], String> {
+        let buffer = &self.0[view.buffer().index()];
+        let end = view.offset().checked_add(view.length());
+        end.and_then(|end| buffer.get(view.offset()..end)).ok_or_else(|| {
+            format!("view {}: {} bytes at {} of {}", view.index(), view.length(), view.offset(), buffer.len())
+        })
+    }
+
+    /// `count` elements of `size` bytes from a view.
+    fn elements<'s>(
+        &'s self,
+        view: &View,
+        offset: usize,
+        count: usize,
+        size: usize,
+    ) -> Result<impl Iterator<Item = &'s [u8]> + use<'s, 'a>, String> {
+        let (bytes, stride) = (self.view(view)?, view.stride().unwrap_or(size));
+        let end = (count - 1).checked_mul(stride).and_then(|last| last.checked_add(offset)?.checked_add(size));
+        let Some(bytes) = end.filter(|_| stride >= size).and_then(|end| bytes.get(offset..end)) else {
+            let all = bytes.len();
+            return Err(format!("view {}: {count} x {size} bytes at {offset}, {stride} apart, of {all}", view.index()));
+        };
+        Ok((0..count).map(move |i| &bytes[i * stride..][..size]))
+    }
+
+    /// The elements of an accessor, one after the other; zeros where it has no view, and with its sparse ones replaced.
+    fn packed(&self, accessor: &Accessor, most: usize) -> Result<Vec<u8>, String> {
+        let (count, size) = (accessor.count(), accessor.size());
+        if count == 0 || count > most {
+            return Err(format!("{count} elements, expected 1 to {most}"));
+        }
+        let mut packed = match accessor.view() {
+            Some(view) => self.elements(&view, accessor.offset(), count, size)?.collect::<Vec<_>>().concat(),
+            None => vec![0; count * size],
+        };
+        let Some(sparse) = accessor.sparse().filter(|sparse| sparse.count() > 0) else { return Ok(packed) };
+        let (indices, values, replaced) = (sparse.indices(), sparse.values(), sparse.count());
+        let index_size = match indices.index_type() {
+            IndexType::U8 => 1,
+            IndexType::U16 => 2,
+            IndexType::U32 => 4,
+        };
+        let places = self.elements(&indices.view(), indices.offset(), replaced, index_size)?;
+        for (place, value) in places.zip(self.elements(&values.view(), values.offset(), replaced, size)?) {
+            let place = place.iter().rev().fold(0, |number, &byte| number << 8 | usize::from(byte));
+            let slot = packed.chunks_exact_mut(size).nth(place);
+            slot.ok_or_else(|| format!("sparse index {place} of {count}"))?.copy_from_slice(value);
+        }
+        Ok(packed)
+    }
+
+    /// Vectors of N floats, or of fractions in unsigned integers; at most `most` of them.
+    pub fn vectors<const N: usize>(&self, accessor: &Accessor, most: usize) -> Result<Vec<[f32; N]>, String> {
+        let fault = |what: String| format!("accessor {}: {what}", accessor.index());
+        let floats = [Dimensions::Scalar, Dimensions::Vec2, Dimensions::Vec3, Dimensions::Vec4][N - 1];
+        if accessor.dimensions() != floats {
+            return Err(fault(format!("{:?}, expected {floats:?}", accessor.dimensions())));
+        }
+        let packed = self.packed(accessor, most).map_err(fault)?;
+        let numbers: Vec<f32> = match (accessor.data_type(), accessor.normalized()) {
+            (DataType::F32, _) => packed.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect(),
+            (DataType::U16, true) => {
+                packed.as_chunks().0.iter().map(|bytes| f32::from(u16::from_le_bytes(*bytes)) / 65535.0).collect()
+            }
+            (DataType::U8, true) => packed.iter().map(|byte| f32::from(*byte) / 255.0).collect(),
+            (other, _) => return Err(fault(format!("{other:?}, expected floats"))),
+        };
+        Ok(numbers.as_chunks::<N>().0.to_vec())
+    }
+
+    /// Unsigned integers, at most `most`.
+    pub fn indices(&self, accessor: &Accessor, most: usize) -> Result<Vec<u32>, String> {
+        let fault = |what: String| format!("accessor {}: {what}", accessor.index());
+        let packed = self.packed(accessor, most).map_err(fault)?;
+        match (accessor.dimensions(), accessor.data_type()) {
+            (Dimensions::Scalar, DataType::U32) => {
+                Ok(packed.as_chunks().0.iter().map(|b| u32::from_le_bytes(*b)).collect())
+            }
+            (Dimensions::Scalar, DataType::U16) => {
+                Ok(packed.as_chunks().0.iter().map(|b| u16::from_le_bytes(*b).into()).collect())
+            }
+            (Dimensions::Scalar, DataType::U8) => Ok(packed.iter().map(|byte| (*byte).into()).collect()),
+            (dimensions, data) => Err(fault(format!("{dimensions:?} of {data:?}, expected indices"))),
+        }
+    }
+}

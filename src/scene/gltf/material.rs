@@ -1,0 +1,127 @@
+//! Materials of glTF files.
+//!
+//! | read | becomes | without it |
+//! |---|---|---|
+//! | `baseColorFactor` rgb, `baseColorTexture` rgb (sRGB) | albedo, albedo map | white |
+//! | `metallicFactor`, `metallicRoughnessTexture` blue | metallic, metallic map | 1 |
+//! | `roughnessFactor`, `metallicRoughnessTexture` green | alpha = roughness², roughness map | 1 |
+//! | `normalTexture` with `scale` | normal map | none |
+//! | `doubleSided` | whether backs are seen | they are not |
+//! | `KHR_materials_ior` | f0 = ((ior - 1) / (ior + 1))² | 0.04 |
+//!
+//! Factors outside 0 to 1 are clamped. The maps of a material read one set of texture coordinates and repeat.
+
+use super::buffers::{Buffers, resource};
+use crate::brdf;
+use crate::glsl::constants::ALPHA_MIN;
+use crate::scene::maps::{Maps, Meaning};
+use crate::scene::material::Material;
+use crate::scene::source::SceneFiles;
+use ::gltf::image::Source;
+use ::gltf::material::AlphaMode;
+use ::gltf::texture::{Texture, WrappingMode};
+use std::collections::{BTreeSet, HashMap};
+use std::path::Path;
+
+/// The materials that are used, in that order.
+#[derive(Default)]
+pub struct Materials<'a> {
+    used: Vec<::gltf::Material<'a>>,
+    slots: HashMap<Option<usize>, usize>,
+}
+
+impl<'a> Materials<'a> {
+    /// The place of a material.
+    pub fn slot(&mut self, material: &::gltf::Material<'a>) -> usize {
+        *self.slots.entry(material.index()).or_insert_with(|| {
+            self.used.push(material.clone());
+            self.used.len() - 1
+        })
+    }
+
+    pub fn has_normal_map(&self, slot: usize) -> bool {
+        self.used[slot].normal_texture().is_some()
+    }
+
+    /// The set of texture coordinates that the maps of a material read.
+    pub fn uv_set(&self, slot: usize) -> Result<u32, String> {
+        let (material, factors) = (&self.used[slot], self.used[slot].pbr_metallic_roughness());
+        let sets: BTreeSet<u32> = [
+            factors.base_color_texture().map(|map| map.tex_coord()),
+            factors.metallic_roughness_texture().map(|map| map.tex_coord()),
+            material.normal_texture().map(|map| map.tex_coord()),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        match sets.len() {
+            0 | 1 => Ok(sets.first().copied().unwrap_or(0)),
+            _ => Err(format!("the maps of its material read the texture coordinates {sets:?}, expected one set")),
+        }
+    }
+
+    /// The materials as they are shaded; what is not read is added to `unread`.
+    pub fn read(
+        &self,
+        buffers: &Buffers,
+        path: &Path,
+        files: &dyn SceneFiles,
+        maps: &mut Maps,
+        unread: &mut BTreeSet<String>,
+    ) -> Result<Vec<Material>, String> {
+        // Images are shared by materials, and one holds both roughness and metallic.
+        let mut known: Vec<(usize, Meaning, usize)> = Vec::new();
+        let mut map = |texture: Texture, meaning: Meaning, unread: &mut BTreeSet<String>| {
+            let (sampler, image) = (texture.sampler(), texture.source());
+            if [sampler.wrap_s(), sampler.wrap_t()].iter().any(|wrap| *wrap != WrappingMode::Repeat) {
+                unread.insert("wrapping other than repeat".to_owned());
+            }
+            if let Some((.., index)) = known.iter().find(|(of, as_what, _)| (*of, *as_what) == (image.index(), meaning))
+            {
+                return Ok(*index);
+            }
+            let bytes = match image.source() {
+                Source::View { view, .. } => buffers.view(&view).map(<[u8]>::to_vec),
+                Source::Uri { uri, .. } => resource(uri, path, files),
+            };
+            let index = bytes.and_then(|bytes| maps.add(&bytes, meaning));
+            let index = index.map_err(|error| format!("image {}: {error}", image.index()))?;
+            known.push((image.index(), meaning, index));
+            Ok::<usize, String>(index)
+        };
+        let mut materials = Vec::new();
+        for material in &self.used {
+            let factors = material.pbr_metallic_roughness();
+            let (albedo, surface) = (factors.base_color_texture(), factors.metallic_roughness_texture());
+            let albedo_map = albedo.map(|info| map(info.texture(), Meaning::Color, unread)).transpose()?;
+            let surface_map = surface.map(|info| map(info.texture(), Meaning::Linear, unread)).transpose()?;
+            let normal = material.normal_texture();
+            let scaled = |info: ::gltf::material::NormalTexture<'a>| {
+                map(info.texture(), Meaning::Normal { scale: info.scale() }, unread)
+            };
+            let normal_map = normal.map(scaled).transpose()?;
+            let is_left_out = [
+                ("emission", material.emissive_factor() != [0.0; 3]),
+                ("occlusion", material.occlusion_texture().is_some()),
+                ("transparency", material.alpha_mode() != AlphaMode::Opaque),
+            ];
+            unread.extend(is_left_out.iter().filter(|(_, is_there)| *is_there).map(|(name, _)| (*name).to_owned()));
+            let [red, green, blue, _] = factors.base_color_factor().map(|x| x.clamp(0.0, 1.0));
+            let alpha = brdf::alpha_from_perceptual_roughness(f64::from(factors.roughness_factor().clamp(0.0, 1.0)));
+            let default = Material::default();
+            materials.push(Material {
+                name: material.name().unwrap_or("unnamed").to_owned(),
+                albedo: [red, green, blue],
+                albedo_map,
+                metallic: factors.metallic_factor().clamp(0.0, 1.0),
+                metallic_map: surface_map,
+                alpha: (alpha as f32).max(ALPHA_MIN),
+                roughness_map: surface_map,
+                f0: material.ior().map_or(default.f0, |ior| [brdf::f0_from_ior(f64::from(ior.max(0.0))) as f32; 3]),
+                normal_map,
+                is_one_sided: !material.double_sided(),
+            });
+        }
+        Ok(materials)
+    }
+}

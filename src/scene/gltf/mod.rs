@@ -1,0 +1,311 @@
+//! glTF 2.0 files, `.glb` and `.gltf` [GlTF20]: the triangles of the default scene with their nodes' transforms; see [`material`] for the
+//! materials.
+//!
+//! Read: lists, strips and fans of triangles; positions, normals, tangents and one set of texture coordinates; sparse and interleaved
+//! accessors; buffers and images in the file, beside it or as `data:`. Missing normals are the triangles' own, missing tangents under a
+//! normal map those of MikkTSpace, as the specification asks (section 3.7.2.1). The winding tells the front; a transform that mirrors turns
+//! it around.
+//!
+//! Refused by name: morph targets, skins, required extensions that are not in [`EXTENSIONS`]. What else is not read (emission, occlusion,
+//! transparency, vertex colours, animations, lights) is a warning.
+
+mod buffers;
+mod material;
+mod tangents;
+
+use super::maps::Maps;
+use super::mesh::{Mesh, is_degenerate};
+use super::source::SceneFiles;
+use super::{Scene, SceneError, toward_viewer_of_files};
+use crate::spelling::printable;
+use ::gltf::{Document, Glb, Gltf, Node, Primitive, Semantic, mesh::Mode, scene::Transform};
+use buffers::Buffers;
+use glam::{DMat3, DMat4, DQuat, DVec3, Vec3};
+use material::Materials;
+use serde::Deserialize;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Extensions that are read; others that a file requires refuse it.
+const EXTENSIONS: [&str; 1] = ["KHR_materials_ior"];
+/// Vertices of all meshes as they are placed, and a third of the corners of their triangles: below 1.5 GiB with 60 bytes a vertex and as
+/// many a corner while normals are made.
+const MAX_VERTICES: usize = 1 << 23;
+/// Largest coordinate, as in OBJ files: squares of it stay finite in f32.
+const MAX_COORDINATE: f64 = 1e15;
+/// Most of 16 an object and 1 a quotation mark of the text: an object takes up to 1 KiB, so they stay below 1 GiB.
+const MAX_TEXT_WEIGHT: usize = 1 << 24;
+
+/// Loads the file at `path` of `files`; `spec` is what the user wrote.
+pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
+    let fault = |what: String| SceneError::of_file(path, printable(&what));
+    let bytes = files.read(path).map_err(|error| fault(format!("cannot read the scene: {error}")))?;
+    let (document, blob) = parse(&bytes).map_err(fault)?;
+    let mut reader = Reader {
+        buffers: Buffers::read(&document, blob, path, files).map_err(fault)?,
+        materials: Materials::default(),
+        meshes: Vec::new(),
+        vertices_left: MAX_VERTICES,
+        degenerate_count: 0,
+        unread: BTreeSet::new(),
+    };
+    reader.nodes(&document).map_err(fault)?;
+    let mut maps = Maps::default();
+    let materials =
+        reader.materials.read(&reader.buffers, path, files, &mut maps, &mut reader.unread).map_err(fault)?;
+    reader.meshes.retain(|mesh| !mesh.indices.is_empty());
+    if reader.meshes.is_empty() {
+        return Err(fault("no triangle with an area in its scene, expected at least one".to_owned()));
+    }
+    for name in document.extensions_used().filter(|name| !EXTENSIONS.contains(name)) {
+        reader.unread.insert(printable(name));
+    }
+    if document.animations().len() > 0 {
+        reader.unread.insert("animations".to_owned());
+    }
+    let mut scene = Scene::assemble(spec, Vec::new(), reader.meshes, materials);
+    scene.textures = maps.textures;
+    scene.toward_viewer = toward_viewer_of_files();
+    if !reader.unread.is_empty() {
+        let unread: Vec<String> = reader.unread.into_iter().collect();
+        scene.warnings.push(format!("not read: {}", unread.join(", ")));
+    }
+    if reader.degenerate_count > 0 {
+        scene.warnings.push(format!("triangles without area that are left out: {}", reader.degenerate_count));
+    }
+    Ok(scene.hashed())
+}
+
+/// What decides whether a file can be read at all.
+#[derive(Deserialize)]
+struct Head {
+    asset: Asset,
+    #[serde(default, rename = "extensionsRequired")]
+    required: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct Asset {
+    version: String,
+}
+
+/// The checked document and the binary part of a `.glb`.
+fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
+    let wrong = |error: ::gltf::Error| match error {
+        ::gltf::Error::Validation(errors) => {
+            let more = if errors.len() > 1 { format!(", and {} more faults", errors.len() - 1) } else { String::new() };
+            errors.first().map_or_else(String::new, |(place, error)| format!("{place}: {error}{more}"))
+        }
+        other => other.to_string(),
+    };
+    let (text, blob) = match bytes.strip_prefix(b"glTF") {
+        Some(_) => container(bytes)?,
+        None => (bytes, None),
+    };
+    let weight = |byte: &u8| usize::from(*byte == b'"') + 16 * usize::from(*byte == b'{');
+    if text.iter().map(weight).sum::<usize>() > MAX_TEXT_WEIGHT {
+        return Err(format!("its JSON has more than {} objects, expected fewer", MAX_TEXT_WEIGHT / 32));
+    }
+    let head: Head = serde_json::from_slice(text).map_err(|error| format!("no glTF: {error}"))?;
+    if !head.asset.version.starts_with("2.") {
+        return Err(format!("glTF version {:?}, expected 2.0", head.asset.version));
+    }
+    if let Some(name) = head.required.iter().find(|name| !EXTENSIONS.contains(&name.as_str())) {
+        return Err(format!("it requires the extension {name}, which is not read; export it without"));
+    }
+    let json = Gltf::from_slice_without_validation(text).map_err(wrong)?.document.into_json();
+    // The crate's own check follows these without asking.
+    let accessors = json.meshes.iter().flat_map(|mesh| &mesh.primitives).flat_map(|part| part.attributes.values());
+    if let Some(missing) = accessors.map(|index| index.value()).find(|index| *index >= json.accessors.len()) {
+        return Err(format!("accessor {missing} of {}", json.accessors.len()));
+    }
+    Ok((Document::from_json(json).map_err(wrong)?, blob))
+}
+
+/// The JSON and the binary part of a `.glb`.
+fn container(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
+    use std::borrow::Cow::Borrowed;
+    let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
+    // What the crate subtracts from.
+    if word(8).is_none_or(|length| length < 20 || length > bytes.len()) {
+        let claim = word(8).map_or("no length".to_owned(), |length| format!("{length} bytes"));
+        return Err(format!("the header claims {claim}, but the file has {}; it is probably truncated", bytes.len()));
+    }
+    match Glb::from_slice(bytes) {
+        Ok(Glb { json: Borrowed(json), bin: Some(Borrowed(bin)), .. }) => Ok((json, Some(bin))),
+        Ok(Glb { json: Borrowed(json), .. }) => Ok((json, None)),
+        Ok(_) => Err("no JSON of its own".to_owned()),
+        Err(error) => Err(format!("no binary glTF 2.0: {error}")),
+    }
+}
+
+/// What is gathered while the nodes are visited.
+struct Reader<'a> {
+    buffers: Buffers<'a>,
+    materials: Materials<'a>,
+    /// One a material, in order of first use.
+    meshes: Vec<Mesh>,
+    vertices_left: usize,
+    degenerate_count: usize,
+    unread: BTreeSet<String>,
+}
+
+impl<'a> Reader<'a> {
+    fn nodes(&mut self, document: &'a Document) -> Result<(), String> {
+        let scene = document.default_scene().or_else(|| document.scenes().next());
+        let scene = scene.ok_or("it has no scene, expected at least one")?;
+        let mut is_visited = vec![false; document.nodes().len()];
+        let mut open: Vec<(Node<'a>, DMat4)> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
+        // In the order of the file.
+        open.reverse();
+        while let Some((node, parent)) = open.pop() {
+            if std::mem::replace(&mut is_visited[node.index()], true) {
+                return Err(format!("node {} is reached twice, expected a tree", node.index()));
+            }
+            let to_world = parent * matrix(node.transform());
+            if node.skin().is_some() {
+                return Err(format!(
+                    "{} has a skin, which is not read; export it posed",
+                    name("node", node.name(), node.index())
+                ));
+            }
+            if let Some(mesh) = node.mesh() {
+                let name = name("mesh", mesh.name(), mesh.index());
+                for primitive in mesh.primitives() {
+                    self.primitive(&primitive, to_world).map_err(|error| format!("{name}: {error}"))?;
+                }
+            }
+            let first = open.len();
+            open.extend(node.children().map(|child| (child, to_world)));
+            open[first..].reverse();
+        }
+        Ok(())
+    }
+
+    fn primitive(&mut self, primitive: &Primitive<'a>, to_world: DMat4) -> Result<(), String> {
+        if primitive.morph_targets().len() > 0 {
+            return Err("it has morph targets, which are not read; export it without".to_owned());
+        }
+        if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+            self.unread.insert("points and lines".to_owned());
+            return Ok(());
+        }
+        let Some(positions) = primitive.get(&Semantic::Positions) else {
+            self.unread.insert("triangles without positions".to_owned());
+            return Ok(());
+        };
+        let positions = self.buffers.vectors::<3>(&positions, self.vertices_left)?;
+        let count = positions.len();
+        let attribute = |semantic: Semantic| primitive.get(&semantic).filter(|accessor| accessor.count() == count);
+        if primitive.get(&Semantic::Colors(0)).is_some() {
+            self.unread.insert("vertex colours".to_owned());
+        }
+        let slot = self.materials.slot(&primitive.material());
+        if slot == self.meshes.len() {
+            self.meshes.push(Mesh::empty(slot));
+        }
+        let wanted = self.materials.uv_set(slot)?;
+        let uvs =
+            attribute(Semantic::TexCoords(wanted)).map(|uvs| self.buffers.vectors::<2>(&uvs, count)).transpose()?;
+        let normals =
+            attribute(Semantic::Normals).map(|normals| self.buffers.vectors::<3>(&normals, count)).transpose()?;
+        let given = attribute(Semantic::Tangents).filter(|_| normals.is_some());
+        let given = given.map(|tangents| self.buffers.vectors::<4>(&tangents, count)).transpose()?;
+        let indices = match primitive.indices() {
+            Some(indices) => self.buffers.indices(&indices, 3 * self.vertices_left)?,
+            None => (0..count as u32).collect(),
+        };
+        if let Some(index) = indices.iter().find(|index| **index as usize >= count) {
+            return Err(format!("index {index}, expected below its {count} positions"));
+        }
+
+        // The cofactors are the inverse transpose times the determinant; they know the way of a normal even where there is no inverse.
+        let linear = DMat3::from_mat4(to_world);
+        let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
+        let mirror = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+        let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * mirror;
+        let unit = |v: DVec3| v.normalize_or_zero().as_vec3().to_array();
+        let mut placed = Mesh::empty(slot);
+        for position in &positions {
+            let position = to_world.transform_point3(Vec3::from_array(*position).as_dvec3());
+            // Written so that what is no number is refused as well.
+            if !(position.abs().max_element() <= MAX_COORDINATE && position.is_finite()) {
+                return Err(format!("a position outside -{MAX_COORDINATE:e} to {MAX_COORDINATE:e}"));
+            }
+            placed.positions.push(position.as_vec3().to_array());
+        }
+        // glTF counts v from the top row.
+        placed.uvs = uvs.map_or(vec![[0.0; 2]; count], |uvs| uvs.iter().map(|&[u, v]| [u, 1.0 - v]).collect());
+        if placed.uvs.iter().flatten().any(|x| !x.is_finite()) {
+            return Err("a texture coordinate that is no number".to_owned());
+        }
+        let normals = normals.unwrap_or_default();
+        placed.normals = normals.iter().map(|&n| unit(cofactors * Vec3::from_array(n).as_dvec3())).collect();
+        let tangent = |[x, y, z, w]: [f32; 4]| {
+            let [x, y, z] = unit(linear * DVec3::new(x.into(), y.into(), z.into()));
+            [x, y, z, w.signum() * mirror as f32]
+        };
+        let has_tangents = given.is_some();
+        placed.tangents = given.map_or(vec![[0.0; 4]; count], |given| given.into_iter().map(tangent).collect());
+        for mut triangle in triangles(primitive.mode(), &indices) {
+            if is_degenerate(triangle.map(|index| Vec3::from_array(placed.positions[index as usize]).as_dvec3())) {
+                self.degenerate_count += 1;
+                continue;
+            }
+            if mirror < 0.0 {
+                triangle.swap(1, 2);
+            }
+            placed.indices.extend(triangle);
+        }
+        let has_normal = |index: &u32| placed.normals.get(*index as usize).is_some_and(|normal| *normal != [0.0; 3]);
+        let is_flat = !placed.indices.iter().all(has_normal);
+        let needs_tangents = self.materials.has_normal_map(slot) && (is_flat || !has_tangents);
+        if is_flat || needs_tangents {
+            placed = tangents::corners(&placed, is_flat);
+        }
+        if needs_tangents {
+            tangents::fill(&mut placed);
+        }
+        let size = placed.positions.len().max(placed.indices.len().div_ceil(3));
+        self.vertices_left = self.vertices_left.checked_sub(size).ok_or("with it the scene has too many vertices")?;
+        append(&mut self.meshes[slot], placed);
+        Ok(())
+    }
+}
+
+/// `node 3 ("wheel")`.
+fn name(kind: &str, name: Option<&str>, index: usize) -> String {
+    name.map_or_else(|| format!("{kind} {index}"), |name| format!("{kind} {index} ({name:?})"))
+}
+
+/// A node's transform in f64.
+fn matrix(transform: Transform) -> DMat4 {
+    match transform {
+        Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),
+        Transform::Decomposed { translation, rotation, scale } => DMat4::from_scale_rotation_translation(
+            Vec3::from_array(scale).as_dvec3(),
+            DQuat::from_array(rotation.map(f64::from)).normalize(),
+            Vec3::from_array(translation).as_dvec3(),
+        ),
+    }
+}
+
+/// The triangles of a list, a strip or a fan, each counter-clockwise from its front (section 3.7.2.1).
+fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+    let i = |k: usize| indices[k];
+    let last = indices.len().saturating_sub(2);
+    match mode {
+        Mode::TriangleStrip => (0..last).map(|k| [i(k), i(k + 1 + k % 2), i(k + 2 - k % 2)]).collect(),
+        Mode::TriangleFan => (1..=last).map(|k| [i(k), i(k + 1), i(0)]).collect(),
+        _ => indices.as_chunks::<3>().0.to_vec(),
+    }
+}
+
+fn append(mesh: &mut Mesh, mut placed: Mesh) {
+    let base = mesh.positions.len() as u32;
+    mesh.indices.extend(placed.indices.iter().map(|index| base + index));
+    mesh.positions.append(&mut placed.positions);
+    mesh.normals.append(&mut placed.normals);
+    mesh.uvs.append(&mut placed.uvs);
+    mesh.tangents.append(&mut placed.tangents);
+}

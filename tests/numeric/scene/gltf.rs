@@ -1,0 +1,378 @@
+//! glTF files, made by the tests in memory.
+
+use crate::gltf_files::{load, mesh, png, textured};
+use glam::{DQuat, DVec3};
+use serde_json::{Value, json};
+use splitsum::brdf::alpha_from_perceptual_roughness;
+use splitsum::color::srgb_decode;
+use splitsum::gbuffer::Gbuffer;
+use splitsum::gbuffer::reference::gbuffer;
+use splitsum::scene::{Camera, CameraKind, MaterialOverride, Mesh, Projection, Scene};
+
+/// Rounding of f32 numbers of order 1.
+const F32: f64 = 1e-6;
+
+/// The square [-1, 1]² of the plane z = 0 with its front to +z; u grows to +x, v, as glTF counts it, to -y.
+pub fn quad() -> Value {
+    let positions = [-1., 1., 0., -1., -1., 0., 1., -1., 0., 1., 1., 0.];
+    let normals = [0., 0., 1.].repeat(4);
+    let uvs = [0., 0., 0., 1., 1., 1., 1., 0.];
+    mesh(&[("POSITION", 3, &positions), ("NORMAL", 3, &normals), ("TEXCOORD_0", 2, &uvs)], &[0, 1, 2, 0, 2, 3])
+}
+
+/// A model as a binary file without a binary part.
+pub fn glb(model: &Value) -> Vec<u8> {
+    let text = model.to_string();
+    let padded = format!("{text:<width$}", width = text.len().next_multiple_of(4));
+    let words = [2, 20 + padded.len() as u32, padded.len() as u32].map(u32::to_le_bytes).concat();
+    [b"glTF", &words[..], b"JSON", padded.as_bytes()].concat()
+}
+
+fn loaded(model: &Value) -> Scene {
+    load(model).expect("a readable file")
+}
+
+fn vector(v: [f32; 3]) -> DVec3 {
+    glam::Vec3::from_array(v).as_dvec3()
+}
+
+/// What a camera straight in front of the square sees of it and nothing else, a texel a pixel.
+fn seen(scene: &Scene, size: [u32; 2], toward_viewer: DVec3) -> Gbuffer<f64> {
+    let front = Camera::for_scene(CameraKind::Ortho, &Scene::sphere(), size);
+    let camera = Camera {
+        eye: 3.0 * toward_viewer,
+        forward: -toward_viewer,
+        up: DVec3::Y,
+        right: DVec3::Y.cross(toward_viewer),
+        // Half of the height; the width follows from the image's shape, so the square is drawn as wide as the image.
+        projection: Projection::Ortho { half_height: 1.0 },
+        ..front
+    };
+    gbuffer(scene, &camera, size)
+}
+
+/// A bent sheet of unequal normals, so that a wrong transform of either shows.
+fn sheet() -> ([f32; 12], [f32; 12]) {
+    let normal = |x: f64, y: f64| DVec3::new(x, y, 1.0).normalize().as_vec3().to_array();
+    let normals = [normal(-0.3, -0.1), normal(0.4, -0.2), normal(0.1, 0.5), normal(-0.2, 0.3)].concat();
+    ([-1., -1., 0., 1., -1., 0.3, 1., 1., -0.2, -1., 1., 0.1], normals.try_into().expect("four normals"))
+}
+
+#[test]
+fn a_node_that_is_turned_is_the_model_turned() {
+    let (positions, normals) = sheet();
+    let plain = mesh(&[("POSITION", 3, &positions), ("NORMAL", 3, &normals)], &[0, 1, 2, 0, 2, 3]);
+    let turn = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -0.8, 1.1);
+    let [x, y, z, w] = turn.to_array();
+    for scale in [DVec3::new(2.0, 0.5, 1.5), DVec3::new(-2.0, 0.5, 1.5)] {
+        let mut model = plain.clone();
+        // A parent that shifts and scales, a child that turns and shifts.
+        model["nodes"] = json!([
+            { "children": [1], "translation": [0.5, -1, 2], "scale": scale.to_array() },
+            { "mesh": 0, "translation": [1, 2, 3], "rotation": [x, y, z, w] },
+        ]);
+        let (before, after) = (&loaded(&plain).meshes[0], &loaded(&model).meshes[0]);
+        assert_eq!(after.positions.len(), 4);
+        for i in 0..4 {
+            let to_world = |p: DVec3| scale * (turn * p + DVec3::new(1.0, 2.0, 3.0)) + DVec3::new(0.5, -1.0, 2.0);
+            let position = to_world(vector(before.positions[i]));
+            assert!((vector(after.positions[i]) - position).length() < 5.0 * F32, "position {i}");
+            // A normal is what stays at right angles to the surface: divided by the scale, not multiplied.
+            let normal = (turn * vector(before.normals[i]) / scale).normalize();
+            assert!((vector(after.normals[i]) - normal).length() < F32, "normal {i}, scale {scale}");
+        }
+        // The front stays the front, in a mirror too.
+        for mesh in [before, after] {
+            for triangle in mesh.triangles() {
+                let [a, b, c] = triangle.map(|i| vector(mesh.positions[i as usize]));
+                let sum: DVec3 = triangle.iter().map(|&i| vector(mesh.normals[i as usize])).sum();
+                assert!((b - a).cross(c - a).dot(sum) > 0.0, "scale {scale}");
+            }
+        }
+    }
+    let mut columns = plain.clone();
+    columns["nodes"][0]["matrix"] = json!([0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1]);
+    let turned = &loaded(&columns).meshes[0];
+    assert!((vector(turned.positions[0]) - DVec3::new(6.0, 5.0, 7.0)).length() < F32, "a quarter turn about z");
+}
+
+fn triangle_corners(mesh: &Mesh) -> Vec<[DVec3; 3]> {
+    mesh.triangles().map(|triangle| triangle.map(|i| vector(mesh.positions[i as usize]))).collect()
+}
+
+/// Strips and fans turn every other corner around; bytes, strides and sparse elements are ways to write the same numbers.
+#[test]
+fn every_form_of_a_mesh_gives_the_same_triangles() {
+    let plain = quad();
+    let expected = triangle_corners(&loaded(&plain).meshes[0]);
+    let area = |corners: &[[DVec3; 3]]| -> DVec3 { corners.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a)).sum() };
+    assert!((area(&expected) - DVec3::new(0.0, 0.0, 4.0)).length() < F32);
+    for (mode, indices) in [(5, [1u16, 2, 0, 3]), (6, [0, 1, 2, 3])] {
+        let positions = [-1., 1., 0., -1., -1., 0., 1., -1., 0., 1., 1., 0.];
+        let mut model = mesh(&[("POSITION", 3, &positions)], &indices);
+        model["meshes"][0]["primitives"][0]["mode"] = json!(mode);
+        let corners = triangle_corners(&loaded(&model).meshes[0]);
+        assert_eq!(corners.len(), 2);
+        assert!(corners.iter().all(|corners| (area(&[*corners]) - DVec3::new(0.0, 0.0, 2.0)).length() < F32), "{mode}");
+    }
+    let mut bare = plain.clone();
+    bare["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("NORMAL");
+    let flat = &loaded(&bare).meshes[0];
+    assert!(flat.normals.iter().all(|normal| *normal == [0.0, 0.0, 1.0]), "the triangles' own normals");
+
+    // Positions and normals side by side, and the last corner moved by a sparse element.
+    let (positions, normals) = sheet();
+    let rows: Vec<f32> = (0..4).flat_map(|i| [&positions[3 * i..][..3], &normals[3 * i..][..3]].concat()).collect();
+    let mut model = mesh(&[("POSITION", 3, &rows[..12]), ("NORMAL", 3, &rows[12..])], &[0, 1, 2, 0, 2, 3]);
+    let both: Vec<u8> = rows.iter().flat_map(|x| x.to_le_bytes()).chain([3, 0, 0, 0]).collect();
+    use base64::Engine;
+    let uri = base64::prelude::BASE64_STANDARD.encode([both, 9f32.to_le_bytes().repeat(3)].concat());
+    model["buffers"][0] = json!({ "uri": format!("data:;base64,{uri}"), "byteLength": 112 });
+    model["bufferViews"][0] = json!({ "buffer": 0, "byteLength": 96, "byteStride": 24 });
+    model["bufferViews"][1] = json!({ "buffer": 0, "byteOffset": 12, "byteLength": 84, "byteStride": 24 });
+    let views = model["bufferViews"].as_array_mut().unwrap();
+    views.push(json!({ "buffer": 0, "byteOffset": 96, "byteLength": 4 }));
+    views.push(json!({ "buffer": 0, "byteOffset": 100, "byteLength": 12 }));
+    model["accessors"][0]["sparse"] = json!({
+        "count": 1,
+        "indices": { "bufferView": 3, "componentType": 5121 },
+        "values": { "bufferView": 4 },
+    });
+    let scene = loaded(&model);
+    assert_eq!(scene.meshes[0].positions[..3].concat(), positions[..9]);
+    assert_eq!(scene.meshes[0].positions[3], [9.0; 3]);
+    assert!((vector(scene.meshes[0].normals[1]) - vector(normals[3..6].try_into().unwrap())).length() < F32);
+}
+
+#[test]
+fn a_textured_square_has_the_texels_of_its_textures() {
+    let size = [4, 4];
+    let color = |x: u32, y: u32| [(60 * x) as u8, (70 * y) as u8, 200];
+    let surface = |x: u32, y: u32| [7, (60 * y + 15) as u8, (80 * x) as u8];
+    let material = json!({
+        "doubleSided": true,
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [0.5, 1, 0.25, 1], "metallicFactor": 0.5, "roughnessFactor": 0.75,
+            "baseColorTexture": { "index": 0 }, "metallicRoughnessTexture": { "index": 1 },
+        },
+    });
+    let scene = loaded(&textured(quad(), material, &[png(4, 4, color), png(4, 4, surface)]));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    let images = seen(&scene, size, DVec3::Z);
+    let byte = |x: u8| f64::from(x) / 255.0;
+    for (x, y) in (0..16).map(|i| (i % 4, i / 4)) {
+        let linear = color(x, y).map(|byte| f64::from(srgb_decode(f32::from(byte) / 255.0)));
+        let albedo = DVec3::new(0.5, 1.0, 0.25) * DVec3::from_array(linear);
+        let [_, green, blue] = surface(x, y);
+        let alpha = alpha_from_perceptual_roughness(0.75 * byte(green));
+        let expected = [albedo.x, albedo.y, albedo.z, 0.5 * byte(blue)];
+        let (surface, normal) = (images.albedo_metallic.get(x, y), images.normal_alpha.get(x, y));
+        assert!((0..4).all(|c| (surface[c] - expected[c]).abs() < F32), "({x}, {y}): {surface:?}, {expected:?}");
+        assert!((normal[3] - alpha).abs() < F32, "({x}, {y}): alpha {} for {alpha}", normal[3]);
+        let f0 = DVec3::splat(0.04).lerp(albedo, expected[3]);
+        assert!((0..3).all(|c| (images.f0_material.get(x, y)[c] - f0[c]).abs() < F32), "f0 of ({x}, {y})");
+    }
+}
+
+/// The vector that a texel of a normal map stands for.
+fn unpacked(texel: [u8; 3]) -> DVec3 {
+    2.0 * DVec3::from_array(texel.map(|x| f64::from(x) / 255.0)) - 1.0
+}
+
+#[test]
+fn a_normal_map_turns_the_normal_into_its_frame() {
+    let texel = [191, 153, 230];
+    let m = unpacked(texel);
+    let normal_of = |model: Value, toward: DVec3| {
+        let normal = seen(&loaded(&model), [1, 1], toward).normal_alpha.data[0];
+        DVec3::new(normal[0], normal[1], normal[2])
+    };
+    let map = |model: Value, scale: f64| {
+        let material = json!({ "doubleSided": true, "normalTexture": { "index": 0, "scale": scale } });
+        textured(model, material, &[png(1, 1, |_, _| texel)])
+    };
+    let expect = |what: &str, actual: DVec3, expected: DVec3| {
+        assert!((actual - expected.normalize()).length() < F32, "{what}: {actual}, expected {}", expected.normalize());
+    };
+    // Red to the right, green up, as the specification has it (3.9.3), though v grows downward.
+    expect("as it is", normal_of(map(quad(), 1.0), DVec3::Z), m);
+    expect("scaled", normal_of(map(quad(), 0.5), DVec3::Z), m * DVec3::new(0.5, 0.5, 1.0));
+    expect("from behind", normal_of(map(quad(), 1.0), DVec3::NEG_Z), -m);
+
+    let mut mirrored = quad();
+    mirrored["accessors"][2]["count"] = json!(4);
+    let uvs: Vec<f32> = vec![1., 0., 1., 1., 0., 1., 0., 0.];
+    let positions = [-1., 1., 0., -1., -1., 0., 1., -1., 0., 1., 1., 0.];
+    let normals = [0., 0., 1.].repeat(4);
+    let attributes: [(&str, usize, &[f32]); 3] =
+        [("POSITION", 3, &positions), ("NORMAL", 3, &normals), ("TEXCOORD_0", 2, &uvs)];
+    let mirrored = mesh(&attributes, &[0, 1, 2, 0, 2, 3]);
+    expect("u to the left", normal_of(map(mirrored, 1.0), DVec3::Z), m * DVec3::new(-1.0, 1.0, 1.0));
+
+    // Tangents of the file instead of computed ones: a quarter turn, and the other hand.
+    let tangents = [0., 1., 0., -1.].repeat(4);
+    let given = mesh(&[&attributes[..], &[("TANGENT", 4, &tangents)]].concat(), &[0, 1, 2, 0, 2, 3]);
+    // The bitangent is -(z x y) = x.
+    expect("given", normal_of(map(given, 1.0), DVec3::Z), DVec3::new(m.y, m.x, m.z));
+
+    // Turned about y by a quarter, the square looks to +x; mirrored in x, its picture is.
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let mut turned = map(quad(), 1.0);
+    turned["nodes"][0]["rotation"] = json!([0, half, 0, half]);
+    expect("turned", normal_of(turned, DVec3::X), DVec3::new(m.z, m.y, -m.x));
+    let mut flipped = map(quad(), 1.0);
+    flipped["nodes"][0]["scale"] = json!([-1, 1, 1]);
+    expect("mirrored", normal_of(flipped, DVec3::Z), m * DVec3::new(-1.0, 1.0, 1.0));
+}
+
+/// A map that says (0.5, 0.5, 1) everywhere is no map; 8 bits have no such number, so its texels are set.
+#[test]
+fn a_flat_normal_map_changes_nothing() {
+    let (positions, normals) = sheet();
+    let uvs = [0., 0., 1., 0., 1., 1., 0., 1.];
+    let plain =
+        mesh(&[("POSITION", 3, &positions), ("NORMAL", 3, &normals), ("TEXCOORD_0", 2, &uvs)], &[0, 1, 2, 0, 2, 3]);
+    let material = json!({ "doubleSided": true, "normalTexture": { "index": 0 } });
+    let mut mapped = loaded(&textured(plain.clone(), material, &[png(2, 2, |_, _| [128, 128, 255])]));
+    let decoded = mapped.textures[0].data[0];
+    assert!(decoded[..2].iter().all(|x| (x - 1.0 / 255.0).abs() < 1e-6) && decoded[2] == 1.0, "{decoded:?}");
+    mapped.textures[0].data.fill([0.0, 0.0, 1.0]);
+    let tangents = &mapped.meshes[0].tangents;
+    assert!(tangents.iter().all(|t| (vector([t[0], t[1], t[2]]).length() - 1.0).abs() < F32 && t[3].abs() == 1.0));
+    let [with, without] = [&mapped, &loaded(&plain)].map(|scene| seen(scene, [9, 9], DVec3::Z));
+    for (a, b) in with.normal_alpha.data.iter().zip(&without.normal_alpha.data) {
+        assert!((0..4).all(|c| (a[c] - b[c]).abs() < 1e-12), "{a:?}, {b:?}");
+    }
+}
+
+#[test]
+fn factors_are_what_the_axes_set() {
+    let mut model = quad();
+    model["materials"] = json!([{
+        "pbrMetallicRoughness": { "baseColorFactor": [0.9, 0.5, 0.1, 1], "metallicFactor": 0.375, "roughnessFactor": 0.5 },
+        "extensions": { "KHR_materials_ior": { "ior": 1.8 } },
+    }]);
+    model["extensionsUsed"] = json!(["KHR_materials_ior"]);
+    model["extensionsRequired"] = json!(["KHR_materials_ior"]);
+    let f0 = ((1.8f64 - 1.0) / (1.8 + 1.0)).powi(2) as f32;
+    let values =
+        MaterialOverride { albedo: Some([0.9, 0.5, 0.1]), metallic: Some(0.375), alpha: Some(0.25), f0: Some([f0; 3]) };
+    let images = [loaded(&model), loaded(&quad()).apply(&values)].map(|scene| seen(&scene, [3, 3], DVec3::Z));
+    let all = |g: &Gbuffer<f64>| [&g.normal_alpha, &g.albedo_metallic, &g.f0_material].map(|image| image.data.concat());
+    for (a, b) in all(&images[0]).iter().flatten().zip(all(&images[1]).iter().flatten()) {
+        assert!((a - b).abs() < 1e-7, "{a}, {b}");
+    }
+    // Without a word of it a material is a rough white metal; what an axis sets takes the place of the map.
+    let default = &loaded(&quad()).materials[0];
+    assert_eq!((default.albedo, default.metallic, default.alpha, default.f0), ([1.0; 3], 1.0, 1.0, [0.04; 3]));
+    let material = json!({ "pbrMetallicRoughness": { "metallicRoughnessTexture": { "index": 0 } } });
+    let mapped = loaded(&textured(quad(), material, &[png(1, 1, |_, _| [0, 51, 102])]));
+    let set = mapped.apply(&MaterialOverride { alpha: Some(0.5), ..MaterialOverride::default() });
+    let texel = |scene: &Scene| {
+        let images = seen(scene, [1, 1], DVec3::Z);
+        [images.normal_alpha.data[0][3], images.albedo_metallic.data[0][3]]
+    };
+    let near = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).abs() < F32 && (b - d).abs() < F32;
+    assert!(near(texel(&mapped), [0.04, 0.4]), "{:?}", texel(&mapped));
+    assert!(near(texel(&set), [0.5, 0.4]), "{:?}", texel(&set));
+}
+
+#[test]
+fn backs_are_seen_of_double_sided_materials_only() {
+    let mut model = quad();
+    let hits = |model: &Value, toward| seen(&loaded(model), [3, 3], toward).mask().data.iter().sum::<f32>();
+    assert_eq!([hits(&model, DVec3::Z), hits(&model, DVec3::NEG_Z)], [9.0, 9.0]);
+    model["materials"] = json!([{}]);
+    assert_eq!([hits(&model, DVec3::Z), hits(&model, DVec3::NEG_Z)], [9.0, 0.0]);
+    model["nodes"][0]["scale"] = json!([1, 1, -1]);
+    assert_eq!([hits(&model, DVec3::Z), hits(&model, DVec3::NEG_Z)], [0.0, 9.0]);
+}
+
+/// Each edit of a right file gives one message that names what is wrong.
+#[test]
+fn what_is_not_read_is_refused_by_name() {
+    let map =
+        |model: Value, uri: &str| textured(model, json!({ "normalTexture": { "index": 0 } }), &[json!({ "uri": uri })]);
+    type Edit = fn(&mut Value);
+    let edits: &[(&str, Edit)] = &[
+        ("has a skin", |m| {
+            m["nodes"][0]["skin"] = json!(0);
+            m["skins"] = json!([{ "joints": [0] }]);
+        }),
+        ("morph targets", |m| m["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }])),
+        ("KHR_draco_mesh_compression", |m| m["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])),
+        ("glTF version \"1.0\"", |m| m["asset"]["version"] = json!("1.0")),
+        ("node 0 is reached twice", |m| m["nodes"][0]["children"] = json!([0])),
+        ("node 1 is reached twice", |m| m["nodes"] = json!([{ "mesh": 0, "children": [1, 1] }, {}])),
+        ("it has no scene", |m| {
+            m.as_object_mut().unwrap().remove("scene");
+            m["scenes"] = json!([]);
+        }),
+        ("no triangle with an area", |m| m["nodes"][0]["scale"] = json!([0, 1, 0])),
+        ("a position outside -1e15 to 1e15", |m| m["nodes"][0]["translation"] = json!([1e16, 0, 0])),
+        ("index 9, expected below its 4 positions", |m| {
+            m["buffers"][3]["uri"] = json!("data:;base64,CQAJAAkACQAJAAkA");
+        }),
+        ("buffer 0: 48 bytes, expected 49", |m| m["buffers"][0]["byteLength"] = json!(49)),
+        ("view 0: 60 bytes at 0 of 48", |m| m["bufferViews"][0]["byteLength"] = json!(60)),
+        ("view 0: 48 bytes at 1 of 48", |m| m["bufferViews"][0]["byteOffset"] = json!(1)),
+        ("accessor 0: view 0: 5 x 12 bytes at 0, 12 apart, of 48", |m| m["accessors"][0]["count"] = json!(5)),
+        ("accessor 9 of 4", |m| m["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(9)),
+        ("accessor 0: 0 elements", |m| m["accessors"][0]["count"] = json!(0)),
+        ("accessor 0: 4000000000 elements", |m| m["accessors"][0]["count"] = json!(4_000_000_000u64)),
+        ("accessor 0: Vec4, expected Vec3", |m| m["accessors"][0]["type"] = json!("VEC4")),
+        ("accessor 0: U16, expected floats", |m| m["accessors"][0]["componentType"] = json!(5123)),
+        ("accessor 3: Scalar of F32, expected indices", |m| {
+            m["accessors"][3]["componentType"] = json!(5126);
+            m["accessors"][3]["count"] = json!(3);
+        }),
+        ("cannot read \"a b.bin\"", |m| m["buffers"][0]["uri"] = json!("a%20b.bin")),
+        ("data: without base64", |m| m["buffers"][0]["uri"] = json!("data:,x")),
+        ("buffer 0: no URI", |m| m["buffers"][0] = json!({ "byteLength": 48 })),
+        ("no glTF: ", |m| *m = json!([1])),
+    ];
+    for (expected, edit) in edits {
+        let mut model = quad();
+        edit(&mut model);
+        let error = load(&model).expect_err(expected);
+        assert!(error.starts_with("x.gltf: ") && error.contains(expected), "{error:?}, expected {expected:?}");
+        assert!(error.lines().count() == 1, "{error:?}");
+    }
+    let error = load(&map(quad(), "data:image/png;base64,AAAA")).expect_err("no picture");
+    assert!(error.contains("image 0"), "{error:?}");
+    // Two sets of texture coordinates have no place in the g-buffer's one.
+    let material = json!({
+        "normalTexture": { "index": 0, "texCoord": 1 }, "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
+    });
+    let error = load(&textured(quad(), material, &[png(1, 1, |_, _| [0; 3])])).expect_err("two sets");
+    assert!(error.contains("expected one set"), "{error:?}");
+}
+
+#[test]
+fn what_is_left_out_is_a_warning() {
+    let mut model = quad();
+    model["materials"] = json!([{ "emissiveFactor": [1, 0, 0], "alphaMode": "MASK" }]);
+    model["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    assert_eq!(loaded(&model).warnings, ["not read: KHR_lights_punctual, emission, transparency"]);
+}
+
+/// A `.glb` that ends early, or whose lengths lie, is told so.
+#[test]
+fn a_cut_container_is_refused() {
+    let glb = glb(&quad());
+    let folder = tempfile::tempdir().unwrap();
+    let read = |bytes: &[u8]| {
+        std::fs::write(folder.path().join("x.glb"), bytes).unwrap();
+        Scene::load("x.glb", folder.path()).map_err(|error| error.to_string())
+    };
+    assert_eq!(read(&glb).expect("a readable file").hash, loaded(&quad()).hash);
+    for length in (0..24).chain((24..glb.len()).step_by(97)) {
+        let error = read(&glb[..length]).expect_err("a cut file");
+        assert!(error.contains("x.glb: ") && error.lines().count() == 1, "{error:?}");
+    }
+    for (at, value) in [(4, 1u32), (8, 3), (8, u32::MAX), (12, u32::MAX), (12, 7)] {
+        let mut bytes = glb.clone();
+        bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
+        assert!(read(&bytes).is_err(), "{value} at {at}");
+    }
+}
