@@ -213,7 +213,10 @@ fn a_normal_map_turns_the_normal_into_its_frame() {
     let tangents = [0., 1., 0., -1.].repeat(4);
     let given = mesh(&[&attributes[..], &[("TANGENT", 4, &tangents)]].concat(), &[0, 1, 2, 0, 2, 3]);
     // The bitangent is -(z x y) = x.
-    expect("given", normal_of(map(given, 1.0), DVec3::Z), DVec3::new(m.y, m.x, m.z));
+    expect("given", normal_of(map(given.clone(), 1.0), DVec3::Z), DVec3::new(m.y, m.x, m.z));
+    let mut given = map(given, 1.0);
+    given["nodes"][0]["scale"] = json!([-1, 1, 1]);
+    expect("given, mirrored", normal_of(given, DVec3::Z), DVec3::new(-m.y, m.x, m.z));
 
     // Turned about y by a quarter, the square looks to +x; mirrored in x, its picture is.
     let half = std::f64::consts::FRAC_1_SQRT_2;
