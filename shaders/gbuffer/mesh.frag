@@ -24,8 +24,8 @@ layout(location = 2) out vec4 albedo_metallic;
 layout(location = 3) out vec4 f0_material;
 
 void main() {
-    // Texture coordinates count v from the bottom row, images from the top row. Level 0 always: one sample through the pixel's centre, as the
-    // twin takes it.
+    // Texture coordinates count v from the bottom row, images from the top row. Level 0 always: one sample through the pixel's centre, as
+    // the twin takes it.
     vec2 uv = vec2(uv_up.x, 1.0 - uv_up.y);
     MaterialData material = materials[camera.material];
     material.albedo_metallic *= vec4(textureLod(albedo_map, uv, 0.0).rgb, textureLod(metallic_map, uv, 0.0).b);

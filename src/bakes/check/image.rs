@@ -1,7 +1,7 @@
 //! What given tables do to an image: rungs of the split sum's ladder with them in place of ours, each against the exact integral.
 //!
-//! The surfaces are those of the scene `design` ([`design::frame`]): directions of reflection even over the sphere, n·v even over (0, 1). With
-//! A and B the directional albedo and `m(r, alpha)` prefiltered radiance, both exact, the rungs are
+//! The surfaces are those of the scene `design` ([`design::frame`]): directions of reflection even over the sphere, n·v even over (0, 1).
+//! With A and B the directional albedo and `m(r, alpha)` prefiltered radiance, both exact, the rungs are
 //!
 //! 1. the split sum itself, `(f0 A + B) m(r, alpha)`: what no table mends;
 //! 2. its levels: for m the linear blend of the exact widths of the two levels around alpha;

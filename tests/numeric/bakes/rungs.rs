@@ -37,7 +37,7 @@ fn of_widths() -> Convention {
     Convention { alphas: Some(ALPHAS.to_vec()), ..PRESETS[0].convention() }
 }
 
-/// Under constant light of 1 the image is `r = f0 A + B`. A map of 1.5 and a table that is linear in both of its axes give what formulas say.
+/// Under constant light of 1 the image is `r = f0 A + B`. A map of 1.5 and a table that is linear in both axes give what formulas say.
 #[test]
 fn under_constant_light_errors_are_those_of_the_formulas() {
     let light = Environment::from_image("flat", RgbImage::filled(32, 16, [1.0; 3]));
