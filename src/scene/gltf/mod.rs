@@ -119,6 +119,14 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
     if let Some(missing) = accessors.map(|index| index.value()).find(|index| *index >= json.accessors.len()) {
         return Err(format!("accessor {missing} of {}", json.accessors.len()));
     }
+    // Nor does it ask for these before it takes them.
+    let has_source = |image: &::gltf::json::Image| match image.buffer_view {
+        Some(_) => image.mime_type.is_some(),
+        None => image.uri.is_some(),
+    };
+    if let Some(index) = json.images.iter().position(|image| !has_source(image)) {
+        return Err(format!("image {index}: neither a URI nor a view with its mimeType"));
+    }
     Ok((Document::from_json(json).map_err(wrong)?, blob))
 }
 

@@ -183,5 +183,5 @@ fn an_unknown_scene_names_the_nearest() {
     assert!(!message("cathedral").contains("did you mean"), "{}", message("cathedral"));
     let refused = |spec, base| Scene::load(spec, Path::new(base)).unwrap_err().to_string();
     assert!(refused("missing.obj", "/nowhere").contains("cannot read the scene"));
-    assert!(refused("Cargo.toml", env!("CARGO_MANIFEST_DIR")).contains("must be Wavefront OBJ"));
+    assert!(refused("Cargo.toml", env!("CARGO_MANIFEST_DIR")).contains("expected a scene file: .obj, .glb or .gltf"));
 }

@@ -341,6 +341,11 @@ fn what_is_not_read_is_refused_by_name() {
         assert!(error.starts_with("x.gltf: ") && error.contains(expected), "{error:?}, expected {expected:?}");
         assert!(error.lines().count() == 1, "{error:?}");
     }
+    for image in [json!({}), json!({ "bufferView": 0 })] {
+        let error =
+            load(&textured(quad(), json!({ "normalTexture": { "index": 0 } }), &[image])).expect_err("no source");
+        assert!(error.contains("image 0: neither"), "{error:?}");
+    }
     let error = load(&map(quad(), "data:image/png;base64,AAAA")).expect_err("no picture");
     assert!(error.contains("image 0"), "{error:?}");
     // Two sets of texture coordinates have no place in the g-buffer's one.
