@@ -4,10 +4,11 @@ mod mutation;
 mod seeds;
 mod targets;
 
+use crate::cpu_time;
 use mutation::Mutator;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use targets::{TARGETS, Target};
 
 /// Mutated files of each target in an ordinary test run.
@@ -17,9 +18,9 @@ const LONGEST: Duration = Duration::from_secs(10);
 
 /// Runs a target; a failure leaves the input below `target/`.
 fn try_input(target: &Target, name: &str, bytes: &[u8]) {
-    let started = Instant::now();
+    let started = cpu_time();
     let result = catch_unwind(AssertUnwindSafe(|| (target.run)(bytes)));
-    let is_slow = started.elapsed() > LONGEST;
+    let is_slow = cpu_time() - started > LONGEST;
     if result.is_err() || is_slow {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/robustness");
         std::fs::create_dir_all(&folder).unwrap();
