@@ -1,10 +1,11 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
 
-use super::axis::{ALPHA, AXES, METHOD, PREFILTER_BY, PREFILTER_SIZE, Point, SAMPLES, SIZE, index_of};
+use super::axis::{ALPHA, AXES, COMPENSATION, METHOD, PREFILTER_BY, PREFILTER_SIZE, Point, SAMPLES, SIZE, index_of};
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
+use crate::brdf::Compensation;
 use crate::ladder::{SPLIT_SUM, ladder_of};
 use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
 use crate::precompute::PrefilterBy;
@@ -50,8 +51,15 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
 /// Steps are told of lobes whose harmonics are known.
 fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
     let alpha = f64::from(point.settings().material.alpha.unwrap_or(1.0));
-    let is_split_sum = ladder_of(point.method(), point.diffuse()).is_some_and(|of| std::ptr::eq(of, &SPLIT_SUM));
-    if config.ladder.is_some() && is_split_sum && alpha < harmonic::ALPHA_MIN {
+    let of = ladder_of(point.method(), point.diffuse()).filter(|_| config.ladder.is_some());
+    if of.is_some() && point.settings().compensation != Compensation::None {
+        let text = format!(
+            "compensation: the steps of [ladder] know one scattering, not {}; expected none",
+            point[COMPENSATION]
+        );
+        faults.add(&config.place_of(COMPENSATION, point), text);
+    }
+    if of.is_some_and(|of| std::ptr::eq(of, &SPLIT_SUM)) && alpha < harmonic::ALPHA_MIN {
         let place = config.place_of(ALPHA, point);
         faults.add(
             &place,

@@ -598,6 +598,7 @@ indices! {
     ENVIRONMENT_SCALE = "environment_scale";
     F0 = "f0";
     LAYOUT = "layout";
+    COMPENSATION = "compensation";
     PREFILTERED = "prefiltered";
     DFG_TABLE = "dfg";
     PREFILTER_SIZE = "prefilter_size";
