@@ -2,7 +2,7 @@
 //! machines with other loads. On a GPU these are the host's costs only; `splitsum run experiments/timing.toml` times the device.
 //!
 //! `cargo bench --bench throughput -- NAME...` runs only the named sections: `sampled`, `tables`, `reference`, `convergence`; `--record`
-//! runs all, and adds a row with the figure of each to benches/record.md.
+//! runs all but the last, and adds a row with a figure of each to benches/record.md.
 
 use splitsum::brdf::{Brdf, MODELS};
 use splitsum::environment::layout::layout_by_name;
@@ -80,8 +80,8 @@ fn shading_seconds(pipeline: &mut Pipeline, request: &RenderRequest) -> f64 {
 }
 
 /// The first of some figures, all of which are taken.
-fn first(figures: impl Iterator<Item = f64>) -> f64 {
-    figures.reduce(|first, _| first).expect("a figure")
+fn first(figures: impl Iterator<Item = f64>) -> Option<f64> {
+    figures.reduce(|first, _| first)
 }
 
 /// The metric `relmse` under the light of a request.
@@ -92,7 +92,7 @@ fn relmse(test: &Frame, truth: &Frame, request: &RenderRequest) -> f64 {
 }
 
 /// Million samples a CPU-second, GGX.
-fn sampled(pipeline: &mut Pipeline) -> f64 {
+fn sampled(pipeline: &mut Pipeline) -> Option<f64> {
     first(MODELS.iter().map(|&brdf| {
         let request = request(brdf, "sampled", 0.2, 512, "builtin:studio", [1024, 512]);
         let mask = pipeline.render(&request).expect("a frame").mask;
@@ -104,7 +104,7 @@ fn sampled(pipeline: &mut Pipeline) -> f64 {
 }
 
 /// CPU-seconds of the tables of GGX by the first way to prefilter.
-fn tables(pipeline: &mut Pipeline) -> f64 {
+fn tables(pipeline: &mut Pipeline) -> Option<f64> {
     let ways = MODELS.iter().flat_map(|brdf| PrefilterBy::ALL.iter().map(move |by| (brdf, by)));
     first(ways.map(|(&brdf, (by, prefilter))| {
         let mut request = request(brdf, "split-sum", 0.2, 16, "builtin:studio", [1024, 512]);
@@ -132,7 +132,7 @@ fn tables(pipeline: &mut Pipeline) -> f64 {
 }
 
 /// CPU-seconds of GGX.
-fn reference(pipeline: &mut Pipeline) -> f64 {
+fn reference(pipeline: &mut Pipeline) -> Option<f64> {
     first(MODELS.iter().map(|&brdf| {
         let request = request(brdf, "reference", 0.2, 128, "builtin:studio", [512, 256]);
         let seconds = shading_seconds(pipeline, &request);
@@ -142,13 +142,11 @@ fn reference(pipeline: &mut Pipeline) -> f64 {
 }
 
 /// CPU-seconds to a relative mean square error: both are measured for counts that double, against many more samples with other points,
-/// and interpolated. The last column stops by itself, by its own estimate of the error, and pays for finding its count: its geometric mean is
-/// returned.
-fn convergence(pipeline: &mut Pipeline) -> f64 {
+/// and interpolated. The last column stops by itself, by its own estimate of the error, and pays for finding its count.
+fn convergence(pipeline: &mut Pipeline) -> Option<f64> {
     const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
     const COUNT_MAX: u32 = 8192;
     println!("reference, GGX, 128x128, CPU-seconds to relMSE {TARGETS:?} (samples a pixel); stopped by itself at 1e-3");
-    let (mut logs, mut cases) = (0.0, 0);
     for environment in ["builtin:studio", "builtin:sky", "builtin:checker"] {
         for alpha in [0.05, 0.2, 0.5] {
             let base = request(MODELS[0], "reference", alpha, 128, environment, [512, 256]);
@@ -181,15 +179,13 @@ fn convergence(pipeline: &mut Pipeline) -> f64 {
             let found = relmse(&frame, &truth, &base);
             let seconds = shading_seconds(pipeline, &stopping);
             println!("{environment:16} alpha {alpha:<5} {:45} {seconds:.3} at {found:.1e}", cells.join("  "));
-            logs += seconds.ln();
-            cases += 1;
         }
     }
-    (logs / f64::from(cases)).exp()
+    None
 }
 
-/// What one section of the bench runs. Returns the figure that is kept.
-type Section = fn(&mut Pipeline) -> f64;
+/// What one section of the bench runs. Returns the figure that is kept, if any.
+type Section = fn(&mut Pipeline) -> Option<f64>;
 
 /// Adds a row to benches/record.md: when, of which commit, on what, and the figure of each section.
 fn record(device: &str, figures: &[f64]) {
@@ -217,9 +213,11 @@ fn main() {
     // Cargo itself adds `--bench`.
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
     let is_kept = arguments.iter().any(|argument| argument == "--record");
-    let wanted = |name: &str| is_kept || arguments.is_empty() || arguments.iter().any(|wanted| wanted == name);
+    let wanted = |name: &str| {
+        is_kept && name != "convergence" || arguments.is_empty() || arguments.iter().any(|wanted| wanted == name)
+    };
     let run = sections.iter().filter(|(name, _)| wanted(name));
-    let figures: Vec<f64> = run.map(|(_, section)| section(&mut pipeline)).collect();
+    let figures: Vec<f64> = run.filter_map(|(_, section)| section(&mut pipeline)).collect();
     if is_kept {
         record(&device.name, &figures);
     }
