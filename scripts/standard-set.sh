@@ -12,7 +12,7 @@ set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
-set_names="quick break-even sample-count source-document-0 level-bias printed-slips energy diffuse tables ladder split-sums exposure-and-contrast dynamic-range better-method timing"
+set_names="quick break-even equal-cost sample-count source-document-0 level-bias printed-slips energy diffuse tables ladder split-sums exposure-and-contrast dynamic-range better-method timing"
 runs=runs/standard
 results=results
 while [ $# -gt 0 ]; do
@@ -57,7 +57,7 @@ done <experiments/environments.csv
 # Lights of an experiment: its formulas, then the measured maps. Nothing for one that asks about formulas or pictures.
 lights_of() {
     case $1 in
-    break-even | better-method | sample-count | level-bias | tables | ladder | split-sums | dynamic-range) echo "builtin:studio,builtin:sky$maps" ;;
+    break-even | equal-cost | better-method | sample-count | level-bias | tables | ladder | split-sums | dynamic-range) echo "builtin:studio,builtin:sky$maps" ;;
     diffuse) echo "builtin:sky,builtin:sky:elevation_deg=88,builtin:studio,builtin:checker,builtin:cap$maps" ;;
     esac
 }

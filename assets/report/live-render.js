@@ -137,7 +137,7 @@ export class LiveRender {
     for (const i of [0, 1, 2]) values[`environment_from_world_${i}`] = [...columns.map((column) => column[i]), 0];
     const named = Object.entries(values).map(([name, value]) => [`params.${name}`, value]);
     const MASKING = lightTables().masking_names.indexOf(view.lobe.masking);
-    return { ...Object.fromEntries(named), MASKING, LEVEL_BEND: view.light.level_bend };
+    return { ...Object.fromEntries(named), MASKING, LEVEL_BEND: view.light.level_bend, DFG_AXES: view.lobe.dfg_axes };
   }
 
   /** Makes a program of the g-buffer current; returns what sets a material, its own but for what the view sets. */

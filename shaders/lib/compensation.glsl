@@ -17,7 +17,7 @@ const uint MEAN_ALBEDO_NODES = 64u;
 
 // The albedo for F = 1 of a direction, from the DFG table; not above 1.
 float albedo_of(sampler2D dfg, float cosine, float alpha) {
-    vec2 a_b = textureLod(dfg, dfg_uv(cosine, alpha), 0.0).rg;
+    vec2 a_b = albedo_pair(dfg, cosine, alpha);
     return min(a_b.x + a_b.y, 1.0);
 }
 

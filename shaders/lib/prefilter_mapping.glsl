@@ -1,4 +1,4 @@
-// How alpha maps to the levels of a prefiltered map and to the rows of the DFG table: a pair of inverse functions each.
+// How alpha maps to the levels of a prefiltered map, and n_dot_v and alpha to the DFG table: a pair of inverse functions each.
 #ifndef PREFILTER_MAPPING_GLSL
 #define PREFILTER_MAPPING_GLSL
 
@@ -34,15 +34,42 @@ float lod_from_perceptual_roughness(float perceptual_roughness, uint level_count
     return perceptual_roughness * (1.0 + LEVEL_BEND * (1.0 - perceptual_roughness)) * float(level_count - 1u);
 }
 
-// (n_dot_v, perceptual_roughness) of the centre of a texel of the DFG table.
-vec2 dfg_axes_from_texel(uvec2 texel, uvec2 size) {
-    return (vec2(texel) + 0.5) / vec2(size);
+// How the texels of the DFG table lie, one of DFG_AXES_* (precompute/dfg): set when the pipeline is made, in GLSL ES a uniform.
+#ifdef GL_ES
+uniform uint DFG_AXES;
+#else
+layout(constant_id = 6) const uint DFG_AXES = DFG_AXES_FOURTH_ROOTS;
+#endif
+
+// Fourth roots of the least n_dot_v and of the least alpha.
+vec2 least_fourth_roots() {
+    return sqrt(sqrt(vec2(COSINE_MIN, ALPHA_MIN)));
 }
 
-// Texture coordinates of the DFG table: bilinear between texel centres, constant beyond the outermost ones (clamp to
-// edge).
-vec2 dfg_uv(float n_dot_v, float alpha) {
-    return vec2(n_dot_v, perceptual_roughness_from_alpha(alpha));
+// (n_dot_v, alpha) of a texel of the DFG table.
+vec2 dfg_parameters_from_texel(uvec2 texel, uvec2 size) {
+    if (DFG_AXES == DFG_AXES_CENTRES) {
+        vec2 at = (vec2(texel) + 0.5) / vec2(size);
+        return vec2(at.x, max(alpha_from_perceptual_roughness(at.y), ALPHA_MIN));
+    }
+    vec2 root = mix(least_fourth_roots(), vec2(1.0), vec2(texel) / vec2(size - 1u));
+    vec2 square = root * root;
+    return square * square;
+}
+
+// The inverse, as texture coordinates: bilinear between texels, constant beyond the outermost ones (clamp to edge).
+vec2 dfg_uv(float n_dot_v, float alpha, vec2 size) {
+    if (DFG_AXES == DFG_AXES_CENTRES) {
+        return vec2(n_dot_v, perceptual_roughness_from_alpha(alpha));
+    }
+    vec2 low = least_fourth_roots();
+    vec2 at = (sqrt(sqrt(vec2(n_dot_v, alpha))) - low) / (1.0 - low);
+    return (at * (size - 1.0) + 0.5) / size;
+}
+
+// (A, B) of the DFG table: of constant radiance the lobe reflects f0 A + B.
+vec2 albedo_pair(sampler2D dfg, float n_dot_v, float alpha) {
+    return textureLod(dfg, dfg_uv(n_dot_v, alpha, vec2(textureSize(dfg, 0))), 0.0).rg;
 }
 
 #endif

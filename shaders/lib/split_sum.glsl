@@ -13,7 +13,7 @@ vec3 prefiltered_radiance(vec3 direction, float perceptual_roughness) {
 
 // (A, B): of constant radiance the lobe reflects f0 A + B.
 vec2 albedo_pair(Surface s) {
-    return textureLod(dfg, dfg_uv(s.n_dot_v, s.alpha), 0.0).rg;
+    return albedo_pair(dfg, s.n_dot_v, s.alpha);
 }
 
 vec3 reflectance(Surface s) {

@@ -1,5 +1,5 @@
-// One invocation computes one texel (A, B, 0, 1) of the DFG table: the albedo of the specular lobe is f0 A + B, at
-// x = n_dot_v, y = perceptual_roughness of the texel's centre. [Karis13 eq. 8]
+// One invocation computes one texel (A, B, 0, 1) of the DFG table: the albedo of the specular lobe is f0 A + B, n_dot_v along x, alpha along y.
+// [Karis13 eq. 8]
 // Set 0: 0 the table to write (rgba32f).
 // Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
 #version 460
@@ -24,8 +24,7 @@ void main() {
     if (texel.x >= size.x || texel.y >= size.y) {
         return;
     }
-    vec2 axes = dfg_axes_from_texel(texel, size);
-    float alpha = max(alpha_from_perceptual_roughness(axes.y), ALPHA_MIN);
-    vec2 a_b = directional_albedo(axes.x, alpha, params.sample_count, MASKING).xy;
+    vec2 at = dfg_parameters_from_texel(texel, size);
+    vec2 a_b = directional_albedo(at.x, at.y, params.sample_count, MASKING).xy;
     imageStore(table, ivec2(texel), vec4(a_b, 0.0, 1.0));
 }

@@ -50,7 +50,7 @@ void main() {
     vec3 diffuse = diffuse_albedo(s, dfg, params.flags) / PI;
     vec3 factor = vec3(1.0);
     if (COMPENSATION != COMPENSATION_NONE) {
-        factor = compensation_factor(s.f0, textureLod(dfg, dfg_uv(s.n_dot_v, s.alpha), 0.0).rg);
+        factor = compensation_factor(s.f0, albedo_pair(dfg, s.n_dot_v, s.alpha));
     }
     bool has_specular = (params.flags & SHADE_FLAG_NO_SPECULAR) == 0u;
 

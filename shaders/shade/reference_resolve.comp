@@ -60,7 +60,7 @@ void main() {
     vec3 weight = lobe_weight(s, dfg, params.flags);
     // Only the specular lobes are scaled.
     if (LOBE_STREAM == 0u && COMPENSATION != COMPENSATION_NONE) {
-        weight *= compensation_factor(s.f0, textureLod(dfg, dfg_uv(s.n_dot_v, s.alpha), 0.0).rg);
+        weight *= compensation_factor(s.f0, albedo_pair(dfg, s.n_dot_v, s.alpha));
     }
     float scale = params.environment_scale / float(params.pair_count);
     vec3 estimates[SCRAMBLE_COUNT];

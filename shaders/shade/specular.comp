@@ -69,7 +69,7 @@ void main() {
     Surface s = surface_in_environment(world, params);
     vec3 specular = params.environment_scale * specular_radiance(s);
     if (COMPENSATION != COMPENSATION_NONE) {
-        specular *= compensation_factor(s.f0, textureLod(dfg, dfg_uv(s.n_dot_v, s.alpha), 0.0).rg);
+        specular *= compensation_factor(s.f0, albedo_pair(dfg, s.n_dot_v, s.alpha));
     }
     radiance[pixel.y * params.width + pixel.x] += vec4(specular, 0.0);
 }

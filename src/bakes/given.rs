@@ -14,6 +14,8 @@ use std::sync::Arc;
 
 /// The value that stands for our own table.
 pub const OWN: &str = "own";
+/// The value that stands for a DFG table that is laid out as engines lay theirs out.
+pub const CENTRES: &str = "centres";
 /// Between the path and the name of its conventions.
 const PRESET: char = '#';
 /// How far a width may be from its mapping's.
@@ -106,6 +108,9 @@ pub fn map(value: &str, dir: &Path) -> Result<Option<Arc<GivenMap>>, String> {
 
 /// The DFG table that a value names, relative to `dir`; none for [`OWN`].
 pub fn table(value: &str, dir: &Path) -> Result<Option<Arc<GivenTable>>, String> {
+    if value == CENTRES {
+        return Ok(None);
+    }
     let Some((bake, convention)) = opened(value, dir)? else { return Ok(None) };
     let Some(image) = bake.dfg else { return Err(format!("{value}: it holds no DFG table")) };
     if image.width != image.height || image.width < 2 {

@@ -3,10 +3,10 @@
 use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::brdf::{Brdf, MODELS};
-use splitsum::cost::child::{CompileFault, available, compile, serve};
+use splitsum::cost::child::{CompileFault, available, serve};
 use splitsum::cost::family::{FAMILIES, Family, Texel, family_by_name};
 use splitsum::cost::isa::Counts;
-use splitsum::cost::model::{Pass, job};
+use splitsum::cost::model::{job, passes};
 use splitsum::environment::layout::{LAYOUTS, MapLayout};
 use splitsum::shade::{METHODS, Method};
 use splitsum::spelling::suggestion;
@@ -137,11 +137,9 @@ fn costs(arguments: &Arguments) -> Result<Costs, Failure> {
         if !arguments.family.is_empty() && arguments.family.iter().all(|asked| asked.name != family.name) {
             continue;
         }
-        let compiled = compile(&program, family, &jobs).map_err(failure)?;
-        for ((job, method, brdf), compiled) in asked.iter().zip(&compiled) {
+        let made = passes(&program, family, &jobs).map_err(failure)?;
+        for ((job, method, brdf), pass) in asked.iter().zip(made) {
             let fault = |text: String| Failure::failed(format!("{}: '{}': {text}", family.name, job.shader));
-            let pass = Pass::new(compiled).ok_or_else(|| fault("the driver gives no assembly".to_owned()))?;
-            let pass = pass.map_err(|error| fault(error.to_string()))?;
             if method.uses_samples && pass.counts.inside == Counts::default() {
                 return Err(fault("no loop over samples is found in its assembly".to_owned()));
             }

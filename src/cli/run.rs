@@ -4,15 +4,20 @@ use super::cache::CacheArguments;
 use super::progress::Terminal;
 use super::stop::{self, STOP};
 use super::subject::Subject;
-use super::{Failure, print};
+use super::{Failure, print, tell};
 use clap::Args;
+use splitsum::brdf::Brdf;
+use splitsum::cost::child::CompileFault;
+use splitsum::cost::record::CostRecord;
+use splitsum::environment::layout::MapLayout;
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::runner::chunk::{PlanFile, run_chunk};
 use splitsum::runner::store::{FailureRecord, Store};
 use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunError, RunOptions, run};
+use splitsum::shade::Method;
 use splitsum::study::finished::Finished;
 use splitsum::study::page::{PageOptions, Told, write};
-use splitsum::study::questions::answers;
+use splitsum::study::questions::{answers, question};
 use splitsum::study::write::Written;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -140,6 +145,9 @@ fn begin(plan: &Plan) -> Result<Terminal, Failure> {
 
 /// Answers the questions of a run that has ended, prints the summary and writes the report; the result says which of its cells failed.
 pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failure> {
+    if plan.config.asks.iter().any(|(name, _)| question(name).is_some_and(|question| question.uses_costs)) {
+        model_costs(plan, &outcome.dir)?;
+    }
     let run = Finished::read(&outcome.dir).map_err(Failure::failed)?;
     let answers = answers(&run, None);
     let written = Written::new(&run, &answers).map_err(Failure::failed)?;
@@ -155,6 +163,29 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
         Store::at(&outcome.dir).mark_done(plan, &(told + &line)).map_err(RunError::from)?;
     }
     Ok(cells_failed(&outcome.failures, plan.cells.len()))
+}
+
+/// Compiles what the model of costs counts, where a compiler is there; without one the questions about costs have no answer.
+fn model_costs(plan: &Plan, dir: &Path) -> Result<(), Failure> {
+    let program = std::env::current_exe().map_err(Failure::failed)?;
+    let mut wanted: Vec<(&Method, &dyn Brdf, &MapLayout)> = Vec::new();
+    for cell in &plan.cells {
+        let settings = cell.point.settings();
+        let own = (settings.method, settings.brdf, settings.precompute.layout);
+        let is_known =
+            wanted.iter().any(|(m, b, l)| [m.name, b.name(), l.name] == [own.0.name, own.1.name(), own.2.name]);
+        if own.0.has_pass() && own.0.shader.is_none() && !is_known {
+            wanted.push(own);
+        }
+    }
+    match CostRecord::compiled(&program, &wanted) {
+        Ok(record) => record.write(dir).map_err(Failure::failed),
+        Err(fault @ CompileFault::NoRadv { .. }) => {
+            tell(&format!("left out: what asks for modelled costs: {fault}"));
+            Ok(())
+        }
+        Err(fault) => Err(Failure::failed(fault)),
+    }
 }
 
 fn cells_failed(failures: &[FailureRecord], cell_count: usize) -> Option<Failure> {

@@ -3,11 +3,12 @@
 //! The text is what RADV gives: labels `BBn:`, one instruction a line, `(then repeated k times)` for k more of the line before. A loop is
 //! the natural loop of a back edge; the loop over samples is the outermost one with a lookup in an image.
 
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
 
 /// Instructions by the unit that executes them, for one lane of a wave.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct Counts {
     /// Full-rate vector arithmetic. A dual-issued pair is one.
     pub alu: f64,
@@ -26,7 +27,7 @@ pub struct Counts {
 }
 
 /// A shader's counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct ShaderCounts {
     /// Executed once a dispatch.
     pub outside: Counts,

@@ -8,3 +8,4 @@ pub mod child;
 pub mod family;
 pub mod isa;
 pub mod model;
+pub mod record;

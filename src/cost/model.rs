@@ -3,16 +3,19 @@
 //! A pixel executes `o ceil(N / P) + i N` instructions, o outside and i inside the loop over samples; a dispatch takes P points. Its cycles
 //! lie between the busiest unit's and the sum over all units, for as long as waves hide each other's latency and caches hold what is read.
 
-use super::child::{ASSEMBLY, Compiled, Job};
+use super::child::{ASSEMBLY, CompileFault, Compiled, Job, compile};
 use super::family::{Card, Family, Texel, UNITS};
 use super::isa::{self, Counts, IsaFault, ShaderCounts};
 use crate::brdf::{Brdf, Compensation, MaskingShadowing};
 use crate::environment::layout::MapLayout;
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::math::sequence::PixelPoints;
-use crate::precompute::prefilter::LEVEL_MAPPINGS;
+use crate::precompute::dfg::DfgAxes;
+use crate::precompute::prefilter::{self, LEVEL_MAPPINGS};
 use crate::shade::Method;
 use crate::shade::pass::{specular_constants, specular_shader};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// Pixels of the frame that a millisecond bound is for.
 pub const FRAME: [u32; 2] = [1920, 1080];
@@ -29,16 +32,31 @@ pub struct Bound {
     pub most: f64,
 }
 
-/// The specular pass of a method.
+/// The specular pass of a method, with the DFG table as engines look it up.
 pub fn job(layout: &MapLayout, method: &Method, brdf: &dyn Brdf) -> Job {
-    let constants =
-        specular_constants(MaskingShadowing::default(), &LEVEL_MAPPINGS[0], PixelPoints::default(), Compensation::None)
-            .to_vec();
-    Job { shader: specular_shader(layout, method, brdf), constants }
+    let (masking, mapping, points) = (MaskingShadowing::default(), &LEVEL_MAPPINGS[0], PixelPoints::default());
+    let constants = specular_constants(masking, mapping, points, Compensation::None, DfgAxes::Centres);
+    Job { shader: specular_shader(layout, method, brdf), constants: constants.to_vec() }
+}
+
+/// The pass that makes the levels of a prefiltered map by samples: "pixels" are texels.
+pub fn prefilter_job(layout: &MapLayout, brdf: &dyn Brdf) -> Job {
+    Job { shader: prefilter::pass::shader(brdf, layout), constants: vec![MaskingShadowing::default() as u32] }
+}
+
+/// The passes of these jobs on a family.
+pub fn passes(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<Vec<Pass>, CompileFault> {
+    let compiled = compile(program, family, jobs)?;
+    let pass = |(job, compiled): (&Job, &Compiled)| {
+        let fault = |said: String| CompileFault::Shader { family: family.name, shader: job.shader.clone(), said };
+        let pass = Pass::new(compiled).ok_or_else(|| fault("the driver gives no assembly".to_owned()))?;
+        pass.map_err(|error| fault(error.to_string()))
+    };
+    jobs.iter().zip(&compiled).map(pass).collect()
 }
 
 /// What the compiler made of a pass over pixels.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Pass {
     pub counts: ShaderCounts,
     /// Lanes that share an instruction.

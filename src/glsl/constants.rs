@@ -86,6 +86,10 @@ constants! {
     COMPENSATION_FDEZ_AGUERA: u32 = 2;
     /// By a lobe of its own.
     COMPENSATION_KULLA_CONTY: u32 = 3;
+    /// The DFG table at fourth roots of n·v and alpha, outermost texels on the ends: ours.
+    DFG_AXES_FOURTH_ROOTS: u32 = 0;
+    /// At n·v and perceptual roughness of texel centres, as engines hold it.
+    DFG_AXES_CENTRES: u32 = 1;
     /// Weights of the prefiltered map's mean (`precompute::prefilter::WEIGHTS`): n·l.
     PREFILTER_WEIGHT_COSINE: u32 = 0;
     /// G1(l).

@@ -7,6 +7,9 @@ use crate::pixels::GrayImage;
 /// Ten bins of width 0.1, from grazing (0) to facing the viewer (1).
 pub const N_DOT_V_BIN_EDGES: [f64; 11] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 
+/// All n·v.
+pub const ALL_VIEWS: [f64; 2] = [0.0, 1.0];
+
 /// Bands of n·v with an answer of their own, from grazing to facing: at grazing views the split sum errs most.
 pub const VIEWS: [[f64; 2]; 5] = [[0.0, 0.2], [0.2, 0.4], [0.4, 0.6], [0.6, 0.8], [0.8, 1.0]];
 

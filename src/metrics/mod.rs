@@ -26,7 +26,7 @@ mod ssim;
 mod tail;
 
 pub use bias_variance::{BiasVariance, Repeats};
-pub use bins::{BinRow, N_DOT_V_BIN_EDGES, VIEWS};
+pub use bins::{ALL_VIEWS, BinRow, N_DOT_V_BIN_EDGES, VIEWS};
 pub use comparison::{Comparison, Displayed, MetricsError};
 pub use epsilon::Epsilon;
 pub use flip::PIXELS_PER_DEGREE;

@@ -7,6 +7,7 @@ use crate::environment::Environment;
 use crate::glsl::constants::{LOBE_SHAPE_PARTS, LOBE_SHAPE_SIDE};
 use crate::gpu::{Gpu, Image};
 use crate::pixels::{GrayImage, Pixels, exr, write_atomically};
+use crate::precompute::dfg::DfgAxes;
 use crate::precompute::{PrecomputeSettings, PrefilterBy};
 use crate::scene::{CameraKind, Scene};
 use crate::shade::{diffuse_by_name, method_by_name};
@@ -80,7 +81,8 @@ impl Pipeline {
         let mut view = RenderRequest {
             method: method_by_name("none").expect("a listed method"),
             masking_shadowing: request.masking_shadowing,
-            precompute: *settings,
+            // Other programs look the table up as they do their own.
+            precompute: PrecomputeSettings { dfg_axes: DfgAxes::Centres, ..*settings },
             ..RenderRequest::plain(environment.clone(), Scene::sphere(), CameraKind::Ortho, [8, 8])
         };
 

@@ -9,6 +9,7 @@ use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::environment::layout::MapLayout;
 use crate::precompute::PrefilterBy;
+use crate::precompute::dfg::DfgAxes;
 use crate::precompute::prefilter::pass::Recipe;
 use crate::precompute::prefilter::{self, Kernel};
 use crate::precompute::sh9::Projection;
@@ -140,6 +141,7 @@ pub(super) struct DfgInputs<'a> {
     pub(super) brdf: &'static dyn Brdf,
     pub(super) masking: MaskingShadowing,
     pub(super) side: u32,
+    pub(super) axes: DfgAxes,
     pub(super) sample_count: u32,
     /// In its place.
     pub(super) given: Option<&'a GivenTable>,
@@ -150,15 +152,17 @@ impl<'a> DfgInputs<'a> {
         let RenderRequest { brdf, masking_shadowing: masking, precompute, .. } = *request;
         let given = request.given.dfg.as_deref();
         let side = given.map_or(precompute.dfg_size, |table| table.side);
-        Self { brdf, masking, side, sample_count: precompute.dfg_sample_count, given }
+        Self { brdf, masking, side, axes: precompute.dfg_axes, sample_count: precompute.dfg_sample_count, given }
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { brdf, masking, side, sample_count, given } = self;
+        let Self { brdf, masking, side, axes, sample_count, given } = self;
         if let Some(table) = given {
-            return SharedKey { kind: "dfg", inputs: format!("given={}\n", table.hash), shaders: Vec::new() };
+            let inputs = format!("given={}\naxes={axes:?}\n", table.hash);
+            return SharedKey { kind: "dfg", inputs, shaders: Vec::new() };
         }
-        let inputs = format!("brdf={}\nmasking={masking:?}\nsize={side}\nsamples={sample_count}\n", brdf.name());
+        let model = brdf.name();
+        let inputs = format!("brdf={model}\nmasking={masking:?}\nsize={side}\naxes={axes:?}\nsamples={sample_count}\n");
         SharedKey { kind: "dfg", inputs, shaders: vec![dfg::pass::shader(*brdf)] }
     }
 }

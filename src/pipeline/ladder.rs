@@ -13,7 +13,7 @@ use crate::ladder::game::Coalition;
 use crate::ladder::radiance::{Radiance, Setting, rounded};
 use crate::ladder::{SPLIT_SUM, ladder_of};
 use crate::pixels::Pixels;
-use crate::precompute::dfg::{self, Albedos};
+use crate::precompute::dfg::Albedos;
 use crate::precompute::prefilter::{Kernel, harmonic};
 use crate::precompute::sh9::reference::project_bilinear;
 use crate::precompute::{StorageFormat, exact_quadrature};
@@ -134,7 +134,7 @@ impl Pipeline {
                 let n_dot_v = || frames.iter().map(|[n, v]| n.dot(*v));
                 Some([
                     n_dot_v().map(|n_dot_v| known.exact(n_dot_v)).collect(),
-                    n_dot_v().map(|n_dot_v| dfg::lookup(&table, n_dot_v, alpha)).collect(),
+                    n_dot_v().map(|n_dot_v| precompute.dfg_axes.lookup(&table, n_dot_v, alpha)).collect(),
                 ])
             }
         };
@@ -210,7 +210,7 @@ impl Pipeline {
             scale: (*environment_scale).into(),
             harmonics: &harmonics,
             filtered: &filtered,
-            table: frames.iter().map(|[n, v]| dfg::lookup(&table, n.dot(*v), alpha)).collect(),
+            table: frames.iter().map(|[n, v]| tables.dfg_axes.lookup(&table, n.dot(*v), alpha)).collect(),
             frames,
             drawn,
         }));

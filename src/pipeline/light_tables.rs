@@ -4,6 +4,7 @@ use super::{Pipeline, PipelineError, RenderRequest};
 use crate::environment::layout::MapLayout;
 use crate::gpu::{Gpu, Image};
 use crate::pixels::{Pixels, RgbImage};
+use crate::precompute::dfg::DfgAxes;
 use crate::precompute::prefilter::LevelMapping;
 use crate::shade::{diffuse_by_name, method_by_name};
 
@@ -25,6 +26,8 @@ pub struct LightTables {
     pub prefiltered: Vec<RgbImage>,
     /// The DFG table: what scales f0, and what is added.
     pub dfg: Pixels<[f32; 2]>,
+    /// Where its texels lie.
+    pub dfg_axes: DfgAxes,
 }
 
 impl Pipeline {
@@ -67,6 +70,7 @@ impl Pipeline {
             prefiltered: (0..tables.prefiltered.mip_count())
                 .map(|mip| level(&tables.prefiltered, mip))
                 .collect::<Result<_, _>>()?,
+            dfg_axes: request.precompute.dfg_axes,
             dfg: dfg.map(|[a, b, ..]: [f32; 4]| [a, b]),
         })
     }

@@ -352,6 +352,7 @@ fn settings(request: &RenderRequest, prepared: &Prepared) -> ShadeSettings {
         compensation: request.compensation,
         lod_bias: request.lod_bias,
         level_mapping: request.precompute.level_mapping,
+        dfg_axes: request.precompute.dfg_axes,
         prefilter_level_count: request.precompute.prefilter_level_count,
         has_specular: !request.method.is_none(),
         light_count: request.lights.len() as u32,

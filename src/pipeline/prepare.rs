@@ -337,7 +337,7 @@ impl Resources {
                 gpu.write_image(&table.image, 0, &given.texels)?;
                 return Ok(Report::default());
             }
-            dfg::pass::run(gpu, inputs.brdf, inputs.masking, inputs.sample_count, &table.image)
+            dfg::pass::run(gpu, inputs.brdf, inputs.masking, inputs.axes, inputs.sample_count, &table.image)
         })?;
         self.stored(gpu, &key, made.image, storage)
     }

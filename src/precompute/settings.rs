@@ -1,5 +1,6 @@
 //! Sizes and sample counts of the precompute passes, and which of them go together.
 
+use super::dfg::DfgAxes;
 use super::prefilter::{LEVEL_MAPPINGS, LevelMapping, WEIGHTS, Weight, harmonic};
 use crate::environment::layout::{LAYOUTS, MapLayout};
 
@@ -72,6 +73,8 @@ pub struct PrecomputeSettings {
     /// Side of the DFG table.
     pub dfg_size: u32,
     pub dfg_sample_count: u32,
+    /// Where its texels lie.
+    pub dfg_axes: DfgAxes,
     pub irradiance_size: [u32; 2],
     /// Azimuth and polar samples of the numerical irradiance integration.
     pub irradiance_sample_count: [u32; 2],
@@ -109,7 +112,8 @@ impl Default for PrecomputeSettings {
             prefilter_weight: &WEIGHTS[0],
             prefilter_lod_bias: 0.0,
             dfg_size: 128,
-            dfg_sample_count: 1024,
+            dfg_sample_count: 768,
+            dfg_axes: DfgAxes::default(),
             irradiance_size: LAYOUTS[0].irradiance_size,
             irradiance_sample_count: [128, 32],
             storage: StorageFormat::default(),
@@ -122,6 +126,8 @@ impl Default for PrecomputeSettings {
 pub enum SettingsError {
     #[error("{field} is 0; expected at least 1")]
     Zero { field: &'static str },
+    #[error("dfg_size is 1; expected at least 2, as both ends of its axes are texels")]
+    SmallTable,
     #[error("prefilter_level_count is {0}; expected at least 2, a smooth and a rough one")]
     TooFewLevels(u32),
     #[error(
@@ -148,6 +154,7 @@ impl SettingsError {
     pub fn field(&self) -> &'static str {
         match self {
             Self::Zero { field } | Self::NotSquare { field, .. } => field,
+            Self::SmallTable => "dfg_size",
             Self::TooFewLevels(_) | Self::TooManyLevels { .. } | Self::NarrowLevel { .. } => "prefilter_level_count",
             Self::SmallMap { .. } => "prefilter_size",
         }
@@ -168,6 +175,9 @@ impl PrecomputeSettings {
             if count == 0 {
                 return Err(SettingsError::Zero { field });
             }
+        }
+        if self.dfg_size == 1 {
+            return Err(SettingsError::SmallTable);
         }
         for (field, size) in [("prefilter_size", self.prefilter_size), ("irradiance_size", self.irradiance_size)] {
             if self.layout.is_square && size[0] != size[1] {

@@ -10,6 +10,7 @@ use crate::brdf::MaskingShadowing;
 use crate::pipeline::{LightTables, RenderRequest};
 use crate::pixels::packed::{self, HALF_MAX};
 use crate::pixels::{Pixels, RgbImage};
+use crate::precompute::dfg::DfgAxes;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -66,6 +67,10 @@ fn one() -> f64 {
     1.0
 }
 
+fn centres() -> u32 {
+    DfgAxes::Centres as u32
+}
+
 fn equirect() -> String {
     "equirect".to_owned()
 }
@@ -83,6 +88,9 @@ pub struct LiveLobe {
     pub brdf: String,
     pub masking: String,
     pub dfg: PackedImage,
+    /// One of `DFG_AXES_*`; records from before there was a choice do not say.
+    #[serde(default = "centres")]
+    pub dfg_axes: u32,
 }
 
 /// Makes the tables of every model in the first environments of a plan.
@@ -104,7 +112,8 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
             let tables = renderer.light_tables(&wanted, ENVIRONMENT_TEXELS)?;
             if !has_lobe {
                 let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);
-                record.lobes.push(LiveLobe { brdf: brdf.clone(), masking: masking.to_owned(), dfg });
+                let (masking, dfg_axes) = (masking.to_owned(), tables.dfg_axes as u32);
+                record.lobes.push(LiveLobe { brdf: brdf.clone(), masking, dfg, dfg_axes });
             }
             let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
             if !is_kept {

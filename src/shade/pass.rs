@@ -9,6 +9,7 @@ use crate::glsl::constants::SHADE_FLAG_NO_SPECULAR;
 use crate::glsl::layout::{BackgroundParams, LightData, ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, Filter, GpuError, Image, Recorder, Sampler, Wrap, has_shader, image_groups};
 use crate::math::sequence::PixelPoints;
+use crate::precompute::dfg::DfgAxes;
 use crate::precompute::points::{PointRange, Points};
 use crate::precompute::prefilter::LevelMapping;
 use crate::scene::{Camera, Light, Projection};
@@ -30,6 +31,7 @@ pub struct ShadeSettings {
     pub lod_bias: f32,
     pub prefilter_level_count: u32,
     pub level_mapping: &'static LevelMapping,
+    pub dfg_axes: DfgAxes,
     /// Whether the image has a specular term that takes its share from the diffuse one.
     pub has_specular: bool,
     pub light_count: u32,
@@ -137,9 +139,11 @@ pub fn specular_constants(
     level_mapping: &LevelMapping,
     pixel_points: PixelPoints,
     compensation: Compensation,
-) -> [u32; 6] {
+    dfg_axes: DfgAxes,
+) -> [u32; 7] {
+    let (masking, bend) = (masking_shadowing as u32, (level_mapping.bend as f32).to_bits());
     // The second and the fourth one are the reference's.
-    [masking_shadowing as u32, 0, (level_mapping.bend as f32).to_bits(), 0, pixel_points as u32, compensation as u32]
+    [masking, 0, bend, 0, pixel_points as u32, compensation as u32, dfg_axes as u32]
 }
 
 /// The shader of analytic lights.
@@ -184,9 +188,15 @@ impl Shading<'_> {
             points.bind(),
         ];
         let params = ShadeParams { point_count: points.count, ..self.settings.params(self.gbuffer.size, rows.start) };
-        let ShadeSettings { level_mapping, pixel_points, compensation, .. } = *self.settings;
-        let constants = specular_constants(masking_shadowing, level_mapping, pixel_points, compensation);
+        let ShadeSettings { level_mapping, pixel_points, compensation, dfg_axes, .. } = *self.settings;
+        let constants = specular_constants(masking_shadowing, level_mapping, pixel_points, compensation, dfg_axes);
         self.dispatch(recorder, &shader, &constants, &rest, &params.to_bytes(), rows.end - rows.start)
+    }
+
+    /// The specialization constants of passes that read no map of the lobe.
+    fn table_constants(&self, masking: MaskingShadowing) -> [u32; 7] {
+        let ShadeSettings { compensation, dfg_axes, .. } = *self.settings;
+        [masking as u32, 0, 0, 0, 0, compensation as u32, dfg_axes as u32]
     }
 
     /// Adds the diffuse image-based radiance.
@@ -195,7 +205,7 @@ impl Shading<'_> {
         let rest = [Bind::Sample(irradiance_map, Sampler::MAP), Bind::Sample(dfg, TABLE), Bind::Read(sh9)];
         let push = self.settings.params(self.gbuffer.size, 0).to_bytes();
         let shader = format!("shade/diffuse.comp:{}:{}", self.layout.name, diffuse.name);
-        let constants = [0, 0, 0, 0, 0, self.settings.compensation as u32];
+        let constants = self.table_constants(MaskingShadowing::default());
         self.dispatch(recorder, &shader, &constants, &rest, &push, self.gbuffer.size[1])
     }
 
@@ -209,8 +219,7 @@ impl Shading<'_> {
     ) -> Result<(), GpuError> {
         let rest = [Bind::Sample(&self.tables.dfg, TABLE), Bind::Read(lights)];
         let push = self.settings.params(self.gbuffer.size, 0).to_bytes();
-        let (shader, constants) =
-            (lights_shader(brdf), [masking_shadowing as u32, 0, 0, 0, 0, self.settings.compensation as u32]);
+        let (shader, constants) = (lights_shader(brdf), self.table_constants(masking_shadowing));
         self.dispatch(recorder, &shader, &constants, &rest, &push, self.gbuffer.size[1])
     }
 

@@ -1,7 +1,7 @@
 //! The device passes of the reference: dispatches over parts of the nets and bands of rows, then one that adds the term to the image.
 
-use super::pass::{Shading, TABLE, with_gbuffer};
-use crate::brdf::{Brdf, Compensation, MaskingShadowing};
+use super::pass::{ShadeSettings, Shading, TABLE, with_gbuffer};
+use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::distribution::EnvironmentDistribution;
 use crate::glsl::constants::{GROUP_SIDE, SCRAMBLE_COUNT};
 use crate::glsl::layout::{ShadeParams, SharedStruct};
@@ -31,14 +31,15 @@ pub struct Levels {
 
 impl Lobe {
     /// The specialization constants: masking, whether the driver filters in f32, the bend of the levels' mapping, the weight, none, the
-    /// compensation.
-    fn constants(self, gpu: &Gpu, compensation: Compensation) -> [u32; 6] {
+    /// compensation, the axes of the DFG table.
+    fn constants(self, gpu: &Gpu, settings: &ShadeSettings) -> [u32; 7] {
         let is_exact = u32::from(gpu.info().has_exact_filter);
+        let [compensation, axes] = [settings.compensation as u32, settings.dfg_axes as u32];
         match self {
             Self::Specular { masking, levels: Levels { mapping, weight }, .. } => {
-                [masking as u32, is_exact, (mapping.bend as f32).to_bits(), weight.code, 0, compensation as u32]
+                [masking as u32, is_exact, (mapping.bend as f32).to_bits(), weight.code, 0, compensation, axes]
             }
-            Self::Diffuse { .. } => [MaskingShadowing::default() as u32, is_exact, 0, 0, 0, compensation as u32],
+            Self::Diffuse { .. } => [MaskingShadowing::default() as u32, is_exact, 0, 0, 0, compensation, axes],
         }
     }
 
@@ -234,7 +235,7 @@ impl ReferenceRun<'_> {
         let Shading { settings, tables, gbuffer, .. } = self.shading;
         let [width, height] = gbuffer.size;
         let [shader, _] = lobe.shaders();
-        let constants = lobe.constants(gpu, settings.compensation);
+        let constants = lobe.constants(gpu, settings);
         let rest = [
             Bind::Sample(&tables.environment, Sampler::TEXELS),
             Bind::Read(&self.distribution.words),
@@ -283,7 +284,7 @@ impl ReferenceRun<'_> {
         let (binds, push) = (with_gbuffer(gbuffer, &rest), params.to_bytes());
         let [_, shader] = lobe.shaders();
         gpu.submit_pass(lobe.pass_name(), |r| {
-            r.dispatch(&shader, &lobe.constants(gpu, settings.compensation), &binds, &push, image_groups(width, height))
+            r.dispatch(&shader, &lobe.constants(gpu, settings), &binds, &push, image_groups(width, height))
         })
     }
 }

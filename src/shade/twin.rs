@@ -15,7 +15,7 @@ use crate::math::spherical_harmonics::COUNT;
 use crate::pixels::Pixels;
 use crate::pixels::lookup::{Wrap, bilinear, trilinear};
 use crate::precompute::PrecomputeSettings;
-use crate::precompute::dfg::{self, Albedos};
+use crate::precompute::dfg::{Albedos, DfgAxes};
 use crate::precompute::lobe_shape::{self, OBJECTIVES, Objective};
 use crate::precompute::prefilter::LevelMapping;
 use glam::{DVec2, DVec3, DVec4};
@@ -48,6 +48,8 @@ pub struct Light {
     pub level_mapping: &'static LevelMapping,
     /// The DFG table: what scales f0, and what is added.
     pub dfg: Pixels<DVec2>,
+    /// Where its texels lie.
+    pub dfg_axes: DfgAxes,
     /// (A, B) by n·v, exact.
     pub albedos: Albedos,
     /// The table of lobe shapes.
@@ -101,7 +103,7 @@ impl Light {
 
     /// (A, B) of the DFG table: the lobe reflects `f0 A + B` of constant radiance.
     pub fn dfg(&self, n_dot_v: f64, alpha: f64) -> DVec2 {
-        dfg::lookup(&self.dfg, n_dot_v, alpha)
+        self.dfg_axes.lookup(&self.dfg, n_dot_v, alpha)
     }
 
     /// The split sum by a lookup of that direction and width: `P(direction, width) (f0 A + B)`.

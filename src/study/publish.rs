@@ -4,6 +4,7 @@ use super::finished::{FinishedError, provenance};
 use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
 use super::summary::{SHEETS_FOLDER, bold, sheet_link, sheet_title};
 use super::write::SUMMARY_FILE;
+use crate::cost::record::COSTS_FILE;
 use crate::files::{TEXT_BYTES_MAX, read_text, relative};
 use crate::pixels::{PixelsError, png, write_atomically};
 use crate::runner::frozen::EXPERIMENT_FILE;
@@ -16,12 +17,13 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Files of a run that are published beside its answers.
-const FILES: [&str; 8] = [
+const FILES: [&str; 9] = [
     EXPERIMENT_FILE,
     "environments.csv",
     "errors.csv",
     "steps.csv",
     slips::FILE_NAME,
+    COSTS_FILE,
     "timings.csv",
     "timing_ratios.csv",
     SUMMARY_FILE,

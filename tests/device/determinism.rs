@@ -15,6 +15,7 @@ use splitsum::gpu::{Format, Gpu};
 use splitsum::math::sequence::PixelPoints;
 use splitsum::pipeline::{Pipeline, RenderRequest};
 use splitsum::pixels::RgbImage;
+use splitsum::precompute::dfg::DfgAxes;
 use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::scene::{CameraKind, MaterialOverride};
@@ -130,6 +131,7 @@ fn the_reference_reads_nothing_it_has_not_written() {
             lod_bias: 0.0,
             prefilter_level_count: 5,
             level_mapping: &LEVEL_MAPPINGS[0],
+            dfg_axes: DfgAxes::default(),
             has_specular: true,
             light_count: 0,
         };

@@ -10,6 +10,7 @@ use splitsum::environment::layout::LAYOUTS;
 use splitsum::math::sequence::{PixelPoints, SEQUENCES};
 use splitsum::pipeline::{BakeRequest, DiskCache, Frame, Pipeline, RenderRequest};
 use splitsum::pixels::{RgbImage, exr};
+use splitsum::precompute::dfg::DfgAxes;
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat};
 use splitsum::scene::{Camera, CameraKind, Light, LightKind, MaterialOverride};
@@ -29,6 +30,7 @@ fn small() -> PrecomputeSettings {
         prefilter_lod_bias: 0.0,
         dfg_size: 16,
         dfg_sample_count: 64,
+        dfg_axes: DfgAxes::default(),
         irradiance_size: [8; 2],
         irradiance_sample_count: [16, 8],
         storage: StorageFormat::F32,
@@ -123,6 +125,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         prefilter_lod_bias,
         dfg_size,
         dfg_sample_count,
+        dfg_axes: _,
         irradiance_size: [map_width, map_height],
         irradiance_sample_count: [azimuths, polars],
         storage,
@@ -181,6 +184,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         set(&|s| s.prefilter_lod_bias = prefilter_lod_bias + 1.0),
         set(&|s| s.dfg_size = 2 * dfg_size),
         set(&|s| s.dfg_sample_count = 2 * dfg_sample_count),
+        set(&|s| s.dfg_axes = DfgAxes::Centres),
         set(&|s| s.irradiance_size = [2 * map_width, 2 * map_height]),
         set(&|s| s.irradiance_sample_count = [2 * azimuths, 2 * polars]),
         set(&|s| s.storage = if storage == StorageFormat::F16 { StorageFormat::F32 } else { StorageFormat::F16 }),

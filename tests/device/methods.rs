@@ -4,7 +4,7 @@ use crate::compare::{Worst, relative};
 use crate::harness::{golden_environment, render_by_seeds, request, scene, usual_tables, with_gpu, with_pipeline};
 use crate::symmetry::smooth_environment;
 use crate::tables::dfg_table;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use splitsum::brdf::{Compensation, MODELS};
 use splitsum::environment::Placement;
 use splitsum::environment::layout::layout_by_name;
@@ -12,7 +12,6 @@ use splitsum::gbuffer::{Gbuffer, reference::gbuffer};
 use splitsum::math::sequence::PixelPoints;
 use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::pixels::Pixels;
-use splitsum::pixels::lookup::{Wrap, bilinear};
 use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::method::seed0_literal;
@@ -263,10 +262,8 @@ fn the_lobe_of_several_scatterings_is_integrated() {
             let with = |diffuse| RenderRequest { diffuse: diffuse_by_name(diffuse).unwrap(), ..base.clone() };
             let [both, single] = ["reference", "none"].map(|name| render_by_seeds(pipeline, &with(name)));
             let tables = &base.precompute;
-            let table = dfg_table(gpu, base.brdf, base.masking_shadowing, tables.dfg_size, tables.dfg_sample_count);
-            let pair = |cosine: f64| {
-                bilinear(&table, DVec2::new(cosine, 0.8f64.sqrt()), Wrap::Clamp, |texel| texel).truncate()
-            };
+            let table = dfg_table(gpu, base.brdf, base.masking_shadowing, tables);
+            let pair = |cosine: f64| tables.dfg_axes.lookup(&table, cosine, 0.8);
             let node = |i: u32| (f64::from(i) + 0.5) / 64.0;
             let mean = (0..64).map(|i| 2.0 * node(i) / 64.0 * pair(node(i)).element_sum()).sum::<f64>();
             for sight in sights(&base, 11) {
@@ -369,8 +366,7 @@ fn the_diffuse_term_takes_what_the_lobe_leaves() {
                 f0: Some([0.04, 0.3, 0.6]),
             };
             let base = request(&white, scene("sphere", material), CameraKind::Ortho, [9, 9]);
-            let side = base.precompute.dfg_size;
-            let table = dfg_table(gpu, base.brdf, base.masking_shadowing, side, base.precompute.dfg_sample_count);
+            let table = dfg_table(gpu, base.brdf, base.masking_shadowing, &base.precompute);
             // The map of radiance 1 is 1 within the roundings of 4096 additions.
             let mut worst = Worst::new("diffuse beside specular", relative(1e-5));
             let albedo = DVec3::new(0.9f32.into(), 0.5f32.into(), 0.1f32.into());
@@ -383,8 +379,8 @@ fn the_diffuse_term_takes_what_the_lobe_leaves() {
                 let both = pipeline.render(&with("irradiance-map")).unwrap();
                 let specular = pipeline.render(&with("none")).unwrap();
                 for Sight { pixel, surface, .. } in sights(&base, 4) {
-                    let uv = DVec2::new(surface.n.dot(surface.v), surface.alpha.sqrt());
-                    let pair = bilinear(&table, uv, Wrap::Clamp, |texel| texel);
+                    let n_dot_v = surface.n.dot(surface.v);
+                    let pair = base.precompute.dfg_axes.lookup(&table, n_dot_v, surface.alpha);
                     let left = if name == "none" { DVec3::ONE } else { 1.0 - (surface.f0 * pair.x + pair.y) };
                     let diffuse = radiance(&both, pixel) - radiance(&specular, pixel);
                     worst.add_rgb(diffuse, 0.75 * albedo * left, || format!("{name} {pixel:?}"));

@@ -5,13 +5,13 @@ use crate::harness::{Probe, incident, rounded, rounded3, vec4, with_gpu, xyz};
 use glam::{DVec2, DVec3};
 use splitsum::brdf::{alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
 use splitsum::environment::layout::lod_from_solid_angles;
-use splitsum::glsl::constants::ALPHA_MIN;
+use splitsum::glsl::constants::{ALPHA_MIN, COSINE_MIN};
 use splitsum::gpu::Bind;
 use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, texel_solid_angle_at, uv_from_direction};
 use splitsum::math::frame::Frame;
 use splitsum::math::sampling::{direction_from_polar, hammersley};
 use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
-use splitsum::precompute::dfg;
+use splitsum::precompute::dfg::DfgAxes;
 use splitsum::precompute::prefilter::LEVEL_MAPPINGS;
 use splitsum::scene::{Camera, CameraKind, Light, LightKind, Scene};
 use splitsum::shade::pass::light_data;
@@ -320,19 +320,23 @@ fn prefilter_and_dfg_mappings() {
             .map(|v| v.map(|x| x as f32))
             .collect();
         let mut worst = Worst::new("mappings", F32);
+        let mut table = Worst::new("places in the DFG table", absolute(1e-6));
         // Near the rough end the inverse of the bent mappings is steep: it is held to what f32 makes of the level.
         let mut levels = Worst::new("levels of the roughness of a level", absolute(2e-6));
-        for (mapping, (&[roughness, alpha, lod, texel, n_dot_v], out)) in LEVEL_MAPPINGS.iter().flat_map(|mapping| {
-            let constants = [0, 0, (mapping.bend as f32).to_bits()];
-            let probe = Probe {
-                shader: "probe/prefilter_mapping.comp",
-                constants: &constants,
-                inputs: 3,
-                outputs: 2,
-                ..Probe::default()
-            };
-            items.iter().zip(probe.run(gpu, &inputs)).map(move |item| (mapping, item))
-        }) {
+        let both = [DfgAxes::FourthRoots, DfgAxes::Centres].into_iter().cycle();
+        for (mapping, axes, (&[roughness, alpha, lod, texel, n_dot_v], out)) in
+            LEVEL_MAPPINGS.iter().zip(both).flat_map(|(mapping, axes)| {
+                let constants = [0, 0, (mapping.bend as f32).to_bits(), 0, 0, 0, axes as u32];
+                let probe = Probe {
+                    shader: "probe/prefilter_mapping.comp",
+                    constants: &constants,
+                    inputs: 3,
+                    outputs: 2,
+                    ..Probe::default()
+                };
+                items.iter().zip(probe.run(gpu, &inputs)).map(move |item| (mapping, axes, item))
+            })
+        {
             let case = || format!("roughness {roughness} alpha {alpha} lod {lod} texel {texel}");
             // At and below the floor of alpha the surface is a mirror.
             let perceptual_roughness =
@@ -342,15 +346,17 @@ fn prefilter_and_dfg_mappings() {
             levels.add(mapping.mip_from_alpha(out[0][2].powi(2), LEVELS), lod, case);
             worst.add(out[0][2].powi(2), mapping.alpha_from_mip(lod, LEVELS), case);
             worst.add(out[0][3], mapping.mip_from_alpha(roughness * roughness, LEVELS), case);
-            let parameters = dfg::parameters_from_texel(DVec2::new(texel, 127.0 - texel) + 0.5, SIDE);
-            worst.add(out[1][0], parameters.x, case);
-            worst.add(out[1][1].powi(2), parameters.y, case);
-            let uv =
-                dfg::texel_from_parameters(DVec2::new(n_dot_v, perceptual_roughness.powi(2)), SIDE) / f64::from(SIDE);
-            worst.add(out[1][2], uv.x, case);
-            worst.add(out[1][3], uv.y, case);
+            let parameters = axes.parameters(DVec2::new(texel, 127.0 - texel) + 0.5, SIDE);
+            table.add(out[1][0], parameters.x, case);
+            table.add(out[1][1], parameters.y.max(ALPHA_MIN.into()), case);
+            let uv = axes.texel(DVec2::new(n_dot_v, alpha), SIDE) / f64::from(SIDE);
+            // Beyond the least cosine and width a lookup is clamped.
+            if axes == DfgAxes::Centres || (alpha >= ALPHA_MIN.into() && n_dot_v >= COSINE_MIN.into()) {
+                table.add(out[1][2], uv.x, case);
+                table.add(out[1][3], if alpha <= ALPHA_MIN.into() { perceptual_roughness } else { uv.y }, case);
+            }
         }
-        [worst, levels].into_iter().for_each(Worst::check);
+        [worst, table, levels].into_iter().for_each(Worst::check);
     });
 }
 

@@ -19,7 +19,7 @@ use splitsum::math::frame::Frame as LocalFrame;
 use splitsum::math::sequence::{PixelPoints, SEQUENCES};
 use splitsum::pipeline::{Frame, RenderRequest};
 use splitsum::pixels::Pixels;
-use splitsum::precompute::dfg::Albedos;
+use splitsum::precompute::dfg::{Albedos, DfgAxes};
 use splitsum::precompute::lobe_shape;
 use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::pass::Recipe;
@@ -64,6 +64,7 @@ fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
         prefilter_lod_bias: 0.0,
         dfg_size: 32,
         dfg_sample_count: 128,
+        dfg_axes: if layout.is_square { DfgAxes::FourthRoots } else { DfgAxes::Centres },
         irradiance_size: size(8),
         irradiance_sample_count: [16, 8],
         storage: splitsum::precompute::StorageFormat::F32,
@@ -178,7 +179,8 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
         filtered: read_map(gpu, layout, &filtered),
         prefiltered: read_map(gpu, layout, &levels),
         level_mapping: settings.level_mapping,
-        dfg: dfg_table(gpu, model, masking, settings.dfg_size, settings.dfg_sample_count).map(DVec3::truncate),
+        dfg: dfg_table(gpu, model, masking, settings),
+        dfg_axes: settings.dfg_axes,
         albedos: Albedos::new(Kernel::cosine(model), masking, request.scene.materials[0].alpha.into()),
         lobe_shapes: lobe_shapes(model, masking, settings),
         irradiance_map: read_map(gpu, layout, &map),

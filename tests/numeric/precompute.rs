@@ -9,11 +9,11 @@ use splitsum::math::quadrature::Tolerance;
 use splitsum::math::sampling::{direction_from_polar, hammersley};
 use splitsum::math::spherical_harmonics;
 use splitsum::pixels::RgbImage;
-use splitsum::precompute::dfg::reference::dfg;
+use splitsum::precompute::dfg::{DfgAxes, reference::dfg};
 use splitsum::precompute::irradiance::reference::irradiance;
 use splitsum::precompute::prefilter::reference::prefilter;
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, weight_by_name};
-use splitsum::precompute::{dfg as dfg_table, exact_quadrature, mips, sh9};
+use splitsum::precompute::{exact_quadrature, mips, sh9};
 use splitsum::shade::reference::{Surface, integrate};
 use std::f64::consts::PI;
 
@@ -144,10 +144,15 @@ fn dfg_at_normal_incidence_is_one_integral() {
 #[test]
 fn dfg_mapping_and_its_inverse_agree() {
     let size = 32;
-    assert_eq!(dfg_table::parameters_from_texel(DVec2::new(8.0, 16.0), size), DVec2::new(0.25, 0.25));
-    for texel in [DVec2::new(0.5, 0.5), DVec2::new(31.5, 0.5), DVec2::new(7.25, 30.0)] {
-        let back = dfg_table::texel_from_parameters(dfg_table::parameters_from_texel(texel, size), size);
-        assert!((back - texel).length() < 1e-13, "{texel} {back}");
+    assert_eq!(DfgAxes::Centres.parameters(DVec2::new(8.0, 16.0), size), DVec2::new(0.25, 0.25));
+    // The outermost texels lie on the ends of what is shaded.
+    let near = |texel, ends: DVec2| (DfgAxes::FourthRoots.parameters(texel, size) / ends - 1.0).length() < 1e-6;
+    assert!(near(DVec2::splat(0.5), DVec2::new(1e-6, 1e-3)) && near(DVec2::splat(31.5), DVec2::ONE));
+    for axes in [DfgAxes::Centres, DfgAxes::FourthRoots] {
+        for texel in [DVec2::new(0.5, 0.5), DVec2::new(31.5, 0.5), DVec2::new(7.25, 30.0)] {
+            let back = axes.texel(axes.parameters(texel, size), size);
+            assert!((back - texel).length() < 1e-12, "{axes:?} {texel} {back}");
+        }
     }
 }
 

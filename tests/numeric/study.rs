@@ -1,6 +1,7 @@
 //! What finished runs say. No test needs a device: runs use a renderer made of formulas.
 
 mod asked;
+mod equal_cost;
 mod estimate;
 mod figure;
 mod finished;

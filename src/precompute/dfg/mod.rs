@@ -4,8 +4,8 @@
 //!
 //! `A = E[(1 - Fc) W]`, `B = E[Fc W]`, `W = G2(v, l) (v·h) / (n_dot_v n_dot_h)`, `l = reflect(-v, h)`, W = 0 for `n_dot_l <= 0`.
 //!
-//! `A + B` is the directional albedo of one scattering for F = 1. There is one table for each model and masking variant: x is n_dot_v,
-//! y is perceptual roughness, both at texel centres, so that no texel has `n_dot_v = 0` or `alpha = 0`.
+//! `A + B` is the directional albedo of one scattering for F = 1. There is one table for each model and masking variant, n_dot_v along x
+//! and alpha along y; [`DfgAxes`] says where its texels lie.
 
 mod albedos;
 pub mod pass;
@@ -14,23 +14,58 @@ pub mod reference;
 pub use albedos::Albedos;
 
 use crate::brdf::{alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
+use crate::glsl::constants::{ALPHA_MIN, COSINE_MIN};
 use crate::pixels::Pixels;
 use crate::pixels::lookup::{Wrap, bilinear};
 use glam::DVec2;
 
-/// `(n_dot_v, alpha)` at a position of the table, in texels (centres at half integers). Inverse: [`texel_from_parameters`].
-pub fn parameters_from_texel(texel: DVec2, size: u32) -> DVec2 {
-    let at = texel / f64::from(size);
-    DVec2::new(at.x, alpha_from_perceptual_roughness(at.y))
+/// Where the texels of a table lie. The discriminants are `glsl::constants::DFG_AXES_*`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum DfgAxes {
+    /// Evenly in the fourth roots of n_dot_v and of alpha, from the least that are shaded to 1, both ends included: A and B bend most where
+    /// both are small, and no lookup lies beyond the outermost texels.
+    #[default]
+    FourthRoots = 0,
+    /// Evenly in n_dot_v and perceptual roughness, at texel centres: as engines hold it. Lookups within half a texel of an edge are clamped.
+    Centres = 1,
 }
 
-/// Inverse of [`parameters_from_texel`].
-pub fn texel_from_parameters(parameters: DVec2, size: u32) -> DVec2 {
-    DVec2::new(parameters.x, perceptual_roughness_from_alpha(parameters.y)) * f64::from(size)
-}
+impl DfgAxes {
+    /// `(n_dot_v, alpha)` at a position of a table, in texels (centres at half integers). Inverse: [`Self::texel`].
+    pub fn parameters(self, texel: DVec2, side: u32) -> DVec2 {
+        match self {
+            Self::FourthRoots => {
+                let low = Self::least_roots();
+                let at = low + (1.0 - low) * (texel - 0.5) / (f64::from(side) - 1.0);
+                (at * at) * (at * at)
+            }
+            Self::Centres => {
+                let at = texel / f64::from(side);
+                DVec2::new(at.x, alpha_from_perceptual_roughness(at.y))
+            }
+        }
+    }
 
-/// (A, B) as looked up in a table.
-pub fn lookup(table: &Pixels<DVec2>, n_dot_v: f64, alpha: f64) -> DVec2 {
-    let uv = texel_from_parameters(DVec2::new(n_dot_v, alpha), table.width) / f64::from(table.width);
-    bilinear(table, uv, Wrap::Clamp, |pair| pair.extend(0.0)).truncate()
+    /// Inverse of [`Self::parameters`].
+    pub fn texel(self, parameters: DVec2, side: u32) -> DVec2 {
+        let DVec2 { x: n_dot_v, y: alpha } = parameters;
+        match self {
+            Self::FourthRoots => {
+                let low = Self::least_roots();
+                let at = (DVec2::new(n_dot_v.sqrt().sqrt(), alpha.sqrt().sqrt()) - low) / (1.0 - low);
+                at * (f64::from(side) - 1.0) + 0.5
+            }
+            Self::Centres => DVec2::new(n_dot_v, perceptual_roughness_from_alpha(alpha)) * f64::from(side),
+        }
+    }
+
+    /// (A, B) as looked up in a table.
+    pub fn lookup(self, table: &Pixels<DVec2>, n_dot_v: f64, alpha: f64) -> DVec2 {
+        let uv = self.texel(DVec2::new(n_dot_v, alpha), table.width) / f64::from(table.width);
+        bilinear(table, uv, Wrap::Clamp, |pair| pair.extend(0.0)).truncate()
+    }
+
+    fn least_roots() -> DVec2 {
+        DVec2::new(COSINE_MIN.into(), ALPHA_MIN.into()).powf(0.25)
+    }
 }

@@ -1,5 +1,6 @@
 //! The device pass: one dispatch a band of rows.
 
+use super::DfgAxes;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::glsl::layout::{DfgParams, SharedStruct};
 use crate::gpu::{Bind, Format, Gpu, GpuError, Image, Report, image_groups};
@@ -19,11 +20,12 @@ pub fn run(
     gpu: &Gpu,
     brdf: &dyn Brdf,
     masking_shadowing: MaskingShadowing,
+    axes: DfgAxes,
     sample_count: u32,
     table: &Image,
 ) -> Result<Report, GpuError> {
     let [width, height] = table.mip_size(0);
-    let (shader, constants) = (shader(brdf), [masking_shadowing as u32]);
+    let (shader, constants) = (shader(brdf), [masking_shadowing as u32, 0, 0, 0, 0, 0, axes as u32]);
     let mut total = Report::default();
     for rows in gpu.row_bands(height, u64::from(width) * u64::from(sample_count)) {
         let push = DfgParams { width, height, sample_count, first_row: rows.start }.to_bytes();

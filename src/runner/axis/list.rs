@@ -3,7 +3,7 @@
 //! Long because each axis stands here whole: splitting the list would hide its order, which is that of columns.
 
 use super::{Axis, Part, Sheet, Spelling, Symbol, Used, diffuse, method};
-use crate::bakes::given::OWN;
+use crate::bakes::given::{CENTRES, OWN};
 use crate::brdf::{self, Compensation, MaskingShadowing};
 use crate::environment::Placement;
 use crate::environment::layout::{LAYOUTS, layout_by_name};
@@ -392,12 +392,12 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "dfg",
-        about: "the DFG table: own, or that of another tool as file:PATH#PRESET, square (docs/bakes.md)",
+        about: "the DFG table: own; centres, ours laid out as engines do; or that of another tool as file:PATH#PRESET, square (docs/bakes.md)",
         plural: "DFG tables",
         symbol: Symbol::Before("table"),
         needs_memory: true,
         feeds: &[DFG],
-        kind: TABLE_FILE,
+        kind: Kind::NameOrFile { what: "table", names: || vec![OWN, CENTRES] },
         used: Used::needs_dfg,
         default: || Value::from(OWN),
         apply: |s, v| s.dfg = v.text().to_owned(),

@@ -16,6 +16,7 @@ use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
 use crate::environment::{Environment, Placement};
 use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::pipeline::RenderRequest;
+use crate::precompute::dfg::DfgAxes;
 use crate::precompute::{PrecomputeSettings, PrefilterBy};
 use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Orbit, Scene};
 use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, NONE, diffuse_by_name, method_by_name};
@@ -81,6 +82,7 @@ impl Settings {
             precompute.level_mapping = map.mapping;
         }
         precompute.dfg_size = given.dfg.as_ref().map_or(precompute.dfg_size, |table| table.side);
+        precompute.dfg_axes = if self.dfg == OWN { DfgAxes::default() } else { DfgAxes::Centres };
         let scene = Arc::new(scene.apply(&self.material));
         RenderRequest {
             environment: environment.clone(),

@@ -8,6 +8,7 @@ mod read;
 pub use notes::notes;
 pub use read::{FinishedError, provenance};
 
+use crate::cost::record::CostRecord;
 use crate::metrics::{Epsilon, METRICS};
 use crate::runner::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP, ENVIRONMENT_SCALE, Point, SCENE};
 use crate::runner::config::Config;
@@ -121,6 +122,8 @@ pub struct Finished {
     pub lights: Vec<Light>,
     pub timings: Vec<TimingRecord>,
     pub failures: Vec<FailureRecord>,
+    /// What its passes cost by the model, where an experiment asked.
+    pub costs: Option<CostRecord>,
     /// Whether a run is at work in the folder: only the cells that are done are here.
     pub is_under_way: bool,
 }

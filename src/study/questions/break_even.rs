@@ -33,6 +33,7 @@ pub const QUESTION: Question = Question {
         column("is_resolved", "1 where both errors at the break-even stand clear of the reference's noise, else 0."),
     ],
     uses_times: false,
+    uses_costs: false,
     lacks,
     answer,
 };
@@ -70,7 +71,7 @@ impl Case<'_, '_> {
     }
 
     /// The crossing, where rounding up to a tried count gives the break-even, else that; infinite above the largest tried count.
-    fn number(&self, tried: &[u32]) -> f64 {
+    pub fn number(&self, tried: &[u32]) -> f64 {
         let Some(count) = self.break_even.map(f64::from) else { return f64::INFINITY };
         self.crossing().filter(|n| up(*n, tried) == count).unwrap_or(count)
     }
@@ -248,7 +249,7 @@ fn view_sentence(frame: &Frame, [sampled, fixed]: &[String; 2], views: &[View], 
 }
 
 /// The axes of which each value has its own answer: those of the surface that part most, and whatever makes another method.
-fn conditions(frame: &Frame) -> impl Iterator<Item = usize> {
+pub(super) fn conditions(frame: &Frame) -> impl Iterator<Item = usize> {
     let surface = [ALPHA, BRDF, F0].into_iter().filter(|of| frame.shape.is_swept(*of));
     let ways = frame.swept(&[Part::Method, Part::Parameter, Part::Table]).into_iter();
     surface.chain(ways.filter(|of| *of != METHOD))
@@ -274,7 +275,7 @@ fn numbers<'r, 'f>(cases: &[Case<'r, 'f>]) -> Numbers<'r, 'f> {
 }
 
 /// Every tried count, ascending.
-fn tried(cases: &[Case]) -> Vec<u32> {
+pub(super) fn tried(cases: &[Case]) -> Vec<u32> {
     let mut counts: Vec<u32> = cases.iter().flat_map(|case| &case.of.curve.points).map(|point| point.samples).collect();
     counts.sort_unstable();
     counts.dedup();
@@ -287,7 +288,7 @@ fn up(n: f64, tried: &[u32]) -> f64 {
 }
 
 /// "16"; "at most 4" where no fewer were tried; "more than 256".
-fn counted(n: f64, tried: &[u32]) -> String {
+pub(super) fn counted(n: f64, tried: &[u32]) -> String {
     let (least, largest) = (tried[0], tried[tried.len() - 1]);
     match up(n, tried) {
         n if n.is_infinite() => format!("more than {largest}"),

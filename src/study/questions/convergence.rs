@@ -29,6 +29,7 @@ pub const QUESTION: Question = Question {
         ),
     ],
     uses_times: false,
+    uses_costs: false,
     lacks,
     answer,
 };

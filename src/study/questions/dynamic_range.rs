@@ -20,6 +20,7 @@ pub const QUESTION: Question = Question {
         column("error", "Error in the metric of the question, geometric mean over the images."),
     ],
     uses_times: false,
+    uses_costs: false,
     lacks,
     answer,
 };

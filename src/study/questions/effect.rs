@@ -19,6 +19,7 @@ pub const QUESTION: Question = Question {
         column("is_resolved", "1 where an error of the two stands clear of the reference's noise, else 0."),
     ],
     uses_times: false,
+    uses_costs: false,
     lacks,
     answer,
 };

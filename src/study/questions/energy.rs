@@ -24,6 +24,7 @@ pub const QUESTION: Question = Question {
         column("most_n_dot_v_to", "Largest n·v of that bin."),
     ],
     uses_times: false,
+    uses_costs: false,
     lacks,
     answer,
 };

@@ -34,6 +34,7 @@ pub const QUESTION: Question = Question {
         column("samples_at_equal_error", "Count with the other's error, interpolated; empty outside the tried counts."),
     ],
     uses_times: true,
+    uses_costs: false,
     lacks,
     answer,
 };

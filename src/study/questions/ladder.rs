@@ -9,6 +9,7 @@
 
 use super::prelude::*;
 use crate::ladder::{BANDS, of_diffuse};
+use crate::metrics::ALL_VIEWS;
 use crate::shade::diffuse_by_name;
 use crate::study::finished::StepRow;
 use crate::table::csv::rounded;
@@ -36,6 +37,7 @@ pub const QUESTION: Question = Question {
         column("step_error", "Standard error of the step over the step: see `steps.csv`."),
     ],
     uses_times: false,
+    uses_costs: false,
     lacks,
     answer,
 };
@@ -94,8 +96,6 @@ struct Group<'r, 'f> {
     seen: [f64; 2],
     own: Vec<Told<'r, 'f>>,
 }
-
-const ALL_VIEWS: [f64; 2] = [0.0, 1.0];
 
 impl<'r, 'f> Group<'r, 'f> {
     fn numbers(&self, step: &str, of: fn(&Told) -> f64) -> Numbers<'r, 'f> {

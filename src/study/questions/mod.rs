@@ -45,6 +45,7 @@ macro_rules! questions {
 
 questions! {
     break_even,
+    equal_cost,
     convergence,
     error,
     effect,
@@ -80,6 +81,8 @@ pub struct Question {
     pub columns: &'static [Column],
     /// Whether the answer rests on measured times.
     pub uses_times: bool,
+    /// Whether it rests on costs by the model of compiled code.
+    pub uses_costs: bool,
     /// What an experiment lacks to serve it, as the end of the sentence "cannot be answered: ..."; `None` where it serves.
     pub lacks: fn(&Shape) -> Option<&'static str>,
     /// The answer; nothing while no finished cell tells.

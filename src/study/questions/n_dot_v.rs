@@ -21,6 +21,7 @@ pub const QUESTION: Question = Question {
         column("error_hi", super::UPPER),
     ],
     uses_times: false,
+    uses_costs: false,
     lacks,
     answer,
 };

@@ -24,6 +24,7 @@ pub const QUESTION: Question = Question {
         column("changes_light", "1 where light is wrong by more than 2 %, which is told apart side by side, else 0."),
     ],
     uses_times: false,
+    uses_costs: false,
     lacks,
     answer,
 };

@@ -25,6 +25,7 @@ pub const QUESTION: Question = Question {
         BIAS_SHARE,
     ],
     uses_times: false,
+    uses_costs: false,
     lacks: lacks_methods,
     answer,
 };

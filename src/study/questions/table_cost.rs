@@ -34,6 +34,7 @@ pub const QUESTION: Question = Question {
         DEVICE_TYPE,
     ],
     uses_times: true,
+    uses_costs: false,
     lacks,
     answer,
 };

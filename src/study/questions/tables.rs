@@ -13,7 +13,7 @@
 //! at every alpha; of equally large ones that with the fewest samples, then that with the least share at its worst.
 
 use super::prelude::*;
-use crate::metrics::VIEWS;
+use crate::metrics::{ALL_VIEWS, VIEWS};
 use crate::precompute::PrecomputeSettings;
 use crate::shade::{EXACT_SPLIT, REFERENCE};
 use crate::table::markdown::significant;
@@ -37,6 +37,7 @@ pub const QUESTION: Question = Question {
         column("is_resolved", "1 where the error stands clear of the reference's noise, else 0."),
     ],
     uses_times: false,
+    uses_costs: false,
     lacks,
     answer,
 };
@@ -48,9 +49,6 @@ const SHARE: f64 = 0.1;
 fn enough(frame: &Frame) -> f64 {
     SHARE.powf(0.5 * frame.metric.description().power)
 }
-
-/// All n·v.
-const ALL_VIEWS: [f64; 2] = [0.0, 1.0];
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
     let draws_truth = shape.methods().any(|method| method.name == REFERENCE);

@@ -18,6 +18,7 @@ pub const QUESTION: Question = Question {
         column("visible", "Under how many environments the median has at least that."),
     ],
     uses_times: false,
+    uses_costs: false,
     lacks,
     answer,
 };

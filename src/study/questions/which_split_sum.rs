@@ -18,6 +18,7 @@ pub const QUESTION: Question = Question {
         column("is_on_front", "1 where no way with as few lookups has a smaller mean ratio over all cases, else 0."),
     ],
     uses_times: false,
+    uses_costs: false,
     lacks,
     answer,
 };

@@ -5,6 +5,7 @@ use splitsum::pipeline::{
     DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, SharedWork, Tally, TimingSamples,
 };
 use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
+use splitsum::precompute::dfg::DfgAxes;
 use splitsum::runner::{RenderFault, Renderer};
 use splitsum::shade::reference_pass::Convergence;
 use splitsum::tonemap::ToneCurve;
@@ -171,6 +172,7 @@ impl Renderer for Fake {
             sh9,
             prefiltered: chain(2),
             dfg,
+            dfg_axes: DfgAxes::default(),
         })
     }
 

@@ -1,6 +1,9 @@
 //! Finished runs that were never rendered: the cells of a plan with scores by a formula, or rows with errors, bins, lights and times of choice.
 
 use crate::runner::runs;
+use splitsum::cost::isa::{Counts, ShaderCounts};
+use splitsum::cost::model::Pass;
+use splitsum::cost::record::{CostRecord, RecordedPass};
 use splitsum::metrics::METRICS;
 use splitsum::runner::Plan;
 use splitsum::runner::axis::{AXES, Point, index_of};
@@ -26,6 +29,7 @@ fn empty(name: &str) -> Finished {
         lights: Vec::new(),
         timings: Vec::new(),
         failures: Vec::new(),
+        costs: None,
         is_under_way: false,
     }
 }
@@ -45,6 +49,28 @@ fn cell_of(id: String, point: Point) -> FinishedCell {
         steps: Vec::new(),
         images: None,
     }
+}
+
+/// Costs of ggx on RDNA 2 by the model: counts outside and inside the loop of each method, and of the prefilter for no name.
+pub fn costs(passes: &[(&str, Counts, Counts)]) -> CostRecord {
+    let recorded = |(method, outside, inside): &(&str, Counts, Counts)| RecordedPass {
+        family: "navi21".to_owned(),
+        method: (*method).to_owned(),
+        brdf: "ggx".to_owned(),
+        layout: "cube".to_owned(),
+        pass: Pass {
+            counts: ShaderCounts { outside: *outside, inside: *inside, other_loops: 0 },
+            wave: 64,
+            vector_registers: 24,
+            waves: 16,
+        },
+    };
+    CostRecord { driver: "made".to_owned(), passes: passes.iter().map(recorded).collect() }
+}
+
+/// Full-rate arithmetic alone: both ends of the model are alike.
+pub fn alu(alu: f64) -> Counts {
+    Counts { alu, ..Counts::default() }
 }
 
 /// What an experiment file begins with.

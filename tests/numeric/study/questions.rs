@@ -1,6 +1,6 @@
 //! What every question keeps to, asked of made runs. A new question is tested by being listed.
 
-use super::paper::{numbers, scaled};
+use super::paper::{alu, costs, numbers, scaled};
 use super::told::{sentences, unfounded, word_count};
 use crate::runner::runs::{finished, plan};
 use splitsum::runner::axis::{AXES, Point};
@@ -140,6 +140,9 @@ fn runs() -> &'static [Finished] {
             let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("made-run-{i}"));
             let _ = std::fs::remove_dir_all(&dir);
             finished(&plan(text), &dir);
+            let passes =
+                [("sampled", alu(90.0), alu(80.0)), ("split-sum", alu(640.0), alu(0.0)), ("", alu(9.0), alu(70.0))];
+            costs(&passes).write(&dir).unwrap();
             runs.push(Finished::read(&dir).unwrap());
             let mut varied = Finished::read(&dir).unwrap();
             scaled(&mut varied, factor);
