@@ -4,7 +4,7 @@
 #     scripts/standard-set.sh [--only NAME,NAME...] [--runs FOLDER] [--publish FOLDER]
 #
 # Runs go to runs/standard/NAME (gitignored), the small files of each to results/NAME, and results/README.md is written from the answers of
-# all published runs; a run of an earlier plan is replaced. A set that was stopped goes on where it stopped. Under 40 minutes on two quiet
+# all published runs; a run of an earlier plan is replaced. A set that was stopped goes on where it stopped. Under 50 minutes on two quiet
 # cores with a software driver.
 # Answers about light rest on the ten measured maps of experiments/environments.csv, which are not part of the repository: save each as
 # experiments/environments/NAME_1k.hdr. Where one is missing, or is another file, the set says so and runs without it.
@@ -12,7 +12,7 @@ set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
-set_names="quick break-even equal-cost sample-count source-document-0 level-bias printed-slips energy diffuse tables ladder split-sums exposure-and-contrast dynamic-range better-method timing"
+set_names="quick break-even break-even-of-pairs equal-cost sample-count source-document-0 level-bias printed-slips energy diffuse tables ladder split-sums split-sums-seen split-or-energy exposure-and-contrast dynamic-range better-method timing"
 runs=runs/standard
 results=results
 while [ $# -gt 0 ]; do
@@ -57,7 +57,7 @@ done <experiments/environments.csv
 # Lights of an experiment: its formulas, then the measured maps. Nothing for one that asks about formulas or pictures.
 lights_of() {
     case $1 in
-    break-even | equal-cost | better-method | sample-count | level-bias | tables | ladder | split-sums | dynamic-range) echo "builtin:studio,builtin:sky$maps" ;;
+    break-even | break-even-of-pairs | equal-cost | split-or-energy | better-method | sample-count | level-bias | tables | ladder | split-sums | dynamic-range) echo "builtin:studio,builtin:sky$maps" ;;
     diffuse) echo "builtin:sky,builtin:sky:elevation_deg=88,builtin:studio,builtin:checker,builtin:cap$maps" ;;
     esac
 }

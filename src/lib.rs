@@ -68,6 +68,7 @@
 //! - LlvmAmdgpu20: LLVM, scheduling model of the AMDGPU target (`SISchedule.td`), 2020.
 //! - Lottes16: T. Lottes, "Understanding Memory Coalescing on GCN", gpuopen.com, 2016.
 //! - Malley88: T. J. V. Malley, "A Shading Method for Computer Generated Images", master's thesis, University of Utah, 1988.
+//! - MansonSloan16: J. Manson and P.-P. Sloan, "Fast Filtering of Reflection Probes", Computer Graphics Forum 35(4), 2016.
 //! - Mikkelsen08: M. S. Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", master's thesis, University of Copenhagen, 2008.
 //! - Owen97: A. B. Owen, "Monte Carlo Variance of Scrambled Net Quadrature", SIAM Journal on Numerical Analysis 34(5), 1997.
 //! - PharrJakobHumphreys23: M. Pharr, W. Jakob and G. Humphreys, "Physically Based Rendering: From Theory to Implementation",

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use splitsum::brdf::{Brdf, MODELS, MaskingShadowing, eval_without_fresnel, schlick_weight};
 use splitsum::glsl::constants::LOBE_SHAPE_SIDE;
 use splitsum::math::quadrature::{Rectangle, Tolerance, integrate_rectangle};
+use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::lobe_shape::{
     LobeShape, LobeShapes, OBJECTIVES, Objective, SHARES, parameters_from_node, texels, uv_from_parameters,
 };
@@ -151,6 +152,25 @@ fn the_kernel_of_masking_fits_itself_at_normal_incidence() {
                 }
             }
         }
+    }
+}
+
+/// D of GGX at alpha 1 is one value: under separable masking the lobe is G1(l) from any view, the kernel of that weight about n, but for
+/// Fresnel. So the moment of f0 = 1 lies along n, and the kernel's mean cosine is its length.
+#[test]
+fn at_alpha_1_the_kernel_of_masking_is_the_lobe_from_any_view() {
+    let weight = weight_by_name("masking").unwrap();
+    let [ggx] = MODELS.iter().copied().filter(|model| model.name() == "ggx").collect::<Vec<_>>()[..] else { panic!() };
+    let shapes = LobeShapes::new(Kernel::new(ggx, weight, MaskingShadowing::Separable), MaskingShadowing::Separable);
+    let moment = |n_dot_v: f64| {
+        let (shape, pair) = (shapes.at(n_dot_v, 1.0), dfg(ggx, MaskingShadowing::Separable, n_dot_v, 1.0));
+        shape.moments[0].lerp(shape.moments[1], pair.f90_scale / pair.albedo())
+    };
+    // At n·v 1 the shares of r and n are not parted.
+    let facing = moment(1.0 - 1e-6).element_sum();
+    for n_dot_v in [0.05, 0.3, 0.7, 0.95] {
+        let found = moment(n_dot_v);
+        assert!(found.x.abs() < 1e-4 && (found.y - facing).abs() < 1e-4, "{n_dot_v}: {found} {facing}");
     }
 }
 

@@ -100,7 +100,11 @@ pub fn ticks(kind: &ScaleKind, tried: &[f64], fits: impl Fn(&[Tick]) -> bool) ->
             powers_of_two(lo, hi, tried).into_iter().chain(decades(lo, hi)).chain(linear(lo, hi)).collect()
         }
     };
-    let fitting: Vec<Vec<Tick>> = candidates.into_iter().filter(|ticks| fits(ticks)).collect();
+    // Whole numbers are counts: nothing lies between them.
+    let is_whole = |value: f64| value.fract() == 0.0;
+    let are_counts = !tried.is_empty() && tried.iter().all(|value| is_whole(*value));
+    let is_count = |ticks: &[Tick]| !are_counts || ticks.iter().all(|tick| is_whole(tick.0));
+    let fitting: Vec<Vec<Tick>> = candidates.into_iter().filter(|ticks| is_count(ticks) && fits(ticks)).collect();
     let best = fitting.iter().find(|ticks| ticks.len() >= LABELS_LEAST);
     best.or_else(|| fitting.iter().max_by_key(|ticks| ticks.len())).cloned().unwrap_or_default()
 }

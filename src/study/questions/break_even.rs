@@ -256,7 +256,7 @@ pub(super) fn conditions(frame: &Frame) -> impl Iterator<Item = usize> {
 }
 
 /// The cases at each value of these axes, ascending.
-fn by_condition<'r, 'f>(frame: &Frame, all: Numbers<'r, 'f>) -> Vec<(Key, Numbers<'r, 'f>)> {
+pub(super) fn by_condition<'r, 'f>(frame: &Frame, all: Numbers<'r, 'f>) -> Vec<(Key, Numbers<'r, 'f>)> {
     let part = |groups: Vec<(Key, Numbers<'r, 'f>)>, of: usize| {
         let parts = groups.into_iter().flat_map(|(key, own)| {
             own.values(of)
@@ -269,7 +269,7 @@ fn by_condition<'r, 'f>(frame: &Frame, all: Numbers<'r, 'f>) -> Vec<(Key, Number
 }
 
 /// The break-even of each case.
-fn numbers<'r, 'f>(cases: &[Case<'r, 'f>]) -> Numbers<'r, 'f> {
+pub(super) fn numbers<'r, 'f>(cases: &[Case<'r, 'f>]) -> Numbers<'r, 'f> {
     let tried = tried(cases);
     Numbers::new(cases.iter().map(|case| (case.of.fixed, case.number(&tried))), Middle::Median)
 }
@@ -283,7 +283,7 @@ pub(super) fn tried(cases: &[Case]) -> Vec<u32> {
 }
 
 /// The next tried count; infinity above them.
-fn up(n: f64, tried: &[u32]) -> f64 {
+pub(super) fn up(n: f64, tried: &[u32]) -> f64 {
     tried.iter().map(|count| f64::from(*count)).find(|count| *count >= n).unwrap_or(f64::INFINITY)
 }
 

@@ -46,6 +46,7 @@ macro_rules! questions {
 questions! {
     break_even,
     equal_cost,
+    break_even_of_pairs,
     convergence,
     error,
     effect,
@@ -57,6 +58,7 @@ questions! {
     visibility,
     dynamic_range,
     energy,
+    split_or_energy,
     equal_time,
     frame_time,
     table_cost,

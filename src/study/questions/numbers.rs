@@ -56,10 +56,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
         (name, words): (&str, &dyn Fn(&Estimate) -> String),
     ) -> Vec<Mark> {
         let Some(all) = self.estimate() else { return Vec::new() };
-        let lights = count(all.n, "environment", AXES[ENVIRONMENT].plural);
-        let whisker = all.interval.map(|[lo, hi]| Mark::new(Form::Whisker(at(lo), at(hi)), series));
-        let dot = Mark::new(Form::Dot(at(all.value)), series).tip(format!("{name}: {} · {lights}", words(&all)));
-        std::iter::once(dot).chain(whisker).collect()
+        middle_marks(&all, series, at, (name, words))
     }
 
     /// Those under measured environments, where these are enough for an interval: formulas then stand beside them and count for nothing.
@@ -194,6 +191,19 @@ impl<'r, 'f> Numbers<'r, 'f> {
         rows.extend((values.len() > 1).then(|| (head(ALL.to_owned(), None), self.clone())));
         by_light(frame, &[AXES[width].name, ROUGHNESS][..columns], &rows, words)
     }
+}
+
+/// A dot at a middle, named and in words, and a whisker of its interval. `at` gives a number its place.
+pub fn middle_marks(
+    all: &Estimate,
+    series: usize,
+    at: impl Fn(f64) -> [f64; 2],
+    (name, words): (&str, &dyn Fn(&Estimate) -> String),
+) -> Vec<Mark> {
+    let lights = count(all.n, "environment", AXES[ENVIRONMENT].plural);
+    let whisker = all.interval.map(|[lo, hi]| Mark::new(Form::Whisker(at(lo), at(hi)), series));
+    let dot = Mark::new(Form::Dot(at(all.value)), series).tip(format!("{name}: {} · {lights}", words(all)));
+    std::iter::once(dot).chain(whisker).collect()
 }
 
 /// "0.25 (0.50) and 0.5 (0.25)": the values with a ratio below 1, and those with one above.

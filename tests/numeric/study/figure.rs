@@ -177,6 +177,15 @@ fn labels_of_ticks_are_round_and_stand_at_their_values() {
     let bottom = drawn.panels()[0][3];
     let found: Vec<f64> = drawn.labels_below(bottom).iter().map(|(text, _)| figures::parse_label(text)).collect();
     assert_eq!(found, tried);
+    // Nothing stands between two counts.
+    for counts in [[1.0, 2.0], [2.0, 3.0]] {
+        let x = Scale::log("", counts).unwrap();
+        let points = counts.map(|x| [x, 0.5]);
+        let drawn = Drawn::new(&svg(&dots([x.kind, ScaleKind::Linear { lo: 0.0, hi: 1.0 }], &points), WIDTHS[0]));
+        let labels = drawn.labels_below(drawn.panels()[0][3]);
+        let found: Vec<f64> = labels.iter().map(|(text, _)| figures::parse_label(text)).collect();
+        assert_eq!(found, counts);
+    }
 }
 
 #[test]

@@ -111,6 +111,7 @@ samples = [4, 16]
 f0 = [0.04, 1]
 alpha = [0.1, 0.5]
 diffuse = ["none"]
+compensation = ["turquin"]
 "#,
     r#"
 name = "furnace"

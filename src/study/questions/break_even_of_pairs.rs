@@ -1,0 +1,213 @@
+//! From how many samples a pixel on does each way to sample beat each method without samples?
+//!
+//! The break-even of `break_even`, for every pair of methods, by width of the lobe: the median over environments with its interval. On the
+//! scene `design` bands of n·v have their own. Beside pictures it is told by FLIP, too, which scores what an eye sees.
+
+use super::break_even::{by_condition, conditions, counted, lacks as lacks_pair, numbers, pairs, tried, up};
+use super::numbers::middle_marks;
+use super::prelude::*;
+use super::{FIXED, SAMPLED, UPPER};
+use crate::metrics::{Space, VIEWS};
+use crate::runner::tables::DISPLAY_HEADLINE;
+use crate::study::frame::curve::beside;
+
+pub const QUESTION: Question = Question {
+    name: "break-even-of-pairs",
+    asks: "From how many samples a pixel on does each way to sample beat each method without samples?",
+    columns: &[
+        column("metric", "The metric of the errors."),
+        column("n_dot_v_from", "Pixels with n·v from here; 0 with `n_dot_v_to` 1 is the whole image."),
+        column("n_dot_v_to", "To here. Only the scene `design` is told by n·v: there each band sees the whole map."),
+        FIXED,
+        SAMPLED,
+        column("break_even", "Median over environments, rounded up to a tried count; empty above the largest tried."),
+        column("break_even_lo", "Lower end of its 95 % interval over environments, not rounded."),
+        column("break_even_hi", UPPER),
+        column("largest_tried", "Largest tried sample count."),
+    ],
+    uses_times: false,
+    uses_costs: false,
+    lacks,
+    answer,
+};
+
+fn lacks(shape: &Shape) -> Option<&'static str> {
+    lacks_pair(shape).or_else(|| (shape.methods().count() < 3).then_some("axes.method has one pair of methods only"))
+}
+
+/// The median of one pair under one condition.
+struct Middle {
+    metric: &'static str,
+    seen: [f64; 2],
+    /// On the axes of [`conditions`].
+    key: Key,
+    /// The method that samples, and the other.
+    names: [String; 2],
+    all: Estimate,
+    tried: Vec<u32>,
+}
+
+const WHOLE: [f64; 2] = [0.0, 1.0];
+
+impl Middle {
+    fn words(&self, n: f64) -> String {
+        counted(n, &self.tried)
+    }
+
+    /// "relmse", "relmse, n·v 0 to 0.2".
+    fn score(&self) -> String {
+        let [from, to] = self.seen;
+        if self.seen == WHOLE { self.metric.to_owned() } else { format!("{}, n·v {from} to {to}", self.metric) }
+    }
+}
+
+fn middles(frame: &Frame, seen: [f64; 2]) -> Vec<Middle> {
+    let images = frame.images();
+    let of_pair = |(names, cases): ([String; 2], Vec<_>)| {
+        let middle = |(key, own): (Key, Numbers)| {
+            let (metric, tried) = (frame.metric_name(), tried(&cases));
+            Some(Middle { metric, seen, key, names: names.clone(), all: own.estimate()?, tried })
+        };
+        by_condition(frame, numbers(&cases)).into_iter().filter_map(middle).collect::<Vec<_>>()
+    };
+    pairs(beside(frame, &images, &frame.case_axes())).into_iter().flat_map(of_pair).collect()
+}
+
+fn answer(frame: &Frame) -> Option<Finding> {
+    let images = frame.images();
+    let mut all = middles(frame, WHOLE);
+    if frame.metric.description().space == Space::Linear && frame.run.has_pictures() {
+        all.extend(middles(&Frame::new(frame.run, Some(DISPLAY_HEADLINE)), WHOLE));
+    }
+    if images.iter().all(|row| is_design(&row.text(SCENE))) {
+        let seen = VIEWS.iter().filter_map(|seen| Some((*seen, frame.run.seen_at(*seen)?)));
+        all.extend(seen.flat_map(|(seen, run)| middles(&Frame::new(&run, Some(frame.metric_name())), seen)));
+    }
+    let axes: Vec<usize> = conditions(frame).collect();
+    let mut table = Table::new(&axes, QUESTION.columns);
+    for own in &all {
+        let ends = own.all.interval.map_or([None; 2], |ends| ends.map(Some)).map(|end| end.filter(|n| n.is_finite()));
+        let count = Some(up(own.all.value, &own.tried)).filter(|n| n.is_finite());
+        let [sampled, fixed] = &own.names;
+        let head = cells![own.metric, own.seen[0], own.seen[1], fixed.as_str(), sampled.as_str()];
+        let numbers = cells![count, ends[0], ends[1], own.tried.last().copied()];
+        table.row([own.key.iter().map(Cell::from).collect(), head, numbers].concat());
+    }
+    let cases = pairs(beside(frame, &images, &frame.case_axes())).into_iter().flat_map(|(_, cases)| cases);
+    let scope = numbers(&cases.collect::<Vec<_>>()).scope(&frame.case_axes());
+    Some(Finding {
+        sentence: sentence(&all)? + &scope.replacen("Over", "Medians over", 1),
+        digest: Some(digest(&axes, &all)),
+        table,
+        figure: figure(frame, &axes, &all),
+    })
+}
+
+/// For each metric the least and the most of the first pair of methods and of the last.
+fn sentence(all: &[Middle]) -> Option<String> {
+    let (first, last) = (&all.first()?.names, &all.last()?.names);
+    let told = |own: &[&Middle], names: &[String; 2]| {
+        let own = || own.iter().filter(|middle| middle.names == *names);
+        let least = own().min_by(|a, b| a.all.value.total_cmp(&b.all.value))?;
+        let most = own().max_by(|a, b| a.all.value.total_cmp(&b.all.value))?;
+        Some(range_words([least.all.value, most.all.value], |n| least.words(n)))
+    };
+    let whole = all.iter().filter(|middle| middle.seen == WHOLE);
+    let of_metric = |(place, (metric, own)): (usize, (&'static str, Vec<&Middle>))| {
+        let [a, b] = [told(&own, first)?, told(&own, last)?];
+        Some(match place {
+            0 => format!(
+                "In `{metric}` `{}` beats `{}` from **{a} samples a pixel** on, and `{}` beats `{}` from **{b}**.",
+                first[0], first[1], last[0], last[1]
+            ),
+            _ => format!(" In `{metric}` it is {a}, and {b}."),
+        })
+    };
+    Some(grouped(whole, |middle| middle.metric).into_iter().enumerate().filter_map(of_metric).collect())
+}
+
+/// A row a score, condition but alpha, and pair, a column an alpha. Of the bands of n·v the first and the last, for the first pair and the
+/// last.
+fn digest(axes: &[usize], all: &[Middle]) -> Table {
+    let others: Vec<usize> = (0..axes.len()).filter(|i| axes[*i] != ALPHA).collect();
+    let alpha = |own: &Middle| axes.iter().position(|axis| *axis == ALPHA).map(|i| own.key[i].clone());
+    let widths = ascending(distinct_in_order(all.iter().filter_map(alpha)));
+    let heads = widths.iter().map(|width| heading(ALPHA, width));
+    let heads: Vec<String> = if widths.is_empty() { vec!["samples a pixel".to_owned()] } else { heads.collect() };
+    let names = others.iter().map(|i| AXES[axes[*i]].name).chain(["without samples", "sampling"]).map(str::to_owned);
+    let mut table = Table::with_names(std::iter::once("score".to_owned()).chain(names).chain(heads));
+    let ends = [&all[0].names, &all[all.len() - 1].names];
+    let is_end = |own: &Middle| [VIEWS[0], VIEWS[VIEWS.len() - 1]].contains(&own.seen) && ends.contains(&&own.names);
+    let is_shown = |own: &&Middle| own.seen == WHOLE || is_end(own);
+    let key = |own: &&Middle| {
+        let rest: Key = others.iter().map(|i| own.key[*i].clone()).collect();
+        (own.score(), rest, own.names.clone())
+    };
+    let mut rows = grouped(all.iter().filter(is_shown), key);
+    let order = distinct_in_order(rows.iter().map(|((score, rest, _), _)| (score.clone(), rest.clone())));
+    rows.sort_by_key(|((score, rest, _), _)| order.iter().position(|own| own.0 == *score && own.1 == *rest));
+    for ((score, rest, [sampled, fixed]), own) in rows {
+        let mut row = cells![score];
+        row.extend(others.iter().zip(&rest).map(|(i, value)| Cell::from(short(axes[*i], value))));
+        row.extend(cells![fixed, sampled]);
+        let words = |own: &&Middle| own.words(own.all.value) + &interval_words(&own.all, |n| own.words(n));
+        match &widths[..] {
+            [] => row.push(own.first().map(words).into()),
+            widths => row.extend(
+                widths
+                    .iter()
+                    .map(|width| Cell::from(own.iter().find(|own| alpha(own).as_ref() == Some(width)).map(words))),
+            ),
+        }
+        table.row(row);
+    }
+    table
+}
+
+/// A panel a metric, condition but alpha, and way to sample: the whole image, a line a method without samples.
+fn figure(frame: &Frame, axes: &[usize], all: &[Middle]) -> Option<Figure> {
+    let widths = frame.shape.values[ALPHA].clone();
+    let series = distinct_in_order(all.iter().map(|own| own.names[1].clone()));
+    let title = |own: &&Middle| {
+        let rest = axes.iter().zip(&own.key).filter(|(axis, _)| **axis != ALPHA);
+        let (axes, values): (Vec<usize>, Vec<Value>) = rest.map(|(axis, value)| (*axis, value.clone())).unzip();
+        [own.metric.to_owned(), label(&axes, &values), own.names[0].clone()]
+            .map(|part| part.replace(" · ", ", "))
+            .join(", ")
+    };
+    let largest = f64::from(*all.first()?.tried.last()?);
+    let panel = |(name, own): (String, Vec<&Middle>)| {
+        let line = |(fixed, own): (String, Vec<&Middle>)| {
+            let marks = own.into_iter().flat_map(|own| {
+                let alpha = axes.iter().position(|axis| *axis == ALPHA);
+                let x = alpha.map_or(0.0, |i| step(&widths, &own.key[i]));
+                let at = |n: f64| [x, up(n, &own.tried).min(2.0 * largest)];
+                let words = |all: &Estimate| own.words(all.value) + &interval_words(all, |n| own.words(n));
+                middle_marks(
+                    &own.all,
+                    step(&series, &fixed) as usize,
+                    at,
+                    (&format!("{fixed}, {}", label(axes, &own.key)), &words),
+                )
+            });
+            joined(marks.collect())
+        };
+        let rule = std::iter::once(Mark::neutral(Form::HorizontalRule(largest)));
+        (
+            name.replace(", ,", ","),
+            rule.chain(grouped(own, |own| own.names[1].clone()).into_iter().flat_map(line)).collect(),
+        )
+    };
+    let whole = all.iter().filter(|own| own.seen == WHOLE);
+    let mut panels: Vec<(String, Vec<&Middle>)> = grouped(whole, title);
+    panels.sort_by_key(|(name, _)| name.clone());
+    Chart {
+        title: "Samples a pixel from which on sampling errs less",
+        note: format!("median{INTERVAL}; beyond the line: not up to the largest tried count"),
+        x: Along::Steps(AXES[ALPHA].name, widths.iter().map(|width| short(ALPHA, width)).collect()),
+        y: Along::Log("samples a pixel"),
+        panels: panels.into_iter().map(panel).collect(),
+        series: series.clone(),
+    }
+    .figure()
+}
