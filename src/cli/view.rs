@@ -48,7 +48,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     for method in [&state.point[METHOD], &state.right].into_iter().filter(|name| name.text().starts_with(FILE_PREFIX)) {
         own::load(method.text(), Path::new("")).map_err(Failure::input)?;
     }
-    if let Some(axis) = [PREFILTERED, DFG_TABLE].into_iter().find(|axis| !state.point.is_own(*axis)) {
+    if let Some(axis) =
+        [PREFILTERED, DFG_TABLE].into_iter().find(|axis| state.point[*axis].to_string().starts_with(FILE_PREFIX))
+    {
         let name = AXES[axis].name;
         return Err(Failure::input(format!(
             "--{name}: the window shows tables of our own; `splitsum render` takes others"

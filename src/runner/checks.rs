@@ -1,15 +1,18 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
 
-use super::axis::{ALPHA, AXES, COMPENSATION, METHOD, PREFILTER_BY, PREFILTER_SIZE, Point, SAMPLES, SIZE, index_of};
+use super::axis::{
+    ALPHA, AXES, COMPENSATION, DFG_TABLE, METHOD, PREFILTER_BY, PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE,
+    SIZE, index_of,
+};
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
-use crate::brdf::Compensation;
 use crate::ladder::{SPLIT_SUM, ladder_of};
 use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
 use crate::precompute::PrefilterBy;
 use crate::precompute::prefilter::harmonic;
+use crate::scene::is_design;
 use crate::shade::reference_pass::pair_count;
 use crate::spelling::suggestion;
 
@@ -48,26 +51,24 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
     }
 }
 
-/// Steps are told of lobes whose harmonics are known.
+/// Steps are told of tables of our own, of one scattering, and of lobes whose harmonics are known.
 fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
-    let alpha = f64::from(point.settings().material.alpha.unwrap_or(1.0));
-    let of = ladder_of(point.method(), point.diffuse()).filter(|_| config.ladder.is_some());
-    if of.is_some() && point.settings().compensation != Compensation::None {
-        let text = format!(
-            "compensation: the steps of [ladder] know one scattering, not {}; expected none",
-            point[COMPENSATION]
-        );
-        faults.add(&config.place_of(COMPENSATION, point), text);
+    let of = ladder_of(point.method(), point.diffuse());
+    let Some(of) = of.filter(|_| config.ladder.is_some() && is_design(point[SCENE].text())) else { return };
+    for axis in [PREFILTERED, DFG_TABLE, COMPENSATION].into_iter().filter(|axis| !point.is_own(*axis)) {
+        let (name, value, usual) = (AXES[axis].name, &point[axis], (AXES[axis].default)());
+        let text = format!("{name}: [ladder] has the steps of {usual}, not of {value}");
+        faults.add(&config.place_of(axis, point), text);
     }
-    if of.is_some_and(|of| std::ptr::eq(of, &SPLIT_SUM)) && alpha < harmonic::ALPHA_MIN {
+    let alpha = f64::from(point.settings().material.alpha.unwrap_or(1.0));
+    if std::ptr::eq(of, &SPLIT_SUM) && alpha < harmonic::ALPHA_MIN {
         let place = config.place_of(ALPHA, point);
-        faults.add(
-            &place,
-            format!(
-                "alpha: {alpha} is too narrow for the steps of [ladder]; expected at least {:.4}",
-                harmonic::ALPHA_MIN
-            ),
+        let text = format!(
+            "alpha: {} is too narrow for the steps of [ladder]; expected at least {:.4}",
+            point[ALPHA],
+            harmonic::ALPHA_MIN
         );
+        faults.add(&place, text);
     }
 }
 

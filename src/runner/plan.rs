@@ -7,7 +7,6 @@ use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::sweeps::COMBINATIONS_MAX;
 use super::value::Value;
-use crate::brdf::Compensation;
 use crate::environment::LoadOptions;
 use crate::ladder;
 use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
@@ -373,12 +372,10 @@ fn repeats_of(config: &Config, point: &Point) -> Option<u32> {
     config.repeats.filter(|_| point.settings().method.uses_point_set)
 }
 
-/// Some terms with tables of our own have steps, on the scene whose frames tell all views alike.
+/// Some terms have steps, on the scene whose frames tell all views alike.
 fn ladder_of(config: &Config, inputs: &Inputs, point: &Point) -> Option<u32> {
     let has_steps = ladder::ladder_of(point.method(), point.diffuse()).is_some();
-    let is_own = [PREFILTERED, DFG_TABLE].iter().all(|axis| point.is_own(*axis))
-        && point.settings().compensation == Compensation::None;
-    config.ladder.filter(|_| is_own && has_steps && inputs.scene(point[SCENE].text()).is_design)
+    config.ladder.filter(|_| has_steps && inputs.scene(point[SCENE].text()).is_design)
 }
 
 fn cell_id(radiance: &str, reference: &str, point: &Point, repeats: Option<u32>, ladder: Option<u32>) -> String {

@@ -10,7 +10,7 @@
 use super::prelude::*;
 use crate::ladder::{BANDS, of_diffuse};
 use crate::metrics::ALL_VIEWS;
-use crate::shade::diffuse_by_name;
+use crate::shade::{REFERENCE, diffuse_by_name};
 use crate::study::finished::StepRow;
 use crate::table::csv::rounded;
 
@@ -23,7 +23,8 @@ pub const QUESTION: Question = Question {
         column("rung", "What is approximated: see docs/estimators.md, \"The ladder\"."),
         column(
             "share",
-            "Covariance share of the error's `relmse`; shares of a case sum to 1, a negative one cancels others.",
+            "Covariance share of the error's `relmse`; shares of a case sum to 1, a negative one cancels others. With \
+             `environment` all: the mean of shares, each environment alike.",
         ),
         column("share_lo", "Lower end of its 95 % interval over environments; empty for one environment."),
         column("share_hi", "Upper end of that interval."),
@@ -33,7 +34,10 @@ pub const QUESTION: Question = Question {
             "shapley",
             "The mean of the `relmse` that it adds over all orders; the rungs' numbers sum to the error.",
         ),
-        column("error", "`relmse` after all steps."),
+        column(
+            "error",
+            "`relmse` after all steps. With `environment` all, this and the four others are arithmetic means.",
+        ),
         column("step_error", "Standard error of the step over the step: see `steps.csv`."),
     ],
     uses_times: false,
@@ -48,8 +52,11 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
         () if !has_ladder(shape) => Some(
             "axes.method has no split-sum, and axes.diffuse neither sh9 nor irradiance-map: nothing else has steps",
         ),
-        () if !shape.values[SCENE].iter().any(|scene| is_design(&scene.to_string())) => {
-            Some("no scene is design: only there every view sees the whole map")
+        () if !shape.values[SCENE].iter().any(|scene| is_design(&scene.to_string())) => Some(
+            "no scene is design, where every view sees the whole map; pictures of a model go beside it: design,my.obj",
+        ),
+        () if shape.reference_method != REFERENCE => {
+            Some("reference.method is not reference: steps lead from the integral")
         }
         () => None,
     }
@@ -66,6 +73,8 @@ const DIGITS: usize = 4;
 
 /// Errors below this many times the reference's noise are not told apart: under constant light the split is exact.
 const RESOLVED: f64 = 10.0;
+
+const NOTHING: &str = "No error stands clear of the reference's noise: there is nothing to attribute.";
 
 /// One step of one image over a band of n·v.
 #[derive(Clone, Copy)]
@@ -147,7 +156,12 @@ fn groups<'r, 'f>(frame: &Frame, told: &[Told<'r, 'f>]) -> Vec<Group<'r, 'f>> {
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let told = told(&frame.images());
+    let images = frame.images();
+    let told = told(&images);
+    if told.is_empty() && images.iter().any(|row| !row.cell.steps.is_empty()) {
+        let table = Table::new(&frame.case_axes(), QUESTION.columns);
+        return Some(Finding { sentence: NOTHING.to_owned(), table, digest: None, figure: None });
+    }
     let groups = groups(frame, &told);
     let steps: Vec<&str> = distinct_in_order(told.iter().map(|told| told.step.step.as_str()));
     let axes = frame.case_axes();
@@ -285,9 +299,14 @@ fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
             let base = *end;
             *end += share.value;
             let tip = format!("{}: {} · {}", steps[i], share_words(&share), heading(ALPHA, &group.alpha));
-            Some(Mark::new(Form::HorizontalBar { y, base, to: base + share.value }, i).tip(tip))
+            let bar = Mark::new(Form::HorizontalBar { y, base, to: base + share.value }, i).tip(tip);
+            let whisker = share.interval.map(|ends| ends.map(|share| [base + share, y]));
+            Some((share.value, bar, whisker.map(|[lo, hi]| Mark::neutral(Form::Whisker(lo, hi)))))
         };
-        (0..steps.len()).filter_map(bar).collect::<Vec<_>>()
+        let bars: Vec<_> = (0..steps.len()).filter_map(bar).collect();
+        // The interval of the longest bar: those of the others would lie over it.
+        let longest = bars.iter().max_by(|a, b| a.0.total_cmp(&b.0)).and_then(|(.., whisker)| whisker.clone());
+        bars.into_iter().map(|(_, bar, _)| bar).chain(longest).collect::<Vec<_>>()
     };
     let views = [ALL_VIEWS, BANDS[BANDS.len() - 1]];
     let shown = views.into_iter().flat_map(|seen| groups.iter().filter(move |group| group.seen == seen));
@@ -304,7 +323,8 @@ fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
             "split sum" => "Where the split sum's error comes from",
             _ => "Where the error of the diffuse term comes from",
         },
-        note: "share of relmse by step, mean over environments; left of 0 a step cancels error".to_owned(),
+        note: "share of relmse by step, mean over environments; left of 0 a step cancels error; whiskers: 95 % of the longest"
+            .to_owned(),
         x: Along::Linear("share of the error"),
         y: Along::Steps("", alphas.iter().map(|alpha| heading(ALPHA, alpha)).collect()),
         panels: grouped(shown, |group| title(group)).into_iter().map(panel).collect(),

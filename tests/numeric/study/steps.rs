@@ -31,13 +31,19 @@ fn run(lights: &[(&str, f64, f64)]) -> Finding {
     // Under constant light nothing stands clear of the noise.
     paper.add(&["design", "builtin:constant", "split-sum", "0.5"], 1e-3).steps = steps([0.0, 1.0], 0.5, 0.2);
     let mut frame = splitsum::study::frame::Frame::new(&paper.run, None);
-    frame.shape.has_ladder = true;
+    (frame.shape.has_ladder, frame.shape.reference_method) = (true, "reference".to_owned());
     let question = splitsum::study::questions::question("ladder").unwrap();
     assert_eq!((question.lacks)(&frame.shape), None);
     (question.answer)(&frame).unwrap()
 }
 
 const MAPS: [&str; 6] = ["a.hdr", "b.hdr", "c.hdr", "d.hdr", "e.hdr", "f.hdr"];
+
+#[test]
+fn noise_alone_is_attributed_to_no_step() {
+    let finding = run(&[]);
+    assert!(finding.table.rows.is_empty() && !finding.sentence.contains('%'), "{}", finding.sentence);
+}
 
 #[test]
 fn shares_are_means_over_maps_and_formulas_stand_beside_them() {
