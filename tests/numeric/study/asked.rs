@@ -70,6 +70,20 @@ fn the_break_even_is_the_first_count_from_which_all_are_better() {
     assert!(found.sentence.contains("1 at alpha 0.1; most: more than 256 at alpha 0.3."), "{}", found.sentence);
 }
 
+#[test]
+fn each_set_of_tables_has_a_break_even_of_its_own() {
+    // Errors 4/n; the split sum errs by 0.3 with one layout and by 2 with the other.
+    let run = finished(&format!("{CURVES}layout = [\"cube\", \"octahedral\"]\n"), |point| {
+        let fixed = if point.get("layout").text() == "octahedral" { 2.0 } else { 0.3 };
+        Some(Made::error(samples(point).map_or(fixed, |n| 4.0 / n)))
+    });
+    let found = finding(&run, "break-even");
+    // The size of the map goes with the layout.
+    let told: Vec<[String; 2]> =
+        digest(&found).iter().map(|row| [row[0].clone(), row[row.len() - 1].clone()]).collect();
+    assert_eq!(told, [["cube", "16"], ["octahedral", "4"]]);
+}
+
 /// Errors 4/n under environments whose split sum has an error that breaks even at these counts.
 fn under(fixed: &[f64]) -> Finished {
     let names: Vec<String> = (0..fixed.len()).map(|i| format!("\"builtin:sky:elevation_deg={}\"", 10 + i)).collect();
