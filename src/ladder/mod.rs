@@ -14,7 +14,7 @@ pub mod radiance;
 pub use attribution::{Attribution, StepNumbers};
 
 use crate::metrics::VIEWS;
-use crate::shade::method::{ladder as rungs, ladder_texels, split_sum};
+use crate::shade::method::{ladder as rungs, ladder_samples, ladder_storage, ladder_texels, split_sum};
 use crate::shade::{Diffuse, Method};
 use game::Coalition;
 
@@ -28,7 +28,7 @@ pub struct Ladder {
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     pub name: &'static str,
-    /// The method whose frame is the rung after the step, where there is one; that of texels has three rungs, by the axes of tables.
+    /// The method whose frame is the rung after the step, where there is one.
     pub rung: Option<&'static Method>,
     /// The steps that must have been made before, as a coalition.
     pub needs: Coalition,
@@ -61,9 +61,9 @@ pub static SPLIT_SUM: Ladder = Ladder {
         // Linear filtering between texels for the direction.
         Step { rung: Some(&ladder_texels::METHOD), ..step("texels", &[VIEW]) },
         // The finite prefilter for the integral in each texel.
-        Step { rung: Some(&ladder_texels::METHOD), ..step("samples", &[VIEW]) },
+        Step { rung: Some(&ladder_samples::METHOD), ..step("samples", &[VIEW]) },
         // The format in which texels are kept.
-        Step { rung: Some(&ladder_texels::METHOD), ..step("storage", &[VIEW]) },
+        Step { rung: Some(&ladder_storage::METHOD), ..step("storage", &[VIEW]) },
         // The DFG table as looked up for A and B.
         Step { rung: Some(&split_sum::METHOD), ..step("table", &[]) },
     ],

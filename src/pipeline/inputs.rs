@@ -74,7 +74,7 @@ pub(super) struct IrradianceInputs<'a> {
 
 impl<'a> IrradianceInputs<'a> {
     pub(super) fn of(request: &'a RenderRequest) -> Self {
-        let settings = &request.precompute;
+        let settings = &request.tables();
         let (size, sample_count) = (settings.irradiance_size, settings.irradiance_sample_count);
         Self { environment: &request.environment, layout: settings.layout, size, by: settings.prefilter, sample_count }
     }
@@ -103,7 +103,7 @@ pub(super) struct PrefilterInputs<'a> {
 
 impl<'a> PrefilterInputs<'a> {
     pub(super) fn of(request: &'a RenderRequest) -> Self {
-        let settings = &request.precompute;
+        let settings = &request.tables();
         let given = request.given.prefiltered.as_deref();
         Self {
             environment: &request.environment,

@@ -151,7 +151,7 @@ impl Resources {
         let maker = &mut Maker { gpu, kept, total: Report::default() };
         let environment = self.environment(maker, &request.environment)?;
         let samples_per_pixel = if request.method.uses_samples { request.samples } else { 1 };
-        let storage = request.precompute.storage;
+        let storage = request.tables().storage;
         let needs_dfg = request.needs_dfg();
 
         let sh9 = match request.diffuse.sh9 {
@@ -446,5 +446,5 @@ fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
     if request.has_reference_term() {
         pair_count(request.reference_samples)?;
     }
-    Ok(request.precompute.validate()?)
+    Ok(request.tables().validate()?)
 }

@@ -114,6 +114,11 @@ impl RenderRequest {
         specular.into_iter().chain(self.diffuse.lobe.map(|lobe| Lobe::Diffuse { lobe })).collect()
     }
 
+    /// The settings of the tables that are made.
+    pub fn tables(&self) -> PrecomputeSettings {
+        self.method.tables(self.precompute)
+    }
+
     /// That of relative errors under this light.
     pub fn epsilon(&self) -> Epsilon {
         Epsilon::of_light(self.environment.luminance.mean * f64::from(self.environment_scale))
@@ -126,7 +131,7 @@ impl RenderRequest {
 
     /// Whether the environment's filtered levels reach the frame, by themselves or by a map that is made of them.
     pub fn reads_filtered_levels(&self) -> bool {
-        let is_integrated = self.diffuse.uses_irradiance_map && self.precompute.prefilter == PrefilterBy::Sampled;
+        let is_integrated = self.diffuse.uses_irradiance_map && self.tables().prefilter == PrefilterBy::Sampled;
         self.method.uses_lod_bias || self.method.uses_prefiltered() || is_integrated
     }
 

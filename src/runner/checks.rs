@@ -1,8 +1,8 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
 
 use super::axis::{
-    ALPHA, AXES, COMPENSATION, DFG_TABLE, METHOD, PREFILTER_BY, PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE,
-    SIZE, index_of,
+    ALPHA, AXES, COMPENSATION, DFG_TABLE, DIFFUSE_METHOD, METHOD, PREFILTER_BY, PREFILTER_SIZE, PREFILTERED, Point,
+    SAMPLES, SCENE, SIZE, index_of,
 };
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
@@ -13,6 +13,7 @@ use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
 use crate::precompute::PrefilterBy;
 use crate::precompute::prefilter::harmonic;
 use crate::scene::is_design;
+use crate::shade::DIFFUSE;
 use crate::shade::reference_pass::pair_count;
 use crate::spelling::suggestion;
 
@@ -24,7 +25,7 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
         let point = point.collapsed(has_lights);
         check_reference_counts(config, &point, &judge, faults);
         check_ladder(config, &point, faults);
-        if let Err(error) = point.settings().precompute.validate() {
+        if let Err(error) = point.method().tables(point.settings().precompute).validate() {
             let partners = index_of(error.field()).into_iter().chain([PREFILTER_SIZE]);
             let place = partners.map(|axis| config.place_of(axis, &point)).find(|place| *place != Place::Default);
             faults.add(&place.unwrap_or(Place::Default), error.to_string());
@@ -51,10 +52,27 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
     }
 }
 
-/// Steps are told of tables of our own, of one scattering, and of lobes whose harmonics are known.
+/// Fewer pixels leave a band of n·v without views.
+const LADDER_PIXELS_MIN: u32 = 64;
+
+/// Steps are told of terms that have a ladder, of tables of our own, of one scattering, of lobes whose harmonics are known, and over views.
 fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
     let of = ladder_of(point.method(), point.diffuse());
     let Some(of) = of.filter(|_| config.ladder.is_some() && is_design(point[SCENE].text())) else { return };
+    let (diffuse, [width, height]) = (point.diffuse(), point[SIZE].pair());
+    if !diffuse.is_none() && !diffuse.has_ladder {
+        let known: Vec<&str> = DIFFUSE.iter().filter(|other| other.has_ladder).map(|other| other.name).collect();
+        let text =
+            format!("diffuse: [ladder] knows no steps of {}; expected none, {}", diffuse.name, known.join(" or "));
+        faults.add(&config.place_of(DIFFUSE_METHOD, point), text);
+    }
+    if width * height < LADDER_PIXELS_MIN {
+        let text = format!(
+            "size: {width}x{height} has {} views for the steps of [ladder]; expected at least {LADDER_PIXELS_MIN}",
+            width * height
+        );
+        faults.add(&config.place_of(SIZE, point), text);
+    }
     for axis in [PREFILTERED, DFG_TABLE, COMPENSATION].into_iter().filter(|axis| !point.is_own(*axis)) {
         let (name, value, usual) = (AXES[axis].name, &point[axis], (AXES[axis].default)());
         let text = format!("{name}: [ladder] has the steps of {usual}, not of {value}");

@@ -4,7 +4,7 @@ use crate::compare::{Worst, relative};
 use crate::harness::{golden_environment, request, scene, with_pipeline};
 use splitsum::environment::Placement;
 use splitsum::environment::layout::LAYOUTS;
-use splitsum::ladder::{SAMPLES, SPLIT_SUM, STORAGE};
+use splitsum::ladder::SPLIT_SUM;
 use splitsum::metrics::{Comparison, HEADLINE};
 use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
@@ -66,19 +66,41 @@ fn rungs_have_the_error_of_the_methods_frames() {
             let steps = &found[0].steps;
             // The drawn rungs share their points; the others differ from the frames by f32 and by the noise of both.
             for (i, step) in SPLIT_SUM.steps.iter().enumerate() {
-                let made = |by: usize| i >= by;
-                let precompute = PrecomputeSettings {
-                    prefilter: if made(SAMPLES) { prefilter } else { PrefilterBy::Harmonic },
-                    storage: if made(STORAGE) { storage } else { StorageFormat::F32 },
-                    ..precompute
-                };
-                let request = RenderRequest { precompute, ..request.clone() };
                 let right = relmse(pipeline, step.rung.unwrap().name, &request);
                 let mut worst = Worst::new(format!("{}, {}", step.name, layout.name), relative(5e-3));
                 worst.add(steps[i].error, right, || step.rung.unwrap().name.to_owned());
                 worst.check();
             }
         }
+    });
+}
+
+#[test]
+fn rungs_of_the_map_are_told_from_each_other() {
+    with_pipeline(|pipeline| {
+        let material = MaterialOverride { alpha: Some(0.12), ..MaterialOverride::default() };
+        let base = request(&golden_environment(), scene("sphere", material), CameraKind::Ortho, [16, 16]);
+        let mut frame = |name: &str, prefilter, storage| {
+            let precompute = PrecomputeSettings {
+                layout: &LAYOUTS[1],
+                prefilter,
+                storage,
+                prefilter_size: [32; 2],
+                prefilter_level_count: 3,
+                prefilter_sample_count: 32,
+                ..PrecomputeSettings::default()
+            };
+            let request = RenderRequest { method: method_by_name(name).unwrap(), precompute, ..base.clone() };
+            pipeline.render(&request).unwrap().radiance.data
+        };
+        let (sampled, harmonic) = (PrefilterBy::Sampled, PrefilterBy::Harmonic);
+        let (half, full) = (StorageFormat::F16, StorageFormat::F32);
+        let texels = frame("ladder-texels", sampled, half);
+        let samples = frame("ladder-samples", sampled, half);
+        let storage = frame("ladder-storage", sampled, half);
+        assert!(texels != samples && samples != storage);
+        assert_eq!(texels, frame("ladder-storage", harmonic, full), "exact texels in f32");
+        assert_eq!(samples, frame("ladder-storage", sampled, full), "texels of samples in f32");
     });
 }
 

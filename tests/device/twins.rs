@@ -23,15 +23,16 @@ use splitsum::precompute::dfg::{Albedos, DfgAxes};
 use splitsum::precompute::lobe_shape;
 use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::pass::Recipe;
-use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, reference::estimate};
+use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, harmonic, reference::estimate};
 use splitsum::precompute::sh9::reference::project_bilinear;
-use splitsum::precompute::{PrecomputeSettings, exact_quadrature, irradiance, prefilter};
+use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature, irradiance, prefilter};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::twin::{Light, Samples, Twin};
 use splitsum::shade::{DIFFUSE, Diffuse, METHODS, Method, diffuse_by_name, method_by_name};
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Relative; directions, levels and weights in f32.
 const F32: f64 = 5e-5;
@@ -57,7 +58,7 @@ fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
         layout,
         prefilter_size: size(32),
         prefilter_level_count: 3,
-        prefilter: splitsum::precompute::PrefilterBy::Sampled,
+        prefilter: PrefilterBy::Sampled,
         prefilter_sample_count: 64,
         level_mapping: &LEVEL_MAPPINGS[0],
         prefilter_weight: &WEIGHTS[0],
@@ -181,19 +182,55 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
         level_mapping: settings.level_mapping,
         dfg: dfg_table(gpu, model, masking, settings),
         dfg_axes: settings.dfg_axes,
-        albedos: Albedos::new(Kernel::cosine(model), masking, request.scene.materials[0].alpha.into()),
-        lobe_shapes: lobe_shapes(model, masking, settings),
+        albedos: albedos(model, masking, request.scene.materials[0].alpha.into()),
+        lobe_shapes: lobe_shapes(model, masking),
         irradiance_map: read_map(gpu, layout, &map),
         sh9: coefficients(gpu, &image).1,
         exact_sh9: project_bilinear(&exact_quadrature(&request.environment.image)),
     }
 }
 
+/// The prefiltered map of exact texels.
+fn exact_prefiltered(gpu: &Gpu, request: &RenderRequest) -> FilteredMap {
+    let settings = &request.precompute;
+    let (layout, count) = (settings.layout, settings.prefilter_level_count);
+    let recipe = Recipe::of(request.brdf, request.masking_shadowing, settings);
+    let filtered = filtered_environment(gpu, layout, &environment_image(gpu, &request.environment.image));
+    let degree = harmonic::degree_of_map(settings.level_mapping.alpha_from_mip(1.0, count));
+    let transform = harmonic::harmonics(&request.environment.image, degree);
+    let levels = prefilter::pass::map(gpu, layout, settings.prefilter_size, count).unwrap();
+    let points = Points::upload(gpu, 1, &SEQUENCES[0], 0, PixelPoints::Shared).unwrap();
+    prefilter::pass::run_harmonic(gpu, recipe, layout, &filtered, (&points, &transform), &levels).unwrap();
+    read_map(gpu, layout, &levels)
+}
+
+/// What many cases share, made once.
+struct Made<T>(Mutex<BTreeMap<String, T>>);
+
+impl<T: Clone> Made<T> {
+    const fn none() -> Self {
+        Self(Mutex::new(BTreeMap::new()))
+    }
+
+    fn get(&self, key: String, make: impl FnOnce() -> T) -> T {
+        self.0.lock().unwrap().entry(key).or_insert_with(make).clone()
+    }
+}
+
+fn albedos(model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64) -> Albedos {
+    static MADE: Made<Albedos> = Made::none();
+    let make = || Albedos::new(Kernel::cosine(model), masking, alpha);
+    MADE.get(format!("{} {masking:?} {alpha}", model.name()), make)
+}
+
 /// The table that the pipeline writes to the device.
-fn lobe_shapes(model: &'static dyn Brdf, masking: MaskingShadowing, settings: &PrecomputeSettings) -> Pixels<DVec4> {
-    let texels = lobe_shape::texels(Kernel::new(model, settings.prefilter_weight, masking), masking);
-    let of_texel = |texel: &[f32; 4]| DVec4::from_array(texel.map(f64::from));
-    Pixels::new(LOBE_SHAPE_SIDE, LOBE_SHAPE_PARTS * LOBE_SHAPE_SIDE, texels.iter().map(of_texel).collect())
+fn lobe_shapes(model: &'static dyn Brdf, masking: MaskingShadowing) -> Pixels<DVec4> {
+    static MADE: Made<Pixels<DVec4>> = Made::none();
+    MADE.get(format!("{} {masking:?}", model.name()), || {
+        let texels = lobe_shape::texels(Kernel::cosine(model), masking);
+        let of_texel = |texel: &[f32; 4]| DVec4::from_array(texel.map(f64::from));
+        Pixels::new(LOBE_SHAPE_SIDE, LOBE_SHAPE_PARTS * LOBE_SHAPE_SIDE, texels.iter().map(of_texel).collect())
+    })
 }
 
 /// What the device's g-buffer holds.
@@ -273,15 +310,17 @@ fn every_method_meets_its_twin() {
                 for &model in MODELS {
                     let base = case.request(environment, model);
                     let (light, sights) = (light(gpu, &base), sights(gpu, &base));
+                    let exact = Light { prefiltered: exact_prefiltered(gpu, &base), ..light.clone() };
                     smallest = sights.iter().map(n_dot_v).fold(smallest, f64::min);
                     for method in METHODS.iter().filter(|method| concerns(method, case)) {
                         let request = RenderRequest { method, diffuse: none, ..base.clone() };
                         let frame = render_by_seeds(pipeline, &request);
+                        let light = if method.prefilter == Some(PrefilterBy::Harmonic) { &exact } else { &light };
                         let name = format!("{} {} {case:?} {}", method.name, model.name(), environment.name);
                         check(
                             name,
                             method.twin,
-                            |twin, sight| twin(&sight.surface, &light, &case.samples(sight)),
+                            |twin, sight| twin(&sight.surface, light, &case.samples(sight)),
                             |_| DVec3::ONE,
                             &request,
                             &sights,

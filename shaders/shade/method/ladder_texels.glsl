@@ -1,4 +1,4 @@
-// Method `ladder-texels`: the split sum with exact A and B in place of the DFG table.
+// Methods `ladder-texels`, `-samples` and `-storage`: the split sum with exact A and B in place of the DFG table. They differ in the map.
 #ifndef METHOD_LADDER_TEXELS_GLSL
 #define METHOD_LADDER_TEXELS_GLSL
 

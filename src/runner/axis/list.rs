@@ -435,7 +435,7 @@ const LIST: &[Axis] = &[
         plural: "ways to prefilter",
         symbol: Symbol::After("prefilter", "prefilter"),
         feeds: &[PREFILTER, IRRADIANCE],
-        used: |u| u.makes_prefiltered() || u.uses_irradiance_map(),
+        used: |u| u.method.prefilter.is_none() && (u.makes_prefiltered() || u.uses_irradiance_map()),
         kind: Kind::Name {
             what: "way to prefilter",
             names: || PrefilterBy::ALL.iter().map(|(name, _)| *name).collect(),
@@ -562,7 +562,9 @@ const LIST: &[Axis] = &[
         frames_cost: true,
         is_compared: true,
         feeds: &[PREFILTER, DFG, IRRADIANCE],
-        used: |u| u.method.uses_prefiltered() || u.needs_dfg() || u.uses_irradiance_map(),
+        used: |u| {
+            u.method.storage.is_none() && (u.method.uses_prefiltered() || u.needs_dfg() || u.uses_irradiance_map())
+        },
         kind: Kind::Name { what: "format", names: || StorageFormat::ALL.iter().map(|(name, _)| *name).collect() },
         default: || Value::from(StorageFormat::ALL[0].0),
         apply: |s, v| {

@@ -398,7 +398,8 @@ impl Point {
 
     fn where_used(&self, has_lights: bool, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
         let (method, diffuse) = (self.method(), self.diffuse());
-        let has_sampled_tables = self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name();
+        let is_sampled = || self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name();
+        let has_sampled_tables = method.prefilter.map_or_else(is_sampled, |by| by != PrefilterBy::Harmonic);
         let has_own = [PREFILTERED, DFG_TABLE].map(|axis| AXES[axis].kind.path_in(&self[axis].to_string()).is_none());
         let compensation = self.settings().compensation;
         // Light of several scatterings is diffuse on any surface.

@@ -9,12 +9,12 @@
 //! | `ladder-masking` | `(f0 A + B) <D n·h / (4 v·h) w(l), L>` | masking by the weight of prefiltered maps, n·l by default |
 //! | `ladder-view` | `(f0 A + B) P(r, alpha)`: the same for n = v = r | the view |
 //! | `ladder-levels` | the linear blend of `P(r, alpha_k)` and `P(r, alpha_k+1)`; level 0 is L(r) | alpha by levels |
+//! | `ladder-texels` | the same as looked up in a map of exact texels | directions by texels |
+//! | `ladder-samples` | texels as they are made: `prefilter` | the integral in a texel |
+//! | `ladder-storage` | texels as they are kept: `storage_format` | f32 |
 //!
-//! | `ladder-texels` | the same as looked up in the prefiltered map | directions by texels |
-//!
-//! The last stands for three rungs, by the axes of tables: exact texels (`prefilter = harmonic`), those of samples, and those kept in halves.
-//! From it to `split-sum` the DFG table replaces A and B. The passes of the reference estimate each of the others with its standard error. All draw the same points, so that the difference of two rungs
-//! is known far better than either.
+//! From the last to `split-sum` the DFG table replaces A and B. The passes of the reference estimate `ladder-fresnel` to `ladder-levels` with
+//! their standard errors. These draw the same points, so that the difference of two is known far better than either.
 
 use super::Method;
 use crate::brdf::{g2, reflect, schlick_weight};

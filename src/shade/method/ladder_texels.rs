@@ -1,18 +1,22 @@
-//! The rungs of the ladder that look the prefiltered map up: the split sum with exact A and B. See `ladder`.
+//! The first rung of the ladder that looks the prefiltered map up: the split sum with exact A and B. See `ladder`.
 
 use super::Method;
 use crate::brdf::reflect;
-use crate::shade::twin::Twin;
+use crate::precompute::{PrefilterBy, StorageFormat};
+use crate::shade::twin::{SpecularTwin, Twin};
+
+/// A rung by a map of its own.
+pub(super) const fn rung(name: &'static str, about: &'static str) -> Method {
+    let twin: SpecularTwin = Twin::Estimator(|surface, light, _| {
+        let albedo = light.albedos.exact(surface.n.dot(surface.v));
+        let r = reflect(surface.v, surface.n);
+        light.mean_radiance(r, surface.alpha) * (surface.f0 * albedo.x + albedo.y)
+    });
+    Method { lookups: 1, ..Method::plain(name, about, twin) }
+}
 
 pub const METHOD: Method = Method {
-    lookups: 1,
-    ..Method::plain(
-        "ladder-texels",
-        "the split sum with exact A and B: the prefiltered map as looked up",
-        Twin::Estimator(|surface, light, _| {
-            let albedo = light.albedos.exact(surface.n.dot(surface.v));
-            let r = reflect(surface.v, surface.n);
-            light.mean_radiance(r, surface.alpha) * (surface.f0 * albedo.x + albedo.y)
-        }),
-    )
+    prefilter: Some(PrefilterBy::Harmonic),
+    storage: Some(StorageFormat::F32),
+    ..rung("ladder-texels", "the split sum with exact A and B and a prefiltered map of exact texels")
 };

@@ -1,6 +1,8 @@
 //! The specular methods: what each is called, what changes its result, and its f64 twin.
 
 pub mod ladder;
+pub mod ladder_samples;
+pub mod ladder_storage;
 pub mod ladder_texels;
 mod none;
 pub mod own;
@@ -24,6 +26,7 @@ use super::NONE;
 use super::diffuse::Diffuse;
 use super::twin::SpecularTwin;
 use crate::brdf::Compensation;
+use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 
 /// How the specular term is computed. The names are the shader file stems (with `-` for `_`).
 ///
@@ -51,6 +54,10 @@ pub struct Method {
     pub uses_levels: bool,
     /// The weight of a prefiltered map, if not the map.
     pub uses_weight: bool,
+    /// How the maps that are looked up filtered are made for it, whatever is asked.
+    pub prefilter: Option<PrefilterBy>,
+    /// In which numbers its tables are kept, whatever is asked.
+    pub storage: Option<StorageFormat>,
     /// Whether its error has the steps of the ladder (`crate::ladder`).
     pub has_ladder: bool,
     /// The part of its shader's name that stands for it, where not its own name: a method in a file.
@@ -83,6 +90,8 @@ pub static METHODS: &[Method] = &[
     ladder::VIEW,
     ladder::LEVELS,
     ladder_texels::METHOD,
+    ladder_samples::METHOD,
+    ladder_storage::METHOD,
 ];
 
 impl Method {
@@ -100,10 +109,18 @@ impl Method {
             uses_lobe_shapes: false,
             uses_levels: false,
             uses_weight: false,
+            prefilter: None,
+            storage: None,
             has_ladder: false,
             shader: None,
             lobe: None,
         }
+    }
+
+    /// The settings of its tables where those are asked for.
+    pub fn tables(&self, asked: PrecomputeSettings) -> PrecomputeSettings {
+        let (prefilter, storage) = (self.prefilter.unwrap_or(asked.prefilter), self.storage.unwrap_or(asked.storage));
+        PrecomputeSettings { prefilter, storage, ..asked }
     }
 
     /// Whether it reads the prefiltered map.

@@ -4,19 +4,21 @@ use super::images::{mask_of, read};
 use super::lead::{is_radiance, shot, words, worst_picture};
 use super::model::{PageAxis, Role};
 use super::told::Told;
+use crate::color::luminance;
 use crate::ladder::SPLIT_SUM;
+use crate::pixels::{GrayImage, RgbImage};
 use crate::runner::axis::METHOD;
 use crate::runner::sheets::signed_step;
 use crate::shade::REFERENCE;
 use crate::study::frame::{Frame, Row};
 use crate::table::colormap::SIGNED_ERROR;
+use crate::tonemap::ToneCurve;
 use serde_json::{Value as Json, json};
 
 /// The picture whose last rung errs most, rung by rung from the reference on, first shown at the largest step. Nothing where a run has less
 /// than two rungs of it.
 pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
-    let mut rungs: Vec<&str> = SPLIT_SUM.steps.iter().filter_map(|step| Some(step.rung?.name)).collect();
-    rungs.dedup();
+    let rungs: Vec<&str> = SPLIT_SUM.steps.iter().filter_map(|step| Some(step.rung?.name)).collect();
     let method = |row: &Row| row.text(METHOD);
     let last = worst_picture(frame, &|row| Some(&method(row).as_str()) == rungs.last())?;
     let files = last.cell.images.as_ref()?;
@@ -32,6 +34,8 @@ pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
     let image = |file: &str| read(&told.finished.dir, file).ok().filter(|image| is_radiance(&image.rgb));
     let reference = image(&files.reference)?;
     let (mask, curve) = (mask_of(&reference), last.cell.point.settings().curve);
+    let stops = stops_to_grey(&reference.rgb, &mask, curve);
+    let curve = ToneCurve { exposure: curve.exposure * stops.exp2(), ..curve };
     let epsilon = told.finished.epsilon(&last.cell.point).beside_square();
     let mut frames = vec![json!({ "name": REFERENCE, "image": shot(REFERENCE, &curve.apply_image(&reference.rgb))? })];
     let (mut before, mut largest) = (reference.rgb.clone(), (0.0, 0));
@@ -57,5 +61,15 @@ pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
     }
     let [lo, .., hi] = SIGNED_ERROR.ticks()[..] else { return None };
     frames[largest.1]["is_shown"] = true.into();
-    Some(json!({ "case": words(last, axes, Role::Scene), "frames": frames, "ends": [lo.to_string(), hi.to_string()] }))
+    let exposed = if stops == 0.0 { String::new() } else { format!(" · {stops:+} stops") };
+    let case = words(last, axes, Role::Scene) + &exposed;
+    Some(json!({ "case": case, "frames": frames, "ends": [lo.to_string(), hi.to_string()] }))
+}
+
+/// Whole stops that bring the mean of what is seen next to middle grey, where it is far from it: a dielectric would be black.
+fn stops_to_grey(image: &RgbImage, mask: &GrayImage, curve: ToneCurve) -> f32 {
+    let seen = image.data.iter().zip(&mask.data).filter(|(_, mask)| **mask > 0.0).map(|(rgb, _)| luminance(*rgb));
+    let (sum, count) = seen.fold((0.0, 0.0), |(sum, count), y| (sum + y, count + 1.0));
+    let stops = (0.18 * count / (sum * f64::from(curve.exposure))).log2().round() as f32;
+    if stops.is_finite() && stops.abs() >= 2.0 { stops } else { 0.0 }
 }

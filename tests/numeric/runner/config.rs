@@ -246,6 +246,31 @@ fn values_that_do_not_go_together_are_named_at_the_one_to_change() {
 }
 
 #[test]
+fn what_has_no_steps_is_refused_under_ladder() {
+    let of = |keys: &str, axes: &str| {
+        let text =
+            format!("name = \"x\"\n{keys}[ladder]\n[axes]\nscene = [\"design\"]\nmethod = [\"split-sum\"]\n{axes}\n");
+        faults(&text, &[])
+    };
+    assert_faults(&of("", ""), &[]);
+    for (keys, axes, fault) in [
+        ("", "diffuse = [\"sh9\", \"zh3\"]", "e.toml:6:19: diffuse: [ladder] knows no steps of zh3"),
+        ("", "compensation = [\"turquin\"]", "e.toml:6:17: compensation: [ladder] has the steps of none"),
+        (
+            "",
+            "diffuse = [\"none\"]\nalpha = [0.001]",
+            "e.toml:7:10: alpha: 0.001 is too narrow for the steps of [ladder]",
+        ),
+        ("size = [1, 1]\n", "", "e.toml:2:8: size: 1x1 has 1 views"),
+    ] {
+        let found = of(keys, axes);
+        assert!(found.len() == 1 && found[0].starts_with(fault), "{fault}: found {found:?}");
+    }
+    // Terms beside the scene `design` have no steps to tell.
+    assert_faults(&faults("name = \"x\"\n[ladder]\n[axes]\nscene = [\"sphere\"]\ndiffuse = [\"zh3\"]\n", &[]), &[]);
+}
+
+#[test]
 fn a_comma_between_the_parameters_of_a_formula_ends_no_value() {
     let text = "name = \"x\"\n[axes]\nalpha = [0.1]\n";
     let set = "environment=builtin:cap:half_angle_deg=10,radiance=100,builtin:sky,builtin:constant";

@@ -1,0 +1,2 @@
+// Method `ladder-samples`: that of `ladder-texels`; the map is another.
+#include "shade/method/ladder_texels.glsl"
