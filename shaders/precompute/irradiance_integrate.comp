@@ -3,7 +3,7 @@
 // [source documents 1 and 4, bounds and normalisation corrected]
 // each lookup from the level at which a texel covers the sample's cell. Radiance 1 gives 1.
 // Set 0: 0 the environment's filtered levels; 1 the map to write (rgba32f), a layer a face.
-// Dispatch: ceil(width / GROUP_SIDE) x ceil(height / GROUP_SIDE) x faces groups.
+// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) x faces groups, from row first_row on.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -24,7 +24,7 @@ layout(set = 0, binding = 0) uniform FILTERED_MAP environment;
 layout(rgba32f, set = 0, binding = 1) uniform writeonly image2DArray irradiance_map;
 
 void main() {
-    uvec3 texel = gl_GlobalInvocationID;
+    uvec3 texel = gl_GlobalInvocationID + uvec3(0u, params.first_row, 0u);
     uvec2 size = uvec2(params.width, params.height);
     if (texel.x >= size.x || texel.y >= size.y) {
         return;

@@ -21,7 +21,8 @@ use std::path::{Path, PathBuf};
     t tone; [ ] exposure; + - 0 and arrows the camera; 1 to 9 methods; ctrl+S saves.\n\n\
     A file that is dropped on the window is its environment (.hdr, .exr) or its scene (.obj, .glb, .gltf); on Wayland type its path instead. Saving \
     makes a folder view-N with the picture, the linear images, the state, `render` commands and an experiment.\n\n\
-    Exit codes: 2 no display or bad input; 75 the device or the window's surface was lost.\n\n\
+    A dropped or typed file that cannot be read leaves what was there, and says why.\n\n\
+    Exit codes: 2 no display or bad input; 75 the device, the window or the Wayland display was lost.\n\n\
     Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  splitsum view --state view-1/state.json"
 )]
 pub struct Arguments {

@@ -91,8 +91,8 @@ shared_structs! {
         theta_count: uint,
         source_width: uint,
         source_height: uint,
+        first_row: uint,
         pad0: uint,
-        pad1: uint,
     }
     /// Push constants of one prefiltered level.
     PrefilterParams {

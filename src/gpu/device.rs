@@ -3,6 +3,7 @@
 use super::inject::{Injector, Site};
 use super::instance::Instance;
 use super::kept_pipeline::Pipelines;
+use super::slot::Slot;
 use super::{DeviceInfo, GpuError, Options, Sampler};
 use ash::{ext, khr, vk};
 use gpu_allocator::MemoryLocation;
@@ -39,6 +40,8 @@ pub(super) struct Shared {
     pub(super) interrupt: Mutex<Option<Arc<AtomicBool>>>,
     pub(super) pipelines: Pipelines,
     pub(super) samplers: Mutex<HashMap<Sampler, vk::Sampler>>,
+    /// Those that no recorder holds.
+    pub(super) slots: Mutex<Vec<Arc<Slot>>>,
     allocator: Mutex<Option<Allocator>>,
     debug: Option<ext::debug_utils::Device>,
     /// What the driver's compiler made, where [`Options::executables`] asks for it.
@@ -78,6 +81,7 @@ impl Gpu {
             interrupt: Mutex::default(),
             pipelines: Mutex::default(),
             samplers: Mutex::default(),
+            slots: Mutex::default(),
             allocator: Mutex::new(None),
             debug,
             executables,
@@ -195,6 +199,7 @@ impl Drop for Shared {
             // SAFETY: no command is left that could use it.
             unsafe { self.raw.destroy_sampler(sampler, None) };
         }
+        lock(&self.slots).clear();
         drop(lock(&self.allocator).take());
         // SAFETY: every resource holds this struct, so none is left.
         unsafe { self.raw.destroy_device(None) };

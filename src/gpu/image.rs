@@ -86,6 +86,11 @@ impl Image {
         self.inner.face_count
     }
 
+    /// Memory that it takes, bytes.
+    pub fn bytes(&self) -> u64 {
+        self.inner.memory.as_ref().map_or(0, |memory| memory.allocation.size())
+    }
+
     /// Number of levels.
     pub fn mip_count(&self) -> u32 {
         lock(&self.inner.states).len() as u32

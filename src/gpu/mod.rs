@@ -19,6 +19,7 @@ mod kept_pipeline;
 mod pipeline;
 mod recorder;
 mod shader;
+mod slot;
 mod sync;
 
 pub use crate::pixels::lookup::Wrap;

@@ -17,6 +17,7 @@ mod shared_work;
 
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, chosen_device, devices};
 pub use bake::BakeRequest;
+pub use cache::{CACHE_BYTES, Recent};
 pub use disk_cache::{DiskCache, DiskCacheError, program_hash};
 pub use fit::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, image_buffer_bytes};
 pub use light_tables::LightTables;

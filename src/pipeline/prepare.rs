@@ -3,6 +3,7 @@
 //! What a request needs before it can be shaded: tables, scene, targets.
 
 use super::cache::Recent;
+use super::fit::image_buffer_bytes;
 use super::inputs::{
     DfgInputs, IrradianceInputs, LobeShapeInputs, PrefilterInputs, SharedKey, filtered_key, mips_key, sh9_key,
 };
@@ -77,6 +78,13 @@ pub(super) struct Target {
     pub(super) n_dot_v: Arc<GrayImage>,
 }
 
+impl Target {
+    fn bytes(&self) -> u64 {
+        // Four attachments, depth and radiance; mask and n·v of the host.
+        image_buffer_bytes(self.gbuffer.size) * 6
+    }
+}
+
 /// Everything that one request shades with.
 pub(super) struct Prepared {
     pub(super) tables: Tables,
@@ -95,22 +103,22 @@ pub(super) struct Prepared {
 impl Resources {
     pub(super) fn new(gpu: &Gpu) -> Result<Self, PipelineError> {
         Ok(Self {
-            environments: Recent::new(2),
-            filtered: Recent::new(2),
+            environments: Recent::weighed(2, Levels::bytes),
+            filtered: Recent::weighed(2, Levels::bytes),
             distributions: Recent::new(2),
             coefficients: Recent::new(8),
-            irradiance_maps: Recent::new(4),
-            prefiltered: Recent::new(6),
+            irradiance_maps: Recent::weighed(4, Levels::bytes),
+            prefiltered: Recent::weighed(6, Levels::bytes),
             harmonics: Recent::new(2),
-            dfg_tables: Recent::new(9),
+            dfg_tables: Recent::weighed(9, Levels::bytes),
             lobe_shapes: Recent::new(9),
-            halves: Recent::new(9),
+            halves: Recent::weighed(9, Image::bytes),
             points: Recent::new(16),
             steps: Recent::new(6),
             albedos: Recent::new(32),
             integrals: Recent::new(4),
             scenes: Recent::new(4),
-            targets: Recent::new(4),
+            targets: Recent::weighed(4, |target: &Arc<Target>| target.bytes()),
             blank_image: gpu.image("blank", [1, 1], 1, Format::Rgba32Float)?,
             blank_cube: gpu.faced_image("blank cube", [1, 1], 6, 1, Format::Rgba32Float)?,
             blank_buffer: gpu.buffer("blank", 256)?,

@@ -162,6 +162,14 @@ pub struct Frame {
     pub timings: FrameTimings,
 }
 
+impl Frame {
+    /// Memory that it holds alone, bytes.
+    pub fn bytes(&self) -> u64 {
+        let images = [Some(&self.radiance), self.standard_error.as_ref()];
+        images.into_iter().flatten().map(|image| size_of_val(&image.data[..]) as u64).sum()
+    }
+}
+
 /// Device times of one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameTimings {

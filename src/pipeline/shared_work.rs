@@ -67,6 +67,10 @@ impl Levels {
         Self { image, first: 0 }
     }
 
+    pub(super) fn bytes(&self) -> u64 {
+        self.image.bytes()
+    }
+
     fn mips(&self) -> std::ops::Range<u32> {
         self.first..self.image.mip_count()
     }

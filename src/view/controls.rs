@@ -7,6 +7,7 @@ use crate::runner::value::{Kind, Range, Value};
 use crate::scene::SCENES;
 use egui::{ComboBox, DragValue, Rect, Response, Slider, SliderClamping, TextEdit, Ui};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// Sides that are offered; any other comes from the command line.
 const SIZES: [u32; 5] = [128, 256, 512, 768, 1024];
@@ -66,7 +67,8 @@ impl Controls {
     /// A label, then a control.
     pub fn row(&mut self, ui: &mut Ui, name: &str, about: &str, add: impl FnOnce(&mut Self, &mut Ui)) {
         ui.horizontal(|ui| {
-            let label = name.replace('_', " ").replace("environment ", "").replace("perceptual ", "");
+            let label = name.replace('_', " ").replace("sample count", "samples");
+            let label = label.replace("environment ", "").replace("perceptual ", "");
             let (place, response) = ui.allocate_exact_size(LABEL, egui::Sense::hover());
             let color = ui.visuals().text_color();
             ui.painter().text(
@@ -183,10 +185,14 @@ impl Controls {
     /// A builtin out of a list, or the path of a file.
     fn input(&mut self, ui: &mut Ui, name: &str, axis: usize, text: &str) -> Option<String> {
         let typed = self.typed.entry(axis).or_insert_with(|| text.to_owned());
-        let field = ui.add(TextEdit::singleline(typed).desired_width(SLIDER_WIDTH + 14.0).hint_text("path of a file"));
+        let field = TextEdit::singleline(typed).desired_width(SLIDER_WIDTH + 14.0).hint_text("path of a file");
+        let field = ui.add(field).on_hover_text(text);
         let mut found = (field.lost_focus() && *typed != text).then(|| typed.clone());
-        if !field.has_focus() && found.is_none() {
+        // Folders are seen where they can be changed.
+        if field.gained_focus() {
             text.clone_into(typed);
+        } else if !field.has_focus() && found.is_none() {
+            *typed = Path::new(text).file_name().unwrap_or_default().to_string_lossy().into_owned();
         }
         let list: Vec<String> = match axis {
             ENVIRONMENT => BUILTINS.iter().map(|builtin| format!("{BUILTIN_PREFIX}{}", builtin.name)).collect(),

@@ -44,6 +44,7 @@ pub struct Panel {
     pub controls: Controls,
     /// One line about the last action.
     pub notice: String,
+    is_fault: bool,
     pub wants_save: bool,
     painted: Option<Painted>,
     /// Counts what the renderer sent.
@@ -70,6 +71,14 @@ impl Panel {
         }
     }
 
+    pub fn tell(&mut self, notice: String) {
+        (self.notice, self.is_fault) = (notice, false);
+    }
+
+    pub fn tell_fault(&mut self, notice: String) {
+        (self.notice, self.is_fault) = (notice, true);
+    }
+
     /// Takes a file that was dropped on the window.
     pub fn dropped(&mut self, path: &std::path::Path, state: &mut State) {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -77,11 +86,11 @@ impl Panel {
             "hdr" | "exr" => ENVIRONMENT,
             _ if scene_format(path).is_some() => SCENE,
             _ => {
-                self.notice = format!("{}: expected an .hdr, .exr, {} file", path.display(), scene_extensions());
+                self.tell_fault(format!("{}: expected an .hdr, .exr, {} file", path.display(), scene_extensions()));
                 return;
             }
         };
-        self.notice = format!("{}: {}", AXES[axis].name, path.display());
+        self.tell(format!("{}: {}", AXES[axis].name, path.display()));
         state.point[axis] = Value::Text(path.display().to_string().into());
     }
 
@@ -320,7 +329,9 @@ impl Panel {
     /// The line between the halves.
     fn handle(&mut self, ui: &mut Ui, state: &mut State, rect: Rect) {
         let x = rect.left() + state.wipe * rect.width();
-        let place = Rect::from_center_size(pos2(x, rect.bottom() - 24.0), vec2(18.0, 30.0));
+        // Above the legend of an error.
+        let height = if state.picture.scale().is_some() { 76.0 } else { 24.0 };
+        let place = Rect::from_center_size(pos2(x, rect.bottom() - height), vec2(18.0, 30.0));
         let response =
             ui.interact(place, ui.id().with("wipe"), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal);
         self.controls.place("wipe", &response);
@@ -368,11 +379,14 @@ impl Panel {
         let (left, right) = whole.split_left_right_at_fraction(0.74);
         ui.scope_builder(UiBuilder::new().max_rect(left.shrink2(vec2(4.0, 2.0))), |ui| {
             ui.spacing_mut().item_spacing.y = 2.0;
-            ui.label(standing(shown));
+            let color = matches!(shown.standing, Standing::Refused(_)).then(|| ui.visuals().warn_fg_color);
+            ui.label(egui::RichText::new(standing(shown)).color(color.unwrap_or(ui.visuals().text_color())));
             ui.add_space(2.0);
             self.probe(ui, shown);
             if !self.notice.is_empty() {
-                ui.add(egui::Label::new(egui::RichText::new(&self.notice).weak()).truncate());
+                let text = egui::RichText::new(&self.notice);
+                let text = if self.is_fault { text.color(ui.visuals().warn_fg_color) } else { text.weak() };
+                ui.label(text);
             }
         });
         ui.scope_builder(UiBuilder::new().max_rect(right.shrink2(vec2(4.0, 2.0))), |ui| {

@@ -81,7 +81,9 @@ impl Picture {
             Self::Part(Part::Alpha) => "alpha, the width of the lobe",
             Self::Part(Part::F0) => "F0",
             Self::Prefiltered => "one level; of a cube: +x -x +y above -y +z -z",
-            Self::Dfg => "n·v to the right, perceptual roughness downwards; red scales F0, green is added",
+            Self::Dfg => {
+                "n·v to the right, roughness downwards, in steps of the axis dfg; red scales F0, green is added"
+            }
         }
     }
 

@@ -8,6 +8,8 @@ use super::worker::{Shown, Standing, Worker};
 use crate::environment::LoadOptions;
 use crate::pipeline::Options;
 use crate::pixels::png;
+use crate::runner::axis::{ENVIRONMENT, SCENE};
+use crate::runner::value::Value;
 use crate::runner::write_radiance;
 use egui::ViewportId;
 use egui_software_backend::{BufferMutRef, ColorFieldOrder, EguiSoftwareRender};
@@ -43,8 +45,11 @@ pub enum Windowed {
 
 /// Names the file in which the window tells tests where its controls are and what it shows.
 const TOLD: &str = "SPLITSUM_TEST_WINDOW";
+/// Time after which the window says that it is at work.
+const TOLD_AFTER: Duration = Duration::from_millis(150);
 const SIZE: [f64; 2] = [1180.0, 800.0];
-const SMALLEST: [f64; 2] = [700.0, 420.0];
+/// The numbers below the picture fit.
+const SMALLEST: [f64; 2] = [1100.0, 640.0];
 
 /// The renderer has something new.
 #[derive(Debug)]
@@ -64,7 +69,8 @@ pub fn open(opened: Opened) -> Windowed {
     };
     let mut app = App::new(opened, events.create_proxy());
     if let Err(error) = events.run_app(&mut app) {
-        return Windowed::Failed(error.to_string());
+        let why = format!("the display was lost: {error}");
+        return if app.screen.is_some() { Windowed::Lost(why) } else { Windowed::Failed(error.to_string()) };
     }
     let shown = app.worker.as_mut().map(Worker::close);
     let messages = shown.map(|shown| shown.messages).unwrap_or_default();
@@ -94,6 +100,8 @@ struct App {
     state: State,
     asked: Option<State>,
     generation: u64,
+    /// Environment and scene that could be shown.
+    accepted: Option<[Value; 2]>,
     out: PathBuf,
     worker: Option<Worker>,
     shown: Shown,
@@ -139,6 +147,7 @@ impl App {
             state: opened.state,
             asked: None,
             generation: 0,
+            accepted: None,
             out: opened.out,
             worker: None,
             shown: Shown::default(),
@@ -242,6 +251,10 @@ impl App {
         if let Some(worker) = &self.worker {
             worker.ask(self.generation, wanted.clone());
         }
+        // Told where it takes long.
+        self.shown.standing = Standing::Busy;
+        let soon = Instant::now() + TOLD_AFTER;
+        self.wakes_at = Some(self.wakes_at.map_or(soon, |at| at.min(soon)));
         self.asked = Some(wanted);
     }
 
@@ -249,7 +262,17 @@ impl App {
         let Some(worker) = &self.worker else { return };
         self.shown = worker.shown();
         self.panel.arrive(&self.shown);
+        let inputs = [ENVIRONMENT, SCENE].map(|axis| self.state.point[axis].clone());
         match &self.shown.standing {
+            // A file that cannot be shown gives way to the one before, so that it stands in the way of nothing else.
+            Standing::Refused(why) if self.shown.generation == self.generation => {
+                if let Some(before) = self.accepted.clone().filter(|before| *before != inputs) {
+                    self.panel.tell_fault(why.clone());
+                    for (axis, value) in [ENVIRONMENT, SCENE].into_iter().zip(before) {
+                        self.state.point[axis] = value;
+                    }
+                }
+            }
             Standing::Lost(why) => {
                 let why = why.clone();
                 self.end(events, Windowed::Lost(why));
@@ -258,6 +281,7 @@ impl App {
                 let why = why.clone();
                 self.end(events, Windowed::Failed(why));
             }
+            _ if self.shown.generation == self.generation => self.accepted = Some(inputs),
             _ => {}
         }
         if let Some(screen) = &self.screen {
@@ -267,10 +291,10 @@ impl App {
 
     /// Saves what is shown in a folder of its own.
     fn save(&mut self) {
-        self.panel.notice = match self.saved() {
-            Ok(folder) => format!("saved in {}", folder.display()),
-            Err(why) => format!("not saved: {why}"),
-        };
+        match self.saved() {
+            Ok(folder) => self.panel.tell(format!("saved in {}", folder.display())),
+            Err(why) => self.panel.tell_fault(format!("not saved: {why}")),
+        }
         if let Some(screen) = &self.screen {
             screen.window.request_redraw();
         }
@@ -401,6 +425,11 @@ impl ApplicationHandler<Arrived> for App {
         let response = screen.input.on_window_event(&screen.window, &event);
         match event {
             WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::Destroyed => {
+                // Whatever is asked of it now fails.
+                self.screen = None;
+                self.end(events, Windowed::Lost("the window was taken away".to_owned()));
+            }
             WindowEvent::RedrawRequested => self.frame(events),
             _ if response.repaint => screen.window.request_redraw(),
             _ => {}

@@ -1,11 +1,13 @@
 //! The renderer's thread: takes the newest state, shows it coarsely at once where the whole would take long, then whole, then refines the
 //! reference until the state changes.
+//!
+//! Long because both ends of the exchange between the threads are read together.
 
 use super::picture::{Picture, of_frame, of_gbuffer, of_tables};
 use super::state::{Image, Side, State};
 use crate::environment::{Environment, LoadOptions};
 use crate::metrics::{Comparison, HEADLINE, metric};
-use crate::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError};
+use crate::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent};
 use crate::pixels::Rgb8Image;
 use crate::runner::axis::{AXES, Part, Point};
 use crate::runner::value::Value;
@@ -14,10 +16,12 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Time in which a state that changes is to be shown, ms.
 const COARSE_MS: f64 = 60.0;
+/// A state whose first picture takes longer, since tables are made for it, gives way to the next one.
+const PATIENCE: Duration = Duration::from_secs(5);
 /// The coarsest picture has this fraction of the resolution.
 const COARSEST: u32 = 8;
 /// Side of the picture that is shown first where nothing is known of its time.
@@ -87,7 +91,12 @@ struct Post {
     shown: Mutex<Shown>,
     is_closed: AtomicBool,
     arrived: Condvar,
+    /// Since when the renderer is at its state.
+    begun: Mutex<Option<Instant>>,
+    /// Ends what refines.
     interrupt: Arc<AtomicBool>,
+    /// Ends first pictures, too.
+    is_overdue: Arc<AtomicBool>,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -123,8 +132,13 @@ impl Worker {
 
     /// Asks for a state in place of the one before.
     pub fn ask(&self, generation: u64, state: State) {
-        *lock(&self.post.state) = Some((generation, state));
+        // Held to the end: the renderer takes the state and lowers the flags under the same lock.
+        let mut held = lock(&self.post.state);
+        *held = Some((generation, state));
         self.post.interrupt.store(true, Ordering::Relaxed);
+        if lock(&self.post.begun).is_some_and(|begun| begun.elapsed() > PATIENCE) {
+            self.post.is_overdue.store(true, Ordering::Relaxed);
+        }
         self.post.arrived.notify_one();
     }
 
@@ -136,8 +150,9 @@ impl Worker {
     pub fn close(&mut self) -> Shown {
         {
             let _held = lock(&self.post.state);
-            self.post.is_closed.store(true, Ordering::Relaxed);
-            self.post.interrupt.store(true, Ordering::Relaxed);
+            for flag in [&self.post.is_closed, &*self.post.interrupt, &*self.post.is_overdue] {
+                flag.store(true, Ordering::Relaxed);
+            }
             self.post.arrived.notify_one();
         }
         // A panic was told already.
@@ -160,7 +175,7 @@ struct Renderer<'a> {
     load: LoadOptions,
     environment: Option<(String, Option<f64>, Arc<Environment>)>,
     scene: Option<(String, Arc<Scene>)>,
-    kept: Vec<(Image, Arc<Frame>)>,
+    kept: Recent<Image, Arc<Frame>>,
     shown: Shown,
     /// Time of a pixel of the last coarse picture, ms, and what hung on it.
     pixel_ms: Option<(Point, f64)>,
@@ -182,7 +197,8 @@ impl<'a> Renderer<'a> {
     fn run(post: &'a Post, options: Options, load: LoadOptions, wake: &'a dyn Fn()) -> Result<(), PipelineError> {
         let pipeline = Pipeline::new(Options { is_interactive: true, ..options })?;
         let shown = Shown { device: Some(pipeline.device().clone()), ..Shown::default() };
-        let (environment, scene, kept) = (None, None, Vec::new());
+        let kept = Recent::weighed(KEPT, |frame: &Arc<Frame>| frame.bytes());
+        let (environment, scene) = (None, None);
         let mut renderer = Self { post, wake, pipeline, load, environment, scene, kept, shown, pixel_ms: None };
         while let Some((generation, state)) = renderer.next() {
             renderer.shown.generation = generation;
@@ -209,6 +225,8 @@ impl<'a> Renderer<'a> {
             }
             if let Some(next) = state.take() {
                 self.post.interrupt.store(false, Ordering::Relaxed);
+                self.post.is_overdue.store(false, Ordering::Relaxed);
+                *lock(&self.post.begun) = Some(Instant::now());
                 return Some(next);
             }
             state = self.post.arrived.wait(state).unwrap_or_else(PoisonError::into_inner);
@@ -227,7 +245,7 @@ impl<'a> Renderer<'a> {
         if let Some(why) = state.view.lights.iter().find_map(|light| light.fault_in(&scene)) {
             return Err(Stop::Refused(why));
         }
-        self.pipeline.interrupt_by(None);
+        self.pipeline.interrupt_by(Some(self.post.is_overdue.clone()));
         let counts = state.counts();
         if self.shown.truth.as_ref().is_some_and(|shot| !counts.iter().any(|&count| state.truth(count) == shot.image)) {
             self.shown.truth = None;
@@ -237,24 +255,27 @@ impl<'a> Renderer<'a> {
         } else {
             self.shown.part = None;
         }
-        let is_there = |side| self.kept.iter().any(|(image, _)| *image == state.image(side, counts[0]));
-        if ![Side::Left, Side::Right].into_iter().all(is_there) {
-            let scale = self.scale(state);
-            if scale > 1 {
-                let started = Instant::now();
-                let coarse = state.scaled(scale);
-                let made = self.shoot(&coarse, state, (&environment, &scene), counts[0], scale)?;
-                self.tell(Standing::Busy);
-                let [width, height] = coarse.size().map(f64::from);
-                // Tables are made once.
-                if !made {
-                    self.pixel_ms = Some((cost_of(state), started.elapsed().as_secs_f64() * 1e3 / (width * height)));
-                }
+        let is_there = |side| self.kept.get(&state.image(side, counts[0])).is_some();
+        let is_there = [Side::Left, Side::Right].into_iter().all(is_there);
+        let scale = if is_there { 1 } else { self.scale(state) };
+        if scale > 1 {
+            let started = Instant::now();
+            let coarse = state.scaled(scale);
+            let made = self.shoot(&coarse, state, (&environment, &scene), counts[0], scale)?;
+            self.tell(Standing::Busy);
+            let [width, height] = coarse.size().map(f64::from);
+            // Tables are made once.
+            if !made {
+                self.pixel_ms = Some((cost_of(state), started.elapsed().as_secs_f64() * 1e3 / (width * height)));
             }
         }
-        self.pipeline.interrupt_by(Some(self.post.interrupt.clone()));
+        // What refines gives way at once; a first picture, with its tables, is finished.
+        if is_there || scale > 1 {
+            self.pipeline.interrupt_by(Some(self.post.interrupt.clone()));
+        }
         for count in counts {
             self.shoot(state, state, (&environment, &scene), count, 1)?;
+            self.pipeline.interrupt_by(Some(self.post.interrupt.clone()));
             self.refine(state, (&environment, &scene), count)?;
             self.tell(Standing::Busy);
         }
@@ -369,17 +390,8 @@ impl<'a> Renderer<'a> {
 
     /// The frame of an image: a kept one, or a new one.
     fn frame(&mut self, image: &Image, (environment, scene): (&Arc<Environment>, &Scene)) -> Result<Arc<Frame>, Stop> {
-        if let Some(at) = self.kept.iter().position(|(known, _)| known == image) {
-            let found = self.kept.remove(at);
-            self.kept.push(found.clone());
-            return Ok(found.1);
-        }
-        let frame = Arc::new(self.pipeline.render(&image.request(environment, scene))?);
-        if self.kept.len() == KEPT {
-            self.kept.remove(0);
-        }
-        self.kept.push((image.clone(), frame.clone()));
-        Ok(frame)
+        let render = || Ok(Arc::new(self.pipeline.render(&image.request(environment, scene))?));
+        self.kept.get_or_make(image.clone(), render)
     }
 }
 

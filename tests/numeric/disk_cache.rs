@@ -1,9 +1,9 @@
-//! What is kept on the disk comes back bit for bit or not at all.
+//! What is kept on the disk comes back bit for bit or not at all; what is kept in memory has a bound.
 
 use splitsum::brdf::{Beckmann, Brdf, Ggx};
 use splitsum::environment::Environment;
 use splitsum::gpu::{HOST_FILES, code_hash, shader_code, shader_names};
-use splitsum::pipeline::{DiskCache, RenderRequest, shaders_of_kept};
+use splitsum::pipeline::{CACHE_BYTES, DiskCache, Recent, RenderRequest, shaders_of_kept};
 use splitsum::pixels::RgbImage;
 use splitsum::scene::{CameraKind, Scene};
 use splitsum::shade::{diffuse_by_name, method_by_name};
@@ -167,4 +167,24 @@ fn what_is_kept_hangs_on_the_host_code_that_makes_it() {
     }
     let is_twin = |file: &&&str| file.starts_with("shade/method/") || file.starts_with("study/");
     assert_eq!(HOST_FILES.iter().filter(is_twin).collect::<Vec<_>>(), Vec::<&&str>::new());
+}
+
+#[test]
+fn memory_holds_the_most_recent_up_to_its_bytes_and_its_count() {
+    // Beside the newest value at most CACHE_BYTES, the oldest go first, and what was asked for again is not the oldest.
+    let mut recent = Recent::weighed(4, |bytes: &u64| *bytes);
+    let third = CACHE_BYTES / 3;
+    let mut keep = |key: &'static str, bytes: u64| recent.get_or_make(key, || Ok::<_, ()>(bytes)).unwrap();
+    keep("a", third);
+    keep("b", third);
+    keep("a", 0);
+    keep("c", 4 * third);
+    keep("d", third);
+    let held: Vec<&str> = ["a", "b", "c", "d"].into_iter().filter(|key| recent.get(key).is_some()).collect();
+    assert_eq!(held, ["d"]);
+    let mut recent = Recent::weighed(2, |bytes: &u64| *bytes);
+    let mut keep = |key: &'static str| recent.get_or_make(key, || Ok::<_, ()>(third)).unwrap();
+    assert_eq!(["a", "b", "a", "c"].map(&mut keep), [third; 4]);
+    let held: Vec<&str> = ["a", "b", "c"].into_iter().filter(|key| recent.get(key).is_some()).collect();
+    assert_eq!(held, ["a", "c"]);
 }

@@ -242,15 +242,42 @@ fn what_cannot_be_shown_is_told() {
     let mut win = screen.window_with(&SMALL, &[("SPLITSUM_TEST_FAULTS", "submit:60:device-lost")]);
     let (code, message) = win.end(Duration::from_secs(60));
     assert!(code == Some(75) && message.contains("the device was lost"), "{code:?}: {message}");
+
+    // A file that is none gives way to the one before.
+    let mut win = screen.window(&SMALL);
+    win.choose("reference samples", "choice 32");
+    std::fs::write(win.dir().join("no.hdr"), "no picture").unwrap();
+    win.click("environment", [0.5, 0.5]);
+    ["ctrl+a", "n", "o", "period", "h", "d", "r", "Return"].into_iter().for_each(|key| win.key(key));
+    let is_told = |told: &serde_json::Value| told["notice"].as_str().is_some_and(|text| text.contains("no first line"));
+    win.wait("the fault of the file", is_told);
+    win.wait_done();
+    assert_eq!(win.state()["axes"]["environment"], "builtin:studio");
+    // A window that is taken away from the program.
+    win.xdotool(&["windowclose".into(), win.id()]);
+    let (code, message) = win.end(Duration::from_secs(60));
+    assert!(code == Some(75) && message.contains("the window was taken away"), "{code:?}: {message}");
 }
 
 #[test]
 fn random_input_leaves_no_message_and_no_leak() {
     let Some(screen) = Screen::open() else { return };
-    let seconds = std::env::var("SPLITSUM_WINDOW_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(6);
+    let seconds = std::env::var("SPLITSUM_WINDOW_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(4);
     let win = screen.window(&["--size", "96x96", "--environment", "builtin:sky", "--validation"]);
     win.choose("reference samples", "choice 128");
     win.wait_done();
+    // Pictures of one size take no more memory, however many there are. Random input reaches other sizes, too.
+    let turn = |count: u64| {
+        for _ in 0..count {
+            win.key("Right");
+            win.wait_done();
+        }
+        win.memory_kib()
+    };
+    let (early, late) = (turn(10), turn(5 * seconds));
+    println!("{} pictures: {early} KiB, then {late} KiB", 5 * seconds);
+    // The validation layer remembers each object's name.
+    assert!(late < early + (4 << 10) + 5 * seconds * 32, "memory grew from {early} to {late} KiB");
     let mut random = 0x9e37_79b9_7f4a_7c15_u64;
     let mut next = |below: u64| {
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -275,7 +302,7 @@ fn random_input_leaves_no_message_and_no_leak() {
         "Escape",
     ];
     let until = Instant::now() + Duration::from_secs(seconds);
-    let mut memory = Vec::new();
+    let (mut actions, mut most) = (0, 0);
     while Instant::now() < until {
         let [x, y] = [next(1180), next(790)].map(|place| place.to_string());
         let words: Vec<String> = match next(6) {
@@ -302,14 +329,10 @@ fn random_input_leaves_no_message_and_no_leak() {
             _ => vec!["mousemove".into(), "--window".into(), win.id(), x, y],
         };
         win.xdotool(&words);
-        memory.push(win.memory_kib());
+        (actions, most) = (actions + 1, win.memory_kib().max(most));
         assert!(win.is_alive(), "the window ended");
     }
-    let half = memory.len() / 2;
-    let most = |part: &[u64]| part.iter().copied().max().unwrap_or_default();
-    let (early, late) = (most(&memory[..half]), most(&memory[half..]));
-    println!("random input for {seconds} s: {} actions, at most {early} KiB, then {late} KiB", memory.len());
-    assert!(late < early + (200 << 10), "memory grew from {early} to {late} KiB");
+    println!("random input for {seconds} s: {actions} actions, at most {most} KiB");
     // Its exit code is 1 where the validation layer said anything.
     win.close();
 }
@@ -320,7 +343,7 @@ fn it_stays_quick_while_it_is_turned() {
     let win = screen.window(&["--size", "512x512", "--environment", "builtin:studio"]);
     win.wait("a picture", |told| told["scales"][1] == 1);
     let place = win.place("image");
-    let begun = Instant::now();
+    let (begun, spent_before) = (Instant::now(), win.cpu_s());
     let (mut seen, mut last) = (0, 0);
     win.xdotool(&[
         "mousemove".into(),
@@ -338,8 +361,9 @@ fn it_stays_quick_while_it_is_turned() {
     }
     win.xdotool(&["mouseup".into(), "1".into()]);
     let rate = f64::from(seen) / begun.elapsed().as_secs_f64();
-    println!("{rate:.1} pictures a second while the camera turns, 512x512");
-    // A machine that builds something beside it is slower; the figure above is what is claimed.
-    assert!(rate > 3.0, "{rate} pictures a second");
+    let each = (win.cpu_s() - spent_before) / f64::from(seen);
+    println!("{rate:.1} pictures a second while the camera turns, 512x512, {each:.3} CPU s each");
+    // Ten a second on two cores, whatever else is at work there.
+    assert!(each < 0.2, "{each} CPU s a picture, {seen} pictures");
     win.close();
 }

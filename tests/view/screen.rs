@@ -157,6 +157,14 @@ impl Win<'_> {
         line.and_then(|line| line.split_whitespace().next()?.parse().ok()).unwrap_or_default()
     }
 
+    /// Processor time so far, by ticks of a hundredth of a second.
+    pub fn cpu_s(&self) -> f64 {
+        let text = std::fs::read_to_string(format!("/proc/{}/stat", self.child().id())).unwrap();
+        // After the name, which may hold spaces: user time is the twelfth word, system time the next.
+        let words = text.rsplit(')').next().unwrap().split_whitespace();
+        words.skip(11).take(2).map(|ticks| ticks.parse::<f64>().unwrap()).sum::<f64>() / 100.0
+    }
+
     /// What the window told last.
     pub fn told(&self) -> Value {
         let text = std::fs::read_to_string(self.dir.path().join("told.json")).unwrap_or_default();

@@ -8,6 +8,7 @@ pub use commands::{DrawCall, Targets};
 
 use super::device::lock;
 use super::inject::Site;
+use super::slot::{PASS_LIMIT, Slot};
 use super::{Gpu, GpuError};
 use ash::vk;
 use std::any::Any;
@@ -16,9 +17,6 @@ use std::ffi::CString;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
-
-/// Timed passes of one submission at most.
-const PASS_LIMIT: u32 = 256;
 
 /// Device time of one pass.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,11 +52,11 @@ impl Report {
 
 /// Records one command buffer.
 pub struct Recorder {
+    /// Dropped before the device.
+    slot: Arc<Slot>,
     gpu: Gpu,
     name: String,
-    command_pool: vk::CommandPool,
     commands: vk::CommandBuffer,
-    queries: vk::QueryPool,
     fence: vk::Fence,
     passes: Vec<&'static str>,
     shaders: BTreeSet<String>,
@@ -75,12 +73,13 @@ impl Gpu {
             return Err(GpuError::Interrupted);
         }
         let device = &self.shared.raw;
-        let mut recorder = Recorder {
+        let free = lock(&self.shared.slots).pop();
+        let slot = free.map_or_else(|| Slot::new(device, self.shared.queue_family, name).map(Arc::new), Ok)?;
+        let recorder = Recorder {
             gpu: self.clone(),
             name: name.into(),
-            command_pool: vk::CommandPool::null(),
-            commands: vk::CommandBuffer::null(),
-            queries: vk::QueryPool::null(),
+            commands: slot.commands,
+            slot,
             fence: vk::Fence::null(),
             passes: Vec::new(),
             shaders: BTreeSet::new(),
@@ -88,22 +87,12 @@ impl Gpu {
             sets_left: 0,
             kept: Vec::new(),
         };
-        let pool = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(self.shared.queue_family)
-            .flags(vk::CommandPoolCreateFlags::TRANSIENT);
-        // SAFETY: the device is alive. One pool a recorder, so that recorders may live on different threads.
-        recorder.command_pool =
-            unsafe { device.create_command_pool(&pool, None) }.map_err(GpuError::call("vkCreateCommandPool", name))?;
-        let allocate = vk::CommandBufferAllocateInfo::default()
-            .command_pool(recorder.command_pool)
-            .level(vk::CommandBufferLevel::PRIMARY)
-            .command_buffer_count(1);
-        // SAFETY: the pool was just made.
-        recorder.commands = unsafe { device.allocate_command_buffers(&allocate) }
-            .map_err(GpuError::call("vkAllocateCommandBuffers", name))?[0];
+        // SAFETY: the slot is this recorder's alone, and the submission before has been waited for.
+        unsafe { device.reset_command_pool(recorder.slot.command_pool, vk::CommandPoolResetFlags::empty()) }
+            .map_err(GpuError::call("vkResetCommandPool", name))?;
         self.shared.set_name(recorder.commands, name);
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: the command buffer is new.
+        // SAFETY: the command buffer is empty.
         unsafe { device.begin_command_buffer(recorder.commands, &begin) }
             .map_err(GpuError::call("vkBeginCommandBuffer", name))?;
         Ok(recorder)
@@ -124,17 +113,10 @@ impl Recorder {
         name: &'static str,
         body: impl FnOnce(&mut Self) -> Result<(), GpuError>,
     ) -> Result<(), GpuError> {
-        if self.queries == vk::QueryPool::null() {
-            let info =
-                vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2 * PASS_LIMIT);
-            // SAFETY: the device is alive.
-            self.queries = unsafe { self.device().create_query_pool(&info, None) }
-                .map_err(GpuError::call("vkCreateQueryPool", &self.name))?;
-            // SAFETY: recording; the pool was just made and has this many queries.
-            unsafe { self.device().cmd_reset_query_pool(self.commands, self.queries, 0, 2 * PASS_LIMIT) };
-        }
         let index = self.passes.len() as u32;
         assert!(index < PASS_LIMIT, "'{}': more than {PASS_LIMIT} timed passes in one submission", self.name);
+        // SAFETY: recording; the slot has this many queries.
+        unsafe { self.device().cmd_reset_query_pool(self.commands, self.slot.queries, 2 * index, 2) };
         self.passes.push(name);
         self.begin_label(name);
         self.timestamp(2 * index);
@@ -180,7 +162,7 @@ impl Recorder {
         let mut ticks = vec![0u64; 2 * self.passes.len()];
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
         // SAFETY: the queries were written by the submission that has completed.
-        unsafe { self.device().get_query_pool_results(self.queries, 0, &mut ticks, flags) }
+        unsafe { self.device().get_query_pool_results(self.slot.queries, 0, &mut ticks, flags) }
             .map_err(GpuError::call("vkGetQueryPoolResults", &self.name))?;
         let shared = &self.gpu.shared;
         let ms = |pair: &[u64]| {
@@ -197,7 +179,7 @@ impl Recorder {
             self.device().cmd_write_timestamp2(
                 self.commands,
                 vk::PipelineStageFlags2::ALL_COMMANDS,
-                self.queries,
+                self.slot.queries,
                 query,
             )
         };
@@ -235,11 +217,8 @@ impl Recorder {
 
 impl Drop for Recorder {
     fn drop(&mut self) {
+        lock(&self.gpu.shared.slots).push(self.slot.clone());
         // SAFETY: the submission (if any) has been waited for; null handles are ignored.
-        unsafe { self.device().destroy_command_pool(self.command_pool, None) };
-        // SAFETY: likewise.
-        unsafe { self.device().destroy_query_pool(self.queries, None) };
-        // SAFETY: likewise.
         unsafe { self.device().destroy_fence(self.fence, None) };
         for pool in &self.descriptor_pools {
             // SAFETY: likewise.

@@ -29,11 +29,17 @@ pub fn run(
 ) -> Result<Report, GpuError> {
     let ([width, height], [source_width, source_height]) = (map.mip_size(0), environment.mip_size(0));
     let [phi_count, theta_count] = sample_count;
-    let params =
-        IrradianceParams { width, height, phi_count, theta_count, source_width, source_height, pad0: 0, pad1: 0 };
-    let binds = [Bind::Sample(environment, Sampler::MAP), Bind::StoreFaces(map, 0)];
-    let groups = face_groups(width, height, map.face_count());
-    gpu.submit_pass(PASS, |r| r.dispatch(&shader(layout), &[], &binds, &params.to_bytes(), groups))
+    let whole =
+        IrradianceParams { width, height, phi_count, theta_count, source_width, source_height, first_row: 0, pad0: 0 };
+    let (shader, binds) = (shader(layout), [Bind::Sample(environment, Sampler::MAP), Bind::StoreFaces(map, 0)]);
+    let row_samples = u64::from(width * map.face_count()) * u64::from(phi_count) * u64::from(theta_count);
+    let mut total = Report::default();
+    for rows in gpu.row_bands(height, row_samples) {
+        let push = IrradianceParams { first_row: rows.start, ..whole }.to_bytes();
+        let groups = face_groups(width, rows.len() as u32, map.face_count());
+        total.add(gpu.submit_pass(PASS, |r| r.dispatch(&shader, &[], &binds, &push, groups))?);
+    }
+    Ok(total)
 }
 
 /// As [`run`], by the convolution with the cosine; reports the host's time.

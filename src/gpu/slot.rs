@@ -1,0 +1,49 @@
+//! What a recorder writes to, and a later one again: the validation layer (1.3.239) keeps 60 KiB for each one that is gone.
+
+use super::GpuError;
+use ash::vk;
+
+/// Timed passes of one submission at most.
+pub(super) const PASS_LIMIT: u32 = 256;
+
+/// A command buffer in a pool of its own, so that recorders may live on different threads, and timestamps.
+pub(super) struct Slot {
+    pub(super) command_pool: vk::CommandPool,
+    pub(super) commands: vk::CommandBuffer,
+    pub(super) queries: vk::QueryPool,
+    device: ash::Device,
+}
+
+impl Slot {
+    pub(super) fn new(device: &ash::Device, queue_family: u32, name: &str) -> Result<Self, GpuError> {
+        let (commands, queries) = (vk::CommandBuffer::null(), vk::QueryPool::null());
+        let pool = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(queue_family)
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT);
+        // SAFETY: the device is alive.
+        let command_pool =
+            unsafe { device.create_command_pool(&pool, None) }.map_err(GpuError::call("vkCreateCommandPool", name))?;
+        let mut slot = Self { command_pool, commands, queries, device: device.clone() };
+        let allocate = vk::CommandBufferAllocateInfo::default()
+            .command_pool(command_pool)
+            .level(vk::CommandBufferLevel::PRIMARY)
+            .command_buffer_count(1);
+        // SAFETY: the pool was just made.
+        slot.commands = unsafe { device.allocate_command_buffers(&allocate) }
+            .map_err(GpuError::call("vkAllocateCommandBuffers", name))?[0];
+        let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2 * PASS_LIMIT);
+        // SAFETY: the device is alive.
+        slot.queries =
+            unsafe { device.create_query_pool(&info, None) }.map_err(GpuError::call("vkCreateQueryPool", name))?;
+        Ok(slot)
+    }
+}
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        // SAFETY: no submission is left that uses it (or it is null), because `submit` waits and the device's close is the last use.
+        unsafe { self.device.destroy_command_pool(self.command_pool, None) };
+        // SAFETY: likewise.
+        unsafe { self.device.destroy_query_pool(self.queries, None) };
+    }
+}
