@@ -139,8 +139,8 @@ fn lamp_directions() -> Vec<DVec3> {
         DVec3::new(0.7, -0.3, 0.0),
         DVec3::new(0.3, -0.7, -0.3),
     ];
-    let random = (0..12).map(|i| {
-        let xi = (SEQUENCES[0].point)(i, 12, 1);
+    let random = (0..6).map(|i| {
+        let xi = (SEQUENCES[0].point)(i, 6, 1);
         let (z, phi) = (1.0 - 2.0 * xi.x, TAU * xi.y);
         let r = (1.0 - z * z).sqrt();
         DVec3::new(r * phi.cos(), r * phi.sin(), z)

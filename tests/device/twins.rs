@@ -47,7 +47,7 @@ const SIGMA_MAX: f64 = 0.2;
 /// What f32 adds to that, relative.
 const F32_SUM: f64 = 1e-5;
 /// Only every so many pixels are integrated.
-const MEAN_STEP: usize = 23;
+const MEAN_STEP: usize = 47;
 /// Some pixel's n_dot_v is below this.
 const GRAZING: f64 = 0.04;
 

@@ -211,7 +211,7 @@ fn rungs_are_sums_over_latitude_and_longitude() {
 #[test]
 fn every_integral_rung_is_exact_in_a_white_furnace() {
     let exact = exact_quadrature(&RgbImage::from_fn(8, 4, |_, _| [1.0; 3]));
-    let faults = (0..QUERIES).into_par_iter().flat_map_iter(|k| {
+    let faults = (0..QUERIES / 2).into_par_iter().flat_map_iter(|k| {
         let query = query(k);
         let surface = query.surface();
         let pair = dfg(surface.model, surface.masking, query.n.dot(query.v), query.alpha);

@@ -58,8 +58,9 @@ fn under_constant_light_errors_are_those_of_the_formulas() {
     };
     let two = Convention { alphas: Some(vec![ALPHAS[0], ALPHAS[4]]), ..of_widths() };
     let blends = scored(&light, &Bake { specular: Some(steps), ..Bake::default() }, &two);
+    let albedos = ALPHAS.map(|alpha| Albedos::new(Kernel::cosine(&Ggx), MaskingShadowing::Separable, alpha));
     for (score, blend) in scores.iter().zip(blends) {
-        let albedos = Albedos::new(Kernel::cosine(&Ggx), MaskingShadowing::Separable, score.alpha);
+        let albedos = &albedos[ALPHAS.iter().position(|alpha| *alpha == score.alpha).unwrap()];
         let reflectance = |pair: DVec2| score.f0 * pair.x + pair.y;
         let expected = |found: &dyn Fn(f64, f64) -> f64| {
             let square = |i: u32| {

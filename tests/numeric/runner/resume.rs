@@ -107,7 +107,8 @@ fn a_reference_that_was_changed_is_made_again() {
     let bench = Bench::finished(EXPERIMENT);
     let (before, errors) = (bench.images(), bench.read("errors.csv"));
     let open = &bench.plan.cells[5];
-    let reference = before.keys().find(|name| name.contains(&open.reference)).expect("the image of its reference");
+    let is_reference = |name: &&String| name.contains(&open.reference) && name.ends_with(".exr");
+    let reference = before.keys().find(is_reference).expect("the image of its reference");
     let (other, _) = before.iter().find(|(name, _)| name.ends_with(".exr") && *name != reference).unwrap();
     let mut flipped = before[reference].clone();
     *flipped.last_mut().unwrap() ^= 1;
