@@ -10,9 +10,10 @@ use crate::pipeline::Frame;
 use crate::pixels::{PixelsError, exr};
 use crate::spelling::short_number;
 use crate::table::csv::Cell as Field;
+use blake3::Hash;
 use rayon::prelude::*;
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
 /// The layer of a reference that holds its standard error.
@@ -98,6 +99,13 @@ pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
     index_names(plan, cell).into_iter().chain(flip).collect()
 }
 
+/// The content hashes in a cell's record, in the order of [`files`]; none for a file that it does not tell of.
+pub(super) fn hashes(plan: &Plan, cell: &Cell, recorded: &BTreeMap<String, String>) -> Box<[Option<Hash>]> {
+    // What is no hash is that of no file.
+    let hash = |hex: &String| Hash::from_hex(hex).unwrap_or(Hash::from_bytes([0; blake3::OUT_LEN]));
+    files(plan, cell).iter().map(|name| recorded.get(name).map(hash)).collect()
+}
+
 /// The linear images of a cell and its reference.
 pub fn linear_files(plan: &Plan, cell: &Cell) -> [String; 2] {
     let reference = plan.reference_point(&cell.point);
@@ -135,25 +143,24 @@ fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
 }
 
 /// Files of finished cells that are missing or not what the cells' records say, in the order of their names. Each cell comes with the
-/// content hashes of its record; where that has none, a file need only be whole.
+/// [`hashes`] of its record; where that has none, a file need only be whole.
 pub(super) fn damaged<'p>(
     plan: &Plan,
     store: &Store,
-    cells: impl Iterator<Item = (&'p Cell, &'p BTreeMap<String, String>)>,
+    cells: impl Iterator<Item = (&'p Cell, &'p [Option<Hash>])>,
 ) -> BTreeSet<String> {
     // What cells share must be what each of them says.
-    let mut said: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
+    let mut said: BTreeMap<String, HashSet<Hash>> = BTreeMap::new();
     for (cell, hashes) in cells {
-        for name in files(plan, cell) {
-            let hash = hashes.get(&name).map(String::as_str);
+        for (name, hash) in files(plan, cell).into_iter().zip(hashes) {
             said.entry(name).or_default().extend(hash);
         }
     }
-    let is_sound = |name: &str, hashes: &BTreeSet<&str>| {
+    let is_sound = |name: &str, hashes: &HashSet<Hash>| {
         let path = store.image_path(name);
         match hashes.is_empty() {
             true => is_whole(&path),
-            false => content_hash(&path).is_ok_and(|found| hashes.iter().all(|hash| *hash == found)),
+            false => content_hash(&path).is_ok_and(|found| hashes.iter().all(|hash| *hash.to_hex() == *found)),
         }
     };
     said.into_par_iter().filter(|(name, hashes)| !is_sound(name, hashes)).map(|(name, _)| name).collect()

@@ -38,8 +38,9 @@ pub fn quantile(sorted: &[f64], p: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = p * last as f64;
     let below = place.floor() as usize;
-    let above = (below + 1).min(last);
-    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+    let (share, a, b) = (place - below as f64, sorted[below], sorted[(below + 1).min(last)]);
+    // Infinities as the limits of large numbers: one without weight counts nothing, one with any is the answer.
+    if share == 0.0 || a == b || a.is_infinite() && b.is_finite() { a } else { a + share * (b - a) }
 }
 
 /// Median of samples in any order; NaN when there are none.

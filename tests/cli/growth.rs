@@ -76,13 +76,9 @@ fn a_plan_is_written_as_it_is_made() {
     assert!(bytes < 4000, "{bytes} bytes a cell: as JSON values alone a cell takes 12,000");
 }
 
-/// Peak of a run, KiB, or `None` where no device answers or the system does not tell.
-fn run_peak(dir: &Path) -> Option<u64> {
-    let mut child = command(dir, &["run", "growth.toml", "--no-cache"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+/// Peak of a command that succeeds, KiB, or `None` where the system does not tell.
+fn peak_of(dir: &Path, arguments: &[&str]) -> Option<u64> {
+    let mut child = command(dir, arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let mut peak = None;
     let code = loop {
         peak = peak_kib(child.id()).or(peak);
@@ -101,7 +97,8 @@ fn a_run_of_four_times_the_cells_takes_little_more_memory() {
     if !splitsum(small.path(), &["devices"]).status.success() {
         return eprintln!("skipped: no Vulkan device");
     }
-    let (Some(few), Some(many)) = (run_peak(small.path()), run_peak(large.path())) else {
+    let run = ["run", "growth.toml", "--no-cache"];
+    let (Some(few), Some(many)) = (peak_of(small.path(), &run), peak_of(large.path(), &run)) else {
         return eprintln!("skipped: the system does not tell the memory of a process");
     };
     let bytes = many.saturating_sub(few) * 1024 / 1500;
@@ -113,6 +110,25 @@ fn a_run_of_four_times_the_cells_takes_little_more_memory() {
     let report = std::fs::metadata(run.join("report.html")).unwrap().len();
     assert!(report < 4_000_000, "{report}");
     assert_eq!(super::entries(&run.join("tables")), [""; 0]);
+}
+
+#[test]
+fn a_merge_of_four_times_the_cells_takes_little_more_memory() {
+    let [small, large] = [folder(500), folder(2000)];
+    if !splitsum(small.path(), &["devices"]).status.success() {
+        return eprintln!("skipped: no Vulkan device");
+    }
+    let merge_peak = |dir: &Path| {
+        ok(dir, &["plan", "growth.toml", "--chunk-seconds", "1e6", "--out", "plan.json"]);
+        ok(dir, &["run", "--plan", "plan.json", "--chunk", "0", "--store", "store", "--no-cache"]);
+        peak_of(dir, &["merge", "--plan", "plan.json", "--store", "store", "--out", "merged"])
+    };
+    let (Some(few), Some(many)) = (merge_peak(small.path()), merge_peak(large.path())) else {
+        return eprintln!("skipped: the system does not tell the memory of a process");
+    };
+    let bytes = many.saturating_sub(few) * 1024 / 1500;
+    println!("{few} KiB and {many} KiB: {bytes} bytes a cell");
+    assert!(bytes < 15_000, "{bytes} bytes a cell: its record takes 20,000");
 }
 
 #[test]

@@ -4,6 +4,8 @@
 //! and device alone, so records of one cell from one device must agree to the last bit. Where they do not, a machine is at fault, and nothing
 //! is merged. Times do not repeat: of several timings of a block the first is kept whole, and no table compares times of two devices.
 //!
+//! Of a cell's record only hashes are held: a record takes some 20 KB of memory, and there may be 100,000.
+//!
 //! Long because finding, checking, choosing and writing are steps of one operation, which has no use apart.
 
 use super::ChunkError;
@@ -20,10 +22,12 @@ use crate::runner::store::{
     CELLS_FOLDER, CellRecord, FAILED_FOLDER, FailureRecord, ReferenceStop, Spent, Store, StoreError,
 };
 use crate::runner::timing::{self, TimingRecord};
+use blake3::Hash;
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The outcome of a merge.
 #[derive(Debug)]
@@ -58,8 +62,26 @@ type Chosen<'f, T> = BTreeMap<&'f str, &'f Found<T>>;
 /// A record and where it stands.
 struct Found<T> {
     record: T,
-    store: Store,
-    device: Device,
+    store: Arc<Store>,
+    device: Arc<Device>,
+}
+
+/// What is held of the record of a cell.
+struct CellFacts {
+    /// Hash of all that records of one device must agree in.
+    hash: Hash,
+    /// Content hashes of the cell's files, in the order of [`images::files`]; none where the record does not tell.
+    files: Box<[Option<Hash>]>,
+    has_reference: bool,
+}
+
+impl CellFacts {
+    fn of(record: &CellRecord, plan: &Plan, cell: &Cell) -> serde_json::Result<Self> {
+        let mut hasher = blake3::Hasher::new();
+        serde_json::to_writer(&mut hasher, record)?;
+        let files = images::hashes(plan, cell, &record.files);
+        Ok(Self { hash: hasher.finalize(), files, has_reference: record.reference.is_some() })
+    }
 }
 
 /// Merges what there is. All of it is read and checked before the first byte is written: nothing is when a record or an image is damaged
@@ -84,7 +106,7 @@ pub fn merge(file: &PlanFile, plan: &Plan, store: &Path, options: &RunOptions) -
     if !merge.damage.is_empty() {
         return Err(ChunkError::Damaged(merge.damage));
     }
-    let disagreements = disagreements(plan, &cells);
+    let disagreements = disagreements(plan, &cells)?;
     if !disagreements.is_empty() {
         return Err(ChunkError::Disagreement(disagreements));
     }
@@ -96,7 +118,8 @@ pub fn merge(file: &PlanFile, plan: &Plan, store: &Path, options: &RunOptions) -
         merge.out.write_timing(id, record)?;
     }
     merge.write_provenance(options)?;
-    let holes = merge.holes()?;
+    let holes = merge.holes(&chosen)?;
+    drop((cells, belongings));
     Ok(Merged { outcome: tabulate(plan, merge.out, options)?, holes, notes: merge.notes })
 }
 
@@ -115,25 +138,34 @@ struct Merge<'a> {
 
 impl Merge<'_> {
     /// Every record of every cell of the plan, that of the run's folder first, then in the order of the attempts.
-    fn find_cells(&mut self) -> Result<BTreeMap<String, Vec<Found<CellRecord>>>, StoreError> {
-        let mut found: BTreeMap<String, Vec<Found<CellRecord>>> = BTreeMap::new();
-        let mut add = |id: &str, store: &Store| -> Result<(), StoreError> {
-            if let Some(record) = whole(store.whole_cell(id), &mut self.damage)? {
-                let device = (record.device.clone(), record.driver.clone());
-                found.entry(id.to_owned()).or_default().push(Found { record, store: store.clone(), device });
-            }
+    fn find_cells(&mut self) -> Result<BTreeMap<String, Vec<Found<CellFacts>>>, StoreError> {
+        let plan = self.plan;
+        let of_plan: HashMap<&str, &Cell> = plan.cells.iter().map(|cell| (cell.id.as_str(), cell)).collect();
+        let mut found: BTreeMap<String, Vec<Found<CellFacts>>> = BTreeMap::new();
+        let mut devices: HashSet<Arc<Device>> = HashSet::new();
+        let mut add = |cell: &Cell, store: &Arc<Store>| -> Result<(), StoreError> {
+            let Some(record) = whole(store.whole_cell(&cell.id), &mut self.damage)? else { return Ok(()) };
+            // The time that a cell took is no fact of it.
+            let record = CellRecord { spent: Spent::default(), ..record };
+            let corrupt = |error| StoreError::Corrupt { path: store.cell_path(&cell.id), error };
+            let facts = CellFacts::of(&record, plan, cell).map_err(corrupt)?;
+            let device = Arc::new((record.device, record.driver));
+            let device = devices.get(&device).cloned().unwrap_or(device);
+            devices.insert(device.clone());
+            found.entry(cell.id.clone()).or_default().push(Found { record: facts, store: store.clone(), device });
             Ok(())
         };
-        for cell in &self.plan.cells {
-            add(&cell.id, &self.out)?;
+        let out = Arc::new(self.out.clone());
+        for cell in &plan.cells {
+            add(cell, &out)?;
         }
-        let of_plan: HashSet<&str> = self.plan.cells.iter().map(|cell| cell.id.as_str()).collect();
         let mut strangers = Vec::new();
         for attempt in self.attempts.iter().flatten() {
-            for id in attempt.store.ids(CELLS_FOLDER) {
-                match of_plan.contains(id.as_str()) {
-                    true => add(&id, &attempt.store)?,
-                    false => strangers.push(attempt.store.cell_path(&id)),
+            let store = Arc::new(attempt.store.clone());
+            for id in store.ids(CELLS_FOLDER) {
+                match of_plan.get(id.as_str()) {
+                    Some(cell) => add(cell, &store)?,
+                    None => strangers.push(store.cell_path(&id)),
                 }
             }
         }
@@ -163,8 +195,8 @@ impl Merge<'_> {
                     if record.len() < block.len() {
                         continue;
                     }
-                    let device = (record[0].1.device.clone(), record[0].1.driver.clone());
-                    let block = Found { record, store: attempt.store.clone(), device };
+                    let device = Arc::new((record[0].1.device.clone(), record[0].1.driver.clone()));
+                    let block = Found { record, store: Arc::new(attempt.store.clone()), device };
                     found.entry(block.record[0].0.clone()).or_default().push(block);
                 }
             }
@@ -173,36 +205,24 @@ impl Merge<'_> {
     }
 
     /// Finds a whole copy of every file that a chosen record stands for; each that has none is a sentence for `damage`.
-    fn belongings(&mut self, chosen: &Chosen<CellRecord>) -> Result<Belongings, StoreError> {
+    fn belongings(&mut self, chosen: &Chosen<CellFacts>) -> Result<Belongings, StoreError> {
         let (plan, out) = (self.plan, &self.out);
         let others: Vec<&Store> = self.attempts.iter().flatten().map(|attempt| &attempt.store).chain([out]).collect();
-        let mut stops = BTreeMap::new();
+        let mut belongings = Belongings::default();
         // Cells of two devices may share a file's name, and each must find the bytes that its record was made from.
-        let mut wanted: BTreeMap<(String, Option<&String>), (&Cell, &Store)> = BTreeMap::new();
-        for cell in &plan.cells {
-            let Some(found) = chosen.get(cell.id.as_str()) else { continue };
-            for name in images::files(plan, cell) {
-                let hash = found.record.files.get(&name);
-                wanted.entry((name, hash)).or_insert((cell, &found.store));
-            }
-            if found.record.reference.is_some() && !stops.contains_key(&cell.reference) {
-                for store in std::iter::once(&found.store).chain(others.iter().copied()) {
-                    if let Some(stop) = whole(store.whole_reference(&cell.reference), &mut self.damage)? {
-                        stops.insert(cell.reference.clone(), stop);
-                        break;
-                    }
-                }
-            }
-        }
-        let find = |((name, hash), (cell, own)): (&(String, Option<&String>), &(&Cell, &Store))| {
+        let mut seen = HashSet::new();
+        let find = |(cell, own, (name, hash)): (&Cell, &Store, (String, Option<Hash>))| {
             // What cells share may stand with another attempt.
-            let mut copies = std::iter::once(*own).chain(others.iter().copied()).map(|store| store.image_path(name));
+            let path = own.image_path(&name);
             let is_whole = |path: &PathBuf| match hash {
-                Some(hash) => content_hash(path).is_ok_and(|found| found == **hash),
+                Some(hash) => content_hash(path).is_ok_and(|found| found == *hash.to_hex()),
                 None => images::is_whole(path),
             };
-            copies.find(is_whole).ok_or_else(|| {
-                let path = own.image_path(name);
+            let mut copies = others.iter().map(|store| store.image_path(&name));
+            if is_whole(&path) {
+                return Ok(None);
+            }
+            copies.find(is_whole).map(|copy| Some((file_key(&name, hash), copy))).ok_or_else(|| {
                 let what = if path.exists() { "is not the file that its record was made from" } else { "is missing" };
                 let (label, record) = (plan.label(cell), own.cell_path(&cell.id));
                 format!(
@@ -213,31 +233,48 @@ impl Merge<'_> {
                 )
             })
         };
-        let list: Vec<_> = wanted.iter().collect();
-        let copies: Vec<Result<PathBuf, String>> = list.par_iter().map(|&entry| find(entry)).collect();
-        let mut files = BTreeMap::new();
-        for (((name, hash), _), copy) in list.into_iter().zip(copies) {
-            match copy {
-                Ok(path) => drop(files.entry(name.clone()).or_insert((path, hash.cloned()))),
-                Err(sentence) => self.damage.push(sentence),
+        for cells in plan.cells.chunks(CELLS_AT_ONCE) {
+            let mut wanted = Vec::new();
+            for (cell, found) in cells.iter().filter_map(|cell| Some((cell, *chosen.get(cell.id.as_str())?))) {
+                let files = files(plan, cell, found).filter(|(name, hash)| seen.insert(file_key(name, *hash)));
+                wanted.extend(files.map(|file| (cell, &*found.store, file)));
+                if !found.record.has_reference || belongings.stops.contains_key(&cell.reference) {
+                    continue;
+                }
+                for store in std::iter::once(&*found.store).chain(others.iter().copied()) {
+                    if let Some(stop) = whole(store.whole_reference(&cell.reference), &mut self.damage)? {
+                        belongings.stops.insert(cell.reference.clone(), stop);
+                        break;
+                    }
+                }
+            }
+            for copy in wanted.into_par_iter().map(find).collect::<Vec<_>>() {
+                match copy {
+                    Ok(elsewhere) => belongings.elsewhere.extend(elsewhere),
+                    Err(sentence) => self.damage.push(sentence),
+                }
             }
         }
-        Ok(Belongings { files, stops })
+        Ok(belongings)
     }
 
     /// Brings the chosen records, with the files that belong to them, into the run's folder: the records last.
-    fn import_cells(&self, chosen: &Chosen<CellRecord>, belongings: &Belongings) -> Result<(), StoreError> {
-        let out = &self.out;
-        for (name, (from, hash)) in &belongings.files {
-            out.place(from, &out.image_path(name), hash.as_deref())?;
+    fn import_cells(&self, chosen: &Chosen<CellFacts>, belongings: &Belongings) -> Result<(), StoreError> {
+        let (plan, out) = (self.plan, &self.out);
+        let done = || plan.cells.iter().filter_map(|cell| Some((cell, *chosen.get(cell.id.as_str())?)));
+        let mut placed = HashSet::new();
+        for (cell, found) in done() {
+            for (name, hash) in files(plan, cell, found).filter(|(name, _)| placed.insert(file_key(name, None))) {
+                let own = || found.store.image_path(&name);
+                let from = belongings.elsewhere.get(&file_key(&name, hash)).cloned().unwrap_or_else(own);
+                out.place(&from, &out.image_path(&name), hash.map(|hash| hash.to_hex()).as_deref())?;
+            }
         }
         for (id, stop) in &belongings.stops {
             out.write_reference(id, stop)?;
         }
-        for cell in &self.plan.cells {
-            if let Some(found) = chosen.get(cell.id.as_str()).filter(|found| found.store.dir() != out.dir()) {
-                out.write_cell(&found.record)?;
-            }
+        for (cell, found) in done().filter(|(_, found)| found.store.dir() != out.dir()) {
+            out.take_cell(&found.store, &cell.id)?;
         }
         let live = out.dir().join(LIVE_FILE);
         let made = self
@@ -249,7 +286,7 @@ impl Merge<'_> {
     }
 
     /// Keeps the last reason of every cell that failed and was not done by another attempt.
-    fn import_failures(&self, chosen: &Chosen<CellRecord>) -> Result<(), StoreError> {
+    fn import_failures(&self, chosen: &Chosen<CellFacts>) -> Result<(), StoreError> {
         let mut failures: BTreeMap<String, FailureRecord> = BTreeMap::new();
         for attempt in self.attempts.iter().flatten() {
             for id in attempt.store.ids(FAILED_FOLDER) {
@@ -285,7 +322,7 @@ impl Merge<'_> {
     }
 
     /// The missing parts of the run, by chunk.
-    fn holes(&self) -> Result<Vec<Hole>, StoreError> {
+    fn holes(&self, chosen: &Chosen<CellFacts>) -> Result<Vec<Hole>, StoreError> {
         let (plan, out) = (self.plan, &self.out);
         let by_id: BTreeMap<&str, &Cell> = plan.cells.iter().map(|cell| (cell.id.as_str(), cell)).collect();
         let jobs = timing::jobs(plan);
@@ -293,7 +330,7 @@ impl Merge<'_> {
         for (chunk, attempts) in self.file.chunks.iter().zip(&self.attempts) {
             let mut cells = Vec::new();
             for id in &chunk.cells {
-                if out.cell(id)?.is_none() && out.failure(id)?.is_none() {
+                if !chosen.contains_key(id.as_str()) && out.failure(id)?.is_none() {
                     cells.push((id.clone(), plan.label(by_id[id.as_str()])));
                 }
             }
@@ -322,7 +359,7 @@ fn whole<T>(read: Result<Option<T>, StoreError>, damage: &mut Vec<String>) -> Re
 fn choose<'f, T>(found: &'f BTreeMap<String, Vec<Found<T>>>, what: &str, notes: &mut Vec<String>) -> Chosen<'f, T> {
     let mut counts: BTreeMap<&Device, usize> = BTreeMap::new();
     for records in found.values() {
-        for device in records.iter().map(|record| &record.device).collect::<BTreeSet<_>>() {
+        for device in records.iter().map(|record| &*record.device).collect::<BTreeSet<_>>() {
             *counts.entry(device).or_default() += 1;
         }
     }
@@ -331,7 +368,7 @@ fn choose<'f, T>(found: &'f BTreeMap<String, Vec<Found<T>>>, what: &str, notes: 
     let mut chosen = BTreeMap::new();
     let mut devices: BTreeMap<&Device, usize> = BTreeMap::new();
     for (id, records) in found {
-        let of_main = records.iter().find(|record| Some(&record.device) == main);
+        let of_main = records.iter().find(|record| Some(&*record.device) == main);
         if let Some(record) = of_main.or(records.first()) {
             *devices.entry(&record.device).or_default() += 1;
             chosen.insert(id.as_str(), record);
@@ -346,27 +383,28 @@ fn choose<'f, T>(found: &'f BTreeMap<String, Vec<Found<T>>>, what: &str, notes: 
 }
 
 /// A sentence for each record that contradicts the first one of its cell and device.
-fn disagreements(plan: &Plan, found: &BTreeMap<String, Vec<Found<CellRecord>>>) -> Vec<String> {
+fn disagreements(plan: &Plan, found: &BTreeMap<String, Vec<Found<CellFacts>>>) -> Result<Vec<String>, StoreError> {
     let mut sentences = Vec::new();
     for cell in &plan.cells {
-        let records = found.get(&cell.id).map_or(&[][..], Vec::as_slice);
-        let mut first_of: BTreeMap<&Device, &Found<CellRecord>> = BTreeMap::new();
-        for record in records {
+        let mut first_of: BTreeMap<&Device, &Found<CellFacts>> = BTreeMap::new();
+        for record in found.get(&cell.id).into_iter().flatten() {
             let first = *first_of.entry(&record.device).or_insert(record);
-            let facts = differing(&first.record, &record.record);
-            if !facts.is_empty() {
-                sentences.push(format!(
-                    "{} {}: {} and {} differ in {}",
-                    cell.id,
-                    plan.label(cell),
-                    first.store.cell_path(&cell.id).display(),
-                    record.store.cell_path(&cell.id).display(),
-                    facts.join(", ")
-                ));
+            if first.record.hash == record.record.hash {
+                continue;
             }
+            let read = |found: &Found<CellFacts>| found.store.whole_cell(&cell.id);
+            let differing = read(first)?.zip(read(record)?).map_or_else(Vec::new, |(a, b)| differing(&a, &b));
+            sentences.push(format!(
+                "{} {}: {} and {} differ in {}",
+                cell.id,
+                plan.label(cell),
+                first.store.cell_path(&cell.id).display(),
+                record.store.cell_path(&cell.id).display(),
+                differing.join(", ")
+            ));
         }
     }
-    sentences
+    Ok(sentences)
 }
 
 /// The facts in which two records differ, with both values. The time that a cell took is none.
@@ -396,11 +434,27 @@ fn flatten(place: &str, value: &Value, facts: &mut BTreeMap<String, String>) {
 }
 
 /// Files and references of the chosen records.
+#[derive(Default)]
 struct Belongings {
-    /// Where a whole copy of each file of `images/` stands, with its content hash where a record tells it.
-    files: BTreeMap<String, (PathBuf, Option<String>)>,
+    /// Whole copies of files that do not stand with the record they were asked for by.
+    elsewhere: HashMap<u128, PathBuf>,
     /// Where each reference stopped.
     stops: BTreeMap<String, ReferenceStop>,
+}
+
+/// Cells whose files are checked together.
+const CELLS_AT_ONCE: usize = 1024;
+
+/// The files of a cell, each with its content hash where the record tells it.
+fn files(plan: &Plan, cell: &Cell, found: &Found<CellFacts>) -> impl Iterator<Item = (String, Option<Hash>)> {
+    images::files(plan, cell).into_iter().zip(found.record.files.iter().copied())
+}
+
+/// Stands for a file's name and content: names alone would take 100 MB of 100,000 cells.
+fn file_key(name: &str, hash: Option<Hash>) -> u128 {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(hash.as_ref().map_or(&[], |hash| hash.as_bytes().as_slice())).update(name.as_bytes());
+    hasher.finalize().as_bytes()[..16].iter().fold(0, |key, byte| key << 8 | u128::from(*byte))
 }
 
 /// How the last attempt at a chunk ended.

@@ -22,7 +22,8 @@ use crate::runner::timing::{self, TimingJob, TimingRecord};
 use crate::runner::trace;
 use crate::slips;
 use crate::table::csv;
-use std::collections::BTreeMap;
+use blake3::Hash;
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -157,8 +158,8 @@ struct Run<'p> {
     is_halted: bool,
     /// References that an earlier invocation had rendered.
     references_read: usize,
-    /// Content hashes of the images of each cell that an earlier invocation finished, by its id. Gone when they are checked.
-    recorded_hashes: BTreeMap<String, BTreeMap<String, String>>,
+    /// [`images::hashes`] of each cell that an earlier invocation finished, by its id. Gone when they are checked.
+    recorded_hashes: HashMap<&'p str, Box<[Option<Hash>]>>,
     /// Records of cells that are there but cannot be used.
     unusable: Vec<PathBuf>,
     /// There when this invocation did something.
@@ -168,13 +169,13 @@ struct Run<'p> {
 impl<'p> Run<'p> {
     fn load(plan: &'p Plan, store: Store, options: &'p RunOptions<'p>) -> Result<Self, RunError> {
         let mut results = Results::new();
-        let mut recorded_hashes = BTreeMap::new();
+        let mut recorded_hashes = HashMap::new();
         let mut unusable = Vec::new();
         for cell in &plan.cells {
             match store.whole_cell(&cell.id) {
                 Ok(Some(record)) if !record.has_all_scores() => unusable.push(store.cell_path(&cell.id)),
-                Ok(Some(mut record)) => {
-                    recorded_hashes.insert(cell.id.clone(), std::mem::take(&mut record.files));
+                Ok(Some(record)) => {
+                    recorded_hashes.insert(cell.id.as_str(), images::hashes(plan, cell, &record.files));
                     results.insert(cell.id.clone(), CellResult::Done(Box::new(KeptCell::of(&record))));
                 }
                 Ok(None) => {}
@@ -213,7 +214,7 @@ impl<'p> Run<'p> {
             ));
         }
         let hashes = std::mem::take(&mut self.recorded_hashes);
-        let done = plan.cells.iter().filter_map(|cell| Some((cell, hashes.get(&cell.id)?)));
+        let done = plan.cells.iter().filter_map(|cell| Some((cell, &**hashes.get(cell.id.as_str())?)));
         let damaged = images::damaged(plan, &self.store, done);
         let Some(name) = damaged.first() else { return Ok(()) };
         progress.note(&format!(

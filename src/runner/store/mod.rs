@@ -13,7 +13,9 @@ pub use identity::Extension;
 
 use super::plan::Plan;
 use super::seal;
-use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, content_hash, holds, names_in, open_regular, read_regular};
+use crate::files::{
+    PLAN_BYTES_MAX, RECORD_BYTES_MAX, content_hash, holds, names_in, open_regular, read_regular, read_text,
+};
 use crate::pixels::{PART_PREFIX, write_atomically};
 use crate::table::csv;
 use lock::{Lock, lock};
@@ -161,6 +163,14 @@ impl Store {
         // seal tells a record that was cut off.
         self.write_sealed(&self.cell_path(&record.cell), record)?;
         remove(self.record_path(FAILED_FOLDER, &record.cell))
+    }
+
+    /// Takes over the record of a cell that was finished in another folder.
+    pub(super) fn take_cell(&self, from: &Self, id: &str) -> Result<(), StoreError> {
+        let path = from.cell_path(id);
+        let text = read_text(&path, RECORD_BYTES_MAX).map_err(|error| StoreError::Io { path, error })?;
+        self.write_text(&self.cell_path(id), &text)?;
+        remove(self.record_path(FAILED_FOLDER, id))
     }
 
     /// Why a cell failed the last time it was tried. A record that cannot be used is none.

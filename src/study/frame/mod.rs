@@ -21,6 +21,7 @@ use crate::runner::value::Value;
 use crate::scene::is_design;
 use crate::shade::NONE;
 use crate::table::csv::Cell;
+use indexmap::IndexMap;
 use std::collections::{HashMap, HashSet};
 
 /// Mean FLIP from which on a difference counts as visible: a convention of this project, since FLIP's authors give none.
@@ -296,21 +297,13 @@ pub fn distinct_in_order<T: Clone + Eq + std::hash::Hash>(values: impl IntoItera
 }
 
 /// Items with equal keys together, in the order of their first appearance.
-pub fn grouped<T, K: Clone + Eq + std::hash::Hash>(
+pub fn grouped<T, K: Eq + std::hash::Hash>(
     items: impl IntoIterator<Item = T>,
     key: impl Fn(&T) -> K,
 ) -> Vec<(K, Vec<T>)> {
-    let mut places: HashMap<K, usize> = HashMap::new();
-    let mut groups: Vec<(K, Vec<T>)> = Vec::new();
-    for item in items {
-        let key = key(&item);
-        let place = *places.entry(key.clone()).or_insert(groups.len());
-        if place == groups.len() {
-            groups.push((key, Vec::new()));
-        }
-        groups[place].1.push(item);
-    }
-    groups
+    let mut groups: IndexMap<K, Vec<T>> = IndexMap::new();
+    items.into_iter().for_each(|item| groups.entry(key(&item)).or_default().push(item));
+    groups.into_iter().collect()
 }
 
 /// The different values of some rows on an axis: numbers ascending, anything else in the order of the rows.

@@ -140,22 +140,17 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
     let answers: Vec<Json> = runs.iter().enumerate().flat_map(|(run, told)| sections::model(told, run)).collect();
     let others = [json_bytes(&light), json_bytes(&answers), json_bytes(&fixed), PROGRAM_BYTES].iter().sum::<usize>();
     let mut images = images::collect(runs, options.images, options.budget.saturating_sub(others + row_bytes(runs)))?;
-    let model = json!({
-        "headline": frames[0].metric_name(),
-        "runs": fixed["runs"].as_array().into_iter().flatten().map(for_scripts).collect::<Vec<_>>(),
-        "axes": axes,
-        "metrics": metrics.iter().map(|metric| metric.description()).map(|one| json!({ "name": one.name, "formula": one.formula })).collect::<Vec<_>>(),
-        "columns": model::columns(&axes, &metrics),
-        "rows": model::rows(runs, &axes, &metrics, frames[0].metric, &images),
-        "answers": answers,
-        "images": images.images,
-        "image_notes": &images.notes,
-        "colors": model::colors(),
-    });
     let payloads = std::mem::take(&mut images.payloads);
-    write_atomically(&options.out, |writer| {
-        render::render(writer, &fixed, &model, payloads, &light).map_err(std::io::Error::other)
-    })?;
+    let model = model::Model {
+        headline: frames[0].metric,
+        runs: fixed["runs"].as_array().into_iter().flatten().map(for_scripts).collect(),
+        axes: &axes,
+        metrics: &metrics,
+        answers,
+        images: &images,
+        cells_of: runs,
+    };
+    write_atomically(&options.out, |writer| render::render(writer, &fixed, &model, payloads, &light))?;
     let bytes = std::fs::metadata(&options.out).map_or(0, |written| written.len() as usize);
     let notes = runs.iter().filter_map(|run| Finished::under_way_note(run.finished)).chain(images.notes).collect();
     Ok(Written { path: options.out.clone(), bytes, notes })

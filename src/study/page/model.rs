@@ -12,7 +12,7 @@ use crate::study::frame::axis;
 use crate::study::questions::words::{self, label};
 use crate::table::colormap::{NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR};
 use crate::table::csv::Cell;
-use serde::Serialize;
+use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::{Value as Json, json};
 
 /// The axis that tells joined runs apart.
@@ -21,7 +21,7 @@ const RUN_AXIS: &str = "run";
 const NO_FLOOR: &str = "no-noise-floor";
 
 /// What an axis tells apart on the page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
     /// One value only.
@@ -35,7 +35,7 @@ pub enum Role {
 }
 
 /// An axis of the page.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, serde::Serialize)]
 pub struct PageAxis {
     pub name: &'static str,
     pub role: Role,
@@ -144,22 +144,60 @@ pub fn shared(axes: &[PageAxis]) -> String {
     axes.iter().filter(says).map(word).collect::<Vec<_>>().join(", ")
 }
 
-/// The names of the columns of [`rows`].
+/// The names of the columns of [`Model::row`].
 pub fn columns(axes: &[PageAxis], metrics: &[&'static dyn Metric]) -> Vec<&'static str> {
     let own = ["run", "cell", "image", "reference", "verdict", "noise_floor"];
     let axes = axes.iter().filter(|axis| !axis.is_constant).map(|axis| axis.name);
     own.into_iter().chain(axes).chain(metrics.iter().map(|metric| metric.description().name)).collect()
 }
 
+/// What the page's scripts read. A row is made when it is written: all together they would take more memory than the cells.
+pub struct Model<'a> {
+    /// What they need of each run.
+    pub runs: Vec<Json>,
+    pub cells_of: &'a [Told<'a>],
+    pub axes: &'a [PageAxis],
+    pub metrics: &'a [&'static dyn Metric],
+    pub headline: &'static dyn Metric,
+    pub answers: Vec<Json>,
+    pub images: &'a ImageSet,
+}
+
+impl Serialize for Model<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let metric = |metric: &&dyn Metric| {
+            let description = metric.description();
+            json!({ "name": description.name, "formula": description.formula })
+        };
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("headline", self.headline.description().name)?;
+        map.serialize_entry("runs", &self.runs)?;
+        map.serialize_entry("axes", self.axes)?;
+        map.serialize_entry("metrics", &self.metrics.iter().map(metric).collect::<Vec<_>>())?;
+        map.serialize_entry("columns", &columns(self.axes, self.metrics))?;
+        map.serialize_entry("rows", &Rows(self))?;
+        map.serialize_entry("answers", &self.answers)?;
+        map.serialize_entry("images", &self.images.images)?;
+        map.serialize_entry("image_notes", &self.images.notes)?;
+        map.serialize_entry("colors", &colors())?;
+        map.end()
+    }
+}
+
 /// Every cell of every run. A value on an axis is the index of its text in the axis' values.
-pub fn rows(
-    runs: &[Told],
-    axes: &[PageAxis],
-    metrics: &[&'static dyn Metric],
-    headline: &dyn Metric,
-    images: &ImageSet,
-) -> Json {
-    let row = |run: usize, cell: &FinishedCell| {
+struct Rows<'a>(&'a Model<'a>);
+
+impl Serialize for Rows<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let all = self.0.cells_of.iter().enumerate();
+        let cells = all.flat_map(|(run, told)| told.finished.cells.iter().map(move |cell| (run, cell)));
+        serializer.collect_seq(cells.map(|(run, cell)| self.0.row(run, cell)))
+    }
+}
+
+impl Model<'_> {
+    fn row(&self, run: usize, cell: &FinishedCell) -> Vec<Json> {
+        let Self { axes, metrics, headline, images, .. } = *self;
         let image = |file: &String| images.index.get(&(run, file.clone())).copied();
         let [own, reference] =
             [0, 1].map(|i| cell.images.as_ref().and_then(|files| image([&files.radiance, &files.reference][i])));
@@ -176,10 +214,8 @@ pub fn rows(
         };
         let places = axes.iter().filter_map(place).map(|place| json!(place));
         let scores = metrics.iter().map(|metric| number(score(cell, *metric)));
-        Json::Array(own.into_iter().chain(places).chain(scores).collect())
-    };
-    let all = runs.iter().enumerate();
-    all.flat_map(|(run, told)| told.finished.cells.iter().map(move |cell| row(run, cell))).collect()
+        own.into_iter().chain(places).chain(scores).collect()
+    }
 }
 
 /// JSON has no infinity: its name as tables write it.

@@ -9,9 +9,10 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use minijinja::value::{Serde, Value};
 use minijinja::{AutoEscape, Environment, context};
+use serde::Serialize;
 use serde_json::{Value as Json, json};
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::io::{Error, Write};
 
 /// Style sheet of the page.
 const STYLE: &str = include_str!("../../../assets/report/report.css");
@@ -51,21 +52,25 @@ const MODULES: &[(&str, &str)] = modules![
     "grid",
 ];
 
+/// Stands in the template for what grows with the cells: it is written past the template's engine, which would hold its text.
+const MODEL: &str = "{{ model }}";
+
 /// Writes the page. `page` is what it shows without its scripts, `model` what these read, `payloads` the texels of its images, `light` what the
 /// live view reads.
 pub fn render(
-    writer: impl Write,
+    writer: &mut impl Write,
     page: &Json,
-    model: &Json,
+    model: &impl Serialize,
     payloads: Vec<String>,
     light: &Light,
-) -> Result<(), minijinja::Error> {
+) -> std::io::Result<()> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_filter("whole_units", whole_units);
     environment.add_filter("pieces", pieces);
-    environment.add_template("report", TEMPLATE)?;
-    environment.add_template("stage", STAGE)?;
+    let (before, behind) = TEMPLATE.split_once(MODEL).expect("the template holds the model");
+    let parts = [("before", before), ("behind", behind), ("stage", STAGE)];
+    parts.into_iter().try_for_each(|(name, text)| environment.add_template(name, text)).map_err(Error::other)?;
     let import = |text: &str| format!("data:text/javascript;base64,{}", BASE64_STANDARD.encode(text));
     let imports: BTreeMap<&str, String> = MODULES.iter().map(|(name, text)| (*name, import(text))).collect();
     let shaders: BTreeMap<&str, &str> = shaders::PAGE_SHADERS.iter().copied().collect();
@@ -73,12 +78,17 @@ pub fn render(
         page => Serde(page),
         style => safe(STYLE.to_owned()),
         imports => safe(in_script(&json!({ "imports": imports }))),
-        model => safe(in_script(model)),
         shaders => safe(in_script(&json!(shaders))),
         light => safe(in_script(&json!(light))),
         payloads => payloads.into_iter().map(safe).collect::<Vec<_>>(),
     };
-    environment.get_template("report")?.render_captured_to(context, writer).map(drop)
+    let part = |name: &str, writer: &mut dyn Write| {
+        let template = environment.get_template(name);
+        template.and_then(|template| template.render_captured_to(&context, writer).map(drop)).map_err(Error::other)
+    };
+    part("before", writer)?;
+    serde_json::to_writer(Script(&mut *writer), model)?;
+    part("behind", writer)
 }
 
 /// A sentence in parts: strong between `**`, code between backticks.
@@ -100,5 +110,24 @@ fn safe(text: String) -> Value {
 
 /// JSON that can stand in a script element: it holds no `<`, so it cannot close the element or open a comment.
 pub fn in_script(value: &Json) -> String {
-    value.to_string().replace('<', "\\u003c")
+    let mut text = Vec::new();
+    serde_json::to_writer(Script(&mut text), value).expect("memory takes all JSON");
+    String::from_utf8(text).expect("JSON is UTF-8")
+}
+
+/// Writes JSON as [`in_script`] has it.
+struct Script<W>(W);
+
+impl<W: Write> Write for Script<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        for (place, part) in bytes.split(|byte| *byte == b'<').enumerate() {
+            self.0.write_all(if place > 0 { b"\\u003c" } else { b"" })?;
+            self.0.write_all(part)?;
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.0.flush()
+    }
 }

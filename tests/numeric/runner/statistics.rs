@@ -1,6 +1,6 @@
 //! Order statistics against values worked out by hand.
 
-use splitsum::runner::statistics::{INTERVAL_SAMPLES_MIN, Random, drift, median_interval, median_order};
+use splitsum::runner::statistics::{INTERVAL_SAMPLES_MIN, Random, drift, median_interval, median_order, quantile};
 use splitsum::runner::timing::summarize;
 use splitsum::runner::timing_ratios::{Verdict, verdict};
 use std::f64::consts::LN_2;
@@ -12,6 +12,24 @@ fn order_statistics_of_five_and_of_no_samples() {
     assert!((s.p05 - 1.2).abs() < 1e-12 && (s.p95 - 83.4).abs() < 1e-12, "{s:?}");
     assert_eq!(summarize(&[7.0]).p95, 7.0);
     assert!(summarize(&[]).median.is_nan());
+}
+
+#[test]
+fn infinite_samples_are_limits_of_large_ones() {
+    use std::f64::{INFINITY, NEG_INFINITY};
+    for set in
+        [[1.0, 2.0, INFINITY], [NEG_INFINITY, 2.0, 3.0], [2.0, INFINITY, INFINITY], [NEG_INFINITY, NEG_INFINITY, 2.0]]
+    {
+        let large = set.map(|x| x.clamp(-1e300, 1e300));
+        for p in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            let (found, limit) = (quantile(&set, p), quantile(&large, p));
+            assert!(
+                found == limit || found.is_infinite() && limit.abs() > 1e299 && found * limit > 0.0,
+                "{set:?} {p}: {found}"
+            );
+        }
+    }
+    assert!(quantile(&[NEG_INFINITY, INFINITY], 0.5).is_nan());
 }
 
 /// A number of the exponential distribution, whose median is ln 2: skewed, as times are.
