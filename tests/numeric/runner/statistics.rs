@@ -17,9 +17,7 @@ fn order_statistics_of_five_and_of_no_samples() {
 #[test]
 fn infinite_samples_are_limits_of_large_ones() {
     const INFINITY: f64 = f64::INFINITY;
-    for set in
-        [[1.0, 2.0, INFINITY], [-INFINITY, 2.0, 3.0], [2.0, INFINITY, INFINITY], [-INFINITY, -INFINITY, 2.0]]
-    {
+    for set in [[1.0, 2.0, INFINITY], [-INFINITY, 2.0, 3.0], [2.0, INFINITY, INFINITY], [-INFINITY, -INFINITY, 2.0]] {
         let large = set.map(|x| x.clamp(-1e300, 1e300));
         for p in [0.0, 0.25, 0.5, 0.75, 1.0] {
             let (found, limit) = (quantile(&set, p), quantile(&large, p));
@@ -53,7 +51,7 @@ fn coverage(n: usize, sets: usize, interval: impl Fn(&[f64]) -> [f64; 2]) -> f64
 fn the_fewest_samples_of_an_interval_are_those_whose_range_holds_the_median() {
     // Nothing within the samples is wider than from the smallest to the largest. 40,000 sets: a standard error of 0.0011 at 0.95.
     let range = |samples: &[f64]| {
-        samples.iter().fold([f64::INFINITY, f64::-INFINITY], |[lo, hi], x| [lo.min(*x), hi.max(*x)])
+        samples.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(*x), hi.max(*x)])
     };
     let fewest = (2..12).find(|&n| coverage(n, 40_000, range) >= 0.95);
     assert_eq!(fewest, Some(INTERVAL_SAMPLES_MIN));
