@@ -1,9 +1,9 @@
 //! Compiles every shader to SPIR-V and writes what Rust and GLSL share as GLSL text. `src/glsl/source.rs` says what a shader's text may name.
 //!
-//! The entry points in `page/` are for the report's page: they include the same libraries, but become GLSL ES 3.00 texts, one for
-//! each permutation, which the page's own compiler takes.
+//! The entry points in `page/` are for the report's page: they include the same libraries. The program writes those that a page needs as
+//! GLSL ES 3.00 texts, which the page's own compiler takes.
 
-use source::{Choice, Language, Sources, compile, parse};
+use source::{Choice, Language, PAGE_FOLDER, Sources, compile};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -41,9 +41,6 @@ const HOST_EXCLUDED: [&str; 18] = [
     "shade/reference.rs",
 ];
 
-/// The folder of the page's entry points.
-const PAGE_FOLDER: &str = "page/";
-
 fn main() {
     println!("cargo::rerun-if-changed=shaders");
     println!("cargo::rerun-if-changed=src/glsl");
@@ -64,11 +61,8 @@ fn build() -> Result<(), String> {
     sources.0.insert("generated/constants.glsl".into(), constants_text());
     sources.0.insert("generated/layout.glsl".into(), layout_text());
 
-    let (page_entries, device_entries): (Vec<_>, Vec<_>) =
-        sources.entries().partition(|entry| entry.starts_with(PAGE_FOLDER));
-    page_shaders(&sources, &page_entries, &out)?;
     let mut table = String::from("pub static SHADERS: &[(&str, &[u8])] = &[\n");
-    for entry in device_entries {
+    for entry in sources.entries().filter(|entry| !entry.starts_with(PAGE_FOLDER)) {
         for (name, choice) in sources.permutations(entry, &Choice::new())? {
             let text = sources.expand(entry, &choice, Language::Vulkan)?;
             let spirv = compile(entry, &text).map_err(|log| format!("{name}: {log}"))?;
@@ -80,7 +74,7 @@ fn build() -> Result<(), String> {
         }
     }
     table.push_str("];\n/// The text of every shader by its path.\npub static SHADER_TEXTS: &[(&str, &str)] = &[\n");
-    for (path, text) in sources.0.iter().filter(|(path, _)| !path.starts_with(PAGE_FOLDER) && !path.ends_with(".rs")) {
+    for (path, text) in sources.0.iter().filter(|(path, _)| !path.ends_with(".rs")) {
         writeln!(table, "    ({path:?}, {text:?}),").expect("a String takes all");
     }
     table.push_str("];\n");
@@ -121,24 +115,6 @@ fn host_text() -> Result<String, String> {
     )
     .expect("a String takes all");
     Ok(text)
-}
-
-/// Writes `page_shaders.rs`: the text of every permutation of the page's entry points, checked as GLSL ES 3.00.
-fn page_shaders(sources: &Sources, entries: &[&str], out: &Path) -> Result<(), String> {
-    let mut table = String::from("pub static PAGE_SHADERS: &[(&str, &str)] = &[\n");
-    for entry in entries {
-        for (name, choice) in sources.permutations(entry, &Choice::new())? {
-            let text = sources.expand(entry, &choice, Language::Es)?;
-            parse(entry, &text, Language::Es).map_err(|log| format!("{name}: {log}"))?;
-            let file = out.join(format!("{}.es", name.replace(['/', ':', '.'], "_")));
-            fs::write(&file, text).map_err(|e| format!("{}: {e}", file.display()))?;
-            let name = name.trim_start_matches(PAGE_FOLDER).replace(".frag", "");
-            writeln!(table, "    ({name:?}, include_str!({:?})),", file.display().to_string())
-                .expect("a String takes all");
-        }
-    }
-    table.push_str("];\n");
-    fs::write(out.join("page_shaders.rs"), table).map_err(|e| format!("page_shaders.rs: {e}"))
 }
 
 fn constants_text() -> String {

@@ -161,15 +161,14 @@ function undo(data, start = 0, count = data.length) {
 export async function decode(text, width, height) {
   const data = await inflate(text);
   const count = width * height;
-  const rgba = new Uint16Array(4 * count);
-  for (let channel = 0; channel < 3; channel++) {
+  const rgba = new Uint16Array(4 * count).fill(0x3c00);
+  for (let channel = 0; channel < data.length / count / 2; channel++) {
     const high = 2 * channel * count;
     const low = high + count;
     undo(data, high, count);
     undo(data, low, count);
     for (let i = 0; i < count; i++) rgba[4 * i + channel] = (data[high + i] << 8) | data[low + i];
   }
-  for (let i = 0; i < count; i++) rgba[4 * i + 3] = 0x3c00;
   return { width, height, rgba };
 }
 
@@ -202,11 +201,8 @@ const masks = new Map();
 export function mask(reference) {
   const image = reference === null ? null : model.images[reference];
   if (!image || image.mask === null) return Promise.resolve(null);
-  if (!masks.has(image.mask))
-    masks.set(
-      image.mask,
-      inflate(payloadText(image.mask)).then((data) => undo(data)),
-    );
+  const load = () => inflate(payloadText(image.mask)).then((data) => undo(data));
+  if (!masks.has(image.mask)) masks.set(image.mask, load());
   return masks.get(image.mask);
 }
 

@@ -53,16 +53,18 @@ export class LiveRender {
     const shape = models[view.model];
     const { gl } = this;
     this.wanted = view;
-    const [environment, map, dfg, ...parts] = await Promise.all([
+    const [environment, map, dfg, lobe_shapes, ...parts] = await Promise.all([
       this.keep(`environment ${view.env}`, () => loadChain(gl, light.levels, light.layout)),
       this.keep(`prefiltered ${view.env} ${lobe.brdf}`, () => loadChain(gl, prefiltered.levels, light.layout)),
       this.keep(`dfg ${view.lobe}`, () => loadChain(gl, [lobe.dfg])),
+      lobe.lobe_shapes && this.keep(`lobe shapes ${view.lobe}`, () => loadChain(gl, [lobe.lobe_shapes])),
       ...shape.parts.map((part, i) => this.keep(`part ${view.model} ${i}`, () => loadPart(gl, part))),
     ]);
     // A later call has overtaken this one.
     if (this.wanted !== view) return false;
     const levelCount = prefiltered.levels.length;
-    this.view = { ...view, light, lobe, shape, parts, levelCount, environment, prefiltered: map, dfg };
+    const tables = { filtered_environment: environment, prefiltered: map, dfg, ...(lobe_shapes && { lobe_shapes }) };
+    this.view = { ...view, light, lobe, shape, parts, levelCount, tables };
     this.restart();
     return true;
   }
@@ -89,14 +91,19 @@ export class LiveRender {
       gl.deleteRenderbuffer(depth);
       textures.forEach((texture) => gl.deleteTexture(texture));
     }
-    const names = ["surround", "split", "sampled", "reference", "half", "spare", "linear"];
-    this.targets = Object.fromEntries(names.map((name) => [name, this.target(width, height)]));
+    this.targets = {};
     const gbuffer = this.target(width, height, GBUFFER);
     gbuffer.depth = gl.createRenderbuffer();
     gl.bindRenderbuffer(gl.RENDERBUFFER, gbuffer.depth);
     gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
     gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, gbuffer.depth);
     this.targets.gbuffer = gbuffer;
+  }
+
+  /** The target of one colour of a name, made where there is none. */
+  colored(name) {
+    const { width, height } = this.targets.gbuffer;
+    return (this.targets[name] ??= this.target(width, height));
   }
 
   program(name, vertex = undefined) {
@@ -190,8 +197,7 @@ export class LiveRender {
 
   /** What the passes after the g-buffer read. */
   get inputs() {
-    const { environment, prefiltered, dfg } = this.view;
-    return { ...this.targets.gbuffer.named, filtered_environment: environment, prefiltered, dfg };
+    return { ...this.targets.gbuffer.named, ...this.view.tables };
   }
 
   /** Mean luminance of the light, of which epsilon is a share (metrics::Epsilon). */
@@ -201,14 +207,14 @@ export class LiveRender {
 
   /** Everything but the samples. */
   drawBase() {
-    const { view, targets, camera } = this;
-    const { width, height } = targets.gbuffer;
+    const { view, camera } = this;
+    const { width, height } = this.targets.gbuffer;
     this.drawSurfaces();
     // Parallel rays would show one colour: behind an orthographic view the environment is seen in perspective.
     const half = Math.tan((lightTables().fov_deg * Math.PI) / 360);
     const extent = view.shape.camera.is_perspective ? camera.extent : [(half * width) / height, half];
     const row = (axis, by) => [...this.turned(axis.map((side) => side * by)), 0];
-    this.pass(`surround:${view.light.layout}`, targets.surround, this.inputs, {
+    this.pass(`surround:${view.light.layout}`, this.colored("surround"), this.inputs, {
       ...this.params(),
       "background.right": row(camera.right, extent[0]),
       "background.up": row(camera.up, extent[1]),
@@ -219,63 +225,58 @@ export class LiveRender {
       has_diffuse: view.diffuse,
       coefficients: view.light.sh9.flatMap((c) => [...c, 0]),
     });
-    this.pass(`split_sum:${view.light.layout}`, targets.split, this.inputs, this.params());
   }
 
-  /** Adds `count` samples of a way to those that are done. */
+  /** Adds `count` samples of a way to those that are done. The reference is the last method that takes samples. */
   drawSamples(way, count) {
     const { view, targets, done } = this;
-    const textures = {
-      ...this.inputs,
-      points: this.keep(`points ${this.total(way)}`, () => makePoints(this.gl, this.total(way))),
-      so_far: targets[way].named.color,
-    };
-    const values = this.params(way === "sampled" ? view.bias : 0, this.total(way), count);
-    this.pass(`sampled:${view.light.layout}:${view.lobe.brdf}`, targets.spare, textures, {
-      ...values,
+    const { methods } = lightTables();
+    const { name, is_sampled } = methods.find((one) => one.name === way) ?? methods.findLast((one) => one.is_sampled);
+    const total = this.total(way);
+    const [before, after, half] = [way, "spare", "half"].map((one) => this.colored(one));
+    const points = this.keep(`points ${total}`, () => makePoints(this.gl, total));
+    const shader = ["specular", view.light.layout, name, ...(is_sampled ? [view.lobe.brdf] : [])].join(":");
+    this.pass(shader, after, { ...this.inputs, points, so_far: before.named.color }, {
+      ...this.params(way === "reference" ? 0 : view.bias, total, count),
       first_sample: done[way],
-    });
-    [targets[way], targets.spare] = [targets.spare, targets[way]];
+    }); // prettier-ignore
+    // Half of the samples of an end stay: by them the reference's own noise is known there.
+    const isHalf = way === "reference" && ENDS.includes(2 * done.reference);
+    Object.assign(targets, isHalf ? { half: before, spare: half } : { spare: before }, { [way]: after });
+    if (isHalf) done.half = done.reference;
     done[way] += count;
-    if (way === "reference" && ENDS.includes(2 * done.reference)) this.keepHalf();
-    const isEnd = way === "reference" ? ENDS.includes(done.reference) : this.isJudged && done.sampled === view.n;
-    if (isEnd) this.judge();
   }
 
-  /** Keeps the reference as it is now, by which its own noise is known when it has twice as many samples. */
-  keepHalf() {
-    const { gl } = this;
-    const { reference, half } = this.targets;
-    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, reference.framebuffer);
-    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, half.framebuffer);
-    const box = [0, 0, half.width, half.height];
-    gl.blitFramebuffer(...box, ...box, gl.COLOR_BUFFER_BIT, gl.NEAREST);
-    this.done.half = this.done.reference;
-  }
-
-  /** Compares all with the reference, and half of its samples with all: of independent samples that is its error. */
+  /**
+   * Compares the method with what it is held against, once both are there. The reference's own error is that of half of
+   * its samples against all, as if they were independent.
+   */
   judge() {
-    const truth = this.linear("reference");
-    const errorOf = (way) => relativeError(this.linear(way), truth, this.lightMean);
-    const [split, reference] = [errorOf("split"), errorOf("half")];
-    this.errors = { split, reference, sampled: this.done.sampled ? errorOf("sampled") : null };
-    this.isJudged = reference <= NOISE_SHARE * split || this.done.reference === REFERENCE_SAMPLES;
+    const { method, against } = this.view;
+    const { reference } = this.done;
+    const isThere = (way) => (way === "reference" ? ENDS.includes(reference) : this.done[way] === this.total(way));
+    if (this.errors?.at === reference || ![method, against].every(isThere)) return;
+    const errorOf = (way, truth) => relativeError(this.linear(way), this.linear(truth), this.lightMean);
+    const own = errorOf(method, against);
+    const noise = [method, against].includes("reference") ? errorOf("half", "reference") : 0;
+    this.errors = { own, noise, at: reference };
+    this.isJudged = noise <= NOISE_SHARE * own || reference === REFERENCE_SAMPLES;
   }
 
   /** Shows a way on the canvas, as an image or as its error; or writes its linear values. */
   drawResult(way, mode, isLinear = false) {
-    const { targets } = this;
-    const share = (name) => (name === "split" ? 1 : this.total(name) / Math.max(1, this.done[name]));
+    const { against } = this.view;
+    const share = (name) => this.total(name) / Math.max(1, this.done[name]);
     const textures = {
-      gbuffer_position: targets.gbuffer.named.gbuffer_position,
-      surround: targets.surround.named.color,
-      test: targets[way].named.color,
-      truth: targets.reference.named.color,
+      gbuffer_position: this.targets.gbuffer.named.gbuffer_position,
+      surround: this.colored("surround").named.color,
+      test: this.colored(way).named.color,
+      truth: this.colored(against).named.color,
       palette: this.palette,
     };
-    this.pass("show", isLinear ? targets.linear : this.canvas, textures, {
+    this.pass("show", isLinear ? this.colored("linear") : this.canvas, textures, {
       test_share: share(way),
-      truth_share: share("reference"),
+      truth_share: share(against),
       mode: ["image", "error", "signed"].indexOf(mode),
       is_linear: isLinear,
       canvas_height: this.canvas.height,
@@ -288,7 +289,13 @@ export class LiveRender {
   /** What is drawn is no longer what is wanted. */
   restart() {
     this.isStale = true;
-    this.done = { split: 1, sampled: 0, reference: 0, half: 0 };
+    const ways = [...lightTables().methods.map(({ name }) => name), "reference", "half"];
+    this.done = Object.fromEntries(ways.map((way) => [way, 0]));
+    this.forget();
+  }
+
+  /** What is compared is no longer what was. */
+  forget() {
     this.errors = null;
     this.isJudged = false;
     this.isShown = false;
@@ -298,17 +305,20 @@ export class LiveRender {
   display(details) {
     if (this.view) Object.assign(this.view, details);
     this.isShown = false;
+    if ("method" in details || "against" in details) this.forget();
   }
 
-  /** All samples of a way. */
+  /** All samples of a way: a method without samples is one, what is no method is the reference. */
   total(way) {
-    return way === "sampled" ? this.view.n : REFERENCE_SAMPLES;
+    const method = lightTables().methods.find(({ name }) => name === way);
+    return !method ? REFERENCE_SAMPLES : method.is_sampled ? this.view.n : 1;
   }
 
   /** The way that needs samples now; undefined when all is there. */
   get missingWay() {
-    if (this.view.method === "sampled" && this.done.sampled < this.view.n) return "sampled";
-    return this.isJudged ? undefined : "reference";
+    const { method, against } = this.view;
+    const isOpen = (way) => way !== "reference" && this.done[way] < this.total(way);
+    return [method, against].find(isOpen) ?? (this.isJudged ? undefined : "reference");
   }
 
   get isComplete() {
@@ -329,17 +339,19 @@ export class LiveRender {
       this.drawBase();
       this.isStale = false;
     }
-    const { method, mode } = this.view;
+    const { method, against, seen, mode } = this.view;
+    for (const one of [method, against]) if (this.total(one) === 1 && !this.done[one]) this.drawSamples(one, 1);
+    this.judge();
     const way = this.missingWay;
-    const isSeen = method !== "split" || mode !== "image";
+    const isSeen = way === seen || mode !== "image";
     this.lastCount = 0;
     if (way && (isSeen || !isMoving)) {
-      const ends = way === "sampled" ? [this.view.n] : ENDS.flatMap((n) => [n / 2, n]);
+      const ends = way === "reference" ? ENDS.flatMap((n) => [n / 2, n]) : [this.total(way)];
       this.lastCount = Math.min(this.batch, ends.find((end) => end > this.done[way]) - this.done[way]);
       this.drawSamples(way, this.lastCount);
       this.isShown &&= !isSeen;
     }
-    if (!this.isShown) this.drawResult(method, mode);
+    if (!this.isShown) this.drawResult(seen, mode);
     this.isShown = true;
     this.submitted = performance.now();
     this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -357,7 +369,7 @@ export class LiveRender {
   /** Linear RGB of a way and 1 where a surface is hit, top row first: the whole image, or one pixel. */
   linear(way, pixel = null) {
     const { gl } = this;
-    const { width, height } = this.targets.linear;
+    const { width, height } = this.colored("linear");
     const box = pixel ? [...pixel, 1, 1] : [0, 0, width, height];
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(box[0], box[1], box[2], box[3]);

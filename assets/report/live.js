@@ -8,8 +8,6 @@ import { keepContext } from "report/program";
 import { Controls, MODES, build, clamp, fitCanvas, followPointers, real, showProbe } from "report/stage";
 import { keep, state as current } from "report/state";
 
-const METHODS = ["split", "sampled", "reference"];
-const NAMES = { split: "split sum", sampled: "sampled", reference: "reference" };
 const COUNTS = [1, 4, 16, 64, 256, 1024];
 /** After this long without a change, ms, the view is at rest: samples are added, and its address is kept. */
 const REST_MS = 180;
@@ -46,6 +44,8 @@ class Live {
     const own = (axisOf.samples?.values ?? []).map(Number).filter((count) => count >= 1 && count <= 4096);
     /** The sample counts of the run and some more. */
     this.counts = [...new Set([...own, ...COUNTS])].sort((a, b) => a - b);
+    /** The methods, and the reference. */
+    this.ways = [...this.tables.methods.map(({ name }) => name), "reference"];
     this.start = this.defaults();
     this.controls = new Controls(view, (name, value) => this.set({ [name]: this.written(name, value) }));
     this.controls.named.n.max = this.counts.length - 1;
@@ -53,6 +53,7 @@ class Live {
     this.controls.fill("orientation", orientations.map(({ k }) => String(k))); // prettier-ignore
     this.controls.fill("env", environments.map(({ label }) => label)); // prettier-ignore
     this.controls.fill("lobe", lobes.map(({ brdf, masking }) => `${brdf}, ${masking} masking`)); // prettier-ignore
+    for (const name of ["method", "against"]) this.controls.fill(name, this.ways, this.ways);
     this.parts.notes.append(...notes.map((note) => h("p", { class: "note" }, note)));
     this.listen();
     keepContext(this.canvas, () => {
@@ -66,15 +67,8 @@ class Live {
     const albedo = middle("albedo");
     const alpha = middle("alpha")?.[0];
     return {
-      ...{
-        model: 0,
-        env: 0,
-        lobe: 0,
-        orientation: 0,
-        method: "split",
-        mode: "image",
-        n: this.counts[this.counts.length >> 1],
-      },
+      ...{ model: 0, env: 0, lobe: 0, orientation: 0, method: this.ways[0], against: "reference", mode: "image" },
+      n: this.counts[this.counts.length >> 1],
       roughness: middle("perceptual_roughness")?.[0] ?? (alpha ? Math.sqrt(alpha) : null),
       albedo: albedo && [0, 1, 2].map((c) => albedo[c] ?? albedo[0]),
       metallic: middle("metallic")?.[0] ?? null,
@@ -95,7 +89,7 @@ class Live {
     const parsers = {
       ...{ model: index(tables.models), env: index(tables.environments), lobe: index(tables.lobes) },
       orientation: index(tables.orientations),
-      ...{ method: one(METHODS), mode: one(MODES) },
+      ...{ method: one(this.ways), against: one(this.ways), mode: one(MODES) },
       n: (text) => this.counts.find((count) => count >= Number(text)) ?? null,
       ...{ roughness: share, albedo: color, metallic: share, f0: share, diffuse: (text) => text === "true" },
       ...{ turn, ev: within(...this.controls.range("ev")), yaw: turn, pitch: turn, distance: within(...DISTANCE) },
@@ -137,7 +131,7 @@ class Live {
   set(details) {
     Object.assign(this.settings, details);
     this.isUnkept = true;
-    if (!Object.keys(details).every((name) => ["method", "mode", "ev"].includes(name))) return this.apply();
+    if (!Object.keys(details).every((name) => ["method", "against", "mode", "ev"].includes(name))) return this.apply();
     this.changed = performance.now();
     this.syncControls();
     this.render.display({ ...details, ...this.shown });
@@ -145,10 +139,11 @@ class Live {
     return undefined;
   }
 
-  /** What is seen: while space is held the reference, which has no error. */
+  /** What is seen: while space is held what the method is held against, which has no error. */
   get shown() {
-    const method = this.isHeld ? "reference" : this.settings.method;
-    return { method, mode: method === "reference" ? "image" : this.settings.mode };
+    const { method, against, mode } = this.settings;
+    const seen = this.isHeld ? against : method;
+    return { seen, mode: seen === against ? "image" : mode };
   }
 
   turn(yaw, pitch) {
@@ -179,20 +174,21 @@ class Live {
 
   describe() {
     const { render, settings } = this;
-    const { method, mode } = this.shown;
+    const { method, against } = settings;
+    const { seen, mode } = this.shown;
     const { errors, done, view, isJudged } = render;
-    const counted = (way) => (done[way] < render.total(way) ? `${done[way]} of ${render.total(way)}` : `${done[way]}`);
-    const image = method === "split" ? "split sum" : `${method}, ${counted(method)} samples a pixel`;
-    const truth = `against ${done.reference} samples${isJudged ? "" : " so far"}`;
-    const what = mode === "image" ? image : `${mode === "signed" ? "signed error" : "error"} of ${image} ${truth}`;
+    const isWhole = (way) => done[way] === render.total(way) || (way === "reference" && isJudged);
+    const counted = (way) => `, ${done[way]}${isWhole(way) ? "" : ` of ${render.total(way)}`} samples a pixel`;
+    const told = (way) => way + (render.total(way) > 1 ? counted(way) : "");
+    const error = `${mode === "signed" ? "signed error" : "error"} of ${told(method)} against ${told(against)}`;
+    const what = mode === "image" ? told(seen) : error;
     say(this.parts.badge, what);
-    const isFinal = isJudged && (method !== "sampled" || done.sampled === render.total("sampled"));
-    const value = errors?.[method] && number(errors[method], isFinal ? undefined : 1);
-    const score = `relMSE of ${NAMES[method]}: ${value ? (isFinal ? "" : "so far about ") + value : "not yet known"}`;
-    const noise = errors ? `; its own noise: ${number(errors.reference, 2)}` : "";
-    const more = isJudged ? "" : ", more to come";
-    say(this.parts.score, `${score}. Reference: ${done.reference} samples a pixel${more}${noise}.`);
-    Object.assign(this.canvas.dataset, { method, mode, relmse: errors?.split ?? "", noise: errors?.reference ?? "" });
+    const value = errors && (isJudged ? "" : "so far about ") + number(errors.own, isJudged ? 3 : 1);
+    const score = `relMSE of ${method} against ${told(against)}: ${value ?? "not yet known"}`;
+    const noise = errors?.noise ? `; noise of the reference itself: ${number(errors.noise, 2)}` : "";
+    say(this.parts.score, `${score}${noise}.`);
+    const numbers = { relmse: errors?.own ?? "", noise: errors?.noise ?? "" };
+    Object.assign(this.canvas.dataset, { method: seen, mode, ...numbers });
     this.probe();
     if (render.isComplete) {
       const places = `${view.shape.label} in ${view.light.label}, ${view.lobe.brdf}`;
@@ -207,15 +203,16 @@ class Live {
     if (!render.view || render.isStale || render.gl.isContextLost()) return;
     const [x, y] = this.probed ?? [canvas.width >> 1, canvas.height >> 1];
     const at = (way) => (render.done[way] ? [...render.linear(way, [x, y])].slice(0, 3) : null);
-    const truth = at("reference");
+    const { method, against } = this.settings;
+    const truth = at(against);
     const line = (key) => {
-      const value = key === "reference" ? truth : at(key);
-      const error = key === "reference" || !value || !truth ? null : texelError(value, truth, render.lightMean);
-      const count = key === "split" ? "" : ` ${render.done[key]}`;
-      return { key, name: NAMES[key] + count, value, error, isCurrent: key === this.shown.method };
+      const value = key === against ? truth : at(key);
+      const error = key === against || !value || !truth ? null : texelError(value, truth, render.lightMean);
+      const count = render.total(key) === 1 ? "" : ` ${render.done[key]}`;
+      return { key, name: key + count, value, error, isCurrent: key === this.shown.seen };
     };
-    const keys = ["split", "sampled", "reference"].filter((key) => key !== "sampled" || this.shown.method === key);
-    showProbe(this.parts, `pixel (${x}, ${y})`, this.shown.mode === "signed", keys.map(line)); // prettier-ignore
+    const lines = [...new Set([method, against])].map(line);
+    showProbe(this.parts, `pixel (${x}, ${y})`, this.shown.mode === "signed", lines);
   }
 
   listen() {
@@ -256,20 +253,18 @@ class Live {
     const given = Object.fromEntries(Object.entries(settings).map(([name, value]) => [name, value ?? own[name]]));
     const text = (name, more = "") => number(given[name]) + more + (settings[name] === null ? " (own)" : "");
     const n = this.counts.indexOf(settings.n);
-    const { method, mode } = this.shown;
-    controls.show({ ...given, n, method, mode, albedo: hex(given.albedo) }, {
+    const { mode } = this.shown;
+    controls.show({ ...given, n, mode, albedo: hex(given.albedo) }, {
       ...{ n: String(settings.n), metallic: text("metallic"), f0: text("f0") },
       roughness: text("roughness", ` · α ${number(Math.max(given.roughness ** 2, tables.alpha_min))}`),
       ...{ turn: text("turn", "°"), ev: stopsText(settings.ev) },
     }); // prettier-ignore
-    controls.named.n.closest("label").hidden = method !== "sampled";
+    const isSampled = ({ name, is_sampled }) => is_sampled && [settings.method, settings.against].includes(name);
+    controls.named.n.closest("label").hidden = !tables.methods.some(isSampled);
     this.parts.legend.hidden = mode === "image";
     if (mode !== "image") fillErrorLegend(this.parts.legend, mode === "signed", false);
-    const sizes = [light.levels, light.prefiltered[0].levels].map(([{ size }]) => size.join(" × "));
-    say(
-      this.parts.caption,
-      `tables by layout ${light.layout}: environment ${sizes[0]} texels, prefiltered ${sizes[1]}`,
-    );
+    const [finest, prefiltered] = [light, light.prefiltered[0]].map(({ levels }) => levels[0].size.join(" × "));
+    say(this.parts.caption, `${light.layout} tables: environment ${finest} texels, prefiltered ${prefiltered}`);
   }
 
   /** Handles a key; true when it was one of the view's. */
@@ -292,16 +287,16 @@ class Live {
       e: () => show("error"),
       s: () => show("signed"),
     };
-    METHODS.forEach((method, i) => (actions[i + 1] = () => this.set({ method })));
+    this.ways.forEach((method, i) => (actions[i + 1] = () => this.set({ method })));
     const name = event.key.length === 1 ? event.key.toLowerCase().replace("=", "+") : event.key;
     // Space belongs to a button or a box that has the focus.
     if (!(name in actions) || (name === " " && event.target.matches("button, input, a, summary"))) return false;
     if (name !== " " || !event.repeat) actions[name]();
-    if (/[1-3es]/.test(name)) announce(`${NAMES[this.shown.method]}, ${this.shown.mode}`);
+    if (/[1-9es]/.test(name)) announce(`${this.shown.seen}, ${this.shown.mode}`);
     return true;
   }
 
-  /** Shows the reference while a key is down. */
+  /** Shows what the method is held against while a key is down. */
   hold(isHeld) {
     if (this.isEmpty || this.isHeld === isHeld) return;
     this.isHeld = isHeld;

@@ -101,9 +101,9 @@ export class Controls {
     }
   }
 
-  /** Fills a picker with labels, whose places are its values. */
-  fill(name, labels) {
-    this.named[name].replaceChildren(...labels.map((text, i) => h("option", { value: i }, text))); // prettier-ignore
+  /** Fills a picker with labels; without values of their own their places are its values. */
+  fill(name, labels, values = labels.map((_, i) => i)) {
+    this.named[name].replaceChildren(...labels.map((text, i) => h("option", { value: values[i] }, text))); // prettier-ignore
     this.named[name].closest("label").hidden = labels.length < 2;
   }
 

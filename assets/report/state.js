@@ -11,10 +11,8 @@ function parse() {
 /** The state as text for a link. */
 export function link(state) {
   const { view, ...rest } = state;
-  const parameters = new URLSearchParams(
-    Object.entries(rest).filter(([, value]) => value !== undefined && value !== ""),
-  );
-  const query = parameters.toString();
+  const given = Object.entries(rest).filter(([, value]) => value !== undefined && value !== "");
+  const query = new URLSearchParams(given).toString();
   return `#${view}${query ? `?${query}` : ""}`;
 }
 

@@ -70,9 +70,8 @@ const open = (row) => go({ view: "compare", cell: row.cell, run: row.run || unde
 /** The page of tables. */
 export function showTables(view, state) {
   const { columns, axes, records } = cellColumns();
-  const filters = Object.fromEntries(
-    axes.map((name) => [name, axisOf[name].values.includes(state[name]) ? state[name] : ""]),
-  );
+  const chosen = (name) => (axisOf[name].values.includes(state[name]) ? state[name] : "");
+  const filters = Object.fromEntries(axes.map((name) => [name, chosen(name)]));
   let sort = columns.includes(state.sort?.replace(/^-/, "")) ? state.sort : "";
   let limit = PAGE_ROWS;
   const body = h("tbody", {});

@@ -33,7 +33,10 @@ pub const FILE_PREFIX: &str = "file:";
 /// The include that stands for the specular method.
 pub const METHOD_INCLUDE: &str = "selected/method.glsl";
 
-/// What comes first in a text for the report's page.
+/// The folder of the entry points of the report's page.
+pub const PAGE_FOLDER: &str = "page/";
+
+/// What comes first in a text for it.
 const ES_PRELUDE: &str = "page/es.glsl";
 
 /// What a text is written for.

@@ -31,7 +31,7 @@ pub fn add_shader(name: String, code: &[u32]) {
     added.entry(name).or_insert_with(|| Box::leak(bytemuck::cast_slice(code).to_vec().into_boxed_slice()));
 }
 
-/// The texts of all shaders of the device.
+/// The texts of all shaders.
 pub fn shader_sources() -> Sources {
     Sources(SHADER_TEXTS.iter().map(|(path, text)| (path.to_string(), text.to_string())).collect())
 }

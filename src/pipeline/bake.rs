@@ -1,6 +1,6 @@
 //! What precompute makes, as files for people and other programs.
 
-use super::light_tables::read_level;
+use super::light_tables::{LOBES_OF, read_level};
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
@@ -18,9 +18,6 @@ use std::sync::Arc;
 
 /// The list of files, and what they hold.
 const MANIFEST: &str = "bake.json";
-
-/// The method whose table of lobes is written.
-const LOBES_OF: &str = "split-sum-relative";
 
 /// What to bake.
 #[derive(Clone, Debug)]

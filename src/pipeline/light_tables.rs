@@ -11,7 +11,10 @@ use crate::shade::{diffuse_by_name, method_by_name};
 /// Texels of the finest prefiltered level: what a page can hold for a few models and environments.
 const PREFILTERED_TEXELS_MAX: u32 = 1 << 15;
 
-/// The tables by which `split-sum`, the sampled methods and `sh9` shade.
+/// The method whose table of lobes is read; bakes write it.
+pub(super) const LOBES_OF: &str = "split-sum-relative";
+
+/// The tables by which the split sums, the sampled methods and `sh9` shade.
 #[derive(Clone, Debug)]
 pub struct LightTables {
     /// How the maps lie in texels.
@@ -28,6 +31,8 @@ pub struct LightTables {
     pub dfg: Pixels<[f32; 2]>,
     /// Where its texels lie.
     pub dfg_axes: DfgAxes,
+    /// The table of lobe shapes, all of its parts.
+    pub lobe_shapes: Pixels<[f32; 4]>,
 }
 
 impl Pipeline {
@@ -39,7 +44,7 @@ impl Pipeline {
 
     fn read_light_tables(&mut self, request: &RenderRequest, texels_max: u32) -> Result<LightTables, PipelineError> {
         let mut request = RenderRequest {
-            method: method_by_name("split-sum").expect("a listed method"),
+            method: method_by_name(LOBES_OF).expect("a listed method"),
             diffuse: diffuse_by_name("sh9").expect("a listed diffuse method"),
             lights: Vec::new(),
             ..request.clone()
@@ -61,6 +66,8 @@ impl Pipeline {
         let first_level = (0..levels).find(is_small).unwrap_or(levels - 1);
         let [width, height] = tables.dfg.mip_size(0);
         let dfg = Pixels::new(width, height, self.gpu.read_image(&tables.dfg, 0)?);
+        let [width, height] = tables.lobe_shapes.mip_size(0);
+        let lobe_shapes = Pixels::new(width, height, self.gpu.read_image(&tables.lobe_shapes, 0)?);
         let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
         Ok(LightTables {
             layout,
@@ -72,6 +79,7 @@ impl Pipeline {
                 .collect::<Result<_, _>>()?,
             dfg_axes: request.precompute.dfg_axes,
             dfg: dfg.map(|[a, b, ..]: [f32; 4]| [a, b]),
+            lobe_shapes,
         })
     }
 }

@@ -5,7 +5,7 @@
 //! then all low bytes, each as the difference to the byte before it modulo 256. Neighbours share exponent and sign, so most
 //! high differences are zero; measured on a noisy 1024x512 image this saves 28 % over deflating interleaved halves.
 
-use super::{GrayImage, RgbImage};
+use super::{GrayImage, Pixels};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use flate2::Compression;
@@ -24,20 +24,20 @@ pub struct Encoded {
     pub clamped_count: usize,
 }
 
-/// Encodes the RGB of an image.
-pub fn radiance(image: &RgbImage) -> Encoded {
+/// Encodes an image.
+pub fn texels<const N: usize>(image: &Pixels<[f32; N]>) -> Encoded {
     let clamped_count = image.data.iter().flatten().filter(|value| **value > HALF_MAX).count();
-    let halves: Vec<[u16; 3]> =
+    let halves: Vec<[u16; N]> =
         image.data.iter().map(|texel| texel.map(|value| f16::from_f32(value.min(HALF_MAX)).to_bits())).collect();
     Encoded { base64: words(&halves), clamped_count }
 }
 
-/// Encodes triples of 16-bit words.
-pub fn words(triples: &[[u16; 3]]) -> String {
-    let mut bytes = Vec::with_capacity(triples.len() * 6);
-    for channel in 0..3 {
-        push_differences(&mut bytes, triples.iter().map(|triple| (triple[channel] >> 8) as u8));
-        push_differences(&mut bytes, triples.iter().map(|triple| triple[channel] as u8));
+/// Encodes texels of 16-bit words.
+pub fn words<const N: usize>(texels: &[[u16; N]]) -> String {
+    let mut bytes = Vec::with_capacity(texels.len() * N * 2);
+    for channel in 0..N {
+        push_differences(&mut bytes, texels.iter().map(|texel| (texel[channel] >> 8) as u8));
+        push_differences(&mut bytes, texels.iter().map(|texel| texel[channel] as u8));
     }
     deflated(&bytes)
 }

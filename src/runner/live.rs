@@ -91,6 +91,9 @@ pub struct LiveLobe {
     /// One of `DFG_AXES_*`; records from before there was a choice do not say.
     #[serde(default = "centres")]
     pub dfg_axes: u32,
+    /// The table of lobe shapes (`precompute::lobe_shape`). Older runs have none.
+    #[serde(default)]
+    pub lobe_shapes: Option<PackedImage>,
 }
 
 /// Makes the tables of every model in the first environments of a plan.
@@ -113,7 +116,8 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
             if !has_lobe {
                 let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);
                 let (masking, dfg_axes) = (masking.to_owned(), tables.dfg_axes as u32);
-                record.lobes.push(LiveLobe { brdf: brdf.clone(), masking, dfg, dfg_axes });
+                let lobe_shapes = Some(pack(&tables.lobe_shapes, 1.0));
+                record.lobes.push(LiveLobe { brdf: brdf.clone(), masking, dfg, dfg_axes, lobe_shapes });
             }
             let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
             if !is_kept {
@@ -176,7 +180,7 @@ fn pack_all(levels: &[RgbImage], scale: f32) -> Vec<PackedImage> {
     levels.par_iter().map(|level| pack(level, scale)).collect()
 }
 
-fn pack(image: &RgbImage, scale: f32) -> PackedImage {
+fn pack<const N: usize>(image: &Pixels<[f32; N]>, scale: f32) -> PackedImage {
     let divided = Pixels::new(image.width, image.height, image.data.iter().map(|t| t.map(|x| x / scale)).collect());
-    PackedImage { size: [image.width, image.height], base64: packed::radiance(&divided).base64 }
+    PackedImage { size: [image.width, image.height], base64: packed::texels(&divided).base64 }
 }

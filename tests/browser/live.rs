@@ -25,9 +25,10 @@ pub fn open(page: &mut Page, report: &Path, hash: &str, size: [u32; 2]) {
     rest(page);
 }
 
-/// Linear RGB of the page, and 1 on the surface.
+/// Linear RGB of a method, with all of its samples where the view has none, or of the reference; and 1 on the surface.
 pub fn linear(page: &mut Page, way: &str) -> Vec<[f64; 4]> {
-    let values = page.eval(&format!("Array.from(live.render.linear('{way}'))"));
+    let draw = format!("live.render.done['{way}'] || live.render.drawSamples('{way}', live.render.total('{way}'))");
+    let values = page.eval(&format!("{draw}, Array.from(live.render.linear('{way}'))"));
     let values: Vec<f64> = values.as_array().unwrap().iter().map(|x| x.as_f64().unwrap_or(f64::NAN)).collect();
     values.chunks_exact(4).map(|texel| std::array::from_fn(|c| texel[c])).collect()
 }
@@ -35,7 +36,7 @@ pub fn linear(page: &mut Page, way: &str) -> Vec<[f64; 4]> {
 /// Bytes of a pixel of the canvas, drawn in the same task; row 0 is the top.
 fn drawn(page: &mut Page, mode: &str, x: u32, y: u32) -> [u8; 3] {
     let script = format!(
-        "(() => {{ const gl = live.render.gl, out = new Uint8Array(4); live.render.drawResult('split', '{mode}'); \
+        "(() => {{ const gl = live.render.gl, out = new Uint8Array(4); live.render.drawResult('split-sum', '{mode}'); \
          gl.readPixels({x}, live.canvas.height - 1 - {y}, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, out); return [...out]; }})()"
     );
     let bytes = page.eval(&script);
@@ -44,6 +45,15 @@ fn drawn(page: &mut Page, mode: &str, x: u32, y: u32) -> [u8; 3] {
 
 fn near(a: [u8; 3], b: [u8; 3]) -> bool {
     a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 2)
+}
+
+/// Under light of mean luminance 1.
+fn relative_errors(test: [f64; 4], truth: [f64; 4]) -> [f64; 3] {
+    std::array::from_fn(|c| (test[c] - truth[c]) / (truth[c].powi(2) + 1e-2).sqrt())
+}
+
+fn signed_error(test: [f64; 4], truth: [f64; 4]) -> f64 {
+    relative_errors(test, truth).iter().sum::<f64>() / 3.0
 }
 
 #[test]
@@ -66,7 +76,7 @@ fn keys_sliders_the_reference_and_the_link_of_the_live_view() {
     slide(&mut page, "metallic", "1");
     slide(&mut page, "albedo", "#f0b040");
     let middle = (size[1] / 2 * size[0] + size[0] / 2) as usize;
-    let shown = linear(&mut page, "split")[middle];
+    let shown = linear(&mut page, "split-sum")[middle];
     let wanted = [0xf0, 0xb0, 0x40].map(|code| (f64::from(code) / 255.0).powf(2.2));
     assert!(shown.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 2e-3), "{shown:?} {wanted:?}");
     slide(&mut page, "ev", "1");
@@ -83,36 +93,43 @@ fn keys_sliders_the_reference_and_the_link_of_the_live_view() {
     page.key("e");
     rest(&mut page);
     assert_eq!(page.eval("document.querySelectorAll('.live .ramp-ticks span').length"), json!(4));
-    let [test, truth] = ["split", "reference"].map(|way| linear(&mut page, way)[middle]);
-    let relative: [f64; 3] = std::array::from_fn(|c| (test[c] - truth[c]) / (truth[c].powi(2) + 1e-2).sqrt());
+    let [test, truth] = ["split-sum", "reference"].map(|way| linear(&mut page, way)[middle]);
+    let relative = relative_errors(test, truth);
     let error = (relative.iter().map(|e| e * e).sum::<f64>() / 3.0).sqrt();
     let bytes = drawn(&mut page, "error", size[0] / 2, size[1] / 2);
     assert!(near(bytes, RELATIVE_ERROR.color(error)), "{bytes:?} {error}");
     let bytes = drawn(&mut page, "signed", size[0] / 2, size[1] / 2);
-    let signed = relative.iter().sum::<f64>() / 3.0;
-    assert!(near(bytes, SIGNED_ERROR.color(signed)), "{bytes:?} {signed}");
+    assert!(near(bytes, SIGNED_ERROR.color(signed_error(test, truth))), "{bytes:?}");
     assert_eq!(drawn(&mut page, "error", 1, 1), OFF_MASK_COLOR);
+    // Another method can stand for the reference.
+    page.eval("live.set({ against: 'sampled' })");
+    rest(&mut page);
+    let truth = linear(&mut page, "sampled")[middle];
+    let bytes = drawn(&mut page, "signed", size[0] / 2, size[1] / 2);
+    assert!(near(bytes, SIGNED_ERROR.color(signed_error(test, truth))), "{bytes:?}");
+    page.eval("live.set({ against: 'reference' })");
+    rest(&mut page);
     // It says how many samples it took, and that half of them agree: noise far below the error, or all samples.
     let told = page.text(".live-score");
     let done = value(&mut page, "live.render.done.reference");
-    assert!(told.contains(&format!("Reference: {done} samples a pixel; ")), "{told}");
+    assert!(told.contains(&format!(" against reference, {done} samples a pixel: ")), "{told}");
     let [shown, noise] =
         ["relmse", "noise"].map(|name| value(&mut page, &format!("Number(live.canvas.dataset.{name})")));
     assert!(noise <= 0.01 * shown || done == 4096.0, "{noise} beside {shown} after {done}");
 
     // Any first part of the samples is an estimate of the whole, and the probe says how many there are.
-    page.key("2");
+    page.eval("live.set({ method: 'sampled' })");
     rest(&mut page);
     let whole = linear(&mut page, "sampled")[middle][1];
     page.eval("(() => { const r = live.render; r.restart(); r.drawBase(); r.isStale = false; r.drawSamples('sampled', 3); live.describe(); })()");
     let count = page.eval("live.settings.n").as_u64().unwrap();
     assert_eq!(
         page.text(".live .badge"),
-        format!("error of sampled, 3 of {count} samples a pixel against 0 samples so far")
+        format!("error of sampled, 3 of {count} samples a pixel against reference, 0 of 4096 samples a pixel")
     );
     let lines = page.eval("[...document.querySelectorAll('.live .probe tbody tr')].map((r) => r.textContent)");
-    assert!(lines[1].as_str().unwrap().starts_with("sampled 3"), "{lines}");
-    assert_eq!(lines[2], json!("reference 0–––"), "no values of before");
+    assert!(lines[0].as_str().unwrap().starts_with("sampled 3"), "{lines}");
+    assert_eq!(lines[1], json!("reference 0–––"), "no values of before");
     let part = linear(&mut page, "sampled")[middle][1];
     assert!((part - whole).abs() < 0.3 * whole, "{part} of 3 for {whole} of {count}");
 
@@ -122,14 +139,19 @@ fn keys_sliders_the_reference_and_the_link_of_the_live_view() {
         page.key(key);
     }
     assert_eq!((value(&mut page, "live.settings.yaw"), value(&mut page, "live.settings.pitch")), (10.0, 5.0));
-    for (key, shown) in [("e", "sampled image"), ("1", "split image"), ("s", "split signed"), ("2", "sampled signed")] {
+    for (key, shown) in [
+        ("e", "sampled image"),
+        ("1", "split-sum image"),
+        ("s", "split-sum signed"),
+        ("3", "split-sum-frostbite signed"),
+    ] {
         page.key(key);
         page.wait(&format!("`${{live.canvas.dataset.method}} ${{live.canvas.dataset.mode}}` === '{shown}'"));
     }
     page.press(" ");
     page.wait("live.canvas.dataset.method === 'reference' && live.canvas.dataset.mode === 'image'");
     page.release(" ");
-    page.wait("live.canvas.dataset.method === 'sampled' && live.canvas.dataset.mode === 'signed'");
+    page.wait("live.canvas.dataset.method === 'split-sum-frostbite' && live.canvas.dataset.mode === 'signed'");
     page.click(".live [aria-label^=Nearer]");
     // A drag turns.
     let before = value(&mut page, "live.settings.yaw");
@@ -146,7 +168,7 @@ fn keys_sliders_the_reference_and_the_link_of_the_live_view() {
     let settings = page.eval("JSON.stringify(live.settings)");
     page.wait("location.hash.includes('yaw=-80')");
     let hash = page.eval("location.hash").as_str().unwrap().to_owned();
-    assert!(hash.contains("method=sampled") && hash.contains("roughness=0.5"), "{hash}");
+    assert!(hash.contains("method=split-sum-frostbite") && hash.contains("roughness=0.5"), "{hash}");
     open(&mut page, &report, &hash, size);
     let rounded = |text: &Value| {
         let value: Value = serde_json::from_str(text.as_str().unwrap()).unwrap();

@@ -270,7 +270,7 @@ impl ImageSet {
         if ends(x, width) > u64::from(full_width) || ends(y, height) > u64::from(full_height) {
             return Ok((image, [None, None]));
         }
-        let encoded = packed::radiance(&RgbImage::from_fn(width, height, |i, j| decoded.rgb.get(x + i, y + j)));
+        let encoded = packed::texels(&RgbImage::from_fn(width, height, |i, j| decoded.rgb.get(x + i, y + j)));
         let mask = (image.reference == index).then(|| {
             let mask = mask_of(&decoded);
             packed::mask(&GrayImage::from_fn(width, height, |i, j| mask.get(x + i, y + j)))

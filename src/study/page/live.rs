@@ -12,6 +12,7 @@ use crate::runner::live_model::{self, LiveModel};
 use crate::runner::value::Value;
 use crate::scene::Projection;
 use crate::scene::camera::PERSPECTIVE_FOV_DEG;
+use crate::shade::{METHODS, Method};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -26,6 +27,7 @@ const FILE_BYTES_MAX: u64 = 64 << 20;
 pub struct Light {
     pub environments: Vec<LiveEnvironment>,
     pub lobes: Vec<LiveLobe>,
+    pub methods: Vec<LiveMethod>,
     /// Those of the runs' cells; 0 where they have none.
     pub orientations: Vec<Orientation>,
     /// Names of the maskings in the order of the shaders' constants.
@@ -38,6 +40,24 @@ pub struct Light {
     pub alpha_min: f32,
     /// What is missing and why, one sentence each.
     pub notes: Vec<String>,
+}
+
+/// A method that the view's tables serve.
+#[derive(Debug, Serialize)]
+pub struct LiveMethod {
+    pub name: &'static str,
+    pub is_sampled: bool,
+}
+
+impl LiveMethod {
+    /// Split sums first, in the order of the list: those that scale what they look up by the DFG table, and those that filter samples.
+    fn all(has_lobe_shapes: bool) -> Vec<Self> {
+        let is_split_sum = |method: &&Method| method.uses_prefiltered() && method.uses_dfg;
+        let is_served = |method: &&Method| has_lobe_shapes || !method.uses_lobe_shapes;
+        let split_sums = METHODS.iter().filter(is_split_sum).filter(is_served);
+        let sampled = METHODS.iter().filter(|method| method.uses_samples && method.uses_lod_bias);
+        split_sums.chain(sampled).map(|method| Self { name: method.name, is_sampled: method.uses_samples }).collect()
+    }
 }
 
 /// An `environment_orientation` with the columns of its rotation.
@@ -79,6 +99,7 @@ impl Light {
         let mut light = Self {
             environments: Vec::new(),
             lobes: Vec::new(),
+            methods: Vec::new(),
             orientations: Orientation::all(runs),
             masking_names: crate::brdf::MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect(),
             models: Vec::new(),
@@ -98,6 +119,13 @@ impl Light {
     /// Takes the record's tables, and drops the finest levels of the largest environments, then whole environments, until all fits.
     fn fit(&mut self, record: LiveRecord, budget: usize) {
         (self.environments, self.lobes, self.models) = (record.environments, record.lobes, record.models);
+        let has_lobe_shapes = self.lobes.iter().all(|lobe| lobe.lobe_shapes.is_some());
+        self.methods = LiveMethod::all(has_lobe_shapes);
+        if !has_lobe_shapes {
+            self.notes.push(format!(
+                "{LIVE_FILE} is of an older version: the methods by a table of lobe shapes are not in this view."
+            ));
+        }
         if self.models.is_empty() {
             let note = format!("{LIVE_FILE} is of an older version and has no model, so a sphere is shown.");
             let projection = Projection::Perspective { fov_deg: PERSPECTIVE_FOV_DEG };
@@ -130,7 +158,8 @@ impl Light {
             let prefiltered = e.prefiltered.iter().flat_map(|map| &map.levels);
             e.levels.iter().chain(prefiltered)
         });
-        maps.chain(self.lobes.iter().map(|lobe| &lobe.dfg)).map(|image| image.base64.len()).sum()
+        let of_lobes = self.lobes.iter().flat_map(|lobe| [&lobe.dfg].into_iter().chain(&lobe.lobe_shapes));
+        maps.chain(of_lobes).map(|image| image.base64.len()).sum()
     }
 }
 

@@ -5,13 +5,15 @@
 //! every request, so that what is promised (one offline file) is also enforced.
 
 use super::live::Light;
+use crate::glsl::source::{Choice, Language, PAGE_FOLDER};
+use crate::gpu::shader_sources;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use minijinja::value::{Serde, Value};
 use minijinja::{AutoEscape, Environment, context};
 use serde::Serialize;
 use serde_json::{Value as Json, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Error, Write};
 
 /// Style sheet of the page.
@@ -20,10 +22,8 @@ const TEMPLATE: &str = include_str!("../../../assets/report/report.html");
 /// What it holds of the views that draw in a canvas.
 const STAGE: &str = include_str!("../../../assets/report/stage.html");
 
-/// The page's shaders by name, which the build script wrote from the renderer's libraries (`shaders/page`).
-mod shaders {
-    include!(concat!(env!("OUT_DIR"), "/page_shaders.rs"));
-}
+/// What a permutation's name lacks of the entry point's: all but meshes have fragment shaders alone.
+const STAGE_SUFFIX: &str = ".frag";
 
 /// Lists modules of the page by the names under which they import each other. An import map points each to its text.
 macro_rules! modules {
@@ -73,12 +73,11 @@ pub fn render(
     parts.into_iter().try_for_each(|(name, text)| environment.add_template(name, text)).map_err(Error::other)?;
     let import = |text: &str| format!("data:text/javascript;base64,{}", BASE64_STANDARD.encode(text));
     let imports: BTreeMap<&str, String> = MODULES.iter().map(|(name, text)| (*name, import(text))).collect();
-    let shaders: BTreeMap<&str, &str> = shaders::PAGE_SHADERS.iter().copied().collect();
     let context = context! {
         page => Serde(page),
         style => safe(STYLE.to_owned()),
         imports => safe(in_script(&json!({ "imports": imports }))),
-        shaders => safe(in_script(&json!(shaders))),
+        shaders => safe(in_script(&json!(shaders(light)))),
         light => safe(in_script(&json!(light))),
         payloads => payloads.into_iter().map(safe).collect::<Vec<_>>(),
     };
@@ -89,6 +88,26 @@ pub fn render(
     part("before", writer)?;
     serde_json::to_writer(Script(&mut *writer), model)?;
     part("behind", writer)
+}
+
+/// The page's shaders by name, GLSL ES 3.00 written from the renderer's own files: `specular:cube:sampled:ggx`, for what `light` has.
+pub fn shaders(light: &Light) -> BTreeMap<String, String> {
+    let sources = shader_sources();
+    let layouts = light.environments.iter().map(|environment| environment.layout.as_str());
+    let models = light.lobes.iter().map(|lobe| lobe.brdf.as_str());
+    let wanted: BTreeSet<&str> = layouts.chain(models).chain(light.methods.iter().map(|method| method.name)).collect();
+    let entries = sources.entries().filter(|entry| entry.starts_with(PAGE_FOLDER));
+    let all = entries.flat_map(|entry| {
+        let named = sources.permutations(entry, &Choice::new()).expect("every file that a shader includes is there");
+        named.into_iter().map(move |(name, choice)| (entry, name, choice))
+    });
+    let is_wanted = |name: &str| name.split(':').skip(1).all(|part| wanted.contains(part));
+    all.filter(|(_, name, _)| is_wanted(name))
+        .map(|(entry, name, choice)| {
+            let text = sources.expand(entry, &choice, Language::Es).expect("its permutation was found");
+            (name.trim_start_matches(PAGE_FOLDER).replace(STAGE_SUFFIX, ""), text)
+        })
+        .collect()
 }
 
 /// A sentence in parts: strong between `**`, code between backticks.

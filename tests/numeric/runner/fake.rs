@@ -173,6 +173,8 @@ impl Renderer for Fake {
             prefiltered: chain(2),
             dfg,
             dfg_axes: DfgAxes::default(),
+            // Every lobe points along r and is as wide as alpha.
+            lobe_shapes: Pixels::new(2, 6, [[[1.0, 0.0, 1.0, 0.0]; 4], [[1.0; 4]; 4], [[1.0; 4]; 4]].concat()),
         })
     }
 

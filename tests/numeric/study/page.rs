@@ -39,7 +39,7 @@ fn decoded(text: &str, plane: usize) -> Vec<u8> {
 #[test]
 fn an_encoded_image_decodes_to_its_nearest_halves() {
     let image = RgbImage::from_fn(5, 3, |x, y| [0.1 * x as f32, 1e-7 * y as f32, 30_000.0 * (x * y) as f32]);
-    let encoded = packed::radiance(&image);
+    let encoded = packed::texels(&image);
     let bytes = decoded(&encoded.base64, 15);
     for (i, texel) in image.data.iter().enumerate() {
         for (channel, value) in texel.iter().enumerate() {

@@ -4,13 +4,18 @@ use crate::study::page::{finished_run, read};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use glam::{DVec3, Vec3};
+use splitsum::brdf::MODELS;
+use splitsum::environment::layout::{LAYOUTS, MapLayout};
+use splitsum::glsl::source::{Language, parse};
 use splitsum::pixels::packed::HALF_MAX;
 use splitsum::runner::Plan;
-use splitsum::runner::live::{LIVE_FILE, LiveRecord, half_scale};
+use splitsum::runner::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, half_scale};
 use splitsum::runner::live_model::{self, TRIANGLES_MAX};
 use splitsum::scene::Scene;
+use splitsum::shade::METHODS;
 use splitsum::study::page::Told;
 use splitsum::study::page::live::{BUDGET_BYTES, Light};
+use splitsum::study::page::render::shaders;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 use std::io::Read;
@@ -48,6 +53,31 @@ fn a_run_leaves_its_tables_and_the_report_its_points() {
         (model.camera.offset, model.camera.extent, model.camera.is_perspective),
         ([0.0, 0.0, 4.0], [1.05; 2], false)
     );
+}
+
+/// GLSL ES 3.00 takes the shader of every split sum in every layout, and those of the samplers for every model.
+#[test]
+fn the_page_has_a_shader_of_every_method_that_its_tables_serve() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut light = light(&finished_run(dir.path()), BUDGET_BYTES);
+    let methods: Vec<&str> = light.methods.iter().map(|method| method.name).collect();
+    for method in METHODS.iter().filter(|method| method.lookups > 0 && method.uses_dfg) {
+        assert!(methods.contains(&method.name), "{}", method.name);
+    }
+    assert!(methods.contains(&"sampled") && light.methods[0].name == "split-sum", "{methods:?}");
+    let environment = light.environments[0].clone();
+    let of_layout = |layout: &MapLayout| LiveEnvironment { layout: layout.name.to_owned(), ..environment.clone() };
+    light.environments = LAYOUTS.iter().map(of_layout).collect();
+    let lobe = light.lobes[0].clone();
+    light.lobes = MODELS.iter().map(|model| LiveLobe { brdf: model.name().to_owned(), ..lobe.clone() }).collect();
+    let shaders = shaders(&light);
+    for (name, text) in &shaders {
+        let entry = if name.contains('.') { name.clone() } else { format!("{name}.frag") };
+        parse(&entry, text, Language::Es).unwrap_or_else(|log| panic!("{name}: {log}"));
+    }
+    let sampled = light.methods.iter().filter(|method| method.is_sampled).count();
+    let specular = LAYOUTS.len() * (light.methods.len() - sampled + sampled * MODELS.len());
+    assert_eq!(shaders.keys().filter(|name| name.starts_with("specular:")).count(), specular);
 }
 
 /// The words of a packed text, a triple each.

@@ -1,9 +1,12 @@
-// Adds the params.point_count samples from first_sample on of the method `sampled` to the specular term of one pixel of the live view.
-// The table may hold the points in any order: their sum is the same.
+// Adds the params.point_count samples from first_sample on of a method to the specular term of one pixel of the live view; a method
+// without samples is one. The table may hold the points in any order: their sum is the same.
 #include "page/surface.glsl"
 #include "selected/map_layout.glsl"
 
 uniform FILTERED_MAP filtered_environment;
+uniform FILTERED_MAP prefiltered;
+uniform sampler2D dfg;
+uniform sampler2D lobe_shapes;
 // One row of sample points (lib/sampling.glsl).
 uniform sampler2D points;
 // The samples before first_sample.
@@ -16,7 +19,7 @@ vec4 sample_point(uint i) {
     return texelFetch(points, ivec2(int(first_sample + i), 0), 0);
 }
 
-#include "shade/method/sampled.glsl"
+#include "selected/method.glsl"
 
 void main() {
     specular = first_sample == 0u ? vec4(0.0) : texelFetch(so_far, ivec2(gl_FragCoord.xy), 0);
