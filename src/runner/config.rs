@@ -109,6 +109,8 @@ pub struct Config {
     pub light_places: Vec<Place>,
     /// Adds the table of what the source documents' slips cost (`slips`).
     pub has_printed_slips: bool,
+    /// Contact sheets are drawn.
+    pub has_sheets: bool,
     /// `--set` texts that took part.
     pub overrides: Vec<String>,
     /// The folder that files named in the file are relative to, where not its own.
@@ -147,6 +149,7 @@ pub(super) const KEYS: &[&str] = &[
     "precompute",
     "lights",
     "printed_slips",
+    "sheets",
 ];
 
 /// Seeds.
@@ -163,6 +166,7 @@ impl Config {
             text: text.to_owned(),
             metric: HEADLINE,
             seed: 1,
+            has_sheets: true,
             base_places: vec![Place::Default; AXES.len()],
             overrides: overrides.to_vec(),
             ..Self::default()
@@ -266,10 +270,11 @@ impl Config {
                 Some(Err(fault)) => faults.add(&at(value), format!("orbit: {fault}; expected [yaw, pitch, distance]")),
                 None => {}
             },
-            "background" | "printed_slips" => match raw {
-                Raw::Boolean(is_set) if key == "background" => self.background = is_set,
-                Raw::Boolean(is_set) => self.has_printed_slips = is_set,
-                _ => faults.add(&at(value), format!("{key}: {raw} is not true or false")),
+            "background" | "printed_slips" | "sheets" => match (raw, key) {
+                (Raw::Boolean(is_set), "background") => self.background = is_set,
+                (Raw::Boolean(is_set), "sheets") => self.has_sheets = is_set,
+                (Raw::Boolean(is_set), _) => self.has_printed_slips = is_set,
+                (raw, _) => faults.add(&at(value), format!("{key}: {raw} is not true or false")),
             },
             "reference" => self.read_reference(value, faults),
             "axes" => self.read_axes(value, faults),

@@ -36,12 +36,13 @@ const COLUMN_GAP: u32 = 8;
 const SHRUNK_WIDTH_MIN: u32 = 200;
 
 /// One contact sheet for each environment, scene and model: in parts for some of the methods where all would not fit side by side, and in
-/// pages where not all rows would fit below each other. None of a design, whose images are no pictures. Sheets of an earlier program are
-/// removed.
+/// pages where not all rows would fit below each other. None of a design, whose images are no pictures, and none where the experiment says
+/// `sheets = false`. Sheets of an earlier program are removed.
 pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(), StoreError> {
     let [sheet_axes, column_axes] = [Sheet::Page, Sheet::Column].map(|place| swept(plan, place));
     let mut written: BTreeSet<PathBuf> = BTreeSet::new();
-    for cells in grouped(&of_first_point_set(plan), &sheet_axes) {
+    let shown = if plan.config.has_sheets { of_first_point_set(plan) } else { Vec::new() };
+    for cells in grouped(&shown, &sheet_axes) {
         let columns = grouped(&cells, &column_axes);
         let tiles = TileSize::new(plan.size_of(cells[0]));
         let parts = parts(&columns, tiles.columns_max());

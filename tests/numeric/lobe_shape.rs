@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use splitsum::brdf::{Brdf, MODELS, MaskingShadowing, eval_without_fresnel, schlick_weight};
 use splitsum::glsl::constants::LOBE_SHAPE_SIDE;
+use splitsum::glsl::source::{Language, parse};
 use splitsum::math::quadrature::{Rectangle, Tolerance, integrate_rectangle};
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::lobe_shape::{
@@ -222,7 +223,7 @@ fn lookups_between_nodes_meet_the_shape_there() {
     }
 }
 
-/// What an engine pastes is what the shaders include.
+/// What an engine pastes is what the shaders include, and both uses of it compile beside it.
 #[test]
 fn the_page_prints_the_lookup_that_the_methods_include() {
     let shader = include_str!("../../shaders/lib/lobe_lookup.glsl");
@@ -231,6 +232,16 @@ fn the_page_prints_the_lookup_that_the_methods_include() {
     assert!(body.contains("vec4 lobe_lookup("));
     let page = std::fs::read_to_string("docs/better-split-sums.md").unwrap();
     assert!(page.contains(&format!("```glsl\n{body}```\n")));
+    let uses: Vec<&str> = page.split("```glsl\n").skip(2).filter_map(|rest| rest.split("```").next()).collect();
+    assert_eq!(uses.len(), 2);
+    for code in uses {
+        let text = format!(
+            "#version 300 es\nprecision highp float;\nuniform sampler2D lobes;\nuniform samplerCube map;\nuniform vec3 n, v, f0;\n\
+             uniform vec2 dfg;\nuniform float n_dot_v, roughness;\nout vec4 color;\nfloat lod(float r) {{ return 4.0 * r; }}\n\
+             {body}void main() {{\n{code}color = vec4(specular, 1.0);\n}}\n"
+        );
+        parse("use.frag", &text, Language::Es).unwrap_or_else(|log| panic!("{code}: {log}"));
+    }
 }
 
 /// The two parts, each by its own moment, are the lobe's moment for every f0: linear light along it comes out the same from both.

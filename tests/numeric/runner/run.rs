@@ -2,6 +2,7 @@
 
 use super::fake::{ERROR_AT_ONE, NOISE, SET_ERROR, SPLIT_SUM_ERROR};
 use super::runs::{Bench, invoke, log, plan, read, snapshot, summary};
+use splitsum::runner::sheets::sheet_files;
 use splitsum::table::csv::Table;
 use std::collections::BTreeMap;
 
@@ -85,14 +86,17 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
 fn a_sheet_that_would_be_too_wide_is_split_between_methods() {
     let text = "name = \"wide\"\nsize = [640, 8]\nreference = { samples = 32 }\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
                 samples = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\n";
-    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(text));
-    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    invoke(&plan(text), dir.path(), &log(), usize::MAX).unwrap();
     // 12 columns of at least 200 pixels do not fit on 2600: ten of `sampled` with the reference do, in 206 pixels each.
     for name in ["wide_1.png", "wide_2.png"] {
         let sheet = splitsum::pixels::png::read_rgb8(&dir.path().join("tables").join(name)).unwrap();
         assert!(sheet.width <= 2600, "{name} is {} pixels wide", sheet.width);
     }
     assert!(!dir.path().join("tables/wide_3.png").exists());
+    let dir = tempfile::tempdir().unwrap();
+    invoke(&plan(&format!("sheets = false\n{text}")), dir.path(), &log(), usize::MAX).unwrap();
+    assert!(sheet_files(dir.path()).is_empty());
 }
 
 /// What a cell scores does not hang on the cells before it: every tone curve has displays of its own.
