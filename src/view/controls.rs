@@ -55,7 +55,7 @@ impl Controls {
                     if axis == METHOD {
                         let right = &mut state.right;
                         self.row(ui, "right", "method of the right half", |controls, ui| {
-                            controls.value(ui, "right", METHOD, Named::usual(METHOD), right)
+                            controls.value(ui, "right", (METHOD, Named::usual(METHOD), true), right)
                         });
                     }
                 }
@@ -90,26 +90,30 @@ impl Controls {
             ui.add_enabled_ui(is_used, |ui| {
                 if may_be_unset {
                     let mut is_set = point[axis] != Value::Unset;
-                    let response =
-                        ui.checkbox(&mut is_set, "").on_hover_text("left out: as the scene or the layout has it");
+                    let about = "no tick: as the scene, the map or the layout has it; the slider sets it";
+                    let response = ui.checkbox(&mut is_set, "").on_hover_text(about);
                     controls.place(format!("{} set", named.name()), &response);
                     if response.changed() {
                         point[axis] = if is_set { first(axis, named, point) } else { Value::Unset };
                     }
                     if !is_set {
-                        ui.weak("as it is");
-                        return;
+                        ui.multiply_opacity(0.5);
                     }
                 }
-                let mut value = point[axis].clone();
-                controls.value(ui, named.name(), axis, named, &mut value);
-                point[axis] = value;
+                // What is left out has the control of what it is set to first: moving it sets it.
+                let is_set = point[axis] != Value::Unset;
+                let before = if is_set { point[axis].clone() } else { first(axis, named, point) };
+                let mut value = before.clone();
+                controls.value(ui, named.name(), (axis, named, is_set), &mut value);
+                if value != before {
+                    point[axis] = value;
+                }
             });
         });
     }
 
     /// The control of a value, which is left alone where what is given is none.
-    fn value(&mut self, ui: &mut Ui, name: &str, axis: usize, named: Named, value: &mut Value) {
+    fn value(&mut self, ui: &mut Ui, name: &str, (axis, named, is_set): (usize, Named, bool), value: &mut Value) {
         ui.spacing_mut().slider_width = SLIDER_WIDTH;
         let shown = named.shown(value);
         let mut found: Option<String> = None;
@@ -118,7 +122,7 @@ impl Controls {
                 let (range, is_log) = reach(named.kind());
                 let mut number = *x;
                 let slider = Slider::new(&mut number, range).logarithmic(is_log).clamping(SliderClamping::Never);
-                let response = ui.add(slider.max_decimals(3));
+                let response = ui.add(told(slider.max_decimals(3), is_set));
                 found = response.changed().then(|| short(number));
                 self.place(name, &response);
             }
@@ -133,7 +137,7 @@ impl Controls {
             (Kind::Color(_), Value::Color([r, g, b])) => {
                 let mut grey = (r + g + b) / 3.0;
                 let mut color = [*r, *g, *b];
-                let response = ui.add(Slider::new(&mut grey, 0.0..=1.0).max_decimals(3));
+                let response = ui.add(told(Slider::new(&mut grey, 0.0..=1.0).max_decimals(3), is_set));
                 self.place(name, &response);
                 if response.changed() {
                     found = Some(short(grey.into()));
@@ -212,6 +216,11 @@ impl Controls {
         found = combo.inner.flatten().or(found);
         found
     }
+}
+
+/// A slider that tells its number, where it is set.
+fn told(slider: Slider<'_>, is_set: bool) -> Slider<'_> {
+    if is_set { slider } else { slider.custom_formatter(|_, _| "as it is".to_owned()) }
 }
 
 /// What an axis is set to first.

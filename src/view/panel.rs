@@ -19,8 +19,8 @@ use glam::DVec3;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-const PANEL_WIDTH: f32 = 372.0;
-const NUMBERS_HEIGHT: f32 = 148.0;
+const PANEL_WIDTH: f32 = 376.0;
+const NUMBERS_HEIGHT: f32 = 164.0;
 /// Frames whose times the graph shows.
 const TIMES: usize = 120;
 /// Samples at which the reference may stop.
@@ -101,7 +101,7 @@ impl Panel {
             egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.all_controls(ui, state, shown));
         });
         egui::Panel::bottom("numbers").resizable(false).exact_size(NUMBERS_HEIGHT).show_inside(ui, |ui| {
-            self.numbers(ui, state, shown);
+            self.numbers(ui, shown);
         });
         egui::CentralPanel::default().show_inside(ui, |ui| self.picture(ui, state, shown));
     }
@@ -156,16 +156,21 @@ impl Panel {
 
     fn all_controls(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
         ui.add_space(4.0);
-        self.controls.row(ui, "picture", "what is painted (e: error, s: signed error)", |controls, ui| {
-            let response = ComboBox::from_id_salt("picture").width(180.0).selected_text(state.picture.name());
-            let response = response.height(520.0).show_ui(ui, |ui| {
-                for (name, picture) in Picture::ALL {
-                    let response = ui.selectable_value(&mut state.picture, *picture, *name);
-                    controls.place(format!("choice {name}"), &response);
-                }
-            });
-            controls.place("picture", &response.response);
-        });
+        self.controls.row(
+            ui,
+            "picture",
+            "what is painted (e: error, s: signed error against the reference; difference: left minus right)",
+            |controls, ui| {
+                let response = ComboBox::from_id_salt("picture").width(180.0).selected_text(state.picture.name());
+                let response = response.height(520.0).show_ui(ui, |ui| {
+                    for (name, picture) in Picture::ALL {
+                        let response = ui.selectable_value(&mut state.picture, *picture, *name);
+                        controls.place(format!("choice {name}"), &response);
+                    }
+                });
+                controls.place("picture", &response.response);
+            },
+        );
         if state.picture == Picture::Prefiltered {
             self.controls.row(ui, "level", "level of the prefiltered map", |controls, ui| {
                 let last = shown.level_count.max(1) - 1;
@@ -269,21 +274,30 @@ impl Panel {
         };
         // Whole pixels of the image on whole pixels of the screen, where it is not made smaller.
         let scale = ui.ctx().pixels_per_point();
-        let [width, height] = painted.texture.size().map(|side| side as f32 / scale);
+        // A coarse picture has the place of the whole one.
+        let table = painted.texture.size().map(|side| side as f32);
+        let sides = if state.picture.is_table() { table } else { state.size().map(|side| side as f32) };
+        let [width, height] = sides.map(|side| side / scale);
         let fit = (area.width() / width).min(area.height() / height);
         let zoom = if fit >= 1.0 { fit.floor() } else { fit };
         let size = vec2(width, height) * zoom;
         let corner = ((area.center() - 0.5 * size).to_vec2() * scale).round() / scale;
         let rect = Rect::from_min_size(corner.to_pos2(), size);
         // The painter takes the pixel that is half a one to the left of and above the nearest.
-        let half = vec2(0.5 / (width * scale), 0.5 / (height * scale));
+        let half = vec2(0.5 / table[0], 0.5 / table[1]);
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)).translate(half);
         ui.painter().image(painted.texture.id(), rect, whole, Color32::WHITE);
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         self.controls.place("image", &response);
         self.look(ui, state, &response, rect);
         if !state.picture.has_sides() {
-            outlined(ui, rect.left_top() + vec2(6.0, 5.0), Align2::LEFT_TOP, state.picture.about());
+            match state.picture.scale() {
+                Some(colors) => legend(ui, rect, &colors, state.picture.about()),
+                None => {
+                    let place = rect.left_top() + vec2(6.0, 5.0);
+                    outlined(ui, place, Align2::LEFT_TOP, state.picture.about(), rect.width() - 12.0);
+                }
+            }
             return;
         }
         self.handle(ui, state, rect);
@@ -292,7 +306,7 @@ impl Panel {
         {
             let is_seen = if side == Side::Left { wipe > 0.05 } else { wipe < 0.95 };
             if let Some(shot) = shown.side(side).filter(|_| is_seen) {
-                outlined(ui, pos2(x, rect.top() + 5.0), align, &label(shot));
+                outlined(ui, pos2(x, rect.top() + 5.0), align, &label(shot), 0.5 * rect.width() - 12.0);
             }
         }
         if let Some(colors) = state.picture.scale() {
@@ -320,7 +334,8 @@ impl Panel {
             state.view.orbit = nearer(state.view.orbit, (f64::from(wheel) * -0.002).exp());
         }
         let [width, height] = state.size();
-        self.probed = response.hover_pos().map(|place| {
+        let pointer = response.hover_pos().filter(|_| !state.picture.is_table());
+        self.probed = pointer.map(|place| {
             let share = (place - rect.min) / rect.size();
             [(share.x, width), (share.y, height)].map(|(x, side)| ((x * side as f32).max(0.0) as u32).min(side - 1))
         });
@@ -374,9 +389,9 @@ impl Panel {
         }
     }
 
-    fn numbers(&mut self, ui: &mut Ui, state: &State, shown: &Shown) {
+    fn numbers(&mut self, ui: &mut Ui, shown: &Shown) {
         let whole = ui.available_rect_before_wrap();
-        let (left, right) = whole.split_left_right_at_fraction(0.74);
+        let (left, right) = whole.split_left_right_at_fraction(0.76);
         ui.scope_builder(UiBuilder::new().max_rect(left.shrink2(vec2(4.0, 2.0))), |ui| {
             ui.spacing_mut().item_spacing.y = 2.0;
             let color = matches!(shown.standing, Standing::Refused(_)).then(|| ui.visuals().warn_fg_color);
@@ -393,7 +408,6 @@ impl Panel {
             ui.spacing_mut().item_spacing.y = 1.0;
             self.graph(ui, shown);
         });
-        let _ = state;
     }
 
     /// Linear values under the pointer, of each method.
@@ -413,7 +427,7 @@ impl Panel {
                     ui.end_row();
                     continue;
                 };
-                ui.label(format!("{name}: {}", label(shot)));
+                ui.label(format!("{name}: {}", shot.image.point.method().name));
                 let value = |image: &crate::pixels::RgbImage| {
                     let [x, y] = self.probed?;
                     at(image, x / shot.scale, y / shot.scale).map(|rgb| rgb.map(|c| format!("{c:.4}")).join(" "))
@@ -505,9 +519,9 @@ pub fn composed(shown: &Shown, wipe: f32) -> Option<Rgb8Image> {
     Some(Rgb8Image::from_fn(width, height, |x, y| sample(if x < edge { left } else { right }, x, y)))
 }
 
-fn outlined(ui: &Ui, place: Pos2, align: Align2, text: &str) {
+fn outlined(ui: &Ui, place: Pos2, align: Align2, text: &str, width: f32) {
     let font = FontId::proportional(13.0);
-    let galley = ui.painter().layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+    let galley = ui.painter().layout(text.to_owned(), font, Color32::WHITE, width);
     let rect = align.anchor_size(place, galley.size());
     ui.painter().rect_filled(rect.expand(3.0), 3.0, Color32::from_black_alpha(150));
     ui.painter().galley(rect.min, galley, Color32::WHITE);

@@ -16,6 +16,8 @@ pub enum Picture {
     Image,
     Error,
     Signed,
+    /// Of the halves.
+    Difference,
     Part(Part),
     Prefiltered,
     Dfg,
@@ -39,6 +41,7 @@ impl Picture {
         ("image", Self::Image),
         ("error", Self::Error),
         ("signed error", Self::Signed),
+        ("difference", Self::Difference),
         ("position", Self::Part(Part::Position)),
         ("normal", Self::Part(Part::Normal)),
         ("n·v", Self::Part(Part::NDotV)),
@@ -62,7 +65,7 @@ impl Picture {
     pub fn scale(self) -> Option<ColorScale> {
         match self {
             Self::Error => Some(RELATIVE_ERROR),
-            Self::Signed => Some(SIGNED_ERROR),
+            Self::Signed | Self::Difference => Some(SIGNED_ERROR),
             _ => None,
         }
     }
@@ -71,8 +74,9 @@ impl Picture {
     pub fn about(self) -> &'static str {
         match self {
             Self::Image => "",
-            Self::Error => "relative error",
+            Self::Error => "relative error against the reference",
             Self::Signed => "relative error: blue darker, red brighter",
+            Self::Difference => "left minus right, relative to the right",
             Self::Part(Part::Position) => "position as a fraction of the scene's box",
             Self::Part(Part::Normal) => "0.5 + 0.5 normal",
             Self::Part(Part::NDotV) => "n·v",
@@ -90,6 +94,11 @@ impl Picture {
     /// Whether both halves show images of their methods.
     pub fn has_sides(self) -> bool {
         matches!(self, Self::Image | Self::Error | Self::Signed)
+    }
+
+    /// Whether it shows what the frames look up, no pixel of theirs.
+    pub fn is_table(self) -> bool {
+        matches!(self, Self::Prefiltered | Self::Dfg)
     }
 }
 
@@ -121,7 +130,7 @@ pub struct Look {
     pub level: u32,
 }
 
-/// The picture of a half; `None` where an error lacks its reference.
+/// The picture of a half; `None` where an error lacks its reference, a difference the other half.
 pub fn of_frame(
     pipeline: &mut Pipeline,
     look: Look,
@@ -147,7 +156,7 @@ pub fn of_frame(
         return Ok(Some(blank()));
     };
     let map = match look.picture {
-        Picture::Signed => comparison.signed_error_map(),
+        Picture::Signed | Picture::Difference => comparison.signed_error_map(),
         _ => comparison.relative_error_map(),
     };
     Ok(Some(scale.image(&map, &frame.mask)))

@@ -250,10 +250,10 @@ impl<'a> Renderer<'a> {
         if self.shown.truth.as_ref().is_some_and(|shot| !counts.iter().any(|&count| state.truth(count) == shot.image)) {
             self.shown.truth = None;
         }
-        if !state.picture.has_sides() {
-            self.show_part(state, &environment, &scene, counts[0])?;
-        } else {
+        if state.picture.has_sides() {
             self.shown.part = None;
+        } else if state.picture != Picture::Difference {
+            self.show_part(state, &environment, &scene, counts[0])?;
         }
         let is_there = |side| self.kept.get(&state.image(side, counts[0])).is_some();
         let is_there = [Side::Left, Side::Right].into_iter().all(is_there);
@@ -324,9 +324,10 @@ impl<'a> Renderer<'a> {
         scale: u32,
     ) -> Result<bool, Stop> {
         let mut made = false;
-        let truth = match state.picture.scale() {
-            Some(_) => Some(self.frame(&state.truth(count), inputs)?),
-            None => None,
+        let truth = match state.picture {
+            Picture::Difference => Some(self.frame(&state.image(Side::Right, count), inputs)?),
+            picture if picture.scale().is_some() => Some(self.frame(&state.truth(count), inputs)?),
+            _ => None,
         };
         for side in [Side::Left, Side::Right] {
             let image = state.image(side, count);
@@ -335,6 +336,9 @@ impl<'a> Renderer<'a> {
             let epsilon = image.request(inputs.0, inputs.1).epsilon();
             let picture = of_frame(&mut self.pipeline, whole.look(), &frame, truth.as_deref(), epsilon)?;
             let picture = Arc::new(picture.expect("the reference has the size of the halves"));
+            if (state.picture, side) == (Picture::Difference, Side::Left) {
+                self.shown.part = Some(picture.clone());
+            }
             let shot = Some(Shot { image, frame, picture, scale, score: None });
             match side {
                 Side::Left => self.shown.left = shot,

@@ -8,6 +8,7 @@ use splitsum::precompute::PrefilterBy;
 use splitsum::runner::axis::{AXES, Named, PREFILTER_BY, Part};
 use splitsum::runner::value::Kind;
 use splitsum::shade::{DIFFUSE, METHODS};
+use splitsum::table::colormap::{OFF_MASK_COLOR, SIGNED_ERROR};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -162,6 +163,17 @@ fn keys_do_what_the_report_does() {
     win.key("d");
     win.drag("wipe", [0.5, 0.5], [6.0, 0.5], None);
     assert!(win.state()["wipe"].as_f64().unwrap() > 0.55, "{}", win.state()["wipe"]);
+    // The difference of the halves, above its legend: none where both are one method.
+    win.choose("picture", "choice difference");
+    let colors = |win: &Win| {
+        win.wait_done();
+        let seen = win.picture();
+        let places = (0..3 * seen.height / 4).flat_map(|y| (0..seen.width).map(move |x| (x, y)));
+        places.map(|(x, y)| seen.get(x, y)).collect::<BTreeSet<_>>()
+    };
+    assert!(colors(&win).len() > 4);
+    win.choose("right", &format!("choice {}", METHODS[0].name));
+    assert_eq!(colors(&win), BTreeSet::from([OFF_MASK_COLOR, SIGNED_ERROR.color(0.0)]));
     win.close();
 }
 
@@ -194,8 +206,9 @@ fn every_control_moves_its_axis() {
         let value = |win: &Win| win.state()["axes"][axis.name].clone();
         let before = value(&win);
         let is_pair = matches!(axis.kind, Kind::Pair { .. });
-        if win.has(&format!("{name} set")) {
-            win.click(&format!("{name} set"), [0.3, 0.5]);
+        let tick = format!("{name} set");
+        if is_pair && win.has(&tick) {
+            win.click(&tick, [0.3, 0.5]);
         }
         if is_pair && win.has(name) {
             win.drag(name, [0.5, 0.5], [1.5, 0.5], None);
