@@ -163,17 +163,23 @@ fn keys_do_what_the_report_does() {
     win.key("d");
     win.drag("wipe", [0.5, 0.5], [6.0, 0.5], None);
     assert!(win.state()["wipe"].as_f64().unwrap() > 0.55, "{}", win.state()["wipe"]);
-    // The difference of the halves, above its legend: none where both are one method.
+    // The difference of the halves, above its legend: none where both are one method, and of the other sign where they change places.
     win.choose("picture", "choice difference");
-    let colors = |win: &Win| {
+    let second = METHODS.iter().find(|method| method.uses_prefiltered()).unwrap();
+    let [first, second] = [METHODS[0].name, second.name].map(|name| format!("choice {name}"));
+    let difference = |left: &str, right: &str| {
+        win.choose("method", left);
+        win.choose("right", right);
         win.wait_done();
         let seen = win.picture();
-        let places = (0..3 * seen.height / 4).flat_map(|y| (0..seen.width).map(move |x| (x, y)));
-        places.map(|(x, y)| seen.get(x, y)).collect::<BTreeSet<_>>()
+        seen.data[..(seen.width * seen.height * 3 / 4) as usize].to_vec()
     };
-    assert!(colors(&win).len() > 4);
-    win.choose("right", &format!("choice {}", METHODS[0].name));
-    assert_eq!(colors(&win), BTreeSet::from([OFF_MASK_COLOR, SIGNED_ERROR.color(0.0)]));
+    let none = BTreeSet::from_iter(difference(&first, &first));
+    assert_eq!(none, BTreeSet::from([OFF_MASK_COLOR, SIGNED_ERROR.color(0.0)]));
+    let (one, other) = (difference(&first, &second), difference(&second, &first));
+    let red = |[red, _, blue]: &[u8; 3]| i32::from(*red) - i32::from(*blue);
+    let clear: Vec<_> = one.iter().zip(&other).filter(|(a, b)| red(a).abs().min(red(b).abs()) > 20).collect();
+    assert!(clear.len() > 1000 && clear.iter().all(|(a, b)| red(a).signum() == -red(b).signum()), "{}", clear.len());
     win.close();
 }
 
