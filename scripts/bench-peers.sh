@@ -7,7 +7,7 @@
 # possible: packages of Debian by apt-get, all else in a temporary folder that is removed at the end. What cannot be installed is named, and
 # the rest runs. BENCH_PEERS_WORK names a folder to keep instead, so that the next run need not download again;
 # SPLITSUM names a program in place of the one that is built.
-# Bevy does not run: it filters inside the engine, and no command of its own gives the cube back.
+# Bevy does not run: its build takes 40 CPU minutes. `scripts/check-clients.sh --bevy` has its filter.
 # Maps are those of experiments/environments; pages and tables go to runs/peers/bakes and runs/peers/speed (gitignored), or with
 # --out results to what is published. Ten maps take about 12 CPU minutes. Not part of scripts/test.sh.
 set -eu
@@ -124,5 +124,5 @@ chromium=$(command -v chromium || command -v chromium-browser || command -v goog
 "$python" -B scripts/peers/measure.py --program "$program" --experiment experiments/bakes.toml --work "$work/out" --out "$out" \
     --cmgen "$cmgen" --khronos "$khronos" --modules "$modules" --chromium "$chromium" --mitsuba "$mitsuba" \
     --versions "${versions#,}" "$@"
-say "not measured: Bevy, which filters inside the engine and has no command for it"
+say "not measured: Bevy, which takes 40 CPU minutes to build (scripts/check-clients.sh --bevy)"
 [ -z "$missing" ] || say "not installed, so without figures:$missing"

@@ -1,7 +1,13 @@
 #!/bin/sh
 # Checks what `splitsum bake --for` writes by programs of others: ktx-parse and three.js from npm, in a temporary folder, and Chromium.
 # Needs node, npm, a network for npm, and chromium. About 30 s beside the build. Not part of scripts/test.sh.
+#
+#     sh scripts/check-clients.sh [--bevy]
+#
+# --bevy has Bevy draw with our pair and filter a cube of ours, too, on any Vulkan device. Its build takes 40 CPU minutes and 2 GB in
+# target/bevy, its pictures a minute; BEVY_PEER names a built program in its place.
 set -eu
+[ $# -eq 0 ] || [ "$*" = --bevy ] || { echo "usage: sh scripts/check-clients.sh [--bevy]" >&2; exit 2; }
 root=$(cd "$(dirname "$0")/.." && pwd)
 program=${SPLITSUM:-$root/target/release/splitsum}
 work=$(mktemp -d)
@@ -133,3 +139,89 @@ chromium --headless --no-sandbox --use-gl=angle --use-angle=swiftshader --enable
     --user-data-dir="$work/profile" --dump-dom "file://$work/page.html" 2> chromium.log | sed -n 's/<[^>]*>//g; /PASSED\|FAILED/p' | grep -o '\(PASSED\|FAILED\).*' > three.log || true
 cat three.log
 grep -q '^PASSED three.js' three.log || { tail -5 chromium.log; echo "FAILED three.js"; exit 1; }
+[ $# -gt 0 ] || exit 0
+
+# Bevy, built without zstd, gets the same texels unpacked. Its DFG factors are a polynomial of n.v and r (Karis 2014, the fit for
+# mobile devices) unless its feature dfg_lut is on: as a table they are ours for this comparison.
+bevy=${BEVY_PEER:-$root/target/bevy/release/bevy-peer}
+[ -n "${BEVY_PEER:-}" ] || cargo build --release --manifest-path "$root/scripts/peers/bevy/Cargo.toml" --target-dir "$root/target/bevy"
+"$program" bake marker.hdr --for bevy --format rgba16f --set prefilter_size=256x256 --out half > /dev/null
+cat > plain.mjs <<'JS'
+import { readFileSync, writeFileSync } from 'node:fs';
+import { read, write } from 'ktx-parse';
+import { DataUtils } from 'three';
+import { ZSTDDecoder } from 'three/examples/jsm/libs/zstddec.module.js';
+const zstd = new ZSTDDecoder();
+await zstd.init();
+for (const name of ['bevy/specular', 'bevy/diffuse', 'half/specular']) {
+    const file = read(new Uint8Array(readFileSync(`${name}.ktx2`)));
+    for (const level of file.levels) level.levelData = zstd.decode(level.levelData, level.uncompressedByteLength);
+    writeFileSync(`${name}-plain.ktx2`, write({ ...file, supercompressionScheme: 0, keyValue: {} }));
+}
+const table = read(new Uint8Array(readFileSync('raw/dfg.ktx2')));
+const side = 128;
+const texels = new Uint16Array(2 * side * side);
+for (let i = 0; i < side * side; i++) {
+    const [nv, r] = [i % side, Math.floor(i / side)].map((x) => (x + 0.5) / side);
+    const a = Math.min((1 - r) ** 2, 2 ** (-9.28 * nv)) * (1 - r) + 0.0425 - 0.0275 * r;
+    const factors = [-1.04 * a + 1.04 - 0.572 * r, 1.04 * a + 0.022 * r - 0.04];
+    texels.set(factors.map((x) => DataUtils.toHalfFloat(Math.max(x, 5e-5))), 2 * i);
+}
+const levels = [{ levelData: new Uint8Array(texels.buffer), uncompressedByteLength: texels.byteLength }];
+writeFileSync('polynomial.ktx2', write({ ...table, pixelWidth: side, pixelHeight: side, levels, keyValue: {} }));
+JS
+cat > pictures.mjs <<'JS'
+import { readFileSync } from 'node:fs';
+import { FloatType } from 'three';
+import { EXRLoader } from 'three/examples/jsm/loaders/EXRLoader.js';
+const [theirs, ours, what, isRight] = process.argv.slice(2);
+const found = new Float32Array(new Uint8Array(readFileSync(theirs)).buffer);
+const { data, width: n } = new EXRLoader().setDataType(FloatType).parse(new Uint8Array(readFileSync(ours)).buffer);
+// Mean difference over the mean of ours, where both hit the sphere; the loader's rows go up.
+const difference = (place) => {
+    let [sum, mean] = [0, 0];
+    for (let y = 0; y < n; y++) for (let x = 0; x < n; x++) {
+        const [u, v] = place(x, y);
+        const [here, there] = [4 * ((n - 1 - y) * n + x), 4 * (v * n + u)];
+        if (data[here + 3] < 1 || found[there + 3] < 1) continue;
+        for (let i = 0; i < 3; i++) { sum += Math.abs(found[there + i] - data[here + i]); mean += data[here + i]; }
+    }
+    return 100 * sum / mean;
+};
+const as = difference((x, y) => [x, y]);
+const turned = [(x, y) => [n - 1 - x, y], (x, y) => [x, n - 1 - y], (x, y) => [n - 1 - x, n - 1 - y]].map(difference);
+const passed = isRight ? as < 2 && Math.min(...turned) > 20 : as > 20;
+const others = isRight ? `; mirrored or turned ${turned.map(Math.round).join(', ')} %` : '';
+console.log(`${passed ? 'PASSED' : 'FAILED'} Bevy: ${what}: ${as.toFixed(2)} % of the mean${others}`);
+process.exit(passed ? 0 : 1);
+JS
+node plain.mjs
+draw() { # specular, diffuse, camera, roughness, what, right or nothing
+    "$bevy" sphere "$1" "$2" 256 "$3" "$4" bevy.raw 2> bevy.log || { tail -5 bevy.log; echo "FAILED Bevy: $5"; exit 1; }
+    "$program" render --environment marker.hdr --method split-sum-frostbite --diffuse irradiance-map --compensation fdez-aguera \
+        --masking correlated --prefiltered 'file:bevy/specular.ktx2#bevy' --dfg 'file:polynomial.ktx2#bevy' --metallic 1 --albedo 1 \
+        --perceptual-roughness "$4" --camera "$3" --size 256x256 --out ours.exr > /dev/null
+    node pictures.mjs bevy.raw ours.exr "$5" "${6:-}"
+}
+for roughness in 0.2 0.5 0.8; do
+    draw bevy/specular-plain.ktx2 bevy/diffuse-plain.ktx2 ortho $roughness "roughness $roughness" right
+done
+draw bevy/specular-plain.ktx2 bevy/diffuse-plain.ktx2 perspective 0.5 'roughness 0.5 in perspective' right
+draw khronos/specular.ktx2 khronos/diffuse.ktx2 ortho 0.5 'the pair for the Khronos viewer must not fit'
+
+# GeneratedEnvironmentMapLight: what it makes of level 0.
+"$bevy" filter half/specular-plain.ktx2 filtered.raw 2> bevy.log || { tail -5 bevy.log; echo "FAILED Bevy: filter"; exit 1; }
+node --input-type=module - <<'JS'
+import { readFileSync, writeFileSync } from 'node:fs';
+import { read, write } from 'ktx-parse';
+const file = read(new Uint8Array(readFileSync('half/specular-plain.ktx2')));
+const texels = new Uint8Array(readFileSync('filtered.raw'));
+const levels = [];
+for (let side = file.pixelWidth, at = 0; side > 0; side >>= 1) {
+    const bytes = 6 * 8 * side * side;
+    levels.push({ levelData: texels.slice(at, at += bytes), uncompressedByteLength: bytes });
+}
+writeFileSync('filtered.ktx2', write({ ...file, levels, levelCount: levels.length }));
+JS
+echo "Bevy's GeneratedEnvironmentMapLight:"
+"$program" check-bake specular=filtered.ktx2 --preset bevy --environment marker.hdr --no-image

@@ -219,7 +219,7 @@ pub static PRESETS: &[Preset] = &[
     },
     Preset {
         name: "bevy",
-        about: "cubes as Bevy looks them up, (x, y, -z): not checked against a bake of its own",
+        about: "cubes as Bevy looks them up, (x, y, -z): checked by pictures of Bevy 0.19.1 and its DFG table",
         axes: "+x+y-z",
         mapping: "linear",
         table_axes: "n+r+",
