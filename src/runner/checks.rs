@@ -73,8 +73,11 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
         );
         faults.add(&config.place_of(SIZE, point), text);
     }
-    for axis in [PREFILTERED, DFG_TABLE, COMPENSATION].into_iter().filter(|axis| !point.is_own(*axis)) {
+    let is_given = |axis: &usize| AXES[*axis].kind.path_in(&point[*axis].to_string()).is_some();
+    let is_other = |axis: &usize| is_given(axis) || *axis == COMPENSATION && !point.is_own(*axis);
+    for axis in [PREFILTERED, DFG_TABLE, COMPENSATION].into_iter().filter(is_other) {
         let (name, value, usual) = (AXES[axis].name, &point[axis], (AXES[axis].default)());
+        let usual = if is_given(&axis) { "tables that the program makes".to_owned() } else { usual.to_string() };
         let text = format!("{name}: [ladder] has the steps of {usual}, not of {value}");
         faults.add(&config.place_of(axis, point), text);
     }

@@ -11,6 +11,7 @@ use crate::runner::axis::METHOD;
 use crate::runner::sheets::signed_step;
 use crate::shade::REFERENCE;
 use crate::study::frame::{Frame, Row};
+use crate::study::questions::words::percent;
 use crate::table::colormap::SIGNED_ERROR;
 use crate::tonemap::ToneCurve;
 use serde_json::{Value as Json, json};
@@ -28,9 +29,6 @@ pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
         frame.rows.iter().find(|row| is_own(row) && method(row) == *rung)
     };
     let rows: Vec<&Row> = rungs.iter().filter_map(of_rung).collect();
-    if rows.len() < 2 {
-        return None;
-    }
     let image = |file: &str| read(&told.finished.dir, file).ok().filter(|image| is_radiance(&image.rgb));
     let reference = image(&files.reference)?;
     let (mask, curve) = (mask_of(&reference), last.cell.point.settings().curve);
@@ -38,19 +36,21 @@ pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
     let curve = ToneCurve { exposure: curve.exposure * stops.exp2(), ..curve };
     let epsilon = told.finished.epsilon(&last.cell.point).beside_square();
     let mut frames = vec![json!({ "name": REFERENCE, "image": shot(REFERENCE, &curve.apply_image(&reference.rgb))? })];
+    let radiance = |row: &&Row| Some(image(&row.cell.images.as_ref()?.radiance)?.rgb);
+    let images: Vec<RgbImage> = rows.iter().map(radiance).collect::<Option<_>>()?;
+    let is_alike = |own: &RgbImage| [own.width, own.height] == [reference.rgb.width, reference.rgb.height];
+    let end = images.last().filter(|_| images.len() > 1 && images.iter().all(is_alike))?.clone();
     let (mut before, mut largest) = (reference.rgb.clone(), (0.0, 0));
-    for row in rows {
-        let own = image(&row.cell.images.as_ref()?.radiance)?.rgb;
-        if [own.width, own.height] != [before.width, before.height] {
-            return None;
-        }
+    for (row, own) in rows.into_iter().zip(images) {
+        let share = share_of_image([&own, &before, &end, &reference.rgb], &mask, epsilon);
         let step = signed_step([&own, &before, &reference.rgb], epsilon);
         let size: f32 = step.data.iter().map(|x| x * x).sum();
         if size > largest.0 {
             largest = (size, frames.len());
         }
         let step = SIGNED_ERROR.image(&step, &mask);
-        let error = frame.error(row).map(|error| format!("{} {error:.2e}", frame.metric_name()));
+        let of_step = format!("share of this step in the picture's relmse {}", percent(share));
+        let error = frame.error(row).map(|error| format!("{} {error:.2e}; {of_step}", frame.metric_name()));
         frames.push(json!({
             "name": method(row).trim_start_matches("ladder-"),
             "image": shot(&method(row), &curve.apply_image(&own))?,
@@ -64,6 +64,20 @@ pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
     let exposed = if stops == 0.0 { String::new() } else { format!(" · {stops:+} stops") };
     let case = words(last, axes, Role::Scene) + &exposed;
     Some(json!({ "case": case, "frames": frames, "ends": [lo.to_string(), hi.to_string()] }))
+}
+
+/// The covariance share of a step, from the image before it to its own, in the error of the last image (`crate::ladder::attribution`).
+fn share_of_image([own, before, end, reference]: [&RgbImage; 4], mask: &GrayImage, epsilon: f64) -> f64 {
+    let (mut of_step, mut whole) = (0.0, 0.0);
+    for (i, _) in mask.data.iter().enumerate().filter(|(_, mask)| **mask > 0.0) {
+        for c in 0..3 {
+            let [own, before, end, r] = [own, before, end, reference].map(|image| f64::from(image.data[i][c]));
+            let (weight, e) = (1.0 / (r * r + epsilon), end - r);
+            of_step += weight * (own - before) * e;
+            whole += weight * e * e;
+        }
+    }
+    if whole > 0.0 { of_step / whole } else { 0.0 }
 }
 
 /// Whole stops that bring the mean of what is seen next to middle grey, where it is far from it: a dielectric would be black.

@@ -218,8 +218,11 @@ fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], told: &[Told]) -> O
     let [(least, place), (most, _)] = ends(ALL_VIEWS, lead)?;
     let share = if least == most { least } else { format!("{least} to {most}") };
     let at_least = if at(ALL_VIEWS).count() > 1 { ", least at " } else { " at " };
-    let mut text =
-        format!("**The {} makes {share}** of the {subject}'s `relmse`{at_least}{}.", says(lead), place.place());
+    let mut text = format!(
+        "**The {} makes {share}** of the {subject}'s `relmse` on scene `design`{at_least}{}.",
+        says(lead),
+        place.place()
+    );
     // The views at which it makes least of the error.
     let by_view = BANDS.into_iter().filter_map(|seen| Some((seen, ends(seen, lead)?)));
     let weakest = by_view.min_by(|(_, [a, _]), (_, [b, _])| a.1.mean(lead).total_cmp(&b.1.mean(lead)));
@@ -318,13 +321,17 @@ fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
         let rule = [Mark::neutral(Form::VerticalRule(0.0)), Mark::neutral(Form::VerticalRule(1.0))];
         (name, own.into_iter().flat_map(marks).chain(rule).collect())
     };
+    let is_pooled = groups.iter().any(|group| steps.iter().any(|step| group.is_pooled(step)));
+    let [pooled, whiskers] = match is_pooled {
+        true => [", mean over environments", "; whiskers: 95 % of the longest"],
+        false => ["", ""],
+    };
     Chart {
         title: match groups.first()?.subject() {
             "split sum" => "Where the split sum's error comes from",
             _ => "Where the error of the diffuse term comes from",
         },
-        note: "share of relmse by step, mean over environments; left of 0 a step cancels error; whiskers: 95 % of the longest"
-            .to_owned(),
+        note: "share of relmse by step".to_owned() + pooled + "; left of 0 a step cancels error" + whiskers,
         x: Along::Linear("share of the error"),
         y: Along::Steps("", alphas.iter().map(|alpha| heading(ALPHA, alpha)).collect()),
         panels: grouped(shown, |group| title(group)).into_iter().map(panel).collect(),
