@@ -128,8 +128,12 @@ impl Method {
         self.lookups > 0
     }
 
-    /// How often a pixel looks an environment map up, prefiltered or not, at that sample count; nothing where another image is integrated.
+    /// How often a pixel looks an environment map up, prefiltered or not, at that sample count; nothing where another image is integrated, or
+    /// where a shader in a file may do so any number of times.
     pub fn lookups_of_pixel(&self, samples: Option<u32>) -> Option<u32> {
+        if self.shader.is_some() {
+            return None;
+        }
         let count = if self.uses_samples { samples? } else { self.lookups };
         (count > 0).then_some(count)
     }
