@@ -372,12 +372,18 @@ fn it_stays_quick_while_it_is_turned() {
         (place[1] + 200.0).to_string(),
     ]);
     win.xdotool(&["mousedown".into(), "1".into()]);
-    while begun.elapsed() < Duration::from_secs(4) {
-        win.xdotool(&["mousemove_relative".into(), "--".into(), "2".into(), "0".into()]);
-        let shown = win.told()["shown"].as_u64().unwrap();
-        seen += u32::from(shown != last);
-        last = shown;
-    }
+    // Without a pause between two moves the window never refines.
+    let moves =
+        ["mousemove_relative", "2", "0", "sleep", "0.02"].repeat(150).into_iter().map(String::from).collect::<Vec<_>>();
+    std::thread::scope(|scope| {
+        let turn = scope.spawn(|| screen.xdotool(&moves));
+        while !turn.is_finished() {
+            let shown = win.told()["shown"].as_u64().unwrap_or(last);
+            seen += u32::from(shown != last);
+            last = shown;
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    });
     win.xdotool(&["mouseup".into(), "1".into()]);
     let rate = f64::from(seen) / begun.elapsed().as_secs_f64();
     let each = (win.cpu_s() - spent_before) / f64::from(seen);

@@ -95,7 +95,7 @@ impl Screen {
         win
     }
 
-    fn xdotool(&self, words: &[String]) -> String {
+    pub fn xdotool(&self, words: &[String]) -> String {
         let output = Command::new("xdotool").args(words).env("DISPLAY", &self.display).output().unwrap();
         assert!(output.status.success(), "xdotool {words:?}: {}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout).unwrap()
