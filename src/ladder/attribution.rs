@@ -61,6 +61,15 @@ fn squared(x: DVec3) -> DVec3 {
     x * x
 }
 
+/// The covariance share of a step, `Σ w δ e / Σ w e²`, over the weight, the step and the error of each pixel; 0 where nothing errs.
+pub fn covariance_share(pixels: impl Iterator<Item = [DVec3; 3]>) -> f64 {
+    let add = |[of_step, whole]: [DVec3; 2], [w, step, error]: [DVec3; 3]| {
+        [of_step + w * step * error, whole + w * error * error]
+    };
+    let [of_step, whole] = pixels.fold([DVec3::ZERO; 2], add).map(DVec3::element_sum);
+    if whole > 0.0 { of_step / whole } else { 0.0 }
+}
+
 /// Where an image lies above its mean in each scramble.
 type Deviations = Vec<Vec<DVec3>>;
 
@@ -125,19 +134,18 @@ pub fn attributions(case: &Case, bands: &[[f64; 2]]) -> Vec<Attribution> {
             let end = |pixel: usize| {
                 last[pixel] - reference[pixel] + left * difference(&drawn[steps.len()], &drawn[0], pixel, k)
             };
-            let whole = mean(band, &|pixel| squared(end(pixel)));
             let share = |i: usize| {
                 let own = |pixel: usize| {
                     chain[i + 1][pixel] - chain[i][pixel] + left * difference(&drawn[i + 1], &drawn[i], pixel, k)
                 };
-                mean(band, &|pixel| own(pixel) * end(pixel)) / whole
+                covariance_share(pixels[band].iter().map(|&pixel| [weights[pixel], own(pixel), end(pixel)]))
             };
             (0..steps.len()).map(share).collect::<Vec<_>>()
         };
         let shares: Vec<Vec<f64>> = (0..count).filter(|_| count > 1).map(without_scramble).collect();
         let step = |i: usize| {
             let [from, to] = [&chain[i], &chain[i + 1]];
-            let covariance = mean(band, &|pixel| (to[pixel] - from[pixel]) * (last[pixel] - reference[pixel]));
+            let of_pixel = |&pixel: &usize| [weights[pixel], to[pixel] - from[pixel], last[pixel] - reference[pixel]];
             let (least, most) = (before(i, &needs), without(i, &needs));
             let size = mean(band, &|pixel| squared(to[pixel] - from[pixel]));
             let noise = noise_of(band, [&drawn[i], &drawn[i + 1]]);
@@ -145,7 +153,7 @@ pub fn attributions(case: &Case, bands: &[[f64; 2]]) -> Vec<Attribution> {
             let spread: f64 = shares.iter().map(|of| (of[i] - centre).powi(2)).sum();
             StepNumbers {
                 step: steps[i].name,
-                share: covariance / error,
+                share: covariance_share(pixels[band].iter().map(of_pixel)),
                 error: value((1 << (i + 1)) - 1),
                 first_in: value(least | 1 << i) - value(least),
                 last_out: error - value(most),

@@ -1,6 +1,7 @@
 //! What finished runs say. No test needs a device: runs use a renderer made of formulas.
 
 mod asked;
+mod break_even;
 mod equal_cost;
 mod estimate;
 mod figure;

@@ -6,6 +6,7 @@ use super::model::{PageAxis, Role};
 use super::told::Told;
 use crate::color::luminance;
 use crate::ladder::SPLIT_SUM;
+use crate::ladder::attribution::covariance_share;
 use crate::pixels::{GrayImage, RgbImage};
 use crate::runner::axis::METHOD;
 use crate::runner::sheets::signed_step;
@@ -14,6 +15,7 @@ use crate::study::frame::{Frame, Row};
 use crate::study::questions::words::percent;
 use crate::table::colormap::SIGNED_ERROR;
 use crate::tonemap::ToneCurve;
+use glam::DVec3;
 use serde_json::{Value as Json, json};
 
 /// The picture whose last rung errs most, rung by rung from the reference on, first shown at the largest step. Nothing where a run has less
@@ -66,18 +68,14 @@ pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
     Some(json!({ "case": case, "frames": frames, "ends": [lo.to_string(), hi.to_string()] }))
 }
 
-/// The covariance share of a step, from the image before it to its own, in the error of the last image (`crate::ladder::attribution`).
+/// The covariance share of a step, from the image before it to its own, in the error of the last image.
 fn share_of_image([own, before, end, reference]: [&RgbImage; 4], mask: &GrayImage, epsilon: f64) -> f64 {
-    let (mut of_step, mut whole) = (0.0, 0.0);
-    for (i, _) in mask.data.iter().enumerate().filter(|(_, mask)| **mask > 0.0) {
-        for c in 0..3 {
-            let [own, before, end, r] = [own, before, end, reference].map(|image| f64::from(image.data[i][c]));
-            let (weight, e) = (1.0 / (r * r + epsilon), end - r);
-            of_step += weight * (own - before) * e;
-            whole += weight * e * e;
-        }
-    }
-    if whole > 0.0 { of_step / whole } else { 0.0 }
+    let seen = mask.data.iter().enumerate().filter(|(_, mask)| **mask > 0.0);
+    covariance_share(seen.map(|(i, _)| {
+        let [own, before, end, r] =
+            [own, before, end, reference].map(|image| DVec3::from_array(image.data[i].map(f64::from)));
+        [(r * r + epsilon).recip(), own - before, end - r]
+    }))
 }
 
 /// Whole stops that bring the mean of what is seen next to middle grey, where it is far from it: a dielectric would be black.

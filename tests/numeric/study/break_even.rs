@@ -1,0 +1,214 @@
+//! Break-even of made-up runs whose answers are known: of one pair of methods, and of each.
+
+use super::asked::{CURVES, digest, samples};
+use super::paper::{Made, Paper, column, finding, finished, numbers, only};
+use crate::runner::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
+use crate::runner::runs;
+use splitsum::study::figure::{Mark, Panel, Shape};
+use splitsum::study::finished::{Bin, Finished, MetricValues};
+
+#[test]
+fn a_run_has_the_break_even_of_its_error_model() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), runs::plan(crate::runner::run::EXPERIMENT));
+    runs::finished(&plan, dir.path());
+    let run = Finished::read(dir.path()).unwrap();
+    let found = finding(&run, "break-even");
+    // 0.4 / sqrt(4) = 0.2 is above the fixed 0.15, 0.4 / sqrt(16) = 0.1 below it: the tried counts are 1, 4 and 16.
+    assert_eq!(numbers(&found.table, "break_even"), [16.0; 4]);
+    assert!(numbers(&found.table, "is_resolved").iter().all(|is| *is == 1.0));
+    // Squared errors 0.16 / n meet 0.0225.
+    let crossing = f64::from(ERROR_AT_ONE / SPLIT_SUM_ERROR).powi(2);
+    assert!(numbers(&found.table, "crossing").iter().all(|n| (n / crossing - 1.0).abs() < 1e-3));
+    // And its squared error falls with the count.
+    let found = finding(&run, "convergence");
+    assert!(numbers(&found.table, "slope").iter().all(|slope| slope.is_nan() || (slope + 1.0).abs() < 1e-3));
+    assert!(numbers(&found.table, "stops_at").iter().all(|n| n.is_nan()));
+}
+
+#[test]
+fn the_break_even_is_the_first_count_from_which_all_are_better() {
+    // By alpha the error of the split sum: always above, between, never; the dip at 4 does not last; equal is not better.
+    let cases = [(0.1, 1.0), (0.2, 0.5), (0.3, 0.05), (0.4, 0.1)];
+    let curve = [(1.0, 0.9), (4.0, 0.3), (16.0, 0.6), (64.0, 0.2), (256.0, 0.1)];
+    let run = finished(&format!("{CURVES}alpha = [0.1, 0.2, 0.3, 0.4]\n"), |point| {
+        let fixed = cases.iter().find(|(alpha, _)| *alpha == point.get("alpha").number()).unwrap().1;
+        let sampled = |n: f64| curve.iter().find(|(count, _)| *count == n).unwrap().1;
+        Some(Made::error(samples(point).map_or(fixed, sampled)))
+    });
+    let found = finding(&run, "break-even");
+    let counts = numbers(&found.table, "break_even");
+    assert_eq!(counts[..2], [1.0, 64.0]);
+    assert!(counts[2].is_nan() && counts[3].is_nan(), "{counts:?}");
+    assert_eq!(numbers(&found.table, "largest_tried"), [256.0; 4]);
+    let crossings = numbers(&found.table, "crossing");
+    assert!(crossings[0].is_nan(), "below the smallest count nothing is known");
+    // ln 0.6 to ln 0.2 over a factor of four, at ln 0.5.
+    let expected = 16.0 * 4f64.powf((0.6f64 / 0.5).ln() / (0.6f64 / 0.2).ln());
+    assert!((crossings[1] - expected).abs() < 1e-9, "{crossings:?}");
+    // Each alpha has its own answer, and none is pooled over them.
+    let told: Vec<String> = digest(&found).iter().map(|row| row[2].clone()).collect();
+    assert_eq!(told, ["1", "64", "more than 256", "more than 256"]);
+    assert!(found.sentence.contains("1 at alpha 0.1; most: more than 256 at alpha 0.3."), "{}", found.sentence);
+}
+
+#[test]
+fn each_set_of_tables_has_a_break_even_of_its_own() {
+    // Errors 4/n; the split sum errs by 0.3 with one layout and by 2 with the other.
+    let run = finished(&format!("{CURVES}layout = [\"cube\", \"octahedral\"]\n"), |point| {
+        let fixed = if point.get("layout").text() == "octahedral" { 2.0 } else { 0.3 };
+        Some(Made::error(samples(point).map_or(fixed, |n| 4.0 / n)))
+    });
+    let found = finding(&run, "break-even");
+    // The size of the map goes with the layout.
+    let told: Vec<[String; 2]> =
+        digest(&found).iter().map(|row| [row[0].clone(), row[row.len() - 1].clone()]).collect();
+    assert_eq!(told, [["cube", "16"], ["octahedral", "4"]]);
+}
+
+/// Errors 4/n under environments whose split sum has an error that breaks even at these counts.
+pub fn under(fixed: &[f64]) -> Finished {
+    let names: Vec<String> = (0..fixed.len()).map(|i| format!("\"builtin:sky:elevation_deg={}\"", 10 + i)).collect();
+    finished(&format!("environment = [{}]\n{CURVES}", names.join(", ")), |point| {
+        let place = names.iter().position(|name| name.trim_matches('"') == point.get("environment").text()).unwrap();
+        Some(Made::error(samples(point).map_or(fixed[place], |n| 4.0 / n)))
+    })
+}
+
+#[test]
+fn a_median_has_an_interval_from_six_environments_on() {
+    // 4/n lies below 0.3 from 16 on, below 2 from 4 on.
+    let few = finding(&under(&[0.3, 2.0, 0.3, 0.3, 0.3]), "break-even");
+    assert!(!few.sentence.contains("95 %") && few.sentence.contains("**16 samples"), "{}", few.sentence);
+    let many = finding(&under(&[0.3, 2.0, 0.3, 0.3, 2.0, 0.3, 0.3, 2.0]), "break-even");
+    assert!(many.sentence.contains("**16 samples a pixel** (95 % 4 to 16)"), "{}", many.sentence);
+    // An interval that is open, or wider than a decade, is not told.
+    let open = finding(&under(&[0.3, 1e-6, 0.3, 0.3, 1e-6, 0.3, 0.3, 1e-6]), "break-even");
+    assert!(!open.sentence.contains("95 %"), "{}", open.sentence);
+}
+
+#[test]
+fn a_figure_of_many_environments_shows_their_middle_first() {
+    let errors: [f64; 8] = [0.3, 2.0, 0.3, 0.3, 2.0, 0.3, 0.3, 2.0];
+    let run = under(&errors);
+    let dots = |panel: &Panel| -> Vec<[f64; 2]> {
+        let at = |mark: &Mark| if let Shape::Dot(at) = mark.shape { Some(at) } else { None };
+        panel.marks.iter().filter_map(at).collect()
+    };
+    let whiskers = |panel: &Panel| -> Vec<[[f64; 2]; 2]> {
+        let ends = |mark: &Mark| if let Shape::Whisker(a, b) = mark.shape { Some([a, b]) } else { None };
+        panel.marks.iter().filter_map(ends).collect()
+    };
+    // The counts at which 4/n falls below each error: 16 five times, 4 three times.
+    let figure = finding(&run, "break-even").figure.unwrap();
+    assert_eq!(
+        (dots(&figure.panels[0]), whiskers(&figure.panels[0])),
+        (vec![[16.0, 0.0]], vec![[[4.0, 0.0], [16.0, 0.0]]])
+    );
+    // The split sum's geometric mean is the last of the first panel's dots; Student's interval of the logarithms is around it.
+    let figure = finding(&run, "error").figure.unwrap();
+    assert_eq!(figure.panels.len(), 1 + errors.len());
+    let mean = errors.iter().map(|error| error.ln()).sum::<f64>() / 8.0;
+    let variance = errors.iter().map(|error| (error.ln() - mean).powi(2)).sum::<f64>() / 7.0;
+    let half = 2.365 * (variance / 8.0).sqrt();
+    let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-9;
+    let ([.., dot], [.., [from, to]]) = (&dots(&figure.panels[0])[..], &whiskers(&figure.panels[0])[..]) else {
+        panic!()
+    };
+    assert!(near(dot[1], mean.exp()), "{dot:?}");
+    assert!(near(from[1], (mean - half).exp()) && near(to[1], (mean + half).exp()), "{from:?} {to:?}");
+    // In all of them the sampled error is 4/n; by count it stands once.
+    let figure = finding(&run, "convergence").figure.unwrap();
+    assert_eq!(figure.panels.len(), 1);
+    assert!(dots(&figure.panels[0]).iter().all(|[n, error]| near(*error, 4.0 / n)));
+}
+
+/// A design under two lights: sampling with 1, 4 and 16 samples errs by 1, 0.5 and 0.2 at every view, methods without samples by the two
+/// errors at grazing and at steep ones.
+fn design_of_two_bands(fixed: &[(&str, [f64; 2])]) -> Paper {
+    let mut paper = Paper::new(&["scene", "environment", "method", "samples"]);
+    let sampled = [("1", 1.0), ("4", 0.5), ("16", 0.2)].map(|(samples, error)| ("sampled", samples, [error; 2]));
+    let fixed = fixed.iter().map(|(method, errors)| (*method, "", *errors));
+    for light in ["builtin:sky", "builtin:studio"] {
+        for (method, samples, error) in sampled.into_iter().chain(fixed.clone()) {
+            let bin = |lo: f64, error: f64| Bin {
+                lo,
+                hi: lo + 0.2,
+                pixel_count: 8,
+                scores: MetricValues::of(|_| Some(error)),
+            };
+            paper.add(&["design", light, method, samples], 0.5 * (error[0] + error[1])).bins =
+                vec![bin(0.0, error[0]), bin(0.8, error[1])];
+        }
+    }
+    paper
+}
+
+/// The runs of one band of n·v have that band's errors: at grazing views 1 sample is enough, at steep ones 16 are not.
+#[test]
+fn break_even_on_a_design_is_told_by_the_angle_of_view() {
+    let finding = design_of_two_bands(&[("split-sum", [2.0, 0.1])]).finding("break-even");
+    let row = |from: &str| only(&finding.table, &[("n_dot_v_from", from), ("environment", "builtin:sky")]);
+    let whole = only(&finding.table, &[("n_dot_v_to", "1"), ("n_dot_v_from", "0"), ("environment", "builtin:sky")]);
+    assert_eq!(column(&whole, "break_even"), ["1"]);
+    assert_eq!(column(&row("0.8"), "break_even"), [""]);
+    assert_eq!(
+        column(&only(&finding.table, &[("n_dot_v_to", "0.2"), ("environment", "builtin:sky")]), "break_even"),
+        ["1"]
+    );
+}
+
+/// So have those of every pair.
+#[test]
+fn each_pair_of_methods_breaks_even_by_the_angle_of_view() {
+    let paper = design_of_two_bands(&[("split-sum", [2.0, 0.1]), ("split-sum-relative", [0.3, 0.6])]);
+    let found = paper.finding("break-even-of-pairs").table;
+    for (to, fixed, count) in [
+        ("0.2", "split-sum", "1"),
+        ("0.2", "split-sum-relative", "16"),
+        ("1", "split-sum", ""),
+        ("1", "split-sum-relative", "4"),
+    ] {
+        let from = if to == "1" { "0.8" } else { "0" };
+        let row = only(&found, &[("n_dot_v_from", from), ("n_dot_v_to", to), ("fixed", fixed)]);
+        assert_eq!(column(&row, "break_even"), [count], "{fixed} up to {to}");
+    }
+}
+
+/// Every pair of methods has its own break-even, by the metric of radiance on the design and by FLIP in the picture.
+#[test]
+fn each_pair_of_methods_breaks_even_by_itself() {
+    let lights = [1.0, 2.0, 4.0, 1.0, 1.0, 1.0];
+    let names: Vec<String> = (0..6).map(|i| format!("\"builtin:sky:elevation_deg={}\"", 10 + i)).collect();
+    let text = format!(
+        "environment = [{}]\nscene = [\"design\", \"sphere\"]\nmethod = [\"split-sum\", \"split-sum-relative\", \"sampled\", \
+         \"sampled-vndf\"]\nsamples = [1, 4, 16, 64]\n",
+        names.join(", ")
+    );
+    let run = finished(&text, |point| {
+        let place = names.iter().position(|name| name.trim_matches('"') == point.get("environment").text()).unwrap();
+        let ease = if point.get("method").text() == "sampled-vndf" { 2.0 } else { 1.0 };
+        let fixed = if point.get("method").text() == "split-sum" { 1.5 } else { 0.3 };
+        // 4/n meets 1.5 at 2.7 and 0.3 at 13; half as many visible normals do. FLIP is 8 times as strict.
+        let error = samples(point).map_or(fixed / lights[place], |n| 4.0 / (n * ease));
+        let flip = samples(point).map_or(fixed, |n| 32.0 / (n * ease));
+        Some(Made { flip, ..Made::error(error) })
+    });
+    let found = finding(&run, "break-even-of-pairs");
+    let of = |metric: &str, fixed: &str, sampled: &str| {
+        let row = only(&found.table, &[("metric", metric), ("fixed", fixed), ("sampled", sampled)]);
+        ["break_even", "break_even_lo", "break_even_hi"].map(|name| numbers(&row, name)[0])
+    };
+    // Medians of the crossings, where four of six environments agree; the interval reaches to those that do not.
+    let near = |found: [f64; 3], count: f64, crossing: f64, reach: [f64; 2]| {
+        assert_eq!(found[0], count, "{found:?}");
+        let [lo, hi] = [found[1], found[2]].map(|end| end / crossing);
+        assert!((lo - 1.0).abs() < 1e-9 && hi > reach[0] - 1e-9 && hi < reach[1] + 1e-9, "{found:?}");
+    };
+    // The two largest of six crossings are twice and four times the others; by FLIP all are alike.
+    near(of("relmse", "split-sum", "sampled"), 4.0, 4.0 / 1.5, [2.0, 4.0]);
+    near(of("relmse", "split-sum-relative", "sampled"), 16.0, 4.0 / 0.3, [2.0, 4.0]);
+    near(of("relmse", "split-sum-relative", "sampled-vndf"), 16.0, 2.0 / 0.3, [2.0, 4.0]);
+    near(of("flip", "split-sum", "sampled-vndf"), 16.0, 16.0 / 1.5, [1.0, 1.0]);
+    assert!(of("flip", "split-sum-relative", "sampled")[0].is_nan(), "107 samples were not tried");
+    assert!(found.sentence.contains("In `flip` it is 64, and 64."), "{}", found.sentence);
+}
