@@ -133,11 +133,8 @@ pub fn idle_values(config: &Config) -> impl Iterator<Item = (Place, String)> + '
     idle(config).map(|(_, place, text, _)| (place, text))
 }
 
-/// Swept settings of sampled tables that no cell uses, since each makes its tables by harmonics: their values are one cell.
-pub fn idle_sample_counts<'p>(
-    config: &Config,
-    points: impl Iterator<Item = &'p Point> + Clone,
-) -> Vec<(Place, String)> {
+/// Swept axes that no cell uses: their values are one cell.
+pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> + Clone) -> Vec<(Place, String)> {
     let is_idle = |axis: usize| points.clone().all(|point| point[axis] == Value::Unset);
     let would_be_used = |axis: usize| {
         let sampled = |point: &Point| {
@@ -148,17 +145,18 @@ pub fn idle_sample_counts<'p>(
         };
         points.clone().any(sampled)
     };
-    let swept = config.axes.iter().filter(|sweep| sweep.values.len() > 1 && is_idle(sweep.axis));
-    let told = swept.filter(|sweep| would_be_used(sweep.axis)).map(|sweep| {
-        let (name, count, of) = (AXES[sweep.axis].name, sweep.values.len(), AXES[PREFILTER_BY].name);
-        let harmonic = PrefilterBy::Harmonic.name();
-        let text = format!(
-            "{name}: its {count} values are one cell, since {of} = \"{harmonic}\" draws no samples; expected {of} = \"{}\"",
-            PrefilterBy::Sampled.name()
-        );
+    let told = |sweep: &Sweep| {
+        let why = if would_be_used(sweep.axis) {
+            let [of, harmonic, sampled] =
+                [AXES[PREFILTER_BY].name, PrefilterBy::Harmonic.name(), PrefilterBy::Sampled.name()];
+            format!("{of} = \"{harmonic}\" draws no samples; expected {of} = \"{sampled}\"")
+        } else {
+            "no method of the experiment uses it".to_owned()
+        };
+        let text = format!("{}: its {} values are one cell, since {why}", AXES[sweep.axis].name, sweep.values.len());
         (sweep.values[0].place.clone(), text)
-    });
-    told.collect()
+    };
+    config.axes.iter().filter(|sweep| sweep.values.len() > 1 && is_idle(sweep.axis)).map(told).collect()
 }
 
 /// Axis, place and sentence of each value of an exclusion that its axis does not have, and whether no other one of its condition is there.

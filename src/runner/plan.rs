@@ -239,7 +239,7 @@ impl Plan {
         for exclusion in self.idle_exclusions() {
             warnings.add(&exclusion.place, format!("the exclusion {:?} matches no combination", exclusion.why));
         }
-        for (place, text) in checks::idle_sample_counts(&self.config, self.cells.iter().map(|cell| &cell.point)) {
+        for (place, text) in checks::idle_sweeps(&self.config, self.cells.iter().map(|cell| &cell.point)) {
             warnings.add(&place, text);
         }
         for (place, text) in checks::idle_values(&self.config) {

@@ -297,7 +297,7 @@ fn page(runs: &[Published]) -> String {
     text.trim_end().to_owned() + "\n"
 }
 
-/// Begins a block of README that [`write_readme`] fills: `<!-- answer RUN QUESTION -->`.
+/// Begins a block of README that [`write_readme`] fills: `<!-- answer RUN QUESTION COLUMN=CELL ... -->`.
 const BLOCK_START: &str = "<!-- answer ";
 /// Ends such a block.
 const BLOCK_END: &str = "<!-- /answer -->";
@@ -327,14 +327,31 @@ pub fn with_answers(text: &str, into: &Path) -> Result<String, PublishError> {
     Ok(filled)
 }
 
-/// The content of a block with this head: "RUN QUESTION".
+/// The content of a block with this head: "RUN QUESTION", and which rows of the digest, "COLUMN=CELL", to show.
 fn block(head: &str, into: &Path) -> Result<Option<String>, PublishError> {
-    let Some((run, question)) = head.trim().split_once(' ') else { return Ok(None) };
+    let mut words = head.split_whitespace();
+    let (Some(run), Some(question)) = (words.next(), words.next()) else { return Ok(None) };
+    let wanted: Vec<(&str, &str)> = words.filter_map(|word| word.split_once('=')).collect();
     let dir = into.join(run);
     if !dir.join(ANSWERS_FOLDER).join(ANSWER_FILE).exists() {
         return Ok(None);
     }
     let record = AnswerRecord::read(&dir)?;
     let answer = record.answers.into_iter().find(|answer| answer.question == question);
-    Ok(answer.map(|answer| format!("\n{}\n\n{}\n", paragraph(&answer.sentence), answer.digest)))
+    Ok(answer.map(|answer| format!("\n{}\n\n{}\n", paragraph(&answer.sentence), rows_with(&answer.digest, &wanted))))
+}
+
+/// The rows of a Markdown table with these cells, without the columns that hold them.
+fn rows_with(table: &str, wanted: &[(&str, &str)]) -> String {
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.trim_matches('|').split('|').collect()).collect();
+    let names: Vec<&str> = rows.first().map_or(vec![], |head| head.iter().map(|name| name.trim()).collect());
+    let cell = |name: &str| wanted.iter().find(|(column, _)| *column == name).map(|(_, cell)| *cell);
+    let is_wanted =
+        |row: &&Vec<&str>| names.iter().zip(*row).all(|(name, own)| cell(name).is_none_or(|cell| cell == own.trim()));
+    let shown = rows.iter().take(2).chain(rows.iter().skip(2).filter(is_wanted));
+    let line = |row: &Vec<&str>| {
+        let cells = names.iter().zip(row).filter(|(name, _)| cell(name).is_none());
+        format!("|{}|\n", cells.map(|(_, own)| *own).collect::<Vec<_>>().join("|"))
+    };
+    shown.map(line).collect()
 }

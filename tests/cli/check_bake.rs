@@ -2,9 +2,13 @@
 
 use super::end_to_end::folder;
 use super::{assert_ends, ok, splitsum};
+use glam::DVec2;
 use serde_json::Value;
 use splitsum::bakes::convention::PRESETS;
+use splitsum::brdf::MaskingShadowing;
 use splitsum::pixels::{GrayImage, RgbImage, exr};
+use splitsum::precompute::lobe_shape::{LobeShapes, parameters_from_node};
+use splitsum::precompute::prefilter::Kernel;
 
 #[test]
 fn our_own_bakes_score_near_zero_in_every_layout() {
@@ -102,6 +106,40 @@ fn frames_by_given_tables_are_those_by_our_own() {
         let off = own.iter().zip(&theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         let largest = own.iter().copied().fold(0.0, f32::max);
         assert!(off < 0.01 * largest, "{engine}: {off} of {largest}");
+    }
+}
+
+/// Nodes of the baked lobes, in the image and in the header, hold what the shape has there in f64.
+#[test]
+fn baked_lobes_are_their_shapes() {
+    let Some(dir) = folder() else { return };
+    let sets = ["--set", "brdf=phong", "--set", "masking=correlated", "--set", "prefilter_size=64x64"];
+    ok(dir.path(), &[&["bake", "builtin:constant", "--out", "baked"], &sets[..]].concat());
+    let image = exr::read(&dir.path().join("baked/lobes_phong.exr")).unwrap();
+    let header = std::fs::read_to_string(dir.path().join("baked/lobes_phong.h")).unwrap();
+    let rows: Vec<Vec<f64>> = header
+        .lines()
+        .filter_map(|line| line.strip_prefix("SPLITSUM_LOBE(")?.split_once(')'))
+        .map(|(numbers, _)| numbers.split(", ").map(|number| number.parse().unwrap()).collect())
+        .collect();
+    let side = splitsum::glsl::constants::LOBE_SHAPE_SIDE;
+    assert_eq!(rows.len(), (2 * side * side) as usize);
+    let (phong, masking) = (splitsum::brdf::by_name("phong").unwrap(), MaskingShadowing::Correlated);
+    let shapes = LobeShapes::new(Kernel::cosine(phong), masking);
+    for node in [[3, 9], [20, 9], [31, 16], [12, 30]] {
+        let DVec2 { x: n_dot_v, y: alpha } = parameters_from_node(node);
+        let shape = shapes.at(n_dot_v, alpha);
+        let [a, b] = shape.moments;
+        let [low, middle, high] = shape.width_ratios[1];
+        for (part, expected) in [(0, [a.x, a.y, b.x, b.y]), (side, [low, middle, high, 1.0])] {
+            let [x, y] = [node[0], node[1] + part];
+            let rgb = image.rgb.get(x, y);
+            let texel = &rows[(y * side + x) as usize];
+            for (channel, expected) in expected.into_iter().enumerate() {
+                assert!((texel[channel] - expected).abs() < 1e-6, "{node:?} part {part}: {texel:?} for {expected}");
+                assert!(channel == 3 || rgb[channel] == texel[channel] as f32, "{node:?}: {rgb:?} for {texel:?}");
+            }
+        }
     }
 }
 

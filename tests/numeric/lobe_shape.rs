@@ -169,6 +169,14 @@ fn at_alpha_1_the_kernel_of_masking_is_the_lobe_from_any_view() {
     };
     // At n·v 1 the shares of r and n are not parted.
     let facing = moment(1.0 - 1e-6).element_sum();
+    // D is one value, so the kernel is its weight alone.
+    let kernel = Kernel::new(ggx, weight, MaskingShadowing::Separable);
+    let of_kernel = |power: i32| {
+        let tolerance = Tolerance { relative: 1e-7, max_part_count: 20_000 };
+        integrate_rectangle(UNIT, tolerance, |p| DVec3::splat(kernel.weight(1.0, p.x) * p.x.powi(power))).value.x
+    };
+    let mean_cosine = of_kernel(1) / of_kernel(0);
+    assert!((facing - mean_cosine).abs() < 1e-4, "{facing} {mean_cosine}");
     for n_dot_v in [0.05, 0.3, 0.7, 0.95] {
         let found = moment(n_dot_v);
         assert!(found.x.abs() < 1e-4 && (found.y - facing).abs() < 1e-4, "{n_dot_v}: {found} {facing}");

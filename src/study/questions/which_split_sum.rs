@@ -108,28 +108,30 @@ fn sentence(frame: &Frame, axes: &[usize], ways: &[Way], base: &Value) -> Option
     Some(first_words + &next.unwrap_or_default() + &all.ratios.scope(axes))
 }
 
-/// By F0 and alpha the ways of the front with the base, each with its number of lookups; the last rows have the mean and the worst image.
+/// By F0 and alpha the ways of the front with the base, each with its number of lookups; of several images the last rows have the mean and
+/// the worst one.
 fn digest(frame: &Frame, ways: &[Way]) -> Table {
     let by_axes: Vec<usize> = [F0, ALPHA].into_iter().filter(|axis| frame.shape.is_swept(*axis)).collect();
     let shown: Vec<&Way> = ways.iter().filter(|way| way.is_on_front || way.lookups == 1).collect();
     let heads = by_axes.iter().map(|axis| AXES[*axis].name.to_owned());
     let heads = heads.chain(by_axes.contains(&ALPHA).then(|| ROUGHNESS.to_owned()));
+    let heads: Vec<String> = if by_axes.is_empty() { vec!["images".to_owned()] } else { heads.collect() };
     let names = shown.iter().map(|way| format!("{} ({})", way.name, way.lookups));
-    let mut table = Table::with_names(heads.chain(names));
-    for (key, _) in by(&rows(&shown), &by_axes) {
+    let mut table = Table::with_names(heads.iter().cloned().chain(names));
+    for (key, _) in by(&rows(&shown), &by_axes).into_iter().filter(|_| !by_axes.is_empty()) {
         let rough = by_axes.iter().zip(&key).find(|(axis, _)| **axis == ALPHA).map(|(_, alpha)| roughness(alpha));
         let cells =
             shown.iter().map(|way| at(&way.ratios, &by_axes, &key).estimate().as_ref().map(with_interval).into());
         table.row(key.iter().map(Cell::from).chain(rough.map(Cell::from)).chain(cells).collect());
     }
-    let blanks = |first: &str| {
-        let count = by_axes.len() + usize::from(by_axes.contains(&ALPHA));
-        (0..count).map(|i| if i == 0 { Cell::from(first) } else { None::<f64>.into() }).collect::<Vec<_>>()
+    let labelled = |label: &str, cells: Vec<Cell>| {
+        let blanks = heads.iter().skip(1).map(|_| None::<f64>.into());
+        std::iter::once(Cell::from(label)).chain(blanks).chain(cells).collect()
     };
-    let all = shown.iter().map(|way| Cell::from(with_interval(&way.mean)));
-    table.row(blanks(ALL).into_iter().chain(all).collect());
-    let worst = shown.iter().map(|way| Cell::from(number(way.ratios.most())));
-    table.row(blanks("worst image").into_iter().chain(worst).collect());
+    table.row(labelled(ALL, shown.iter().map(|way| Cell::from(with_interval(&way.mean))).collect()));
+    if shown.iter().any(|way| way.ratios.rows().count() > 1) {
+        table.row(labelled("worst image", shown.iter().map(|way| Cell::from(number(way.ratios.most()))).collect()));
+    }
     table.without_empty()
 }
 
