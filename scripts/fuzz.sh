@@ -20,7 +20,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 what=$1
 shift
 targets=("$@")
-[ $# -gt 0 ] || targets=(hdr exr obj gltf experiment queries report ktx2 ktx dds)
+[ $# -gt 0 ] || targets=(hdr exr obj gltf experiment queries report ktx2 ktx dds png sh bake)
 sanitizer=${SANITIZER:-address}
 triple=$(rustc -vV | sed -n 's/^host: //p')
 binaries=fuzz/target/$triple/release

@@ -237,6 +237,9 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     };
     let levels: Vec<String> =
         (0..file.prefilter_alphas.len()).map(|k| format!("prefiltered_{}_{k}.exr", reading.brdf)).collect();
+    if levels.is_empty() {
+        return Err(refuse("it names no level".to_owned()));
+    }
     once(&mut bake.specular, map(&levels)?, "prefiltered map", path)?;
     let has = |name: &str| names.iter().any(|found| found == name);
     let table = format!("dfg_{}.exr", reading.brdf);

@@ -110,6 +110,13 @@ fn textures() {
     }
 }
 
+#[test]
+fn parts_of_bakes() {
+    for name in ["png", "sh", "bake"] {
+        check(name);
+    }
+}
+
 /// The seeds must be right files, or mutation starts from refusals only.
 #[test]
 fn seeds_are_read() {
@@ -124,6 +131,13 @@ fn seeds_are_read() {
             let environment = Environment::from_bytes(&path, &bytes, &options);
             environment.unwrap_or_else(|error| panic!("{error}"));
         }
+    }
+    for (name, bytes) in seeds::seeds("bake") {
+        let dir = tempfile::tempdir().unwrap();
+        targets::write_files(dir.path(), &bytes);
+        let reading = splitsum::bakes::source::Reading { layout: None, brdf: "ggx" };
+        let bake = splitsum::bakes::source::read(&[dir.path().display().to_string()], reading);
+        assert!(bake.is_ok_and(|bake| bake.specular.is_some()), "{name}");
     }
 }
 

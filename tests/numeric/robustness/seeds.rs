@@ -23,6 +23,9 @@ pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
         "queries" => texts(QUERIES),
         "report" => texts(REPORTS),
         "ktx2" | "ktx" | "dds" => textures(target),
+        "png" => pngs(),
+        "sh" => coefficients(),
+        "bake" => bakes(),
         other => panic!("there is no target {other}"),
     }
 }
@@ -44,6 +47,54 @@ fn textures(target: &str) -> Vec<(String, Vec<u8>)> {
         }
     }
     seeds
+}
+
+/// A table of 3 in 8 and 16 bits, grey and in colours.
+fn pngs() -> Vec<(String, Vec<u8>)> {
+    let eight = image::RgbImage::from_fn(3, 3, |x, y| image::Rgb([40 * x as u8, 80 * y as u8, 7]));
+    let image = image::DynamicImage::from(eight);
+    let forms = [("rgb8", image.clone()), ("rgba16", image.to_rgba16().into()), ("grey8", image.to_luma8().into())];
+    let seed = |(name, image): (&str, image::DynamicImage)| {
+        let mut file = Cursor::new(Vec::new());
+        image.write_to(&mut file, image::ImageFormat::Png).expect("a picture in memory");
+        (name.to_owned(), file.into_inner())
+    };
+    forms.into_iter().map(seed).collect()
+}
+
+fn coefficients() -> Vec<(String, Vec<u8>)> {
+    let radiance = std::array::from_fn(|k| glam::DVec3::new(0.5, -0.25, 1e-3) * k as f64);
+    let json = json!({ "radiance": radiance.map(|triple: glam::DVec3| triple.to_array()) });
+    let texts = [("cmgen", splitsum::bakes::sh::to_cmgen(&radiance)), ("ours", json.to_string())];
+    texts.map(|(name, text)| (name.to_owned(), text.into_bytes())).into()
+}
+
+/// Faces of one texel in two levels, by their names and by a `bake.json`.
+fn bakes() -> Vec<(String, Vec<u8>)> {
+    let face = [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n".as_slice(), &[9, 99, 199, 129], b"\n"].concat();
+    let faces = |folder: &str| -> Vec<u8> {
+        let names = (0..2).flat_map(|level| splitsum::bakes::source::FACES.map(|face| format!("m{level}_{face}.hdr")));
+        names.flat_map(|name| [format!("@@{folder}{name}\n").as_bytes(), &face].concat()).collect()
+    };
+    let texts: Vec<String> = coefficients().into_iter().map(|(_, text)| String::from_utf8(text).unwrap()).collect();
+    let engines = json!({
+        "version": "splitsum", "engine": "raw", "preset": "splitsum", "environment": "e", "environment_hash": "0",
+        "brdf": "ggx", "masking_shadowing": "separable", "prefilter_weight": "cosine", "prefilter_alphas": [0, 1],
+        "level_mapping": "linear", "axes": "+x+y+z", "table_axes": "n+r+", "units": "", "pixel_format": "rgba32f",
+        "specular": "specular", "irradiance": null, "tables": ["dfg.hdr"], "sh": "sh.txt",
+    });
+    let engines = format!("@@bake.json\n{engines}\n@@sh.txt\n{}@@dfg.hdr\n", texts[0]);
+    let ours = json!({ "layout": "equirect", "prefilter_alphas": [0], "prefilter_weight": "cosine",
+                       "masking_shadowing": "separable" });
+    let ours = format!("@@bake.json\n{ours}\n@@sh9.json\n{}\n@@prefiltered_ggx_0.exr\n", texts[1]);
+    let mut level = Cursor::new(Vec::new());
+    let pixels = Image::from_channels((2, 1), exr::prelude::SpecificChannels::rgb(|_| (0.5f32, 1.0f32, 2.0f32)));
+    pixels.write().to_buffered(&mut level).expect("an image in memory");
+    vec![
+        ("faces".to_owned(), faces("")),
+        ("engine".to_owned(), [engines.as_bytes(), &face, &faces("specular/")].concat()),
+        ("ours".to_owned(), [ours.as_bytes(), level.get_ref()].concat()),
+    ]
 }
 
 fn hdr() -> Vec<(String, Vec<u8>)> {

@@ -4,6 +4,7 @@
 //! `fuzz/fuzz_targets` and the tests beside this file share them.
 
 use splitsum::bakes::container::{TEXELS_MAX, from_bytes};
+use splitsum::bakes::{sh, source};
 use splitsum::environment::{Environment, EnvironmentError, LoadOptions};
 use splitsum::oracle::{Kind, Queries};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
@@ -35,6 +36,9 @@ pub const TARGETS: &[Target] = &[
     Target { name: "ktx2", run: ktx2 },
     Target { name: "ktx", run: ktx },
     Target { name: "dds", run: dds },
+    Target { name: "png", run: png },
+    Target { name: "sh", run: coefficients },
+    Target { name: "bake", run: bake },
 ];
 
 /// A Radiance picture.
@@ -79,6 +83,37 @@ pub fn ktx(bytes: &[u8]) {
 /// A DDS texture.
 pub fn dds(bytes: &[u8]) {
     texture("x.dds", bytes);
+}
+
+/// A PNG picture of a table.
+pub fn png(bytes: &[u8]) {
+    texture("x.png", bytes);
+}
+
+/// Nine coefficients, as cmgen's text and as our JSON.
+pub fn coefficients(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    for name in ["x.txt", "x.json"] {
+        match sh::parse(Path::new(name), text) {
+            Ok(found) => assert!(found.radiance.iter().all(|triple| triple.is_finite())),
+            Err(error) => assert_names(&error.to_string(), name),
+        }
+    }
+}
+
+/// A folder of a bake, as [`files`]: faces by their names, or what a `bake.json` names.
+pub fn bake(bytes: &[u8]) {
+    let dir = tempfile::tempdir().expect("a folder for temporary files");
+    write_files(dir.path(), bytes);
+    match source::read(&[dir.path().display().to_string()], source::Reading { layout: None, brdf: "ggx" }) {
+        Ok(bake) => {
+            for map in [bake.specular, bake.irradiance].iter().flatten() {
+                assert!(!map.levels.is_empty());
+                assert!(map.levels.iter().all(|level| level.len() == map.layout.face_count as usize));
+            }
+        }
+        Err(error) => assert_names(&error.to_string(), &dir.path().display().to_string()),
+    }
 }
 
 fn texture(name: &str, bytes: &[u8]) {
@@ -135,6 +170,21 @@ pub fn files(bytes: &[u8]) -> BTreeMap<PathBuf, Vec<u8>> {
         }
     }
     files
+}
+
+/// Writes [`files`] to a folder: at most one deep, and never outside.
+pub fn write_files(dir: &Path, bytes: &[u8]) {
+    for (name, content) in files(bytes) {
+        let is_plain =
+            |name: &std::ffi::OsStr| !name.is_empty() && name.len() < 100 && !name.as_encoded_bytes().contains(&0);
+        let parts: Vec<_> = name.components().collect();
+        let is_inside = parts.iter().all(|part| matches!(part, std::path::Component::Normal(name) if is_plain(name)));
+        if is_inside && (1..=2).contains(&parts.len()) {
+            let path = dir.join(&name);
+            let _ = std::fs::create_dir_all(path.parent().expect("it is joined"));
+            let _ = std::fs::write(path, content);
+        }
+    }
 }
 
 /// An OBJ file `x.obj` with the libraries and maps that it names, as [`files`].
@@ -234,18 +284,7 @@ pub fn report(bytes: &[u8]) {
         let (rgb, mask) = (RgbImage::filled(2, 2, [value; 3]), GrayImage::filled(2, 2, 1.0));
         exr::write_rgba(&run.join("images").join(name), &rgb, &mask, &[]).expect("a folder of our own");
     }
-    for (name, content) in files(bytes) {
-        let is_plain =
-            |name: &std::ffi::OsStr| !name.is_empty() && name.len() < 100 && !name.as_encoded_bytes().contains(&0);
-        // At most one folder deep, and never outside.
-        let parts: Vec<_> = name.components().collect();
-        let is_inside = parts.iter().all(|part| matches!(part, std::path::Component::Normal(name) if is_plain(name)));
-        if is_inside && (1..=2).contains(&parts.len()) {
-            let path = run.join(&name);
-            let _ = std::fs::create_dir_all(path.parent().expect("it is joined"));
-            let _ = std::fs::write(path, content);
-        }
-    }
+    write_files(&run, bytes);
     let options = PageOptions { out: dir.path().join("page.html"), ..PageOptions::in_folder(&run) };
     let told = Finished::read(&run).map(|run| {
         let answers = answers(&run, None);
