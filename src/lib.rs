@@ -58,6 +58,7 @@
 //!   1989.
 //! - KautzMcCool00: J. Kautz and M. D. McCool, "Approximation of Glossy Reflection with Prefiltered Environment Maps", Graphics Interface
 //!   2000.
+//! - KhrTransform18: The Khronos Group, "KHR_texture_transform", extension of glTF 2.0, 2018.
 //! - Kim22: M. Kim, "Project 3: Image-Based Lighting", report for the course CS562, 2022. This is "source document 0"; the words
 //!   in quotation marks beside the key are its headings.
 //! - Knuth97: D. E. Knuth, "The Art of Computer Programming", volume 2, 3rd edition, 1997.

@@ -52,6 +52,6 @@ impl Environment {
     /// Radiance from `direction` (any length but 0): bilinear between texel centres; u wraps, v clamps at the poles.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         let value = |texel: [f32; 3]| DVec3::from_array(texel.map(f64::from));
-        bilinear(&self.image, equirect::uv_from_direction(direction), Wrap::Equirect, value)
+        bilinear(&self.image, equirect::uv_from_direction(direction), Wrap::EQUIRECT, value)
     }
 }

@@ -5,8 +5,8 @@ use crate::glsl::layout::SharedStruct;
 use crate::gpu::{
     Bind, Buffer, DrawCall, Filter, Format, Gpu, GpuError, GraphicsDescription, Image, Recorder, Sampler, Targets, Wrap,
 };
-use crate::pixels::{Pixels, RgbImage};
-use crate::scene::{Camera, Mesh, Scene};
+use crate::pixels::Pixels;
+use crate::scene::{Camera, Mesh, Scene, Texture};
 
 /// A strip of four vertices, one instance a sphere.
 const SPHERES: GraphicsDescription =
@@ -32,10 +32,10 @@ pub struct SceneData {
     sphere_count: u32,
     materials: Buffer,
     meshes: Vec<MeshData>,
-    textures: Vec<Image>,
+    textures: Vec<(Image, Wrap)>,
     /// Stand for a missing map of factors, and of normals.
-    white: Image,
-    flat: Image,
+    white: (Image, Wrap),
+    flat: (Image, Wrap),
 }
 
 struct MeshData {
@@ -124,16 +124,16 @@ impl SceneData {
             sphere_count: scene.spheres.len() as u32,
             materials: bytes("materials", materials)?,
             meshes: scene.meshes.iter().map(mesh).collect::<Result<_, GpuError>>()?,
-            textures: scene.textures.iter().map(|image| texture(gpu, image)).collect::<Result<_, _>>()?,
-            white: texture(gpu, &Pixels::filled(1, 1, [1.0; 3]))?,
-            flat: texture(gpu, &Pixels::filled(1, 1, [0.0, 0.0, 1.0]))?,
+            textures: scene.textures.iter().map(|map| texture(gpu, map)).collect::<Result<_, _>>()?,
+            white: texture(gpu, &Texture::new(Pixels::filled(1, 1, [1.0; 3]), Wrap::REPEAT))?,
+            flat: texture(gpu, &Texture::new(Pixels::filled(1, 1, [0.0, 0.0, 1.0]), Wrap::REPEAT))?,
         })
     }
 
     fn binds(&self, [albedo, metallic, roughness, normal]: [Option<usize>; 4]) -> [Bind<'_>; 6] {
         let map = |index: Option<usize>, missing| {
-            let image = index.map_or(missing, |index| &self.textures[index]);
-            Bind::Sample(image, Sampler(Filter::Linear, Wrap::RepeatBoth))
+            let (image, wrap): &(Image, Wrap) = index.map_or(missing, |index| &self.textures[index]);
+            Bind::Sample(image, Sampler(Filter::Linear, *wrap))
         };
         [
             Bind::Read(&self.spheres),
@@ -146,11 +146,14 @@ impl SceneData {
     }
 }
 
-fn texture(gpu: &Gpu, pixels: &RgbImage) -> Result<Image, GpuError> {
-    let image = gpu.image("map of a material", [pixels.width, pixels.height], 1, Format::Rgba32Float)?;
-    let texels: Vec<[f32; 4]> = pixels.data.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-    gpu.write_image(&image, 0, &texels)?;
-    Ok(image)
+fn texture(gpu: &Gpu, texture: &Texture) -> Result<(Image, Wrap), GpuError> {
+    let (first, levels) = (&texture.levels[0], 0..texture.levels.len() as u32);
+    let image = gpu.image("map of a material", [first.width, first.height], levels.end, Format::Rgba32Float)?;
+    for (level, pixels) in levels.zip(&texture.levels) {
+        let texels: Vec<[f32; 4]> = pixels.data.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+        gpu.write_image(&image, level, &texels)?;
+    }
+    Ok((image, texture.wrap))
 }
 
 impl GbufferImages {

@@ -4,22 +4,32 @@
 
 use super::Gbuffer;
 use crate::glsl::constants::ALPHA_MIN;
-use crate::pixels::lookup::{Wrap, bilinear};
-use crate::pixels::{Pixels, RgbImage};
-use crate::scene::{Camera, Material, Mesh, Scene, Sphere};
+use crate::pixels::Pixels;
+use crate::pixels::lookup::trilinear;
+use crate::scene::{Camera, Material, Mesh, Scene, Sphere, Texture};
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles as _};
 use rayon::prelude::*;
 
 /// What a ray hits first.
-struct Hit {
+struct Hit<'a> {
     /// Distance along the ray.
     t: f64,
     position: DVec3,
-    /// Unit normal; under a normal map the mapped one.
+    /// Unit normal of a sphere; of a mesh as it is interpolated.
     n: DVec3,
+    material: usize,
+    mapped: Option<Mapped<'a>>,
+}
+
+/// What the maps of a mesh are looked up by.
+struct Mapped<'a> {
+    mesh: &'a Mesh,
+    triangle: [u32; 3],
     /// Texture coordinate, v up.
     uv: DVec2,
-    material: usize,
+    tangent: DVec4,
+    /// 1 on the front, -1 on the back.
+    side: f64,
 }
 
 /// The g-buffer of `scene` in f64.
@@ -32,32 +42,52 @@ pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
             let spheres = scene.spheres.iter().filter_map(|sphere| hit_sphere(sphere, origin, direction));
             let meshes = scene.meshes.iter().filter_map(|mesh| hit_mesh(scene, mesh, origin, direction));
             let nearest = spheres.chain(meshes).min_by(|a, b| a.t.total_cmp(&b.t));
-            nearest.map_or([[0.0; 4]; 4], |hit| texels(scene, &hit))
+            // As the device takes differences: within quads of two by two pixels, on the plane of the triangle.
+            let quad = [(1, 0), (0, 1)].map(|(x, y)| camera.ray((i % width) ^ x, (i / width) ^ y, size));
+            nearest.map_or([[0.0; 4]; 4], |hit| texels(scene, &hit, quad))
         })
         .collect();
     let attachment = |k: usize| Pixels::new(width, height, texels.iter().map(|texel| texel[k]).collect());
     [0, 1, 2, 3].map(attachment).into()
 }
 
-fn texels(scene: &Scene, hit: &Hit) -> [[f64; 4]; 4] {
+fn texels(scene: &Scene, hit: &Hit, quad: [(DVec3, DVec3); 2]) -> [[f64; 4]; 4] {
     let material: &Material = &scene.materials[hit.material];
     let rgb = |values: [f32; 3]| Vec3::from_array(values).as_dvec3();
-    let map = |index: Option<usize>| index.map_or(DVec3::ONE, |map| texture_at(&scene.textures[map], hit.uv));
-    let albedo = rgb(material.albedo) * map(material.albedo_map);
-    let metallic = f64::from(material.metallic) * map(material.metallic_map).z;
-    let alpha = (f64::from(material.alpha) * map(material.roughness_map).y.powi(2)).max(f64::from(ALPHA_MIN));
+    let steps = hit.mapped.as_ref().map_or([DVec2::ZERO; 2], |at| {
+        let uv = |(origin, direction)| cross(at.mesh, at.triangle, origin, direction).uv(at.mesh, at.triangle);
+        quad.map(|ray| uv(ray) - at.uv)
+    });
+    let map = |index: Option<usize>, missing: DVec3| {
+        let found = index.zip(hit.mapped.as_ref()).map(|(map, at)| texture_at(&scene.textures[map], at.uv, steps));
+        found.unwrap_or(missing)
+    };
+    let albedo = rgb(material.albedo) * map(material.albedo_map, DVec3::ONE);
+    let metallic = f64::from(material.metallic) * map(material.metallic_map, DVec3::ONE).z;
+    let roughness = map(material.roughness_map, DVec3::ONE).y;
+    let alpha = (f64::from(material.alpha) * roughness.powi(2)).max(f64::from(ALPHA_MIN));
+    let n = hit.mapped.as_ref().map_or(hit.n, |at| {
+        let (m, tangent) = (map(material.normal_map, DVec3::Z), at.tangent);
+        // Vectors between vertices are not unit vectors, and maps are baked for those [Mikkelsen08].
+        let bitangent = tangent.w.signum() * hit.n.cross(tangent.xyz());
+        (m.x * tangent.xyz() + m.y * bitangent + m.z * hit.n).normalize() * at.side
+    });
     let f0 = rgb(material.f0).lerp(albedo, metallic);
     let with = |xyz: DVec3, w: f64| xyz.extend(w).to_array();
-    [with(hit.position, 1.0), with(hit.n, alpha), with(albedo, metallic), with(f0, hit.material as f64)]
+    [with(hit.position, 1.0), with(n, alpha), with(albedo, metallic), with(f0, hit.material as f64)]
 }
 
-/// The texture at `uv` (v up), bilinear with repeating coordinates.
-fn texture_at(texture: &RgbImage, uv: DVec2) -> DVec3 {
-    bilinear(texture, DVec2::new(uv.x, 1.0 - uv.y), Wrap::RepeatBoth, |texel| Vec3::from_array(texel).as_dvec3())
+/// The texture at `uv` (v up), trilinear at the level whose texels are as wide as the longer step to a neighbouring pixel.
+fn texture_at(texture: &Texture, uv: DVec2, steps: [DVec2; 2]) -> DVec3 {
+    let size = DVec2::new(texture.levels[0].width.into(), texture.levels[0].height.into());
+    let [across, down] = steps.map(|step| (step * size).length_squared());
+    let lod = 0.5 * across.max(down).max(1.0).log2();
+    let value = |texel| Vec3::from_array(texel).as_dvec3();
+    trilinear(&texture.levels, DVec2::new(uv.x, 1.0 - uv.y), lod, texture.wrap, value)
 }
 
 /// `|origin + t direction - center|² = r²`, nearer root, unit `direction`.
-fn hit_sphere(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<Hit> {
+fn hit_sphere(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<Hit<'static>> {
     let from_center = origin - sphere.center;
     let half_b = direction.dot(from_center);
     let discriminant = half_b * half_b - from_center.length_squared() + sphere.radius * sphere.radius;
@@ -67,41 +97,60 @@ fn hit_sphere(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<Hit> {
     }
     let position = origin + direction * t;
     let n = (position - sphere.center).normalize();
-    Some(Hit { t, position, n, uv: DVec2::ZERO, material: sphere.material })
+    Some(Hit { t, position, n, material: sphere.material, mapped: None })
 }
 
-fn hit_mesh(scene: &Scene, mesh: &Mesh, origin: DVec3, direction: DVec3) -> Option<Hit> {
+fn hit_mesh<'a>(scene: &Scene, mesh: &'a Mesh, origin: DVec3, direction: DVec3) -> Option<Hit<'a>> {
     mesh.triangles()
         .filter_map(|triangle| hit_triangle(scene, mesh, triangle, origin, direction))
         .min_by(|a, b| a.t.total_cmp(&b.t))
 }
 
+/// Where a ray crosses the plane of a triangle.
+struct Crossing {
+    t: f64,
+    /// Of the corners.
+    weights: [f64; 3],
+    /// Positive where the front (counter-clockwise) side faces the ray.
+    determinant: f64,
+}
+
+impl Crossing {
+    fn uv(&self, mesh: &Mesh, triangle: [u32; 3]) -> DVec2 {
+        let corners = triangle.into_iter().zip(self.weights);
+        corners.map(|(i, w)| Vec2::from_array(mesh.uvs[i as usize]).as_dvec2() * w).sum()
+    }
+}
+
 /// Solves `origin + t direction = a + beta (b - a) + gamma (c - a)` by Cramer's rule.
-fn hit_triangle(scene: &Scene, mesh: &Mesh, triangle: [u32; 3], origin: DVec3, direction: DVec3) -> Option<Hit> {
-    let material = &scene.materials[mesh.material];
+fn cross(mesh: &Mesh, triangle: [u32; 3], origin: DVec3, direction: DVec3) -> Crossing {
     let [a, b, c] = triangle.map(|index| Vec3::from_array(mesh.positions[index as usize]).as_dvec3());
     let (ab, ac) = (b - a, c - a);
-    // Positive where the front (counter-clockwise) side faces the ray.
     let determinant = ab.cross(ac).dot(-direction);
-    if determinant == 0.0 || (determinant < 0.0 && material.is_one_sided) {
-        return None;
-    }
     let from_a = origin - a;
     let moment = from_a.cross(-direction);
     let beta = ac.dot(-moment) / determinant;
     let gamma = ab.dot(moment) / determinant;
-    let t = ab.cross(ac).dot(from_a) / determinant;
-    if beta < 0.0 || gamma < 0.0 || beta + gamma > 1.0 || t <= 0.0 {
+    Crossing { t: ab.cross(ac).dot(from_a) / determinant, weights: [1.0 - beta - gamma, beta, gamma], determinant }
+}
+
+fn hit_triangle<'a>(
+    scene: &Scene,
+    mesh: &'a Mesh,
+    triangle: [u32; 3],
+    origin: DVec3,
+    direction: DVec3,
+) -> Option<Hit<'a>> {
+    let crossing = cross(mesh, triangle, origin, direction);
+    let Crossing { t, weights, determinant } = crossing;
+    let is_back = determinant < 0.0 && scene.materials[mesh.material].is_one_sided;
+    if determinant == 0.0 || is_back || weights.iter().any(|weight| *weight < 0.0) || t <= 0.0 {
         return None;
     }
-    let weights = [1.0 - beta - gamma, beta, gamma];
+    let uv = crossing.uv(mesh, triangle);
     let corners = triangle.map(|index| index as usize).into_iter().zip(weights);
-    let normal: DVec3 = corners.clone().map(|(i, w)| Vec3::from_array(mesh.normals[i]).as_dvec3() * w).sum();
-    let uv: DVec2 = corners.clone().map(|(i, w)| Vec2::from_array(mesh.uvs[i]).as_dvec2() * w).sum();
+    let n: DVec3 = corners.clone().map(|(i, w)| Vec3::from_array(mesh.normals[i]).as_dvec3() * w).sum();
     let tangent: DVec4 = corners.map(|(i, w)| Vec4::from_array(mesh.tangents[i]).as_dvec4() * w).sum();
-    let mapped = material.normal_map.map_or(DVec3::Z, |map| texture_at(&scene.textures[map], uv));
-    // Vectors between vertices are not unit vectors, and maps are baked for those [Mikkelsen08].
-    let bitangent = tangent.w.signum() * normal.cross(tangent.xyz());
-    let n = (mapped.x * tangent.xyz() + mapped.y * bitangent + mapped.z * normal).normalize() * determinant.signum();
-    Some(Hit { t, position: origin + direction * t, n, uv, material: mesh.material })
+    let mapped = Some(Mapped { mesh, triangle, uv, tangent, side: determinant.signum() });
+    Some(Hit { t, position: origin + direction * t, n, material: mesh.material, mapped })
 }

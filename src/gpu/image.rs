@@ -3,6 +3,7 @@
 use super::device::{Memory, Shared, lock};
 use super::sync::State;
 use super::{Gpu, GpuError, Wrap};
+use crate::pixels::lookup::Edge;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use std::collections::HashMap;
@@ -265,9 +266,9 @@ pub struct Sampler(pub Filter, pub Wrap);
 
 impl Sampler {
     /// Maps of the sphere by every layout: trilinear; u repeats, which neither a cube nor a shader's own filter sees.
-    pub const MAP: Self = Self(Filter::Linear, Wrap::Equirect);
+    pub const MAP: Self = Self(Filter::Linear, Wrap::EQUIRECT);
     /// For shaders that fetch texels.
-    pub const TEXELS: Self = Self(Filter::Nearest, Wrap::Clamp);
+    pub const TEXELS: Self = Self(Filter::Nearest, Wrap::CLAMP);
 }
 
 impl Shared {
@@ -281,19 +282,19 @@ impl Shared {
             Filter::Nearest => (vk::Filter::NEAREST, vk::SamplerMipmapMode::NEAREST),
             Filter::Linear => (vk::Filter::LINEAR, vk::SamplerMipmapMode::LINEAR),
         };
-        let (repeat, clamp) = (vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE);
-        let (u, v) = match sampler.1 {
-            Wrap::Equirect => (repeat, clamp),
-            Wrap::RepeatBoth => (repeat, repeat),
-            Wrap::Clamp => (clamp, clamp),
+        let mode = |edge: Edge| match edge {
+            Edge::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+            Edge::Repeat => vk::SamplerAddressMode::REPEAT,
+            Edge::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
         };
+        let Wrap(u, v) = sampler.1;
         let info = vk::SamplerCreateInfo::default()
             .mag_filter(within)
             .min_filter(within)
             .mipmap_mode(between)
-            .address_mode_u(u)
-            .address_mode_v(v)
-            .address_mode_w(clamp)
+            .address_mode_u(mode(u))
+            .address_mode_v(mode(v))
+            .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE)
             .max_lod(vk::LOD_CLAMP_NONE);
         // SAFETY: the device is alive and the description is complete.
         let raw =

@@ -5,28 +5,34 @@
 use super::Pixels;
 use glam::{DVec2, DVec3};
 
-/// How a lookup goes on beyond the edges of an image.
+/// How a coordinate goes on beyond the edges of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Wrap {
-    /// The outermost texels go on in both directions.
+pub enum Edge {
+    /// The outermost texel goes on.
     Clamp,
-    /// u repeats, v clamps: an equirectangular map.
-    Equirect,
-    /// Both repeat.
-    RepeatBoth,
+    Repeat,
+    /// Repeated, every second time mirrored.
+    Mirror,
 }
 
+/// The edges of u and of v.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Wrap(pub Edge, pub Edge);
+
 impl Wrap {
+    pub const CLAMP: Self = Self(Edge::Clamp, Edge::Clamp);
+    /// Of an equirectangular map.
+    pub const EQUIRECT: Self = Self(Edge::Repeat, Edge::Clamp);
+    pub const REPEAT: Self = Self(Edge::Repeat, Edge::Repeat);
+
     /// The texel that stands at a whole coordinate inside or outside the image.
     fn texel(self, x: f64, y: f64, [width, height]: [f64; 2]) -> [u32; 2] {
-        let repeated = |i: f64, count: f64| i.rem_euclid(count);
-        let clamped = |i: f64, count: f64| i.clamp(0.0, count - 1.0);
-        let (x, y) = match self {
-            Self::Clamp => (clamped(x, width), clamped(y, height)),
-            Self::Equirect => (repeated(x, width), clamped(y, height)),
-            Self::RepeatBoth => (repeated(x, width), repeated(y, height)),
+        let at = |edge: Edge, i: f64, count: f64| match edge {
+            Edge::Clamp => i.clamp(0.0, count - 1.0),
+            Edge::Repeat => i.rem_euclid(count),
+            Edge::Mirror => count - 0.5 - (i.rem_euclid(2.0 * count) + 0.5 - count).abs(),
         };
-        [x as u32, y as u32]
+        [at(self.0, x, width) as u32, at(self.1, y, height) as u32]
     }
 }
 
@@ -44,9 +50,9 @@ pub fn bilinear<T: Copy>(image: &Pixels<T>, uv: DVec2, wrap: Wrap, value: impl F
 }
 
 /// The value at `uv` of a chain of levels, finest first: linear between the two levels about `lod`, which is clamped to the chain.
-pub fn trilinear(levels: &[Pixels<DVec3>], uv: DVec2, lod: f64, wrap: Wrap) -> DVec3 {
+pub fn trilinear<T: Copy>(levels: &[Pixels<T>], uv: DVec2, lod: f64, wrap: Wrap, value: impl Fn(T) -> DVec3) -> DVec3 {
     let lod = lod.clamp(0.0, levels.len() as f64 - 1.0);
-    let level = |k: usize| bilinear(&levels[k.min(levels.len() - 1)], uv, wrap, |texel| texel);
+    let level = |k: usize| bilinear(&levels[k.min(levels.len() - 1)], uv, wrap, &value);
     let fine = lod.floor() as usize;
     level(fine).lerp(level(fine + 1), lod.fract())
 }

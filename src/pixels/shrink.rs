@@ -1,6 +1,6 @@
-//! Smaller display images.
+//! Smaller images.
 
-use super::Rgb8Image;
+use super::{Pixels, Rgb8Image};
 
 impl Rgb8Image {
     /// The image at a smaller size: each new pixel is the mean of the encoded values that it covers, weighted by area. For pictures
@@ -10,19 +10,27 @@ impl Rgb8Image {
             (1..=self.width).contains(&width) && (1..=self.height).contains(&height),
             "{width}x{height} is no shrinking"
         );
+        let means = self.area_means(width, height, |pixel| pixel.map(f64::from));
+        means.map(|mean| mean.map(|value| value.round() as u8))
+    }
+}
+
+impl<T: Copy> Pixels<T> {
+    /// A smaller size, of any sides: each texel is the mean of those that it covers, weighted by area.
+    pub fn area_means(&self, width: u32, height: u32, value: impl Fn(T) -> [f64; 3]) -> Pixels<[f64; 3]> {
         let columns = overlaps(self.width, width);
         let rows = overlaps(self.height, height);
-        Self::from_fn(width, height, |x, y| {
+        Pixels::from_fn(width, height, |x, y| {
             let (mut sum, mut weight_sum) = ([0.0; 3], 0.0);
             for (row, row_weight) in &rows[y as usize] {
                 for (column, column_weight) in &columns[x as usize] {
                     let weight = row_weight * column_weight;
-                    let pixel = self.get(*column, *row);
-                    (0..3).for_each(|c| sum[c] += weight * f64::from(pixel[c]));
+                    let values = value(self.get(*column, *row));
+                    (0..3).for_each(|c| sum[c] += weight * values[c]);
                     weight_sum += weight;
                 }
             }
-            sum.map(|total| (total / weight_sum).round() as u8)
+            sum.map(|total| total / weight_sum)
         })
     }
 }

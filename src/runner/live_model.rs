@@ -6,6 +6,7 @@
 use super::axis;
 use super::images::short_text;
 use super::plan::Plan;
+use crate::glsl::constants::ALPHA_MIN;
 use crate::pipeline::RenderRequest;
 use crate::pixels::packed;
 use crate::scene::{Camera, CameraKind, Material, Mesh, Projection, Scene};
@@ -48,7 +49,7 @@ pub struct LiveCamera {
     pub is_perspective: bool,
 }
 
-/// A material without its maps.
+/// A material with the means of its maps.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct LiveSurface {
     pub albedo: [f32; 3],
@@ -94,7 +95,7 @@ pub fn models(plan: &Plan) -> Vec<LiveModel> {
 fn model(label: &str, request: &RenderRequest, triangles_max: usize) -> LiveModel {
     if request.scene.is_design {
         let note = format!("{label} is no picture, so a sphere is shown.");
-        return sphere(label, note, request.camera.projection, request.scene.materials.first());
+        return sphere(label, note, request.camera.projection, stand_in(&request.scene));
     }
     let (scene, aspect) = (&request.scene, f64::from(request.size[0]) / f64::from(request.size[1]));
     let count: usize = scene.meshes.iter().map(|mesh| mesh.indices.len() / 3).sum();
@@ -102,28 +103,35 @@ fn model(label: &str, request: &RenderRequest, triangles_max: usize) -> LiveMode
         let note = format!(
             "{label} has {count} triangles; the page has room for {triangles_max} of them, so a sphere is shown."
         );
-        return sphere(label, note, request.camera.projection, scene.materials.first());
+        return sphere(label, note, request.camera.projection, stand_in(scene));
     }
     let has_map = scene.materials.iter().any(|material| material.maps().next().is_some());
-    let note = if has_map { format!("The textures of {label} are left out.") } else { String::new() };
+    let note = if has_map { format!("The textures of {label} are shown as their means.") } else { String::new() };
     of_scene(label, note, scene, &request.camera, aspect)
 }
 
+fn stand_in(scene: &Scene) -> Material {
+    scene.materials.first().map_or_else(Material::default, |material| averaged(scene, material))
+}
+
 /// What stands for a scene that is not here: the unit sphere.
-pub fn sphere(label: &str, note: String, projection: Projection, material: Option<&Material>) -> LiveModel {
+pub fn sphere(label: &str, note: String, projection: Projection, material: Material) -> LiveModel {
     let kind = match projection {
         Projection::Ortho { .. } => CameraKind::Ortho,
         Projection::Perspective { .. } => CameraKind::Perspective,
     };
     let mut scene = Scene::sphere();
-    scene.materials = vec![material.cloned().unwrap_or_default()];
+    scene.materials = vec![material];
     let camera = Camera::for_scene(kind, &scene, [1, 1]);
     of_scene(label, note, &scene, &camera, 1.0)
 }
 
 fn of_scene(label: &str, note: String, scene: &Scene, camera: &Camera, aspect: f64) -> LiveModel {
     let (low, high) = scene.bounds();
-    let surface = |index: usize| of_material(&scene.materials[index]);
+    let surface = |index: usize| {
+        let Material { albedo, metallic, alpha, f0, .. } = averaged(scene, &scene.materials[index]);
+        LiveSurface { albedo, metallic, alpha, f0 }
+    };
     let offset = camera.eye - 0.5 * (low + high);
     LiveModel {
         label: label.to_owned(),
@@ -146,8 +154,19 @@ fn of_scene(label: &str, note: String, scene: &Scene, camera: &Camera, aspect: f
     }
 }
 
-fn of_material(material: &Material) -> LiveSurface {
-    LiveSurface { albedo: material.albedo, metallic: material.metallic, alpha: material.alpha, f0: material.f0 }
+/// The material with the means of its maps in their place.
+fn averaged(scene: &Scene, material: &Material) -> Material {
+    let mean = |map: Option<usize>| map.map_or([1.0; 3], |map| scene.textures[map].mean());
+    let albedo = mean(material.albedo_map);
+    let roughness = mean(material.roughness_map)[1];
+    Material {
+        name: material.name.clone(),
+        albedo: std::array::from_fn(|c| material.albedo[c] * albedo[c]),
+        metallic: material.metallic * mean(material.metallic_map)[2],
+        alpha: (material.alpha * roughness.powi(2)).max(ALPHA_MIN),
+        f0: material.f0,
+        ..Material::default()
+    }
 }
 
 /// A mesh in parts of which each has few enough vertices.

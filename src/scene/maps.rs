@@ -1,14 +1,41 @@
 //! Maps of materials: PNG or JPEG, to linear numbers.
 
 use crate::color::srgb_decode;
+use crate::pixels::lookup::Wrap;
 use crate::pixels::{Pixels, RgbImage};
 use image::{DynamicImage, ImageReader};
 use std::io::Cursor;
 
-/// Texels of all maps of a file together, such as two of 4096 x 4096: 1.5 GiB with [`TEXEL_BYTES`].
+/// Texels of all maps of a file together, such as two of 4096 x 4096: 1.9 GiB with [`TEXEL_BYTES`].
 const MAX_TEXELS: u64 = 1 << 25;
-/// Bytes of a texel at most: 12 as linear RGB, 16 on the way to the device, and 16 there, which may be this machine.
-const TEXEL_BYTES: u64 = 44;
+/// Bytes of a texel at most: 12 as linear RGB, 16 on the way to the device, and 16 there, which may be this machine; its levels take a third
+/// of that.
+const TEXEL_BYTES: u64 = 59;
+
+/// A map as it is looked up: linear RGB in levels, the finest first, down to one texel.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    pub levels: Vec<RgbImage>,
+    pub wrap: Wrap,
+}
+
+impl Texture {
+    /// The image with its levels: each texel is the mean of what it covers in the level before, also where a side is odd.
+    pub fn new(image: RgbImage, wrap: Wrap) -> Self {
+        let mut levels = vec![image];
+        while let Some(last) = levels.last().filter(|last| last.width.max(last.height) > 1) {
+            let [width, height] = [last.width, last.height].map(|side| (side / 2).max(1));
+            let means = last.area_means(width, height, |texel| texel.map(f64::from));
+            levels.push(means.map(|mean| mean.map(|value| value as f32)));
+        }
+        Self { levels, wrap }
+    }
+
+    /// The mean of all texels.
+    pub fn mean(&self) -> [f32; 3] {
+        self.levels[self.levels.len() - 1].data[0]
+    }
+}
 
 /// What the numbers of a map are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,13 +51,13 @@ pub(super) enum Meaning {
 /// The decoded maps of a file.
 #[derive(Default)]
 pub(super) struct Maps {
-    pub textures: Vec<RgbImage>,
+    pub textures: Vec<Texture>,
     texel_count: u64,
 }
 
 impl Maps {
     /// Adds the map of a file of these bytes and gives its index.
-    pub fn add(&mut self, bytes: &[u8], meaning: Meaning) -> Result<usize, String> {
+    pub fn add(&mut self, bytes: &[u8], meaning: Meaning, wrap: Wrap) -> Result<usize, String> {
         let mut texture = decode(bytes, meaning == Meaning::Color, MAX_TEXELS - self.texel_count)?;
         if let Meaning::Normal { scale } = meaning {
             // Linear, so that a lookup between texels may follow it.
@@ -38,7 +65,7 @@ impl Maps {
             texture.data.iter_mut().for_each(|texel| *texel = signed(*texel));
         }
         self.texel_count += texture.data.len() as u64;
-        self.textures.push(texture);
+        self.textures.push(Texture::new(texture, wrap));
         Ok(self.textures.len() - 1)
     }
 }

@@ -13,11 +13,12 @@ mod source;
 pub use builtin::{SCENES, SceneEntry, is_design};
 pub use camera::{Camera, CameraKind, Orbit, Projection};
 pub use light::{Light, LightKind};
+pub use maps::Texture;
 pub use material::{Material, MaterialOverride};
 pub use mesh::Mesh;
 pub use source::SceneFiles;
 
-use crate::pixels::RgbImage;
+use crate::pixels::lookup::Wrap;
 use crate::spelling::suggestion;
 use glam::DVec3;
 use std::path::Path;
@@ -39,8 +40,8 @@ pub struct Scene {
     pub spheres: Vec<Sphere>,
     pub meshes: Vec<Mesh>,
     pub materials: Vec<Material>,
-    /// The maps of the materials, linear RGB; those of [`Material`] index them.
-    pub textures: Vec<RgbImage>,
+    /// The maps of the materials; those of [`Material`] index them.
+    pub textures: Vec<Texture>,
     /// Whether each pixel is an experiment of its own (`gbuffer::design`); its geometry is then only a stand-in.
     pub is_design: bool,
     /// Unit vector from the scene to its automatic cameras: +z for spheres, 30 degrees to the right of it and 20 degrees above for files.
@@ -209,8 +210,9 @@ impl Scene {
             list(&mut hasher, &[u8::from(material.is_one_sided)]);
         }
         for texture in &self.textures {
-            list(&mut hasher, &[texture.width]);
-            list(&mut hasher, &texture.data);
+            let Wrap(u, v) = texture.wrap;
+            list(&mut hasher, &[texture.levels[0].width, u as u32, v as u32]);
+            list(&mut hasher, &texture.levels[0].data);
         }
         self.hash = hasher.finalize().to_hex().to_string();
         self

@@ -115,7 +115,7 @@ pub fn light_data(lights: &[Light]) -> Vec<u8> {
 }
 
 /// The lookups of the DFG table.
-pub(super) const TABLE: Sampler = Sampler(Filter::Linear, Wrap::Clamp);
+pub(super) const TABLE: Sampler = Sampler(Filter::Linear, Wrap::CLAMP);
 
 /// The g-buffer at bindings 0 to 3, then `rest`.
 pub(super) fn with_gbuffer<'a>(gbuffer: &'a GbufferImages, rest: &[Bind<'a>]) -> Vec<Bind<'a>> {

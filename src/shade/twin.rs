@@ -93,7 +93,7 @@ impl Light {
 
     /// Radiance from a direction at a real level of the environment's own mips, which is clamped to the chain.
     pub fn radiance(&self, direction: DVec3, lod: f64) -> DVec3 {
-        trilinear(&self.environment, uv_from_direction(direction), lod, Wrap::Equirect)
+        trilinear(&self.environment, uv_from_direction(direction), lod, Wrap::EQUIRECT, |texel| texel)
     }
 
     /// Mean radiance of the lobe of width `alpha` about `r`, from the prefiltered map.
@@ -161,7 +161,7 @@ impl Light {
     /// Three channels of a part of the table of lobe shapes.
     fn lobe_shape(&self, surface: &Surface, part: u32, channels: fn(DVec4) -> DVec3) -> DVec3 {
         let uv = lobe_shape::uv_from_parameters(surface.n.dot(surface.v), surface.alpha, part);
-        bilinear(&self.lobe_shapes, uv, Wrap::Clamp, channels)
+        bilinear(&self.lobe_shapes, uv, Wrap::CLAMP, channels)
     }
 
     /// How much of what the lobe reflects has the weight Fc.

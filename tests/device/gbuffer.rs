@@ -3,7 +3,7 @@
 use crate::compare::{Tolerance, Worst, absolute, relative};
 use crate::gltf_files::{load, mesh, png, textured};
 use crate::harness::{poison_image, with_gpu};
-use serde_json::json;
+use serde_json::{Value, json};
 use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::gbuffer::{Gbuffer, reference};
 use splitsum::gpu::Gpu;
@@ -99,6 +99,7 @@ fn meshes_agree_inside_their_triangles() {
             let scene = mapped_sheet(is_double_sided, scale);
             compare_mesh(gpu, &scene, CameraKind::Perspective, [64, 64], sub_pixel);
         }
+        compare_mesh(gpu, &far_sheet(), CameraKind::Perspective, [64, 64], sub_pixel);
         let away = mapped_sheet(false, -1.0);
         let camera = Camera::for_scene(CameraKind::Perspective, &away, [64, 64]);
         assert!(draw(gpu, &away, &camera, [64, 64]).mask().data.iter().all(|mask| *mask == 0.0), "a back is seen");
@@ -107,11 +108,6 @@ fn meshes_agree_inside_their_triangles() {
 
 /// Two triangles that bend, with maps of few texels, one of them of normals.
 fn mapped_sheet(is_double_sided: bool, z_scale: f64) -> Scene {
-    let positions = [-1., -1., 0., 1., -1., 0.3, 1., 1., -0.2, -1., 1., 0.1];
-    let (normals, uvs) =
-        ([[-0.3, -0.1, 0.9], [0.4, -0.2, 0.9], [0.1, 0.5, 0.8], [-0.2, 0.3, 0.9]], [0., 0., 1., 0., 1., 1., 0., 1.]);
-    let attributes: [(&str, usize, &[f32]); 3] =
-        [("POSITION", 3, &positions), ("NORMAL", 3, &normals.concat()), ("TEXCOORD_0", 2, &uvs)];
     let material = json!({
         "doubleSided": is_double_sided,
         "normalTexture": { "index": 2, "scale": 0.7 },
@@ -122,9 +118,35 @@ fn mapped_sheet(is_double_sided: bool, z_scale: f64) -> Scene {
     });
     let image =
         |a: u32, b: u32| png(2, 2, move |x, y| [(a + 20 * x) as u8, (b + 30 * y) as u8, (200 + 10 * x + y) as u8]);
-    let mut model =
-        textured(mesh(&attributes, &[0, 1, 2, 0, 2, 3]), material, &[image(90, 60), image(10, 100), image(120, 110)]);
+    let mut model = textured(sheet(), material, &[image(90, 60), image(10, 100), image(120, 110)]);
     model["nodes"][0]["scale"] = json!([1, 1, z_scale]);
+    load(&model).expect("a readable file")
+}
+
+/// Two triangles that bend.
+fn sheet() -> Value {
+    let positions = [-1., -1., 0., 1., -1., 0.3, 1., 1., -0.2, -1., 1., 0.1];
+    let (normals, uvs) =
+        ([[-0.3, -0.1, 0.9], [0.4, -0.2, 0.9], [0.1, 0.5, 0.8], [-0.2, 0.3, 0.9]], [0., 0., 1., 0., 1., 1., 0., 1.]);
+    let attributes: [(&str, usize, &[f32]); 3] =
+        [("POSITION", 3, &positions), ("NORMAL", 3, &normals.concat()), ("TEXCOORD_0", 2, &uvs)];
+    mesh(&attributes, &[0, 1, 2, 0, 2, 3])
+}
+
+/// The sheet with a map of three to four texels a pixel: slow waves under a chequer of single texels, which every level but the first
+/// lacks; turned, mirrored in u and clamped in v.
+fn far_sheet() -> Scene {
+    let transform = json!({ "offset": [-0.4, -0.3], "rotation": 0.5, "scale": [3, 2.5] });
+    let info = json!({ "index": 0, "extensions": { "KHR_texture_transform": transform } });
+    let material = json!({ "pbrMetallicRoughness": { "metallicRoughnessTexture": info, "metallicFactor": 0.5 } });
+    let wave = |x: u32, y: u32| {
+        let chequer = if (x + y) % 2 == 0 { 60.0 } else { -60.0 };
+        let at = |i: u32| (20.0 * (f64::from(i) / 10.0).sin() + 128.0 + chequer).round() as u8;
+        [0, at(x), at(y)]
+    };
+    let mut model = textured(sheet(), material, &[png(64, 64, wave)]);
+    model["samplers"] = json!([{ "wrapS": 33648, "wrapT": 33071 }]);
+    model["textures"][0]["sampler"] = json!(0);
     load(&model).expect("a readable file")
 }
 

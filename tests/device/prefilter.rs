@@ -180,7 +180,7 @@ fn prefiltered_lookups_meet_the_golden_table() {
                 // What two levels say of a lobe between them is the split sum's approximation, not this table's error.
                 if mip.fract() == 0.0 {
                     worst.add_rgb(
-                        bilinear(&levels[mip as usize], uv, lookup::Wrap::Equirect, |texel| texel),
+                        bilinear(&levels[mip as usize], uv, lookup::Wrap::EQUIRECT, |texel| texel),
                         vector(row, 6),
                         || format!("{row:?}"),
                     );

@@ -3,4 +3,5 @@
 mod cameras;
 mod gbuffer;
 pub mod gltf;
+mod maps;
 mod obj;

@@ -107,7 +107,7 @@ pub fn score(truth: &Truth, bake: &Bake, convention: &Convention) -> Result<Vec<
             let table = bake.dfg.as_ref().map(|image| {
                 let at = DVec2::new(n_dot_v, perceptual_roughness_from_alpha(alpha));
                 let texel = |texel: [f32; 3]| DVec3::from_array(texel.map(f64::from));
-                let found = bilinear(image, convention.table_axes.place(at), Wrap::Clamp, texel);
+                let found = bilinear(image, convention.table_axes.place(at), Wrap::CLAMP, texel);
                 (convention.table_channels.pair)(found.truncate())
             });
             let albedo = dfg_within(kernel.brdf, masking, n_dot_v, alpha, ALBEDO_WITHIN);

@@ -87,8 +87,8 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
             sgd_byte_length: 0,
         },
     };
-    // Levels begin at multiples of a texel and of 4, all of which divide 48; packed ones anywhere.
-    let alignment = if *is_packed { 1 } else { 48 };
+    // Levels begin at the next multiple of a texel's bytes and of 4; packed ones anywhere (KTX 2, section 3.9.7).
+    let alignment = if *is_packed { 1 } else { texel.bytes << 2u32.saturating_sub(texel.bytes.trailing_zeros()) };
     let mut end = kvd_start + kvd.len();
     let mut data = Vec::new();
     let mut index = vec![[0; LevelIndex::LENGTH]; levels.len()];

@@ -62,7 +62,7 @@ impl DfgAxes {
     /// (A, B) as looked up in a table.
     pub fn lookup(self, table: &Pixels<DVec2>, n_dot_v: f64, alpha: f64) -> DVec2 {
         let uv = self.texel(DVec2::new(n_dot_v, alpha), table.width) / f64::from(table.width);
-        bilinear(table, uv, Wrap::Clamp, |pair| pair.extend(0.0)).truncate()
+        bilinear(table, uv, Wrap::CLAMP, |pair| pair.extend(0.0)).truncate()
     }
 
     fn least_roots() -> DVec2 {

@@ -9,17 +9,22 @@
 //! | `doubleSided` | whether backs are seen | they are not |
 //! | `KHR_materials_ior` | f0 = ((ior - 1) / (ior + 1))² | 0.04 |
 //!
-//! Factors outside 0 to 1 are clamped. The maps of a material read one set of texture coordinates and repeat.
+//! Factors outside 0 to 1 are clamped. The maps of a material read one set of texture coordinates, with one `KHR_texture_transform`
+//! [KhrTransform18]; they repeat, clamp or mirror as their samplers say and are filtered trilinearly.
 
 use super::buffers::{Buffers, resource};
 use crate::brdf;
 use crate::glsl::constants::ALPHA_MIN;
+use crate::pixels::lookup::{Edge, Wrap};
 use crate::scene::maps::{Maps, Meaning};
 use crate::scene::material::Material;
 use crate::scene::source::SceneFiles;
 use ::gltf::image::Source;
+use ::gltf::json::extensions::texture::TextureTransform;
 use ::gltf::material::AlphaMode;
-use ::gltf::texture::{Texture, WrappingMode};
+use ::gltf::texture::{Info, MagFilter, Texture, WrappingMode};
+use glam::{DAffine2, DVec2, Vec2};
+use serde::Deserialize;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
@@ -43,20 +48,39 @@ impl<'a> Materials<'a> {
         self.used[slot].normal_texture().is_some()
     }
 
-    /// The set of texture coordinates that the maps of a material read.
-    pub fn uv_set(&self, slot: usize) -> Result<u32, String> {
+    /// The set of texture coordinates that the maps of a material read, and what turns them.
+    pub fn mapping(&self, slot: usize) -> Result<(u32, DAffine2), String> {
         let (material, factors) = (&self.used[slot], self.used[slot].pbr_metallic_roughness());
-        let sets: BTreeSet<u32> = [
-            factors.base_color_texture().map(|map| map.tex_coord()),
-            factors.metallic_roughness_texture().map(|map| map.tex_coord()),
-            material.normal_texture().map(|map| map.tex_coord()),
-        ]
-        .into_iter()
-        .flatten()
-        .collect();
-        match sets.len() {
-            0 | 1 => Ok(sets.first().copied().unwrap_or(0)),
-            _ => Err(format!("the maps of its material read the texture coordinates {sets:?}, expected one set")),
+        let own = |info: Info| {
+            let transform = info.texture_transform();
+            let set = transform.as_ref().and_then(|transform| transform.tex_coord());
+            (
+                set.unwrap_or(info.tex_coord()),
+                transform.map_or(DAffine2::IDENTITY, |t| affine(t.offset(), t.rotation(), t.scale())),
+            )
+        };
+        let mut mappings: Vec<(u32, DAffine2)> = [factors.base_color_texture(), factors.metallic_roughness_texture()]
+            .into_iter()
+            .flatten()
+            .map(own)
+            .collect();
+        if let Some(map) = material.normal_texture() {
+            // The crate has no name for it here.
+            let transform = map.extension_value("KHR_texture_transform").map(TextureTransform::deserialize);
+            let transform =
+                transform.transpose().map_err(|error| format!("KHR_texture_transform of its normal map: {error}"))?;
+            let set = transform.as_ref().and_then(|transform| transform.tex_coord);
+            let of = |t: TextureTransform| affine(t.offset.0, t.rotation.0, t.scale.0);
+            mappings.push((set.unwrap_or(map.tex_coord()), transform.map_or(DAffine2::IDENTITY, of)));
+        }
+        let first = mappings.first().copied().unwrap_or((0, DAffine2::IDENTITY));
+        match mappings.iter().find(|mapping| **mapping != first) {
+            None => Ok(first),
+            Some((set, _)) if *set != first.0 => Err(format!(
+                "the maps of its material read the texture coordinates {} and {set}, expected one set",
+                first.0
+            )),
+            Some(_) => Err("the maps of its material have several KHR_texture_transform, expected one".to_owned()),
         }
     }
 
@@ -70,23 +94,24 @@ impl<'a> Materials<'a> {
         unread: &mut BTreeSet<String>,
     ) -> Result<Vec<Material>, String> {
         // Images are shared by materials, and one holds both roughness and metallic.
-        let mut known: Vec<(usize, Meaning, usize)> = Vec::new();
+        let mut known: Vec<(usize, Meaning, Wrap, usize)> = Vec::new();
         let mut map = |texture: Texture, meaning: Meaning, unread: &mut BTreeSet<String>| {
             let (sampler, image) = (texture.sampler(), texture.source());
-            if [sampler.wrap_s(), sampler.wrap_t()].iter().any(|wrap| *wrap != WrappingMode::Repeat) {
-                unread.insert("wrapping other than repeat".to_owned());
+            let wrap = Wrap(edge(sampler.wrap_s()), edge(sampler.wrap_t()));
+            if sampler.mag_filter() == Some(MagFilter::Nearest) {
+                unread.insert("nearest filters".to_owned());
             }
-            if let Some((.., index)) = known.iter().find(|(of, as_what, _)| (*of, *as_what) == (image.index(), meaning))
-            {
+            let key = (image.index(), meaning, wrap);
+            if let Some((.., index)) = known.iter().find(|(image, meaning, wrap, _)| (*image, *meaning, *wrap) == key) {
                 return Ok(*index);
             }
             let bytes = match image.source() {
                 Source::View { view, .. } => buffers.view(&view).map(<[u8]>::to_vec),
                 Source::Uri { uri, .. } => resource(uri, path, files),
             };
-            let index = bytes.and_then(|bytes| maps.add(&bytes, meaning));
+            let index = bytes.and_then(|bytes| maps.add(&bytes, meaning, wrap));
             let index = index.map_err(|error| format!("image {}: {error}", image.index()))?;
-            known.push((image.index(), meaning, index));
+            known.push((image.index(), meaning, wrap, index));
             Ok::<usize, String>(index)
         };
         let mut materials = Vec::new();
@@ -124,4 +149,18 @@ impl<'a> Materials<'a> {
         }
         Ok(materials)
     }
+}
+
+fn edge(mode: WrappingMode) -> Edge {
+    match mode {
+        WrappingMode::ClampToEdge => Edge::Clamp,
+        WrappingMode::MirroredRepeat => Edge::Mirror,
+        WrappingMode::Repeat => Edge::Repeat,
+    }
+}
+
+/// Scaled, turned counter-clockwise as v grows downward, and moved: the example of the extension shows the sense.
+fn affine(offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> DAffine2 {
+    let [offset, scale] = [offset, scale].map(|pair| Vec2::from_array(pair).as_dvec2());
+    DAffine2::from_scale_angle_translation(DVec2::ONE, -f64::from(rotation), offset) * DAffine2::from_scale(scale)
 }

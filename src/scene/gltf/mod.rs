@@ -20,14 +20,14 @@ use super::{Scene, SceneError, toward_viewer_of_files};
 use crate::spelling::printable;
 use ::gltf::{Document, Glb, Gltf, Node, Primitive, Semantic, mesh::Mode, scene::Transform};
 use buffers::Buffers;
-use glam::{DMat3, DMat4, DQuat, DVec3, Vec3};
+use glam::{DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
 use material::Materials;
 use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Extensions that are read; others that a file requires refuse it.
-const EXTENSIONS: [&str; 1] = ["KHR_materials_ior"];
+const EXTENSIONS: [&str; 2] = ["KHR_materials_ior", "KHR_texture_transform"];
 /// Vertices of all meshes as they are placed, and a third of the corners of their triangles: below 1.5 GiB with 60 bytes a vertex and as
 /// many a corner while normals are made.
 const MAX_VERTICES: usize = 1 << 23;
@@ -212,7 +212,7 @@ impl<'a> Reader<'a> {
         if slot == self.meshes.len() {
             self.meshes.push(Mesh::empty(slot));
         }
-        let wanted = self.materials.uv_set(slot)?;
+        let (wanted, transform) = self.materials.mapping(slot)?;
         let uvs =
             attribute(Semantic::TexCoords(wanted)).map(|uvs| self.buffers.vectors::<2>(&uvs, count)).transpose()?;
         let normals =
@@ -243,7 +243,11 @@ impl<'a> Reader<'a> {
             placed.positions.push(position.as_vec3().to_array());
         }
         // glTF counts v from the top row.
-        placed.uvs = uvs.map_or(vec![[0.0; 2]; count], |uvs| uvs.iter().map(|&[u, v]| [u, 1.0 - v]).collect());
+        let turned = |uv: &[f32; 2]| {
+            let [u, v] = transform.transform_point2(Vec2::from_array(*uv).as_dvec2()).to_array();
+            [u as f32, (1.0 - v) as f32]
+        };
+        placed.uvs = uvs.map_or(vec![[0.0; 2]; count], |uvs| uvs.iter().map(turned).collect());
         if placed.uvs.iter().flatten().any(|x| !x.is_finite()) {
             return Err("a texture coordinate that is no number".to_owned());
         }

@@ -8,11 +8,11 @@ mod mtl;
 mod normals;
 mod triangulate;
 
-use super::maps::{Maps, Meaning};
+use super::maps::{Maps, Meaning, Texture};
 use super::mesh::{Mesh, is_degenerate, position};
 use super::source::{SceneFiles, existing};
 use super::{Material, Scene, SceneError, toward_viewer_of_files};
-use crate::pixels::RgbImage;
+use crate::pixels::lookup::Wrap;
 use glam::{DVec3, Vec3};
 use lines::ObjText;
 use std::collections::{HashMap, HashSet};
@@ -105,11 +105,11 @@ fn read_maps(
     files: &dyn SceneFiles,
     libraries: &mtl::Libraries,
     warnings: &mut Vec<String>,
-) -> (Vec<RgbImage>, Vec<Option<usize>>) {
+) -> (Vec<Texture>, Vec<Option<usize>>) {
     let (mut maps, mut unreadable) = (Maps::default(), Vec::new());
     let mut read = |path: &PathBuf| {
         let bytes = files.read(path).map_err(|error| error.to_string());
-        let index = bytes.and_then(|bytes| maps.add(&bytes, Meaning::Color));
+        let index = bytes.and_then(|bytes| maps.add(&bytes, Meaning::Color, Wrap::REPEAT));
         index.map_err(|error| {
             unreadable.push(format!("{}: cannot read the albedo map: {error}; it is left out", path.display()));
         })

@@ -10,8 +10,8 @@ use crate::runner::axis::ENVIRONMENT_ORIENTATION;
 use crate::runner::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord};
 use crate::runner::live_model::{self, LiveModel};
 use crate::runner::value::Value;
-use crate::scene::Projection;
 use crate::scene::camera::PERSPECTIVE_FOV_DEG;
+use crate::scene::{Material, Projection};
 use crate::shade::{METHODS, Method};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -129,7 +129,7 @@ impl Light {
         if self.models.is_empty() {
             let note = format!("{LIVE_FILE} is of an older version and has no model, so a sphere is shown.");
             let projection = Projection::Perspective { fov_deg: PERSPECTIVE_FOV_DEG };
-            self.models.push(live_model::sphere("sphere", note, projection, None));
+            self.models.push(live_model::sphere("sphere", note, projection, Material::default()));
         }
         self.notes.extend(self.models.iter().map(|model| model.note.clone()).filter(|note| !note.is_empty()));
         let mut left_out = record.left_out;

@@ -243,6 +243,8 @@ fn gltf() -> Vec<(String, Vec<u8>)> {
         "normalTexture": { "index": 1 },
         "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicRoughnessTexture": { "index": 1 } },
     });
+    let turned = json!({ "offset": [0, 1], "rotation": 1, "scale": [2, 2], "texCoord": 0 });
+    let turned = json!({ "normalTexture": { "index": 0, "extensions": { "KHR_texture_transform": turned } } });
     let images = [0, 90].map(|base| png(2, 2, move |x, y| [base + 90 * x as u8, 100 * y as u8, 7]));
     let mut sparse = quad();
     let accessors = sparse["accessors"].as_array_mut().expect("accessors");
@@ -254,7 +256,11 @@ fn gltf() -> Vec<(String, Vec<u8>)> {
     let mut nodes = quad();
     nodes["nodes"] = json!([{ "children": [1], "scale": [1, -1, 1] }, { "mesh": 0, "rotation": [0, 1, 0, 0] }]);
     nodes["meshes"][0]["primitives"][0]["mode"] = json!(5);
-    let models = [("maps", textured(quad(), material, &images)), ("sparse", sparse), ("nodes", nodes)];
+    let mut turned = textured(quad(), turned, &images);
+    turned["samplers"] = json!([{ "magFilter": 9728, "wrapS": 33071, "wrapT": 33648 }]);
+    turned["textures"][0]["sampler"] = json!(0);
+    let models =
+        [("maps", textured(quad(), material, &images)), ("sparse", sparse), ("nodes", nodes), ("turned", turned)];
     let text = |(name, model): &(&str, Value)| (name.to_string(), format!("@@x.gltf\n{model}").into_bytes());
     let mut seeds: Vec<_> = models.iter().map(text).collect();
     seeds.push(("binary".to_owned(), glb(&models[1].1)));

@@ -7,7 +7,9 @@ use splitsum::brdf::alpha_from_perceptual_roughness;
 use splitsum::color::srgb_decode;
 use splitsum::gbuffer::Gbuffer;
 use splitsum::gbuffer::reference::gbuffer;
-use splitsum::scene::{Camera, CameraKind, MaterialOverride, Mesh, Projection, Scene};
+use splitsum::pixels::RgbImage;
+use splitsum::pixels::lookup::Wrap;
+use splitsum::scene::{Camera, CameraKind, MaterialOverride, Mesh, Projection, Scene, Texture};
 
 /// Rounding of f32 numbers of order 1.
 const F32: f64 = 1e-6;
@@ -28,7 +30,7 @@ pub fn glb(model: &Value) -> Vec<u8> {
     [b"glTF", &words[..], b"JSON", padded.as_bytes()].concat()
 }
 
-fn loaded(model: &Value) -> Scene {
+pub fn loaded(model: &Value) -> Scene {
     load(model).expect("a readable file")
 }
 
@@ -37,7 +39,7 @@ fn vector(v: [f32; 3]) -> DVec3 {
 }
 
 /// What a camera straight in front of the square sees of it and nothing else, a texel a pixel.
-fn seen(scene: &Scene, size: [u32; 2], toward_viewer: DVec3) -> Gbuffer<f64> {
+pub fn seen(scene: &Scene, size: [u32; 2], toward_viewer: DVec3) -> Gbuffer<f64> {
     let front = Camera::for_scene(CameraKind::Ortho, &Scene::sphere(), size);
     let camera = Camera {
         eye: 3.0 * toward_viewer,
@@ -237,9 +239,9 @@ fn a_flat_normal_map_changes_nothing() {
         mesh(&[("POSITION", 3, &positions), ("NORMAL", 3, &normals), ("TEXCOORD_0", 2, &uvs)], &[0, 1, 2, 0, 2, 3]);
     let material = json!({ "doubleSided": true, "normalTexture": { "index": 0 } });
     let mut mapped = loaded(&textured(plain.clone(), material, &[png(2, 2, |_, _| [128, 128, 255])]));
-    let decoded = mapped.textures[0].data[0];
+    let decoded = mapped.textures[0].levels[0].data[0];
     assert!(decoded[..2].iter().all(|x| (x - 1.0 / 255.0).abs() < 1e-6) && decoded[2] == 1.0, "{decoded:?}");
-    mapped.textures[0].data.fill([0.0, 0.0, 1.0]);
+    mapped.textures[0] = Texture::new(RgbImage::filled(2, 2, [0.0, 0.0, 1.0]), Wrap::REPEAT);
     let tangents = &mapped.meshes[0].tangents;
     assert!(tangents.iter().all(|t| (vector([t[0], t[1], t[2]]).length() - 1.0).abs() < F32 && t[3].abs() == 1.0));
     let [with, without] = [&mapped, &loaded(&plain)].map(|scene| seen(scene, [9, 9], DVec3::Z));

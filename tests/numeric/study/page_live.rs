@@ -1,9 +1,12 @@
 //! What a run leaves for the live view, and what of it a report takes.
 
+use crate::gltf_files::{png, textured};
+use crate::scene::gltf::quad;
 use crate::study::page::{finished_run, read};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use glam::{DVec3, Vec3};
+use serde_json::json;
 use splitsum::brdf::MODELS;
 use splitsum::environment::layout::{LAYOUTS, MapLayout};
 use splitsum::glsl::source::{Language, parse};
@@ -157,6 +160,31 @@ fn a_model_is_packed_within_the_errors_that_it_states() {
     let large = &live_model::models(&plan("\"large.obj\""))[0];
     assert_eq!((large.spheres.len(), large.parts.len()), (1, 0));
     assert!(large.note.contains("large has 100001 triangles"), "{}", large.note);
+}
+
+/// A model of glTF is there, with the means of its maps: 0 and 255 make a half, and roughness is squared after.
+#[test]
+fn a_model_has_the_means_of_its_maps() {
+    let dir = tempfile::tempdir().unwrap();
+    let material = json!({ "pbrMetallicRoughness": {
+        "baseColorFactor": [0.5, 1, 1, 1], "baseColorTexture": { "index": 0 },
+        "roughnessFactor": 0.5, "metallicRoughnessTexture": { "index": 1 },
+    } });
+    let images = [png(2, 1, |x, _| [255 * x as u8, 51, 255]), png(2, 1, |x, _| [0, 255 * x as u8, 51 * x as u8])];
+    std::fs::write(dir.path().join("x.gltf"), textured(quad(), material, &images).to_string()).unwrap();
+    let text = "name = \"live\"\nsize = [8, 8]\n[axes]\nscene = [\"x.gltf\"]\nmethod = [\"split-sum\"]\n";
+    let plan = Plan::from_text(&dir.path().join("live.toml"), text, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let model = &live_model::models(&plan)[0];
+    let surface = &model.parts[0].surface;
+    let green = splitsum::color::srgb_decode(0.2);
+    for (found, wanted) in surface.albedo.into_iter().zip([0.25, green, 1.0]) {
+        assert!((found - wanted).abs() < 1e-6, "{surface:?}");
+    }
+    assert!((surface.metallic - 0.1).abs() < 1e-6 && (surface.alpha - 0.0625).abs() < 1e-6, "{surface:?}");
+    assert_eq!(
+        (model.parts[0].triangle_count, model.note.as_str()),
+        (2, "The textures of x are shown as their means.")
+    );
 }
 
 #[test]
