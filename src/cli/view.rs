@@ -6,28 +6,22 @@ use clap::Args;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::files::{TEXT_BYTES_MAX, read_text};
 use splitsum::pipeline::{DeviceChoice, Options};
-use splitsum::runner::axis::{AXES, DFG_TABLE, METHOD, PREFILTERED, Point, SIZE};
+use splitsum::runner::axis::{AXES, DFG_TABLE, METHOD, PREFILTERED, Point, REFERENCE, SIZE};
 use splitsum::runner::value::Value;
-use splitsum::scene::Scene;
+use splitsum::scene::{Scene, scene_extensions};
 use splitsum::shade::{FILE_PREFIX, METHODS, own};
-use splitsum::view::{Opened, State, Windowed, open};
+use splitsum::view::{Opened, Picture, State, Windowed, open};
 use std::path::{Path, PathBuf};
 
 /// Opens a window: two methods side by side, turned by hand, beside a reference that refines while nothing moves.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    after_help = "Drag turns the camera, shift+drag the light, the wheel zooms. Keys: space the other half; d wipe; e error; s signed error; \
-    t tone; [ ] exposure; + - 0 and arrows the camera; 1 to 9 methods; ctrl+S saves.\n\n\
-    A file that is dropped on the window is its environment (.hdr, .exr) or its scene (.obj, .glb, .gltf); on Wayland type its path instead. Saving \
-    makes a folder view-N with the picture, the linear images, the state, `render` commands and an experiment.\n\n\
-    A dropped or typed file that cannot be read leaves what was there, and says why.\n\n\
-    Exit codes: 2 no display or bad input; 75 the device, the window or the Wayland display was lost.\n\n\
-    Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  splitsum view --state view-1/state.json"
+    after_help = after_help()
 )]
 pub struct Arguments {
-    /// Shows a saved state; the flags of axes and of what is seen are then left out.
-    #[arg(long, value_name = "FILE")]
+    /// Shows a saved state, beside which no other flag of what is shown is taken.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["right", "camera", "orbit", "background", "lights", "seed"])]
     state: Option<PathBuf>,
     /// The folder in which saved states are put.
     #[arg(long, value_name = "DIR", default_value = ".")]
@@ -42,6 +36,31 @@ pub struct Arguments {
     seen: SeenFlags,
     #[command(flatten)]
     axes: AxisFlags,
+}
+
+fn after_help() -> String {
+    let point = first_point();
+    let ([width, height], method) = (point[SIZE].pair(), &point[METHOD]);
+    let pictures: Vec<&str> = Picture::ALL.iter().map(|(name, _)| *name).collect();
+    format!(
+        "Here --method is {method}, --right {REFERENCE} and --size {width}x{height} by default. The tables are our own: `render` takes file:PATH \
+        for --prefiltered and --dfg, too.\n\n\
+        Pictures, in the list at the top left: {}. \"image\", \"error\" and \"signed error\" have a half for each method, with a handle \
+        between them; errors are against the reference. \"difference\" is left minus right. The parts of the g-buffer and the tables are those \
+        of the left half.\n\n\
+        Drag turns the camera, shift+drag the light, the wheel zooms. Keys: space the other half, while it is down; d the left method alone; \
+        e error; s signed error; t tone; [ ] exposure; + - 0 and arrows the camera; shift and arrows the light; 1 to 9 methods of the left \
+        half; ctrl+S saves.\n\n\
+        Below the picture are the linear values under the pointer, of the left half, the right one and the reference, with its standard error, \
+        the times of the last frames, and of the passes of the last one.\n\n\
+        A file that is dropped on the window is its environment (.hdr, .exr) or its scene ({}); on Wayland type its path instead. One that \
+        cannot be read leaves what was there, and says why. Saving makes a folder view-N with the picture, the linear images, the state, \
+        `render` commands and an experiment.\n\n\
+        Exit codes: 2 no display or bad input; 75 the device, the window or the display was lost.\n\n\
+        Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  splitsum view --state view-1/state.json",
+        pictures.join(", "),
+        scene_extensions(),
+    )
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -70,6 +89,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let device = arguments.seen.device.map_or(DeviceChoice::Default, DeviceChoice::Index);
     let options = Options { device, validation: arguments.validation, ..Options::default() };
+    #[cfg(target_os = "linux")]
+    splitsum::gpu::x11::when_server_ends(|| {
+        let Failure { code, text } = Failure::passing("the display was lost: the X server has ended");
+        super::tell(&text);
+        code
+    });
     match open(Opened { state, options, load, out: arguments.out.clone() }) {
         Windowed::Closed => Ok(()),
         Windowed::NoDisplay(why) => Err(Failure::input(why)),
@@ -87,16 +112,21 @@ fn state(arguments: &Arguments) -> Result<State, Failure> {
         let text = read_text(path, TEXT_BYTES_MAX).map_err(|error| fault(&error))?;
         return State::parse(&text).map_err(|why| fault(&why));
     }
+    let first = first_point();
     let mut point: Point = arguments.axes.point();
-    if arguments.axes.get(METHOD).is_none() {
-        // The split sum.
-        let first = METHODS.iter().find(|method| method.uses_prefiltered()).expect("a method that looks a map up");
-        point[METHOD] = Value::Text(first.name.to_owned().into());
-    }
-    if arguments.axes.get(SIZE).is_none() {
-        point[SIZE] = Value::Pair([512; 2]);
+    for axis in [METHOD, SIZE].into_iter().filter(|axis| arguments.axes.get(*axis).is_none()) {
+        point[axis] = first[axis].clone();
     }
     let state = State::new(point, arguments.seen.view());
     let right = arguments.right.clone().unwrap_or(state.right.clone());
     Ok(State { right, ..state })
+}
+
+/// What the window shows without flags: the split sum beside the reference.
+fn first_point() -> Point {
+    let mut point = Point::default();
+    let first = METHODS.iter().find(|method| method.uses_prefiltered()).expect("a method that looks a map up");
+    point[METHOD] = Value::Text(first.name.to_owned().into());
+    point[SIZE] = Value::Pair([512; 2]);
+    point
 }

@@ -3,7 +3,6 @@
 use super::device::lock;
 use super::{Gpu, GpuError, Recorder, Report};
 use crate::glsl::constants::GROUP_SIDE;
-use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -17,10 +16,30 @@ pub fn image_groups(width: u32, row_count: u32) -> [u32; 3] {
     [width.div_ceil(GROUP_SIDE), row_count.div_ceil(GROUP_SIDE), 1]
 }
 
-/// Work groups over a band of rows of each face.
+/// Work groups over every face of a map.
 pub fn face_groups(width: u32, row_count: u32, face_count: u32) -> [u32; 3] {
     let [x, y, _] = image_groups(width, row_count);
     [x, y, face_count]
+}
+
+/// The work groups of a dispatch: all from the first on.
+#[derive(Clone, Copy, Debug)]
+pub struct Groups {
+    pub first: [u32; 3],
+    pub count: [u32; 3],
+}
+
+impl From<[u32; 3]> for Groups {
+    fn from(count: [u32; 3]) -> Self {
+        Self { first: [0; 3], count }
+    }
+}
+
+/// What one submission computes of an image or of the faces of a map: its shader is told of the row, columns and faces are its groups'.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    pub first_row: u32,
+    pub groups: Groups,
 }
 
 /// A program that a person waits for has submissions of a thirty-second of that: about a hundredth of a second.
@@ -38,12 +57,26 @@ impl Gpu {
         *lock(&self.shared.interrupt) = flag;
     }
 
-    /// Bands of whole rows such that one band of `samples_per_row` samples a row stays within one submission's budget.
-    /// A band is a multiple of a work group's height, except for the last.
-    pub fn row_bands(&self, row_count: u32, samples_per_row: u64) -> impl Iterator<Item = Range<u32>> + use<> {
-        let rows = (self.submission_samples() / samples_per_row.max(1)).clamp(1, u64::from(row_count.max(1))) as u32;
-        let step = rows.next_multiple_of(GROUP_SIDE);
-        (0..row_count).step_by(step as usize).map(move |first| first..(first + step).min(row_count))
+    /// Parts within one submission's budget, or of one group where that is above it: rows of all faces, else of some, else columns of one.
+    pub fn parts(
+        &self,
+        [width, height]: [u32; 2],
+        face_count: u32,
+        samples_per_texel: u64,
+    ) -> impl Iterator<Item = Part> + use<> {
+        let [columns, rows, faces] = face_groups(width, height, face_count);
+        let fit = self.submission_samples() / (u64::from(GROUP_SIDE * GROUP_SIDE) * samples_per_texel).max(1);
+        let step = |all: u32, of: u32| (fit / u64::from(of)).clamp(1, u64::from(all)) as u32;
+        let [by_column, by_face, by_row] = [step(columns, 1), step(faces, columns), step(rows, columns * faces)];
+        let from = |all: u32, step: u32| (0..all).step_by(step as usize).map(move |at| (at, step.min(all - at)));
+        from(rows, by_row).flat_map(move |(row, row_count)| {
+            from(faces, by_face).flat_map(move |(face, face_count)| {
+                from(columns, by_column).map(move |(column, column_count)| Part {
+                    first_row: row * GROUP_SIDE,
+                    groups: Groups { first: [column, 0, face], count: [column_count, row_count, face_count] },
+                })
+            })
+        })
     }
 
     /// Records and submits one timed pass.

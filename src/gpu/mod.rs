@@ -1,9 +1,9 @@
-//! Vulkan: device, memory, pipelines, recording, timestamps. The only unsafe code; knows nothing of light.
+//! Vulkan: device, memory, pipelines, recording, timestamps; and the end of an X server. The only unsafe code; knows nothing of light.
 //!
 //! Every buffer and image is a cheap handle that shares its Vulkan object and frees it with the last clone; pipelines and samplers are
 //! made when they are first named and live as long as the device. A [`Recorder`] keeps what it records alive, derives each barrier and
 //! layout from the tracked access of each buffer and each mip level, and `submit` waits.
-#![allow(unsafe_code)] // Vulkan is a C interface; each block says why its call is sound
+#![allow(unsafe_code)] // Vulkan and Xlib are C interfaces; each block says why its call is sound
 #![deny(clippy::undocumented_unsafe_blocks, clippy::multiple_unsafe_ops_per_block)]
 
 mod bounded;
@@ -21,9 +21,11 @@ mod recorder;
 mod shader;
 mod slot;
 mod sync;
+#[cfg(all(feature = "view", target_os = "linux"))]
+pub mod x11;
 
 pub use crate::pixels::lookup::Wrap;
-pub use bounded::{face_groups, image_groups};
+pub use bounded::{Groups, Part, face_groups, image_groups};
 pub use buffer::Buffer;
 pub use device::Gpu;
 pub use error::GpuError;

@@ -101,7 +101,7 @@ impl Shared {
         interface: Interface,
     ) -> Result<Arc<Pipeline>, GpuError> {
         self.pipeline(&[shader], constants, interface, |interface| {
-            self.make_compute_pipeline(shader, constants, interface, vk::PipelineCreateFlags::empty())
+            self.make_compute_pipeline(shader, constants, interface, vk::PipelineCreateFlags::DISPATCH_BASE)
         })
     }
 

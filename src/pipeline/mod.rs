@@ -303,11 +303,10 @@ impl Pipeline {
 
         if request.method.has_pass() {
             let points_per_dispatch = prepared.samples_per_pixel.min(POINTS_PER_DISPATCH);
-            let samples_per_row = u64::from(request.size[0]) * u64::from(points_per_dispatch);
-            for rows in gpu.row_bands(request.size[1], samples_per_row) {
+            for part in gpu.parts(request.size, 1, points_per_dispatch.into()) {
                 for points in tables.points.ranges() {
                     report.add(gpu.submit_pass("shade-specular", |r| {
-                        shading.specular(r, request.method, brdf, masking, points, rows.clone())
+                        shading.specular(r, request.method, brdf, masking, points, part)
                     })?);
                 }
             }
@@ -326,17 +325,19 @@ impl Pipeline {
                 convergences.push(convergence);
             }
         }
-        let mut recorder = gpu.record("shade")?;
-        if request.diffuse.has_pass() {
-            recorder.pass("shade-diffuse", |r| shading.diffuse(r, request.diffuse))?;
+        for part in gpu.parts(request.size, 1, 1 + request.lights.len() as u64) {
+            let mut recorder = gpu.record("shade")?;
+            if request.diffuse.has_pass() {
+                recorder.pass("shade-diffuse", |r| shading.diffuse(r, request.diffuse, part))?;
+            }
+            if let Some(lights) = &prepared.lights {
+                recorder.pass("shade-lights", |r| shading.lights(r, brdf, masking, lights, part))?;
+            }
+            if request.background {
+                recorder.pass("background", |r| shading.background(r, part))?;
+            }
+            report.add(recorder.submit()?);
         }
-        if let Some(lights) = &prepared.lights {
-            recorder.pass("shade-lights", |r| shading.lights(r, brdf, masking, lights))?;
-        }
-        if request.background {
-            recorder.pass("background", |r| shading.background(r))?;
-        }
-        report.add(recorder.submit()?);
         Ok((report, convergences))
     }
 }

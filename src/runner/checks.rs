@@ -68,7 +68,7 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
     }
     if width * height < LADDER_PIXELS_MIN {
         let text = format!(
-            "size: {width}x{height} has {} views for the steps of [ladder]; expected at least {LADDER_PIXELS_MIN}",
+            "size: {width}x{height}: the steps of [ladder] are over at least {LADDER_PIXELS_MIN} views, one a pixel; this has {}",
             width * height
         );
         faults.add(&config.place_of(SIZE, point), text);

@@ -7,14 +7,13 @@ use crate::environment::layout::MapLayout;
 use crate::gbuffer::pass::GbufferImages;
 use crate::glsl::constants::SHADE_FLAG_NO_SPECULAR;
 use crate::glsl::layout::{BackgroundParams, LightData, ShadeParams, SharedStruct};
-use crate::gpu::{Bind, Buffer, Filter, GpuError, Image, Recorder, Sampler, Wrap, has_shader, image_groups};
+use crate::gpu::{Bind, Buffer, Filter, GpuError, Image, Part, Recorder, Sampler, Wrap, has_shader};
 use crate::math::sequence::PixelPoints;
 use crate::precompute::dfg::DfgAxes;
 use crate::precompute::points::{PointRange, Points};
 use crate::precompute::prefilter::LevelMapping;
 use crate::scene::{Camera, Light, Projection};
 use glam::DVec3;
-use std::ops::Range;
 
 /// What every shading pass needs to know besides the tables: camera and environment placement, and the method's parameters.
 #[derive(Clone, Debug)]
@@ -152,7 +151,7 @@ pub fn lights_shader(brdf: &dyn Brdf) -> String {
 }
 
 impl Shading<'_> {
-    /// Dispatches a pass over rows of the image; `rest` follows the g-buffer and goes before the radiance.
+    /// Dispatches a pass; `rest` follows the g-buffer and goes before the radiance.
     fn dispatch(
         &self,
         recorder: &mut Recorder,
@@ -160,14 +159,13 @@ impl Shading<'_> {
         constants: &[u32],
         rest: &[Bind<'_>],
         push: &[u8],
-        row_count: u32,
+        part: Part,
     ) -> Result<(), GpuError> {
         let rest = [rest, &[Bind::ReadWrite(self.radiance)]].concat();
-        let groups = image_groups(self.gbuffer.size[0], row_count);
-        recorder.dispatch(shader, constants, &with_gbuffer(self.gbuffer, &rest), push, groups)
+        recorder.dispatch(shader, constants, &with_gbuffer(self.gbuffer, &rest), push, part.groups)
     }
 
-    /// Adds what the points `points` give of the specular image-based radiance of the rows `rows`.
+    /// Adds what the points `points` give of the specular image-based radiance of a part of the image.
     pub fn specular(
         &self,
         recorder: &mut Recorder,
@@ -175,7 +173,7 @@ impl Shading<'_> {
         brdf: &dyn Brdf,
         masking_shadowing: MaskingShadowing,
         points: PointRange<'_>,
-        rows: Range<u32>,
+        part: Part,
     ) -> Result<(), GpuError> {
         let shader = specular_shader(self.layout, method, brdf);
         let Tables { environment, filtered, prefiltered, dfg, lobe_shapes, .. } = self.tables;
@@ -187,10 +185,11 @@ impl Shading<'_> {
             Bind::Sample(lobe_shapes, TABLE),
             points.bind(),
         ];
-        let params = ShadeParams { point_count: points.count, ..self.settings.params(self.gbuffer.size, rows.start) };
+        let params =
+            ShadeParams { point_count: points.count, ..self.settings.params(self.gbuffer.size, part.first_row) };
         let ShadeSettings { level_mapping, pixel_points, compensation, dfg_axes, .. } = *self.settings;
         let constants = specular_constants(masking_shadowing, level_mapping, pixel_points, compensation, dfg_axes);
-        self.dispatch(recorder, &shader, &constants, &rest, &params.to_bytes(), rows.end - rows.start)
+        self.dispatch(recorder, &shader, &constants, &rest, &params.to_bytes(), part)
     }
 
     /// The specialization constants of passes that read no map of the lobe.
@@ -200,13 +199,13 @@ impl Shading<'_> {
     }
 
     /// Adds the diffuse image-based radiance.
-    pub fn diffuse(&self, recorder: &mut Recorder, diffuse: &Diffuse) -> Result<(), GpuError> {
+    pub fn diffuse(&self, recorder: &mut Recorder, diffuse: &Diffuse, part: Part) -> Result<(), GpuError> {
         let Tables { irradiance_map, dfg, sh9, .. } = self.tables;
         let rest = [Bind::Sample(irradiance_map, Sampler::MAP), Bind::Sample(dfg, TABLE), Bind::Read(sh9)];
-        let push = self.settings.params(self.gbuffer.size, 0).to_bytes();
+        let push = self.settings.params(self.gbuffer.size, part.first_row).to_bytes();
         let shader = format!("shade/diffuse.comp:{}:{}", self.layout.name, diffuse.name);
         let constants = self.table_constants(MaskingShadowing::default());
-        self.dispatch(recorder, &shader, &constants, &rest, &push, self.gbuffer.size[1])
+        self.dispatch(recorder, &shader, &constants, &rest, &push, part)
     }
 
     /// Adds the radiance of analytic lights.
@@ -216,15 +215,16 @@ impl Shading<'_> {
         brdf: &dyn Brdf,
         masking_shadowing: MaskingShadowing,
         lights: &Buffer,
+        part: Part,
     ) -> Result<(), GpuError> {
         let rest = [Bind::Sample(&self.tables.dfg, TABLE), Bind::Read(lights)];
-        let push = self.settings.params(self.gbuffer.size, 0).to_bytes();
+        let push = self.settings.params(self.gbuffer.size, part.first_row).to_bytes();
         let (shader, constants) = (lights_shader(brdf), self.table_constants(masking_shadowing));
-        self.dispatch(recorder, &shader, &constants, &rest, &push, self.gbuffer.size[1])
+        self.dispatch(recorder, &shader, &constants, &rest, &push, part)
     }
 
     /// Shows the environment where nothing is hit.
-    pub fn background(&self, recorder: &mut Recorder) -> Result<(), GpuError> {
+    pub fn background(&self, recorder: &mut Recorder, part: Part) -> Result<(), GpuError> {
         let ([width, height], camera) = (self.gbuffer.size, &self.settings.camera);
         let turn = self.settings.placement.environment_from_world();
         let [extent_x, extent_y] = match camera.projection {
@@ -238,10 +238,10 @@ impl Shading<'_> {
             forward: vec4(camera.forward),
             width,
             height,
-            first_row: 0,
+            first_row: part.first_row,
             environment_scale: self.settings.environment_scale,
         };
         let rest = [Bind::Sample(&self.tables.environment, Sampler::MAP)];
-        self.dispatch(recorder, BACKGROUND_SHADER, &[], &rest, &params.to_bytes(), height)
+        self.dispatch(recorder, BACKGROUND_SHADER, &[], &rest, &params.to_bytes(), part)
     }
 }

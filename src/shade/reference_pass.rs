@@ -1,11 +1,11 @@
-//! The device passes of the reference: dispatches over parts of the nets and bands of rows, then one that adds the term to the image.
+//! The device passes of the reference: dispatches over parts of the nets and of the image, then one that adds the term to the image.
 
 use super::pass::{ShadeSettings, Shading, TABLE, with_gbuffer};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::distribution::EnvironmentDistribution;
 use crate::glsl::constants::{GROUP_SIDE, SCRAMBLE_COUNT};
 use crate::glsl::layout::{ShadeParams, SharedStruct};
-use crate::gpu::{Bind, Buffer, Gpu, GpuError, Report, Sampler, image_groups};
+use crate::gpu::{Bind, Buffer, Gpu, GpuError, Report, Sampler};
 use crate::pixels::GrayImage;
 use crate::precompute::prefilter::{LevelMapping, Weight};
 use std::ops::Range;
@@ -252,18 +252,16 @@ impl ReferenceRun<'_> {
             .clamp(1, u64::from(DISPATCH_SAMPLES_MAX / SAMPLES_PER_PAIR)) as u32;
         for first_pair in pairs.clone().step_by(step as usize) {
             let pair_count = step.min(pairs.end - first_pair);
-            let samples_per_row = u64::from(width) * u64::from(pair_count * SAMPLES_PER_PAIR);
-            for rows in gpu.row_bands(height, samples_per_row) {
+            for part in gpu.parts([width, height], 1, u64::from(pair_count * SAMPLES_PER_PAIR)) {
                 let params = ShadeParams {
                     first_pair,
                     pair_count,
                     seed: self.seed,
                     slot_count: self.distribution.slot_count,
-                    ..settings.params(gbuffer.size, rows.start)
+                    ..settings.params(gbuffer.size, part.first_row)
                 };
-                let groups = image_groups(width, rows.end - rows.start);
                 total.add(gpu.submit_pass(lobe.pass_name(), |r| {
-                    r.dispatch(&shader, &constants, &binds, &params.to_bytes(), groups)
+                    r.dispatch(&shader, &constants, &binds, &params.to_bytes(), part.groups)
                 })?);
             }
         }
@@ -273,18 +271,20 @@ impl ReferenceRun<'_> {
     /// Adds the term that the sums of `pair_count` pairs hold to the image, and leaves there what each scramble makes of it.
     fn resolve(&self, gpu: &Gpu, lobe: Lobe, pair_count: u32) -> Result<Report, GpuError> {
         let Shading { settings, tables, gbuffer, radiance, .. } = self.shading;
-        let [width, height] = gbuffer.size;
         let rest = [
             Bind::Sample(&tables.dfg, TABLE),
             Bind::ReadWrite(&self.sums.0),
             Bind::ReadWrite(radiance),
             Bind::ReadWrite(self.squared_error),
         ];
-        let params = ShadeParams { pair_count, ..settings.params(gbuffer.size, 0) };
-        let (binds, push) = (with_gbuffer(gbuffer, &rest), params.to_bytes());
-        let [_, shader] = lobe.shaders();
-        gpu.submit_pass(lobe.pass_name(), |r| {
-            r.dispatch(&shader, &lobe.constants(gpu, settings), &binds, &push, image_groups(width, height))
-        })
+        let (binds, [_, shader]) = (with_gbuffer(gbuffer, &rest), lobe.shaders());
+        let mut total = Report::default();
+        for part in gpu.parts(gbuffer.size, 1, SCRAMBLE_COUNT.into()) {
+            let push = ShadeParams { pair_count, ..settings.params(gbuffer.size, part.first_row) }.to_bytes();
+            total.add(gpu.submit_pass(lobe.pass_name(), |r| {
+                r.dispatch(&shader, &lobe.constants(gpu, settings), &binds, &push, part.groups)
+            })?);
+        }
+        Ok(total)
     }
 }

@@ -6,11 +6,13 @@
 
 mod controls;
 mod file;
+mod overlay;
 mod panel;
 mod picture;
 mod state;
 mod window;
 mod worker;
 
+pub use picture::Picture;
 pub use state::State;
 pub use window::{Opened, Windowed, open};

@@ -2,7 +2,8 @@
 //!
 //! Long because the events of a window and what it does about each of them are read together.
 
-use super::panel::{Panel, composed};
+use super::overlay::composed;
+use super::panel::Panel;
 use super::state::{Side, State};
 use super::worker::{Shown, Standing, Worker};
 use crate::environment::LoadOptions;

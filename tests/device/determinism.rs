@@ -3,6 +3,7 @@
 
 use crate::harness::{
     constant_environment, golden_environment, lobe_sphere, poison, request, scene, with_gpu, with_pipeline,
+    with_submissions,
 };
 use crate::layouts::{filtered_environment, read_map};
 use crate::tables::environment_image;
@@ -11,13 +12,15 @@ use splitsum::environment::Placement;
 use splitsum::environment::distribution::EnvironmentDistribution;
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
-use splitsum::gpu::{Format, Gpu};
+use splitsum::glsl::constants::GROUP_SIDE;
+use splitsum::gpu::{Format, Gpu, Groups, Part, image_groups};
 use splitsum::math::sequence::PixelPoints;
 use splitsum::pipeline::{Pipeline, RenderRequest};
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::dfg::DfgAxes;
 use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
+use splitsum::precompute::{PrecomputeSettings, PrefilterBy};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::pass::{ShadeSettings, Shading, Tables};
 use splitsum::shade::reference_pass::{DistributionBuffers, Levels, Lobe, ReferenceRun, Stop, Sums};
@@ -36,6 +39,66 @@ fn requests() -> Vec<RenderRequest> {
     let of_diffuse = DIFFUSE.iter().zip(MODELS.iter().cycle());
     let of_diffuse = of_diffuse.map(|(diffuse, brdf)| RenderRequest { diffuse, brdf: *brdf, ..base.clone() });
     of_method.chain(of_diffuse).collect()
+}
+
+/// Every work group is in one part of a pass, and a part of more than one stays within what a submission may take.
+#[test]
+fn parts_cover_a_pass_once_within_the_budget() {
+    with_gpu(|gpu| {
+        let shapes = [
+            ([1, 1], 1, 1),
+            ([512, 512], 1, 1024),
+            ([18, 18], 6, 4096),
+            ([1024, 40], 6, 1 << 16),
+            ([129, 257], 6, 1 << 20),
+        ];
+        for (size, faces, samples) in shapes {
+            let [columns, rows, _] = image_groups(size[0], size[1]);
+            let mut seen = vec![0; (columns * rows * faces) as usize];
+            for Part { first_row, groups: Groups { first: [x, y, z], count: [width, height, depth] } } in
+                gpu.parts(size, faces, samples)
+            {
+                let count = width * height * depth;
+                let taken = u64::from(count * GROUP_SIDE * GROUP_SIDE) * samples;
+                assert!(count == 1 || taken <= gpu.submission_samples(), "{size:?} {faces} {samples}: {count} groups");
+                let first = first_row / GROUP_SIDE + y;
+                for (face, row) in (z..z + depth).flat_map(|face| (first..first + height).map(move |row| (face, row))) {
+                    (x..x + width).for_each(|column| seen[((face * rows + row) * columns + column) as usize] += 1);
+                }
+            }
+            assert!(seen.iter().all(|times| *times == 1), "{size:?} {faces} {samples}");
+        }
+    });
+}
+
+/// Short submissions split what the usual ones take at once: rows, columns and faces.
+#[test]
+fn short_submissions_make_the_same_image() {
+    let precompute = PrecomputeSettings {
+        prefilter: PrefilterBy::Sampled,
+        prefilter_sample_count: 1200,
+        prefilter_size: [24, 24],
+        prefilter_level_count: 3,
+        ..PrecomputeSettings::default()
+    };
+    let sphere = scene("sphere", MaterialOverride::default());
+    let base = RenderRequest {
+        precompute,
+        samples: 1500,
+        diffuse: DIFFUSE.iter().find(|diffuse| diffuse.uses_irradiance_map).unwrap(),
+        background: true,
+        ..request(&golden_environment(), sphere, CameraKind::Perspective, [44, 20])
+    };
+    let second = METHODS.iter().find(|method| method.uses_prefiltered()).unwrap();
+    let requests = [RenderRequest { method: second, ..base.clone() }, base];
+    let [usual, short] = [false, true].map(|is_interactive| {
+        let mut hashes = Vec::new();
+        with_submissions(is_interactive, |pipeline| {
+            hashes.extend(requests.iter().map(|request| frame_hash(pipeline, request)));
+        });
+        hashes
+    });
+    assert_eq!(usual, short);
 }
 
 fn frame_hash(pipeline: &mut Pipeline, request: &RenderRequest) -> String {

@@ -119,6 +119,7 @@ fn the_window_shows_and_saves_what_render_makes() {
     let again = screen.window(&["--state", file.to_str().unwrap()]);
     again.wait_done();
     assert_eq!(again.state(), after);
+    assert!(again.has("light 0 x"), "lights of a state are seen");
     again.close();
 }
 
@@ -276,6 +277,11 @@ fn what_cannot_be_shown_is_told() {
     win.xdotool(&["windowclose".into(), win.id()]);
     let (code, message) = win.end(Duration::from_secs(60));
     assert!(code == Some(75) && message.contains("the window was taken away"), "{code:?}: {message}");
+    // A display that goes.
+    let mut win = screen.window(&SMALL);
+    screen.end();
+    let (code, message) = win.end(Duration::from_secs(60));
+    assert!(code == Some(75) && message.contains("the X server has ended"), "{code:?}: {message}");
 }
 
 #[test]

@@ -101,6 +101,11 @@ impl Screen {
         String::from_utf8(output.stdout).unwrap()
     }
 
+    /// Ends the X server, as a crash would.
+    pub fn end(&self) {
+        assert!(Command::new("kill").args(["-9", &self.server.id().to_string()]).status().unwrap().success());
+    }
+
     /// What is on the display: the file that Xvfb keeps its pixels in, of the format of xwd.
     fn pixels(&self) -> Rgb8Image {
         let bytes = std::fs::read(self.frames.path().join("Xvfb_screen0")).unwrap();

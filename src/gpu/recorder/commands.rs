@@ -3,7 +3,7 @@
 use super::binding::{Barriers, interface};
 use super::{Bind, Recorder};
 use crate::gpu::sync::Access;
-use crate::gpu::{Buffer, GpuError, GraphicsDescription, Image};
+use crate::gpu::{Buffer, GpuError, GraphicsDescription, Groups, Image};
 use ash::vk;
 use std::ops::Range;
 
@@ -38,19 +38,21 @@ impl Recorder {
         constants: &[u32],
         binds: &[Bind<'_>],
         push: &[u8],
-        groups: [u32; 3],
+        groups: impl Into<Groups>,
     ) -> Result<(), GpuError> {
         let shared = &self.gpu.shared;
         let pipeline = shared.compute_pipeline(shader, constants, interface(binds, push))?;
         let limits = shared.limits.max_compute_work_group_count;
-        if let Some((&needed, &limit)) = groups.iter().zip(&limits).find(|(group, limit)| group > limit) {
+        let Groups { first: [x, y, z], count: [columns, rows, layers] } = groups.into();
+        let ends = [x + columns, y + rows, z + layers];
+        if let Some((needed, &limit)) = ends.into_iter().zip(&limits).find(|(end, limit)| end > *limit) {
             let (name, needed, limit) = (shader.to_owned(), needed.into(), limit.into());
             return Err(GpuError::Limit { what: "work groups of", name, needed, limit });
         }
         self.access_binds(binds);
         self.bind(&pipeline, vk::PipelineBindPoint::COMPUTE, binds, push)?;
-        // SAFETY: recording, the pipeline with its set and constants is bound, and the counts are within the limits.
-        unsafe { self.device().cmd_dispatch(self.commands, groups[0], groups[1], groups[2]) };
+        // SAFETY: recording, the pipeline with its set and constants is bound and takes a first group, and the groups are within the limits.
+        unsafe { self.device().cmd_dispatch_base(self.commands, x, y, z, columns, rows, layers) };
         self.shaders.insert(shader.to_owned());
         Ok(())
     }

@@ -1,9 +1,9 @@
-//! The device pass: one dispatch a band of rows.
+//! The device pass: one dispatch a part of the table.
 
 use super::DfgAxes;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::glsl::layout::{DfgParams, SharedStruct};
-use crate::gpu::{Bind, Format, Gpu, GpuError, Image, Report, image_groups};
+use crate::gpu::{Bind, Format, Gpu, GpuError, Image, Report};
 
 /// The shader that makes the table.
 pub fn shader(brdf: &dyn Brdf) -> String {
@@ -27,11 +27,10 @@ pub fn run(
     let [width, height] = table.mip_size(0);
     let (shader, constants) = (shader(brdf), [masking_shadowing as u32, 0, 0, 0, 0, 0, axes as u32]);
     let mut total = Report::default();
-    for rows in gpu.row_bands(height, u64::from(width) * u64::from(sample_count)) {
-        let push = DfgParams { width, height, sample_count, first_row: rows.start }.to_bytes();
-        let groups = image_groups(width, rows.end - rows.start);
+    for part in gpu.parts([width, height], 1, sample_count.into()) {
+        let push = DfgParams { width, height, sample_count, first_row: part.first_row }.to_bytes();
         let binds = [Bind::StoreMip(table, 0)];
-        total.add(gpu.submit_pass("dfg", |r| r.dispatch(&shader, &constants, &binds, &push, groups))?);
+        total.add(gpu.submit_pass("dfg", |r| r.dispatch(&shader, &constants, &binds, &push, part.groups))?);
     }
     Ok(total)
 }

@@ -1,4 +1,4 @@
-//! The device passes: one dispatch a band of rows of the finest level, then one a level.
+//! The device passes: one dispatch a part of the finest level, then one a level.
 
 use crate::environment::layout::MapLayout;
 use crate::glsl::constants::RESAMPLE_SIDE;
@@ -25,11 +25,10 @@ pub fn run(gpu: &Gpu, layout: &MapLayout, environment: &Image, map: &Image) -> R
     let [resample, _] = shaders(layout);
     let faces = map.face_count();
     let mut total = Report::default();
-    for rows in gpu.row_bands(height, u64::from(width * faces * RESAMPLE_SIDE * RESAMPLE_SIDE)) {
-        let push = ResampleParams { source_width, source_height, width, height, first_row: rows.start }.to_bytes();
+    for part in gpu.parts([width, height], faces, u64::from(RESAMPLE_SIDE * RESAMPLE_SIDE)) {
+        let push = ResampleParams { source_width, source_height, width, height, first_row: part.first_row }.to_bytes();
         let binds = [Bind::SampleMip(environment, Sampler::TEXELS, 0), Bind::StoreFaces(map, 0)];
-        let groups = face_groups(width, rows.end - rows.start, faces);
-        total.add(gpu.submit_pass("mips", |r| r.dispatch(&resample, &[], &binds, &push, groups))?);
+        total.add(gpu.submit_pass("mips", |r| r.dispatch(&resample, &[], &binds, &push, part.groups))?);
     }
     total.add(gpu.submit_pass("mips", |recorder| {
         (1..map.mip_count()).try_for_each(|mip| {

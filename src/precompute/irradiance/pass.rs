@@ -2,7 +2,7 @@
 
 use crate::environment::layout::MapLayout;
 use crate::glsl::layout::{IrradianceParams, SharedStruct};
-use crate::gpu::{Bind, Format, Gpu, GpuError, Image, PassTime, Report, Sampler, face_groups};
+use crate::gpu::{Bind, Format, Gpu, GpuError, Image, PassTime, Report, Sampler};
 use crate::math::harmonics::Harmonics;
 use crate::precompute::prefilter::harmonic::{cosine_factors, texels};
 use std::time::Instant;
@@ -32,12 +32,10 @@ pub fn run(
     let whole =
         IrradianceParams { width, height, phi_count, theta_count, source_width, source_height, first_row: 0, pad0: 0 };
     let (shader, binds) = (shader(layout), [Bind::Sample(environment, Sampler::MAP), Bind::StoreFaces(map, 0)]);
-    let row_samples = u64::from(width * map.face_count()) * u64::from(phi_count) * u64::from(theta_count);
     let mut total = Report::default();
-    for rows in gpu.row_bands(height, row_samples) {
-        let push = IrradianceParams { first_row: rows.start, ..whole }.to_bytes();
-        let groups = face_groups(width, rows.len() as u32, map.face_count());
-        total.add(gpu.submit_pass(PASS, |r| r.dispatch(&shader, &[], &binds, &push, groups))?);
+    for part in gpu.parts([width, height], map.face_count(), u64::from(phi_count) * u64::from(theta_count)) {
+        let push = IrradianceParams { first_row: part.first_row, ..whole }.to_bytes();
+        total.add(gpu.submit_pass(PASS, |r| r.dispatch(&shader, &[], &binds, &push, part.groups))?);
     }
     Ok(total)
 }

@@ -1,11 +1,11 @@
-//! The device pass: one dispatch a level and band of rows.
+//! The device pass: one dispatch a level, part of it and range of points.
 
 use super::{Kernel, LevelMapping, harmonic};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::layout::MapLayout;
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::glsl::layout::{PrefilterParams, SharedStruct};
-use crate::gpu::{Bind, Format, Gpu, GpuError, Image, PassTime, Report, Sampler, face_groups};
+use crate::gpu::{Bind, Format, Gpu, GpuError, Image, PassTime, Report, Sampler};
 use crate::math::harmonics::Harmonics;
 use crate::precompute::PrecomputeSettings;
 use crate::precompute::points::Points;
@@ -91,7 +91,7 @@ pub fn run_harmonic(
     Ok(total)
 }
 
-/// Fills a level by one dispatch a range of points and band of rows, each of which adds to the sums in its texels.
+/// Fills a level by one dispatch a part of it and range of points, each of which adds to the sums in its texels.
 fn sample(
     gpu: &Gpu,
     recipe: Recipe,
@@ -110,7 +110,7 @@ fn sample(
     let is_mirror = alpha == 0.0;
     let points_per_texel = if is_mirror { 1 } else { sample_count.min(POINTS_PER_DISPATCH) };
     let mut total = Report::default();
-    for rows in gpu.row_bands(height, u64::from(width * map.face_count()) * u64::from(points_per_texel)) {
+    for part in gpu.parts([width, height], map.face_count(), points_per_texel.into()) {
         for range in points.ranges().take(if is_mirror { 1 } else { usize::MAX }) {
             let params = PrefilterParams {
                 width,
@@ -120,14 +120,14 @@ fn sample(
                 sample_count,
                 alpha,
                 lod_bias,
-                first_row: rows.start,
+                first_row: part.first_row,
                 first_point: range.first,
                 point_count: range.count,
             };
             let binds = [Bind::Sample(environment, Sampler::MAP), Bind::UpdateFaces(map, level), range.bind()];
-            let groups = face_groups(width, rows.end - rows.start, map.face_count());
             let name = PASSES[(level as usize).min(PASSES.len() - 1)];
-            total.add(gpu.submit_pass(name, |r| r.dispatch(&shader, &constants, &binds, &params.to_bytes(), groups))?);
+            let push = params.to_bytes();
+            total.add(gpu.submit_pass(name, |r| r.dispatch(&shader, &constants, &binds, &push, part.groups))?);
         }
     }
     Ok(total)

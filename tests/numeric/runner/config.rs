@@ -261,7 +261,11 @@ fn what_has_no_steps_is_refused_under_ladder() {
             "diffuse = [\"none\"]\nalpha = [0.001]",
             "e.toml:7:10: alpha: 0.001 is too narrow for the steps of [ladder]",
         ),
-        ("size = [1, 1]\n", "", "e.toml:2:8: size: 1x1 has 1 views"),
+        (
+            "size = [1, 1]\n",
+            "",
+            "e.toml:2:8: size: 1x1: the steps of [ladder] are over at least 64 views, one a pixel; this has 1",
+        ),
     ] {
         let found = of(keys, axes);
         assert!(found.len() == 1 && found[0].starts_with(fault), "{fault}: found {found:?}");
