@@ -57,7 +57,9 @@ done <experiments/environments.csv
 # Lights of an experiment: its formulas, then the measured maps. Nothing for one that asks about formulas or pictures.
 lights_of() {
     case $1 in
-    break-even | break-even-of-pairs | equal-cost | split-or-energy | better-method | sample-count | level-bias | tables | ladder | split-sums | dynamic-range) echo "builtin:studio,builtin:sky$maps" ;;
+    # About measured light alone, where there is some.
+    equal-cost) echo "${maps#,}" ;;
+    break-even | break-even-of-pairs | split-or-energy | better-method | sample-count | level-bias | tables | ladder | split-sums | dynamic-range) echo "builtin:studio,builtin:sky$maps" ;;
     diffuse) echo "builtin:sky,builtin:sky:elevation_deg=88,builtin:studio,builtin:checker,builtin:cap$maps" ;;
     esac
 }

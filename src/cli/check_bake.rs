@@ -144,7 +144,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         None => Vec::new(),
     };
     // Surfaces of an image are of other widths than the levels.
-    let truth = Truth::new(&environment, kernel, &[&alphas[..], &image::ALPHAS].concat());
+    let truth = Truth::judging(&environment, kernel, &[&alphas[..], &image::ALPHAS].concat());
     let mut checked = check(&truth, &bake, model, convention, arguments.guess).map_err(Failure::input)?;
     if !arguments.no_image {
         checked.image = image::score(&truth, &bake, &checked.convention).map_err(Failure::input)?;

@@ -1,60 +1,140 @@
 //! `splitsum cost`, and the hidden command of its child.
 
+use super::flags::SweptFlags;
 use super::{Failure, print, tell};
-use clap::Args;
-use splitsum::brdf::{Brdf, MODELS};
-use splitsum::cost::child::{CompileFault, available, serve};
+use clap::{ArgMatches, Args, Command, FromArgMatches};
+use splitsum::cost::child::{CompileFault, Compiler, Job, available, serve};
 use splitsum::cost::family::{FAMILIES, Family, Texel, family_by_name};
 use splitsum::cost::isa::Counts;
-use splitsum::cost::model::{job, passes};
-use splitsum::environment::layout::{LAYOUTS, MapLayout};
-use splitsum::shade::{METHODS, Method};
+use splitsum::cost::model::passes;
+use splitsum::runner::axis::{AXES, BRDF, METHOD, Point, SAMPLES};
+use splitsum::runner::value::{Kind, Value};
+use splitsum::shade::{FILE_PREFIX, METHODS, own};
 use splitsum::spelling::suggestion;
 use splitsum::study::cost::{Costs, Shaded};
 use splitsum::study::figure::svg::{WIDTHS, svg};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// Samples a pixel, where none are asked for.
+const SAMPLE_COUNTS: [u32; 3] = [1, 8, 64];
+/// Every family.
+const ALL: &str = "all";
 
 /// Bounds what the specular pass would cost on AMD GPUs that are not here, by a model of its compiled code.
 #[derive(Args, Debug)]
-#[command(after_help = "\
+#[command(after_help = after_help())]
+pub struct Arguments {
+    /// Families of GPUs after commas, or all; the newest that the installed Mesa has when left out. The end of this help lists them.
+    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = family)]
+    family: Vec<Asked>,
+    /// How the maps' texels are stored: rgba16f or rgba32f. The code is the same, the texture unit's rate is not.
+    #[arg(long, value_name = "FORMAT", default_value = Texel::ALL[0].0, value_parser = texel)]
+    texel: (&'static str, Texel),
+    /// The folder to write; it is made where it is missing.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    compiled: CompiledFlags,
+}
+
+/// A family, or all of them.
+#[derive(Clone, Debug)]
+struct Asked(Option<&'static Family>);
+
+/// Every axis; those that change no code are refused.
+#[derive(Debug)]
+struct CompiledFlags(SweptFlags);
+
+impl Args for CompiledFlags {
+    fn augment_args(command: Command) -> Command {
+        let methods = leading();
+        let is_told = |axis| [METHOD, SAMPLES].contains(&axis) || changes_code(axis, &[], &methods);
+        let counts = SAMPLE_COUNTS.map(|count| count.to_string()).join(",");
+        let methods = methods.iter().map(Value::to_string).collect::<Vec<_>>().join(",");
+        SweptFlags::augment(command, is_told)
+            .mut_arg(AXES[METHOD].name, |arg| {
+                arg.help(format!("Methods, or all [`splitsum list methods`; default {methods}]"))
+            })
+            .mut_arg(AXES[SAMPLES].name, |arg| arg.help(format!("Samples a pixel [default {counts}]")))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for CompiledFlags {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        SweptFlags::read(matches).map(Self)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        SweptFlags::read(matches).map(|flags| self.0 = flags)
+    }
+}
+
+fn after_help() -> String {
+    let families = FAMILIES.iter().map(|family| {
+        let card = family.card;
+        format!("  {:8} {}, {} ({} GB/s)\n", family.name, family.generation.name, card.name, card.bandwidth)
+    });
+    format!(
+        "\
 Mesa's RADV compiles the program's own shaders for GPUs that this machine does not have (Debian: apt-get install mesa-vulkan-drivers). The
 command counts their instructions inside and outside the loop over samples and bounds the cycles a pixel with published rates:
   lower end   all units work at the same time; the busiest one counts; boost clock
   upper end   one unit works at a time; all of them add up; game clock
-It is a model: nothing is executed and nothing is timed. Caches always hit and waves hide all latency; docs/cost.md has the constants
+It is a model: nothing is executed and nothing is timed. Maps stay in caches and waves hide all latency; docs/cost.md has the constants
 with their sources.
 
+Families, each with the card that stands for it:
+{}
+Every flag but --out and --texel takes several values after commas, or all; each combination is compiled.
 --out DIR writes costs.csv (all numbers), cost.md (the tables that are printed) and cost.svg (both ends over N).
 
 Examples:
   splitsum cost
-  splitsum cost --method split-sum --method sampled --brdf ggx --samples 1,8,64 --family navi21
-  splitsum cost --texel rgba32f --out costs")]
-pub struct Arguments {
-    /// Methods that shade; every one when left out.
-    #[arg(long, value_name = "NAME", value_parser = method)]
-    method: Vec<&'static Method>,
-    /// BRDF models; ggx when left out.
-    #[arg(long, value_name = "NAME", value_parser = brdf)]
-    brdf: Vec<&'static dyn Brdf>,
-    /// Samples a pixel, 1 to 65536.
-    #[arg(
-        long, value_name = "N,N,...", value_delimiter = ',', default_value = "1,2,4,8,16,32,64,128,256,512,1024",
-        value_parser = clap::value_parser!(u32).range(1..=65536)
-    )]
-    samples: Vec<u32>,
-    /// Families of GPUs; every one that the installed Mesa has when left out.
-    #[arg(long, value_name = "NAME", value_parser = family)]
-    family: Vec<&'static Family>,
-    /// How the maps' texels are stored: rgba16f or rgba32f. The code is the same, the texture unit's rate is not.
-    #[arg(long, value_name = "FORMAT", default_value = Texel::ALL[0].0, value_parser = texel)]
-    texel: (&'static str, Texel),
-    /// Layout of the filtered maps.
-    #[arg(long, value_name = "NAME", default_value = LAYOUTS[0].name, value_parser = layout)]
-    layout: &'static MapLayout,
-    /// The folder to write; it is made where it is missing.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+  splitsum cost --method all --samples 1,2,4,8,16,32,64 --family all --out costs
+  splitsum cost --method file:my.glsl,split-sum --masking all --compensation none,turquin --family navi21",
+        families.collect::<String>()
+    )
+}
+
+/// The first method that samples, and the split sums of the fewest and of the most lookups.
+fn leading() -> Vec<Value> {
+    let split_sums = || METHODS.iter().filter(|method| method.has_pass() && method.uses_dfg);
+    let methods = [
+        METHODS.iter().find(|method| method.has_pass() && method.uses_samples),
+        split_sums().min_by_key(|method| method.lookups),
+        split_sums().max_by_key(|method| method.lookups),
+    ];
+    methods.into_iter().flatten().map(|method| Value::from(method.name)).collect()
+}
+
+/// The job of a point with another value on an axis.
+fn job(point: &Point, axis: usize, value: &Value) -> Job {
+    let mut point = point.clone();
+    point[axis] = value.clone();
+    point.collapsed(false).settings().specular_job()
+}
+
+/// Whether another value of an axis means another code: of its names and of these values.
+fn hangs_on(point: &Point, axis: usize, given: &[Value]) -> bool {
+    let names = match AXES[axis].kind {
+        Kind::Name { names, .. } | Kind::NameOrFile { names, .. } => names().into_iter().map(Value::from).collect(),
+        _ => vec![(AXES[axis].default)()],
+    };
+    let mut jobs = names.iter().chain(given).map(|value| job(point, axis, value));
+    let first = jobs.next();
+    jobs.any(|job| Some(job) != first)
+}
+
+fn changes_code(axis: usize, given: &[Value], methods: &[Value]) -> bool {
+    methods.iter().any(|method| {
+        let mut point = Point::default();
+        point[METHOD] = method.clone();
+        hangs_on(&point, axis, given)
+    })
 }
 
 /// What is found by name in a list, or a message with the list.
@@ -62,30 +142,15 @@ fn named<T>(text: &str, what: &str, found: Option<T>, known: &[&str]) -> Result<
     found.ok_or_else(|| format!("{text:?} is no {what}{}; expected {}", suggestion(text, known), known.join(", ")))
 }
 
-fn method(text: &str) -> Result<&'static Method, String> {
-    let all: Vec<&Method> = METHODS.iter().filter(|method| method.has_pass()).collect();
-    let names: Vec<&str> = all.iter().map(|method| method.name).collect();
-    named(text, "method with a shading pass", all.iter().find(|method| method.name == text).copied(), &names)
-}
-
-fn brdf(text: &str) -> Result<&'static dyn Brdf, String> {
-    let names: Vec<&str> = MODELS.iter().map(|model| model.name()).collect();
-    named(text, "BRDF model", MODELS.iter().find(|model| model.name() == text).copied(), &names)
-}
-
-fn family(text: &str) -> Result<&'static Family, String> {
-    let names: Vec<&str> = FAMILIES.iter().map(|family| family.name).collect();
-    named(text, "family of the model", family_by_name(text), &names)
+fn family(text: &str) -> Result<Asked, String> {
+    let names: Vec<&str> = FAMILIES.iter().map(|family| family.name).chain([ALL]).collect();
+    let found = if text == ALL { Some(None) } else { family_by_name(text).map(Some) };
+    named(text, "family of the model", found.map(Asked), &names)
 }
 
 fn texel(text: &str) -> Result<(&'static str, Texel), String> {
     let names: Vec<&str> = Texel::ALL.iter().map(|(name, _)| *name).collect();
     named(text, "texel format", Texel::ALL.iter().find(|(name, _)| *name == text).copied(), &names)
-}
-
-fn layout(text: &str) -> Result<&'static MapLayout, String> {
-    let names: Vec<&str> = LAYOUTS.iter().map(|layout| layout.name).collect();
-    named(text, "layout", LAYOUTS.iter().find(|layout| layout.name == text), &names)
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -104,41 +169,68 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
+/// Every combination of the given values, with the leading methods where none is given; the passes of equal code once.
+fn asked(flags: &SweptFlags) -> Result<Vec<(Point, Job)>, Failure> {
+    let methods = flags.get(METHOD).map_or_else(leading, <[Value]>::to_vec);
+    for file in methods.iter().filter(|method| method.text().starts_with(FILE_PREFIX)) {
+        own::load(file.text(), Path::new("")).map_err(Failure::input)?;
+    }
+    let mut points: Vec<Point> = methods
+        .iter()
+        .map(|method| {
+            let mut point = Point::default();
+            point[METHOD] = method.clone();
+            point
+        })
+        .collect();
+    let (shaded, left_out): (Vec<Point>, Vec<Point>) = points.drain(..).partition(|point| point.method().has_pass());
+    let names = |points: &[Point]| points.iter().map(|point| point.method().name).collect::<Vec<_>>().join(", ");
+    if shaded.is_empty() {
+        let known = METHODS.iter().filter(|method| method.has_pass()).map(|method| method.name).collect::<Vec<_>>();
+        let (names, known) = (names(&left_out), known.join(", "));
+        return Err(Failure::input(format!(
+            "--method {names}: no method with a shading pass of its own; expected {known}"
+        )));
+    }
+    if !left_out.is_empty() {
+        tell(&format!("left out: {}: no shading pass of their own", names(&left_out)));
+    }
+    points = shaded;
+    for (axis, values) in flags.0.iter().filter(|(axis, _)| ![METHOD, SAMPLES].contains(axis)) {
+        let methods: Vec<Value> = points.iter().map(|point| point[METHOD].clone()).collect();
+        if !changes_code(*axis, values, &methods) {
+            let (name, methods) = (AXES[*axis].name.replace('_', "-"), names(&points));
+            return Err(Failure::input(format!("--{name}: changes no code of {methods}; leave it out")));
+        }
+    }
+    for (axis, values) in flags.0.iter().filter(|(axis, _)| ![METHOD, SAMPLES].contains(axis)) {
+        let with = |point: &Point, value: &Value| {
+            let mut point = point.clone();
+            point[*axis] = value.clone();
+            point
+        };
+        points = points.iter().flat_map(|point| values.iter().map(move |value| with(point, value))).collect();
+    }
+    let mut asked: Vec<(Point, Job)> = Vec::new();
+    for point in points {
+        let job = point.collapsed(false).settings().specular_job();
+        if asked.iter().all(|(_, known)| *known != job) {
+            asked.push((point, job));
+        }
+    }
+    Ok(asked)
+}
+
 fn costs(arguments: &Arguments) -> Result<Costs, Failure> {
+    let flags = &arguments.compiled.0;
+    let asked = asked(flags)?;
     let program = std::env::current_exe().map_err(Failure::failed)?;
     let found = available(&program).map_err(failure)?;
-    let names: Vec<&str> = found.iter().map(|(family, _)| family.name).collect();
-    if let Some(lacking) = arguments.family.iter().find(|family| !names.contains(&family.name)) {
-        let (lacking, driver, names) = (lacking.name, &found[0].1.driver, names.join(", "));
-        return Err(Failure::input(format!("--family {lacking}: {driver} does not compile for it; it has {names}")));
-    }
-    for family in FAMILIES.iter().filter(|family| arguments.family.is_empty() && !names.contains(&family.name)) {
-        tell(&format!("left out: {}: {} does not compile for it", family.name, found[0].1.driver));
-    }
-    let methods: Vec<&'static Method> = match arguments.method.is_empty() {
-        true => METHODS.iter().filter(|method| method.has_pass()).collect(),
-        false => arguments.method.clone(),
-    };
-    let brdfs = if arguments.brdf.is_empty() { vec![MODELS[0]] } else { arguments.brdf.clone() };
-    let mut asked = Vec::new();
-    for method in methods {
-        for brdf in &brdfs {
-            let job = job(arguments.layout, method, *brdf);
-            // A method that does not use the model has one shader for all.
-            if asked.iter().all(|(known, _, _)| *known != job) {
-                let brdf = if method.uses_samples { brdf.name() } else { "" };
-                asked.push((job, method, brdf));
-            }
-        }
-    }
-    let jobs: Vec<_> = asked.iter().map(|(job, _, _)| job.clone()).collect();
+    let jobs: Vec<Job> = asked.iter().map(|(_, job)| job.clone()).collect();
     let mut shaded = Vec::new();
-    for (family, compiler) in found {
-        if !arguments.family.is_empty() && arguments.family.iter().all(|asked| asked.name != family.name) {
-            continue;
-        }
-        let made = passes(&program, family, &jobs).map_err(failure)?;
-        for ((job, method, brdf), pass) in asked.iter().zip(made) {
+    for (family, compiler) in families(&arguments.family, found)? {
+        for ((point, job), pass) in asked.iter().zip(passes(&program, family, &jobs).map_err(failure)?) {
+            let method = point.method();
             let fault = |text: String| Failure::failed(format!("{}: '{}': {text}", family.name, job.shader));
             if method.uses_samples && pass.counts.inside == Counts::default() {
                 return Err(fault("no loop over samples is found in its assembly".to_owned()));
@@ -149,14 +241,54 @@ fn costs(arguments: &Arguments) -> Result<Costs, Failure> {
                     family.name, job.shader, pass.counts.other_loops
                 ));
             }
-            let (method, uses_samples) = (method.name, method.uses_samples);
-            shaded.push(Shaded { family, compiler: compiler.clone(), method, brdf, uses_samples, pass });
+            let told = |axis: usize, values: &[Value]| hangs_on(point, axis, values);
+            let options =
+                flags.0.iter().filter(|(axis, values)| ![METHOD, SAMPLES, BRDF].contains(axis) && told(*axis, values));
+            let options: Vec<String> =
+                options.map(|(axis, _)| format!("{}={}", AXES[*axis].name, point[*axis])).collect();
+            let settings = point.settings();
+            shaded.push(Shaded {
+                family,
+                compiler: compiler.clone(),
+                method: method.name,
+                brdf: if told(BRDF, &[]) { settings.brdf.name() } else { "" },
+                layout: settings.precompute.layout.name,
+                options: options.join(" "),
+                uses_samples: method.uses_samples,
+                pass,
+            });
         }
     }
-    let mut sample_counts = arguments.samples.clone();
+    let counts = flags.get(SAMPLES).map(|values| values.iter().map(Value::count).collect());
+    let mut sample_counts: Vec<u32> = counts.unwrap_or_else(|| SAMPLE_COUNTS.to_vec());
     sample_counts.sort_unstable();
     sample_counts.dedup();
-    Ok(Costs { shaded, sample_counts, texel: arguments.texel, layout: arguments.layout.name })
+    Ok(Costs { shaded, sample_counts, texel: arguments.texel })
+}
+
+/// Those that are asked for, of those that the driver has; the newest one for none.
+fn families(
+    asked: &[Asked],
+    mut found: Vec<(&'static Family, Compiler)>,
+) -> Result<Vec<(&'static Family, Compiler)>, Failure> {
+    let driver = found[0].1.driver.clone();
+    let names: Vec<&str> = found.iter().map(|(family, _)| family.name).collect();
+    let missing = |family: &&Family| !names.contains(&family.name);
+    if let Some(lacking) = asked.iter().filter_map(|asked| asked.0).find(missing) {
+        let (lacking, names) = (lacking.name, names.join(", "));
+        return Err(Failure::input(format!("--family {lacking}: {driver} does not compile for it; it has {names}")));
+    }
+    if asked.iter().any(|asked| asked.0.is_none()) {
+        for family in FAMILIES.iter().filter(missing) {
+            tell(&format!("left out: {}: {driver} does not compile for it", family.name));
+        }
+        return Ok(found);
+    }
+    if asked.is_empty() {
+        return Ok(found.pop().into_iter().collect());
+    }
+    found.retain(|(family, _)| asked.iter().any(|asked| asked.0.is_some_and(|asked| asked.name == family.name)));
+    Ok(found)
 }
 
 /// A host without the compiler lacks what is needed; one whose compiler fails has found a fault.

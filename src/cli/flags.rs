@@ -3,7 +3,7 @@
 use super::Failure;
 use clap::builder::ValueParser;
 use clap::error::ErrorKind;
-use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
 use splitsum::runner::axis::named::{ambiguous, hint};
 use splitsum::runner::axis::{AXES, Named, Point, Reference, View};
 use splitsum::runner::config::{CAMERA, SEED};
@@ -116,18 +116,21 @@ fn help(named: Named) -> String {
     if facts.is_empty() { format!("{first}{rest}") } else { format!("{first}{rest} [{}]", facts.join("; ")) }
 }
 
+/// The flag of a name, with a parser of its text.
+fn flag(named: Named, parser: ValueParser) -> Arg {
+    let arg = Arg::new(named.name())
+        .long(named.flag())
+        .value_name(named.kind().value_name())
+        .help(help(named))
+        .help_heading(named.entry().part.heading())
+        .allow_hyphen_values(named.kind().has_negative())
+        .value_parser(parser);
+    if named.is_second() { arg.conflicts_with(AXES[named.axis].name) } else { arg }
+}
+
 impl Args for AxisFlags {
     fn augment_args(command: Command) -> Command {
-        let flags = Named::all().map(|named| {
-            let arg = Arg::new(named.name())
-                .long(named.flag())
-                .value_name(named.kind().value_name())
-                .help(help(named))
-                .help_heading(named.entry().part.heading())
-                .allow_hyphen_values(named.kind().has_negative())
-                .value_parser(ValueParser::new(move |text: &str| named.parse_text(text)));
-            if named.is_second() { arg.conflicts_with(AXES[named.axis].name) } else { arg }
-        });
+        let flags = Named::all().map(|named| flag(named, ValueParser::new(move |text: &str| named.parse_text(text))));
         let hints = ambiguous().map(|name| {
             let refuse = move |_: &str| Err::<Value, _>(hint(name, &[]).trim_start_matches("; ").to_owned());
             Arg::new(name).long(name).hide(true).value_parser(ValueParser::new(refuse))
@@ -155,5 +158,41 @@ impl FromArgMatches for AxisFlags {
             }
         }
         Ok(())
+    }
+}
+
+/// The axes that flags set, each to any number of values: repeated, after commas, or `all` of a list.
+#[derive(Clone, Debug, Default)]
+pub struct SweptFlags(pub Vec<(usize, Vec<Value>)>);
+
+impl SweptFlags {
+    /// The values of an axis, where a flag sets it.
+    pub fn get(&self, axis: usize) -> Option<&[Value]> {
+        self.0.iter().find(|(own, _)| *own == axis).map(|(_, values)| &values[..])
+    }
+
+    /// Adds the flags to a command, those alone with a help text that `is_told`.
+    pub fn augment(command: Command, is_told: impl Fn(usize) -> bool) -> Command {
+        let values = |named: Named| {
+            move |text: &str| match named.kind() {
+                Kind::Name { names, .. } | Kind::NameOrFile { names, .. } if text == "all" => {
+                    Ok(names().into_iter().map(Value::from).collect())
+                }
+                _ => text.split(',').map(|part| named.parse_text(part)).collect::<Result<Vec<Value>, String>>(),
+            }
+        };
+        let flag = |named: Named| flag(named, ValueParser::new(values(named))).action(ArgAction::Append);
+        command.args(Named::all().map(|named| flag(named).hide(!is_told(named.axis))))
+    }
+
+    pub fn read(matches: &ArgMatches) -> Result<Self, Error> {
+        let mut flags = Self::default();
+        for named in Named::all() {
+            let values = matches.try_get_many::<Vec<Value>>(named.name());
+            if let Some(values) = values.map_err(|error| Error::raw(ErrorKind::InvalidValue, error))? {
+                flags.0.push((named.axis, values.flatten().cloned().collect()));
+            }
+        }
+        Ok(flags)
     }
 }

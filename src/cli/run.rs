@@ -6,15 +6,12 @@ use super::stop::{self, STOP};
 use super::subject::Subject;
 use super::{Failure, print, tell};
 use clap::Args;
-use splitsum::brdf::Brdf;
-use splitsum::cost::child::CompileFault;
+use splitsum::cost::child::{CompileFault, Job};
 use splitsum::cost::record::CostRecord;
-use splitsum::environment::layout::MapLayout;
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::runner::chunk::{PlanFile, run_chunk};
 use splitsum::runner::store::{FailureRecord, Store};
 use splitsum::runner::{Outcome, Plan, Progress, RenderFault, Renderer, RunError, RunOptions, run};
-use splitsum::shade::Method;
 use splitsum::study::finished::Finished;
 use splitsum::study::page::{PageOptions, Told, write};
 use splitsum::study::questions::{answers, question};
@@ -168,17 +165,15 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
 /// Compiles what the model of costs counts, where a compiler is there; without one the questions about costs have no answer.
 fn model_costs(plan: &Plan, dir: &Path) -> Result<(), Failure> {
     let program = std::env::current_exe().map_err(Failure::failed)?;
-    let mut wanted: Vec<(&Method, &dyn Brdf, &MapLayout)> = Vec::new();
-    for cell in &plan.cells {
-        let settings = cell.point.settings();
-        let own = (settings.method, settings.brdf, settings.precompute.layout);
-        let is_known =
-            wanted.iter().any(|(m, b, l)| [m.name, b.name(), l.name] == [own.0.name, own.1.name(), own.2.name]);
-        if own.0.has_pass() && own.0.shader.is_none() && !is_known {
-            wanted.push(own);
+    let mut jobs: Vec<Job> = Vec::new();
+    for settings in plan.cells.iter().map(|cell| cell.point.settings()).filter(|settings| settings.method.has_pass()) {
+        for job in [settings.specular_job(), settings.prefilter_job()] {
+            if !jobs.contains(&job) {
+                jobs.push(job);
+            }
         }
     }
-    match CostRecord::compiled(&program, &wanted) {
+    match CostRecord::compiled(&program, &jobs) {
         Ok(record) => record.write(dir).map_err(Failure::failed),
         Err(fault @ CompileFault::NoRadv { .. }) => {
             tell(&format!("left out: what asks for modelled costs: {fault}"));

@@ -5,7 +5,7 @@
 
 use super::family::{FAMILIES, Family};
 use crate::gbuffer;
-use crate::gpu::{DeviceChoice, Executable, Gpu, GpuError, Options};
+use crate::gpu::{DeviceChoice, Executable, Gpu, GpuError, Options, add_shader, added_shader};
 use serde::{Deserialize, Serialize};
 use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
@@ -18,11 +18,22 @@ pub const COMMAND: &str = "compile-shaders";
 pub const ASSEMBLY: &str = "Assembly";
 
 /// One shader to compile.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// A permutation: a compute shader, or the fragment shader of a draw.
     pub shader: String,
     pub constants: Vec<u32>,
+    /// Bytes of memory that a dispatch streams a pixel.
+    pub streamed_bytes: f64,
+    /// The SPIR-V of a method in a file, which the child does not have.
+    pub code: Option<Vec<u32>>,
+}
+
+impl Job {
+    pub fn new(shader: String, constants: &[u32], streamed_bytes: f64) -> Self {
+        let code = added_shader(&shader);
+        Self { shader, constants: constants.to_vec(), streamed_bytes, code }
+    }
 }
 
 /// What a child says of itself.
@@ -162,6 +173,9 @@ pub enum ServeFault {
 }
 
 fn pipeline(gpu: &Gpu, job: &Job) -> Result<Compiled, GpuError> {
+    if let Some(code) = &job.code {
+        add_shader(job.shader.clone(), code);
+    }
     let draw = gbuffer::pass::PIPELINES.into_iter().find(|draw| draw.shaders[1] == job.shader);
     let mut executables = match draw {
         Some(draw) => gpu.graphics_executables(draw, gbuffer::ATTACHMENT_NAMES.len())?,

@@ -8,12 +8,19 @@
 //! | unfiltered texels | four of 128 bits a clock [Lottes16] |
 //! | filtered texels | GCN: 32 bits of four pixels a clock [Lottes16]; RDNA: 64 bits, twice of that [AmdRdna19] |
 //! | first-level cache | 64 bytes a clock on GCN, 128 from RDNA on [AmdRdnaPaper19] |
-//! | compute units, clocks | the makers' pages [AmdCards22; Valve22] |
+//! | compute units, clocks, memory, its last cache | the makers' pages [AmdCards22; Valve22] |
 
 use super::isa::Counts;
 
+/// Pixels of the frame that a millisecond bound is for.
+pub const FRAME: [u32; 2] = [1920, 1080];
+
+/// Bytes that a dispatch of the specular pass streams a pixel: three texels of the g-buffer and the radiance, read and written, each a vec4 of
+/// 32-bit floats.
+pub const STREAMED_BYTES: f64 = 5.0 * 16.0;
+
 /// Rates of one compute unit of a generation. Pairs are the optimistic and the pessimistic end.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Generation {
     pub name: &'static str,
     /// Lanes of full-rate vector arithmetic a clock. RDNA 3 doubles what its compiler and register banks let pair.
@@ -53,27 +60,31 @@ const RDNA_1: Generation = Generation {
 const RDNA_2: Generation = Generation { name: "RDNA 2", ..RDNA_1 };
 const RDNA_3: Generation = Generation { name: "RDNA 3", alu_lanes: [128.0, 64.0], ..RDNA_1 };
 
-/// A family of GPUs with the same code.
-#[derive(Debug)]
+/// A family of GPUs with the same code, and the card that stands for it.
+#[derive(Clone, Copy, Debug)]
 pub struct Family {
     pub name: &'static str,
     /// What RADV calls it, in the order in which to ask: newer versions have other names.
     pub driver_names: &'static [&'static str],
     pub generation: Generation,
-    pub cards: &'static [Card],
+    pub card: Card,
 }
 
 /// A product.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Card {
     pub name: &'static str,
     pub compute_units: u32,
     /// The boost clock, and the clock that the maker names for games (GCN: the base clock), MHz.
     pub clock_mhz: [f64; 2],
+    /// Of the memory, GB/s.
+    pub bandwidth: f64,
+    /// Of the cache before the memory, MiB; 0 where it is an L2 of 4 MiB or less, a fortieth of what a pass streams.
+    pub cache: f64,
 }
 
-const fn card(name: &'static str, compute_units: u32, boost: f64, game: f64) -> Card {
-    Card { name, compute_units, clock_mhz: [boost, game] }
+const fn card(name: &'static str, compute_units: u32, clock_mhz: [f64; 2], bandwidth: f64, cache: f64) -> Card {
+    Card { name, compute_units, clock_mhz, bandwidth, cache }
 }
 
 /// Every family of the model. A driver may lack some.
@@ -82,31 +93,31 @@ pub static FAMILIES: &[Family] = &[
         name: "vega10",
         driver_names: &["vega10"],
         generation: GCN_5,
-        cards: &[card("Radeon RX Vega 64", 64, 1546.0, 1247.0)],
+        card: card("Radeon RX Vega 64", 64, [1546.0, 1247.0], 483.8, 0.0),
     },
     Family {
         name: "navi10",
         driver_names: &["navi10"],
         generation: RDNA_1,
-        cards: &[card("Radeon RX 5700 XT", 40, 1905.0, 1755.0)],
+        card: card("Radeon RX 5700 XT", 40, [1905.0, 1755.0], 448.0, 0.0),
     },
     Family {
         name: "navi21",
         driver_names: &["navi21"],
         generation: RDNA_2,
-        cards: &[card("Radeon RX 6800 XT", 72, 2250.0, 2015.0)],
+        card: card("Radeon RX 6800 XT", 72, [2250.0, 2015.0], 512.0, 128.0),
     },
     Family {
         name: "vangogh",
         driver_names: &["vangogh"],
         generation: RDNA_2,
-        cards: &[card("Steam Deck", 8, 1600.0, 1000.0)],
+        card: card("Steam Deck", 8, [1600.0, 1000.0], 88.0, 0.0),
     },
     Family {
         name: "gfx1100",
         driver_names: &["gfx1100", "navi31"],
         generation: RDNA_3,
-        cards: &[card("Radeon RX 7900 XTX", 96, 2500.0, 2300.0)],
+        card: card("Radeon RX 7900 XTX", 96, [2500.0, 2300.0], 960.0, 96.0),
     },
 ];
 
@@ -125,27 +136,43 @@ pub enum Texel {
 impl Texel {
     /// Every format with its name; the first is the default.
     pub const ALL: &[(&str, Self)] = &[("rgba16f", Self::Rgba16f), ("rgba32f", Self::Rgba32f)];
+
+    pub fn bytes(self) -> f64 {
+        [8.0, 16.0][self as usize]
+    }
 }
 
-/// Units of a compute unit, in the order of [`Generation::clocks`].
-pub const UNITS: [&str; 5] = ["alu", "quarter-rate", "scalar", "texture", "cache"];
+/// Units of a compute unit, and its share of the memory, in the order of [`Family::clocks`].
+pub const UNITS: [&str; 6] = ["alu", "quarter-rate", "scalar", "texture", "cache", "memory"];
 
-impl Generation {
+impl Family {
     /// Clocks of a compute unit in which each of [`UNITS`] executes the counts of one pixel, at an end (0: optimistic).
     ///
-    /// A trilinear lookup takes two bilinear ones. `wave` is the number of lanes that share a scalar instruction.
-    pub fn clocks(&self, counts: &Counts, texel: Texel, wave: u32, end: usize) -> [f64; 5] {
-        let Counts { alu, quarter, scalar, unfiltered, bilinear, trilinear, memory_bytes } = *counts;
+    /// A trilinear lookup takes two bilinear ones. `wave` is the number of lanes that share a scalar instruction. At the optimistic end the
+    /// last cache holds as much as it can of what a dispatch streams for [`FRAME`].
+    pub fn clocks(&self, counts: &Counts, texel: Texel, wave: u32, end: usize) -> [f64; 6] {
+        let Counts { alu, quarter, scalar, unfiltered, bilinear, trilinear, memory_bytes, dram_bytes } = *counts;
+        let (rates, card) = (&self.generation, &self.card);
         let quarter = quarter / QUARTER_LANES;
-        let alu = alu / self.alu_lanes[end];
-        let [alu, quarter] = if self.shares_quarter { [alu + quarter, 0.0] } else { [alu, quarter] };
-        let filtered = (bilinear + 2.0 * trilinear) * self.quad_clocks[texel as usize][end];
+        let alu = alu / rates.alu_lanes[end];
+        let [alu, quarter] = if rates.shares_quarter { [alu + quarter, 0.0] } else { [alu, quarter] };
+        let filtered = (bilinear + 2.0 * trilinear) * rates.quad_clocks[texel as usize][end];
+        let streamed = f64::from(FRAME[0]) * f64::from(FRAME[1]) * STREAMED_BYTES;
+        let kept = if end == 0 { (card.cache * f64::from(1 << 20) / streamed).min(1.0) } else { 0.0 };
+        let bytes_a_clock = card.bandwidth * 1e3 / (card.clock_mhz[end] * f64::from(card.compute_units));
         [
             alu,
             quarter,
-            scalar / (self.scalars * f64::from(wave)),
+            scalar / (rates.scalars * f64::from(wave)),
             (unfiltered + filtered) / QUAD,
-            memory_bytes / self.cache_bytes,
+            memory_bytes / rates.cache_bytes,
+            dram_bytes * (1.0 - kept) / bytes_a_clock,
         ]
+    }
+
+    /// The same at one clock, the one at which memory is slowest beside the compute units: two passes on one card share its clock.
+    pub fn at_boost(self) -> Self {
+        let card = Card { clock_mhz: [self.card.clock_mhz[0]; 2], ..self.card };
+        Self { card, ..self }
     }
 }

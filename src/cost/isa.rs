@@ -24,6 +24,8 @@ pub struct Counts {
     pub trilinear: f64,
     /// Bytes of buffer and shared memory.
     pub memory_bytes: f64,
+    /// Bytes that do not stay in caches. The assembly does not tell: who asks for a pass knows.
+    pub dram_bytes: f64,
 }
 
 /// A shader's counts.
@@ -49,7 +51,7 @@ pub struct IsaFault {
 impl Counts {
     /// The counts of `n` executions.
     pub fn times(self, n: f64) -> Self {
-        let Self { alu, quarter, scalar, unfiltered, bilinear, trilinear, memory_bytes } = self;
+        let Self { alu, quarter, scalar, unfiltered, bilinear, trilinear, memory_bytes, dram_bytes } = self;
         Self {
             alu: n * alu,
             quarter: n * quarter,
@@ -58,6 +60,7 @@ impl Counts {
             bilinear: n * bilinear,
             trilinear: n * trilinear,
             memory_bytes: n * memory_bytes,
+            dram_bytes: n * dram_bytes,
         }
     }
 
@@ -76,6 +79,7 @@ impl AddAssign for Counts {
         self.bilinear += other.bilinear;
         self.trilinear += other.trilinear;
         self.memory_bytes += other.memory_bytes;
+        self.dram_bytes += other.dram_bytes;
     }
 }
 

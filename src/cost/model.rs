@@ -1,24 +1,19 @@
 //! The bound: between units that overlap perfectly and units that never do.
 //!
 //! A pixel executes `o ceil(N / P) + i N` instructions, o outside and i inside the loop over samples; a dispatch takes P points. Its cycles
-//! lie between the busiest unit's and the sum over all units, for as long as waves hide each other's latency and caches hold what is read.
+//! lie between the busiest unit's and the sum over all units, for as long as waves hide each other's latency and caches hold the maps.
 
 use super::child::{ASSEMBLY, CompileFault, Compiled, Job, compile};
-use super::family::{Card, Family, Texel, UNITS};
+use super::family::{Card, FRAME, Family, STREAMED_BYTES, Texel, UNITS};
 use super::isa::{self, Counts, IsaFault, ShaderCounts};
-use crate::brdf::{Brdf, Compensation, MaskingShadowing};
+use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::layout::MapLayout;
 use crate::glsl::constants::POINTS_PER_DISPATCH;
-use crate::math::sequence::PixelPoints;
-use crate::precompute::dfg::DfgAxes;
-use crate::precompute::prefilter::{self, LEVEL_MAPPINGS};
+use crate::precompute::prefilter;
 use crate::shade::Method;
-use crate::shade::pass::{specular_constants, specular_shader};
+use crate::shade::pass::specular_shader;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-
-/// Pixels of the frame that a millisecond bound is for.
-pub const FRAME: [u32; 2] = [1920, 1080];
 
 /// Sample counts above are not tried.
 pub const AFFORDED_MAX: u32 = 1 << 16;
@@ -32,16 +27,14 @@ pub struct Bound {
     pub most: f64,
 }
 
-/// The specular pass of a method, with the DFG table as engines look it up.
-pub fn job(layout: &MapLayout, method: &Method, brdf: &dyn Brdf) -> Job {
-    let (masking, mapping, points) = (MaskingShadowing::default(), &LEVEL_MAPPINGS[0], PixelPoints::default());
-    let constants = specular_constants(masking, mapping, points, Compensation::None, DfgAxes::Centres);
-    Job { shader: specular_shader(layout, method, brdf), constants: constants.to_vec() }
+/// The specular pass of a method with these specialization constants.
+pub fn job(layout: &MapLayout, method: &Method, brdf: &dyn Brdf, constants: &[u32]) -> Job {
+    Job::new(specular_shader(layout, method, brdf), constants, STREAMED_BYTES)
 }
 
-/// The pass that makes the levels of a prefiltered map by samples: "pixels" are texels.
-pub fn prefilter_job(layout: &MapLayout, brdf: &dyn Brdf) -> Job {
-    Job { shader: prefilter::pass::shader(brdf, layout), constants: vec![MaskingShadowing::default() as u32] }
+/// The pass that makes the levels of a prefiltered map by samples: "pixels" are texels, each written once.
+pub fn prefilter_job(layout: &MapLayout, brdf: &dyn Brdf, masking: MaskingShadowing, texel: Texel) -> Job {
+    Job::new(prefilter::pass::shader(brdf, layout), &[masking as u32], texel.bytes())
 }
 
 /// The passes of these jobs on a family.
@@ -50,7 +43,9 @@ pub fn passes(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<V
     let pass = |(job, compiled): (&Job, &Compiled)| {
         let fault = |said: String| CompileFault::Shader { family: family.name, shader: job.shader.clone(), said };
         let pass = Pass::new(compiled).ok_or_else(|| fault("the driver gives no assembly".to_owned()))?;
-        pass.map_err(|error| fault(error.to_string()))
+        let mut pass = pass.map_err(|error| fault(error.to_string()))?;
+        pass.counts.outside.dram_bytes = job.streamed_bytes;
+        Ok(pass)
     };
     jobs.iter().zip(&compiled).map(pass).collect()
 }
@@ -90,12 +85,12 @@ impl Pass {
 
     /// Cycles of a part of what a pixel executes.
     pub fn cycles_of(&self, counts: &Counts, family: &Family, texel: Texel) -> Bound {
-        let clocks = |end| family.generation.clocks(counts, texel, self.wave, end);
+        let clocks = |end| family.clocks(counts, texel, self.wave, end);
         Bound { least: clocks(0).into_iter().fold(0.0, f64::max), most: clocks(1).into_iter().sum() }
     }
 
     /// Most samples a pixel that this pass takes at the cost of another one: where its upper end meets the other's lower end, and the
-    /// reverse. Up to [`AFFORDED_MAX`].
+    /// reverse; both at one clock ([`Family::at_boost`]). Up to [`AFFORDED_MAX`].
     pub fn afforded(&self, family: &Family, texel: Texel, other: Bound) -> [u32; 2] {
         let most_where = |fits: &dyn Fn(Bound) -> bool| {
             (1..=AFFORDED_MAX).take_while(|n| fits(self.cycles(family, texel, *n))).last().unwrap_or(0)
@@ -105,7 +100,7 @@ impl Pass {
 
     /// The unit that sets the lower end.
     pub fn busiest(&self, family: &Family, texel: Texel, sample_count: u32) -> &'static str {
-        let clocks = family.generation.clocks(&self.executed(sample_count), texel, self.wave, 0);
+        let clocks = family.clocks(&self.executed(sample_count), texel, self.wave, 0);
         let place = (0..UNITS.len()).max_by(|a, b| clocks[*a].total_cmp(&clocks[*b]));
         UNITS[place.expect("there are units")]
     }

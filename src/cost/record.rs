@@ -1,13 +1,10 @@
 //! What the passes of an experiment cost by the model, as the folder of its run keeps it.
 
-use super::child::{CompileFault, available};
-use super::family::{FAMILIES, Family, Texel};
-use super::model::{Bound, FRAME, Pass, job, passes, prefilter_job};
-use crate::brdf::Brdf;
-use crate::environment::layout::MapLayout;
+use super::child::{CompileFault, Job, available};
+use super::family::{FAMILIES, FRAME, Family, Texel};
+use super::model::{Bound, Pass, passes};
 use crate::pixels::{PixelsError, write_atomically};
 use crate::precompute::PrecomputeSettings;
-use crate::shade::Method;
 use serde::{Deserialize, Serialize};
 use std::io::Write as _;
 use std::path::Path;
@@ -30,39 +27,22 @@ pub struct CostRecord {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct RecordedPass {
     pub family: String,
-    /// Empty for the pass that makes a level of the prefiltered map.
-    pub method: String,
-    pub brdf: String,
-    pub layout: String,
+    pub shader: String,
+    pub constants: Vec<u32>,
     pub pass: Pass,
 }
 
 impl CostRecord {
-    /// Compiles the specular passes of these methods, models and layouts, and the prefilter of each, for every family that the driver has.
-    /// `program` is this program's file.
-    pub fn compiled(
-        program: &Path,
-        wanted: &[(&'static Method, &'static dyn Brdf, &'static MapLayout)],
-    ) -> Result<Self, CompileFault> {
-        let mut asked: Vec<([&str; 3], _)> = Vec::new();
-        for (method, brdf, layout) in wanted {
-            let names = [method.name, brdf.name(), layout.name];
-            for (names, job) in
-                [(names, job(layout, method, *brdf)), (["", names[1], names[2]], prefilter_job(layout, *brdf))]
-            {
-                if asked.iter().all(|(known, _)| *known != names) {
-                    asked.push((names, job));
-                }
-            }
-        }
-        let jobs: Vec<_> = asked.iter().map(|(_, job)| job.clone()).collect();
+    /// Compiles these jobs for every family that the driver has. `program` is this program's file.
+    pub fn compiled(program: &Path, jobs: &[Job]) -> Result<Self, CompileFault> {
         let mut record = Self::default();
         for (family, compiler) in available(program)? {
             record.driver = compiler.driver;
-            let made = passes(program, family, &jobs)?;
-            record.passes.extend(asked.iter().zip(made).map(|((names, _), pass)| {
-                let [method, brdf, layout] = names.map(str::to_owned);
-                RecordedPass { family: family.name.to_owned(), method, brdf, layout, pass }
+            record.passes.extend(jobs.iter().zip(passes(program, family, jobs)?).map(|(job, pass)| RecordedPass {
+                family: family.name.to_owned(),
+                shader: job.shader.clone(),
+                constants: job.constants.clone(),
+                pass,
             }));
         }
         Ok(record)
@@ -79,26 +59,25 @@ impl CostRecord {
         FAMILIES.iter().filter(|family| self.passes.iter().any(|own| own.family == family.name))
     }
 
-    /// The pass of a method; of the prefilter for none.
-    pub fn pass(&self, family: &Family, method: &str, brdf: &str, layout: &str) -> Option<&Pass> {
-        let named = |own: &&RecordedPass| {
-            [&own.family, &own.method, &own.brdf, &own.layout] == [family.name, method, brdf, layout]
+    /// The pass of a job.
+    pub fn pass(&self, family: &Family, job: &Job) -> Option<&Pass> {
+        let is_it = |own: &&RecordedPass| {
+            own.family == family.name && own.shader == job.shader && own.constants == job.constants
         };
-        self.passes.iter().find(named).map(|own| &own.pass)
+        self.passes.iter().find(is_it).map(|own| &own.pass)
     }
 
-    /// Cycles a pixel of a method without samples, with its share of a prefiltered map that is made by samples once in so many
+    /// Cycles a pixel of a pass without samples, with its share of a prefiltered map that is made by samples once in so many
     /// frames of [`FRAME`].
     pub fn with_tables(
         &self,
         family: &Family,
-        [method, brdf]: [&str; 2],
+        [shading, prefilter]: [&Job; 2],
         settings: &PrecomputeSettings,
         frames: f64,
     ) -> Option<Bound> {
-        let layout = settings.layout.name;
-        let shading = self.pass(family, method, brdf, layout)?.cycles(family, TEXEL, 1);
-        let prefilter = self.pass(family, "", brdf, layout)?;
+        let shading = self.pass(family, shading)?.cycles(family, TEXEL, 1);
+        let prefilter = self.pass(family, prefilter)?;
         let pixels = frames * f64::from(FRAME[0]) * f64::from(FRAME[1]);
         let [width, height] = settings.prefilter_size.map(f64::from);
         let texels = f64::from(settings.layout.face_count) * width * height;

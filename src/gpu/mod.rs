@@ -35,6 +35,6 @@ pub use instance::{DeviceChoice, DeviceInfo, Options, chosen_device, devices};
 pub use pipeline::GraphicsDescription;
 pub use recorder::{Bind, DrawCall, PassTime, Recorder, Report, Targets};
 pub use shader::{
-    HOST_FILES, HOST_HASH, add_shader, build_hash, code_hash, has_shader, names_read, shader_code, shader_names,
-    shader_sources,
+    HOST_FILES, HOST_HASH, add_shader, added_shader, build_hash, code_hash, has_shader, names_read, shader_code,
+    shader_names, shader_sources,
 };

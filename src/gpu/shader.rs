@@ -31,6 +31,12 @@ pub fn add_shader(name: String, code: &[u32]) {
     added.entry(name).or_insert_with(|| Box::leak(bytemuck::cast_slice(code).to_vec().into_boxed_slice()));
 }
 
+/// The words of a permutation that the build did not make.
+pub fn added_shader(name: &str) -> Option<Vec<u32>> {
+    let added = ADDED.read().unwrap_or_else(PoisonError::into_inner);
+    added.get(name).map(|code| bytemuck::pod_collect_to_vec(code))
+}
+
 /// The texts of all shaders.
 pub fn shader_sources() -> Sources {
     Sources(SHADER_TEXTS.iter().map(|(path, text)| (path.to_string(), text.to_string())).collect())

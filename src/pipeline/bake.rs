@@ -120,7 +120,7 @@ impl Pipeline {
             layout: settings.layout.name,
             mapping: settings.layout.mapping,
             radiance: "linear Rec.709",
-            dfg: "channel R (A of the text) scales f0, channel G (B) is added; x = n_dot_v, y = perceptual_roughness, both at texel centres (i + 0.5) / size, row 0 is the smoothest",
+            dfg: "channel R (A of the text) scales f0, channel G (B) is added; x = n_dot_v, y = perceptual_roughness, both at texel centres (i + 0.5) / size, row 0 is the smoothest; a lookup within half a texel of an edge is clamped: at roughness 1 ggx errs by up to 0.5 / size",
             lobes: "two square parts below each other, nodes at both ends of x = sqrt(n_dot_v) and y = perceptual_roughness: first moments as shares of r and n (of the parts of weight 1 - Fc, then of Fc), and ratios of perceptual roughness for shares 0, 1/2 and 1 of the second; docs/better-split-sums.md",
             irradiance: "irradiance / pi: what a Lambert surface of albedo 1 reflects",
             prefilter_alphas: (0..settings.prefilter_level_count)

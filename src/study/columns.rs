@@ -36,6 +36,8 @@ pub fn page() -> String {
         let _ = write!(text, "\n### answers/{}.csv\n\n{}\n\n", question.name, question.asks);
         text += &of_columns(question.columns);
     }
+    text += "\n## costs.csv\n\nOf `splitsum cost --out`, a model: one row a pass, card and sample count.\n\n";
+    text += &table(super::cost::columns().iter().map(|(name, about)| (name.as_str(), about.clone())));
     text
 }
 

@@ -1,10 +1,12 @@
 //! What methods cost by the model of [`crate::cost`], as table, text and figure.
 
+use super::figure::ink::SERIES;
 use super::figure::{Figure, Mark, Panel, Scale, Series, Shape};
 use crate::cost::child::Compiler;
-use crate::cost::family::{Card, Family, Texel};
+use crate::cost::family::{FRAME, Family, Texel};
 use crate::cost::isa::Counts;
-use crate::cost::model::{Bound, FRAME, Pass};
+use crate::cost::model::{Bound, Pass};
+use crate::runner::columns::{Column, column};
 use crate::table::csv::{Cell, to_text};
 use crate::table::markdown::{Align, MarkdownTable};
 
@@ -16,6 +18,9 @@ pub struct Shaded {
     pub method: &'static str,
     /// Empty for a method that does not use the model.
     pub brdf: &'static str,
+    pub layout: &'static str,
+    /// What else was asked for and changes its code: `masking=uncorrelated`.
+    pub options: String,
     pub uses_samples: bool,
     pub pass: Pass,
 }
@@ -27,23 +32,77 @@ pub struct Costs {
     /// Samples a pixel, in order.
     pub sample_counts: Vec<u32>,
     pub texel: (&'static str, Texel),
-    pub layout: &'static str,
 }
 
 /// The caveat that stands wherever numbers do.
 pub const CAVEAT: &str = "A model, not a measurement: no GPU ran. A bound lies between perfect overlap of all units and none, with full \
-                          waves and caches that always hit; memory traffic beyond them is left out (docs/cost.md).";
+                          waves and maps that stay in caches (docs/cost.md).";
 
-const CLASSES: [&str; 7] = ["alu", "quarter_rate", "scalar", "unfiltered", "bilinear", "trilinear", "memory_bytes"];
+/// Methods of a figure: as many as have a colour of their own.
+const DRAWN_MAX: usize = SERIES.len();
 
-fn classes(counts: &Counts) -> [f64; 7] {
-    let Counts { alu, quarter, scalar, unfiltered, bilinear, trilinear, memory_bytes } = *counts;
-    [alu, quarter, scalar, unfiltered, bilinear, trilinear, memory_bytes]
+/// Numbers that are counted, in the order of [`classes`].
+const CLASSES: [(&str, &str); 8] = [
+    ("alu", "Full-rate vector instructions a pixel"),
+    ("quarter_rate", "Quarter-rate vector instructions a pixel"),
+    ("scalar", "Scalar instructions a wave"),
+    ("unfiltered", "Texels a pixel without a filter"),
+    ("bilinear", "Lookups a pixel in one level"),
+    ("trilinear", "Lookups a pixel between two levels"),
+    ("memory_bytes", "Bytes of buffers a pixel"),
+    ("dram_bytes", "Bytes of memory that a dispatch streams a pixel"),
+];
+
+fn classes(counts: &Counts) -> [f64; 8] {
+    let Counts { alu, quarter, scalar, unfiltered, bilinear, trilinear, memory_bytes, dram_bytes } = *counts;
+    [alu, quarter, scalar, unfiltered, bilinear, trilinear, memory_bytes, dram_bytes]
+}
+
+const FIRST: &[Column] = &[
+    column("driver", "Name and version of the driver that compiled."),
+    column("family", "Family of GPUs."),
+    column("generation", "Its generation."),
+    column("card", "The card that stands for the family."),
+    column("method", "Specular method."),
+    column("brdf", "Microfacet model; empty where the code does not hang on it."),
+    column("layout", "Layout of the filtered maps."),
+    column("options", "Other axes that were set and change the code, `name=value`."),
+    column("texel", "How the maps' texels are stored."),
+    column("samples", "Samples a pixel; empty for methods without."),
+];
+
+const LAST: &[Column] = &[
+    column("other_loops", "Loops whose length the assembly does not tell; counted once."),
+    column("wave", "Lanes of a wave."),
+    column("vector_registers", "Vector registers of a lane."),
+    column("waves", "Waves that a vector unit can hold."),
+    column("busiest_unit", "The unit that sets the lower end."),
+    column(
+        "model_cycles_least",
+        "Cycles of a compute unit a pixel, lower end of the model's bound, at the boost clock.",
+    ),
+    column("model_cycles_most", "The upper end, at the game clock."),
+    column("model_ms_least", "Milliseconds for 1920x1080 on the card, lower end."),
+    column("model_ms_most", "The upper end."),
+];
+
+/// The columns of `costs.csv` with their meaning.
+pub fn columns() -> Vec<(String, String)> {
+    let known = |columns: &[Column]| -> Vec<(String, String)> {
+        columns.iter().map(|column| (column.name.to_owned(), column.about.to_owned())).collect()
+    };
+    let counted =
+        [("outside", "outside the loop over samples, once a dispatch"), ("inside", "inside it, once a sample")].map(
+            |(part, place)| CLASSES.map(|(class, about)| (format!("{part}_{class}"), format!("{about}, {place}."))),
+        );
+    [known(FIRST), counted.concat(), known(LAST)].concat()
 }
 
 impl Shaded {
     fn name(&self) -> String {
-        if self.brdf.is_empty() { self.method.to_owned() } else { format!("{} {}", self.method, self.brdf) }
+        let values = self.options.split_whitespace().filter_map(|option| Some(option.split_once('=')?.1));
+        let words = [self.method, self.brdf].into_iter().chain(values).filter(|word| !word.is_empty());
+        words.collect::<Vec<_>>().join(" ")
     }
 
     /// The sample counts at which the method differs; a method without samples has one bound.
@@ -58,38 +117,24 @@ impl Costs {
         self.shaded.chunk_by(|a, b| a.family.name == b.family.name)
     }
 
-    fn milliseconds(&self, shaded: &Shaded, card: &Card, samples: u32) -> Bound {
-        shaded.pass.cycles(shaded.family, self.texel.1, samples).milliseconds(card)
+    fn milliseconds(&self, shaded: &Shaded, samples: u32) -> Bound {
+        shaded.pass.cycles(shaded.family, self.texel.1, samples).milliseconds(&shaded.family.card)
     }
 
-    /// One row a pass, card and sample count.
+    /// One row a pass and sample count.
     pub fn csv(&self) -> Vec<u8> {
-        let first = ["driver", "family", "generation", "card", "method", "brdf", "layout", "texel", "samples"];
-        let counted = ["outside", "inside"].map(|part| CLASSES.map(|class| format!("{part}_{class}"))).concat();
-        let last = [
-            "other_loops",
-            "wave",
-            "vector_registers",
-            "waves",
-            "busiest_unit",
-            "model_cycles_least",
-            "model_cycles_most",
-            "model_ms_least",
-            "model_ms_most",
-        ];
-        let columns: Vec<String> =
-            first.map(str::to_owned).into_iter().chain(counted).chain(last.map(str::to_owned)).collect();
-        let row = |shaded: &Shaded, card: &Card, samples: u32| {
-            let Shaded { family, compiler, method, brdf, uses_samples, pass } = shaded;
-            let words = [&compiler.driver, family.name, family.generation.name, card.name, method, brdf, self.layout];
-            let words = words.into_iter().chain([self.texel.0]).map(Cell::from);
+        let names: Vec<String> = columns().into_iter().map(|(name, _)| name).collect();
+        let row = |shaded: &Shaded, samples: u32| {
+            let Shaded { family, compiler, method, brdf, layout, options, uses_samples, pass } = shaded;
+            let (generation, card, texel) = (family.generation.name, family.card.name, self.texel.0);
+            let words = [&compiler.driver, family.name, generation, card, method, brdf, layout, options, texel];
             let numbers = [&pass.counts.outside, &pass.counts.inside].map(classes).concat().into_iter().map(Cell::from);
-            let cycles = pass.cycles(family, self.texel.1, samples);
-            let time = cycles.milliseconds(card);
+            let cycles = pass.cycles(&family.at_boost(), self.texel.1, samples);
+            let time = self.milliseconds(shaded, samples);
             let bounds = [cycles.least, cycles.most, time.least, time.most].map(Cell::from);
             let compiled = [pass.wave, pass.vector_registers, pass.waves].map(Cell::from);
+            let words = words.into_iter().map(Cell::from).chain([uses_samples.then_some(samples).into()]);
             words
-                .chain([uses_samples.then_some(samples).into()])
                 .chain(numbers)
                 .chain([pass.counts.other_loops.into()])
                 .chain(compiled)
@@ -97,30 +142,20 @@ impl Costs {
                 .chain(bounds)
                 .collect::<Vec<Cell>>()
         };
-        let mut rows = Vec::new();
-        for shaded in &self.shaded {
-            for card in shaded.family.cards {
-                rows.extend(shaded.counts(&self.sample_counts).iter().map(|samples| row(shaded, card, *samples)));
-            }
-        }
-        to_text(&columns, rows.iter().map(Vec::as_slice)).to_vec()
+        let of_pass = |shaded| Shaded::counts(shaded, &self.sample_counts).iter().map(move |n| row(shaded, *n));
+        let rows: Vec<Vec<Cell>> = self.shaded.iter().flat_map(of_pass).collect();
+        to_text(&names, rows.iter().map(Vec::as_slice)).to_vec()
     }
 
     /// Two tables a family: its code, and the bounds of each card.
     pub fn markdown(&self) -> String {
+        let [width, height] = FRAME;
         let mut text = format!("{CAVEAT}\n");
         for family in self.families() {
-            let (Family { name, generation, cards, .. }, driver) = (family[0].family, &family[0].compiler.driver);
-            text += &format!("\n## {name}, {} ({driver}, {} maps, {})\n", generation.name, self.layout, self.texel.0);
+            let (Family { name, generation, card, .. }, driver) = (family[0].family, &family[0].compiler.driver);
+            text += &format!("\n## {}: {name}, {} ({driver}, {} maps)\n", card.name, generation.name, self.texel.0);
             text += &format!("\nInstructions a pixel: fixed, then a sample.\n\n{}", self.code(family));
-            for card in *cards {
-                let [width, height] = FRAME;
-                text += &format!(
-                    "\nModel bound for {width}x{height} on {}, ms:\n\n{}",
-                    card.name,
-                    self.bounds(family, card)
-                );
-            }
+            text += &format!("\nModel bound for {width}x{height}, ms:\n\n{}", self.bounds(family));
             if let Some(table) = self.afforded(family) {
                 text += &format!("\nSamples a pixel at equal model cost, between the ends of both bounds:\n\n{table}");
             }
@@ -129,16 +164,27 @@ impl Costs {
     }
 
     fn code(&self, family: &[Shaded]) -> MarkdownTable {
-        let numbers =
-            ["part", "ALU", "quarter-rate", "scalar", "texels", "bilinear", "trilinear", "bytes", "registers", "waves"];
+        let numbers = [
+            "part",
+            "ALU",
+            "quarter-rate",
+            "scalar",
+            "texels",
+            "bilinear",
+            "trilinear",
+            "buffer bytes",
+            "memory bytes",
+            "registers",
+            "waves",
+        ];
         let mut columns = vec![("method", Align::Left)];
         columns.extend(numbers.map(|name| (name, Align::Right)));
-        columns.push(("model cycles", Align::Right));
+        columns.push(("model cycles at boost", Align::Right));
         let mut table = MarkdownTable::new(&columns);
         for shaded in family {
             let Pass { counts, vector_registers, waves, .. } = shaded.pass;
             let part = |part: &str, counts: Counts| {
-                let bound = shaded.pass.cycles_of(&counts, shaded.family, self.texel.1);
+                let bound = shaded.pass.cycles_of(&counts, &shaded.family.at_boost(), self.texel.1);
                 let mut row = vec![shaded.name(), part.to_owned()];
                 row.extend(classes(&counts).map(|count| count.to_string()));
                 row.extend([vector_registers.to_string(), waves.to_string(), range(bound)]);
@@ -152,13 +198,13 @@ impl Costs {
         table
     }
 
-    fn bounds(&self, family: &[Shaded], card: &Card) -> MarkdownTable {
+    fn bounds(&self, family: &[Shaded]) -> MarkdownTable {
         let names: Vec<String> = family.iter().map(Shaded::name).collect();
         let columns = names.iter().map(|name| (name.as_str(), Align::Right));
         let columns: Vec<(&str, Align)> = std::iter::once(("N", Align::Right)).chain(columns).collect();
         let mut table = MarkdownTable::new(&columns);
         for samples in &self.sample_counts {
-            let cells = family.iter().map(|shaded| range(self.milliseconds(shaded, card, *samples)));
+            let cells = family.iter().map(|shaded| range(self.milliseconds(shaded, *samples)));
             table.row(&std::iter::once(samples.to_string()).chain(cells).collect::<Vec<_>>());
         }
         table
@@ -174,7 +220,8 @@ impl Costs {
         let texel = self.texel.1;
         for own in &sampling {
             let cells = fixed.iter().map(|other| {
-                let [least, most] = own.pass.afforded(own.family, texel, other.pass.cycles(other.family, texel, 1));
+                let card = own.family.at_boost();
+                let [least, most] = own.pass.afforded(&card, texel, other.pass.cycles(&card, texel, 1));
                 format!("{least} to {most}")
             });
             table.row(&std::iter::once(own.name()).chain(cells).collect::<Vec<_>>());
@@ -188,21 +235,22 @@ impl Costs {
         let names: Vec<String> = self.families().next()?.iter().map(Shaded::name).collect();
         let mut panels: Vec<(String, Vec<Mark>, Vec<f64>)> = Vec::new();
         for family in self.families() {
-            for card in family[0].family.cards {
-                let (mut marks, mut values) = (Vec::new(), Vec::new());
-                for (series, shaded) in family.iter().enumerate() {
-                    let at: Vec<u32> = if shaded.uses_samples { self.sample_counts.clone() } else { vec![first, last] };
-                    let bounds = at.iter().map(|n| (f64::from(*n), self.milliseconds(shaded, card, *n)));
-                    let [least, most]: [Vec<[f64; 2]>; 2] = bounds
-                        .map(|(n, bound)| ([n, bound.least], [n, bound.most]))
-                        .unzip::<_, _, Vec<_>, Vec<_>>()
-                        .into();
-                    values.extend(least.iter().chain(&most).map(|point| point[1]));
-                    marks.extend([least, most].map(|points| Mark::new(Shape::Line(points), series)));
-                }
-                panels.push((format!("{} ({})", card.name, family[0].family.generation.name), marks, values));
+            let (mut marks, mut values) = (Vec::new(), Vec::new());
+            for (series, shaded) in family.iter().enumerate().take(DRAWN_MAX) {
+                let at: Vec<u32> = if shaded.uses_samples { self.sample_counts.clone() } else { vec![first, last] };
+                let bounds = at.iter().map(|n| (f64::from(*n), self.milliseconds(shaded, *n)));
+                let [least, most]: [Vec<[f64; 2]>; 2] =
+                    bounds.map(|(n, bound)| ([n, bound.least], [n, bound.most])).unzip::<_, _, Vec<_>, Vec<_>>().into();
+                values.extend(least.iter().chain(&most).map(|point| point[1]));
+                marks.extend([least, most].map(|points| Mark::new(Shape::Line(points), series)));
             }
+            let Family { card, generation, .. } = family[0].family;
+            panels.push((format!("{} ({})", card.name, generation.name), marks, values));
         }
+        let left_out = match names.len() {
+            all if all > DRAWN_MAX => format!("; the first {DRAWN_MAX} of {all} methods"),
+            _ => String::new(),
+        };
         let x = Scale::log("samples a pixel", self.sample_counts.iter().map(|n| f64::from(*n)))?;
         let y = Scale::log("model bound, ms", panels.iter().flat_map(|(_, _, values)| values.clone()))?;
         let panel = |(title, marks, _)| Panel { title, x: x.clone(), y: y.clone(), marks };
@@ -210,11 +258,11 @@ impl Costs {
         Some(Figure {
             title: "What the specular pass costs, by a model of compiled code".to_owned(),
             note: format!(
-                "Both ends of each bound, {width}x{height}, {} {} maps; no GPU was measured",
-                self.layout, self.texel.0
+                "Both ends of each bound, {width}x{height}, {} maps{left_out}; no GPU was measured",
+                self.texel.0
             ),
             panels: panels.into_iter().map(panel).collect(),
-            series: names.into_iter().map(|name| Series { name, is_dashed: false }).collect(),
+            series: names.into_iter().take(DRAWN_MAX).map(|name| Series { name, is_dashed: false }).collect(),
             ramp: None,
         })
     }

@@ -1,15 +1,16 @@
 //! `splitsum cost` and the compiler for GPUs that are not here. Without Mesa's RADV one line says what is skipped.
 
 use super::{assert_ends, command, entries, ok, splitsum};
-use splitsum::brdf::{MODELS, MaskingShadowing};
+use splitsum::brdf::MaskingShadowing;
 use splitsum::cost::child::{CompileFault, Job, available, compile};
-use splitsum::cost::family::Family;
+use splitsum::cost::family::{Family, STREAMED_BYTES};
 use splitsum::cost::isa::Counts;
-use splitsum::cost::model::{Pass, job};
-use splitsum::environment::layout::LAYOUTS;
+use splitsum::cost::model::Pass;
+use splitsum::environment::layout::{LAYOUTS, MapLayout};
 use splitsum::gbuffer::pass::PIPELINES;
 use splitsum::gpu::shader_names;
-use splitsum::shade::METHODS;
+use splitsum::runner::axis::{LAYOUT, METHOD, Point};
+use splitsum::shade::{METHODS, Method};
 use std::path::Path;
 
 fn program() -> &'static Path {
@@ -29,9 +30,15 @@ fn families() -> Vec<&'static Family> {
 }
 
 fn counted(family: &'static Family, constants: [u32; 5]) -> Pass {
-    let job = Job { shader: "probe/counted.comp".to_owned(), constants: constants.to_vec() };
+    let job = Job::new("probe/counted.comp".to_owned(), &constants, 0.0);
     let compiled = compile(program(), family, &[job]).unwrap();
     Pass::new(&compiled[0]).unwrap().unwrap()
+}
+
+fn job(method: &Method, layout: &MapLayout) -> Job {
+    let mut point = Point::default();
+    (point[METHOD], point[LAYOUT]) = (method.name.into(), layout.name.into());
+    point.settings().specular_job()
 }
 
 #[test]
@@ -82,8 +89,8 @@ fn every_pipeline_compiles_for_every_family_and_twice_to_the_same_bytes() {
         // A masking a shader and family; over the families each shader has every one.
         let masking = |index: usize| MaskingShadowing::ALL[(index + turn) % MaskingShadowing::ALL.len()].1 as u32;
         let compute = shader_names().filter(|name| name.contains(".comp")).enumerate();
-        let compute = compute.map(|(index, shader)| Job { shader: shader.to_owned(), constants: vec![masking(index)] });
-        let draws = PIPELINES.map(|draw| Job { shader: draw.shaders[1].to_owned(), constants: Vec::new() });
+        let compute = compute.map(|(index, shader)| Job::new(shader.to_owned(), &[masking(index)], 0.0));
+        let draws = PIPELINES.map(|draw| Job::new(draw.shaders[1].to_owned(), &[], 0.0));
         let jobs: Vec<Job> = compute.chain(draws).collect();
         let compiled = compile(program(), family, &jobs).unwrap();
         assert_eq!(compiled.len(), jobs.len());
@@ -137,8 +144,7 @@ fn the_command_writes_its_tables_and_figure() {
 fn every_sampling_method_has_its_loop_under_every_layout() {
     for family in families() {
         let methods = METHODS.iter().filter(|method| method.has_pass() && method.uses_samples);
-        let asked: Vec<_> =
-            methods.flat_map(|m| LAYOUTS.iter().map(move |layout| (m.name, job(layout, m, MODELS[0])))).collect();
+        let asked: Vec<_> = methods.flat_map(|m| LAYOUTS.iter().map(move |layout| (m.name, job(m, layout)))).collect();
         let jobs: Vec<Job> = asked.iter().map(|(_, job)| job.clone()).collect();
         for ((method, job), compiled) in asked.iter().zip(compile(program(), family, &jobs).unwrap()) {
             let counts = Pass::new(&compiled).unwrap().unwrap().counts;
@@ -158,6 +164,53 @@ fn every_sampling_method_has_its_loop_under_every_layout() {
             assert_eq!(counts.outside.bilinear + counts.outside.trilinear, 0.0, "{}", job.shader);
         }
     }
+}
+
+/// Where the hardware filters maps, the texels outside the loop are the g-buffer's, and all buffers are the radiance: vec4s of 32-bit floats.
+#[test]
+fn a_pass_streams_what_its_code_reads_and_writes_a_pixel() {
+    for family in families() {
+        let methods = METHODS.iter().filter(|method| method.has_pass() && !method.name.starts_with("ladder"));
+        let jobs: Vec<Job> = methods.map(|method| job(method, &LAYOUTS[0])).collect();
+        for (job, compiled) in jobs.iter().zip(compile(program(), family, &jobs).unwrap()) {
+            let counts = Pass::new(&compiled).unwrap().unwrap().counts.outside;
+            let bytes = 16.0 * counts.unfiltered + counts.memory_bytes;
+            assert_eq!([bytes, job.streamed_bytes], [STREAMED_BYTES; 2], "{}: {}", family.name, job.shader);
+        }
+    }
+}
+
+/// Its options compile what they name: a method in a file that holds the text of a known one has its code, a sampling pass has other code
+/// for each masking, and what an image alone hangs on is refused.
+#[test]
+fn options_compile_what_they_name() {
+    if families().is_empty() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("own.glsl"), include_str!("../../shaders/shade/method/split_sum.glsl")).unwrap();
+    let rows = |arguments: &[&str]| -> Vec<csv::StringRecord> {
+        ok(dir.path(), &[&["cost", "--out", "costs"], arguments].concat());
+        let mut rows = csv::Reader::from_path(dir.path().join("costs/costs.csv")).unwrap();
+        rows.records().map(Result::unwrap).collect()
+    };
+    let both = rows(&["--method", "split-sum,file:own.glsl", "--level-mapping", "all"]);
+    let (ours, own) = both.split_at(both.len() / 2);
+    let code = |row: &csv::StringRecord| row.iter().skip(5).map(str::to_owned).collect::<Vec<_>>();
+    assert!(ours.len() > 1 && ours.iter().map(code).eq(own.iter().map(code)), "{both:?}");
+    assert_eq!(&own[0][4], "file:own.glsl");
+    // Of ggx, separable and smith-exact masking are one function.
+    let maskings = rows(&["--method", "sampled", "--brdf", "beckmann", "--masking", "all", "--samples", "1"]);
+    let counts: std::collections::BTreeSet<Vec<String>> =
+        maskings.iter().map(|row| row.iter().skip(10).map(str::to_owned).collect()).collect();
+    assert_eq!([maskings.len(), counts.len()], [MaskingShadowing::ALL.len(); 2], "{maskings:?}");
+    let refused = |arguments: &[&str], parts: &[&str]| assert_ends(&splitsum(dir.path(), arguments), 2, parts);
+    refused(&["cost", "--alpha", "0.3"], &["--alpha: changes no code of sampled, split-sum, split-sum-parted"]);
+    refused(
+        &["cost", "--method", "sampled", "--level-mapping", "all"],
+        &["--level-mapping: changes no code of sampled"],
+    );
+    refused(&["cost", "--method", "file:none.glsl"], &["none.glsl"]);
 }
 
 #[test]

@@ -227,6 +227,23 @@ fn every_orientation_is_found_in_every_layout() {
     }
 }
 
+/// Under one hot texel the judge comes nearer to adaptive cubature than the series of a bake: a bake of ours is not its own judge.
+#[test]
+fn the_judge_reaches_beyond_what_it_judges() {
+    let sun = |x: u32, y: u32| if [x, y] == [80, 12] { [1e4; 3] } else { [0.5; 3] };
+    let light = Environment::from_image("sun", RgbImage::from_fn(128, 64, sun));
+    let directions: Vec<DVec3> = [[80.5, 12.5], [84.0, 14.0], [80.5, 44.5]]
+        .map(|[x, y]: [f64; 2]| direction_from_uv(DVec2::new(x, y) / DVec2::new(128.0, 64.0)))
+        .to_vec();
+    for alpha in [0.1, 1.0] {
+        let off = [Truth::new, Truth::judging].map(|truth| {
+            let truth = truth(&light, Kernel::cosine(&Ggx), &[alpha]);
+            truth.spot_check(alpha, &directions)
+        });
+        assert!(off[0] > 1e-7 && off[1] < 0.4 * off[0], "{alpha}: {off:?}");
+    }
+}
+
 /// A bake of another width and gain is told by both; one of noise by neither.
 #[test]
 fn a_fit_finds_the_width_and_the_gain_that_were_baked() {

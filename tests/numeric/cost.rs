@@ -1,6 +1,6 @@
 //! The counter of instructions on made texts, and the bounds on made counts.
 
-use splitsum::cost::family::{FAMILIES, Texel};
+use splitsum::cost::family::{FAMILIES, STREAMED_BYTES, Texel};
 use splitsum::cost::isa::{Counts, ShaderCounts, count};
 use splitsum::cost::model::Pass;
 use splitsum::glsl::constants::POINTS_PER_DISPATCH;
@@ -103,8 +103,38 @@ fn the_bound_is_the_busiest_unit_and_their_sum() {
     }
     // One sample on 8 compute units at 1600 MHz: the texture unit's (1 + 3) / 4 clocks a pixel.
     let deck = family("vangogh");
-    let time = pass.cycles(deck, Texel::Rgba16f, 1).milliseconds(&deck.cards[0]);
+    let time = pass.cycles(deck, Texel::Rgba16f, 1).milliseconds(&deck.card);
     assert!((time.least - 2_073_600.0 / (8.0 * 1.6e6)).abs() < 1e-12, "{time:?}");
+}
+
+/// By hand: 1920x1080 pixels of 80 bytes are 165.888 MB.
+#[test]
+fn memory_takes_its_bytes_over_its_bandwidth() {
+    let outside = Counts { dram_bytes: STREAMED_BYTES, ..Counts::default() };
+    let counts = ShaderCounts { outside, ..ShaderCounts::default() };
+    let pass = Pass { counts, wave: 64, vector_registers: 24, waves: 16 };
+    // MB that a cache of 128 or 96 MiB cannot hold, all of them, and GB/s.
+    let hand = [
+        ("vega10", 165.888, 483.8),
+        ("vangogh", 165.888, 88.0),
+        ("navi21", 165.888 - 134.217_728, 512.0),
+        ("gfx1100", 165.888 - 100.663_296, 960.0),
+    ];
+    for (name, least, bandwidth) in hand {
+        let family = FAMILIES.iter().find(|family| family.name == name).unwrap();
+        let bound = pass.cycles(family, Texel::Rgba16f, 1);
+        assert_eq!(pass.busiest(family, Texel::Rgba16f, 1), "memory");
+        let time = bound.milliseconds(&family.card);
+        let off = [time.least - least / bandwidth, time.most - 165.888 / bandwidth].map(f64::abs);
+        assert!(off[0] < 1e-12 && off[1] < 1e-12, "{name}: {time:?}");
+        // A second dispatch streams the pixels again; a sample more does not.
+        let [one, same, two] = [1, POINTS_PER_DISPATCH, POINTS_PER_DISPATCH + 1]
+            .map(|n| pass.cycles(family, Texel::Rgba16f, n).milliseconds(&family.card).most);
+        assert!(one == same && (two - 2.0 * one).abs() < 1e-12, "{name}");
+        // At one clock, memory alone costs the same at both ends, but for what the cache holds.
+        let one_clock = pass.cycles(&family.at_boost(), Texel::Rgba16f, 1);
+        assert!((one_clock.least / one_clock.most - least / 165.888).abs() < 1e-12, "{name}");
+    }
 }
 
 #[test]
@@ -113,7 +143,7 @@ fn twice_the_samples_are_twice_the_loop() {
     for family in FAMILIES {
         for n in (1..=POINTS_PER_DISPATCH / 2).filter(|n| n.is_power_of_two()) {
             for end in [0, 1] {
-                let clocks = |counts: &Counts| family.generation.clocks(counts, Texel::Rgba16f, 64, end);
+                let clocks = |counts: &Counts| family.clocks(counts, Texel::Rgba16f, 64, end);
                 let fixed = clocks(&pass.counts.outside);
                 let [once, twice] = [n, 2 * n].map(|n| clocks(&pass.executed(n)));
                 for ((fixed, once), twice) in fixed.iter().zip(once).zip(twice) {

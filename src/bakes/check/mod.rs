@@ -31,21 +31,36 @@ pub struct Truth<'a> {
     pub environment: &'a Environment,
     kernel: Kernel,
     harmonics: Harmonics,
+    /// Times the degree at which a bake is cut off.
+    reach: usize,
 }
 
 impl<'a> Truth<'a> {
-    /// Prepares the exact integrals for levels of these widths.
+    /// Prepares the integrals for levels of these widths, cut off at the degree up to which they count.
     pub fn new(environment: &'a Environment, kernel: Kernel, alphas: &[f64]) -> Self {
+        Self::reaching(1, environment, kernel, alphas)
+    }
+
+    /// The same to twice that degree: a bake of our own is not judged by its own cut-off.
+    pub fn judging(environment: &'a Environment, kernel: Kernel, alphas: &[f64]) -> Self {
+        Self::reaching(2, environment, kernel, alphas)
+    }
+
+    fn reaching(reach: usize, environment: &'a Environment, kernel: Kernel, alphas: &[f64]) -> Self {
         let widths = alphas.iter().filter(|alpha| has_width(**alpha));
         let degree = widths.map(|alpha| harmonic::degree(*alpha)).max().unwrap_or_default();
         // A fit asks for narrower lobes than the levels' own.
-        let degree = degree.max(fit::DEGREE_MAX).max(harmonic::degree(1.0));
-        Self { environment, kernel, harmonics: harmonic::harmonics(&environment.image, degree) }
+        let degree = (reach * degree.max(harmonic::degree(1.0))).clamp(fit::DEGREE_MAX, harmonic::DEGREE_MAX);
+        Self { environment, kernel, harmonics: harmonic::harmonics(&environment.image, degree), reach }
+    }
+
+    fn factors(&self, kernel: Kernel, alpha: f64, degree: usize) -> Vec<f64> {
+        harmonic::factors(kernel, alpha, degree.min(self.reach * harmonic::degree(alpha)))
     }
 
     /// Prefiltered radiance of a width that [`has_width`].
     pub fn prefiltered(&self, alpha: f64) -> SmoothMap {
-        harmonic::prefiltered(&self.harmonics, self.kernel, alpha)
+        self.harmonics.convolved(&self.factors(self.kernel, alpha, self.harmonics.degree()))
     }
 
     /// The part of each degree of the light at directions.
@@ -56,14 +71,14 @@ impl<'a> Truth<'a> {
     /// Prefiltered radiance from the [`Self::bands`] at directions.
     fn of_bands(&self, bands: &[Vec<DVec3>], alpha: f64) -> Vec<DVec3> {
         let degree = bands.first().map_or(0, |bands| bands.len() - 1);
-        let factors = harmonic::factors(self.kernel, alpha, degree.min(harmonic::degree(alpha)));
+        let factors = self.factors(self.kernel, alpha, degree);
         bands.iter().map(|bands| bands.iter().zip(&factors).map(|(band, factor)| *band * *factor).sum()).collect()
     }
 
     /// Irradiance over π.
     pub fn irradiance(&self) -> SmoothMap {
         // Of exponent 0 the distribution of Phong's model is constant, and the weight is n·l.
-        harmonic::prefiltered(&self.harmonics, Kernel::cosine(&Phong), 1.0)
+        self.harmonics.convolved(&self.factors(Kernel::cosine(&Phong), 1.0, self.harmonics.degree()))
     }
 
     /// ε of relMSE.

@@ -12,6 +12,9 @@ pub use named::{Named, Spelling};
 use super::value::{Kind, Value};
 use crate::bakes::given::{Given, OWN};
 use crate::brdf::{self, Compensation, MaskingShadowing};
+use crate::cost::child::Job;
+use crate::cost::model;
+use crate::cost::record::TEXEL;
 use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
 use crate::environment::{Environment, Placement};
 use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
@@ -19,6 +22,7 @@ use crate::pipeline::RenderRequest;
 use crate::precompute::dfg::DfgAxes;
 use crate::precompute::{PrecomputeSettings, PrefilterBy};
 use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Orbit, Scene};
+use crate::shade::pass::specular_constants;
 use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, NONE, diffuse_by_name, method_by_name};
 use crate::tonemap::ToneCurve;
 use std::ops::{Index, IndexMut};
@@ -71,6 +75,23 @@ pub struct View {
 }
 
 impl Settings {
+    fn dfg_axes(&self) -> DfgAxes {
+        if self.dfg == OWN { DfgAxes::default() } else { DfgAxes::Centres }
+    }
+
+    /// The specular pass, to be compiled for a GPU that is not here.
+    pub fn specular_job(&self) -> Job {
+        let mapping = self.precompute.level_mapping;
+        let (masking, points) = (self.masking_shadowing, self.pixel_points);
+        let constants = specular_constants(masking, mapping, points, self.compensation, self.dfg_axes());
+        model::job(self.precompute.layout, self.method, self.brdf, &constants)
+    }
+
+    /// The pass that makes its prefiltered map by samples.
+    pub fn prefilter_job(&self) -> Job {
+        model::prefilter_job(self.precompute.layout, self.brdf, self.masking_shadowing, TEXEL)
+    }
+
     /// The request: `scene` with the settings' material, framed by the view's camera, with the tables that are `given`.
     pub fn request(self, environment: &Arc<Environment>, scene: &Scene, view: &View, given: Given) -> RenderRequest {
         let mut precompute = self.precompute;
@@ -82,7 +103,7 @@ impl Settings {
             precompute.level_mapping = map.mapping;
         }
         precompute.dfg_size = given.dfg.as_ref().map_or(precompute.dfg_size, |table| table.side);
-        precompute.dfg_axes = if self.dfg == OWN { DfgAxes::default() } else { DfgAxes::Centres };
+        precompute.dfg_axes = self.dfg_axes();
         let scene = Arc::new(scene.apply(&self.material));
         RenderRequest {
             environment: environment.clone(),

@@ -1,15 +1,17 @@
 //! Which method errs less at the same modelled GPU cost?
 //!
 //! A case is as in `break-even`. There sampling takes c samples a pixel for the error of the method without samples. By the model of
-//! [`crate::cost`] it takes a to b samples for the other's cost: a where its upper bound meets the other's lower one, b the reverse, the
-//! least and the most of all families of GPUs. So sampling errs less at equal cost where c <= a, the other one where c > b; between them
-//! the model does not tell. The other's cost has its share of the prefiltered map: made by samples on the GPU, once in [`FRAMES`] frames or
+//! [`crate::cost`] it takes a to b samples for the other's cost: a where its upper bound meets the other's lower one, b the reverse. So
+//! sampling errs less at equal cost where c <= a, the other one where c > b; between them the model does not tell. Each card has its own a
+//! and b and its own wins. The other's cost has its share of the prefiltered map: made by samples on the GPU, once in [`FRAMES`] frames or
 //! in each. The DFG table and that of lobes hang on no light and count nothing; the environment's levels are needed by both.
 
 use super::break_even::{self, conditions, counted, pairs, tried};
 use super::prelude::*;
 use super::{FIXED, SAMPLED};
-use crate::cost::record::CostRecord;
+use crate::cost::child::Job;
+use crate::cost::family::Family;
+use crate::cost::record::{CostRecord, TEXEL};
 use crate::metrics::{ALL_VIEWS, VIEWS};
 use crate::precompute::PrecomputeSettings;
 use crate::study::frame::curve::beside;
@@ -22,10 +24,8 @@ pub const QUESTION: Question = Question {
         column("n_dot_v_to", "To here."),
         SAMPLED,
         FIXED,
-        column(
-            "samples_at_equal_cost_least",
-            "Samples a pixel at the other's cost by the model: least of all families and both ends.",
-        ),
+        column("card", "The card that the model is for."),
+        column("samples_at_equal_cost_least", "Samples a pixel at the other's cost by the model: least of both ends."),
         column("samples_at_equal_cost_most", "Most of them."),
         column("samples_at_equal_cost_each_frame_least", "The same where the prefiltered map is made anew each frame."),
         column("samples_at_equal_cost_each_frame_most", "Most of them."),
@@ -52,8 +52,9 @@ type Afforded = [u32; 2];
 /// A case at some n·v.
 struct Met {
     names: [String; 2],
-    brdf: String,
-    settings: PrecomputeSettings,
+    /// The sampling pass, the other one, and the one that makes its map.
+    jobs: [Job; 3],
+    tables: PrecomputeSettings,
     key: Key,
     light: Value,
     seen: [f64; 2],
@@ -61,10 +62,11 @@ struct Met {
     count: f64,
 }
 
-/// The cases of one pair of methods under one condition and some n·v, a number an environment.
+/// The cases of one pair of methods under one condition and some n·v on a card, a number an environment.
 struct Group<'m> {
     seen: [f64; 2],
     key: &'m Key,
+    family: &'static Family,
     /// At equal cost, with a map a second and a map a frame.
     afforded: [Afforded; 2],
     counts: Vec<f64>,
@@ -94,10 +96,16 @@ fn met(frame: &Frame) -> Vec<Met> {
         let all = pairs(beside(frame, &images, &axes));
         let of_pair = |(names, cases): &([String; 2], Vec<break_even::Case>)| {
             let tried = tried(cases);
+            let settings = |row: &Row| row.cell.point.settings();
+            let met = |case: &break_even::Case| {
+                let [sampled, fixed] = [case.of.curve.first(), case.of.fixed].map(settings);
+                let jobs = [sampled.specular_job(), fixed.specular_job(), fixed.prefilter_job()];
+                (jobs, fixed.precompute)
+            };
             let case = |case: &break_even::Case| Met {
                 names: names.clone(),
-                brdf: case.of.curve.first().text(BRDF),
-                settings: case.of.fixed.point.settings().precompute,
+                jobs: met(case).0,
+                tables: met(case).1,
                 key: of.iter().map(|axis| case.of.fixed.point[*axis].clone()).collect(),
                 light: case.of.fixed.point[ENVIRONMENT].clone(),
                 seen,
@@ -117,15 +125,12 @@ fn met(frame: &Frame) -> Vec<Met> {
     found
 }
 
-/// Samples of a case at equal cost over all families, the map made once in so many frames.
-fn afforded(costs: &CostRecord, case: &Met, frames: f64) -> Option<Afforded> {
-    let [sampled, fixed] = case.names.each_ref().map(String::as_str);
-    let of_family = |family| {
-        let own = costs.pass(family, sampled, &case.brdf, case.settings.layout.name)?;
-        let other = costs.with_tables(family, [fixed, &case.brdf], &case.settings, frames)?;
-        Some(own.afforded(family, crate::cost::record::TEXEL, other))
-    };
-    costs.families().filter_map(of_family).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+/// Samples of a case at equal cost on a card, the map made once in so many frames.
+fn afforded(costs: &CostRecord, family: &Family, case: &Met, frames: f64) -> Option<Afforded> {
+    let [sampled, fixed, prefilter] = &case.jobs;
+    let family = family.at_boost();
+    let other = costs.with_tables(&family, [fixed, prefilter], &case.tables, frames)?;
+    Some(costs.pass(&family, sampled)?.afforded(&family, TEXEL, other))
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
@@ -135,13 +140,16 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let mut found: Vec<Pair> = Vec::new();
     for (names, of_pair) in grouped(&all, |case| case.names.clone()) {
         let groups = grouped(of_pair, |case| (case.key.clone(), case.seen.map(f64::to_bits)));
-        let groups = groups.into_iter().filter_map(|(_, cases)| {
-            let first = cases[0];
+        let groups = groups.into_iter().flat_map(|(_, cases)| {
+            let Met { seen, key, .. } = cases[0];
             let of_light =
                 |(_, own): (Value, Vec<&Met>)| median(&own.iter().map(|case| case.count).collect::<Vec<_>>());
-            let counts = grouped(cases, |case| case.light.clone()).into_iter().map(of_light).collect();
-            let afforded = [afforded(costs, first, FRAMES)?, afforded(costs, first, 1.0)?];
-            Some(Group { seen: first.seen, key: &first.key, afforded, counts })
+            let counts: Vec<f64> =
+                grouped(cases.clone(), |case| case.light.clone()).into_iter().map(of_light).collect();
+            costs.families().filter_map(move |family| {
+                let of = |frames| afforded(costs, family, cases[0], frames);
+                Some(Group { seen: *seen, key, family, afforded: [of(FRAMES)?, of(1.0)?], counts: counts.clone() })
+            })
         });
         found.push((names, groups.collect()));
     }
@@ -158,8 +166,8 @@ fn answer(frame: &Frame) -> Option<Finding> {
             let [[least, most], [frame_least, frame_most]] = group.afforded;
             let [won, lost] = group.wins();
             let key = group.key.iter().map(Cell::from);
-            let own = cells![group.seen[0], group.seen[1], sampled.as_str(), fixed.as_str(), least, most];
-            let rest = cells![frame_least, frame_most, group.median(), group.counts.len(), won, lost];
+            let own = cells![group.seen[0], group.seen[1], sampled.as_str(), fixed.as_str(), group.family.card.name];
+            let rest = cells![least, most, frame_least, frame_most, group.median(), group.counts.len(), won, lost];
             table.row(key.chain(own).chain(rest).collect());
         }
     }
@@ -176,20 +184,32 @@ fn seen<'g, 'm>(groups: &'g [Group<'m>], seen: [f64; 2]) -> Vec<&'g Group<'m>> {
     groups.iter().filter(|group| group.seen == seen).collect()
 }
 
-/// Both ends over groups.
-fn ends(groups: &[Group], place: usize) -> Afforded {
-    let all = groups.iter().map(|group| group.afforded[place]);
-    all.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).expect("groups of a pair")
+/// The cards of groups, in the model's order.
+fn cards(groups: &[Group]) -> Vec<&'static str> {
+    distinct_in_order(groups.iter().map(|group| group.family.card.name))
+}
+
+/// Both ends over the conditions of a card.
+fn ends(groups: &[Group], card: &str) -> Afforded {
+    let own = groups.iter().filter(|group| group.family.card.name == card).map(|group| group.afforded[0]);
+    own.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).expect("groups of a card")
 }
 
 fn words([least, most]: Afforded) -> String {
     range_words([least.into(), most.into()], |n| n.to_string())
 }
 
-/// In percent, how many of the cases of some n·v the sampling method and the other one win.
-fn shares(groups: &[&Group]) -> [u32; 2] {
-    let all: usize = groups.iter().map(|group| group.counts.len()).sum();
-    [0, 1].map(|i| (1e2 * groups.iter().map(|group| group.wins()[i]).sum::<usize>() as f64 / all as f64).round() as u32)
+/// In percent, how many of the cases the sampling method and the other one win: least and most of the cards.
+fn shares(groups: &[&Group]) -> [String; 2] {
+    let of_card = |(_, own): (&str, Vec<&&Group>)| {
+        let all: usize = own.iter().map(|group| group.counts.len()).sum();
+        [0, 1].map(|i| (1e2 * own.iter().map(|group| group.wins()[i]).sum::<usize>() as f64 / all as f64).round())
+    };
+    let of_cards: Vec<[f64; 2]> = grouped(groups, |group| group.family.card.name).into_iter().map(of_card).collect();
+    [0, 1].map(|i| {
+        let ends = of_cards.iter().fold([f64::INFINITY, 0.0], |[a, b], own| [own[i].min(a), own[i].max(b)]);
+        range_words(ends, |percent| percent.to_string())
+    })
 }
 
 /// The views that are told: both ends on a design, else the whole image.
@@ -203,12 +223,19 @@ fn of_view([lo, hi]: [f64; 2]) -> String {
 }
 
 fn sentence(frame: &Frame, ([sampled, fixed], groups): &Pair) -> String {
-    let samples = words(ends(groups, 0));
-    let mut text = format!("At the modelled GPU cost of `{fixed}`, `{sampled}` takes **{samples} samples a pixel**.");
+    // The newest card leads; the one with the fewest samples stands beside it.
+    let cards = cards(groups);
+    let newest = cards[cards.len() - 1];
+    let fewest = cards.iter().min_by_key(|card| ends(groups, card)).filter(|card| **card != newest);
+    let others = fewest.map_or_else(String::new, |card| format!("; on a `{card}` {}", words(ends(groups, card))));
+    let samples = words(ends(groups, newest));
+    let mut text = format!(
+        "At the modelled cost of `{fixed}` on a `{newest}`, `{sampled}` takes **{samples} samples a pixel**{others}."
+    );
     for view in told(groups) {
         let [won, lost] = shares(&seen(groups, view));
         let (at, metric) = (of_view(view), frame.metric_name());
-        text += &format!(" At {at} it then has less `{metric}` in {won} % of cases, more in {lost} %.");
+        text += &format!(" At {at} it then surely has less `{metric}` in {won} % of cases, more in {lost} %.");
     }
     text
 }
@@ -216,9 +243,9 @@ fn sentence(frame: &Frame, ([sampled, fixed], groups): &Pair) -> String {
 /// One row a pair of methods.
 fn digest(pairs: &[Pair], tried: &[u32]) -> Table {
     let views = pairs.first().map_or_else(Vec::new, |(_, groups)| told(groups));
-    let mut heads: Vec<String> = ["without samples", "sampling", "samples a pixel at its cost", "with a map a frame"]
-        .map(str::to_owned)
-        .to_vec();
+    let cards = pairs.first().map_or_else(Vec::new, |(_, groups)| cards(groups));
+    let mut heads = ["without samples", "sampling"].map(str::to_owned).to_vec();
+    heads.extend(cards.iter().map(|card| format!("at its cost, {card}")));
     for view in &views {
         heads.extend(
             ["at its error, ", "errs less, %, ", "errs more, %, "].map(|what| format!("{what}{}", of_view(*view))),
@@ -226,7 +253,8 @@ fn digest(pairs: &[Pair], tried: &[u32]) -> Table {
     }
     let mut table = Table::with_names(heads);
     for ([sampled, fixed], groups) in pairs {
-        let mut row = cells![fixed.as_str(), sampled.as_str(), words(ends(groups, 0)), words(ends(groups, 1))];
+        let mut row = cells![fixed.as_str(), sampled.as_str()];
+        row.extend(cards.iter().map(|card| Cell::from(words(ends(groups, card)))));
         for view in &views {
             let own = seen(groups, *view);
             let medians = own.iter().map(|group| group.median());
@@ -239,7 +267,7 @@ fn digest(pairs: &[Pair], tried: &[u32]) -> Table {
     table
 }
 
-/// A panel a sampling method, a row a method without samples: the range of equal cost as a bar, medians of equal error as dots.
+/// A panel a sampling method and card, a row a method without samples: the range of equal cost as a bar, medians of equal error as dots.
 fn figure(frame: &Frame, pairs: &[Pair], tried: &[u32]) -> Option<Figure> {
     let rows = distinct_in_order(pairs.iter().map(|([_, fixed], _)| fixed.clone()));
     let views = told(&pairs.first()?.1);
@@ -247,10 +275,10 @@ fn figure(frame: &Frame, pairs: &[Pair], tried: &[u32]) -> Option<Figure> {
     // Less than one sample has a place on the logarithmic axis, too.
     let at = |n: f64| n.clamp(0.5, beyond);
     let of: Vec<usize> = conditions(frame).collect();
-    let marks = |([sampled, fixed], groups): &Pair| {
+    let marks = |([sampled, fixed], groups): &Pair, card: &'static str| {
         let y = step(&rows, fixed);
-        let [least, most] = ends(groups, 0);
-        let tip = format!("{sampled} at the cost of {fixed}: {} samples", words([least, most]));
+        let [least, most] = ends(groups, card);
+        let tip = format!("{sampled} at the cost of {fixed} on {card}: {} samples", words([least, most]));
         let bar =
             Mark::new(Form::HorizontalBar { y, base: at(least.into()), to: at(most.into()).max(0.55) }, 0).tip(tip);
         let dots = views.iter().enumerate().flat_map(|(k, view)| {
@@ -263,23 +291,28 @@ fn figure(frame: &Frame, pairs: &[Pair], tried: &[u32]) -> Option<Figure> {
                 )
                 .tip(tip)
             };
-            seen(groups, *view).iter().map(dot).collect::<Vec<_>>()
+            let own = seen(groups, *view).into_iter().filter(|group| group.family.card.name == card);
+            own.map(|group| dot(&group)).collect::<Vec<_>>()
         });
         std::iter::once(bar).chain(dots).collect::<Vec<Mark>>()
     };
-    let panel = |(sampled, own): (String, Vec<&Pair>)| {
-        let rule = [Mark::neutral(Form::VerticalRule(beyond / 2.0))];
-        (sampled, rule.into_iter().chain(own.into_iter().flat_map(marks)).collect())
+    let panels = |(sampled, own): (String, Vec<&Pair>)| {
+        let panel = |card| {
+            let rule = [Mark::neutral(Form::VerticalRule(beyond / 2.0))];
+            let all = rule.into_iter().chain(own.iter().flat_map(|pair| marks(pair, card)));
+            (format!("{sampled}, {card}"), all.collect())
+        };
+        cards(&own[0].1).into_iter().map(panel).collect::<Vec<_>>()
     };
     Chart {
         title: "Samples a pixel at equal cost and at equal error",
         note: format!(
-            "modelled cost, all families; {}, a dot a condition, median environment; beyond the line: more than tried",
+            "modelled cost by card; {}, a dot a condition, median environment; beyond the line: more than tried",
             frame.metric_name()
         ),
         x: Along::Log("samples a pixel"),
         y: Along::Steps("", rows.clone()),
-        panels: grouped(pairs, |([sampled, _], _)| sampled.clone()).into_iter().map(panel).collect(),
+        panels: grouped(pairs, |([sampled, _], _)| sampled.clone()).into_iter().flat_map(panels).collect(),
         series: std::iter::once("equal modelled cost".to_owned())
             .chain(views.iter().map(|view| format!("equal error, {}", of_view(*view))))
             .collect(),

@@ -141,7 +141,9 @@ fn sentence(frame: &Frame, digest: &Table) -> Option<String> {
         return Some(format!("A frame of `{name}` takes {ms} ms{on}."));
     };
     let [other, other_ms, times] = [0, 2, 3].map(|column| text(last, column));
-    Some(format!("A frame of `{name}` takes {ms} ms{on}, one of `{other}` {other_ms} ms, {times} times as long."))
+    Some(format!(
+        "A frame of `{other}` takes {times} times as long as one of `{name}`{on}: {other_ms} ms beside {ms} ms."
+    ))
 }
 
 /// One bar a configuration.

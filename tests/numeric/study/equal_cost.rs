@@ -2,6 +2,7 @@
 
 use super::paper::{Made, alu, costs, finished, numbers};
 use splitsum::cost::isa::Counts;
+use splitsum::cost::record::RecordedPass;
 use splitsum::runner::axis::Point;
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::question;
@@ -45,13 +46,25 @@ fn sampling_wins_where_equal_error_takes_fewer_samples_than_equal_cost() {
     // 64 + 64 N <= 640 + share: six faces of 128 x 128 texels with one sample, a third as many with 256, are 8.45 million samples of 64
     // instructions: 4.08 samples a pixel of a frame, 0.07 of sixty.
     let passes = [("sampled", alu(64.0), alu(64.0)), ("split-sum", alu(640.0), alu(0.0)), ("", alu(0.0), alu(64.0))];
-    run.costs = Some(costs(&passes));
+    run.costs = Some(costs(&Point::default(), &passes));
     let [least, most, frame_least, frame_most, met, won, lost] = found(&run, NAMES);
     assert_eq!([least, most, frame_least, frame_most], [9.0, 9.0, 13.0, 13.0]);
     assert!((met - 6.0).abs() < 1e-9 && [won, lost] == [2.0, 1.0], "{met} {won} {lost}");
     // A second unit as busy as the first: beside it for nothing, or after it. What lies between the ends is open.
     let both = Counts { alu: 640.0, quarter: 160.0, ..Counts::default() };
-    run.costs = Some(costs(&[passes[0], ("split-sum", both, alu(0.0)), passes[2]]));
+    run.costs = Some(costs(&Point::default(), &[passes[0], ("split-sum", both, alu(0.0)), passes[2]]));
     let [least, most, .., won, lost] = found(&run, NAMES);
     assert_eq!([least, most, won, lost], [9.0, 19.0, 2.0, 0.0]);
+    // Another card, where the other method costs a half: 64 + 64 N <= 320 + share. Each card has its row; nothing is pooled over both.
+    let cheap = costs(&Point::default(), &[passes[0], ("split-sum", alu(320.0), alu(0.0)), passes[2]]).passes;
+    let cheap = cheap.into_iter().map(|pass| RecordedPass { family: "vega10".to_owned(), ..pass });
+    run.costs.as_mut().unwrap().passes.extend(cheap);
+    let frame = Frame::new(&run, None);
+    let finding = (question("equal-cost").unwrap().answer)(&frame).unwrap();
+    let column = |name| numbers(&finding.table, name);
+    assert_eq!(column(NAMES[0]), [4.0, 9.0]);
+    assert_eq!(column(NAMES[1]), [4.0, 19.0]);
+    assert_eq!([column("sampled_errs_less"), column("fixed_errs_less")], [vec![1.0, 2.0], vec![2.0, 0.0]]);
+    let cards = "on a `Radeon RX 6800 XT`, `sampled` takes **9 to 19 samples a pixel**; on a `Radeon RX Vega 64` 4.";
+    assert!(finding.sentence.contains(cards), "{}", finding.sentence);
 }

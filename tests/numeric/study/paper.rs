@@ -6,7 +6,7 @@ use splitsum::cost::model::Pass;
 use splitsum::cost::record::{CostRecord, RecordedPass};
 use splitsum::metrics::METRICS;
 use splitsum::runner::Plan;
-use splitsum::runner::axis::{AXES, Point, index_of};
+use splitsum::runner::axis::{AXES, METHOD, Point, index_of};
 use splitsum::runner::tables::HEADLINE;
 use splitsum::runner::value::Value;
 use splitsum::study::finished::{Bin, Finished, FinishedCell, Light, MetricValues};
@@ -51,19 +51,23 @@ fn cell_of(id: String, point: Point) -> FinishedCell {
     }
 }
 
-/// Costs of ggx on RDNA 2 by the model: counts outside and inside the loop of each method, and of the prefilter for no name.
-pub fn costs(passes: &[(&str, Counts, Counts)]) -> CostRecord {
-    let recorded = |(method, outside, inside): &(&str, Counts, Counts)| RecordedPass {
-        family: "navi21".to_owned(),
-        method: (*method).to_owned(),
-        brdf: "ggx".to_owned(),
-        layout: "cube".to_owned(),
-        pass: Pass {
-            counts: ShaderCounts { outside: *outside, inside: *inside, other_loops: 0 },
-            wave: 64,
-            vector_registers: 24,
-            waves: 16,
-        },
+/// Costs of ggx on RDNA 2 by the model: counts outside and inside the loop of each method, and of the prefilter for no name, in
+/// the settings of a point.
+pub fn costs(base: &Point, passes: &[(&str, Counts, Counts)]) -> CostRecord {
+    let recorded = |(method, outside, inside): &(&str, Counts, Counts)| {
+        let mut point = base.clone();
+        if !method.is_empty() {
+            point[METHOD] = (*method).into();
+        }
+        let settings = point.settings();
+        let job = if method.is_empty() { settings.prefilter_job() } else { settings.specular_job() };
+        let counts = ShaderCounts { outside: *outside, inside: *inside, other_loops: 0 };
+        RecordedPass {
+            family: "navi21".to_owned(),
+            shader: job.shader,
+            constants: job.constants,
+            pass: Pass { counts, wave: 64, vector_registers: 24, waves: 16 },
+        }
     };
     CostRecord { driver: "made".to_owned(), passes: passes.iter().map(recorded).collect() }
 }

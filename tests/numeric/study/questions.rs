@@ -140,10 +140,11 @@ fn runs() -> &'static [Finished] {
             // Some questions read the images of their run, which must outlive this.
             let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("made-run-{i}"));
             let _ = std::fs::remove_dir_all(&dir);
-            finished(&plan(text), &dir);
+            let plan = plan(text);
+            finished(&plan, &dir);
             let passes =
                 [("sampled", alu(90.0), alu(80.0)), ("split-sum", alu(640.0), alu(0.0)), ("", alu(9.0), alu(70.0))];
-            costs(&passes).write(&dir).unwrap();
+            costs(&plan.cells[0].point, &passes).write(&dir).unwrap();
             runs.push(Finished::read(&dir).unwrap());
             let mut varied = Finished::read(&dir).unwrap();
             scaled(&mut varied, factor);
