@@ -1,8 +1,8 @@
 //! A control for each axis, made from the list of axes.
 
-use super::state::State;
+use super::state::{Side, State};
 use crate::environment::{BUILTIN_PREFIX, BUILTINS};
-use crate::runner::axis::{AXES, ENVIRONMENT, METHOD, Named, Part, Point, SIZE};
+use crate::runner::axis::{AXES, ENVIRONMENT, METHOD, Named, Part, Point, SAMPLES, SIZE};
 use crate::runner::value::{Kind, Range, Value};
 use crate::scene::SCENES;
 use egui::{ComboBox, DragValue, Rect, Response, Slider, SliderClamping, TextEdit, Ui};
@@ -33,7 +33,14 @@ impl Controls {
 
     /// The controls of every axis under the headings that the help of `render` has.
     pub fn axes(&mut self, ui: &mut Ui, state: &mut State) {
-        let used = [state.image(super::state::Side::Left, 1), state.image(super::state::Side::Right, 1)];
+        let used = [Side::Left, Side::Right].map(|side| {
+            let mut point = state.image(side, 1).point;
+            // What is drawn without bias has its own count.
+            if point.method().is_integrated() {
+                point[SAMPLES] = Value::Unset;
+            }
+            point
+        });
         let mut headings: Vec<&str> = AXES.iter().map(|axis| axis.part.heading()).collect();
         let mut seen = Vec::new();
         headings.retain(|heading| {
@@ -49,7 +56,7 @@ impl Controls {
             let section = egui::CollapsingHeader::new(short).default_open(is_open).show(ui, |ui| {
                 for axis in (0..AXES.len()).filter(|&axis| AXES[axis].part.heading() == heading) {
                     let is_used = AXES[axis].part == Part::Display
-                        || used.iter().any(|image| image.point[axis] != Value::Unset)
+                        || used.iter().any(|point| point[axis] != Value::Unset)
                         || state.point[axis] == Value::Unset;
                     self.axis(ui, axis, is_used, &mut state.point);
                     if axis == METHOD {
