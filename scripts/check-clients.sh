@@ -40,6 +40,12 @@ for engine in bevy khronos cesium filament raw; do
 done
 "$program" bake marker.hdr --for khronos --format rgb9e5 --set prefilter_size=64x64 --set dfg_size=8 --out packed > /dev/null
 
+# KTX-Software's own validator, where it is installed. Our keys are no error, but a warning each (7010).
+if command -v ktx > ktx.log; then
+    find . -name '*.ktx2' -exec sh -c 'ktx validate "$1" || echo "FAILED $1"' _ {} \; > ktx.log 2>&1
+    if grep FAILED ktx.log; then cat ktx.log; exit 1; fi
+    echo "PASSED ktx validate: $(find . -name '*.ktx2' | wc -l) files"
+fi
 npm install --silent --no-audit --no-fund --prefix . ktx-parse@2.0.0 three@0.187.0 esbuild@0.28.0 > npm.log 2>&1 || { cat npm.log; echo "FAILED: npm"; exit 1; }
 
 cat > structure.mjs <<'JS'
@@ -47,8 +53,8 @@ import { readFileSync } from 'node:fs';
 import { read } from 'ktx-parse';
 let failed = 0;
 const check = (name, ok, what) => { if (!ok) { failed = 1; console.log(`FAILED ktx-parse: ${name}: ${what}`); } };
-const files = { 'bevy/specular.ktx2': [123, 6, 5, 2], 'bevy/diffuse.ktx2': [123, 6, 1, 2], 'khronos/specular.ktx2': [97, 6, 5, 0],
-                'cesium/specular.ktx2': [97, 6, 5, 0], 'raw/dfg.ktx2': [83, 1, 1, 0] };
+const files = { 'bevy/specular.ktx2': [123, 6, 3, 2], 'bevy/diffuse.ktx2': [123, 6, 1, 2], 'khronos/specular.ktx2': [97, 6, 3, 0],
+                'cesium/specular.ktx2': [97, 6, 3, 0], 'raw/dfg.ktx2': [83, 1, 1, 0] };
 for (const [name, [format, faces, levels, packed]] of Object.entries(files)) {
     const file = read(readFileSync(name));
     check(name, file.vkFormat === format && file.faceCount === faces && file.levelCount === levels && file.supercompressionScheme === packed,

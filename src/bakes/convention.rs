@@ -1,6 +1,6 @@
 //! What the numbers of a bake stand for, as data: each convention by name, and the presets of known tools.
 
-use super::product::{Chain, Product};
+use super::product::{Chain, LAST_SIDE, Product};
 use crate::brdf::MaskingShadowing;
 use crate::precompute::prefilter::{LevelMapping, level_mapping_by_name};
 use glam::{DVec2, DVec3};
@@ -176,7 +176,7 @@ pub static PRESETS: &[Preset] = &[
             sh: Some("sh.txt"),
             texel: "rgba32f",
             is_packed: false,
-            chain: Chain::DownTo(4),
+            chain: Chain::DownTo(LAST_SIDE),
         },
     },
     Preset {
@@ -195,7 +195,7 @@ pub static PRESETS: &[Preset] = &[
             sh: Some("sh.txt"),
             texel: "r11g11b10f",
             is_packed: false,
-            chain: Chain::DownTo(16),
+            chain: Chain::DownTo(LAST_SIDE),
         },
     },
     Preset {
@@ -214,7 +214,7 @@ pub static PRESETS: &[Preset] = &[
             sh: None,
             texel: "rgba16f",
             is_packed: false,
-            chain: Chain::DownTo(4),
+            chain: Chain::DownTo(LAST_SIDE),
         },
     },
     Preset {
@@ -233,7 +233,7 @@ pub static PRESETS: &[Preset] = &[
             sh: None,
             texel: "rgb9e5",
             is_packed: true,
-            chain: Chain::DownTo(4),
+            chain: Chain::DownTo(LAST_SIDE),
         },
     },
     Preset {
@@ -252,7 +252,7 @@ pub static PRESETS: &[Preset] = &[
             sh: Some("sh.txt"),
             texel: "rgba16f",
             is_packed: false,
-            chain: Chain::DownTo(4),
+            chain: Chain::DownTo(LAST_SIDE),
         },
     },
     Preset {

@@ -41,12 +41,12 @@ use super::check::{Directions, Truth, errors, level, table};
 use super::container::{Encoding, FACE_COUNT, FORMATS, Format, TEXELS, TEXELS_MAX, Texel};
 use super::convention::{Convention, Preset};
 use super::parts::Manifest;
-use super::product::Chain;
+use super::product::{Chain, LAST_SIDE};
 use super::source::{FACES, MANIFEST, Reading, read};
 use super::{parts::Map, sh};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
-use crate::environment::layout::LAYOUTS;
+use crate::environment::layout::{FilteredMap, LAYOUTS};
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::pixels::{Fault, GrayImage, Pixels, PixelsError, Rgb8Image, RgbImage, exr, png, write_atomically};
 use crate::precompute::prefilter::{Kernel, Weight};
@@ -99,6 +99,8 @@ pub struct Written {
 pub struct Baked {
     pub files: Vec<PathBuf>,
     pub levels: Vec<Written>,
+    /// relMSE of the last prefiltered level where it is looked up between its texels, and what would lower it.
+    pub last_between: (f64, Option<String>),
     /// Largest error of the table as its first file has it.
     pub table_error: Option<f64>,
 }
@@ -172,7 +174,9 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
         let off = own.data.iter().zip(&found.data).flat_map(|(a, b)| (0..2).map(|i| f64::from((a[i] - b[i]).abs())));
         off.fold(0.0, f64::max)
     };
-    Ok(Baked { files, levels, table_error: table.as_ref().zip(bake.dfg.as_ref()).map(error) })
+    let specular = bake.specular.as_ref().expect("it was written");
+    let last_between = between(making, &truth, &convention, alphas[alphas.len() - 1], specular);
+    Ok(Baked { files, levels, last_between, table_error: table.as_ref().zip(bake.dfg.as_ref()).map(error) })
 }
 
 impl Making<'_> {
@@ -338,6 +342,28 @@ fn keys(manifest: &Manifest, radiance: &crate::precompute::sh9::reference::Sh9) 
     let common = [("KTXorientation", "rd"), ("KTXwriter", &manifest.version)];
     let common = common.map(|(key, value)| (key.to_owned(), value.to_owned()));
     common.into_iter().chain(own).chain([("sh".to_owned(), lines)]).collect()
+}
+
+/// The error of the last level at four points of each of its texels.
+fn between(making: &Making, truth: &Truth, convention: &Convention, alpha: f64, map: &Map) -> (f64, Option<String>) {
+    let faces = &map.levels[map.levels.len() - 1];
+    let level = faces.iter().map(|face| face.map(|texel| DVec3::from_array(texel.map(f64::from)))).collect();
+    let (side, looked) = (faces[0].width, FilteredMap { layout: map.layout, levels: vec![level] });
+    let directions = Directions::new(map.layout, convention.axes, [2 * side; 2]);
+    let found = directions.world.par_iter().map(|world| looked.value(convention.axes.to_file(*world), 0.0));
+    let exact = level::exact(truth, &directions, alpha);
+    let relmse = errors(&directions, &found.collect::<Vec<_>>(), &exact, truth.epsilon(), 1.0).relmse;
+    let why = (relmse > GOOD && side < LAST_SIDE).then(|| match making.preset.product.chain {
+        Chain::Exactly(count) => {
+            let engine = making.preset.product.engine;
+            format!(
+                "{engine} counts on {count} levels; faces of {} would leave it {LAST_SIDE}",
+                LAST_SIDE << (count - 1)
+            )
+        }
+        Chain::DownTo(_) => "fewer levels or larger faces leave it more".to_owned(),
+    });
+    (relmse, why)
 }
 
 /// The levels of a map as they were read back.

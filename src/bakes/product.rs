@@ -22,10 +22,13 @@ pub struct Product {
     pub chain: Chain,
 }
 
+/// Texels a side of the last level: lookups between fewer are above relmse 1e-3 of the widest integral under a lamp or a sun.
+pub const LAST_SIDE: u32 = 16;
+
 /// Levels of a cube, where no number is asked for.
 #[derive(Clone, Copy, Debug)]
 pub enum Chain {
-    /// Halved down to a side; other numbers are good, too.
+    /// Halved down to a side, two at least; other numbers are good, too.
     DownTo(u32),
     /// What the engine's shaders count on.
     Exactly(u32),
@@ -35,7 +38,7 @@ impl Chain {
     /// Levels of a cube of that side.
     pub fn level_count(self, side: u32) -> u32 {
         match self {
-            Self::DownTo(least) => (side / least).max(1).ilog2() + 1,
+            Self::DownTo(least) => (side / least).max(2).ilog2() + 1,
             Self::Exactly(count) => count,
         }
     }

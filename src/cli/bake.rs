@@ -141,9 +141,14 @@ fn execute_for(
             super::warn(&format!("level {}", level.name), &format!("relmse {:.1e}: {why}", level.relmse));
         }
     }
+    let (between, why) = &baked.last_between;
+    if let Some(why) = why {
+        super::warn("last level", &format!("relmse {between:.1e} between its texels: {why}"));
+    }
     let worst = baked.levels.iter().map(|level| level.relmse).fold(0.0, f64::max);
     let table = baked.table_error.map_or(String::new(), |error| format!(", the table within {error:.0e}"));
-    print(&format!("Read back, every level is within relmse {worst:.1e} of its integral{table}.\n"))
+    let last = format!("{between:.1e} where the last one is looked up between its texels");
+    print(&format!("Read back, every level is within relmse {worst:.1e} of its integral, {last}{table}.\n"))
 }
 
 /// `name=value` of an axis that the tables cost by.

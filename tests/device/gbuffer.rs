@@ -140,7 +140,7 @@ fn far_sheet() -> Scene {
     let info = json!({ "index": 0, "extensions": { "KHR_texture_transform": transform } });
     let material = json!({ "pbrMetallicRoughness": { "metallicRoughnessTexture": info, "metallicFactor": 0.5 } });
     let wave = |x: u32, y: u32| {
-        let chequer = if (x + y) % 2 == 0 { 60.0 } else { -60.0 };
+        let chequer = if (x + y).is_multiple_of(2) { 60.0 } else { -60.0 };
         let at = |i: u32| (20.0 * (f64::from(i) / 10.0).sin() + 128.0 + chequer).round() as u8;
         [0, at(x), at(y)]
     };

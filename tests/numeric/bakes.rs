@@ -134,7 +134,7 @@ fn hostile_files_are_refused_with_the_fact() {
     refused("x.ktx2", &huge, "which take");
     refused("x.ktx2", &with(&good, 28, 4), "a depth of 4");
     refused("x.ktx2", &with(&good, 36, 5), "5 faces");
-    refused("x.ktx2", &with(&good, 40, 400), "no whole KTX 2 file");
+    refused("x.ktx2", &with(&good, 40, 400), "400 levels of 4x4");
     refused("x.ktx2", &with(&with(&good, 20, 2), 24, 2), "3 levels of 2x2");
     let first = u32::from_le_bytes(good[80..84].try_into().unwrap());
     refused("x.ktx2", &with(&good, 104, first), "share bytes");

@@ -4,16 +4,17 @@ use super::texel::{self, TEXELS};
 use super::{Claim, Encoding, Texture, truncated};
 use crate::pixels::{Fault, reserved};
 use ktx2::dfd::{Basic, Block};
-use ktx2::{Header, Index, LevelIndex, Reader, SupercompressionScheme};
+use ktx2::{Header, Index, LevelIndex, ParseError, SupercompressionScheme};
 use ruzstd::decoding::StreamingDecoder;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use std::borrow::Cow;
 use std::io::Read;
 
 pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
-    let reader = Reader::new(bytes)
-        .map_err(|error| Fault::new(format!("is no whole KTX 2 file ({error})"), "a whole KTX 2 file"))?;
-    let header = reader.header();
+    let no_file = |error: ParseError| Fault::new(format!("is no whole KTX 2 file ({error})"), "a whole KTX 2 file");
+    let whole = |found: Option<_>| found.ok_or(ParseError::UnexpectedEnd).map_err(no_file);
+    // Not by the crate's reader, which panics at data format descriptors that it does not expect.
+    let header = bytes.first_chunk().ok_or(ParseError::UnexpectedEnd).and_then(Header::from_bytes).map_err(no_file)?;
     let claim = Claim {
         width: header.pixel_width,
         height: header.pixel_height,
@@ -32,13 +33,22 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         Some(SupercompressionScheme::Zstandard) => true,
         Some(other) => return Err(Fault::new(format!("its supercompression is {other:?}"), "none, or zstd")),
     };
-    let levels: Vec<_> = reader.levels().collect();
-    check_apart(bytes, &levels.iter().map(|level| level.data).collect::<Vec<_>>())?;
+    let index = whole(bytes.get(Header::LENGTH..Header::LENGTH + LevelIndex::LENGTH * claim.levels as usize))?;
+    let data = |entry: &[u8; LevelIndex::LENGTH]| {
+        let LevelIndex { byte_offset, byte_length, .. } = LevelIndex::from_bytes(entry);
+        let end = byte_offset.checked_add(byte_length).and_then(|end| usize::try_from(end).ok())?;
+        bytes.get(byte_offset as usize..end)
+    };
+    let mut levels = Vec::new();
+    for entry in index.as_chunks().0 {
+        levels.push(whole(data(entry))?);
+    }
+    check_apart(bytes, &levels)?;
     let mut read = Vec::new();
     for (level, found) in (0..).zip(levels) {
         let face_bytes = claim.face_bytes(level, texel);
         let needed = face_bytes * faces;
-        let data = if is_zstd { Cow::Owned(unpacked(found.data, needed, level)?) } else { Cow::Borrowed(found.data) };
+        let data = if is_zstd { Cow::Owned(unpacked(found, needed, level)?) } else { Cow::Borrowed(found) };
         if data.len() != needed {
             return Err(truncated(level, needed, data.len()));
         }

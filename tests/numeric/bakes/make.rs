@@ -6,12 +6,13 @@ use half::f16;
 use splitsum::bakes::container::{Encoding, FORMATS, TEXELS, from_bytes};
 use splitsum::bakes::convention::{Axes, PRESETS, TABLE_AXES, preset_by_name};
 use splitsum::bakes::given;
-use splitsum::bakes::make::{Making, make};
+use splitsum::bakes::make::{GOOD, Making, make};
 use splitsum::bakes::product::Chain;
 use splitsum::bakes::sh;
 use splitsum::bakes::source::{Reading, read};
 use splitsum::brdf::{Ggx, MaskingShadowing};
 use splitsum::environment::layout::LAYOUTS;
+use splitsum::environment::{Environment, LoadOptions};
 use splitsum::math::spherical_harmonics::{basis, irradiance};
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::prefilter::WEIGHTS;
@@ -36,7 +37,7 @@ const LOOKUPS: &[Lookup] = &[
     ("unity", |d| DVec3::new(-d.x, d.y, d.z)),
 ];
 
-pub fn making<'a>(engine: &str, environment: &'a splitsum::environment::Environment) -> Making<'a> {
+pub fn making<'a>(engine: &str, environment: &'a Environment) -> Making<'a> {
     let preset = preset_by_name(engine).unwrap();
     let product = &preset.product;
     Making {
@@ -233,4 +234,27 @@ fn ktx2_files_are_by_the_rules_of_their_format() {
             assert!(from_bytes(Path::new("x.ktx2"), &file).unwrap().is_cube());
         }
     }
+}
+
+/// Where an engine takes any number of levels, lookups between the texels of the last one are as good as texels, under a lamp as well; four
+/// texels are too few, as Unity's seven levels leave them.
+#[test]
+fn the_last_level_has_texels_enough_for_lookups() {
+    let environment = Environment::load("builtin:studio", Path::new("."), &LoadOptions::default()).unwrap();
+    let last = |engine: &str, level_count: Option<u32>| {
+        let folder = tempfile::tempdir().unwrap();
+        let making = making(engine, &environment);
+        let level_count = level_count.unwrap_or_else(|| making.preset.product.chain.level_count(64));
+        let baked = make(&Making { level_count, ..making }, folder.path()).unwrap();
+        let specular = baked.levels.iter().filter(|level| level.name != "irradiance");
+        (specular.last().unwrap().side, baked.last_between)
+    };
+    for engine in ["khronos", "filament"] {
+        let (side, (relmse, why)) = last(engine, None);
+        assert!(side == 16 && relmse < GOOD && why.is_none(), "{engine}: {side}, {relmse}");
+    }
+    let (side, (relmse, why)) = last("khronos", Some(5));
+    assert!(side == 4 && relmse > GOOD && why.is_some(), "{side}, {relmse}");
+    let (_, (_, why)) = last("unity", None);
+    assert!(why.is_some_and(|why| why.contains("7 levels; faces of 1024")));
 }
