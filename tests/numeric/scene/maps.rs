@@ -86,7 +86,7 @@ fn maps_go_on_as_their_samplers_say() {
 
 #[test]
 fn a_far_map_is_the_mean_of_what_a_pixel_covers() {
-    let black_and_white = |x: u32, y: u32| [if (x + y) % 2 == 0 { 255 } else { 0 }; 3];
+    let black_and_white = |x: u32, y: u32| [if (x + y).is_multiple_of(2) { 255 } else { 0 }; 3];
     let far = json!({ "scale": [16, 16] });
     // 64 texels a pixel each way: more than the map has.
     let scene = square(far, json!({}), png(16, 16, black_and_white));
