@@ -7,7 +7,7 @@
 use super::Kernel;
 use crate::brdf::Brdf;
 use crate::environment::layout::MapLayout;
-use crate::math::harmonics::{Harmonics, SmoothMap};
+use crate::math::harmonics::Harmonics;
 use crate::math::quadrature::GaussLegendre;
 use crate::pixels::RgbImage;
 use glam::{DVec2, DVec3};
@@ -76,11 +76,6 @@ pub fn integrals(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f64
         high -= step;
     }
     sums
-}
-
-/// The prefiltered radiance by direction.
-pub fn prefiltered(harmonics: &Harmonics, kernel: Kernel, alpha: f64) -> SmoothMap {
-    harmonics.convolved(&factors(kernel, alpha, degree(alpha).min(harmonics.degree())))
 }
 
 /// `k_l` of the cosine lobe in closed form: 1, 2/3, 0 for other odd l, `2 (-1)^(l/2-1) l! / ((l + 2)(l - 1) 2^l (l/2)!²)` for even l
