@@ -93,6 +93,16 @@ fn a_far_map_is_the_mean_of_what_a_pixel_covers() {
     for texel in &seen(&scene, [4, 4], DVec3::Z).albedo_metallic.data {
         assert!(texel[..3].iter().all(|x| (x - 0.5).abs() < F32), "{texel:?}");
     }
+    // On a white texel the first level is 1 and every other a half, so between one and two texels a pixel the blend tells the level.
+    for texels in [0.5f64, 1.0, 1.25, 1.7, 3.0] {
+        let scale = texels / 16.0;
+        let offset = 4.5 / 16.0 - 0.5 * scale;
+        let transform = json!({ "scale": [scale, scale], "offset": [offset, offset] });
+        let found = seen(&square(transform, json!({}), png(16, 16, black_and_white)), [1, 1], DVec3::Z);
+        let wanted = 1.0 - 0.5 * texels.log2().clamp(0.0, 1.0);
+        let texel = found.albedo_metallic.data[0];
+        assert!((texel[0] - wanted).abs() < 1e-5, "{texels} texels a pixel: {} for {wanted}", texel[0]);
+    }
     // Two texels a pixel: each is the mean of four.
     let scene = square(json!({}), json!({}), png(4, 4, places));
     let linear = |i: u32| f64::from(srgb_decode((40 * i) as f32 / 255.0));
