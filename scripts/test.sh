@@ -12,11 +12,13 @@ part=setup # what is at work
 failed=    # parts that failed, for the last line
 parts=     # every part with its seconds, a line each
 skipped=   # what was left out, a line each
+browser=   # the process of the browser's tests, which run beside others
 
 # Whatever ends the script, the last line says how it went.
 finish() {
     status=$?
     trap - EXIT
+    [ -z "$browser" ] || kill "$browser" 2>/dev/null || true
     [ "$status" -eq 0 ] || fail "$part: $(ending "$status"), and nothing after it ran"
     printf '\n%s%s' "$parts" "$skipped"
     if [ -n "$failed" ]; then
@@ -155,8 +157,24 @@ part="the list of test binaries"
 mkdir -p target
 test_binaries --lib --bins --tests --features view >target/test-binaries
 [ -s target/test-binaries ]
+# The tests of the browser and those of the device keep a core each busy, so they run beside each other.
+ended_browser() {
+    status=0
+    wait "$browser" || status=$?
+    cat target/browser.log
+    return "$status"
+}
 while read -r name binary <&3; do
-    check "$name" "$binary" 3<&-
+    case $name in
+        browser) browser_tests=$binary ;;
+        device)
+            "$browser_tests" >target/browser.log 2>&1 </dev/null 3<&- &
+            browser=$!
+            check "$name" "$binary" 3<&-
+            check "browser, the rest of it" ended_browser
+            ;;
+        *) check "$name" "$binary" 3<&- ;;
+    esac
 done 3<target/test-binaries
 check "doc tests" cargo test --release --locked --features view --quiet --doc
 

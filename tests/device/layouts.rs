@@ -212,7 +212,7 @@ fn a_lamp_keeps_its_light_wherever_it_stands() {
                     let mut request = RenderRequest { samples: *samples, ..way(&request, name) };
                     request.precompute.layout = layout;
                     request.precompute.prefilter = *by;
-                    request.precompute.prefilter_sample_count = 1024;
+                    request.precompute.prefilter_sample_count = 512;
                     request.precompute.prefilter_size = layout.prefilter_size;
                     request.precompute.irradiance_size = layout.irradiance_size;
                     let of_set = |point_set| RenderRequest { point_set, ..request.clone() };
