@@ -161,6 +161,7 @@ test_binaries --lib --bins --tests --features view >target/test-binaries
 ended_browser() {
     status=0
     wait "$browser" || status=$?
+    browser=
     cat target/browser.log
     return "$status"
 }
