@@ -195,7 +195,7 @@ pub static PRESETS: &[Preset] = &[
             sh: Some("sh.txt"),
             texel: "r11g11b10f",
             is_packed: false,
-            chain: Chain::DownTo(LAST_SIDE),
+            chain: Chain::DownTo(16),
         },
     },
     Preset {

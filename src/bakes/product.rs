@@ -22,8 +22,9 @@ pub struct Product {
     pub chain: Chain,
 }
 
-/// Texels a side of the last level: lookups between fewer are above relmse 1e-3 of the widest integral under a lamp or a sun.
-pub const LAST_SIDE: u32 = 16;
+/// Texels a side of the last level. Fewer are too few for lookups between them at alpha 1; more leave too few levels below alpha 0.2
+/// (docs/bakes.md has the errors).
+pub const LAST_SIDE: u32 = 8;
 
 /// Levels of a cube, where no number is asked for.
 #[derive(Clone, Copy, Debug)]
