@@ -139,7 +139,10 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
     }
     let (times, interval) = (number(ratio.value), interval_words(ratio, number));
     let wins = match numbers.wins() {
-        [_, 1] => numbers.place(""),
+        [_, 1] => match numbers.less() {
+            [less, n] if less > 0 && less < n => format!("{}; less in {less} of {n} images", numbers.place("")),
+            _ => numbers.place(""),
+        },
         [0, n] => format!("; more under each of {n} {}{}", AXES[ENVIRONMENT].plural, of.unresolved(n)),
         [wins, n] => format!("; less under {wins} of {n} {}{}", AXES[ENVIRONMENT].plural, of.unresolved(n)),
     };

@@ -78,6 +78,11 @@ impl<'r, 'f> Numbers<'r, 'f> {
         [of_each.iter().filter(|(_, ratio)| *ratio < 1.0).count(), of_each.len()]
     }
 
+    /// In how many images a ratio is below 1, and how many there are.
+    pub fn less(&self) -> [usize; 2] {
+        [self.items.iter().filter(|(_, ratio)| *ratio < 1.0).count(), self.items.len()]
+    }
+
     /// Of the images with this value on an axis.
     pub fn at(&self, of: usize, value: &Value) -> Self {
         let own = self.items.iter().copied().filter(|(row, _)| row.point[of] == *value);
