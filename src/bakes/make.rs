@@ -357,11 +357,11 @@ fn between(making: &Making, truth: &Truth, convention: &Convention, alpha: f64, 
         Chain::Exactly(count) => {
             let engine = making.preset.product.engine;
             format!(
-                "{engine} counts on {count} levels; faces of {} would leave it {LAST_SIDE}",
+                "{engine} counts on {count} levels; faces of {} would give it {LAST_SIDE} texels",
                 LAST_SIDE << (count - 1)
             )
         }
-        Chain::DownTo(_) => "fewer levels or larger faces leave it more".to_owned(),
+        Chain::DownTo(_) => "fewer levels or larger faces would give it more texels".to_owned(),
     });
     (relmse, why)
 }

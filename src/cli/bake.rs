@@ -147,8 +147,10 @@ fn execute_for(
     }
     let worst = baked.levels.iter().map(|level| level.relmse).fold(0.0, f64::max);
     let table = baked.table_error.map_or(String::new(), |error| format!(", the table within {error:.0e}"));
-    let last = format!("{between:.1e} where the last one is looked up between its texels");
-    print(&format!("Read back, every level is within relmse {worst:.1e} of its integral, {last}{table}.\n"))
+    let last = format!("between its texels the last one is within {between:.1e}");
+    print(&format!(
+        "Read back, the texels of every level are within relmse {worst:.1e} of their integral; {last}{table}.\n"
+    ))
 }
 
 /// `name=value` of an axis that the tables cost by.

@@ -52,6 +52,12 @@ fn is_wrong(checked: &Checked) -> bool {
     checked.levels.iter().chain(&checked.irradiance).any(|score| score.errors.relmse > GOOD)
 }
 
+/// Whether the axes of a map do not fit, or it is of another light. A width or a gain would explain nothing then.
+pub fn is_doubtful(checked: &Checked) -> bool {
+    let used = checked.convention.axes;
+    checked.axes.iter().any(|(_, fits)| doubt(fits, used, is_wrong(checked)).is_some())
+}
+
 /// For people.
 pub fn as_text(checked: &Checked, is_guessed: bool) -> String {
     let mut text = String::new();

@@ -1,12 +1,12 @@
 //! `splitsum check-bake`: how wrong the tables are that some tool baked.
 
-use super::bake_scores::{Checked, as_json, as_text, rows};
+use super::bake_scores::{Checked, as_json, as_text, is_doubtful, rows};
 use super::{Failure, print, print_data};
 use clap::Args;
 use glam::DVec3;
 use splitsum::bakes::check::guess;
 use splitsum::bakes::check::image;
-use splitsum::bakes::check::level;
+use splitsum::bakes::check::level::{self, LevelScore};
 use splitsum::bakes::check::table;
 use splitsum::bakes::check::{self, Truth};
 use splitsum::bakes::convention::{Axes, Convention, PRESETS, Preset, TABLE_AXES, TABLE_CHANNELS, preset_by_name};
@@ -253,7 +253,7 @@ fn check(
     let spot_check = widest_error
         .max_by(|a, b| a.errors.relmse.total_cmp(&b.errors.relmse))
         .map(|level| truth.spot_check(level.alpha, &[level.worst.direction, DVec3::X, -DVec3::Z]));
-    Ok(Checked {
+    let mut checked = Checked {
         image: Vec::new(),
         irradiance: bake.irradiance.as_ref().map(|map| level::score_irradiance(truth, map, &convention)),
         dfg: bake.dfg.as_ref().map(|image| table::score(image, model, &convention)),
@@ -263,7 +263,12 @@ fn check(
         table_way,
         levels,
         spot_check,
-    })
+    };
+    if is_doubtful(&checked) {
+        let maps = checked.levels.iter_mut().chain(&mut checked.irradiance);
+        maps.for_each(LevelScore::doubt);
+    }
+    Ok(checked)
 }
 
 /// Whether the bake passes `--fail-above` and `--fail-table-above`.

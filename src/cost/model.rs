@@ -57,7 +57,7 @@ pub struct Pass {
     /// Lanes that share an instruction.
     pub wave: u32,
     pub vector_registers: u32,
-    /// Waves that one vector unit can hold.
+    /// Waves that one vector unit can hold, as Mesa counts them: on RDNA waves of 32 lanes.
     pub waves: u32,
 }
 
@@ -73,7 +73,10 @@ impl Pass {
 
     /// What one pixel of `sample_count` samples executes.
     pub fn executed(&self, sample_count: u32) -> Counts {
-        let mut all = self.counts.outside.times(f64::from(sample_count.div_ceil(POINTS_PER_DISPATCH)));
+        // Without a loop it takes no samples: one dispatch.
+        let is_looped = self.counts.inside != Counts::default();
+        let dispatches = if is_looped { sample_count.div_ceil(POINTS_PER_DISPATCH) } else { 1 };
+        let mut all = self.counts.outside.times(f64::from(dispatches));
         all += self.counts.inside.times(f64::from(sample_count));
         all
     }

@@ -75,7 +75,7 @@ const LAST: &[Column] = &[
     column("other_loops", "Loops whose length the assembly does not tell; counted once."),
     column("wave", "Lanes of a wave."),
     column("vector_registers", "Vector registers of a lane."),
-    column("waves", "Waves that a vector unit can hold."),
+    column("waves", "Waves that a vector unit can hold, as Mesa counts them: on RDNA waves of 32 lanes."),
     column("busiest_unit", "The unit that sets the lower end."),
     column(
         "model_cycles_least",

@@ -157,6 +157,15 @@ fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) 
 /// Levels that a verdict names.
 const SHIFT: f64 = 0.05;
 
+impl LevelScore {
+    /// Takes width and gain out of the verdict: the axes do not fit, or the light is another one.
+    pub fn doubt(&mut self) {
+        if self.errors.relmse > GOOD {
+            self.verdict = unexplained(self.errors, "its axes or its light do not fit, see the warning");
+        }
+    }
+}
+
 fn good(errors: Errors) -> String {
     let rms = format!("{:.2} % rms", 100.0 * errors.relmse.sqrt());
     if errors.relmse <= GOOD { format!("good: {rms}") } else { rms }

@@ -105,8 +105,11 @@ const PNG: &str = "png";
 /// Reads the texture at `path`, whose extension names the format.
 pub fn read_texture(path: &Path) -> Result<Texture, PixelsError> {
     // Before the file is opened: a folder of other things is refused by its names.
-    let reader = reader(path)?;
-    read_with(&reader, path, &read_bounded(path)?)
+    let reader = reader(path);
+    if reader.is_err() && !path.exists() {
+        read_bounded(path)?;
+    }
+    read_with(&reader?, path, &read_bounded(path)?)
 }
 
 /// The texture in the bytes of the file at `path`, whose extension names the format. Nothing is read from disk.

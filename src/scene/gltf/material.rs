@@ -48,6 +48,12 @@ impl<'a> Materials<'a> {
         self.used[slot].normal_texture().is_some()
     }
 
+    pub fn has_maps(&self, slot: usize) -> bool {
+        let (material, factors) = (&self.used[slot], self.used[slot].pbr_metallic_roughness());
+        let maps = [factors.base_color_texture(), factors.metallic_roughness_texture()];
+        maps.iter().any(Option::is_some) || material.normal_texture().is_some()
+    }
+
     /// The set of texture coordinates that the maps of a material read, and what turns them.
     pub fn mapping(&self, slot: usize) -> Result<(u32, DAffine2), String> {
         let (material, factors) = (&self.used[slot], self.used[slot].pbr_metallic_roughness());

@@ -215,6 +215,11 @@ impl<'a> Reader<'a> {
         let (wanted, transform) = self.materials.mapping(slot)?;
         let uvs =
             attribute(Semantic::TexCoords(wanted)).map(|uvs| self.buffers.vectors::<2>(&uvs, count)).transpose()?;
+        if uvs.is_none() && self.materials.has_maps(slot) {
+            return Err(format!(
+                "the maps of its material read the texture coordinates {wanted}, which it does not have"
+            ));
+        }
         let normals =
             attribute(Semantic::Normals).map(|normals| self.buffers.vectors::<3>(&normals, count)).transpose()?;
         let given = attribute(Semantic::Tangents).filter(|_| normals.is_some());

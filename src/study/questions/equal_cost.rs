@@ -218,6 +218,11 @@ fn told(groups: &[Group]) -> Vec<[f64; 2]> {
     if ends.iter().all(|view| !seen(groups, *view).is_empty()) { ends.to_vec() } else { vec![ALL_VIEWS] }
 }
 
+/// Whether the model leaves sampling any sample on any card.
+fn can_win(groups: &[Group]) -> bool {
+    groups.iter().any(|group| group.afforded[0][0] > 0)
+}
+
 fn of_view([lo, hi]: [f64; 2]) -> String {
     if [lo, hi] == ALL_VIEWS { "all n·v".to_owned() } else { format!("n·v {lo} to {hi}") }
 }
@@ -235,7 +240,8 @@ fn sentence(frame: &Frame, ([sampled, fixed], groups): &Pair) -> String {
     for view in told(groups) {
         let [won, lost] = shares(&seen(groups, view));
         let (at, metric) = (of_view(view), frame.metric_name());
-        text += &format!(" At {at} it then surely has less `{metric}` in {won} % of cases, more in {lost} %.");
+        let less = if can_win(groups) { format!("less `{metric}` in {won} % of cases, ") } else { String::new() };
+        text += &format!(" At {at} it has {less}more `{metric}` in {lost} % of cases, wherever in that range.");
     }
     text
 }
@@ -246,10 +252,10 @@ fn digest(pairs: &[Pair], tried: &[u32]) -> Table {
     let cards = pairs.first().map_or_else(Vec::new, |(_, groups)| cards(groups));
     let mut heads = ["without samples", "sampling"].map(str::to_owned).to_vec();
     heads.extend(cards.iter().map(|card| format!("at its cost, {card}")));
+    let wins = pairs.iter().any(|(_, groups)| can_win(groups));
     for view in &views {
-        heads.extend(
-            ["at its error, ", "errs less, %, ", "errs more, %, "].map(|what| format!("{what}{}", of_view(*view))),
-        );
+        let shown = ["at its error, ", "errs less, %, ", "errs more, %, "].into_iter().enumerate();
+        heads.extend(shown.filter(|(i, _)| wins || *i != 1).map(|(_, what)| format!("{what}{}", of_view(*view))));
     }
     let mut table = Table::with_names(heads);
     for ([sampled, fixed], groups) in pairs {
@@ -260,7 +266,9 @@ fn digest(pairs: &[Pair], tried: &[u32]) -> Table {
             let medians = own.iter().map(|group| group.median());
             let (least, most) = medians.fold((f64::INFINITY, 0.0), |(a, b), x| (f64::min(a, x), f64::max(b, x)));
             let [won, lost] = shares(&own);
-            row.extend(cells![range_words([least, most], |n| counted(n, tried)), won, lost]);
+            row.extend(cells![range_words([least, most], |n| counted(n, tried))]);
+            row.extend(wins.then(|| Cell::from(won)));
+            row.extend(cells![lost]);
         }
         table.row(row);
     }
