@@ -227,11 +227,15 @@ fn of_view([lo, hi]: [f64; 2]) -> String {
     if [lo, hi] == ALL_VIEWS { "all n·v".to_owned() } else { format!("n·v {lo} to {hi}") }
 }
 
-fn sentence(frame: &Frame, ([sampled, fixed], groups): &Pair) -> String {
-    // The newest card leads; the one with the fewest samples stands beside it.
+/// The newest card leads; the one with the fewest samples stands beside it, where it is another one.
+fn told_cards(groups: &[Group]) -> (&'static str, Option<&'static str>) {
     let cards = cards(groups);
     let newest = cards[cards.len() - 1];
-    let fewest = cards.iter().min_by_key(|card| ends(groups, card)).filter(|card| **card != newest);
+    (newest, cards.into_iter().min_by_key(|card| ends(groups, card)).filter(|card| *card != newest))
+}
+
+fn sentence(frame: &Frame, ([sampled, fixed], groups): &Pair) -> String {
+    let (newest, fewest) = told_cards(groups);
     let others = fewest.map_or_else(String::new, |card| format!("; on a `{card}` {}", words(ends(groups, card))));
     let samples = words(ends(groups, newest));
     let mut text = format!(
@@ -275,7 +279,8 @@ fn digest(pairs: &[Pair], tried: &[u32]) -> Table {
     table
 }
 
-/// A panel a sampling method and card, a row a method without samples: the range of equal cost as a bar, medians of equal error as dots.
+/// A panel a sampling method and card that is told, a row a method without samples: the range of equal cost as a line, medians of equal
+/// error as dots.
 fn figure(frame: &Frame, pairs: &[Pair], tried: &[u32]) -> Option<Figure> {
     let rows = distinct_in_order(pairs.iter().map(|([_, fixed], _)| fixed.clone()));
     let views = told(&pairs.first()?.1);
@@ -287,8 +292,7 @@ fn figure(frame: &Frame, pairs: &[Pair], tried: &[u32]) -> Option<Figure> {
         let y = step(&rows, fixed);
         let [least, most] = ends(groups, card);
         let tip = format!("{sampled} at the cost of {fixed} on {card}: {} samples", words([least, most]));
-        let bar =
-            Mark::new(Form::HorizontalBar { y, base: at(least.into()), to: at(most.into()).max(0.55) }, 0).tip(tip);
+        let range = Mark::new(Form::Whisker([at(least.into()), y], [at(most.into()).max(0.55), y]), 0).tip(tip);
         let dots = views.iter().enumerate().flat_map(|(k, view)| {
             let dot = |group: &&Group| {
                 let tip =
@@ -302,7 +306,7 @@ fn figure(frame: &Frame, pairs: &[Pair], tried: &[u32]) -> Option<Figure> {
             let own = seen(groups, *view).into_iter().filter(|group| group.family.card.name == card);
             own.map(|group| dot(&group)).collect::<Vec<_>>()
         });
-        std::iter::once(bar).chain(dots).collect::<Vec<Mark>>()
+        std::iter::once(range).chain(dots).collect::<Vec<Mark>>()
     };
     let panels = |(sampled, own): (String, Vec<&Pair>)| {
         let panel = |card| {
@@ -310,12 +314,13 @@ fn figure(frame: &Frame, pairs: &[Pair], tried: &[u32]) -> Option<Figure> {
             let all = rule.into_iter().chain(own.iter().flat_map(|pair| marks(pair, card)));
             (format!("{sampled}, {card}"), all.collect())
         };
-        cards(&own[0].1).into_iter().map(panel).collect::<Vec<_>>()
+        let (newest, fewest) = told_cards(&own[0].1);
+        [Some(newest), fewest].into_iter().flatten().map(panel).collect::<Vec<_>>()
     };
     Chart {
         title: "Samples a pixel at equal cost and at equal error",
         note: format!(
-            "modelled cost by card; {}, a dot a condition, median environment; beyond the line: more than tried",
+            "modelled cost (below 1: none); {}, a dot a condition, median environment; beyond the line: more than tried",
             frame.metric_name()
         ),
         x: Along::Log("samples a pixel"),
