@@ -29,7 +29,7 @@ const FILES: [&str; 9] = [
     SUMMARY_FILE,
 ];
 /// Larger files stay where they are: the folder is kept in git.
-const FILE_BYTES_MAX: u64 = 3 << 19;
+const FILE_BYTES_MAX: u64 = 1 << 20;
 /// A larger contact sheet is shrunk further, bytes.
 const SHEET_BYTES_MAX: usize = 300_000;
 /// Folders of a run that are published: the raw samples of its timings.

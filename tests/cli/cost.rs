@@ -134,6 +134,8 @@ fn the_command_writes_its_tables_and_figure() {
         assert!(number(row, "model_ms_least") < number(row, "model_ms_most"));
         // A map and a table, or a lookup a sample.
         let is_sampled = &row[column("method")] == "sampled";
+        // Position, normal and F0 are read, the radiance is read and written: five vec4 of f32.
+        assert_eq!([number(row, "outside_dram_bytes"), number(row, "inside_dram_bytes")], [80.0, 0.0]);
         let lookups = ["outside_bilinear", "outside_trilinear", "inside_trilinear"].map(|name| number(row, name));
         assert_eq!(lookups, if is_sampled { [0.0, 0.0, 1.0] } else { [1.0, 1.0, 0.0] });
     }

@@ -276,12 +276,12 @@ fn sentence(
             let fail_worst = fail.iter().map(|(_, worst)| *worst).max_by(|a, b| a.share().total_cmp(&b.share()));
             let none = fail_worst.map(|worst| {
                 format!(
-                    " At {} none is enough: under {} the best, {}, reach {}, a `{metric}` of {}.",
+                    " At {} none is enough. The best, {}, reach {}: a `{metric}` of {} under {}.",
                     at(&fail),
-                    place(worst, &[ENVIRONMENT, ALPHA]),
                     words(parameters, &worst.tables),
                     share(worst),
                     with_rms(frame, worst.error),
+                    place(worst, &[ENVIRONMENT, ALPHA]),
                 )
             });
             let others =

@@ -356,6 +356,10 @@ fn what_is_not_read_is_refused_by_name() {
     });
     let error = load(&textured(quad(), material, &[png(1, 1, |_, _| [0; 3])])).expect_err("two sets");
     assert!(error.contains("expected one set"), "{error:?}");
+    // A set that the mesh does not have.
+    let material = json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0, "texCoord": 1 } } });
+    let error = load(&textured(quad(), material, &[png(1, 1, |_, _| [0; 3])])).expect_err("no second set");
+    assert!(error.contains("texture coordinates 1, which it does not have"), "{error:?}");
 }
 
 #[test]
