@@ -12,13 +12,14 @@ part=setup # what is at work
 failed=    # parts that failed, for the last line
 parts=     # every part with its seconds, a line each
 skipped=   # what was left out, a line each
-browser=   # the process of the browser's tests, which run beside others
+beside=    # processes of tests that run beside others
 
 # Whatever ends the script, the last line says how it went.
 finish() {
     status=$?
     trap - EXIT
-    [ -z "$browser" ] || kill "$browser" 2>/dev/null || true
+    # shellcheck disable=SC2086
+    [ -z "$beside" ] || kill $beside 2>/dev/null || true
     [ "$status" -eq 0 ] || fail "$part: $(ending "$status"), and nothing after it ran"
     printf '\n%s%s' "$parts" "$skipped"
     if [ -n "$failed" ]; then
@@ -157,26 +158,40 @@ part="the list of test binaries"
 mkdir -p target
 test_binaries --lib --bins --tests --features view >target/test-binaries
 [ -s target/test-binaries ]
-# The tests of the browser and those of the device keep a core each busy, so they run beside each other.
-ended_browser() {
+# Starts tests beside those that follow, which show what they printed once they are awaited.
+begin() { # name, command...
+    log=target/$1.log
+    shift
+    "$@" >"$log" 2>&1 </dev/null 3<&- &
+    beside="$beside $!"
+}
+ended() { # name, process
     status=0
-    wait "$browser" || status=$?
-    browser=
-    cat target/browser.log
+    wait "$2" || status=$?
+    cat "target/$1.log"
     return "$status"
 }
+binary_of() { # name
+    sed -n "s/^$1 //p" target/test-binaries
+}
+# Tests of numbers take what cores others leave; those of the browser and of the device keep a core busy each. Those of the window count
+# pictures a second, so they run alone.
+begin numeric nice "$(binary_of numeric)"
+numeric=$!
 while read -r name binary <&3; do
     case $name in
-        browser) browser_tests=$binary ;;
+        browser | numeric | view) continue ;;
         device)
-            "$browser_tests" >target/browser.log 2>&1 </dev/null 3<&- &
+            begin browser "$(binary_of browser)"
             browser=$!
             check "$name" "$binary" 3<&-
-            check "browser, the rest of it" ended_browser
+            check "browser, the rest of it" ended browser "$browser"
             ;;
         *) check "$name" "$binary" 3<&- ;;
     esac
 done 3<target/test-binaries
+check "numeric, the rest of it" ended numeric "$numeric"
+check view "$(binary_of view)"
 check "doc tests" cargo test --release --locked --features view --quiet --doc
 
 # Snakemake is large, so it comes only where it must, or is there already.

@@ -46,7 +46,7 @@ use super::source::{FACES, MANIFEST, Reading, read};
 use super::{parts::Map, sh};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
-use crate::environment::layout::{FilteredMap, LAYOUTS};
+use crate::environment::layout::LAYOUTS;
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::pixels::{Fault, GrayImage, Pixels, PixelsError, Rgb8Image, RgbImage, exr, png, write_atomically};
 use crate::precompute::prefilter::{Kernel, Weight};
@@ -347,13 +347,8 @@ fn keys(manifest: &Manifest, radiance: &crate::precompute::sh9::reference::Sh9) 
 /// The error of the last level at four points of each of its texels.
 fn between(making: &Making, truth: &Truth, convention: &Convention, alpha: f64, map: &Map) -> (f64, Option<String>) {
     let faces = &map.levels[map.levels.len() - 1];
-    let level = faces.iter().map(|face| face.map(|texel| DVec3::from_array(texel.map(f64::from)))).collect();
-    let (side, looked) = (faces[0].width, FilteredMap { layout: map.layout, levels: vec![level] });
-    let directions = Directions::new(map.layout, convention.axes, [2 * side; 2]);
-    let found = directions.world.par_iter().map(|world| looked.value(convention.axes.to_file(*world), 0.0));
-    let exact = level::exact(truth, &directions, alpha);
-    let relmse = errors(&directions, &found.collect::<Vec<_>>(), &exact, truth.epsilon(), 1.0).relmse;
-    let why = (relmse > GOOD && side < LAST_SIDE).then(|| match making.preset.product.chain {
+    let relmse = level::between_texels(truth, map.layout, faces, convention, alpha);
+    let why = (relmse > GOOD && faces[0].width < LAST_SIDE).then(|| match making.preset.product.chain {
         Chain::Exactly(count) => {
             let engine = making.preset.product.engine;
             format!(

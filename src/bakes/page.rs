@@ -15,6 +15,8 @@ pub struct Row {
     pub relmse: String,
     /// log10 of the relmse.
     pub log: f64,
+    /// relmse between texels.
+    pub between: String,
     pub bias: String,
     pub worst: String,
     pub verdict: String,

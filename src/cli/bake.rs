@@ -146,7 +146,11 @@ fn execute_for(
         super::warn("last level", &format!("relmse {between:.1e} between its texels: {why}"));
     }
     let worst = baked.levels.iter().map(|level| level.relmse).fold(0.0, f64::max);
-    let table = baked.table_error.map_or(String::new(), |error| format!(", the table within {error:.0e}"));
+    let table = match baked.table_error {
+        None => String::new(),
+        Some(0.0) => ", the table is as computed".to_owned(),
+        Some(error) => format!(", the table within {error:.0e}"),
+    };
     let last = format!("between its texels the last one is within {between:.1e}");
     print(&format!(
         "Read back, the texels of every level are within relmse {worst:.1e} of their integral; {last}{table}.\n"

@@ -77,13 +77,14 @@ pub fn as_text(checked: &Checked, is_guessed: bool) -> String {
             ("size", Align::Right),
             ("alpha", Align::Right),
             ("relmse", Align::Right),
+            ("between texels", Align::Right),
             ("bias %", Align::Right),
             ("worst direction: found for exact", Align::Left),
             ("verdict", Align::Left),
         ]);
         for row in rows(checked) {
             let size = format!("{}x{}", row.size[0], row.size[1]);
-            table.row(&[row.name, size, row.alpha, row.relmse, row.bias, row.worst, row.verdict]);
+            table.row(&[row.name, size, row.alpha, row.relmse, row.between, row.bias, row.worst, row.verdict]);
         }
         text += &format!("{table}");
     }
@@ -134,6 +135,7 @@ pub fn rows(checked: &Checked) -> Vec<Row> {
             size: score.size,
             alpha: format!("{:.4}", score.alpha),
             relmse: format!("{:.2e}", score.errors.relmse),
+            between: score.between.map_or_else(String::new, |relmse| format!("{relmse:.2e}")),
             log: score.errors.relmse.max(1e-6).log10(),
             bias: format!("{:+.2}", 100.0 * score.errors.bias_rel),
             worst: format!("({x:.2}, {y:.2}, {z:.2}), face {face} texel {column},{row}: {values}"),
@@ -151,6 +153,7 @@ pub fn as_json(environment: &str, preset: &str, checked: &Checked) -> Value {
             "size": score.size,
             "alpha": score.alpha,
             "relmse": score.errors.relmse,
+            "relmse_between": score.between,
             "bias_rel": score.errors.bias_rel,
             "worst": {
                 "direction": worst.direction.to_array(),

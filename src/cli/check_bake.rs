@@ -7,6 +7,7 @@ use glam::DVec3;
 use splitsum::bakes::check::guess;
 use splitsum::bakes::check::image;
 use splitsum::bakes::check::level::{self, LevelScore};
+use splitsum::bakes::check::sh::ShScore;
 use splitsum::bakes::check::table;
 use splitsum::bakes::check::{self, Truth};
 use splitsum::bakes::convention::{Axes, Convention, PRESETS, Preset, TABLE_AXES, TABLE_CHANNELS, preset_by_name};
@@ -267,6 +268,7 @@ fn check(
     if is_doubtful(&checked) {
         let maps = checked.levels.iter_mut().chain(&mut checked.irradiance);
         maps.for_each(LevelScore::doubt);
+        checked.sh.iter_mut().for_each(ShScore::doubt);
     }
     Ok(checked)
 }

@@ -280,6 +280,43 @@ fn a_fit_finds_the_width_and_the_gain_that_were_baked() {
     assert!((score.errors.bias_rel - (1.0 / std::f64::consts::PI - 1.0)).abs() < 1e-6, "{score:?}");
 }
 
+/// One texel a face, right at its centre: a quarter of a face away from it a lookup blends it with two neighbours and their corner.
+#[test]
+fn lookups_between_texels_are_judged() {
+    let light = marked_light();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &ALPHAS);
+    let mut convention = PRESETS[0].convention();
+    (convention.alphas, convention.scale) = (Some(ALPHAS.to_vec()), 0.5);
+    let exact = |alpha, direction: DVec3| truth.prefiltered(alpha).value(direction);
+    let level = |alpha: &f64| {
+        let texel = |face| {
+            let direction = (LAYOUTS[0].direction)(face, DVec2::splat(0.5));
+            RgbImage::filled(1, 1, (exact(*alpha, direction) / 0.5).as_vec3().to_array())
+        };
+        (0..6).map(texel).collect()
+    };
+    let map = Map { layout: &LAYOUTS[0], levels: ALPHAS.iter().map(level).collect() };
+    let unit = |axis: usize, sign: f64| DVec3::from_array(std::array::from_fn(|i| if i == axis { sign } else { 0.0 }));
+    for score in level::score(&truth, &map, &convention).unwrap() {
+        let mut squares = Vec::new();
+        for (axis, [a, b, c]) in (0..3)
+            .flat_map(|axis| [1.0, -1.0].map(|a| (axis, a)))
+            .flat_map(|(axis, a)| [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[b, c]| (axis, [a, b, c])))
+        {
+            let axes = [unit(axis, a), unit((axis + 1) % 3, b), unit((axis + 2) % 3, c)];
+            let [own, left, right] = axes.map(|axis| exact(score.alpha, axis));
+            let found = 0.5625 * own + 0.1875 * (left + right) + 0.0625 * (own + left + right) / 3.0;
+            let right = exact(score.alpha, (axes[0] + 0.5 * (axes[1] + axes[2])).normalize());
+            let relative = (found - right).powf(2.0) / (right.powf(2.0) + truth.epsilon());
+            squares.push(relative.element_sum() / 3.0);
+        }
+        let expected = squares.iter().sum::<f64>() / squares.len() as f64;
+        let between = score.between.unwrap();
+        assert!((between / expected - 1.0).abs() < 1e-5, "{between} {expected}");
+        assert!(score.errors.relmse < 1e-12 && score.verdict.contains("too few texels"), "{score:?}");
+    }
+}
+
 #[test]
 fn bands_are_the_convolution() {
     let light = marked_light();
@@ -335,6 +372,22 @@ fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
     let window = [1.0, 0.9, 0.9, 0.9, 0.6, 0.6, 0.6, 0.6, 0.6];
     let windowed = of(std::array::from_fn(|k| radiance[k] * window[k]));
     assert!(windowed.verdict.contains("degree 1 times 0.90, degree 2 times 0.60"), "{windowed:?}");
+    // Beside maps of another light no factor is told, but axes that explain the error are.
+    let mirrored = Axes::parse("-x+y+z").unwrap();
+    let mut mirrored = sh_score::score(
+        &truth,
+        &sh::Coefficients { radiance: sh::turned(&radiance, |d| mirrored.to_world(d)), form: "radiance" },
+        Axes::SAME,
+    );
+    let mut doubted = windowed;
+    for score in [&mut doubted, &mut mirrored] {
+        score.doubt();
+    }
+    assert!(!doubted.verdict.contains("times"), "{doubted:?}");
+    assert!(
+        mirrored.better == Some(Axes::parse("-x+y+z").unwrap()) && mirrored.verdict.contains("-x+y+z"),
+        "{mirrored:?}"
+    );
 }
 
 /// A table of any axes, channels and masking is told by the search, and a shifted one by its shift.

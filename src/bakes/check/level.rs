@@ -5,6 +5,7 @@ use super::fit::{self, Fit};
 use super::{Errors, GOOD, Truth, errors, has_width, relative_square};
 use crate::bakes::convention::{Axes, Convention};
 use crate::bakes::parts::Map;
+use crate::environment::layout::{FilteredMap, MapLayout};
 use crate::math::harmonics::SmoothMap;
 use crate::pixels::RgbImage;
 use glam::DVec3;
@@ -28,7 +29,10 @@ pub struct Worst {
 pub struct LevelScore {
     pub size: [u32; 2],
     pub alpha: f64,
+    /// At its texels.
     pub errors: Errors,
+    /// relMSE of lookups between its texels; none of a mirror and of irradiance.
+    pub between: Option<f64>,
     pub worst: Worst,
     /// Where the level is not [`GOOD`].
     pub fit: Option<Fit>,
@@ -45,10 +49,29 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         let (errors, worst) = errors_and_worst(truth, &directions, &found, &exact);
         let is_wrong = errors.relmse > GOOD;
         let fit = is_wrong.then(|| fit::fit(truth, &directions, &found, alpha)).flatten();
-        let verdict = verdict(errors, fit, alpha, |alpha| level_of(convention, &alphas, alpha));
-        LevelScore { size: [faces[0].width, faces[0].height], alpha, errors, worst, fit, verdict }
+        let between = has_width(alpha).then(|| between_texels(truth, map.layout, faces, convention, alpha));
+        let mut verdict = verdict(errors, fit, alpha, |alpha| level_of(convention, &alphas, alpha));
+        if let Some(relmse) = between.filter(|relmse| !is_wrong && *relmse > GOOD) {
+            verdict += &format!("; too few texels: {:.1} % rms between them", 100.0 * relmse.sqrt());
+        }
+        LevelScore { size: [faces[0].width, faces[0].height], alpha, errors, between, worst, fit, verdict }
     };
     Ok(map.levels.iter().zip(&alphas).map(of).collect())
+}
+
+/// relMSE of a level of width `alpha` at four points of each of its texels, looked up as a GPU does: linear, across the edges of faces.
+pub fn between_texels(
+    truth: &Truth,
+    layout: &'static MapLayout,
+    faces: &[RgbImage],
+    convention: &Convention,
+    alpha: f64,
+) -> f64 {
+    let texel = |texel: [f32; 3]| convention.scale * DVec3::from_array(texel.map(f64::from));
+    let level = FilteredMap { layout, levels: vec![faces.iter().map(|face| face.map(texel)).collect()] };
+    let directions = Directions::new(layout, convention.axes, [2 * faces[0].width, 2 * faces[0].height]);
+    let found = directions.world.par_iter().map(|world| level.value(convention.axes.to_file(*world), 0.0));
+    errors(&directions, &found.collect::<Vec<_>>(), &exact(truth, &directions, alpha), truth.epsilon(), 1.0).relmse
 }
 
 /// Scores a map of irradiance over π.
@@ -66,7 +89,7 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
         Some(fit) if fit.left <= EXPLAINED => gain_in_words(fit.gain),
         Some(_) => unexplained(own, "no gain explains it"),
     };
-    LevelScore { size: [faces[0].width, faces[0].height], alpha: 1.0, errors: own, worst, fit, verdict }
+    LevelScore { size: [faces[0].width, faces[0].height], alpha: 1.0, errors: own, between: None, worst, fit, verdict }
 }
 
 /// What the texels of a level of that width should hold: prefiltered radiance, or the environment, averaged over each texel.
@@ -157,11 +180,14 @@ fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) 
 /// Levels that a verdict names.
 const SHIFT: f64 = 0.05;
 
+/// Why no verdict names a width, a gain or axes.
+pub(super) const DOUBT: &str = "its axes or its light do not fit, see the warning";
+
 impl LevelScore {
     /// Takes width and gain out of the verdict: the axes do not fit, or the light is another one.
     pub fn doubt(&mut self) {
         if self.errors.relmse > GOOD {
-            self.verdict = unexplained(self.errors, "its axes or its light do not fit, see the warning");
+            self.verdict = unexplained(self.errors, DOUBT);
         }
     }
 }
@@ -171,7 +197,7 @@ fn good(errors: Errors) -> String {
     if errors.relmse <= GOOD { format!("good: {rms}") } else { rms }
 }
 
-fn unexplained(errors: Errors, why: &str) -> String {
+pub(super) fn unexplained(errors: Errors, why: &str) -> String {
     format!("{:.1} % rms: {why}", 100.0 * errors.relmse.sqrt())
 }
 

@@ -1,7 +1,7 @@
 //! The score of SH: its irradiance beside that of the exact coefficients.
 
 use super::directions::Directions;
-use super::level::{EXPLAINED, gain_in_words};
+use super::level::{DOUBT, EXPLAINED, gain_in_words, unexplained};
 use super::{Errors, GOOD, Truth, errors};
 use crate::bakes::convention::Axes;
 use crate::bakes::sh::{Coefficients, turned};
@@ -22,6 +22,8 @@ pub struct ShScore {
     pub errors: Errors,
     /// Largest error of a coefficient over the largest coefficient.
     pub max_error: f64,
+    /// Axes that explain the error.
+    pub better: Option<Axes>,
     pub verdict: String,
 }
 
@@ -44,22 +46,30 @@ pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
     let largest_error = turned.iter().zip(&exact).map(|(own, exact)| (*own - *exact).abs().max_element());
     let max_error = largest_error.fold(0.0, f64::max) / largest.max(f64::MIN_POSITIVE);
     let best = Axes::all().map(|axes| (score(axes).relmse, axes)).min_by(|a, b| a.0.total_cmp(&b.0));
+    let better = best.filter(|(relmse, better)| *better != axes && *relmse < EXPLAINED * errors.relmse);
     let window = window(&turned, &exact);
     let left =
         turned.iter().zip(&exact).zip(DEGREE).map(|((own, exact), l)| (*own - *exact * window[l]).length_squared());
     let off = turned.iter().zip(&exact).map(|(own, exact)| (*own - *exact).length_squared()).sum::<f64>();
-    let verdict = match best {
+    let verdict = match better {
         _ if errors.relmse <= GOOD => format!("good: {:.2} % rms", 100.0 * errors.relmse.sqrt()),
-        Some((relmse, better)) if better != axes && relmse < EXPLAINED * errors.relmse => {
-            format!("axes {better} fit better: relmse {relmse:.1e}")
-        }
+        Some((relmse, axes)) => format!("axes {axes} fit better: relmse {relmse:.1e}"),
         _ if left.sum::<f64>() > EXPLAINED * off => "wrong, and no factor a degree explains it".to_owned(),
         _ if (window[0] - 1.0).abs() < 0.05 => {
             format!("windowed against ringing: degree 1 times {:.2}, degree 2 times {:.2}", window[1], window[2])
         }
         _ => gain_in_words(window[0]),
     };
-    ShScore { errors, max_error, verdict }
+    ShScore { errors, max_error, better: better.map(|(_, axes)| axes), verdict }
+}
+
+impl ShScore {
+    /// Takes factors out of the verdict: the axes of the bake's maps do not fit, or the light is another one.
+    pub fn doubt(&mut self) {
+        if self.errors.relmse > GOOD && self.better.is_none() {
+            self.verdict = unexplained(self.errors, DOUBT);
+        }
+    }
 }
 
 /// Of each degree the factor of the exact coefficients that comes nearest.

@@ -31,7 +31,7 @@ pub struct TableScore {
 const SCORED_WITHIN: f64 = 1e-5;
 const SEARCHED_WITHIN: f64 = 1e-3;
 
-/// Error of a table that is as its integral: what 8 bits round to.
+/// Error of a table that is as its integral: a step of 8 bits.
 const GOOD: f64 = 1.0 / 255.0;
 
 /// Scores a table against the integrals in f64 at texel centres.
@@ -50,7 +50,7 @@ pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention)
         errors.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((DVec2::ZERO, 0.0, 0.0));
     let rms = (errors.iter().map(|(_, _, square)| square).sum::<f64>() / errors.len() as f64).sqrt();
     let verdict = if max_error <= GOOD {
-        "good: within what 8 bits round to".to_owned()
+        "good: below 1/255, a step of 8 bits".to_owned()
     } else {
         explained(table, brdf, convention, rms)
     };
