@@ -194,6 +194,13 @@ check "numeric, the rest of it" ended numeric "$numeric"
 check view "$(binary_of view)"
 check "doc tests" cargo test --release --locked --features view --quiet --doc
 
+# Clients come from npm's registry, so they run only where they must.
+if [ -n "${CI:-}${SPLITSUM_CLIENTS_TEST:-}" ]; then
+    check "scripts/check-clients.sh" sh scripts/check-clients.sh
+else
+    skip "scripts/check-clients.sh (it fetches three.js and ktx-parse; SPLITSUM_CLIENTS_TEST=1 asks for it)"
+fi
+
 # Snakemake is large, so it comes only where it must, or is there already.
 if [ -n "${CI:-}${SPLITSUM_CLUSTER_TEST:-}" ] || [ -d target/cluster-venv ]; then
     check "scripts/cluster-test.sh" sh scripts/cluster-test.sh local
