@@ -6,11 +6,11 @@ use crate::pixels::{Pixels, RgbImage};
 use image::{DynamicImage, ImageReader};
 use std::io::Cursor;
 
-/// Texels of all maps of a file together, such as two of 4096 x 4096: 1.9 GiB with [`TEXEL_BYTES`].
+/// Texels of the finest levels of all maps of a file together, such as two of 4096 x 4096. One takes at most 59 bytes: 12 as linear RGB, 16 on
+/// the way to the device, and 16 there, which may be this machine; its levels take a third of that. That is 1.9 GiB.
 const MAX_TEXELS: u64 = 1 << 25;
-/// Bytes of a texel at most: 12 as linear RGB, 16 on the way to the device, and 16 there, which may be this machine; its levels take a third
-/// of that.
-const TEXEL_BYTES: u64 = 59;
+/// Texels of one file, such as 8192 x 8192: below 1.4 GiB with 4 bytes as they are decoded and 16 as linear RGB with levels.
+const MAX_FILE_TEXELS: u64 = 1 << 26;
 
 /// A map as it is looked up: linear RGB in levels, the finest first, down to one texel.
 #[derive(Clone, Debug)]
@@ -49,35 +49,66 @@ pub(super) enum Meaning {
 }
 
 /// The decoded maps of a file.
-#[derive(Default)]
 pub(super) struct Maps {
-    pub textures: Vec<Texture>,
-    texel_count: u64,
+    textures: Vec<Texture>,
+    /// The longest side that a map keeps, a power of two: finer levels are left out where all maps have too many texels together.
+    longest_side: u32,
+    is_any_cut: bool,
+}
+
+impl Default for Maps {
+    fn default() -> Self {
+        Self { textures: Vec::new(), longest_side: 1 << 31, is_any_cut: false }
+    }
 }
 
 impl Maps {
     /// Adds the map of a file of these bytes and gives its index.
     pub fn add(&mut self, bytes: &[u8], meaning: Meaning, wrap: Wrap) -> Result<usize, String> {
-        let mut texture = decode(bytes, meaning == Meaning::Color, MAX_TEXELS - self.texel_count)?;
+        let mut texture = decode(bytes, meaning == Meaning::Color)?;
         if let Meaning::Normal { scale } = meaning {
             // Linear, so that a lookup between texels may follow it.
             let signed = |[x, y, z]: [f32; 3]| [scale * (2.0 * x - 1.0), scale * (2.0 * y - 1.0), 2.0 * z - 1.0];
             texture.data.iter_mut().for_each(|texel| *texel = signed(*texel));
         }
-        self.texel_count += texture.data.len() as u64;
         self.textures.push(Texture::new(texture, wrap));
+        self.cut();
+        let texels = |maps: &[Texture]| maps.iter().map(|map| map.levels[0].data.len() as u64).sum::<u64>();
+        while self.longest_side > 1 && texels(&self.textures) > MAX_TEXELS {
+            self.longest_side /= 2;
+            self.cut();
+        }
         Ok(self.textures.len() - 1)
+    }
+
+    /// Leaves out the levels that are longer than the longest side. Which those are does not depend on the order of the maps.
+    fn cut(&mut self) {
+        for map in &mut self.textures {
+            let is_longer = |level: &RgbImage| level.width.max(level.height) > self.longest_side;
+            let first = map.levels.iter().position(|level| !is_longer(level)).unwrap_or(0);
+            self.is_any_cut |= first > 0;
+            map.levels.drain(..first);
+        }
+    }
+
+    /// The maps, and a warning if some are coarser than their files.
+    pub fn finish(self) -> (Vec<Texture>, Option<String>) {
+        let side = self.longest_side;
+        let warning =
+            || format!("maps of more than {MAX_TEXELS} texels together are halved to {side} x {side} at most");
+        let warning = self.is_any_cut.then(warning);
+        (self.textures, warning)
     }
 }
 
-fn decode(bytes: &[u8], is_srgb: bool, most_texels: u64) -> Result<RgbImage, String> {
+fn decode(bytes: &[u8], is_srgb: bool) -> Result<RgbImage, String> {
     let reader = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string());
+    if reader()?.format().is_none() {
+        return Err("it is neither PNG nor JPEG".to_owned());
+    }
     let (width, height) = reader()?.into_dimensions().map_err(|error| error.to_string())?;
-    if u64::from(width) * u64::from(height) > most_texels {
-        let mebibytes = (u64::from(width) * u64::from(height) * TEXEL_BYTES) >> 20;
-        return Err(format!(
-            "it has {width}x{height} texels, which take {mebibytes} MiB; of {MAX_TEXELS} for all maps {most_texels} are left"
-        ));
+    if u64::from(width) * u64::from(height) > MAX_FILE_TEXELS {
+        return Err(format!("it has {width}x{height} texels, expected at most {MAX_FILE_TEXELS}"));
     }
     let to_linear = |x: f32| if is_srgb { srgb_decode(x) } else { x };
     let mut texels: Vec<[f32; 3]> = Vec::new();

@@ -105,7 +105,7 @@ impl<'a> Buffers<'a> {
         Ok(packed)
     }
 
-    /// Vectors of N floats, or of fractions in unsigned integers; at most `most` of them.
+    /// Vectors of N floats, or of integers (`KHR_mesh_quantization`): as they are, or fractions of the largest one; at most `most` of them.
     pub fn vectors<const N: usize>(&self, accessor: &Accessor, most: usize) -> Result<Vec<[f32; N]>, String> {
         let fault = |what: String| format!("accessor {}: {what}", accessor.index());
         let floats = [Dimensions::Scalar, Dimensions::Vec2, Dimensions::Vec3, Dimensions::Vec4][N - 1];
@@ -113,13 +113,16 @@ impl<'a> Buffers<'a> {
             return Err(fault(format!("{:?}, expected {floats:?}", accessor.dimensions())));
         }
         let packed = self.packed(accessor, most).map_err(fault)?;
-        let numbers: Vec<f32> = match (accessor.data_type(), accessor.normalized()) {
-            (DataType::F32, _) => packed.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect(),
-            (DataType::U16, true) => {
-                packed.as_chunks().0.iter().map(|bytes| f32::from(u16::from_le_bytes(*bytes)) / 65535.0).collect()
-            }
-            (DataType::U8, true) => packed.iter().map(|byte| f32::from(*byte) / 255.0).collect(),
-            (other, _) => return Err(fault(format!("{other:?}, expected floats"))),
+        // The most negative integer is -1 as well.
+        let part = |x: f32, largest: f32| if accessor.normalized() { (x / largest).max(-1.0) } else { x };
+        let pairs = || packed.as_chunks().0.iter();
+        let numbers: Vec<f32> = match accessor.data_type() {
+            DataType::F32 => packed.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect(),
+            DataType::U16 => pairs().map(|pair| part(u16::from_le_bytes(*pair).into(), 65535.0)).collect(),
+            DataType::I16 => pairs().map(|pair| part(i16::from_le_bytes(*pair).into(), 32767.0)).collect(),
+            DataType::U8 => packed.iter().map(|byte| part(f32::from(*byte), 255.0)).collect(),
+            DataType::I8 => packed.iter().map(|byte| part(byte.cast_signed().into(), 127.0)).collect(),
+            other => return Err(fault(format!("{other:?}, expected floats or integers of 8 or 16 bits"))),
         };
         Ok(numbers.as_chunks::<N>().0.to_vec())
     }

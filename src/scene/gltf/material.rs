@@ -13,6 +13,7 @@
 //! [KhrTransform18]; they repeat, clamp or mirror as their samplers say and are filtered trilinearly.
 
 use super::buffers::{Buffers, resource};
+use super::name;
 use crate::brdf;
 use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::lookup::{Edge, Wrap};
@@ -111,12 +112,16 @@ impl<'a> Materials<'a> {
             if let Some((.., index)) = known.iter().find(|(image, meaning, wrap, _)| (*image, *meaning, *wrap) == key) {
                 return Ok(*index);
             }
-            let bytes = match image.source() {
-                Source::View { view, .. } => buffers.view(&view).map(<[u8]>::to_vec),
-                Source::Uri { uri, .. } => resource(uri, path, files),
+            let (bytes, file) = match image.source() {
+                Source::View { view, .. } => (buffers.view(&view).map(<[u8]>::to_vec), None),
+                Source::Uri { uri, .. } => {
+                    (resource(uri, path, files), Some(uri).filter(|uri| !uri.starts_with("data:")))
+                }
             };
-            let index = bytes.and_then(|bytes| maps.add(&bytes, meaning, wrap));
-            let index = index.map_err(|error| format!("image {}: {error}", image.index()))?;
+            let bytes = bytes.map_err(|error| format!("image {}: {error}", image.index()))?;
+            let index = maps.add(&bytes, meaning, wrap);
+            let index =
+                index.map_err(|error| format!("{}: {error}", name("image", file.or(image.name()), image.index())))?;
             known.push((image.index(), meaning, wrap, index));
             Ok::<usize, String>(index)
         };

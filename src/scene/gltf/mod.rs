@@ -1,10 +1,10 @@
 //! glTF 2.0 files, `.glb` and `.gltf` [GlTF20]: the triangles of the default scene with their nodes' transforms; see [`material`] for the
 //! materials.
 //!
-//! Read: lists, strips and fans of triangles; positions, normals, tangents and one set of texture coordinates; sparse and interleaved
-//! accessors; buffers and images in the file, beside it or as `data:`. Missing normals are the triangles' own, missing tangents under a
-//! normal map those of MikkTSpace, as the specification asks (section 3.7.2.1). The winding tells the front; a transform that mirrors turns
-//! it around.
+//! Read: lists, strips and fans of triangles; positions, normals, tangents and one set of texture coordinates, quantized ones too
+//! (`KHR_mesh_quantization`); sparse and interleaved accessors; buffers and images in the file, beside it or as `data:`. Missing normals are
+//! the triangles' own, missing tangents under a normal map those of MikkTSpace, as the specification asks (section 3.7.2.1). The winding
+//! tells the front; a transform that mirrors turns it around.
 //!
 //! Refused by name: morph targets, skins, required extensions that are not in [`EXTENSIONS`]. What else is not read (emission, occlusion,
 //! transparency, vertex colours, animations, lights) is a warning.
@@ -18,6 +18,7 @@ use super::mesh::{Mesh, is_degenerate};
 use super::source::SceneFiles;
 use super::{Scene, SceneError, toward_viewer_of_files};
 use crate::spelling::printable;
+use ::gltf::json::validation::Checked;
 use ::gltf::{Document, Glb, Gltf, Node, Primitive, Semantic, mesh::Mode, scene::Transform};
 use buffers::Buffers;
 use glam::{DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
@@ -27,7 +28,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Extensions that are read; others that a file requires refuse it.
-const EXTENSIONS: [&str; 2] = ["KHR_materials_ior", "KHR_texture_transform"];
+const EXTENSIONS: [&str; 3] = ["KHR_materials_ior", "KHR_mesh_quantization", "KHR_texture_transform"];
 /// Vertices of all meshes as they are placed, and a third of the corners of their triangles: below 1.5 GiB with 60 bytes a vertex and as
 /// many a corner while normals are made.
 const MAX_VERTICES: usize = 1 << 23;
@@ -64,7 +65,9 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
         reader.unread.insert("animations".to_owned());
     }
     let mut scene = Scene::assemble(spec, Vec::new(), reader.meshes, materials);
-    scene.textures = maps.textures;
+    let (textures, coarser) = maps.finish();
+    scene.textures = textures;
+    scene.warnings.extend(coarser);
     scene.toward_viewer = toward_viewer_of_files();
     if !reader.unread.is_empty() {
         let unread: Vec<String> = reader.unread.into_iter().collect();
@@ -82,6 +85,8 @@ struct Head {
     asset: Asset,
     #[serde(default, rename = "extensionsRequired")]
     required: Vec<String>,
+    #[serde(default, rename = "extensionsUsed")]
+    used: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -110,10 +115,28 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
     if !head.asset.version.starts_with("2.") {
         return Err(format!("glTF version {:?}, expected 2.0", head.asset.version));
     }
-    if let Some(name) = head.required.iter().find(|name| !EXTENSIONS.contains(&name.as_str())) {
-        return Err(format!("it requires the extension {name}, which is not read; export it without"));
+    let unread = |names: &[String]| {
+        names.iter().filter(|name| !EXTENSIONS.contains(&name.as_str())).cloned().collect::<Vec<_>>()
+    };
+    match unread(&head.required).as_slice() {
+        [] => {}
+        [name] => return Err(format!("it requires the extension {name}, which is not read; export it without")),
+        names => {
+            let names = names.join(", ");
+            return Err(format!("it requires the extensions {names}, which are not read; export it without"));
+        }
     }
-    let json = Gltf::from_slice_without_validation(text).map_err(wrong)?.document.into_json();
+    // What such a file leaves to them is missing elsewhere.
+    let used = unread(&head.used).join(", ");
+    let wrong =
+        |error| if used.is_empty() { wrong(error) } else { format!("{}; it uses {used}, not read", wrong(error)) };
+    let mut json = Gltf::from_slice_without_validation(text).map_err(wrong)?.document.into_json();
+    // The crate refuses what it does not know; here they are checked.
+    json.extensions_required.clear();
+    // Attributes of an application, such as `_FEATURE_ID_0` (section 3.7.2.1), which the crate calls invalid.
+    for primitive in json.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
+        primitive.attributes.retain(|semantic, _| matches!(semantic, Checked::Valid(_)));
+    }
     // The crate's own check follows these without asking.
     let accessors = json.meshes.iter().flat_map(|mesh| &mesh.primitives).flat_map(|part| part.attributes.values());
     if let Some(missing) = accessors.map(|index| index.value()).find(|index| *index >= json.accessors.len()) {

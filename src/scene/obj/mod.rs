@@ -116,7 +116,9 @@ fn read_maps(
     };
     let indices = libraries.maps.iter().map(|path| read(path).ok()).collect();
     add_first(warnings, unreadable);
-    (maps.textures, indices)
+    let (textures, coarser) = maps.finish();
+    warnings.extend(coarser);
+    (textures, indices)
 }
 
 /// One mesh a material in order of first use, and for each the material of the file (`None`: the default).

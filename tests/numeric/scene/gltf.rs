@@ -122,6 +122,11 @@ fn every_form_of_a_mesh_gives_the_same_triangles() {
     let flat = &loaded(&bare).meshes[0];
     assert!(flat.normals.iter().all(|normal| *normal == [0.0, 0.0, 1.0]), "the triangles' own normals");
 
+    // What applications add under names of their own does not count.
+    let mut named = plain.clone();
+    named["meshes"][0]["primitives"][0]["attributes"]["_FEATURE_ID_0"] = json!(0);
+    assert_eq!(triangle_corners(&loaded(&named).meshes[0]), expected);
+
     // Positions and normals side by side, and the last corner moved by a sparse element.
     let (positions, normals) = sheet();
     let rows: Vec<f32> = (0..4).flat_map(|i| [&positions[3 * i..][..3], &normals[3 * i..][..3]].concat()).collect();
@@ -144,6 +149,39 @@ fn every_form_of_a_mesh_gives_the_same_triangles() {
     assert_eq!(scene.meshes[0].positions[..3].concat(), positions[..9]);
     assert_eq!(scene.meshes[0].positions[3], [9.0; 3]);
     assert!((vector(scene.meshes[0].normals[1]) - vector(normals[3..6].try_into().unwrap())).length() < F32);
+}
+
+/// `KHR_mesh_quantization`: integers stand for themselves, or for fractions of the largest one from -1 on.
+#[test]
+fn quantized_positions_are_the_numbers_that_they_stand_for() {
+    for (kind, width, largest, least) in
+        [(5120, 1, 127, -128), (5121, 1, 255, 0), (5122, 2, 32767, -32768), (5123, 2, 65535, 0)]
+    {
+        let corners: [[i32; 3]; 4] =
+            [[least, 0, 3], [largest, 0, 3], [largest, largest / 3, 3], [least, largest / 3, 3]];
+        // Rows of four numbers, as elements begin at multiples of four bytes.
+        let rows = corners.iter().flat_map(|[x, y, z]| [*x, *y, *z, 0]);
+        let bytes: Vec<u8> = rows.flat_map(|x| x.to_le_bytes()[..width].to_vec()).collect();
+        for is_fraction in [false, true] {
+            let mut model = quad();
+            use base64::Engine;
+            let uri = base64::prelude::BASE64_STANDARD.encode(&bytes);
+            model["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
+            model["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+            model["buffers"][0] = json!({ "uri": format!("data:;base64,{uri}"), "byteLength": bytes.len() });
+            model["bufferViews"][0] = json!({ "buffer": 0, "byteLength": bytes.len(), "byteStride": 4 * width });
+            model["accessors"][0]["componentType"] = json!(kind);
+            model["accessors"][0]["normalized"] = json!(is_fraction);
+            let scene = loaded(&model);
+            assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+            for (found, corner) in scene.meshes[0].positions.iter().zip(corners) {
+                let fraction = |x: i32| (f64::from(x) / f64::from(largest)).max(-1.0);
+                let wanted = corner.map(|x| if is_fraction { fraction(x) } else { x.into() });
+                let error = (vector(*found) - DVec3::from_array(wanted)).length();
+                assert!(error < F32, "{kind}, {is_fraction}: {found:?} for {wanted:?}");
+            }
+        }
+    }
 }
 
 #[test]
@@ -306,6 +344,11 @@ fn what_is_not_read_is_refused_by_name() {
         }),
         ("morph targets", |m| m["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }])),
         ("KHR_draco_mesh_compression", |m| m["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])),
+        ("extensions KHR_a, KHR_b, which are not read", |m| m["extensionsRequired"] = json!(["KHR_a", "KHR_b"])),
+        ("it uses KHR_draco_mesh_compression, not read", |m| {
+            m["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+            m["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+        }),
         ("glTF version \"1.0\"", |m| m["asset"]["version"] = json!("1.0")),
         ("node 0 is reached twice", |m| m["nodes"][0]["children"] = json!([0])),
         ("node 1 is reached twice", |m| m["nodes"] = json!([{ "mesh": 0, "children": [1, 1] }, {}])),
@@ -326,7 +369,7 @@ fn what_is_not_read_is_refused_by_name() {
         ("accessor 0: 0 elements", |m| m["accessors"][0]["count"] = json!(0)),
         ("accessor 0: 4000000000 elements", |m| m["accessors"][0]["count"] = json!(4_000_000_000u64)),
         ("accessor 0: Vec4, expected Vec3", |m| m["accessors"][0]["type"] = json!("VEC4")),
-        ("accessor 0: U16, expected floats", |m| m["accessors"][0]["componentType"] = json!(5123)),
+        ("accessor 0: U32, expected floats", |m| m["accessors"][0]["componentType"] = json!(5125)),
         ("accessor 3: Scalar of F32, expected indices", |m| {
             m["accessors"][3]["componentType"] = json!(5126);
             m["accessors"][3]["count"] = json!(3);
@@ -349,7 +392,7 @@ fn what_is_not_read_is_refused_by_name() {
         assert!(error.contains("image 0: neither"), "{error:?}");
     }
     let error = load(&map(quad(), "data:image/png;base64,AAAA")).expect_err("no picture");
-    assert!(error.contains("image 0"), "{error:?}");
+    assert!(error.contains("image 0: it is neither PNG nor JPEG"), "{error:?}");
     // Two sets of texture coordinates have no place in the g-buffer's one.
     let material = json!({
         "normalTexture": { "index": 0, "texCoord": 1 }, "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },

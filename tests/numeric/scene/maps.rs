@@ -2,6 +2,8 @@
 
 use super::gltf::{loaded, quad, seen};
 use crate::gltf_files::{load, png, textured};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use glam::DVec3;
 use serde_json::{Value, json};
 use splitsum::color::srgb_decode;
@@ -155,5 +157,39 @@ fn edges_have_the_symmetries_of_their_names() {
         let clamped = Wrap(Edge::Repeat, Edge::Clamp);
         assert!((at(u, 1.0 + v.abs(), clamped) - at(u, 9.0, clamped)).abs() < 1e-9);
         assert!((at(u, v, clamped) - at(u - 1.0, v, clamped)).abs() < 1e-9);
+    }
+}
+
+/// 2^25 texels fit; with one more map each side of the longer one is halved, whichever comes first.
+#[test]
+fn maps_that_are_too_many_are_coarser() {
+    let [large, small] = [[8192, 4096], [4, 4]].map(|[width, height]| {
+        let mut file = std::io::Cursor::new(Vec::new());
+        let halves =
+            image::GrayImage::from_fn(width, height, |x, _| image::Luma([if 2 * x < width { 0 } else { 255 }]));
+        halves.write_to(&mut file, image::ImageFormat::Png).expect("a picture in memory");
+        json!({ "uri": format!("data:image/png;base64,{}", BASE64_STANDARD.encode(file.into_inner())) })
+    });
+    let load = |images: &[Value]| {
+        let map = |index| if index < images.len() { json!({ "index": index }) } else { Value::Null };
+        let material = json!({ "baseColorTexture": map(0), "metallicRoughnessTexture": map(1) });
+        loaded(&textured(quad(), json!({ "pbrMetallicRoughness": material }), images))
+    };
+    let sizes = |scene: &Scene| -> Vec<[u32; 2]> {
+        scene.textures.iter().map(|map| [map.levels[0].width, map.levels[0].height]).collect()
+    };
+    let alone = load(std::slice::from_ref(&large));
+    assert_eq!((sizes(&alone), alone.warnings.len()), (vec![[8192, 4096]], 0));
+    drop(alone);
+    for order in [[0, 1], [1, 0]] {
+        let scene = load(&order.map(|i| [&large, &small][i].clone()));
+        assert_eq!(sizes(&scene), order.map(|i| [[4096, 2048], [4, 4]][i]));
+        assert!(scene.warnings[0].ends_with("are halved to 4096 x 4096 at most"), "{:?}", scene.warnings);
+        for map in &scene.textures {
+            let level = &map.levels[0];
+            let wanted =
+                (0..level.data.len() as u32).map(|i| if 2 * (i % level.width) < level.width { 0.0 } else { 1.0 });
+            assert!(level.data.iter().zip(wanted).all(|(texel, wanted)| *texel == [wanted; 3]), "halves stay halves");
+        }
     }
 }
