@@ -1,8 +1,8 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
 
 use super::axis::{
-    ALPHA, AXES, COMPENSATION, DFG_TABLE, DIFFUSE_METHOD, METHOD, PREFILTER_BY, PREFILTER_SIZE, PREFILTERED, Point,
-    SAMPLES, SCENE, SIZE, index_of,
+    ALBEDO, ALPHA, AXES, COMPENSATION, DFG_TABLE, DIFFUSE_METHOD, METALLIC, METHOD, PREFILTER_BY, PREFILTER_SIZE,
+    PREFILTERED, Point, SAMPLES, SCENE, SIZE, index_of,
 };
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
@@ -157,6 +157,33 @@ pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> 
         (sweep.values[0].place.clone(), text)
     };
     config.axes.iter().filter(|sweep| sweep.values.len() > 1 && is_idle(sweep.axis)).map(told).collect()
+}
+
+/// Albedos of 0 beside scenes whose metals keep their own `metallic`: the albedo is what a metal reflects, so these would be black.
+pub fn black_metals<'p>(
+    config: &Config,
+    inputs: &Inputs,
+    points: impl Iterator<Item = &'p Point>,
+) -> Vec<(Place, String)> {
+    let black = Value::Color([0.0; 3]);
+    let told = |point: &Point| {
+        let scene = inputs.scene(point[SCENE].text());
+        let is_told = point[ALBEDO] == black
+            && point[METALLIC] == Value::Unset
+            && scene.materials.iter().any(|material| material.metallic > 0.0);
+        let name = &scene.name;
+        is_told.then(|| {
+            let text =
+                format!("albedo: the metals of {name} reflect it and are black; metallic = [0] makes them dielectrics");
+            (config.place_of(ALBEDO, point), text)
+        })
+    };
+    points.filter_map(told).fold(Vec::new(), |mut all, told| {
+        if !all.contains(&told) {
+            all.push(told);
+        }
+        all
+    })
 }
 
 /// Axis, place and sentence of each value of an exclusion that its axis does not have, and whether no other one of its condition is there.

@@ -245,6 +245,10 @@ impl Plan {
         for (place, text) in checks::idle_values(&self.config) {
             warnings.add(&place, text);
         }
+        for (place, text) in checks::black_metals(&self.config, &self.inputs, self.cells.iter().map(|cell| &cell.point))
+        {
+            warnings.add(&place, text);
+        }
         if !self.config.orbit.is_still() && self.inputs.scenes().any(|scene| scene.is_design) {
             warnings.add(&Place::File(0), "orbit: the scene design has a camera of its own, which does not turn");
         }

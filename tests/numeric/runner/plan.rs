@@ -94,6 +94,18 @@ fn sample_counts_of_maps_by_harmonics_are_told_to_be_idle() {
 }
 
 #[test]
+fn metals_that_an_albedo_of_0_makes_black_are_told() {
+    let told = |scene: &str, axes: &str| {
+        let text =
+            format!("name = \"x\"\n[axes]\nscene = [\"{scene}\"]\nalpha = [0.2, 0.5]\nalbedo = [0, 0.5]\n{axes}");
+        Plan::from_text(Path::new("x.toml"), &text, &[]).unwrap().warnings()
+    };
+    let [warning] = &told("spheres", "")[..] else { panic!("{:?}", told("spheres", "")) };
+    assert!(warning.starts_with("x.toml:5:11: albedo: the metals of spheres"), "{warning}");
+    assert!(told("spheres", "metallic = [0]\n").is_empty() && told("sphere", "").is_empty());
+}
+
+#[test]
 fn ids_do_not_depend_on_the_order_of_axes_values_or_keys() {
     let reordered = r#"
 seed = 1
