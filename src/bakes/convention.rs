@@ -304,7 +304,17 @@ impl Convention {
             Some(alphas) if alphas.len() == count => Ok(alphas.clone()),
             Some(alphas) => Err(format!("{} widths are named for {count} levels", alphas.len())),
             None if count == 1 => Ok(vec![0.0]),
-            None => Ok((0..count).map(|level| self.mapping.alpha_from_mip(level as f64, count as u32)).collect()),
+            None => {
+                let last = self.mapping_levels(count);
+                Ok((0..count as u32)
+                    .map(|level| self.mapping.alpha_from_mip(level.min(last - 1).into(), last))
+                    .collect())
+            }
         }
+    }
+
+    /// Levels that the mapping counts on, of `count`.
+    pub fn mapping_levels(&self, count: usize) -> u32 {
+        self.mapping.engine_levels.unwrap_or(count as u32)
     }
 }

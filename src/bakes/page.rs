@@ -6,6 +6,9 @@ use minijinja::{AutoEscape, Environment, context};
 use std::io::{Error, Write};
 use std::path::Path;
 
+/// How a page begins.
+pub const START: &str = "<!doctype html>";
+
 /// A row of the page's table, as text but for the length of its bar.
 #[derive(serde::Serialize)]
 pub struct Row {

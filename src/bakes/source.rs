@@ -81,6 +81,9 @@ fn add_texture(
         if faces != 1 {
             return Err(Fault::new("is a cube", "one image for a DFG table").at(path));
         }
+        if width != height {
+            return Err(Fault::new(format!("it is {width}x{height}"), "a square DFG table").at(path));
+        }
         return once(&mut bake.dfg, levels.swap_remove(0).swap_remove(0), "DFG table", path);
     }
     let layout = match (faces, reading.layout) {
@@ -106,6 +109,11 @@ fn add_texture(
     match &mut bake.specular {
         _ if is_irradiance => once(&mut bake.irradiance, map, "irradiance map", path),
         Some(chain) if chain.layout == layout && count == 1 => {
+            let before = chain.levels[chain.levels.len() - 1][0].width;
+            if map.levels[0][0].width > before {
+                let what = format!("its level is {} wide, the one before {before}", map.levels[0][0].width);
+                return Err(Fault::new(what, "levels from the smoothest, the widest, on").at(path));
+            }
             chain.levels.extend(map.levels);
             Ok(())
         }
@@ -133,6 +141,11 @@ fn split(image: RgbImage, layout: &'static MapLayout) -> Result<Vec<RgbImage>, F
 
 fn read_folder(path: &Path, part: Option<Part>, reading: Reading, bake: &mut Bake) -> Result<(), PixelsError> {
     let names = names_in(path);
+    if let Some((name, _)) =
+        PARTS.iter().find(|(_, known)| part == Some(*known) && matches!(known, Part::Dfg | Part::Sh))
+    {
+        return Err(Fault::new("is a folder", format!("a file for {name}=")).at(path));
+    }
     if names.iter().any(|name| name == MANIFEST) {
         return read_ours(path, &names, reading, bake);
     }
@@ -185,7 +198,8 @@ fn read_faces(path: &Path, names: &[String]) -> Result<Map, PixelsError> {
         let side = found[level].iter().flatten().next().map_or(image.width, |first| first.width);
         if texture.is_cube() || texture.levels.len() > 1 || [image.width, image.height] != [side; 2] {
             let (levels, size) = (texture.levels.len(), [image.width, image.height]);
-            let what = format!("it is {levels} levels of {}x{}", size[0], size[1]);
+            let levels = if levels == 1 { "one level".to_owned() } else { format!("{levels} levels") };
+            let what = format!("it is {levels} of {}x{}", size[0], size[1]);
             return Err(Fault::new(what, format!("one square face of {side}x{side}")).at(&file));
         }
         let image = texture.levels.into_iter().flatten().next();

@@ -25,13 +25,12 @@ pub struct Checked {
     pub spot_check: Option<f64>,
 }
 
-/// Correlation below which a map and a light have nothing in common: bakes of the light itself have 0.95 or more in some axes, those of
-/// another light 0.8 at most.
-const SAME_LIGHT: f64 = 0.9;
+/// What is told of a map of irradiance.
+pub const IRRADIANCE: &str = "irradiance map";
 
 /// What the axes that fit best say of those that were used, and of the light.
 fn doubt(fits: &[AxesFit], used: Axes, is_wrong: bool) -> Option<String> {
-    if is_wrong && fits[0].correlation < SAME_LIGHT {
+    if is_wrong && fits[0].correlation < guess::SAME_LIGHT {
         let (axes, correlation) = (fits[0].axes, fits[0].correlation);
         return Some(format!(
             "it seems to be a bake of another map: no axes fit this one (the best, {axes}, with correlation {correlation:.2})"
@@ -47,9 +46,9 @@ fn doubt(fits: &[AxesFit], used: Axes, is_wrong: bool) -> Option<String> {
     })
 }
 
-/// Whether any map is off its integral, so that a constant light, with which nothing correlates, is no other one.
+/// Whether every map is off its integral: a level that holds it is of this light, and with a constant light nothing correlates.
 fn is_wrong(checked: &Checked) -> bool {
-    checked.levels.iter().chain(&checked.irradiance).any(|score| score.errors.relmse > GOOD)
+    checked.levels.iter().chain(&checked.irradiance).all(|score| score.errors.relmse > GOOD)
 }
 
 /// Whether the axes of a map do not fit, or it is of another light. A width or a gain would explain nothing then.
@@ -63,6 +62,10 @@ pub fn as_text(checked: &Checked, is_guessed: bool) -> String {
     let mut text = String::new();
     for (what, fits) in &checked.axes {
         match doubt(fits, checked.convention.axes, is_wrong(checked)) {
+            Some(doubt) if *what == IRRADIANCE => super::warn(
+                what,
+                &format!("{doubt}. A cube of one level is read as irradiance; specular=FILE names it the map itself"),
+            ),
             Some(doubt) => super::warn(what, &doubt),
             None if is_guessed => text += &format!("{what}: {}\n", guess::in_words(fits)),
             None => {}

@@ -1,6 +1,6 @@
 //! `splitsum check-bake`: how wrong the tables are that some tool baked.
 
-use super::bake_scores::{Checked, as_json, as_text, is_doubtful, rows};
+use super::bake_scores::{Checked, IRRADIANCE, as_json, as_text, is_doubtful, rows};
 use super::{Failure, print, print_data};
 use clap::Args;
 use glam::DVec3;
@@ -19,6 +19,8 @@ use splitsum::environment::layout::{LAYOUTS, layout_by_name};
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, level_mapping_by_name, weight_by_name};
 use splitsum::spelling::suggestion;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Scores tables that any tool baked against their exact integrals, level by level.
@@ -79,7 +81,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME")]
     layout: Option<String>,
     /// Tries all 48 axes of each map and every convention of the table, and uses those that fit best.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["axes", "table_axes", "table_channels", "masking"])]
     guess: bool,
     /// Leaves out what the tables do to an image, which takes half of the time.
     #[arg(long)]
@@ -122,6 +124,9 @@ pub fn named<T>(flag: &str, name: &str, found: Option<T>, known: Vec<&str>) -> R
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(path) = &arguments.html {
+        writable(path).map_err(|fault| Failure::input(format!("--html {}: {fault}", path.display())))?;
+    }
     let model =
         named("--brdf", &arguments.brdf, brdf::by_name(&arguments.brdf), names(brdf::MODELS, |model| model.name()))?;
     let layout = arguments
@@ -130,6 +135,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         .map(|name| named("--layout", name, layout_by_name(name), names(LAYOUTS, |layout| layout.name)));
     let bake =
         read(&arguments.files, Reading { layout: layout.transpose()?, brdf: model.name() }).map_err(Failure::input)?;
+    thresholds(arguments, &bake)?;
     let (preset, convention) = (preset(arguments, &bake.told)?, convention(arguments, &bake.told)?);
     let weight = arguments.weight.as_deref().or(bake.told.weight.as_deref()).unwrap_or(WEIGHTS[0].name);
     let weight = named("--weight", weight, weight_by_name(weight), names(WEIGHTS, |weight| weight.name))?;
@@ -162,6 +168,34 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             .map_err(|error| Failure::input(format!("--html: {error}")))?;
     }
     judge(arguments, &checked)
+}
+
+/// Refuses what is known to fail after the work, and files that are no pages, which may be the bake itself.
+fn writable(path: &Path) -> Result<(), String> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if path.is_dir() || !folder.is_dir() {
+        return Err(if path.is_dir() { "is a folder" } else { "its folder does not exist" }.to_owned());
+    }
+    let Ok(mut file) = File::open(path) else { return Ok(()) };
+    let mut start = [0; page::START.len()];
+    match file.read_exact(&mut start) {
+        Ok(()) if start == page::START.as_bytes() => Ok(()),
+        _ => Err("exists and is no page of check-bake; give another name".to_owned()),
+    }
+}
+
+/// Refuses thresholds of which none has anything to judge.
+fn thresholds(arguments: &Arguments, bake: &Bake) -> Result<(), Failure> {
+    let has_map = bake.specular.is_some() || bake.irradiance.is_some() || bake.sh.is_some();
+    let given = [(arguments.fail_above, has_map), (arguments.fail_table_above, bake.dfg.is_some())];
+    let judge = |(limit, is_there): (Option<f64>, bool)| limit.map(|_| is_there);
+    let mut judges = given.into_iter().filter_map(judge).peekable();
+    if judges.peek().is_some() && !judges.any(|is_there| is_there) {
+        return Err(Failure::input(
+            "nothing is judged: --fail-above is for maps and SH, --fail-table-above for a DFG table",
+        ));
+    }
+    Ok(())
 }
 
 fn names<T>(list: &[T], name: fn(&T) -> &'static str) -> Vec<&'static str> {
@@ -224,7 +258,7 @@ fn check(
         axes.push(("prefiltered map", guess::axes(truth, map, &convention)?));
     }
     if let Some(map) = &bake.irradiance {
-        axes.push(("irradiance map", guess::irradiance_axes(truth, map)));
+        axes.push((IRRADIANCE, guess::irradiance_axes(truth, map)));
     }
     let mut table_way = None;
     if is_guessed {
@@ -295,5 +329,5 @@ fn judge(arguments: &Arguments, checked: &Checked) -> Result<(), Failure> {
 
 fn threshold(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
-    number.ok_or_else(|| "expected a number of at least 0".to_owned())
+    number.ok_or_else(|| "expected a number of at least 0; an error of 1 % rms is a relmse of 1e-4".to_owned())
 }

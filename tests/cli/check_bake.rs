@@ -74,6 +74,25 @@ fn bakes_for_every_engine_score_as_exact() {
             assert!(!found["levels"].as_array().unwrap().is_empty(), "{found}");
         }
     }
+    // A page is written over a page, and over nothing else.
+    let page = |name: &str| {
+        let arguments = ["check-bake", "bevy", "--environment", "builtin:sky", "--no-image", "--html", name];
+        splitsum(dir.path(), &arguments)
+    };
+    let before = std::fs::read(dir.path().join("bevy/specular.ktx2")).unwrap();
+    assert_ends(&page("bevy/specular.ktx2"), 2, &["is no page of check-bake"]);
+    assert_eq!(std::fs::read(dir.path().join("bevy/specular.ktx2")).unwrap(), before);
+    assert_ends(&page("none/x.html"), 2, &["its folder does not exist"]);
+    for _ in 0..2 {
+        assert_ends(&page("x.html"), 0, &[]);
+    }
+    // A threshold that judges nothing passes nothing.
+    let arguments = ["check-bake", "khronos/lut_ggx.png", "--environment", "builtin:sky", "--fail-above", "0.1"];
+    assert_ends(&splitsum(dir.path(), &arguments), 2, &["nothing is judged: --fail-above is for maps"]);
+    // Of other widths than assumed it is still of this light.
+    let arguments = ["check-bake", "filament/ibl.ktx", "--environment", "builtin:sky", "--no-image"];
+    let told = splitsum(dir.path(), &arguments);
+    assert!(!String::from_utf8_lossy(&told.stderr).contains("another map"), "{told:?}");
     // That of another light is told from one of other axes.
     let arguments = ["check-bake", "bevy", "--environment", "builtin:studio", "--fail-above", "1e-3", "--no-image"];
     assert_ends(&splitsum(dir.path(), &arguments), 1, &["seems to be a bake of another map"]);

@@ -1,7 +1,7 @@
 //! Which axes fit a map: all 48 are tried against the environment.
 
-use super::Truth;
 use super::directions::Directions;
+use super::{Truth, has_width};
 use crate::bakes::convention::{Axes, Convention};
 use crate::bakes::parts::Map;
 use crate::environment::layout::{FilteredMap, LAYOUTS};
@@ -12,10 +12,16 @@ use glam::DVec3;
 const ALPHA: f64 = 0.15;
 /// Side of the cube of directions.
 const SIDE: u32 = 16;
+/// Points a side of each of its texels, so that a mirror is compared by its means.
+const SUPERSAMPLED: u32 = 8;
 /// Beside radiance under the logarithm, as a share of the mean: a lamp counts, but not alone.
 const FLOOR: f64 = 0.1;
 /// How much less variance the best must leave than the next one to be clear.
 const CLEAR: f64 = 4.0;
+
+/// Correlation below which a map and a light have nothing in common: bakes of the light itself have 0.95 or more in some axes, those of
+/// another light 0.8 at most.
+pub const SAME_LIGHT: f64 = 0.9;
 
 /// Axes and how well they fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,8 +36,33 @@ pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Axe
     let alphas = convention.alphas(map.levels.len())?;
     let off = |level: &usize| (alphas[*level].max(1e-3) / ALPHA).ln().abs();
     let level = (0..alphas.len()).min_by(|a, b| off(a).total_cmp(&off(b))).expect("a map has levels");
-    let light = truth.prefiltered(alphas[level].max(ALPHA / 2.0));
-    Ok(ranked(truth, map, level, |direction| light.value(direction)))
+    let fits = |alpha: f64| {
+        let light = truth.prefiltered(alpha);
+        ranked(truth, map, level, |direction| light.value(direction))
+    };
+    if !has_width(alphas[level]) {
+        let light = directions().means(SUPERSAMPLED, |direction| truth.environment.radiance(direction));
+        let cell = |direction| {
+            let (face, uv) = (LAYOUTS[0].place)(direction);
+            let [x, y] = (uv * f64::from(SIDE)).to_array().map(|at| (at as u32).min(SIDE - 1));
+            light[((face * SIDE + y) * SIDE + x) as usize]
+        };
+        return Ok(ranked(truth, map, level, cell));
+    }
+    // A level of another width than assumed is of this light, too.
+    let own = alphas[level].max(ALPHA / 2.0);
+    let widths = [1.0, 0.5, 0.25, 2.0, 4.0].map(|factor| (factor * own).clamp(ALPHA / 2.0, 1.0));
+    let mut best = fits(own);
+    for alpha in widths.into_iter().skip(1) {
+        if best[0].correlation >= SAME_LIGHT {
+            break;
+        }
+        let found = fits(alpha);
+        if found[0].correlation > best[0].correlation {
+            best = found;
+        }
+    }
+    Ok(best)
 }
 
 /// As [`axes`], for a map of irradiance.
@@ -40,13 +71,18 @@ pub fn irradiance_axes(truth: &Truth, map: &Map) -> Vec<AxesFit> {
     ranked(truth, map, 0, |direction| light.value(direction))
 }
 
+/// Turns and mirrors of a cube lead its cells to cells.
+fn directions() -> Directions {
+    Directions::new(&LAYOUTS[0], Axes::SAME, [SIDE; 2])
+}
+
 fn ranked(truth: &Truth, map: &Map, level: usize, light: impl Fn(DVec3) -> DVec3) -> Vec<AxesFit> {
-    let directions = Directions::new(&LAYOUTS[0], Axes::SAME, [SIDE; 2]);
+    let directions = directions();
     let floor = FLOOR * truth.environment.luminance.mean.max(f64::MIN_POSITIVE);
     // A gain moves nothing: the floor of the bake is that of its own mean.
     let texels = |image: &RgbImage| image.map(|texel| DVec3::from_array(texel.map(f64::from)));
     let found = FilteredMap { layout: map.layout, levels: vec![map.levels[level].iter().map(texels).collect()] };
-    let values: Vec<DVec3> = directions.world.iter().map(|direction| found.value(*direction, 0.0)).collect();
+    let values = directions.means(SUPERSAMPLED, |direction| found.value(direction, 0.0));
     let mean = values.iter().map(|value| value.element_sum() / 3.0).sum::<f64>() / values.len() as f64;
     let own_floor = FLOOR * mean.max(f64::MIN_POSITIVE);
     let log = |value: DVec3, floor: f64| ((value.element_sum() / 3.0).max(0.0) + floor).ln();

@@ -138,7 +138,9 @@ fn errors_and_worst(truth: &Truth, directions: &Directions, found: &[DVec3], exa
 /// The level that a width belongs to, real, on the convention's own scale, among levels of the widths `alphas`.
 pub(super) fn level_of(convention: &Convention, alphas: &[f64], alpha: f64) -> Option<f64> {
     match &convention.alphas {
-        None if alphas.len() > 1 => Some(convention.mapping.mip_from_alpha(alpha, alphas.len() as u32)),
+        None if alphas.len() > 1 => {
+            Some(convention.mapping.mip_from_alpha(alpha, convention.mapping_levels(alphas.len())))
+        }
         _ => between(alphas, alpha),
     }
 }

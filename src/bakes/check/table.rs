@@ -52,13 +52,13 @@ pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention)
     let verdict = if max_error <= GOOD {
         "good: below 1/255, a step of 8 bits".to_owned()
     } else {
-        explained(table, brdf, convention, rms)
+        explained(table, brdf, convention, [rms, max_error])
     };
     TableScore { max_error, rms, worst, count: errors.len(), verdict }
 }
 
 /// What would explain the error of a table.
-fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention, rms: f64) -> String {
+fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention, [rms, max_error]: [f64; 2]) -> String {
     let Convention { table_axes, table_channels, masking, .. } = convention;
     let found = search(table, brdf).swap_remove(0);
     let is_own =
@@ -87,12 +87,14 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
     let best = (0..all.len()).min_by(|a, b| all[*a].total_cmp(&all[*b])).expect("shifts");
     if all[best] < 0.5 * own {
         let shift = shifts[best];
-        return format!(
-            "its values lie {} texels right and {} down of their places: shifted back, rms {:.1e} for {own:.1e}",
-            -shift.x, -shift.y, all[best]
-        );
+        let (far, side) = match -(shift.x + shift.y) {
+            far if shift.x != 0.0 => (far.abs(), if far > 0.0 { "far right" } else { "far left" }),
+            far => (far.abs(), if far > 0.0 { "low" } else { "high" }),
+        };
+        let share = 100.0 * (all[best] / own);
+        return format!("its values lie {far} texel too {side}: moved back, {share:.0} % of the rms is left");
     }
-    "differs, and no other convention fits better".to_owned()
+    format!("its convention fits best; the largest error is {:.0} steps of 8 bits", 255.0 * max_error)
 }
 
 /// Conventions of a table and what they leave.

@@ -17,17 +17,30 @@ pub struct LevelMapping {
     pub about: &'static str,
     /// b of the module's text.
     pub bend: f64,
+    /// Levels that its engine counts on, however many a cube has.
+    pub engine_levels: Option<u32>,
 }
 
 /// Every mapping; the first is the default.
 pub static LEVEL_MAPPINGS: &[LevelMapping] = &[
-    LevelMapping { name: "linear", about: "m(r) = r: Bevy, Cesium, the Khronos sampler and viewer", bend: 0.0 },
+    LevelMapping {
+        name: "linear",
+        about: "m(r) = r: Bevy, Cesium, the Khronos sampler and viewer",
+        bend: 0.0,
+        engine_levels: None,
+    },
     LevelMapping {
         name: "quadratic",
         about: "m(r) = r (2 - r): Filament, its baker cmgen (levels down to 16 texels), three.js",
         bend: 1.0,
+        engine_levels: None,
     },
-    LevelMapping { name: "unity", about: "m(r) = r (1.7 - 0.7 r): Unity, with 7 levels", bend: 0.7 },
+    LevelMapping {
+        name: "unity",
+        about: "m(r) = r (1.7 - 0.7 r): Unity, with 7 levels",
+        bend: 0.7,
+        engine_levels: Some(7),
+    },
 ];
 
 /// The mapping of that name.
