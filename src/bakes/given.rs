@@ -62,11 +62,13 @@ impl Given {
 pub fn map(value: &str, dir: &Path) -> Result<Option<Arc<GivenMap>>, String> {
     let Some((bake, convention)) = opened(value, dir)? else { return Ok(None) };
     let refuse = |what: String| Err(format!("{value}: {what}"));
-    let Some(map) = bake.specular else { return refuse("it holds no prefiltered map".to_owned()) };
+    let Some(mut map) = bake.specular else { return refuse("it holds no prefiltered map".to_owned()) };
     let layout = &LAYOUTS[0];
     if map.layout != layout {
         return refuse(format!("it is a map of layout {}; expected a cube", map.layout.name));
     }
+    // Its engine reads no further ones.
+    map.levels.truncate(convention.mapping.engine_levels.unwrap_or(u32::MAX) as usize);
     let count = map.levels.len();
     let side = map.levels[0][0].width;
     if count < 2 {

@@ -363,9 +363,9 @@ fn a_reference_under_test_does_not_stop_by_itself() {
 #[test]
 fn tables_of_other_tools_count_by_their_content() {
     let dir = tempfile::tempdir().unwrap();
-    // A cube of two levels as KTX 1, all of one colour.
+    // A cube of 8 levels as KTX 1, all of one colour. Unity reads 7.
     let bake = |name: &str, value: f32| {
-        let levels = [8, 4].map(|side| vec![RgbImage::filled(side, side, [value; 3]); 6]);
+        let levels = [128, 64, 32, 16, 8, 4, 2, 1].map(|side| vec![RgbImage::filled(side, side, [value; 3]); 6]);
         let (texel, format) = (&TEXELS[0], FORMATS.iter().find(|format| format.extension == "ktx").unwrap());
         let encoding = Encoding { texel, levels: &levels, keys: &[], is_packed: false };
         std::fs::write(dir.path().join(name), (format.write)(&encoding)).unwrap();
@@ -389,7 +389,7 @@ fn tables_of_other_tools_count_by_their_content() {
     let settings = plan.request(&theirs.point).precompute;
     assert_eq!(
         (settings.prefilter_size, settings.prefilter_level_count, settings.level_mapping.name),
-        ([8, 8], 2, "unity")
+        ([128, 128], 7, "unity")
     );
     assert!(plan.reference_request(&plan.reference_point(&theirs.point)).given.prefiltered.is_none());
     let first = ids("a.ktx");
