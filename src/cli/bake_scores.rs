@@ -29,18 +29,19 @@ pub struct Checked {
 pub const IRRADIANCE: &str = "irradiance map";
 
 /// What the axes that fit best say of those that were used, and of the light.
-fn doubt(fits: &[AxesFit], used: Axes, is_wrong: bool) -> Option<String> {
+fn doubt(what: &str, fits: &[AxesFit], used: Axes, is_wrong: bool) -> Option<String> {
+    let hint = if what == IRRADIANCE { "; if it is the map itself as a cube of one level: specular=FILE" } else { "" };
     if is_wrong && fits[0].correlation < guess::SAME_LIGHT {
         let (axes, correlation) = (fits[0].axes, fits[0].correlation);
         return Some(format!(
-            "it seems to be a bake of another map: no axes fit this one (the best, {axes}, with correlation {correlation:.2})"
+            "it seems to be a bake of another map: no axes fit this one (the best, {axes}, with correlation {correlation:.2}){hint}"
         ));
     }
     let own = *fits.iter().find(|fit| fit.axes == used)?;
     let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own);
     is_doubtful.then(|| {
         format!(
-            "axes {} fit it far better than {used} (correlation {:.4}, not {:.4}): --axes={} or --guess",
+            "axes {} fit it far better than {used} (correlation {:.4}, not {:.4}): --axes={} or --guess{hint}",
             fits[0].axes, fits[0].correlation, own.correlation, fits[0].axes
         )
     })
@@ -54,18 +55,14 @@ fn is_wrong(checked: &Checked) -> bool {
 /// Whether the axes of a map do not fit, or it is of another light. A width or a gain would explain nothing then.
 pub fn is_doubtful(checked: &Checked) -> bool {
     let used = checked.convention.axes;
-    checked.axes.iter().any(|(_, fits)| doubt(fits, used, is_wrong(checked)).is_some())
+    checked.axes.iter().any(|(what, fits)| doubt(what, fits, used, is_wrong(checked)).is_some())
 }
 
 /// For people.
 pub fn as_text(checked: &Checked, is_guessed: bool) -> String {
     let mut text = String::new();
     for (what, fits) in &checked.axes {
-        match doubt(fits, checked.convention.axes, is_wrong(checked)) {
-            Some(doubt) if *what == IRRADIANCE => super::warn(
-                what,
-                &format!("{doubt}. A cube of one level is read as irradiance; specular=FILE names it the map itself"),
-            ),
+        match doubt(what, fits, checked.convention.axes, is_wrong(checked)) {
             Some(doubt) => super::warn(what, &doubt),
             None if is_guessed => text += &format!("{what}: {}\n", guess::in_words(fits)),
             None => {}
@@ -176,7 +173,7 @@ pub fn as_json(environment: &str, preset: &str, checked: &Checked) -> Value {
             .take(4)
             .map(|fit| json!({ "axes": fit.axes.to_string(), "correlation": fit.correlation }))
             .collect();
-        json!({ "of": what, "best": best, "warning": doubt(fits, checked.convention.axes, is_wrong(checked)) })
+        json!({ "of": what, "best": best, "warning": doubt(what, fits, checked.convention.axes, is_wrong(checked)) })
     });
     json!({
         "environment": environment,

@@ -224,10 +224,11 @@ impl TensorRule {
     ///
     /// `f(i, j)` is the function at coordinate i along the first and j along the second side (see [`TensorRule::coordinates`]).
     pub fn evaluate<V: Sample>(&self, f: impl Fn(usize, usize) -> V) -> ([[V; NODE_COUNT]; NODE_COUNT], V) {
-        let values: [[V; NODE_COUNT]; NODE_COUNT] = std::array::from_fn(|i| std::array::from_fn(|j| f(i, j)));
-        let mut residual = V::ZERO;
+        let mut values = [[V::ZERO; NODE_COUNT]; NODE_COUNT];
+        (0..NODE_COUNT).for_each(|i| (0..NODE_COUNT).for_each(|j| values[i][j] = f(i, j)));
+        let (mut residual, mut column) = (V::ZERO, [V::ZERO; NODE_COUNT]);
         for (b, along_second) in self.lagrange_at_checks.iter().enumerate() {
-            let column: [V; NODE_COUNT] = std::array::from_fn(|i| V::combine(along_second, &values[i]));
+            (0..NODE_COUNT).for_each(|i| column[i] = V::combine(along_second, &values[i]));
             for (a, along_first) in self.lagrange_at_checks.iter().enumerate() {
                 let interpolated = V::combine(along_first, &column);
                 residual = residual.max_difference(f(NODE_COUNT + a, NODE_COUNT + b), interpolated);
@@ -249,7 +250,9 @@ pub trait Sample: Copy {
 impl Sample for DVec3 {
     const ZERO: Self = DVec3::ZERO;
     fn combine(weights: &[f64; NODE_COUNT], values: &[Self; NODE_COUNT]) -> Self {
-        weights.iter().zip(values).map(|(&weight, &value)| weight * value).sum()
+        let mut sum = Self::ZERO;
+        (0..NODE_COUNT).for_each(|i| sum += weights[i] * values[i]);
+        sum
     }
     fn max_difference(self, a: Self, b: Self) -> Self {
         self.max((a - b).abs())
@@ -259,10 +262,13 @@ impl Sample for DVec3 {
 impl<const K: usize> Sample for [f64; K] {
     const ZERO: Self = [0.0; K];
     fn combine(weights: &[f64; NODE_COUNT], values: &[Self; NODE_COUNT]) -> Self {
-        std::array::from_fn(|k| weights.iter().zip(values).map(|(weight, value)| weight * value[k]).sum())
+        let mut sum = Self::ZERO;
+        (0..NODE_COUNT).for_each(|i| (0..K).for_each(|k| sum[k] += weights[i] * values[i][k]));
+        sum
     }
-    fn max_difference(self, a: Self, b: Self) -> Self {
-        std::array::from_fn(|k| self[k].max((a[k] - b[k]).abs()))
+    fn max_difference(mut self, a: Self, b: Self) -> Self {
+        (0..K).for_each(|k| self[k] = self[k].max((a[k] - b[k]).abs()));
+        self
     }
 }
 
@@ -295,12 +301,22 @@ impl Rectangle {
 ///
 /// The error of a part is its area times the largest residual of its interpolant: pessimistic for smooth parts.
 pub fn integrate_rectangle(rectangle: Rectangle, tolerance: Tolerance, f: impl Fn(DVec2) -> DVec3) -> Bounded {
+    integrate_columns(rectangle, tolerance, |x| x, |x, y| f(DVec2::new(*x, y)))
+}
+
+/// The same for `f(column(x), y)`: what depends on x alone is computed once for all y of a part.
+pub fn integrate_columns<C>(
+    rectangle: Rectangle,
+    tolerance: Tolerance,
+    column: impl Fn(f64) -> C,
+    f: impl Fn(&C, f64) -> DVec3,
+) -> Bounded {
     let rule = TensorRule::default();
     let coordinates = rule.coordinates();
     let estimate = |part: &Rectangle| {
         let (center, half) = (part.center(), 0.5 * (part.high - part.low));
-        let at = |i: usize, j: usize| f(center + half * DVec2::new(coordinates[i], coordinates[j]));
-        let (values, residual) = rule.evaluate(at);
+        let columns = coordinates.map(|x| column(center.x + half.x * x));
+        let (values, residual) = rule.evaluate(|i, j| f(&columns[i], center.y + half.y * coordinates[j]));
         let weights = &rule.gauss.weights;
         let mean = DVec3::combine(weights, &values.map(|column| DVec3::combine(weights, &column)));
         let area = half.x * half.y;

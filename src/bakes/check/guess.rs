@@ -36,8 +36,9 @@ pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Axe
     let alphas = convention.alphas(map.levels.len())?;
     let off = |level: &usize| (alphas[*level].max(1e-3) / ALPHA).ln().abs();
     let level = (0..alphas.len()).min_by(|a, b| off(a).total_cmp(&off(b))).expect("a map has levels");
-    let fits = |alpha: f64| {
-        let light = truth.prefiltered(alpha);
+    // Against the light of another width than that of the level.
+    let fits = |factor: f64| {
+        let light = truth.prefiltered((factor * alphas[level]).clamp(ALPHA / 2.0, 1.0));
         ranked(truth, map, level, |direction| light.value(direction))
     };
     if !has_width(alphas[level]) {
@@ -49,15 +50,12 @@ pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Axe
         };
         return Ok(ranked(truth, map, level, cell));
     }
-    // A level of another width than assumed is of this light, too.
-    let own = alphas[level].max(ALPHA / 2.0);
-    let widths = [1.0, 0.5, 0.25, 2.0, 4.0].map(|factor| (factor * own).clamp(ALPHA / 2.0, 1.0));
-    let mut best = fits(own);
-    for alpha in widths.into_iter().skip(1) {
+    let mut best = fits(1.0);
+    for factor in [0.5, 0.25, 2.0, 4.0] {
         if best[0].correlation >= SAME_LIGHT {
             break;
         }
-        let found = fits(alpha);
+        let found = fits(factor);
         if found[0].correlation > best[0].correlation {
             best = found;
         }

@@ -73,12 +73,12 @@ impl Legendre {
             return false;
         }
         let (mut last, mut own) = ([0.0; LANES], block.sin.map(|sin| (self.first[m] + m as f64 * sin.ln()).exp()));
-        found.clear();
-        found.push(own);
-        for [a, b] in &self.steps[m][..degree - m] {
-            let next = std::array::from_fn(|lane| a * block.cos[lane] * own[lane] - b * last[lane]);
-            (last, own) = (own, next);
-            found.push(own);
+        let (cos, steps) = (block.cos, &self.steps[m][..degree - m]);
+        found.resize(degree - m + 1, own);
+        found[0] = own;
+        for (value, [a, b]) in found[1..].iter_mut().zip(steps) {
+            (0..LANES).for_each(|lane| value[lane] = a * cos[lane] * own[lane] - b * last[lane]);
+            (last, own) = (own, *value);
         }
         true
     }

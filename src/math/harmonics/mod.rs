@@ -57,9 +57,7 @@ impl Harmonics {
                     values.iter_mut().zip(halves).for_each(|(value, half)| *value = half[parity]);
                     let own = sums.iter_mut().skip(parity).step_by(2);
                     for (sum, p) in own.zip(p.iter().skip(parity).step_by(2)) {
-                        for (p, values) in p.iter().zip(&values) {
-                            (0..6).for_each(|i| sum[i] += p * values[i]);
-                        }
+                        (0..LANES).for_each(|lane| (0..6).for_each(|i| sum[i] += p[lane] * values[lane][i]));
                     }
                 }
             }
@@ -127,9 +125,7 @@ impl Harmonics {
                     let mut own = [[0.0; LANES]; 6];
                     let values = scaled[m].iter().skip(parity).step_by(2);
                     for (value, p) in values.zip(p.iter().skip(parity).step_by(2)) {
-                        for (own, value) in own.iter_mut().zip(value) {
-                            (0..LANES).for_each(|lane| own[lane] += value * p[lane]);
-                        }
+                        (0..6).for_each(|i| (0..LANES).for_each(|lane| own[i][lane] += value[i] * p[lane]));
                     }
                     *sums = own;
                 }

@@ -9,7 +9,7 @@
 //! - φ as a fraction of its limit.
 
 use crate::brdf::{Brdf, MaskingShadowing, g2, schlick_weight};
-use crate::math::quadrature::{Bounded, Rectangle, Tolerance, integrate_rectangle};
+use crate::math::quadrature::{Bounded, Rectangle, Tolerance, integrate_columns};
 use crate::precompute::prefilter::Kernel;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -77,29 +77,38 @@ fn mean_over_facets(
     // A grazing view may end the first range within the lobe's core.
     let t_low = t_full.min(alpha.ln()) - LOG_WIDTH_BELOW;
 
-    // Integrand per dt and per fraction of the azimuth's limit.
-    let integrand = |t: f64, fraction: f64, phi_limit: f64| {
+    // Half vectors at one angle to the normal, up to a limit of the azimuth on either side: `step` is dt per unit of the square.
+    let arc = |t: f64, phi_limit: f64, step: f64| {
         let (sin_theta, cos_theta) = t.exp().atan().sin_cos();
-        let (sin_phi, cos_phi) = (phi_limit * fraction).sin_cos();
-        let h = DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta);
-        let v_dot_h = v.dot(h);
         // dω = sin θ dθ dφ = sin² θ cos θ dt dφ, both signs of φ.
         let measure = 2.0 * phi_limit * sin_theta * sin_theta * cos_theta;
-        model.d(h, alpha) * h.z * measure * f(h, v_dot_h, 2.0 * v_dot_h * h.z - v.z)
+        let density = model.d(DVec3::new(sin_theta, 0.0, cos_theta), alpha) * cos_theta;
+        Arc { sin_theta, cos_theta, phi_limit, weight: step * density * measure }
+    };
+    let value = |arc: &Arc, fraction: f64| {
+        let (sin_phi, cos_phi) = (arc.phi_limit * fraction).sin_cos();
+        let h = DVec3::new(arc.sin_theta * cos_phi, arc.sin_theta * sin_phi, arc.cos_theta);
+        let v_dot_h = v.dot(h);
+        arc.weight * f(h, v_dot_h, 2.0 * v_dot_h * h.z - v.z)
+    };
+    // The whole circle where no l is below the horizon, and what is above it where some are.
+    let arcs = |x: f64| {
+        let full = arc(t_low + (t_full - t_low) * x, PI, t_full - t_low);
+        let (sin, cos) = (FRAC_PI_2 * x).sin_cos();
+        let t = t_full + (t_none - t_full) * sin * sin;
+        let phi_limit = (-v.z / (v.x * (2.0 * t.exp().atan()).tan())).clamp(-1.0, 1.0).acos();
+        // v = n: the two limits coincide and nothing lies between.
+        let cut = (t_none > t_full).then(|| arc(t, phi_limit, (t_none - t_full) * PI * sin * cos));
+        [Some(full), cut]
     };
     let unit = Rectangle { low: DVec2::ZERO, high: DVec2::ONE };
-    integrate_rectangle(unit, tolerance, |p| {
-        let full = (t_full - t_low) * integrand(t_low + (t_full - t_low) * p.x, p.y, PI);
-        let (sin, cos) = (FRAC_PI_2 * p.x).sin_cos();
-        let t = t_full + (t_none - t_full) * sin * sin;
-        let theta = t.exp().atan();
-        let phi_limit = (-v.z / (v.x * (2.0 * theta).tan())).clamp(-1.0, 1.0).acos();
-        // v = n: the two limits coincide and nothing lies between.
-        let cut = if t_none > t_full {
-            (t_none - t_full) * PI * sin * cos * integrand(t, p.y, phi_limit)
-        } else {
-            DVec3::ZERO
-        };
-        full + cut
-    })
+    integrate_columns(unit, tolerance, arcs, |arcs, y| arcs.iter().flatten().map(|arc| value(arc, y)).sum())
+}
+
+/// See [`mean_over_facets`].
+struct Arc {
+    sin_theta: f64,
+    cos_theta: f64,
+    phi_limit: f64,
+    weight: f64,
 }
