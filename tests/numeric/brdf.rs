@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing};
 use splitsum::math::erf::erfc;
-use splitsum::math::quadrature::{Rectangle, Tolerance, integrate_rectangle};
+use splitsum::math::quadrature::{Rectangle, Tolerance, integrate_columns};
 use splitsum::math::sampling::{direction_from_polar, hammersley};
 use splitsum::precompute::dfg::reference::dfg;
 use std::f64::consts::{PI, TAU};
@@ -21,10 +21,10 @@ fn view(n_dot_v: f64) -> DVec3 {
 fn integrate_sphere(relative: f64, f: impl Fn(DVec3) -> f64) -> f64 {
     let domain = Rectangle { low: DVec2::new(-20.0, 0.0), high: DVec2::new(20.0, 1.0) };
     let tolerance = Tolerance { relative, max_part_count: 100_000 };
-    let integral = integrate_rectangle(domain, tolerance, |p| {
-        // sin θ = 1/cosh t, cos θ = -tanh t, dω = sin² θ dt dφ.
-        let sin_theta = 1.0 / p.x.cosh();
-        DVec3::splat(TAU * sin_theta * sin_theta * f(direction_from_polar(sin_theta, -p.x.tanh(), p.y)))
+    // sin θ = 1/cosh t, cos θ = -tanh t, dω = sin² θ dt dφ.
+    let row = |t: f64| [1.0 / t.cosh(), -t.tanh()];
+    let integral = integrate_columns(domain, tolerance, row, |&[sin_theta, cos_theta], turn| {
+        DVec3::splat(TAU * sin_theta * sin_theta * f(direction_from_polar(sin_theta, cos_theta, turn)))
     });
     integral.value.x
 }

@@ -34,7 +34,7 @@ impl Dfg {
 const LOG_WIDTH_BELOW: f64 = 12.0;
 
 /// Relative error of the quadrature.
-const EXACT: f64 = 5e-7;
+pub const EXACT: f64 = 5e-7;
 
 /// The pair for `n_dot_v` in (0, 1] and `alpha` in (0, 1].
 pub fn dfg(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64) -> Dfg {
@@ -52,9 +52,9 @@ pub fn dfg_within(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: 
 }
 
 /// What normalises the kernel `D n_dot_h / (4 v·h) w(l)` of prefiltered maps at a view: the means of `(1 - Fc) w` and of `Fc w` over half
-/// vectors of density `D n_dot_h`.
-pub fn weight_means(kernel: Kernel, n_dot_v: f64, alpha: f64) -> [f64; 2] {
-    let integral = mean_over_facets(kernel.brdf, n_dot_v, alpha, EXACT, |_, v_dot_h, n_dot_l| {
+/// vectors of density `D n_dot_h`, within a relative error.
+pub fn weight_means(kernel: Kernel, n_dot_v: f64, alpha: f64, relative: f64) -> [f64; 2] {
+    let integral = mean_over_facets(kernel.brdf, n_dot_v, alpha, relative, |_, v_dot_h, n_dot_l| {
         let weight = kernel.weight(alpha, n_dot_l);
         DVec3::new(weight, weight * schlick_weight(v_dot_h), 0.0)
     });

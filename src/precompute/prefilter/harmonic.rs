@@ -51,7 +51,8 @@ pub fn factors_of(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f6
 pub fn integrals(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
     // In t = ln tan(γ/2), where a lobe of any width has the same shape; below it holds 4e-11.
     let low = alpha.ln() - 12.0;
-    let rule = GaussLegendre::<6>::new();
+    const NODES: usize = 6;
+    let rule = GaussLegendre::<NODES>::new();
     let steps: Vec<[f64; 2]> =
         (0..=degree).map(|l| [(2 * l + 1) as f64, l as f64].map(|x| x / (l + 1) as f64)).collect();
     let mut sums = vec![0.0; degree + 1];
@@ -59,19 +60,23 @@ pub fn integrals(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f64
     while high > low {
         // Panels no longer than a radian and a half of the highest degree: dγ = sin γ dt.
         let step = f64::min(0.25, 1.5 * high.cosh() / degree as f64);
-        for (node, step_share) in rule.nodes.iter().zip(rule.weights) {
-            let t = high - 0.5 * step * (1.0 + node);
+        // The nodes of a panel side by side: a recurrence alone waits for itself.
+        let (mut cosines, mut values) = ([0.0; NODES], [0.0; NODES]);
+        for k in 0..NODES {
+            let t = high - 0.5 * step * (1.0 + rule.nodes[k]);
             // sin γ = 1/cosh t, cos γ = -tanh t, dω = 2π sin² γ dt.
             let (sin, cos) = (1.0 / t.cosh(), -t.tanh());
             let h = (DVec3::new(sin, 0.0, cos) + DVec3::Z).normalize();
             let own_weight = if cos > 0.0 { weight(cos) } else { 0.0 };
-            let value = 0.5 * step * step_share * TAU * sin * sin * brdf.d(h, alpha) * own_weight;
-            // (l + 1) P_l+1 = (2l + 1) cos γ P_l - l P_l-1.
-            let (mut last, mut own) = (0.0, 1.0);
-            for (sum, [a, b]) in sums.iter_mut().zip(&steps) {
-                *sum += value * own;
-                (last, own) = (own, a * cos * own - b * last);
-            }
+            values[k] = 0.5 * step * rule.weights[k] * TAU * sin * sin * brdf.d(h, alpha) * own_weight;
+            cosines[k] = cos;
+        }
+        // (l + 1) P_l+1 = (2l + 1) cos γ P_l - l P_l-1.
+        let (mut last, mut own, mut next) = ([0.0; NODES], [1.0; NODES], [0.0; NODES]);
+        for (sum, [a, b]) in sums.iter_mut().zip(&steps) {
+            (0..NODES).for_each(|k| *sum += values[k] * own[k]);
+            (0..NODES).for_each(|k| next[k] = a * cosines[k] * own[k] - b * last[k]);
+            (last, own) = (own, next);
         }
         high -= step;
     }

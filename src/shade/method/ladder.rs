@@ -22,7 +22,7 @@ use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
 use crate::math::frame::Frame;
 use crate::math::quadrature::{Bounded, Tolerance};
 use crate::precompute::PrecomputeSettings;
-use crate::precompute::dfg::reference::{Dfg, dfg, weight_means};
+use crate::precompute::dfg::reference::{Dfg, EXACT, dfg, weight_means};
 use crate::precompute::prefilter::Kernel;
 use crate::precompute::prefilter::reference::prefilter;
 use crate::shade::EXACT_SPLIT;
@@ -98,7 +98,7 @@ fn unmasked(
             }
         }
     };
-    let [below, grazing] = weight_means(kernel, v_local.z, alpha);
+    let [below, grazing] = weight_means(kernel, v_local.z, alpha, EXACT);
     let factor = reflectance(surface, &exact_albedo(surface)) / (inside * below + grazing);
     environment.integrate(value, &[mirror_focus(surface)], tolerance).combine([inside * factor, factor])
 }
