@@ -1,6 +1,6 @@
 //! Bakes for engines: every direction through writer and reader as the engine looks it up, numbers to the nearest, files by their rules.
 
-use super::marked_light;
+use super::scores::marked_light;
 use glam::{DVec2, DVec3};
 use half::f16;
 use splitsum::bakes::container::{Encoding, FORMATS, TEXELS, from_bytes};

@@ -1,0 +1,308 @@
+//! What the judge of bakes finds: errors, axes, widths and gains, conventions of tables and of SH, on bakes that are made here.
+
+use glam::{DVec2, DVec3};
+use splitsum::bakes::check::{Truth, guess, level, sh as sh_score, table};
+use splitsum::bakes::convention::{Axes, PRESETS, TABLE_AXES, TABLE_CHANNELS, preset_by_name};
+use splitsum::bakes::{Map, sh};
+use splitsum::brdf::{Ggx, MaskingShadowing};
+use splitsum::environment::Environment;
+use splitsum::environment::layout::LAYOUTS;
+use splitsum::glsl::constants::ALPHA_MIN;
+use splitsum::math::equirect::direction_from_uv;
+use splitsum::math::spherical_harmonics::irradiance;
+use splitsum::pixels::RgbImage;
+use splitsum::precompute::dfg::reference::dfg_within;
+use splitsum::precompute::prefilter::{Kernel, harmonic};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// Six broad lights of their own colours on a floor, and a small hot one off every axis and plane of symmetry.
+pub fn marked_light() -> Environment {
+    let lights = [
+        (DVec3::X, DVec3::new(4.0, 0.5, 0.5)),
+        (-DVec3::X, DVec3::new(0.5, 2.0, 2.5)),
+        (DVec3::Y, DVec3::new(0.5, 6.0, 0.5)),
+        (-DVec3::Y, DVec3::new(1.0, 0.2, 1.0)),
+        (DVec3::Z, DVec3::new(0.5, 0.5, 8.0)),
+        (-DVec3::Z, DVec3::new(3.0, 3.0, 0.2)),
+    ];
+    let hot = DVec3::new(0.35, 0.6, 0.72).normalize();
+    let image = RgbImage::from_fn(128, 64, |x, y| {
+        let d = direction_from_uv((DVec2::new(x.into(), y.into()) + 0.5) / DVec2::new(128.0, 64.0));
+        let broad: DVec3 = lights.iter().map(|(axis, color)| *color * (8.0 * (d.dot(*axis) - 1.0)).exp()).sum();
+        let sharp = DVec3::splat(60.0) * (200.0 * (d.dot(hot) - 1.0)).exp();
+        (broad + sharp + 0.05).as_vec3().to_array()
+    });
+    Environment::from_image("marked", image)
+}
+
+const ALPHAS: [f64; 3] = [0.1, 0.2, 0.6];
+
+/// The exact levels of the marked light as a file of those axes has them.
+fn exact_map(truth: &Truth, layout: usize, axes: Axes, change: impl Fn(f64) -> (f64, f64)) -> Map {
+    let layout = &LAYOUTS[layout];
+    let level = |alpha: &f64| {
+        let (alpha, gain) = change(*alpha);
+        let map = truth.prefiltered(alpha);
+        let [width, height] = if layout.name == "equirect" { [48, 24] } else { [24, 24] };
+        let texel = |face: u32, x: u32, y: u32| {
+            let uv = (DVec2::new(x.into(), y.into()) + 0.5) / DVec2::new(width.into(), height.into());
+            (gain * map.value(axes.to_world((layout.direction)(face, uv)))).as_vec3().to_array()
+        };
+        (0..layout.face_count).map(|face| RgbImage::from_fn(width, height, |x, y| texel(face, x, y))).collect()
+    };
+    Map { layout, levels: ALPHAS.iter().map(level).collect() }
+}
+
+#[test]
+fn every_orientation_is_found_in_every_layout() {
+    let light = marked_light();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &ALPHAS);
+    let mut convention = PRESETS[0].convention();
+    convention.alphas = Some(ALPHAS.to_vec());
+    assert_eq!(Axes::all().count(), 48);
+    for (i, axes) in Axes::all().enumerate() {
+        assert_eq!(Axes::parse(&axes.to_string()), Ok(axes));
+        let d = DVec3::new(0.3, -0.5, 0.8);
+        assert_eq!(axes.to_world(axes.to_file(d)), d);
+        let map = exact_map(&truth, i % LAYOUTS.len(), axes, |alpha| (alpha, 1.0));
+        let fits = guess::axes(&truth, &map, &convention).unwrap();
+        assert_eq!(fits[0].axes, axes, "{}", guess::in_words(&fits));
+        assert!(fits[0].correlation > 0.99 && guess::is_clear(fits[0], fits[1]), "{}", guess::in_words(&fits));
+        convention.axes = axes;
+        for score in level::score(&truth, &map, &convention).unwrap() {
+            assert!(score.errors.relmse < 1e-12 && score.errors.bias_rel.abs() < 1e-6, "{score:?}");
+        }
+    }
+}
+
+/// Under one hot texel the judge comes nearer to adaptive cubature than the series of a bake: a bake of ours is not its own judge.
+#[test]
+fn the_judge_reaches_beyond_what_it_judges() {
+    let sun = |x: u32, y: u32| if [x, y] == [80, 12] { [1e4; 3] } else { [0.5; 3] };
+    let light = Environment::from_image("sun", RgbImage::from_fn(128, 64, sun));
+    let directions: Vec<DVec3> = [[80.5, 12.5], [84.0, 14.0], [80.5, 44.5]]
+        .map(|[x, y]: [f64; 2]| direction_from_uv(DVec2::new(x, y) / DVec2::new(128.0, 64.0)))
+        .to_vec();
+    for alpha in [0.1, 1.0] {
+        let off = [Truth::new, Truth::judging].map(|truth| {
+            let truth = truth(&light, Kernel::cosine(&Ggx), &[alpha]);
+            truth.spot_check(alpha, &directions)
+        });
+        assert!(off[0] > 1e-7 && off[1] < 0.4 * off[0], "{alpha}: {off:?}");
+    }
+}
+
+/// A bake of another width and gain is told by both; one of noise by neither.
+#[test]
+fn a_fit_finds_the_width_and_the_gain_that_were_baked() {
+    let light = marked_light();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &ALPHAS);
+    let mut convention = PRESETS[0].convention();
+    convention.alphas = Some(ALPHAS.to_vec());
+    let map = exact_map(&truth, 0, Axes::SAME, |alpha| (1.5 * alpha, 1.25));
+    for score in level::score(&truth, &map, &convention).unwrap() {
+        let fit = score.fit.unwrap();
+        assert!((fit.alpha / (1.5 * score.alpha) - 1.0).abs() < 0.01, "{score:?}");
+        assert!((fit.gain - 1.25).abs() < 0.003 && fit.left < 1e-3, "{score:?}");
+        assert!(score.verdict.contains("25.0 % too bright"), "{}", score.verdict);
+    }
+    let verdicts: Vec<String> =
+        level::score(&truth, &map, &convention).unwrap().into_iter().map(|score| score.verdict).collect();
+    // From 0.1 to 0.15 of the next level's 0.2, in perceptual roughness.
+    let shift = (0.15f64.sqrt() - 0.1f64.sqrt()) / (0.2f64.sqrt() - 0.1f64.sqrt());
+    assert!(verdicts[0].starts_with(&format!("{shift:.1} levels too blurred")), "{verdicts:?}");
+
+    let mut noisy = exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0));
+    for (i, texel) in noisy.levels.iter_mut().flatten().flat_map(|face| &mut face.data).enumerate() {
+        // Column by column: a fit that looks at every other one finds a gain.
+        *texel = texel.map(|value| value * if i % 2 == 0 { 0.7 } else { 1.3 });
+    }
+    for score in level::score(&truth, &noisy, &convention).unwrap() {
+        // d = 0.3 r where r² is far above ε.
+        assert!(score.errors.relmse > 0.04 && score.errors.relmse < 0.09, "{score:?}");
+        assert!(score.verdict.contains("no width or gain explains it"), "{}", score.verdict);
+    }
+    let lost = exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0 / std::f64::consts::PI));
+    let score = &level::score(&truth, &lost, &convention).unwrap()[0];
+    assert!(score.verdict.contains("1/pi times what it should be"), "{}", score.verdict);
+    assert!((score.errors.bias_rel - (1.0 / std::f64::consts::PI - 1.0)).abs() < 1e-6, "{score:?}");
+}
+
+/// Under a hot lamp, whose lobe is not a mirror's, a mirror is known by the environment itself, and levels of other widths than assumed by
+/// one of those.
+#[test]
+fn a_light_is_known_by_a_mirror_and_by_levels_of_other_widths() {
+    let mut image = marked_light().image;
+    image.data[12 * 128 + 80] = [3e4; 3];
+    let light = Environment::from_image("lamp", image);
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &ALPHAS);
+    let mut convention = PRESETS[0].convention();
+    let mut known = |alphas: &[f64], map: &Map| {
+        convention.alphas = Some(alphas.to_vec());
+        let fits = guess::axes(&truth, map, &convention).unwrap();
+        assert!(fits[0].axes == Axes::SAME && fits[0].correlation > guess::SAME_LIGHT, "{}", guess::in_words(&fits));
+    };
+    let texel = |face, x: u32, y: u32| {
+        let uv = (DVec2::new(x.into(), y.into()) + 0.5) / 64.0;
+        light.radiance((LAYOUTS[0].direction)(face, uv)).as_vec3().to_array()
+    };
+    let mirror = (0..6).map(|face| RgbImage::from_fn(64, 64, |x, y| texel(face, x, y))).collect();
+    known(&[0.0], &Map { layout: &LAYOUTS[0], levels: vec![mirror] });
+    known(&[0.3, 0.5, 1.0], &exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0)));
+}
+
+/// Unity looks seven levels up, however many a cube has.
+#[test]
+fn levels_of_unity_are_sixths() {
+    let unity = preset_by_name("unity").unwrap().convention();
+    let by = |count: usize| unity.alphas(count).unwrap();
+    assert_eq!((by(7)[..7].to_vec(), by(8)[6..].to_vec()), (by(9)[..7].to_vec(), vec![1.0, 1.0]));
+    for (k, alpha) in by(3).into_iter().enumerate() {
+        // m(r) = r (1.7 - 0.7 r) is k/6.
+        let r = alpha.sqrt();
+        assert!((r * (1.7 - 0.7 * r) - k as f64 / 6.0).abs() < 1e-12);
+    }
+}
+
+/// One texel a face, right at its centre: a quarter of a face away from it a lookup blends it with two neighbours and their corner.
+#[test]
+fn lookups_between_texels_are_judged() {
+    let light = marked_light();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &ALPHAS);
+    let mut convention = PRESETS[0].convention();
+    (convention.alphas, convention.scale) = (Some(ALPHAS.to_vec()), 0.5);
+    let exact = |alpha, direction: DVec3| truth.prefiltered(alpha).value(direction);
+    let level = |alpha: &f64| {
+        let texel = |face| {
+            let direction = (LAYOUTS[0].direction)(face, DVec2::splat(0.5));
+            RgbImage::filled(1, 1, (exact(*alpha, direction) / 0.5).as_vec3().to_array())
+        };
+        (0..6).map(texel).collect()
+    };
+    let map = Map { layout: &LAYOUTS[0], levels: ALPHAS.iter().map(level).collect() };
+    let unit = |axis: usize, sign: f64| DVec3::from_array(std::array::from_fn(|i| if i == axis { sign } else { 0.0 }));
+    for score in level::score(&truth, &map, &convention).unwrap() {
+        let mut squares = Vec::new();
+        for (axis, [a, b, c]) in (0..3)
+            .flat_map(|axis| [1.0, -1.0].map(|a| (axis, a)))
+            .flat_map(|(axis, a)| [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[b, c]| (axis, [a, b, c])))
+        {
+            let axes = [unit(axis, a), unit((axis + 1) % 3, b), unit((axis + 2) % 3, c)];
+            let [own, left, right] = axes.map(|axis| exact(score.alpha, axis));
+            let found = 0.5625 * own + 0.1875 * (left + right) + 0.0625 * (own + left + right) / 3.0;
+            let right = exact(score.alpha, (axes[0] + 0.5 * (axes[1] + axes[2])).normalize());
+            let relative = (found - right).powf(2.0) / (right.powf(2.0) + truth.epsilon());
+            squares.push(relative.element_sum() / 3.0);
+        }
+        let expected = squares.iter().sum::<f64>() / squares.len() as f64;
+        let between = score.between.unwrap();
+        assert!((between / expected - 1.0).abs() < 1e-5, "{between} {expected}");
+        assert!(score.errors.relmse < 1e-12 && score.verdict.contains("too few texels"), "{score:?}");
+    }
+}
+
+#[test]
+fn bands_are_the_convolution() {
+    let light = marked_light();
+    let harmonics = harmonic::harmonics(&light.image, 160);
+    let factors = harmonic::factors(Kernel::cosine(&Ggx), 0.1, 160);
+    let map = harmonics.convolved(&factors);
+    let directions: Vec<DVec3> =
+        Axes::all().map(|axes| axes.to_world(DVec3::new(0.2, 0.5, -0.9).normalize())).collect();
+    for (direction, bands) in directions.iter().zip(harmonics.bands(160, &directions)) {
+        let sum: DVec3 = bands.iter().zip(&factors).map(|(band, factor)| *band * *factor).sum();
+        assert!((sum - map.value(*direction)).abs().max_element() < 1e-7, "{sum} {}", map.value(*direction));
+    }
+}
+
+/// cmgen's polynomials give irradiance over π; ours the same from what was read.
+#[test]
+fn coefficients_of_cmgen_are_irradiance_by_its_polynomials() {
+    let numbers: [[f64; 3]; 9] =
+        std::array::from_fn(|k| [0.5 - 0.1 * k as f64, 0.2 + 0.05 * k as f64, -0.3 + 0.11 * k as f64]);
+    let line = |[r, g, b]: &[f64; 3]| format!("({r:.15}, {g:.15}, {b:.15}); // L, irradiance, pre-scaled base\n");
+    let text: String = numbers.iter().map(line).collect();
+    let found = sh::parse(Path::new("sh.txt"), &text).unwrap();
+    for axes in Axes::all() {
+        let n = axes.to_world(DVec3::new(0.48, -0.6, 0.64));
+        let DVec3 { x, y, z } = n;
+        let polynomials = [1.0, y, z, x, y * x, y * z, 3.0 * z * z - 1.0, z * x, x * x - y * y];
+        let expected: DVec3 = numbers.iter().zip(polynomials).map(|(c, p)| DVec3::from_array(*c) * p).sum();
+        let own = irradiance(&found.radiance, n) / std::f64::consts::PI;
+        assert!((own - expected).abs().max_element() < 1e-12, "{own} {expected}");
+    }
+    for (name, text, part) in [
+        ("sh.txt", "", "it has 0 coefficients"),
+        ("sh.txt", "(1, 2); // irradiance, pre-scaled", "line 1 is no coefficient"),
+        ("sh.txt", "( 1, 2, 3); // L00, radiance", "line 1 is no coefficient"),
+        ("sh.json", "{\"radiance\": [[1, 2, 3]]}", "\"radiance\" has 1 triples"),
+        ("sh.json", "{", "is not read"),
+    ] {
+        let message = sh::parse(Path::new(name), text).unwrap_err().to_string();
+        assert!(message.contains(part) && message.contains(name), "{message}");
+    }
+}
+
+#[test]
+fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
+    let light = marked_light();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &[]);
+    let quadrature =
+        splitsum::math::equirect_quadrature::EquirectQuadrature::new(128, 64, |x, y| light.image.get(x, y));
+    let radiance = splitsum::precompute::sh9::reference::project_bilinear(&quadrature);
+    let of = |radiance| sh_score::score(&truth, &sh::Coefficients { radiance, form: "radiance" }, Axes::SAME);
+    let exact = of(radiance);
+    assert!(exact.errors.relmse < 1e-12 && exact.max_error < 1e-3 && exact.verdict.starts_with("good"), "{exact:?}");
+    let window = [1.0, 0.9, 0.9, 0.9, 0.6, 0.6, 0.6, 0.6, 0.6];
+    let windowed = of(std::array::from_fn(|k| radiance[k] * window[k]));
+    assert!(windowed.verdict.contains("degree 1 times 0.90, degree 2 times 0.60"), "{windowed:?}");
+    // Beside maps of another light no factor is told, but axes that explain the error are.
+    let mirrored = Axes::parse("-x+y+z").unwrap();
+    let mut mirrored = sh_score::score(
+        &truth,
+        &sh::Coefficients { radiance: sh::turned(&radiance, |d| mirrored.to_world(d)), form: "radiance" },
+        Axes::SAME,
+    );
+    let mut doubted = windowed;
+    for score in [&mut doubted, &mut mirrored] {
+        score.doubt();
+    }
+    assert!(!doubted.verdict.contains("times"), "{doubted:?}");
+    assert!(
+        mirrored.better == Some(Axes::parse("-x+y+z").unwrap()) && mirrored.verdict.contains("-x+y+z"),
+        "{mirrored:?}"
+    );
+}
+
+/// A table of any axes, channels and masking is told by the search, and a shifted one by its shift.
+#[test]
+fn conventions_of_a_table_are_found() {
+    // Most tables hold the same numbers in other places.
+    let known = RefCell::new(HashMap::new());
+    let table = |way: usize, channels: usize, masking: MaskingShadowing, shift: f64| {
+        RgbImage::from_fn(16, 16, |x, y| {
+            let uv = (DVec2::new(x.into(), f64::from(y) + shift) + 0.5) / 16.0;
+            let at = TABLE_AXES[way].parameters(uv).clamp(DVec2::splat(1e-3), DVec2::ONE);
+            // No narrower than is shaded.
+            let alpha = (at.y * at.y).max(ALPHA_MIN.into());
+            let exact = || dfg_within(&Ggx, masking, at.x, alpha, 1e-5);
+            let exact = *known.borrow_mut().entry(at.to_array().map(f64::to_bits)).or_insert_with(exact);
+            let (a, b) = (exact.f0_scale as f32, exact.f90_scale as f32);
+            [[a, b, 0.0], [b, a, 0.0], [b, a + b, 0.0]][channels]
+        })
+    };
+    let correlated = MaskingShadowing::Correlated;
+    for way in 0..TABLE_AXES.len() {
+        let found = table::search(&table(way, way % 3, correlated, 0.0), &Ggx).swap_remove(0);
+        let names = (found.axes.name, found.channels.name, found.masking.0);
+        assert_eq!(names, (TABLE_AXES[way].name, TABLE_CHANNELS[way % 3].name, "correlated"), "{:e}", found.rms);
+    }
+    let mut convention = PRESETS[0].convention();
+    convention.masking = correlated;
+    let exact = table::score(&table(0, 0, correlated, 0.0), &Ggx, &convention);
+    assert!(exact.max_error < 1e-5 && exact.verdict.starts_with("good"), "{exact:?}");
+    let shifted = table::score(&table(0, 0, correlated, 1.0), &Ggx, &convention);
+    assert!(shifted.verdict.contains("1 texel too high"), "{shifted:?}");
+}
