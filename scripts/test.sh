@@ -98,6 +98,31 @@ if ! said=$(target/release/splitsum cost --method split-sum --samples 1 2>&1 >/d
     skip "compiling every pipeline for AMD GPUs ($said)"
 fi
 
+# Each test binary is a part of its own, run without cargo, so that its end is known.
+part="the list of test binaries"
+mkdir -p target
+test_binaries --lib --bins --tests --features view >target/test-binaries
+[ -s target/test-binaries ]
+# Starts tests beside those that follow, which show what they printed once they are awaited.
+begin() { # name, command...
+    log=target/$1.log
+    shift
+    "$@" >"$log" 2>&1 </dev/null 3<&- &
+    beside="$beside $!"
+}
+ended() { # name, process
+    status=0
+    wait "$2" || status=$?
+    cat "target/$1.log"
+    return "$status"
+}
+binary_of() { # name
+    sed -n "s/^$1 //p" target/test-binaries
+}
+# Tests of numbers take what cores all others leave.
+begin numeric nice -n 19 "$(binary_of numeric)"
+numeric=$!
+
 if cargo clippy --version >/dev/null 2>&1; then
     check "cargo clippy" cargo clippy --release --locked --all-targets --features view -- -D warnings
 else
@@ -153,34 +178,10 @@ else
     (require has_xvfb xvfb has_xdotool xdotool has_openbox openbox) || skip "the window tests (Xvfb, xdotool or openbox is not installed)"
 fi
 
-# Each test binary is a part of its own, run without cargo, so that its end is known.
-part="the list of test binaries"
-mkdir -p target
-test_binaries --lib --bins --tests --features view >target/test-binaries
-[ -s target/test-binaries ]
-# Starts tests beside those that follow, which show what they printed once they are awaited.
-begin() { # name, command...
-    log=target/$1.log
-    shift
-    "$@" >"$log" 2>&1 </dev/null 3<&- &
-    beside="$beside $!"
-}
-ended() { # name, process
-    status=0
-    wait "$2" || status=$?
-    cat "target/$1.log"
-    return "$status"
-}
-binary_of() { # name
-    sed -n "s/^$1 //p" target/test-binaries
-}
-# Tests of numbers take what cores others leave; those of the browser and of the device keep a core busy each. Those of the window count
-# pictures a second, so they run alone.
-begin numeric nice "$(binary_of numeric)"
-numeric=$!
+# Tests of the browser and of the device keep a core busy each.
 while read -r name binary <&3; do
     case $name in
-        browser | numeric | view) continue ;;
+        browser | numeric) continue ;;
         device)
             begin browser "$(binary_of browser)"
             browser=$!
@@ -190,9 +191,8 @@ while read -r name binary <&3; do
         *) check "$name" "$binary" 3<&- ;;
     esac
 done 3<target/test-binaries
-check "numeric, the rest of it" ended numeric "$numeric"
-check view "$(binary_of view)"
 check "doc tests" cargo test --release --locked --features view --quiet --doc
+check "numeric, the rest of it" ended numeric "$numeric"
 
 # Clients come from npm's registry, so they run only where they must.
 if [ -n "${CI:-}${SPLITSUM_CLIENTS_TEST:-}" ]; then

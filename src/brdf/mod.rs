@@ -113,7 +113,11 @@ pub fn g2(model: &dyn Brdf, n_dot_v: f64, n_dot_l: f64, alpha: f64, masking: Mas
     if n_dot_v <= 0.0 || n_dot_l <= 0.0 {
         return 0.0;
     }
-    let (g1_v, g1_l) = (g1(model, n_dot_v, alpha, masking), g1(model, n_dot_l, alpha, masking));
+    g2_from_g1(g1(model, n_dot_v, alpha, masking), g1(model, n_dot_l, alpha, masking), masking)
+}
+
+/// [`g2`] of both G1.
+pub fn g2_from_g1(g1_v: f64, g1_l: f64, masking: MaskingShadowing) -> f64 {
     match masking {
         // Multiplied out, so that a vanishing G1 gives 0 and not 1/∞.
         MaskingShadowing::Correlated => g1_v * g1_l / (g1_v + g1_l - g1_v * g1_l),

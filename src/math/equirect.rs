@@ -16,8 +16,21 @@ pub fn uv_from_direction(d: DVec3) -> DVec2 {
 
 /// Texture coordinates to the unit direction.
 pub fn direction_from_uv(uv: DVec2) -> DVec3 {
-    let (sin_phi, cos_phi) = (TAU * (0.5 - uv.x)).sin_cos();
-    let (sin_theta, cos_theta) = (PI * uv.y).sin_cos();
+    direction_from_angles(longitude(uv.x), polar_angle(uv.y))
+}
+
+/// `(sin φ, cos φ)` of a column.
+pub fn longitude(u: f64) -> (f64, f64) {
+    (TAU * (0.5 - u)).sin_cos()
+}
+
+/// `(sin θ, cos θ)` of a row.
+pub fn polar_angle(v: f64) -> (f64, f64) {
+    (PI * v).sin_cos()
+}
+
+/// The unit direction of a [`longitude`] and a [`polar_angle`].
+pub fn direction_from_angles((sin_phi, cos_phi): (f64, f64), (sin_theta, cos_theta): (f64, f64)) -> DVec3 {
     DVec3::new(sin_phi * sin_theta, cos_theta, cos_phi * sin_theta)
 }
 

@@ -73,20 +73,25 @@ fn failed_cells_of_joined_runs_have_their_reasons_and_hostile_labels_are_text() 
 }
 
 #[test]
-fn views_fit_phone_laptop_and_4k_in_both_schemes() {
+fn views_fit_phone_laptop_and_4k() {
     let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
     let id = cell(&report, ["sampled", "4", "0.1", "ggx", "1"]);
-    for (name, width, height) in [("phone", 390, 844), ("laptop", 1366, 768), ("4k", 3840, 2160)] {
-        for scheme in ["light", "dark"] {
-            page.resize(width, height, scheme);
-            for view in ["answer", "images", "compare", "live", "tables", "run"] {
-                let hash = if view == "compare" { format!("#compare?cell={id}&split=0.5") } else { format!("#{view}") };
-                page.go(&report, &hash);
-                page.eval("new Promise((done) => setTimeout(done, 150))");
-                let overflow = page.eval("document.documentElement.scrollWidth - document.documentElement.clientWidth");
-                assert!(overflow.as_i64().unwrap() <= 0, "{view} is {overflow} pixels too wide at {width}");
-                page.screenshot(&format!("{view}-{name}-{scheme}"));
-            }
+    // A 4K view takes seconds to draw, and what fits does not depend on the colours.
+    let screens = [
+        ("phone", 390, 844, "light"),
+        ("laptop", 1366, 768, "light"),
+        ("laptop", 1366, 768, "dark"),
+        ("4k", 3840, 2160, "dark"),
+    ];
+    for (name, width, height, scheme) in screens {
+        page.resize(width, height, scheme);
+        for view in ["answer", "images", "compare", "live", "tables", "run"] {
+            let hash = if view == "compare" { format!("#compare?cell={id}&split=0.5") } else { format!("#{view}") };
+            page.go(&report, &hash);
+            page.eval("new Promise((done) => setTimeout(done, 150))");
+            let overflow = page.eval("document.documentElement.scrollWidth - document.documentElement.clientWidth");
+            assert!(overflow.as_i64().unwrap() <= 0, "{view} is {overflow} pixels too wide at {width}");
+            page.screenshot(&format!("{view}-{name}-{scheme}"));
         }
     }
     assert_clean(&page);

@@ -15,20 +15,30 @@ mod integrate;
 mod interruptions;
 mod soak;
 
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::LazyLock;
 
 /// The binary with these arguments, run in `dir`.
-fn splitsum(dir: &std::path::Path, arguments: &[&str]) -> Output {
+fn splitsum(dir: &Path, arguments: &[&str]) -> Output {
     command(dir, arguments).output().expect("the binary starts")
 }
 
-fn command(dir: &std::path::Path, arguments: &[&str]) -> Command {
+fn command(dir: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_splitsum"));
     command.current_dir(dir).args(arguments);
-    // Tests neither read nor fill the user's cache.
-    command.env_remove("XDG_CACHE_HOME").env_remove("LOCALAPPDATA").env_remove("HOME");
+    // One cache for all tests, as a user has one for all runs, and not the user's.
+    command.env("XDG_CACHE_HOME", &*CACHE_HOME).env_remove("LOCALAPPDATA").env_remove("HOME");
     command
 }
+
+/// Empty when the tests begin.
+static CACHE_HOME: LazyLock<PathBuf> = LazyLock::new(|| {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+});
 
 fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
@@ -39,7 +49,7 @@ fn stderr(output: &Output) -> String {
 }
 
 /// What a command that must succeed prints.
-fn ok(dir: &std::path::Path, arguments: &[&str]) -> String {
+fn ok(dir: &Path, arguments: &[&str]) -> String {
     let output = splitsum(dir, arguments);
     assert!(output.status.success(), "{}", stderr(&output));
     stdout(&output)
@@ -56,7 +66,7 @@ fn assert_ends(output: &Output, code: i32, parts: &[&str]) {
 }
 
 /// Files and folders directly in `dir`.
-fn entries(dir: &std::path::Path) -> Vec<String> {
+fn entries(dir: &Path) -> Vec<String> {
     let mut names: Vec<String> =
         std::fs::read_dir(dir).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();

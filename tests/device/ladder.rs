@@ -14,16 +14,8 @@ use splitsum::tonemap::ToneCurve;
 
 const DRAWN: u32 = 4096;
 
-/// `relmse` of a method's frame against that of the reference.
-fn relmse(pipeline: &mut Pipeline, method: &str, request: &RenderRequest) -> f64 {
-    let mut frame = |name: &str| {
-        let method = method_by_name(name).unwrap();
-        pipeline.render(&RenderRequest { method, samples: DRAWN, ..request.clone() }).unwrap()
-    };
-    between(frame(method), frame("reference"), request)
-}
-
-fn between(test: Frame, reference: Frame, request: &RenderRequest) -> f64 {
+/// `relmse` of a frame.
+fn between(test: &Frame, reference: &Frame, request: &RenderRequest) -> f64 {
     let comparison =
         Comparison::new(&test.radiance, &reference.radiance, &test.mask, ToneCurve::default(), request.epsilon());
     let scores = comparison.unwrap().evaluate_linear();
@@ -65,8 +57,13 @@ fn rungs_have_the_error_of_the_methods_frames() {
             let found = pipeline.attributions(&request, DRAWN, &[]).unwrap();
             let steps = &found[0].steps;
             // The drawn rungs share their points; the others differ from the frames by f32 and by the noise of both.
+            let mut frame = |name: &str| {
+                let method = method_by_name(name).unwrap();
+                pipeline.render(&RenderRequest { method, samples: DRAWN, ..request.clone() }).unwrap()
+            };
+            let reference = frame("reference");
             for (i, step) in SPLIT_SUM.steps.iter().enumerate() {
-                let right = relmse(pipeline, step.rung.unwrap().name, &request);
+                let right = between(&frame(step.rung.unwrap().name), &reference, &request);
                 let mut worst = Worst::new(format!("{}, {}", step.name, layout.name), relative(5e-3));
                 worst.add(steps[i].error, right, || step.rung.unwrap().name.to_owned());
                 worst.check();
@@ -118,11 +115,12 @@ fn the_last_diffuse_rung_has_the_error_of_the_frame() {
             let diffuse = diffuse_by_name(diffuse).unwrap();
             pipeline.render(&RenderRequest { diffuse, ..base.clone() }).unwrap()
         };
+        let reference = frame("reference", pipeline);
         for name in ["sh9", "irradiance-map"] {
             if name == "irradiance-map" && !pipeline.device().has_seamless_cubes {
                 continue;
             }
-            let right = between(frame(name, pipeline), frame("reference", pipeline), &base);
+            let right = between(&frame(name, pipeline), &reference, &base);
             let diffuse = diffuse_by_name(name).unwrap();
             let found = pipeline.attributions(&RenderRequest { diffuse, ..base.clone() }, DRAWN, &[]).unwrap();
             let mut worst = Worst::new(name.to_owned(), relative(2e-2));
@@ -161,7 +159,8 @@ fn diffuse_rungs_have_the_error_of_the_methods_frames() {
         };
         // The rung of truncation is negative in places: no image.
         let rungs = [("reference", 0), ("ladder-clamp", 2), ("sh9", 4)];
-        let right = rungs.map(|(name, _)| between(term(name), term("fresnel-inside"), &base));
+        let reference = term("fresnel-inside");
+        let right = rungs.map(|(name, _)| between(&term(name), &reference, &base));
         let request = RenderRequest { diffuse: diffuse_by_name("sh9").unwrap(), ..base.clone() };
         let found = pipeline.attributions(&request, DRAWN, &[]).unwrap();
         let mut worst = Worst::new("diffuse rungs".to_owned(), relative(1e-2));

@@ -9,14 +9,13 @@ use splitsum::environment::layout::{FilteredMap, LAYOUTS, MapLayout};
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::gpu::{Gpu, Image};
 use splitsum::math::quadrature::Tolerance;
-use splitsum::math::sequence::{SEQUENCES, hash};
+use splitsum::math::sequence::hash;
 use splitsum::pipeline::RenderRequest;
 use splitsum::pixels::{Pixels, RgbImage};
 use splitsum::precompute::filtered::pass as filtered;
 use splitsum::precompute::{PrefilterBy, exact_quadrature};
 use splitsum::scene::{Camera, CameraKind, MaterialOverride};
 use splitsum::shade::{diffuse_by_name, method_by_name};
-use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -125,9 +124,9 @@ fn texels_at_a_pole_hold_the_mean_of_its_columns() {
     });
 }
 
-/// Where texels differ most: poles, face centres, edges and corners of the cube, seams of the octahedron; and anywhere.
-fn lamp_directions() -> Vec<DVec3> {
-    let special = [
+/// Where texels differ most: poles, face centres, edges and corners of the cube, seams of the octahedron; and off them.
+fn lamp_directions() -> [DVec3; 10] {
+    let directions = [
         DVec3::Y,
         DVec3::NEG_Y,
         DVec3::X,
@@ -137,15 +136,9 @@ fn lamp_directions() -> Vec<DVec3> {
         DVec3::ONE,
         DVec3::new(-1.0, -1.0, 1.0),
         DVec3::new(0.7, -0.3, 0.0),
-        DVec3::new(0.3, -0.7, -0.3),
+        DVec3::new(0.3, -0.7, -0.2),
     ];
-    let random = (0..3).map(|i| {
-        let xi = (SEQUENCES[0].point)(i, 3, 1);
-        let (z, phi) = (1.0 - 2.0 * xi.x, TAU * xi.y);
-        let r = (1.0 - z * z).sqrt();
-        DVec3::new(r * phi.cos(), r * phi.sin(), z)
-    });
-    special.into_iter().chain(random).map(DVec3::normalize).collect()
+    directions.map(DVec3::normalize)
 }
 
 /// A sphere beside which a lamp of 3 degrees stands in direction `d`: all frames of all directions are one, turned.
@@ -174,8 +167,8 @@ fn beside_lamp(d: DVec3, size: u32) -> RenderRequest {
 
 #[test]
 fn a_lamp_keeps_its_light_wherever_it_stands() {
-    const SIZE: u32 = 32;
-    // A way, its sample count, the sets of points over whose luck it is averaged, and how far each direction may lie from their mean. 40
+    const SIZE: u32 = 24;
+    // A way, its sample count, the sets of points over whose luck it is averaged, and how far a direction may lie from the mean. 40
     // samples read texels of some 8 degrees: where between their centres the lamp lies moves its light by up to 5.4 %, by any layout.
     let ways = [
         ("sampled", 40, 16, 0.06),
@@ -223,7 +216,8 @@ fn a_lamp_keeps_its_light_wherever_it_stands() {
         }
         for (layout, shares) in LAYOUTS.iter().zip(&shares) {
             for (((name, samples, _, tolerance), by), shares) in ways.iter().zip(shares) {
-                let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+                // The poles are the first two.
+                let mean = shares[2..].iter().sum::<f64>() / (shares.len() - 2) as f64;
                 let off = shares.iter().map(|share| (share - mean).abs()).fold(0.0, f64::max);
                 println!("{} {name} {samples} {by:?}: mean {mean:.4}, off by {off:.4} at most", layout.name);
                 // What a filter that is as long as it is wide loses at a pole is a finding about such maps, and stays.

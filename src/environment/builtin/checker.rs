@@ -18,7 +18,7 @@ pub static CHECKER: Builtin = Builtin {
     make: |values, size| {
         let (columns, rows) = (values.get("columns"), values.get("rows"));
         let (high, low) = (values.get("high"), values.get("low"));
-        raster::supersampled(size, SAMPLES_PER_SIDE, |uv| {
+        raster::supersampled(size, SAMPLES_PER_SIDE, |uv, _| {
             let cell = (uv.x * columns).floor() + (uv.y * rows).floor();
             DVec3::splat(if cell.rem_euclid(2.0) < 1.0 { high } else { low })
         })

@@ -17,36 +17,43 @@ pub fn direction(azimuth: f64, elevation: f64) -> DVec3 {
 
 /// Evaluates a smooth formula at texel centres, where the bilinear lookup returns it exactly.
 pub fn at_centers(size: [u32; 2], radiance: impl Fn(DVec3) -> DVec3 + Sync) -> RgbImage {
-    by_texel(size, |x, y| {
-        let uv = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / DVec2::new(size[0].into(), size[1].into());
-        radiance(equirect::direction_from_uv(uv))
-    })
+    let height = f64::from(size[1]);
+    by_texel(size, 1, |y, offset| (f64::from(y) + offset) / height, |_, d| radiance(d))
 }
 
-/// Averages a formula of (u, v) with edges over each texel: an `n` x `n` grid of samples of equal solid angle.
-pub fn supersampled(size: [u32; 2], n: u32, radiance: impl Fn(DVec2) -> DVec3 + Sync) -> RgbImage {
-    let [width, height] = size;
-    let offsets = || (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n));
-    by_texel(size, |x, y| {
-        let cos_theta = |row: u32| (PI * f64::from(row) / f64::from(height)).cos();
+/// Averages a formula of (u, v) and of the direction, with edges, over each texel: an `n` x `n` grid of samples of equal solid angle.
+pub fn supersampled(size: [u32; 2], n: u32, radiance: impl Fn(DVec2, DVec3) -> DVec3 + Sync) -> RgbImage {
+    let cos_theta = |row: u32| (PI * f64::from(row) / f64::from(size[1])).cos();
+    let v = |y: u32, offset: f64| {
         let (top, bottom) = (cos_theta(y), cos_theta(y + 1));
-        let mut sum = DVec3::ZERO;
-        for s in offsets() {
-            // Equal steps of cos θ are equal solid angles.
-            let v = (top + (bottom - top) * s).clamp(-1.0, 1.0).acos() / PI;
-            for t in offsets() {
-                sum += radiance(DVec2::new((f64::from(x) + t) / f64::from(width), v));
-            }
-        }
-        sum / f64::from(n * n)
-    })
+        // Equal steps of cos θ are equal solid angles.
+        (top + (bottom - top) * offset).clamp(-1.0, 1.0).acos() / PI
+    };
+    by_texel(size, n, v, radiance)
 }
 
-fn by_texel([width, height]: [u32; 2], radiance: impl Fn(u32, u32) -> DVec3 + Sync) -> RgbImage {
+/// The mean of `n` x `n` samples a texel; `v` is that of a row at an offset in it. Sines and cosines are taken once a row and a column.
+fn by_texel(
+    [width, height]: [u32; 2],
+    n: u32,
+    v: impl Fn(u32, f64) -> f64 + Sync,
+    radiance: impl Fn(DVec2, DVec3) -> DVec3 + Sync,
+) -> RgbImage {
+    let offset = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+    let u = (0..width * n).map(|i| (f64::from(i / n) + offset(i % n)) / f64::from(width));
+    let columns: Vec<_> = u.map(|u| (u, equirect::longitude(u))).collect();
     let mut image = RgbImage::filled(width, height, [0.0; 3]);
-    image.data.par_chunks_mut(width as usize).enumerate().for_each(|(y, row)| {
-        for (x, texel) in row.iter_mut().enumerate() {
-            *texel = radiance(x as u32, y as u32).as_vec3().to_array();
+    image.data.par_chunks_mut(width as usize).zip(0..height).for_each(|(texels, y)| {
+        let v = (0..n).map(|i| v(y, offset(i)));
+        let rows: Vec<_> = v.map(|v| (v, equirect::polar_angle(v))).collect();
+        for (texel, columns) in texels.iter_mut().zip(columns.chunks_exact(n as usize)) {
+            let mut sum = DVec3::ZERO;
+            for &(v, polar_angle) in &rows {
+                for &(u, longitude) in columns {
+                    sum += radiance(DVec2::new(u, v), equirect::direction_from_angles(longitude, polar_angle));
+                }
+            }
+            *texel = (sum / f64::from(n * n)).as_vec3().to_array();
         }
     });
     image

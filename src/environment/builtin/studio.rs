@@ -5,7 +5,6 @@
 //! `1 ± EDGE`. The lamp is a uniform cap.
 
 use super::{Builtin, Values, raster};
-use crate::math::equirect;
 use crate::pixels::RgbImage;
 use glam::DVec3;
 
@@ -59,8 +58,7 @@ fn make(_: &Values, size: [u32; 2]) -> RgbImage {
             (center, right, up, softbox.radiance)
         })
         .collect();
-    let mut image = raster::supersampled(size, SAMPLES_PER_SIDE, |uv| {
-        let d = equirect::direction_from_uv(uv);
+    let mut image = raster::supersampled(size, SAMPLES_PER_SIDE, |_, d| {
         boxes.iter().fold(room(d.y), |sum, (center, right, up, radiance)| {
             let depth = d.dot(*center);
             let inside =

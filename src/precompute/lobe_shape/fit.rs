@@ -78,12 +78,13 @@ impl Widths {
     pub fn fit<const N: usize>(&self, lobe: &Lobe, share: f64, m: DVec3, objectives: [Objective; N]) -> [f64; N] {
         let tangent = DVec3::new(m.z, 0.0, -m.x);
         let count = (((PANELS_BELOW - lobe.alpha.ln() / PANEL).ceil() as usize) * RINGS).min(self.rings.len());
+        let azimuths: Vec<(f64, f64)> =
+            (0..PHI_COUNT).map(|j| (PI * (f64::from(j) + 0.5) / f64::from(PHI_COUNT)).sin_cos()).collect();
         // Of the objective only `Σ K² S - 2 K T` hangs on the kernel: S the weight's integral over a ring, T that of weight times lobe.
         let mut sums = vec![[(0.0, 0.0); N]; count];
         for (sums, (sin, cos, measure)) in sums.iter_mut().zip(&self.rings) {
-            for j in 0..PHI_COUNT {
-                let (sin_phi, cos_phi) = (PI * (f64::from(j) + 0.5) / f64::from(PHI_COUNT)).sin_cos();
-                let density = lobe.density(share, *cos * m + *sin * (cos_phi * tangent + sin_phi * DVec3::Y));
+            for (sin_phi, cos_phi) in &azimuths {
+                let density = lobe.density(share, *cos * m + *sin * (*cos_phi * tangent + *sin_phi * DVec3::Y));
                 for (sums, objective) in sums.iter_mut().zip(objectives) {
                     let weight = objective.weight(density) * measure / f64::from(PHI_COUNT);
                     *sums = (sums.0 + weight, sums.1 + weight * density);

@@ -1,6 +1,6 @@
 //! A lobe as a weighted set of directions, by the quadrature of `shaders/lib/directional_albedo.glsl`, which has its derivation.
 
-use crate::brdf::{Brdf, MaskingShadowing, eval_without_fresnel, g2, schlick_weight};
+use crate::brdf::{Brdf, MaskingShadowing, g1, g2_from_g1, schlick_weight};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -14,6 +14,7 @@ pub struct Lobe {
     masking: MaskingShadowing,
     pub alpha: f64,
     v: DVec3,
+    g1_v: f64,
     /// Directions, and what each adds to A and to B.
     nodes: Vec<(DVec3, DVec2)>,
     /// (A, B).
@@ -30,6 +31,7 @@ impl Lobe {
     pub fn new(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64) -> Self {
         let alpha2 = alpha * alpha;
         let v = DVec3::new(((1.0 - n_dot_v) * (1.0 + n_dot_v)).sqrt(), 0.0, n_dot_v);
+        let g1_v = g1(model, n_dot_v, alpha, masking);
         let low2 = 0.5 * n_dot_v * n_dot_v / (1.0 + v.x);
         let high2 = 0.5 * (1.0 + v.x);
         let ggx_r = |sin2: f64, cos2: f64| (alpha2 * cos2 / (sin2 + alpha2 * cos2)).sqrt();
@@ -55,16 +57,17 @@ impl Lobe {
                 let v_dot_h = v.dot(h);
                 // The sine form keeps l a unit vector at small alpha.
                 let l = 2.0 * v_dot_h * h - v;
-                let gv = g2(model, n_dot_v, l.z, alpha, masking) * v_dot_h / (n_dot_v * cos_h);
+                if l.z <= 0.0 || v_dot_h <= 0.0 {
+                    continue;
+                }
+                let gv = g2_from_g1(g1_v, g1(model, l.z, alpha, masking), masking) * v_dot_h / (n_dot_v * cos_h);
                 let fc = schlick_weight(v_dot_h);
                 let part = of_r * weight * gv * DVec2::new(1.0 - fc, fc);
-                if l.z > 0.0 && v_dot_h > 0.0 {
-                    albedos += part;
-                    nodes.push((l, part));
-                }
+                albedos += part;
+                nodes.push((l, part));
             }
         }
-        Self { model, masking, alpha, v, nodes, albedos }
+        Self { model, masking, alpha, v, g1_v, nodes, albedos }
     }
 
     /// The mirror direction.
@@ -77,9 +80,12 @@ impl Lobe {
         if l.z <= 0.0 {
             return 0.0;
         }
-        let fc = schlick_weight(self.v.dot((self.v + l).normalize()));
+        let h = (self.v + l).normalize();
+        let fc = schlick_weight(self.v.dot(h));
         let parts = DVec2::new((1.0 - share) * (1.0 - fc), share * fc) / self.albedos;
-        eval_without_fresnel(self.model, self.v, l, self.alpha, self.masking) * l.z * parts.element_sum()
+        let g2 = g2_from_g1(self.g1_v, g1(self.model, l.z, self.alpha, self.masking), self.masking);
+        // f n·l, so n·l cancels.
+        self.model.d(h, self.alpha) * g2 / (4.0 * self.v.z) * parts.element_sum()
     }
 
     /// First moment over its integral of each part, as its shares of r and of n.
