@@ -17,5 +17,6 @@ pub const METHOD: Method = shifted(
 /// t of the module's text, by n·v and alpha.
 fn share_of_r(n_dot_v: f64, alpha: f64) -> f64 {
     let k = 0.298475 * (39.4115 - 39.0029 * perceptual_roughness_from_alpha(alpha)).ln();
-    ((1.0 - n_dot_v).powf(10.8649) * (1.0 - k) + k).clamp(0.0, 1.0)
+    // Rounding may leave n·v above 1.
+    ((1.0 - n_dot_v).max(0.0).powf(10.8649) * (1.0 - k) + k).clamp(0.0, 1.0)
 }
