@@ -24,13 +24,11 @@ const FAULTS: &str = "(() => { const faults = [], view = document.querySelector(
 fn every_view_can_be_read_and_reached() {
     let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
     let id = cell(&report, ["sampled", "4", "0.1", "ggx", "1"]);
+    page.go(&report, "");
     for width in [390, 1440] {
         page.resize(width, 844, "light");
         for view in ["answer", "images", "compare", "live", "tables", "run"] {
-            page.go(
-                &report,
-                &if view == "compare" { format!("#compare?cell={id}&split=0.5") } else { format!("#{view}") },
-            );
+            page.follow(&if view == "compare" { format!("#compare?cell={id}&split=0.5") } else { format!("#{view}") });
             assert_eq!(page.eval(FAULTS), json!([]), "{view} at {width}");
         }
     }

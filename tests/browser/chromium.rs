@@ -165,6 +165,13 @@ impl Page {
         self.eval("Number(document.body.dataset.ready)").as_f64().unwrap()
     }
 
+    /// Leads the open page to a hash, as its own links do, and waits for the view.
+    pub fn follow(&mut self, hash: &str) {
+        let view = hash[1..].split('?').next().unwrap();
+        self.eval(&format!("location.hash = {}", json!(hash)));
+        self.wait(&format!("document.body.dataset.view === {}", json!(view)));
+    }
+
     /// Runs a script before those of every page that is opened from now on.
     pub fn before_load(&mut self, script: &str) {
         self.call("Page.addScriptToEvaluateOnNewDocument", json!({ "source": script }));

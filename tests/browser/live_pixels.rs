@@ -218,7 +218,7 @@ fn is_storage_error(method: &str, error: f64) -> bool {
 #[test]
 fn pixels_and_errors_are_those_of_the_renderer() {
     let Some(Bench { mut page, mut pipeline, plan, report, _dir }) = bench() else { return };
-    let size = [44, 32];
+    let size = [32, 24];
     open(&mut page, &report, "#live", size);
     assert_eq!(page.eval("live.tables.environments.map((e) => e.scale)"), json!([1, 4]));
     let begins = page.eval("[live.settings.turn, live.render.view.bias, live.render.view.brightness]");

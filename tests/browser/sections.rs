@@ -33,8 +33,9 @@ fn pictures_of_the_image_table_have_one_size() {
 fn sections_open_at_their_top_and_keep_their_place() {
     let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
     page.resize(1200, 500, "light");
+    page.go(&report, "");
     for view in ["answer", "images", "compare", "live", "tables", "run"] {
-        page.go(&report, &format!("#{view}"));
+        page.follow(&format!("#{view}"));
         page.eval("new Promise((done) => setTimeout(done, 150))");
         let hidden = "(() => { const first = document.querySelector('.view:not([hidden])').firstElementChild; \
                       return document.querySelector('.bar').getBoundingClientRect().bottom - first.getBoundingClientRect().top; })()";
@@ -215,7 +216,7 @@ fn hostile_file_names_are_text_in_every_section() {
         );
     }
     // The short name of the map stands whole where values do.
-    page.go(&report, "#tables");
+    page.follow("#tables");
     let is_there = format!(
         "[...document.querySelectorAll('.data-table td')].some((td) => td.title === {})",
         json!(NAME.trim_end_matches(".exr"))

@@ -16,7 +16,7 @@ use splitsum::shade::{EXACT_SPLIT, METHODS, Method, REFERENCE, method_by_name};
 use std::f64::consts::{PI, TAU};
 
 const SIZE: [usize; 2] = [64, 32];
-const QUERIES: u64 = 100;
+const QUERIES: u64 = 60;
 /// Of the furnace, where light is known: quick.
 const ROUGH: Tolerance = Tolerance { relative: 1e-4, ..TOLERANCE };
 

@@ -58,17 +58,24 @@ fn under_constant_light_errors_are_those_of_the_formulas() {
     };
     let two = Convention { alphas: Some(vec![ALPHAS[0], ALPHAS[4]]), ..of_widths() };
     let blends = scored(&light, &Bake { specular: Some(steps), ..Bake::default() }, &two);
-    let albedos = ALPHAS.map(|alpha| Albedos::new(Kernel::cosine(&Ggx), MaskingShadowing::Separable, alpha));
+    // n·v and (A, B) of every direction, by width.
+    let exact = ALPHAS.map(|alpha| {
+        let albedos = Albedos::new(Kernel::cosine(&Ggx), MaskingShadowing::Separable, alpha);
+        let of = |i: u32| {
+            let [n, v] = design::frame(i, COUNT);
+            (n.dot(v), albedos.exact(n.dot(v)))
+        };
+        (0..COUNT).map(of).collect::<Vec<_>>()
+    });
     for (score, blend) in scores.iter().zip(blends) {
-        let albedos = &albedos[ALPHAS.iter().position(|alpha| *alpha == score.alpha).unwrap()];
+        let exact = &exact[ALPHAS.iter().position(|alpha| *alpha == score.alpha).unwrap()];
         let reflectance = |pair: DVec2| score.f0 * pair.x + pair.y;
         let expected = |found: &dyn Fn(f64, f64) -> f64| {
-            let square = |i: u32| {
-                let [n, v] = design::frame(i, COUNT);
-                let r = reflectance(albedos.exact(n.dot(v)));
-                (found(n.dot(v), r) - r).powi(2) / (r * r + 0.01)
+            let square = |&(n_dot_v, pair): &(f64, DVec2)| {
+                let r = reflectance(pair);
+                (found(n_dot_v, r) - r).powi(2) / (r * r + 0.01)
             };
-            (0..COUNT).map(square).sum::<f64>() / f64::from(COUNT)
+            exact.iter().map(square).sum::<f64>() / f64::from(COUNT)
         };
         let by_map = expected(&|_, r| 1.5 * r);
         // The outermost half texels go on.
