@@ -108,7 +108,11 @@ pub struct Pipeline {
 impl Pipeline {
     /// Opens a device.
     pub fn new(options: Options) -> Result<Self, PipelineError> {
-        let gpu = Gpu::new(options)?;
+        Self::on(Gpu::new(options)?)
+    }
+
+    /// On an open device, which others may use too: shaders that one of them has compiled are compiled for all.
+    pub fn on(gpu: Gpu) -> Result<Self, PipelineError> {
         Ok(Self { resources: Resources::new(&gpu)?, kept: Kept::default(), gpu })
     }
 

@@ -6,26 +6,27 @@ use splitsum::environment::layout::LAYOUTS;
 use splitsum::glsl::constants::GROUP_LINEAR;
 use splitsum::glsl::layout::{ProbeParams, SharedStruct};
 use splitsum::gpu::{Bind, Buffer, Gpu, GpuError, Image, Options};
-use splitsum::pipeline::{Frame, Pipeline, PipelineError, RenderRequest};
+use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::pixels::{Pixels, RgbImage, exr};
 use splitsum::precompute::PrecomputeSettings;
 use splitsum::scene::{CameraKind, Light, LightKind, MaterialOverride, Scene};
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// A quiet NaN: what no pass may read before it has written it.
 pub const POISON: u32 = 0x7fc0_dead;
 
-/// Opens by `open`, with the validation layer unless it is missing or turned off. `None`: there is no device, and a line says so.
-fn open<T>(open: impl Fn(Options) -> Result<T, GpuError>) -> Option<T> {
+/// Opens a device, with the validation layer unless it is missing or turned off. `None`: there is no device, and a line says so.
+fn open(is_interactive: bool) -> Option<Gpu> {
     let required = std::env::var("GOLDEN").is_ok_and(|value| value == "require");
     let validation = std::env::var("SPLITSUM_VALIDATION").map_or(true, |value| value != "0");
-    let opened = match open(Options { validation, ..Options::default() }) {
+    let options = Options { is_interactive, ..Options::default() };
+    let opened = match Gpu::new(Options { validation, ..options }) {
         Err(GpuError::NoValidationLayer) if !required => {
             eprintln!("not validated: {}", GpuError::NoValidationLayer);
-            open(Options::default())
+            Gpu::new(options)
         }
         opened => opened,
     };
@@ -36,6 +37,19 @@ fn open<T>(open: impl Fn(Options) -> Result<T, GpuError>) -> Option<T> {
         }
         opened => Some(opened.unwrap()),
     }
+}
+
+/// The device that tests use one after the other: what one has compiled, the next one has, and what one leaves in memory, the next one finds.
+fn shared() -> Option<Gpu> {
+    static SHARED: OnceLock<Option<Gpu>> = OnceLock::new();
+    SHARED.get_or_init(|| open(false)).clone()
+}
+
+/// Runs `test` beside a device; fails on any message of the validation layer that came since.
+fn watched(gpu: &Gpu, test: impl FnOnce()) {
+    let before = gpu.validation_messages().len();
+    test();
+    assert_eq!(gpu.validation_messages()[before..], Vec::<String>::new());
 }
 
 /// The turn of a thread. Validation layer 1.3.239 keeps its devices in a table without a lock: a call on one device can crash while
@@ -76,34 +90,25 @@ pub fn usual_tables() -> PrecomputeSettings {
     PrecomputeSettings { layout, prefilter_size, irradiance_size, ..PrecomputeSettings::default() }
 }
 
-/// Runs `test` on a device of its own; fails on any message of the validation layer.
+/// Runs `test` on the shared device; fails on any message of the validation layer.
 pub fn with_gpu(test: impl FnOnce(&Gpu)) {
-    // Dropped after the device.
     let _turn = Turn::wait();
-    let Some(gpu) = open(Gpu::new) else { return };
+    let Some(gpu) = shared() else { return };
     HAS_CUBES.store(gpu.info().has_seamless_cubes, Ordering::Relaxed);
-    test(&gpu);
-    assert_eq!(gpu.validation_messages(), Vec::<String>::new());
+    watched(&gpu, || test(&gpu));
 }
 
-/// The same with every pass.
+/// The same with every pass, and nothing that another test kept.
 pub fn with_pipeline(test: impl FnOnce(&mut Pipeline)) {
     with_submissions(false, test);
 }
 
-/// The same with the short submissions of a program that a person waits for, or the usual ones.
+/// The same, or on a device with the short submissions of a program that a person waits for.
 pub fn with_submissions(is_interactive: bool, test: impl FnOnce(&mut Pipeline)) {
     let _turn = Turn::wait();
-    let new = |options| {
-        Pipeline::new(Options { is_interactive, ..options }).map_err(|error| match error {
-            PipelineError::Gpu(error) => error,
-            error => panic!("{error}"),
-        })
-    };
-    let Some(mut pipeline) = open(new) else { return };
-    HAS_CUBES.store(pipeline.device().has_seamless_cubes, Ordering::Relaxed);
-    test(&mut pipeline);
-    assert_eq!(pipeline.validation_messages(), Vec::<String>::new());
+    let Some(gpu) = (if is_interactive { open(true) } else { shared() }) else { return };
+    HAS_CUBES.store(gpu.info().has_seamless_cubes, Ordering::Relaxed);
+    watched(&gpu, || test(&mut Pipeline::on(gpu.clone()).unwrap()));
 }
 
 /// What a probe shader reads and writes: vec4s an item.

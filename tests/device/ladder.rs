@@ -4,7 +4,7 @@ use crate::compare::{Worst, relative};
 use crate::harness::{golden_environment, request, scene, with_pipeline};
 use splitsum::environment::Placement;
 use splitsum::environment::layout::LAYOUTS;
-use splitsum::ladder::SPLIT_SUM;
+use splitsum::ladder::{SPLIT_SUM, Step};
 use splitsum::metrics::{Comparison, HEADLINE};
 use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
@@ -62,7 +62,9 @@ fn rungs_have_the_error_of_the_methods_frames() {
                 pipeline.render(&RenderRequest { method, samples: DRAWN, ..request.clone() }).unwrap()
             };
             let reference = frame("reference");
-            for (i, step) in SPLIT_SUM.steps.iter().enumerate() {
+            // What reads no map is the same by every layout.
+            let of_layout = |(_, step): &(usize, &Step)| *layout == LAYOUTS[0] || step.rung.unwrap().uses_prefiltered();
+            for (i, step) in SPLIT_SUM.steps.iter().enumerate().filter(of_layout) {
                 let right = between(&frame(step.rung.unwrap().name), &reference, &request);
                 let mut worst = Worst::new(format!("{}, {}", step.name, layout.name), relative(5e-3));
                 worst.add(steps[i].error, right, || step.rung.unwrap().name.to_owned());
