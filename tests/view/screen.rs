@@ -31,8 +31,9 @@ impl Screen {
         let frames = tempfile::tempdir().unwrap();
         let screen = format!("{}x{}x24", SIZE[0], SIZE[1]);
         let folder = frames.path().to_str().unwrap();
+        // Without `-noreset` the server starts anew when its last client leaves: a window manager that connects just then is turned away.
         let server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", &screen, "-fbdir", folder, "-nolisten", "tcp"])
+            .args(["-displayfd", "1", "-noreset", "-screen", "0", &screen, "-fbdir", folder, "-nolisten", "tcp"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn();
