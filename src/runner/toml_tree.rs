@@ -16,13 +16,15 @@ pub type Entry<'t, 'i> = (&'t str, &'t Spanned<DeValue<'i>>, Place);
 pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
     let mut errors = Vec::new();
     parse_document(&toml_parser::Source::new(text).lex().into_vec(), &mut |_: Event| {}, &mut errors);
-    let unclosed = errors.iter().find(|error| error.description().starts_with("unclosed"));
+    let line_start = |at: usize| text[..at].rfind('\n').map_or(0, |newline| newline + 1);
+    let unclosed = errors.iter().filter(|error| error.description().starts_with("unclosed"));
     let mut end = text.len();
-    if let Some(open) = unclosed.and_then(|error| error.context()) {
+    // The first line that has one. Of two in a line the inner one, which the parser names first: it swallows what closes the outer one.
+    if let Some(open) = unclosed.filter_map(|error| error.context()).min_by_key(|open| line_start(open.start())) {
         let [open_with, close] = if text[open.start()..].starts_with('{') { ["{", "}"] } else { ["[", "]"] };
         let fault = format!("not TOML: {open_with} is not closed; expected {close}");
         faults.add(&Place::File(open.start()), fault);
-        end = text[..open.start()].rfind('\n').map_or(0, |newline| newline + 1);
+        end = line_start(open.start());
     }
     let (root, errors) = DeTable::parse_recoverable(&text[..end]);
     for error in &errors {

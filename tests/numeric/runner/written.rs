@@ -11,6 +11,7 @@ fn a_bracket_that_is_not_closed_is_told_where_it_opens() {
         ("name = \"x\"\n[axes]\nsize = [[1, 2], [3, 4]\nalpha = [1]\n", "3:8", "[ is not closed; expected ]"),
         ("name = \"x\"\n[axes]\nsamples = { pow2 = [0, 3 }\nalpha = [1]\n", "3:20", "[ is not closed; expected ]"),
         ("name = \"x\"\n[axes\nalpha = [0.5]\n", "2:1", "[ is not closed; expected ]"),
+        ("name = \"x\"\n[axes]\nalpha = [0.5\nsize = { a = 3\n", "3:9", "[ is not closed; expected ]"),
     ] {
         assert_faults(&faults(text, &[]), &[&format!("e.toml:{place}: not TOML: {closing}")]);
     }
